@@ -73,6 +73,7 @@ def test_a_wavelength_that_is_given_is_taken(worn: Scene) -> None:
     assert found.wavelengths == (12.0, 12.0)
 
 
+@pytest.mark.slow
 def test_the_uncertainty_is_a_part_of_every_estimate_and_no_mesh_mends_it(worn: Scene) -> None:
     """An accuracy finer than it is not reached, and no further mesh is spent on it."""
     summary = rh.solve(worn, accuracy=0.02, quiet=True).as_dict()

@@ -225,6 +225,7 @@ def test_a_metre_of_rail_costs_little_more_than_its_head_as_predicted() -> None:
     assert unknowns["on"] < 1.45 * unknowns["off"]
 
 
+@pytest.mark.slow
 def test_a_stiff_body_left_out_changes_the_answer_by_its_share() -> None:
     scene = catalogue.find("hertz_ellipse").replace(["wheel.young_modulus=4.14e8", "load=1e4"])
     results = [

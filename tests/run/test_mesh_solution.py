@@ -60,7 +60,9 @@ def test_a_solve_that_stalls_for_good_is_status_1_with_its_history(monkeypatch) 
     assert "step  0  the linear solver stalls" in told(summary)
 
 
-@pytest.mark.parametrize("number", [float("nan"), float("inf")])
+@pytest.mark.parametrize(
+    "number", [float("nan"), pytest.param(float("inf"), marks=pytest.mark.slow)]
+)
 def test_a_residual_that_is_no_number_is_no_result(number, monkeypatch) -> None:
     calls = []
 
@@ -106,7 +108,12 @@ def test_an_approach_that_is_not_reached_is_told(monkeypatch) -> None:
 
 
 @pytest.mark.parametrize(
-    "case, more", [("hertz_ellipse", COARSE), ("long_roller", []), ("sphere_on_plane", [])]
+    "case, more",
+    [
+        pytest.param("hertz_ellipse", COARSE, marks=pytest.mark.slow),
+        ("long_roller", []),
+        ("sphere_on_plane", []),
+    ],
 )
 def test_an_approach_between_half_spaces_takes_four_loads(case, more, monkeypatch) -> None:
     monkeypatch.setattr(mesh_solution, "MAX_APPROACH_SOLVES", 4)

@@ -80,6 +80,7 @@ def test_what_finite_bodies_add_is_what_tractions_do_to_them() -> None:
     assert measured == pytest.approx(predicted, rel=0.05)
 
 
+@pytest.mark.slow
 def test_pressed_bodies_strain_as_their_displacement_says() -> None:
     """A rolling rail head and wheel segment, 4 % of the creepage: the slip of the pressed bodies
     without traction, beside the slope along x of their displacement, by a straight line through the

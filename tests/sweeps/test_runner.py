@@ -97,6 +97,7 @@ def test_what_the_shared_mesh_does_not_suit_is_solved_alone(
     assert [*alone] == [(4, "alone"), (2, "alone")]
 
 
+@pytest.mark.slow
 def test_loads_share_a_mesh_smaller_than_their_own_together() -> None:
     """The largest element follows the bodies, which are those of the largest load."""
     scene, asked = rh.find("hertz_ellipse"), ["12.5kN", "100kN"]

@@ -219,6 +219,7 @@ def test_what_turns_about_the_tangents_acts_as_creepage_along_does() -> None:
         assert other[name] == pytest.approx(one[name], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_yield_that_is_not_passed_changes_no_bit() -> None:
     far = {"yield_stress": 1000.0, "hardening_modulus": 5e3}
     scene = roller(friction={"force_along": 20e3}, mesh={"patch_size": 1.0})
@@ -277,6 +278,7 @@ def test_the_other_way_round_is_the_other_way_round() -> None:
     assert other["force_along_N"] == pytest.approx(-one["force_along_N"], rel=0.002)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("coefficient", [1e-3])
 def test_however_little_friction_there_is_a_shift_is_cattaneo_s(coefficient: float) -> None:
     scene = roller(friction={"coefficient": coefficient, "force_along": 0.5 * coefficient * 110e3})

@@ -65,7 +65,11 @@ def test_same_numbers_on_several_ranks(ranks: int, mesh: tuple[str, ...], tmp_pa
 @pytest.mark.parametrize(
     ("case", "keys"),
     [
-        ("long_roller", ("mesh.patch_size=0.5", "rolling.creepage_along=0.05%")),
+        pytest.param(
+            "long_roller",
+            ("mesh.patch_size=0.5", "rolling.creepage_along=0.05%"),
+            marks=pytest.mark.slow,
+        ),
         pytest.param(
             "long_roller",
             ("mesh.patch_size=0.5", "friction.force_along=9900", "wheel.young_modulus=inf"),

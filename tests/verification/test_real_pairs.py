@@ -87,6 +87,7 @@ def test_a_needle_meets_exact_hertz_at_two_thirds_of_the_unknowns() -> None:
     assert summary["cost"]["dofs"] < 100_000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "choice", [pytest.param((), marks=pytest.mark.slow), ("wheelset.yaw=20 mrad",)]
 )
@@ -106,6 +107,7 @@ def test_a_stretched_wheel_lies_on_its_exact_surface(choice: tuple[str, ...]) ->
     assert plan.surfaces.gap(WHEEL).off_surface(x).max() < 1e-6
 
 
+@pytest.mark.slow
 def test_quality_is_that_of_the_unstretched_elements() -> None:
     plan = planned("hertz_ellipse", "rail.crown_radius=10", "mesh.patch_size=0.3")
     made = mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
@@ -125,7 +127,14 @@ def test_a_round_patch_beside_a_long_one_keeps_its_elements_along_the_rail() -> 
 
 
 @pytest.mark.parametrize(
-    "radius, cell", [(60, "tetrahedron"), (20, "hexahedron"), (5, "tetrahedron")]
+    "radius, cell",
+    [
+        (5, "tetrahedron"),
+        *(
+            pytest.param(*more, marks=pytest.mark.slow)
+            for more in ((60, "tetrahedron"), (20, "hexahedron"))
+        ),
+    ],
 )
 def test_unknowns_of_stretched_meshes_are_foreseen(radius: float, cell: str) -> None:
     plan = planned("hertz_ellipse", f"rail.crown_radius={radius}", f"mesh.cell={cell}")
@@ -198,6 +207,7 @@ def test_an_elliptic_patch_on_a_layer_holds_its_estimates() -> None:
     holds(mesh_solution, truth, 2e-3)
 
 
+@pytest.mark.slow
 def test_a_head_that_is_nearly_a_half_space_has_its_patch() -> None:
     """54E1 under a cylinder: what an ellipse by second moments reads is right, and stays so."""
     mesh_solution = meshed("uic54_thesis")

@@ -97,7 +97,9 @@ def linear(result: Result, scene: rh.Scene) -> Any:
     return np.array(known.forces(ellipse.a, ellipse.b, shear, moved))[:2] / (0.3 * ellipse.load)
 
 
-@pytest.mark.parametrize("motion", ["creepage_along=2e-5", "spin=2e-6"])
+@pytest.mark.parametrize(
+    "motion", ["creepage_along=2e-5", pytest.param("spin=2e-6", marks=pytest.mark.slow)]
+)
 def test_small_creepage_makes_the_forces_of_the_linear_theory(motion: str) -> None:
     result = fast("hertz_ellipse", *ROLLS, f"rolling.{motion}")
     found = result.friction
@@ -106,6 +108,7 @@ def test_small_creepage_makes_the_forces_of_the_linear_theory(motion: str) -> No
     assert shares == pytest.approx(linear(result, result.plan.scene), abs=0.03 * max(abs(shares)))
 
 
+@pytest.mark.slow
 def test_the_creepage_of_a_small_force_is_that_of_the_linear_theory() -> None:
     result = fast("hertz_ellipse", *ROLLS, "rolling.force_along=50N")
     found = result.friction

@@ -11,6 +11,7 @@ from studies.accuracy import calibrate as measured
 from studies.accuracy import error_bounds, families
 
 
+@pytest.mark.slow
 def test_every_calibrated_family_holds_its_own_scenes_and_no_foreign_ones() -> None:
     for recipe in families.RECIPES:
         parts = set(families.parts(recipe))

@@ -53,6 +53,7 @@ def test_every_part_of_the_rule_can_fail(rule, found: Measured, fault: str) -> N
     assert (fault in said) if fault else not said
 
 
+@pytest.mark.slow
 def test_a_wrong_reference_fails_a_solved_row() -> None:
     summary = run(resolved(SCENE, 4.0)).summary
     exact = numeric_values(summary["hertz"])
@@ -63,6 +64,7 @@ def test_a_wrong_reference_fails_a_solved_row() -> None:
         assert case.fault(right) == "" and case.fault(wrong).startswith(name)
 
 
+@pytest.mark.slow
 def test_a_known_failure_that_does_not_occur_fails_a_solved_row() -> None:
     case = Case("group", "name", "", "", partial(against_hertz, SCENE), known="pressure_noise")
     assert case.fault(case.solve()) == "pressure_noise should fail; status 0"

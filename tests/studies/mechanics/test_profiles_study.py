@@ -38,12 +38,14 @@ def test_all_worn_pairs_give_the_true_pressure_and_area(name, noise, spacing) ->
     assert within(row), row
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["60E1 crown 3 mm, 1:40", "S1002 root 1 mm, in flange contact"])
 def test_without_noise_the_profile_is_the_true_one(name: str) -> None:
     row = study.compared(CASES[name], 0.25, 0.0, 1)
     assert row["pressure"] < 0.003 and row["area"] < 0.003 and not row["more"]
 
 
+@pytest.mark.slow
 def test_20_um_open_no_contact_that_is_not_there() -> None:
     row = study.compared(CASES["S1002 root 2 mm, 60E1"], 0.25, 20.0, 3)
     assert row["more"] == 0

@@ -39,7 +39,8 @@ def both(
 
 
 @pytest.mark.parametrize(
-    ("distance", "lift"), [(40, 0), (7, 0), pytest.param(10, 0.01, marks=pytest.mark.slow)]
+    ("distance", "lift"),
+    [(7, 0), *(pytest.param(*far, marks=pytest.mark.slow) for far in ((40, 0), (10, 0.01)))],
 )
 def test_windows_are_one_problem_in_a_plane(distance: float, lift: float) -> None:
     """Far apart and near, against one fine grid over both patches."""
@@ -139,6 +140,7 @@ def test_mirrored_surface_has_the_mirrored_patches() -> None:
         assert image.plane == pytest.approx(-patch.plane, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_load_and_approach_control_agree() -> None:
     by_load = both(bumps(12.0), 12.0, at_angles(0.3, 12.0))
     by_approach = solve_developed(

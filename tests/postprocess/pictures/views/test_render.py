@@ -98,6 +98,7 @@ def test_quarter_and_full_model_give_the_same_pictures(
         assert np.abs(quarter[name] - picture).mean() < 0.01
 
 
+@pytest.mark.slow
 def test_views_follow_the_patch(
     blocks: Callable[..., Any], usual: dict[str, Any], tmp_path: Path
 ) -> None:
