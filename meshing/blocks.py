@@ -288,9 +288,9 @@ def _at_least_two_elements(curve: int, grading: Grading, options: Options) -> No
 def _straighten(dim: int) -> None:
     """Move the middle nodes of badly bent quadratic simplices to the middle of their edges.
 
-    dim: 2 for triangles, 3 for tetrahedra. Elements whose quality is below `REPAIR_BELOW` are
-        straightened, in at most `STRAIGHTENING_PASSES` passes. They are coarse ones on fillets, far
-        from the patch. gmsh's own high-order optimisation gives another mesh in each run.
+    dim: 2 for triangles, 3 for tetrahedra. Elements whose quality is below 0.1 (`REPAIR_BELOW`) are
+        straightened, in at most five passes. They are coarse ones on fillets, far from the patch.
+        gmsh's own high-order optimisation gives another mesh in each run.
     """
     nodes, places, _ = gmsh.model.mesh.getNodes()
     coordinates = dict(zip(nodes, np.asarray(places).reshape(-1, 3), strict=True))

@@ -58,7 +58,7 @@ def generate(
     """Mesh the bodies with gmsh on rank 0 and distribute the mesh (collective).
 
     bodies: what is meshed.
-    grading: element size; where gmsh fails, it is tried again with the sizes times `RETRIES`.
+    grading: element size; where gmsh fails, it is tried again with 0.95 and then 0.9 of `size`.
     options: type of the cells, degree, symmetry, plane.
     comm: communicator of the mesh. Cells are distributed, gmsh runs on its rank 0 alone.
     save: file that the gmsh mesh is also written to, on rank 0 (.msh 2.2, readable by meshio),
@@ -116,7 +116,7 @@ def _meshed(
 
 
 def _bad_elements(shapes: np.ndarray) -> str:
-    """Message that some cells have a quality below `MIN_QUALITY`; '' where none has. shapes:
+    """Message that some cells have a quality below 0.01 (`MIN_QUALITY`); '' where none has. shapes:
     quality of the cells (m,).
     """
     bad = int(np.sum(shapes < MIN_QUALITY))

@@ -16,7 +16,7 @@ FAR_GROWTH = 1.5  # ... its growth with the distance over the usual one
 
 def suited_stretch(a: float, b: float) -> float:
     """Ratio of length along the rail to width of the elements that suit a patch with half lengths a
-    along the rail and b across it, mm: a / b / LONG, between 1 and MAX_STRETCH.
+    along the rail and b across it, mm: a / b / 3, between 1 and 3.
     """
     return min(MAX_STRETCH, max(1.0, a / b / LONG))
 
@@ -34,7 +34,8 @@ class Grading:
     a: semi-axis of the patch along x, mm.
     b: semi-axis of the patch along the tangent across the rail, mm.
     angle: of that tangent to the horizontal, rad; positive where z rises with y.
-    size: smallest element size of this patch, mm.
+    size: element size inside the ellipsoid, mm; gmsh makes none smaller than a fifth of it, as on
+        curved edges.
     growth: increase of the size per distance from the ellipsoid.
     margin: semi-axes of the fine ellipsoid over a and b.
     coarsest: largest element size, mm; gmsh gets it apart from the formula. Those of further

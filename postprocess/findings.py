@@ -114,11 +114,13 @@ class OnePatch:
 
 @dataclass(frozen=True, kw_only=True)
 class Patch:
-    """The contact patch, with the mirror images of a model that was cut at symmetry planes.
+    """The contact patch, with the mirror images of a model that was cut at symmetry planes; x and s
+    are those of the contact frame, `Findings.frame`.
 
-    a, b: semi-axes along x and s from second moments where the pressure is Hertz's, else half
-        lengths of the outline, mm. Of a line contact one is the half width and the other the half
-        length of the line. Of several patches they are those of the most loaded one.
+    a, b: half lengths of the smooth pressure along x and s, mm: up to a shape error of 1 % those of
+        Hertz's ellipsoid by the moments of the pressure. Of a line contact one is the half width
+        and the other the half length of the line. Of several patches they are those of the most
+        loaded one.
     centre: (x, s) of the centre of pressure, mm; of several patches that of the most loaded one.
     area: of all patches, each on its own tangent plane, mm2.
     max_pressure: largest pressure of all patches, MPa.
@@ -168,7 +170,7 @@ class Peak:
     value: MPa.
     depth: below the contact surface, mm.
     place: in space, mm; None where it is not known.
-    rivals: depths (mm) of local maxima whose values are within RIVAL (relative) of the largest, its
+    rivals: depths (mm) of local maxima whose values are within 0.5 % (RIVAL) of the largest, its
         own included; empty where none were searched.
     """
 
@@ -215,8 +217,8 @@ class DepthAxis:
     def peak(self, values: Array) -> tuple[float, float]:
         """Depth (mm) and value of the maximum of values (k,) at the depths of the axis.
 
-        The maximum is that of a quartic polynomial fitted to the PEAK_SAMPLES values on either side
-        of the largest one. A largest value at either end is returned as it is.
+        The maximum is that of a quartic polynomial fitted to the eight values on either side of the
+        largest one. A largest value at either end is returned as it is.
         """
         top = int(np.argmax(values))
         around = slice(max(top - PEAK_SAMPLES, 0), min(top + PEAK_SAMPLES + 1, len(values)))
@@ -234,8 +236,8 @@ class DepthAxis:
         return float(self.depth[top] + best), float(curve(best))
 
     def flatness(self, values: Array) -> float:
-        """Half the range of depths, mm, in which values (k,) are within FLAT (relative) of the
-        largest, from the first such depth to the last; dips between them do not count.
+        """Half the range of depths, mm, in which values (k,) are within 1 % (FLAT) of the largest,
+        from the first such depth to the last; dips between them do not count.
         """
         least = (1 - FLAT) * values.max()
         high = np.flatnonzero(values >= least)
@@ -278,7 +280,8 @@ class AxisPressure:
     """Contact pressure on a line along x or along s. Of finite elements in a plane section the line
     across the section has two points, its ends.
 
-    coordinate (k,): x or s, mm; of a meridian section the radius, negative on the other side.
+    coordinate (k,): x or s in the contact frame, mm; of a meridian section the radius, negative on
+        the other side.
     pressure (k,): smooth pressure, MPa.
     at: the other coordinate of the line, mm: that of the largest pressure of the most loaded patch,
         or of the centre of an ellipse; 0 for sections and exact Hertz.
@@ -342,8 +345,8 @@ class Findings:
     along, across: smooth pressure along x and along s through the most loaded patch.
     shape_error: largest relative deviation of the third and fourth moments of the most loaded
         patch's pressure from those of a semi-ellipsoid, or in a section of Hertz's pressure there.
-    hertzian: whether second moments of the pressure give the semi-axes: there is one patch, and its
-        shape error is small.
+    hertzian: whether the pressure is nearly Hertz's: there is one patch, and its shape error is
+        below 2 %.
     largest: largest stresses anywhere in the body but near sharp edges, by body name.
     also: axes below the other patches, in the order of `Patch.each`, in the body of `axis`.
     notes: remarks that every picture shows below it.

@@ -160,10 +160,10 @@ def _resolution(
         and spin (1/mm); times the forces and the moment of `still` it is the error of T-gamma.
     "resolution": those errors by quantity, in its unit; that of the stick share includes the
     largest share of one contact point.
-    "below_resolution": names of forces, moment and T-gamma whose error exceeds RESOLVED (relative),
+    "below_resolution": names of forces, moment and T-gamma whose error exceeds 5 % (RESOLVED),
     and of what is computed from them; the stick share where the share that slips is no larger than
     its error; the largest traction, which grows as the square root of the share that slips, where
-    its error exceeds RESOLVED.
+    its error exceeds 5 %.
     """
     rest = quantities(still, rolling=False, like=True, speed=None, cycle=False)
     rest["t_gamma_N"] = sum(rest[name] * each for name, each in zip(LOADS, motion, strict=True))
@@ -191,8 +191,8 @@ def unread_peak(found: FrictionSolution | None, elements: float) -> float:
     found: solution with friction, or None. elements: number of elements on the smaller semi-axis.
         At the border of stick and at the trailing edge the stress has a cusp. Smoothing cuts off a
         part that falls as h^(1/3), with the element size h: at a coefficient of 0.5 10 % (rolling)
-        and 17 % (a shift) with four elements, 8 and 15 % with six. The value is CUSP with six
-        elements, whatever the coefficient.
+        and 17 % (a shift) with four elements, 8 and 15 % with six. The value is 15 % (CUSP) with
+        six elements, whatever the coefficient.
     """
     touches = None if found is None else found.pressure > 0
     if touches is None or found is None or found.sticks[touches].all():
@@ -217,7 +217,7 @@ def wear_and_shakedown(
         rolls. line: whether the contact is a line.
 
     Always: the largest von Mises stress, its depth, and whether its place is at the 'surface' or
-        'below', that is deeper than AT_SURFACE of the smaller half length.
+        'below', that is deeper than 0.1 (AT_SURFACE) of the smaller half length.
     Rolling: T-gamma, the energy dissipated per rolled length, over the area, with its wear regime;
         traction_coefficient, tangential over normal force; first_yield_p0_over_k, the largest
         pressure p0 over k at which this patch begins to yield; shakedown_limit_p0_over_k. The limit

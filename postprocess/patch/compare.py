@@ -110,10 +110,10 @@ def from_half_space(
     surface: maps x, s (n,) to points (n, 3), mm. plane: contact angle of first contact, rad; a
         single patch is measured on that tangent plane.
     Of several patches the areas are those on their own tangent planes; a and b, half the extents,
-    are those of the most loaded one. "patches" lists those above SMALLEST of the force. The load is
-    vertical, the mean pressure is the integral of the pressure over the area. Stresses are not
-    among the quantities. "grid_error", where a coarser solution is known: relative change from the
-    coarser grids of the search; that of a and b is EXTENTS.
+    are those of the most loaded one. "patches" lists those with more than 0.2 % of the force. The
+    load is vertical, the mean pressure is the integral of the pressure over the area. Stresses are
+    not among the quantities. "grid_error", where a coarser solution is known: relative change from
+    the coarser grids of the search; that of a and b is always 0.4 % (EXTENTS).
     """
     area = _areas(solution, plane)
     patches = solution.patches
@@ -173,9 +173,9 @@ def _half_space_patch(
 def difference(result: Any, exact: Any) -> Any:
     """Relative difference (result - exact) / exact of each number, nested like `result`.
 
-    A difference is None for words and for coordinates (keys that end in PLACES), and where a number
-    is missing or the exact one is zero. Keys that `exact` lacks are left out. ValueError: lists of
-    different lengths.
+    A difference is None for words and for coordinates (keys that end in _point_mm or _place_mm),
+    and where a number is missing or the exact one is zero. Keys that `exact` lacks are left out.
+    ValueError: lists of different lengths.
     """
     if isinstance(result, dict):
         return {

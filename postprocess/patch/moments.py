@@ -43,7 +43,7 @@ class PressureMoments:
 
     @property
     def hertzian(self) -> bool:
-        """Whether the shape error is below HERTZIAN, so that second moments give the semi-axes."""
+        """Whether the shape error is below 2 % (HERTZIAN): the pressure is nearly Hertz's."""
         return self.shape_error < HERTZIAN
 
 
@@ -105,9 +105,9 @@ def largest_pressure(fields: Fields, frame: Frame, found: PressureMoments) -> fl
     of pressure.
 
     found: moments that give the centre and the semi-axes. Points nearer to the centre than
-        PEAK_RADIUS of the semi-axes are used. Hertz's p^2 is such a polynomial. Where fewer than
-        PEAK_POINTS points for each coefficient lie there, the largest computed pressure is
-        returned; where the polynomial has no maximum there, its largest value at the points.
+        0.6 (PEAK_RADIUS) of the semi-axes are used. Hertz's p^2 is such a polynomial. Where fewer
+        than four points for each coefficient lie there, the largest computed pressure is returned;
+        where the polynomial has no maximum there, its largest value at the points.
     """
     contact, axes = fields.contact, varying(fields)
     local = symmetry.vectors(frame.local(contact.points)[:, :2], fields.mirrors)

@@ -68,8 +68,8 @@ class PatchShape:
 
 
 def outline_shape(square: SquaredPressure) -> PatchShape:
-    """Extents and peak of a patch from the zero contour of p^2, traced on a grid of GRID_LINES by
-    GRID_LINES points over the box.
+    """Extents and peak of a patch from the zero contour of p^2, traced on a grid of 400 by 400
+    points over the box.
 
     The border of the box counts as outside of the patch, since the contact surface may end there.
     """
@@ -218,10 +218,10 @@ def smooth_square(
     elliptic: Callable[[], Elliptic],
     measure: Callable[[SquaredPressure], PatchShape] = outline_shape,
 ) -> tuple[SquaredPressure, dict[str, float]]:
-    """Smooth p^2 of a patch, and relative uncertainties of a, b, area and max_pressure.
+    """Smooth p^2 of a patch, and relative uncertainties by the names a, b, area and max_pressure.
 
-    Up to a shape error of ELLIPTIC p^2 is that of Hertz's ellipsoid. From HERTZIAN on it is
-    reconstructed from the moments of the pressure. Between the two it is their weighted mean.
+    Up to a shape error of 1 % (ELLIPTIC) p^2 is that of Hertz's ellipsoid. From 2 % (HERTZIAN) on
+    it is reconstructed from the moments of the pressure. Between the two it is their weighted mean.
     given: contact points with pressure. shape_error: relative deviation of the moments from those
     of Hertz's pressure. elliptic: function that gives the ellipsoid's centre (x, s) and semi-axes,
     mm, its largest pressure, MPa, and its uncertainties. measure: function that measures the
@@ -314,8 +314,8 @@ def reconstruct_general_shape(
 
     given: contact points with pressure. measure: function that measures the extents of a p^2. The
         second entry holds, by name, the largest relative differences of a, b, area and max_pressure
-        when the roughness is ROUGHNESS_VARIATION times larger or smaller. They are infinite where
-        one of the three minimisations did not converge.
+        when the roughness is 100 times larger or smaller. They are infinite where one of the three
+        minimisations did not converge.
     """
     stiff = reconstruct(given, ROUGHNESS_VARIATION * ROUGHNESS)
     square = reconstruct(given, start=stiff)
@@ -333,7 +333,8 @@ def general_shape_share(shape_error: float) -> float:
     """Weight (0 to 1) of the p^2 that is reconstructed for any shape; the rest is the weight of an
     ellipsoid.
 
-    The weight is 0 up to a shape error of ELLIPTIC, 1 from HERTZIAN on, and linear between them.
+    The weight is 0 up to a shape error of 1 % (ELLIPTIC), 1 from 2 % (HERTZIAN) on, and linear
+    between them.
     shape_error: relative deviation of the moments from those of an ellipsoid.
     """
     return float(np.clip((shape_error - ELLIPTIC) / (HERTZIAN - ELLIPTIC), 0.0, 1.0))
@@ -418,8 +419,8 @@ def _through(first: _Reading, patch: Patch, frame: Frame, *, hertzian: bool) -> 
     taken.
 
     Of an ellipse's pressure (hertzian) it is the centre of pressure. Otherwise x and s are chosen
-    each by itself: that of the centre where it lies within CENTRED half lengths of that of the
-    largest pressure, else that of the largest pressure. first: the most loaded patch.
+    each by itself: that of the centre where it lies within 0.02 (CENTRED) half lengths of that of
+    the largest pressure, else that of the largest pressure. first: the most loaded patch.
     """
     centre = np.array(patch.centre)
     if hertzian:
@@ -432,8 +433,8 @@ def _through(first: _Reading, patch: Patch, frame: Frame, *, hertzian: bool) -> 
 def _line(
     readings: list[_Reading], frame: Frame, patch: Patch, through: Array, axis: int
 ) -> AxisPressure:
-    """Smooth pressure at AXIS_POINTS points on a line along x (axis 0) or s (axis 1), AXIS_REACH
-    times as long as the main outline.
+    """Smooth pressure at 121 points on a line along x (axis 0) or s (axis 1), 1.25 times as long as
+    the main outline.
 
     readings: of all patches; the largest of their pressures counts. through (2,): x, s of a point
         on the line, mm.

@@ -58,9 +58,10 @@ class Samples:
     force (k,): pressure times the area of each point, projected to the plane, N; of a meridian
         section half of the circle's on either side of the axis.
     pressure (k,): MPa.
-    size (k,): size of the element of each point, mm.
-    even: whether the patch is symmetric about x = 0.
-    limits: (lowest, highest) place of the contact surface along x and along s, mm.
+    size (k,): size of the element of each point, mm: sqrt(2 facet area), of a section its length.
+    even: whether the patch is symmetric about x = 0, where the model was cut; True for a section.
+    limits: (lowest, highest) place of the contact surface along x and along s, mm; of a section
+        (-1, 1) along x.
     line: whether the points are those of a section, whose pressure depends on s only.
     circle: whether that section is a meridian of a body of revolution.
     thickness: length of a plane section across its plane, mm.
@@ -94,7 +95,8 @@ class Samples:
 
 @dataclass(frozen=True)
 class SquaredPressure:
-    """Smooth p^2 = F(x, s) of a patch in a box, MPa^2; negative outside of the patch.
+    """Smooth p^2 = F(x, s) of a patch in a box, MPa^2; negative outside of the patch. x and s are
+    coordinates of its samples: along and across the rail in a tangent plane.
 
     box: (lowest, highest) place along x and along s, mm.
     knots (n + 4,): of the n cubic splines in s, mm.
@@ -244,8 +246,8 @@ def _splines(knots: Array, s: Array) -> sp.csr_matrix:
 
 
 def _box(samples: Samples) -> Box:
-    """Extents along x and along s of the samples with a margin of BOX_MARGIN elements, cut at the
-    ends of the contact surface, mm.
+    """Extents along x and along s of the samples with a margin of 0.8 (BOX_MARGIN) elements, cut at
+    the ends of the contact surface, mm.
     """
     margin = BOX_MARGIN * float(samples.size.mean())
     ends = [
@@ -279,9 +281,9 @@ def _penalty(knots: Array, powers: Array, s: Array, weight: Array, samples: Samp
     of k powers and n splines. D3 F are the third derivatives of F(x, s).
 
     Derivatives along s are per interval of the splines, those along x per half width of the box. In
-    the term with two derivatives along x and one along s, the unit along x is NECK elements. Where
-    bodies yield, the unit along x is one element throughout: the pressure then has a plateau, whose
-    edges are as sharp along x as along s.
+    the term with two derivatives along x and one along s, the unit along x is three elements
+    (NECK). Where bodies yield, the unit along x is one element throughout: the pressure then has a
+    plateau, whose edges are as sharp along x as along s.
 
     s (m,): points of integration, mm. weight (m,): their weights, which add up to 1.
     """

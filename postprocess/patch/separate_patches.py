@@ -49,8 +49,8 @@ def separate_patches(fields: Fields) -> list[SeparatePatch]:
     """Split the contact points with pressure into connected patches, most loaded first.
 
     Facets with pressure that share a node belong to one patch. A patch beside a symmetry plane that
-    does not touch it is listed once, without its image. Patches with less than SMALLEST of the
-    force are left out.
+    does not touch it is listed once, without its image. Patches with at most 0.2 % (SMALLEST) of
+    the force are left out.
     """
     contact = fields.contact
     force = contact.weights * np.maximum(contact.pressure, 0.0)

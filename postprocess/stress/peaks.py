@@ -77,7 +77,8 @@ class Search:
 
     def _is_sound(self, points: Array, sizes: Array) -> Array:
         """(n,) whether points (n, 3) in cells of sizes (n,), mm, are far enough from every sharp
-        edge: EDGE_ELEMENTS elements, and EDGE_OF_PATCH smaller semi-axes of the patch.
+        edge: two elements (EDGE_ELEMENTS), and 0.3 (EDGE_OF_PATCH) of the smaller semi-axis of the
+        patch.
         """
         if self._edges is None:
             return np.ones(len(points), dtype=bool)
@@ -120,9 +121,9 @@ class Search:
         return self._peak(float(values[top]), self._nodes[top])
 
     def _hills(self, average: Array) -> Array:
-        """Up to HILLS nodes (n, 3), mm, with the largest averages, from HILL_SHARE of the largest
-        on, at a distance from each other and from sharp edges. average (k,): of an invariant, at
-        all k corner nodes of the body, MPa.
+        """Up to six nodes (n, 3), mm, with the largest averages, above 0.85 (HILL_SHARE) of the
+        largest, at a distance from each other and from sharp edges. average (k,): of an invariant,
+        at all k corner nodes of the body, MPa.
         """
         candidates = np.flatnonzero(self._sound)
         if not len(candidates):

@@ -26,8 +26,8 @@ TRACE = 1e-9  # plastic strain below which a point has not yielded: rounding
 
 @dataclass(frozen=True, kw_only=True)
 class PlasticZone:
-    """Where the bodies have yielded, both together. Where nothing has, the strain is at most TRACE,
-    volume, depth and top are zero, and body and place mean nothing.
+    """Where the bodies have yielded, both together. Where nothing has, the strain is at most 1e-9
+    (TRACE), volume, depth and top are zero, and body and place mean nothing.
 
     strain: largest equivalent plastic strain.
     body: name of the body that has it, 'rail' or 'wheel'.
@@ -109,7 +109,7 @@ def residual_state(
 
 def plastic_zone(fields: Fields, frame: Frame) -> PlasticZone:
     """Place, volume, depths and largest strain of the zone in which the equivalent plastic strain
-    exceeds TRACE. frame: of the contact; depths are along its normal.
+    exceeds 1e-9 (TRACE). frame: of the contact; depths are along its normal.
     """
     assert fields.plastic_strain is not None
     points, weights = _samples(fields)

@@ -122,9 +122,9 @@ def monomials(x: Array) -> Array:
 
 def stress_at(fields: Fields, points: Array, body: str | None = None) -> Array:
     """Smooth stress (n, 6), components xx, yy, zz, xy, xz, yz in global axes, MPa, at points (n, 3)
-    of the undeformed bodies, mm. NaN outside, that is farther than OUTSIDE radii of the nearest
-    cell from its middle; nearer points beyond the surface have extrapolated stresses. Where a
-    symmetry plane cut the model, the half that was left out is there as well. A plane section has
+    of the undeformed bodies, mm. NaN outside, that is farther than 1.5 (OUTSIDE) radii of the
+    nearest cell from its middle; nearer points beyond the surface have extrapolated stresses. Where
+    a symmetry plane cut the model, the half that was left out is there as well. A plane section has
     the stress of its plane at every point. A meridian section has that at the point's distance from
     the axis z and height, turned into global axes.
 

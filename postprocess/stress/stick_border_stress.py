@@ -53,9 +53,9 @@ def stresses(
 
 def _facets(fields: Fields, solid: Solid) -> tuple[Array, Array, NDArray[np.int64]]:
     """Points, nodes and cells of the f facets of the contact surface of a body, each facet with k
-    nodes. Points (f, k, 3), mm: at the share INNER of the way from the facet's middle to each
-    node. Nodes (f, k, 3), mm. Cells (f,): rows in the solid. All are empty where the body has no
-    meshed contact surface.
+    nodes. Points (f, k, 3), mm: at 0.6 (INNER) of the way from the facet's middle to each node.
+    Nodes (f, k, 3), mm. Cells (f,): rows in the solid. All are empty where the body has no meshed
+    contact surface.
     """
     own = fields.body[solid.cells[0]] == fields.slave
     surface = fields.contact if own else fields.master_surface

@@ -58,8 +58,8 @@ class Location:
 
     scene: the scene, of which profiles, inclination, gauge, shift and yaw count.
     pair: profiles of rail and wheel.
-    placed: height, roll and contacts of both wheels, up to a gap of CLEARANCE; each side has its
-        own axes (`placement.Side`).
+    placed: height, roll and contacts of both wheels, up to a gap of 0.05 mm (CLEARANCE) over the
+        smallest; each side has its own axes (`placement.Side`).
     """
 
     scene: Scene
@@ -99,7 +99,8 @@ class Location:
 
     def positions(self) -> list[dict[str, Any]]:
         """Rows of positions.csv, one for each lateral shift: cells by column header. The shift is
-        the amplitude of the equivalent conicity, which is None where no wheelset turns back.
+        the amplitude of the equivalent conicity, which is None at shift 0 and where no wheelset
+        turns back.
         """
         shifts = np.array([shift for shift, _ in self.swept])
         differences = np.array([placed.rolling_radius_difference for _, placed in self.swept])

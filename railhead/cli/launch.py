@@ -35,7 +35,7 @@ def number_of_processes(plan: Plan) -> int:
 
 
 def _has_space() -> bool:
-    """Whether the temporary folder has TEMPORARY_BYTES free for the files of Open MPI."""
+    """Whether the temporary folder has 32 MB (TEMPORARY_BYTES) free for the files of Open MPI."""
     return shutil.disk_usage(tempfile.gettempdir()).free >= TEMPORARY_BYTES
 
 

@@ -94,9 +94,9 @@ def rail_section(name: str, extent: str, *, half: bool) -> list[Curve]:
 
 
 def sharpened(section: list[Curve], radius: float) -> list[Curve]:
-    """The closed section with a sharp corner in place of each arc between two lines whose radius is
-    below the given one (mm). Both lines keep their roles.
-    A corner of radius r that turns by t gains the area r^2 (tan(t/2) - t/2).
+    """The closed section, of lines and arcs, with a sharp corner in place of each arc between two
+    lines whose radius is below the given one (mm). Both lines keep their roles. A corner of radius
+    r that turns by t gains the area r^2 (tan(t/2) - t/2).
     """
     made = list(section)
     for index, curve in enumerate(section):

@@ -89,8 +89,8 @@ FACTORS = (1e-3, 1e3, 1e6)  # GPa for MPa, m for mm, kN for N; kPa and Pa for MP
 
 
 def _name(value: object) -> str:
-    """A valid name of a scene: letters, digits, _, - and ., 1 to MAX_NAME_BYTES bytes, not only
-    dots. Raises ValueError (one line) for anything else.
+    """A valid name of a scene: letters, digits, _, - and ., 1 to 100 bytes (MAX_NAME_BYTES), not
+    only dots. Raises ValueError (one line) for anything else.
     """
     if (
         isinstance(value, str)

@@ -178,7 +178,7 @@ class BodySection(Section):
     profile_flip: "on": up and down of the file are exchanged, "off": they are not, or "auto".
     profile_origin: "file" keeps the file's origin; "auto" keeps one on the crown or within 8 mm of
         the tape circle, and else moves the profile to the origin of the standard profiles.
-    smoothing: mm, wavelength of which the smoothing keeps half of the height; "auto" chooses.
+    smoothing: mm, wavelength of waves that keep half of their height; "auto" chooses by the noise.
     """
 
     _ARC_KEYS: ClassVar[tuple[str, ...]]  # only beside profile arc

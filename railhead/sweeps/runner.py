@@ -53,8 +53,9 @@ def plan_all(grid: ParameterGrid, progress: Progress) -> list[Plan]:
 
 
 def group_by_mesh(plans: Sequence[Plan]) -> list[list[int]]:
-    """Groups of numbers of plans that share a mesh, each by rising load, of at most MAX_GROUP loads
-    within MAX_LOAD_RATIO. A plan that shares no mesh is a group of its own.
+    """Groups of numbers of plans that share a mesh, each by rising load, of at most 30 loads
+    (MAX_GROUP) whose largest is at most 8 times (MAX_LOAD_RATIO) the smallest. A plan that shares
+    no mesh is a group of its own.
     """
     alike: dict[str, list[int]] = {}
     for number, plan in enumerate(plans):

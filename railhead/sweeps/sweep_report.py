@@ -50,8 +50,8 @@ def write(
 
 
 def cell(row: Mapping[str, Any], name: str) -> str:
-    """A cell of a row as text: a number, with its estimate where there is one; of a path its name.
-    Empty where the row has no value.
+    """A cell of a row as text: a number, with its relative estimate where there is one; of a path
+    its name. Empty where the row has no value.
     """
     value, bound = row.get(name), row.get(f"{name.partition(' [')[0]} estimate")
     if isinstance(value, float):

@@ -232,7 +232,7 @@ def _kind(ellipse: Hertz) -> str:
 
 def _centred(findings: Findings) -> bool:
     """Whether the depth axis starts at the first contact, below which Hertz's patch lies: the
-    centre of the patch is less than CENTRED half lengths away.
+    centre of the patch is less than 0.01 (CENTRED) half lengths away.
     """
     (x, s), patch = findings.patch.centre, findings.patch
     return max(abs(x) / patch.a, abs(s) / patch.b) < CENTRED
@@ -240,7 +240,7 @@ def _centred(findings: Findings) -> bool:
 
 def _elsewhere(findings: Findings) -> str:
     """Text with the body's largest shear stress where this exceeds the largest on the depth axis by
-    the factor 1 + OFF_AXIS; otherwise empty.
+    1 % (OFF_AXIS) or more; otherwise empty.
     """
     axis = findings.axis
     largest = findings.largest[axis.body].tau.value

@@ -150,9 +150,9 @@ def _side(placed: Placed, name: str) -> Side:
 
 
 def _jump(swept: Sequence[tuple[float, Placed]], name: str) -> np.ndarray:
-    """(n - 1,) whether the first contact on the wheel moves by more than JUMP mm between neighbours
-    of the n shifts. swept: lateral shift, mm, and placed wheelset. name: side, 'right' or
-    'left'.
+    """(n - 1,) whether the first contact on the wheel moves by more than 2 mm (JUMP) between
+    neighbours of the n shifts. swept: lateral shift, mm, and placed wheelset. name: side, 'right'
+    or 'left'.
     """
     first: list[ContactPoint] = [_side(placed, name).touches[0] for _, placed in swept]
     return np.abs(np.diff([touch.wheel_y for touch in first])) > JUMP

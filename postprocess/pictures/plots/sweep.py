@@ -36,9 +36,10 @@ def curves(columns: Sequence[str], rows: Rows, path: Path, y: str, title: str = 
     """Write a PNG file with panels of the largest pressure, area, place in y and largest shear
     stress over the varied column with the most values; bars are error estimates.
 
-    columns: names of the one or two columns that are varied. rows: of the table. y: label of the
-        place in y. title: above the picture. There is a line for each value of the other column.
-        Rows whose checks did not pass are ringed; quantities that a row lacks are not drawn.
+    columns: headers of the one or two columns that are varied. rows: of sweep.csv, cells by column
+        header. y: label of the place in y. title: above the picture. There is a line for each value
+        of the other column. Rows whose checks did not pass are ringed; quantities that a row lacks
+        are not drawn.
     """
     over, *others = _by_values(columns, rows)
     lines = _values(others[0], rows) if others else [None]
@@ -88,10 +89,11 @@ def patches(
     """Write a PNG file of all patch outlines from above, to scale, beside each other at their
     places in y. Nothing is written if there is no outline.
 
-    columns: names of the one or two columns that are varied. rows: of the table. outlines: of each
-        row, a list of curves (k, 2) in x and y, mm. y: label of the vertical axis. title: above the
-        picture. There is a strip for each value of the column with fewer values, or one if one
-        column is varied. Patches of rows whose checks did not pass are red.
+    columns: headers of the one or two columns that are varied. rows: of sweep.csv, cells by column
+        header. outlines: of each row, a list of curves (k, 2) in x and y, mm. y: label of the
+        vertical axis. title: above the picture. There is a strip for each value of the column with
+        fewer values, or one if one column is varied. Patches of rows whose checks did not pass are
+        red.
     """
     over, *others = _by_values(columns, rows)
     split = others[0] if others else None

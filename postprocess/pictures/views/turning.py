@@ -40,7 +40,7 @@ class View:
 
     name: its title.
     text: one line that says what is seen.
-    top: stress of the last colour, MPa; that of the first colour is 0.
+    top: stress or pressure of the last colour, MPa; that of the first colour is 0.
     colours: nine colours from the first to the last, as hexadecimal codes.
     scene: content of a zip file that vtk.js's OfflineLocalView reads.
     still: the same view as a PNG image, for paper.
@@ -134,14 +134,14 @@ def _hill(findings: Findings, contact: meshio.Mesh) -> tuple[Any, list[Any]]:
 
 
 def _raised(findings: Findings, pressure: Array, size: float) -> Array:
-    """Height (n,) of the hill, mm, over points with pressure (n,) in MPa: HILL times `size` (mm) at
-    the largest pressure.
+    """Height (n,) of the hill, mm, over points with pressure (n,) in MPa, in proportion to it: 0.35
+    (HILL) times `size` (mm) at the largest pressure.
     """
     return np.asarray(HILL * size * pressure / findings.patch.max_pressure)
 
 
 def _swept_bodies(fields: Fields, findings: Findings, volume: meshio.Mesh) -> list[Any]:
-    """Bodies of a section as pyvista solids with von Mises stress: turned by OPEN degrees about the
+    """Bodies of a section as pyvista solids with von Mises stress: turned by 270 degrees about the
     axis for a meridian section, otherwise extruded along the contact line.
     """
     found = []
@@ -161,7 +161,7 @@ def _swept_bodies(fields: Fields, findings: Findings, volume: meshio.Mesh) -> li
 
 def _along(fields: Fields, findings: Findings) -> Array:
     """Vector (3,) in space, mm, along which a plane section is extruded, away from the eye. Its
-    length is the thickness, at most LONGEST half widths.
+    length is the thickness, at most three half widths (LONGEST).
     """
     patch, axis = findings.patch, coordinate(fields)
     length = min(fields.kinematics.thickness, LONGEST * (patch.a, patch.b)[axis])

@@ -207,8 +207,8 @@ class _Fit:
         return np.asarray(BENDING * lengths)
 
     def _factor(self, penalty: Array) -> tuple[Array, bool]:
-        """Cholesky factor of the normal matrix (m, m) with weights penalty (rows,) of the squared
-        differences.
+        """Cholesky factor, as from scipy's `cho_factor`, of the normal matrix (m, m) with weights
+        penalty (rows,) of the squared differences.
         """
         d = self.differences
         roughness = (d.T @ diags(penalty) @ d).toarray()
