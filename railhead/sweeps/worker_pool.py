@@ -42,6 +42,7 @@ class Attempt(Generic[T]):
 
 
 Submit = Callable[..., "Future[Attempt[Any]]"]
+"""Starts work(*arguments) in another process, called with `work` and its arguments."""
 
 
 def attempts(

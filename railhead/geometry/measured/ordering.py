@@ -80,8 +80,9 @@ def in_order(points: Array) -> Array:
 
 
 def head(points: Array) -> Array:
-    """Points (m, 2) of a rail's head without web and foot, of points (n, 2), mm, crown upwards.
-    They are in their order along the curve where the outline is deeper than the head, or closes.
+    """Points (m, 2) of a rail's head, down to 45 mm (HEAD_DEPTH) below its top, of points (n, 2),
+    mm, crown upwards. They are in their order along the curve where the outline is deeper than the
+    head, or closes.
     """
     way, lowest = in_order(points), points[:, 1].max() - HEAD_DEPTH
     if closes(way):

@@ -55,7 +55,7 @@ class Measured:
 
     def resampled(self, step: float) -> Array:
         """Points (m, 2) of the smoothed curve that are `step` mm of arc length apart, mm; the first
-        lies half a step from the end.
+        lies half a step from the start.
         """
         return np.asarray(self.smoothed.curve(np.arange(step / 2, self.smoothed.length, step)))
 

@@ -178,7 +178,9 @@ class _Fit:
         return np.asarray((wavelength / (2 * math.pi)) ** (2 * ORDER) / self.unit)
 
     def curve(self, data: Array, penalty: Array) -> BSpline:
-        """Spline through data (n, ...) at the points, with weights penalty (rows,)."""
+        """Spline fitted to data (n, ...) at the points, with weights penalty (rows,) of the squared
+        third differences; it does not go through them.
+        """
         return BSpline(self.knots, cho_solve(self._factor(penalty), self.basis.T @ data), ORDER)
 
     def most_probable(self, heights: Array, sigma: Array) -> Array:

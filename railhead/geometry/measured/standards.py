@@ -41,7 +41,8 @@ class LaidStandard:
     y: (n,) y of the measured points.
     loss: (n,) depth of the measured points below the standard, normal to it; negative where they
         stand out of it, NaN beyond its ends and below the head.
-    misfit: mean of the weighted squares of the fit; infinite where too little is compared.
+    misfit: half the mean of the fit's weighted squares; infinite where at most 20 mm of the width
+        are compared.
     distance: mean distance of all points to the outline.
     slope: angle (rad) by which the head leans, positive to y > 0; 0 for wheels.
     """
