@@ -1,4 +1,5 @@
-"""Pages of docs/ that are programs: Python blocks that run in their order, in one namespace.
+"""Pages of docs/ that are programs: Python blocks that run in their order, in one namespace, and
+blocks of shell commands (sh) with `railhead` and examples/ at hand.
 
 What a block prints stands in a block of text right behind it, and a picture of the folder that is
 named after the page is a file that the page writes.
@@ -12,37 +13,63 @@ import contextlib
 import io
 import os
 import re
+import subprocess
 import sys
+import sysconfig
 import tempfile
 from pathlib import Path
 
 from PIL import Image
 
-BLOCK = re.compile(r"(```python\n(.*?)```\n)(\n```text\n(.*?)```\n)?", re.DOTALL)
+BLOCK = re.compile(r"(```(python|sh)\n(.*?)```\n)(\n```text\n(.*?)```\n)?", re.DOTALL)
 NUMBER = re.compile(r"[+-]?\d+(?:\.\d+)?(?:e[+-]\d+)?")
 SCATTER = 0.002  # meshes differ with the versions of gmsh and of numpy (docs/limits.md)
 WIDEST = 800  # pixels of a picture in docs/: below 100 kB
+EXAMPLES = Path(__file__).parents[1] / "examples"
 
 
 def blocks(page: Path) -> list[str]:
-    """Its Python examples."""
-    return [found[2] for found in BLOCK.finditer(page.read_text(encoding="utf-8"))]
+    """Its examples."""
+    return [found[3] for found in BLOCK.finditer(page.read_text(encoding="utf-8"))]
 
 
 def stated(page: Path) -> list[str]:
     """What the page says that each block prints, empty where it says nothing."""
-    return [found[4] or "" for found in BLOCK.finditer(page.read_text(encoding="utf-8"))]
+    return [found[5] or "" for found in BLOCK.finditer(page.read_text(encoding="utf-8"))]
 
 
 def run(page: Path) -> tuple[dict[str, object], list[str]]:
     """The names that its blocks leave behind in the current folder, and what each block prints."""
     names: dict[str, object] = {}
     printed = []
-    for block in blocks(page):
+    for found in BLOCK.finditer(page.read_text(encoding="utf-8")):
+        if found[2] == "sh":
+            printed.append(_shell(found[3]))
+            continue
         with contextlib.redirect_stdout(io.StringIO()) as out:
-            exec(compile(block, str(page), "exec"), names)
+            exec(compile(found[3], str(page), "exec"), names)
         printed.append(out.getvalue())
     return names, printed
+
+
+def _shell(commands: str) -> str:
+    """What shell commands print in the current folder, 80 columns wide. AssertionError for a
+    command outside a pipe that fails, unless the block says what then."""
+    if not os.path.lexists("examples"):
+        os.symlink(EXAMPLES, "examples")
+    left = {key: value for key, value in os.environ.items() if not key.startswith(("OMPI", "PMIX"))}
+    root = dict.fromkeys(("OMPI_ALLOW_RUN_AS_ROOT", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM"), "1")
+    path = f"{sysconfig.get_path('scripts')}:{os.environ['PATH']}"
+    done = subprocess.run(
+        ["bash", "-ec", commands],
+        env=left | root | {"PATH": path, "COLUMNS": "80", "OMP_NUM_THREADS": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if done.returncode:
+        raise AssertionError(f"{commands}\nends with status {done.returncode}: {done.stderr}")
+    return done.stdout
 
 
 def pictures(page: Path) -> list[str]:

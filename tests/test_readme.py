@@ -1,5 +1,6 @@
 """What the README tells a newcomer to type exists and is accepted."""
 
+import csv
 import re
 import shlex
 import shutil
@@ -8,6 +9,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from solved import solved
 
 from railhead.cli import study
 from railhead.scene import catalogue
@@ -19,7 +21,7 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 COMMANDS = re.findall(r"^    \.venv/bin/railhead (.+?)(?:\s+#.*)?$", README, re.MULTILINE)
 
 
-@pytest.mark.parametrize("target", ["run", "test"])
+@pytest.mark.parametrize("target", ["run", "test", "deb"])
 def test_make_targets_exist(target: str) -> None:
     make = shutil.which("make")
     assert make is not None and f"    make {target} " in README
@@ -74,3 +76,78 @@ def test_scene_in_the_readme_is_valid() -> None:
 def test_pictures_and_pages_that_are_linked_exist() -> None:
     for target in re.findall(r"\]\(([^)]+)\)", README):
         assert (ROOT / target).is_file(), target
+
+
+def peers() -> list[dict[str, str]]:
+    """The runs of docs/peers.csv that came to an end."""
+    with (ROOT / "docs" / "peers.csv").open(encoding="utf-8") as file:
+        return [row for row in csv.DictReader(file) if not row["failure"]]
+
+
+def pressure_and_area(row: dict[str, str]) -> float:
+    """The larger error of both, in per cent."""
+    return 100 * max(abs(float(row[key])) for key in ("error_p_max", "error_area"))
+
+
+def test_the_figure_beside_other_programs_is_that_of_the_peers() -> None:
+    others = [row for row in peers() if row["method"] == "finite elements"]
+    others = [row for row in others if row["code"] != "railhead"]
+    best = min(others, key=pressure_and_area)
+    own = [row for row in peers() if row["code"] == "railhead" and row["setting"] == "default"]
+    time = sorted(float(row["cpu_seconds"]) for row in own)[len(own) // 2]
+    text = " ".join(README.split())
+    own_error = max(map(pressure_and_area, own))
+    assert f"within {own_error:.2f} % after {time:.1f} s of processor time" in text
+    told = f"is within {pressure_and_area(best):.2f} % after {float(best['cpu_seconds']):.1f} s"
+    assert told in text and own_error < pressure_and_area(best)
+    assert len({row["code"] for row in others}) == 5
+    quick = [row for row in peers() if row["setting"] == "64 x 64 cells"]
+    assert (
+        f"has {pressure_and_area(quick[0]):.2f} % after {float(quick[0]['cpu_seconds']):.1f} s"
+        in text
+    )
+
+
+TABLE = re.findall(r"^\| (.+?) \|(.+)\|$", README, re.MULTILINE)[2:]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", range(6))
+def test_rows_of_the_table_come_out(number: int) -> None:
+    label, cells = TABLE[number]
+    _, unknowns, *errors, _ = (cell.strip() for cell in cells.split("|"))
+    case = re.findall(r"`(\w+)[ `]", " ".join(row for row, _ in TABLE[: number + 1]))[-1]
+    accuracy = re.search(r"--accuracy (\S+?)`", label)
+    keys = [f"accuracy={accuracy[1]}"] if accuracy else []
+    found = solved(case, *keys, *(["effects.plasticity=off"] if "--without" in label else []))
+    assert found.passed, found.failed
+    hertz, patch = found.hertz, found.patch
+    pairs = [
+        (patch.a, hertz.patch.a), (patch.b, hertz.patch.b),
+        (found.pressure.max, hertz.pressure.max), (found.stress.tau_max, hertz.stress.tau_max),
+    ]  # fmt: skip
+    for said, (value, exact) in zip(errors, pairs, strict=True):
+        if said:
+            digits = len(said.rstrip(" %").partition(".")[2])
+            assert float(said.rstrip(" %")) == pytest.approx(
+                100 * (value / exact - 1), abs=1.01 * 10.0**-digits
+            ), said
+    told = 1e3 * float(unknowns.removesuffix("k"))
+    assert told == pytest.approx(found.as_dict()["cost"]["unknowns"], rel=0.05)
+    if estimate := re.search(r"estimate (\S+) %", label):
+        bounds = found.as_dict()["accuracy"]["bound"].values()
+        assert float(estimate[1]) == pytest.approx(100 * max(bounds), abs=0.015)
+
+
+def test_the_citation_is_of_this_version() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert f"\nversion: {project['version']}\n" in (ROOT / "CITATION.cff").read_text()
+
+
+def test_the_package_depends_on_what_the_set_up_installs() -> None:
+    script = (ROOT / "deb.sh").read_text(encoding="utf-8")
+    (line,) = re.findall(r"^depends=\$\((.+)\)$", script, re.MULTILINE)
+    done = subprocess.run(
+        ["sh", "-c", line], cwd=ROOT, capture_output=True, text=True, check=True
+    ).stdout
+    assert {"python3-dolfinx", "python3-scipy"} <= set(done.split(", ")) and "venv" not in done
