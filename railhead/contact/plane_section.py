@@ -269,8 +269,7 @@ class TransverseSection(SectionContact):
     ) -> list[Body]:
         """Bodies of the section, each with its closed outline, for the deformable ones (RAIL,
         WHEEL).
-        reach: half the edge of the blocks of half-planes, mm; of other bodies no length, but the
-            least width of the wheel grows with it, as of a solid.
+        reach: half the edge of the blocks of half-planes, mm; no effect on other bodies.
         whole_section: whether a rail has web and foot, else its head alone; only for a standard
             rail.
         half: whether only y >= 0 is outlined.
@@ -279,7 +278,7 @@ class TransverseSection(SectionContact):
         if self.half_space:
             return solid_bodies(self, reach, deformable, whole_section=False, half=half)
         solid = Contact(_of_any_radius(self.scene), self.touch, self.pair, self.pose)
-        made = solid_bodies(solid, reach, deformable, whole_section=whole_section, half=half)
+        made = solid_bodies(solid, 0.0, deformable, whole_section=whole_section, half=half)
         return [
             self._half_disc(body.tag, half=half) if body.tag in self.discs else body
             for body in made

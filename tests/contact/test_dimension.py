@@ -6,6 +6,7 @@ import pytest
 from one_line import refusal
 
 from railhead.contact import dimension
+from railhead.meshing.bodies import WHEEL
 from railhead.planning import plan as planning
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene, SceneError
@@ -109,3 +110,9 @@ def test_load_of_a_line_is_shared_by_its_length() -> None:
 def test_a_circular_contact_is_no_line() -> None:
     with pytest.raises(SceneError, match="plane_strain: 'on' is not allowed: the contact is a cir"):
         planning.make(catalogue.find("sphere_on_plane").replace(["effects.plane_strain=on"]))
+
+
+def test_a_narrow_bar_across_the_rail_has_no_length_that_makes_it_thin() -> None:
+    bar = scene("wheel.rolling_radius=inf", "rail.length=100", "wheel.width=8")
+    wheel = next(body for body in planning.make(bar).parts() if body.tag == WHEEL)
+    assert max(float(curve.points[:, 0].max()) for curve in wheel.section) == pytest.approx(4.0)

@@ -8,6 +8,7 @@ from one_line import refusal
 from solved import planned
 
 from railhead.meshing.bodies import RAIL, WHEEL
+from railhead.planning.effects import shape
 from railhead.planning.references import boundary_elements
 from railhead.results import pipeline
 from railhead.run import mesh_solution
@@ -78,6 +79,16 @@ def test_what_is_left_out_is_part_of_the_bound() -> None:
 )
 def test_true_profile_is_called_for_near_a_joint(assignments: list[str], called: bool) -> None:
     assert effect("true_profile", "uic54_22t5_axle", *assignments).called_for is called
+
+
+def test_a_patch_that_crosses_the_farther_joint_leaves_its_arc() -> None:
+    """54E1's joints lie 10.012 mm to both sides of the first contact of an upright cylinder."""
+    contact = planned("uic54_thesis").contact
+    left = {
+        (low, high): shape._leaves(contact, low, high)[0]
+        for low, high in ((-6.0, 12.0), (-12.0, 6.0), (-9.9, 9.9))
+    }
+    assert left == {(-6.0, 12.0): True, (-12.0, 6.0): True, (-9.9, 9.9): False}
 
 
 def test_whole_section_is_called_for_by_extent_load_or_accuracy() -> None:

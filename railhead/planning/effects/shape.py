@@ -255,21 +255,21 @@ def one_radius(contact: Contact) -> Contact:
 
 def _leaves(contact: Contact, low: float, high: float) -> tuple[bool, str]:
     """Whether a patch from y = low to high (mm, in space) leaves one arc of either body, and a
-    sentence that says so: the joint nearest to the first contact lies between, or a profile is
-    neither an arc nor straight at the first contact. Farther joints are not looked at.
+    sentence that says so: a joint lies between, or a profile is neither an arc nor straight at the
+    first contact. Of several joints the sentence names one that is crossed, else the nearest.
     """
-    nearest, owner = math.inf, ""
+    joints = []
     for body, profile, shift in contact.cross_profiles:
         piece = next(p for p in profile.pieces if p.end >= contact.touch.y - shift)
         straight = isinstance(piece, Polynomial) and len(piece.coefficients) <= 2
         if not (isinstance(piece, Arc) or straight):
             return True, f"on the {body}'s {profile.name} where it is no arc"
-        for joint in profile.joints:
-            if abs(joint + shift - contact.touch.y) < abs(nearest - contact.touch.y):
-                nearest, owner = joint + shift, body
+        joints += [(joint + shift, body) for joint in profile.joints]
     span = f"y = {low:.1f} to {high:.1f} mm"
-    if not owner:
+    if not joints:
         return False, f"{span}, lies on one arc each"
-    crosses = bool(low < nearest < high)
+    crossed = [each for each in joints if low < each[0] < high]
+    crosses = bool(crossed)
+    nearest, owner = min(crossed or joints, key=lambda joint: abs(joint[0] - contact.touch.y))
     verb = "crosses" if crosses else "ends before"
     return crosses, f"{span}, {verb} the {owner}'s joint at y = {nearest:.1f} mm"
