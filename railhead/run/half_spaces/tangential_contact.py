@@ -35,7 +35,14 @@ from railhead.theory.friction.tangential import MaterialPair
 
 Array = NDArray[np.float64]
 CELLS, STRIP_CELLS = (32, 64), (128, 256)  # of boundary elements, coarse and fine
-STRIP_KEYS = ("force_along_N", "stick_share", "traction_max_MPa", "t_gamma_N", "grid_error")
+STRIP_KEYS = (
+    "force_along_N",
+    "stick_share",
+    "traction_max_MPa",
+    "t_gamma_N",
+    "grid_error",
+    "reason",
+)
 SLENDER = 20.0  # largest axis ratio in the tables of the linear theory
 GROWING_PATCH = "unlike bodies slip while the patch grows, which is not followed there"
 STRIP_ACROSS = "a strip of unlike bodies across the rail"
@@ -122,13 +129,13 @@ def half_space_friction(
 def _strip(case: FrictionCase, line: LineContact, patches: Patches) -> NumbersByMethod:
     """Quantities by method for a line contact: Carter (rolling) or Cattaneo (a shift), of unlike
     materials boundary elements. Empty in rolling of like materials where the width of the strip
-    runs across the rail. Raises ValueError as `shear` of unlike materials.
+    runs across the rail.
     """
     found, strip = case.solution, line.strip
     if not case.pair.like:
         if line.across:
             return {"boundary elements": {"reason": STRIP_ACROSS}}
-        numbers = solve_by_boundary_elements(case, patches, STRIP_CELLS)
+        numbers = or_reason(lambda: solve_by_boundary_elements(case, patches, STRIP_CELLS))
         return {"boundary elements": {key: numbers[key] for key in STRIP_KEYS if key in numbers}}
     if not case.rolling:
         share = float(np.hypot(*found.force) / found.friction_limit)
