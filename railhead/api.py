@@ -106,13 +106,13 @@ def load(folder: str | Path) -> Result | Sweep:
     from railhead.sweeps.sweep import Sweep
 
     folder = Path(folder)
+    if (folder / store.REQUEST).is_file():
+        return Sweep(folder)
     try:
-        if (folder / store.REQUEST).is_file():
-            return Sweep(folder)
         summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
     except (OSError, ValueError):
         summary = {}
-    if "checks" not in summary:
+    if not isinstance(summary, dict) or not {"checks", "result", "hertz"} <= summary.keys():
         raise SceneError(
             "load", f"{str(folder)!r} holds no result of a run or a sweep; give its folder"
         )

@@ -55,6 +55,7 @@ def test_keys_that_are_left_to_the_program_have_rows_too(tmp_path) -> None:
 @pytest.mark.parametrize(
     "over, values, said",
     [("load", {}, "no mapping|not a mapping"), ({5: [1]}, {}, "no key"),
+     ({"load": []}, {}, "load: has no values; give one or more"),
      ({"load": ["1 N"]}, {"load": ["2 N"]}, "given twice")],
 )  # fmt: skip
 def test_a_wrong_sweep_is_one_line(over, values, said) -> None:
@@ -147,7 +148,7 @@ def test_importing_is_light() -> None:
 
 @pytest.mark.parametrize("scene", ["hertz_ellipse", None, {"load": 1e4}])
 def test_what_is_no_scene_is_one_line(scene: object) -> None:
-    for call in (rh.plan, rh.solve, lambda each: rh.sweep(each, load=["1 kN"])):
+    for call in (rh.plan, rh.solve, rh.locate, lambda each: rh.sweep(each, load=["1 kN"])):
         with pytest.raises(rh.SceneError, match="scene: .* is no Scene; give one"):
             call(scene)
 
@@ -178,6 +179,7 @@ def test_a_result_can_be_pickled_and_loaded(tmp_path) -> None:
     assert "largest pressure" in loaded._repr_html_() and "<style>" not in loaded._repr_html_()
     with pytest.raises(ValueError, match="numbers only"):
         print(loaded.surface)
+    (tmp_path / "summary.json").write_text('{"checks": {}}')
     for folder in (tmp_path, tmp_path / "none"):
         with pytest.raises(rh.SceneError, match="holds no result of a run or a sweep"):
             rh.load(folder)

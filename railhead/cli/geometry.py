@@ -27,7 +27,7 @@ from railhead.geometry.placement import ContactPoint, Placed, PlacementError, Pr
 from railhead.results import result_folder
 from railhead.results.report import terminal
 from railhead.scene.catalogue import portable
-from railhead.scene.scene import Scene, SceneError
+from railhead.scene.scene import Scene, SceneError, checked
 
 CLEARANCE = 0.05  # mm, largest gap of a contact, of the size of elastic approaches
 SHIFTS = np.linspace(-10.0, 10.0, 81)  # mm, of pictures and positions.csv
@@ -190,7 +190,7 @@ def locate(scene: Scene) -> Location:
     """Place the wheelset of a scene so that both wheels touch their rails; nothing is solved.
     Raises SceneError for half-spaces and where a wheel misses its rail.
     """
-    if scene.rail.extent == "half-space":
+    if checked(scene).rail.extent == "half-space":
         raise SceneError(
             "rail.extent", "half-space has no profiles to locate; give head or section"
         )

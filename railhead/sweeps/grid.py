@@ -54,6 +54,8 @@ class ParameterGrid:
         first = rows[0] if rows else {}
         for key in first.keys() & lists.keys():
             raise SceneError(key, "is given with --over and in --over-file; give one of them")
+        for key in (key for key, values in lists.items() if not values):
+            raise SceneError(key, "has no values; give one or more")
         total = max(len(rows), 1) * prod(map(len, lists.values()))
         if total > MAX_COMBINATIONS:
             text = f"makes {total} combinations; give at most {MAX_COMBINATIONS}"

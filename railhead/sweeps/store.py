@@ -139,8 +139,16 @@ def records(folder: Path) -> dict[int, dict[str, Any]]:
     """Records by number of the scene, in that order, also of scenes that are to be tried again.
     Raises SceneError for a broken file.
     """
-    names = {path: path.name.partition(".")[0] for path in (folder / RECORDS).glob("[0-9]*.json")}
-    return {int(name): _load(path) for path, name in sorted(names.items()) if name.isdecimal()}
+    found = {}
+    for path in sorted((folder / RECORDS).glob("[0-9]*.json")):
+        number = path.name.partition(".")[0]
+        if number.isdecimal():
+            found[int(number)] = _load(path)
+            try:
+                sweep_table.row(found[int(number)])
+            except (LookupError, TypeError, ValueError, AttributeError):
+                raise _broken(path) from None
+    return found
 
 
 def keys(folder: Path) -> list[str]:
@@ -159,10 +167,9 @@ def check(folder: Path, values: Callable[[int], Mapping[str, object]]) -> None:
     """
     for part in (*(folder / RECORDS).glob(".*"), *(folder / RECORDS).glob(f"*{AGAIN}")):
         part.unlink()
-    for number in done(folder):
-        record, good = read(folder, number), False
-        with suppress(LookupError, TypeError, ValueError, AttributeError):
-            sweep_table.row(record)
+    for number, record in records(folder).items():
+        good = False
+        with suppress(LookupError):
             good = record["over"] == json.loads(result_folder.to_json(dict(values(number))))
         if not good:
             raise _broken(_record(folder, number))

@@ -8,6 +8,7 @@ import pytest
 from solved import solved
 from sweep_command import ROLLER, SIX, sweep
 
+import railhead as rh
 from railhead.results import result_folder
 from railhead.scene.scene import SceneError
 from railhead.sweeps import store
@@ -50,6 +51,9 @@ def test_a_broken_file_is_said(
     assert len(err.splitlines()) == 1
     if name.startswith("records") or content in (None, "[]"):
         assert f"{name}' is broken; delete it and start again" in err
+        if content != '{"over": {}, "fault": "gmsh: no"}':  # of another combination
+            with pytest.raises(SceneError, match="is broken"):
+                rh.load(folder)
     else:
         assert "holds another sweep" in err
 

@@ -41,6 +41,7 @@ UNIT = re.compile(r"[\[(/_]\s*([^\W\d_]+|°)")  # in a name: y [mm], y/mm, y_mm
 UNIT_LINE = re.compile(r"\bunits?\s*[:=]?\s*([^\W\d_]+)", re.IGNORECASE)
 SHOWN = 40  # characters of a wrong line that a message repeats
 
+SOME = 2000  # lines that tell the layout of a table, at most about
 #: Separator (regular expression), decimal mark and name, in the order in which they are tried.
 LAYOUTS = (
     (";", ".", "semicolons"),
@@ -252,8 +253,9 @@ def _table(name: str, lines: Sequence[str], unit_is_given: bool) -> Table:
     """
     full = [(i, line.strip()) for i, line in enumerate(lines) if line.strip()]
     data = [(i, line) for i, line in full if not COMMENT.match(line)]
+    some = [line for _, line in data[:: 1 + len(data) // SOME]]
     separator, decimal, words = max(
-        LAYOUTS, key=lambda each: sum(_numbers(line, *each[:2]) is not None for _, line in data)
+        LAYOUTS, key=lambda each: sum(_numbers(line, *each[:2]) is not None for line in some)
     )
     start = next((i for i, line in data if _numbers(line, separator, decimal)), 0)
     span = range(start, len(lines))

@@ -94,6 +94,8 @@ def _even(points: Array, body: str, step: float) -> Array:
     2); of an outline that closes, those of its upper side.
     """
     part = ordering.in_order(ordering.head(points) if body == "rail" else points)
+    # Noise of dense points makes the way through them many times as long as the profile.
+    part = part[:: max(1, int(step * len(part) / (8 * np.ptp(part, axis=0).sum())))]
     even = ordering.resampled(part, step)
     return even[np.gradient(even[:, 0]) > 0] if ordering.closes(part) else even
 

@@ -39,7 +39,7 @@ BENDING = 1.2  # times the wavelength that suits heights is one that suits curva
 # the worn pairs of the study)
 LONGER = 1.2  # times the way through its points is no curve through them
 UPDATES, SETTLED = 60, 0.02
-FINE = 20  # samples a point, where a curve is measured or bent open
+FINE, MOST = 20, 100_000  # samples a point, and in all, where a curve is measured or bent open
 
 
 @dataclass(frozen=True)
@@ -149,7 +149,7 @@ def smooth(points: Array, wavelength: float | None = None, stretch: float = 1.0)
 class _Fit:
     """Least-squares fit of cubic B-splines with penalised third differences of the coefficients.
     knots: knots of the splines, even except at the ends, mm of arc length.
-    basis: values (n, m) of the m splines at the n points; squares: (m, m) basis^T basis.
+    basis: sparse values (n, m) of the m splines at the n points; squares: (m, m) basis^T basis.
     differences: sparse matrix (rows, m) of third differences.
     places: (rows,) arc lengths at which the third differences lie, mm.
     step: distance of the knots, mm.
@@ -164,8 +164,8 @@ class _Fit:
         self.step, self.spacing = s[-1] / pieces, s[-1] / (len(s) - 1)
         self.knots = self.step * np.arange(-ORDER, pieces + ORDER + 1)
         self.knots[ORDER], self.knots[-ORDER - 1] = 0.0, s[-1]
-        self.basis = BSpline.design_matrix(s, self.knots, ORDER).toarray()
-        self.squares = self.basis.T @ self.basis
+        self.basis = BSpline.design_matrix(s, self.knots, ORDER)
+        self.squares = (self.basis.T @ self.basis).toarray()
         self.differences = csr_array(np.diff(np.eye(self.basis.shape[1]), ORDER, axis=0))
         self.places = self.step * (np.arange(self.differences.shape[0]) + 0.5)
         self.unit = self.spacing * self.step ** (2 * ORDER - 1)
@@ -248,7 +248,7 @@ def _lengths(curve: BSpline, s: Array, points: Array) -> Array:
     nearest = s + np.einsum("nd,nd->n", points - curve(s), tangent) / speed
     nearest = np.clip(nearest, 2 * s[0] - s[1], 2 * s[-1] - s[-2])  # no farther off the ends
     nearest = np.maximum.accumulate(nearest - nearest[0])
-    fine = np.linspace(0, nearest[-1], FINE * len(s))
+    fine = np.linspace(0, nearest[-1], min(FINE * len(s), MOST))
     lengths = np.interp(nearest, fine, chord_lengths(curve(fine)))
     if lengths[-1] > LONGER * chord_lengths(points)[-1]:
         raise folded(points)
@@ -260,7 +260,7 @@ def _developed(curve: BSpline, s: Array) -> CubicSpline:
     Its second derivative is the curvature, so that nothing depends on how the profile lies, and
     every circle is a parabola.
     """
-    places = np.linspace(0, s[-1], FINE * len(s))
+    places = np.linspace(0, s[-1], min(FINE * len(s), MOST))
     return CubicSpline(places, -curvature(curve, places)).antiderivative(2)
 
 
