@@ -51,9 +51,9 @@ def repeated(values: NDArray[Scalar], planes: Planes) -> NDArray[Scalar]:
 
 
 def vectors(values: Array, planes: Planes) -> Array:
-    """Vectors or points (n, 2 or 3) of a part and of its images (2^k n, 2 or 3), in axes of which
-    the first is parallel to x, and with a plane y = 0 the second to y. Points are taken from an
-    origin on the planes.
+    """Vectors or points (n, 2 or 3) of a part and of its images (2^k n, 2 or 3). The first of their
+    axes is parallel to x, and with a plane y = 0 the second to y. Points are taken from an origin
+    on the planes.
     """
     for normal in planes:
         values = np.concatenate([values, values * _signs(normal)[: values.shape[1]]])

@@ -23,11 +23,11 @@ def motion(
     loaded patch, beyond those of half-spaces.
 
     The rigid motion u_y = c - angle (z - z0), u_z = d + angle (y - y0) is fitted to the
-    displacements u of the nodes in a ring around the patches, where (y0, z0) is the centre of the
+    displacements u of the nodes in a ring around the patches. There (y0, z0) is the centre of the
     most loaded patch. The displacements of half-spaces under point loads at the patches are
     subtracted first. fields: of a solid; where it is cut at y = 0 the motion means nothing. body:
-    tag of the body. patches: most loaded first. load: normal force on all patches, N. Returns zeros
-    where no node lies in the ring.
+    tag of the body. patches: most loaded first. load: normal force on all patches, N. Returns
+    (angle, c), zeros where no node lies in the ring.
     """
     nodes = np.unique(fields.cells[fields.body == body])
     points, moved = fields.points[nodes], fields.displacement[nodes].copy()

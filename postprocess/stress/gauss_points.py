@@ -16,8 +16,8 @@ OUT = np.diag([0.0, 1.0, 0.0])  # the hoop direction of a meridian section
 def stress_at_reference_point(
     fields: Fields, cells: NDArray[np.int64], reference: Array
 ) -> tuple[Array, Array, Array]:
-    """Position (m, 3) mm, stress (m, 6) MPa and |det J| (m,) at one reference point of m cells,
-    where J is the Jacobian of the map from the reference cell to the d coordinates of the mesh.
+    """Position (m, 3) mm, stress (m, 6) MPa and |det J| (m,) at one reference point of m cells. J
+    is the Jacobian of the map from the reference cell to the d coordinates of the mesh.
 
     Stress components xx, yy, zz, xy, xz, yz in global axes. Plastic strains are those of a linear
     function fitted to the Gauss points of each cell. reference (d,): reference coordinates.
@@ -116,16 +116,11 @@ def _strain(
     if kinematics.dim == 2:
         strain = kinematics.axes.T @ strain @ kinematics.axes
     if kinematics.revolved:
-        strain += _hoop(u[..., 0] @ phi[0], x[:, 0], grad_u[:, 0, 0])[:, None, None] * OUT
+        r = x[:, 0]
+        on_axis = r <= 1e-12 * np.abs(r).max(initial=0.0)  # there u/r is du/dr
+        hoop = np.where(on_axis, grad_u[:, 0, 0], u[..., 0] @ phi[0] / np.where(on_axis, 1.0, r))
+        strain += hoop[:, None, None] * OUT
     return x, strain, np.abs(size)
-
-
-def _hoop(u: Array, r: Array, slope: Array) -> Array:
-    """Hoop strain u/r (m,) from radial displacements u (m,) at radii r (m,), mm; on the axis its
-    limit du/dr, which `slope` (m,) gives.
-    """
-    on_axis = r <= 1e-12 * np.abs(r).max(initial=0.0)
-    return np.where(on_axis, slope, u / np.where(on_axis, 1.0, r))
 
 
 def nodal_stress(fields: Fields) -> Array:

@@ -66,9 +66,9 @@ def read_curve(path: str) -> list[tuple[float, float]]:
     """Points (plastic strain, true stress in MPa) of a .csv file; a heading in its first line is
     left out.
 
-    Raises ValueError (one line) for fewer than two points, a value that is no number, a first
-    strain other than 0, strains that do not increase, and a stress out of range or below the one
-    before it (softening has no unique answer).
+    Raises ValueError (one line) for fewer than two points, a row that is not two numbers, a first
+    strain other than 0 and strains that do not increase. It raises it too for a stress out of range
+    or below the one before it (softening has no unique answer).
     """
     points: list[tuple[float, float]] = []
     try:

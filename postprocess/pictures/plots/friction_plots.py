@@ -38,9 +38,10 @@ def draw_tractions(
     """Write a PNG file of the tractions of the wheel on the rail.
 
     One panel shows the zones of stick and slip in the tangent plane, with tractions as arrows; of a
-    section it is left out. The other shows tractions along and across over x, interpolated on the
-    line at the s of the centre of the most loaded patch, between the limits +/- mu p. Of a section
-    it shows those along its line, over the coordinate along it. Only points with pressure are used.
+    section it is left out. The other shows tractions along and across over x, between the limits
+    +/- mu p. They are interpolated on the line at the s of the centre of the most loaded patch. Of
+    a section it shows those along its line, over the coordinate along it. Only points with pressure
+    are used.
 
     found: at points of the part that `planes` leave. coefficient: of friction, mu. path: of the
         file. planes: unit normals of the symmetry planes at which the model was cut; the images are

@@ -103,7 +103,7 @@ def patches(
     if not known:
         return
     across = np.concatenate([line[:, 1] for line in known])
-    step = (1 + GAP) * max(_along(each) for each in lines if each)
+    step = (1 + GAP) * max(float(np.ptp(np.concatenate(each)[:, 0])) for each in lines if each)
     most = max(
         sum(row.get(split) == value for row in rows) if split else len(rows) for value in strips
     )
@@ -146,11 +146,6 @@ def _strip(
         for line in lines:
             axes.fill(line[:, 0] + number * step, line[:, 1], fc=f"{colour}40", ec=colour, lw=1.0)
     axes.set_xlim(-0.6 * step, (len(each) - 0.4) * step)
-
-
-def _along(lines: Sequence[Array]) -> float:
-    """Extent of curves (k, 2) along their first coordinate, mm."""
-    return float(np.ptp(np.concatenate([line[:, 0] for line in lines])))
 
 
 def _by_values(columns: Sequence[str], rows: Rows) -> list[str]:

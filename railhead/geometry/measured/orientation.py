@@ -52,9 +52,9 @@ def oriented(points: Array, body: str, given: Orientation) -> tuple[Array, list[
     """Points (n, 2) of a 'rail' or 'wheel', mm, brought to the axes of profiles, and remarks on
     what was done. There y points to the field side, z up for a rail and outwards for a wheel.
     given: what the user says.
-    Raises PointError, with a place in the axes of `points`, for half a head, and where no standard
-    fits well enough to tell what `given` leaves open of mirror, flip and origin. With mirror and
-    flip given, points that fit no standard are not moved, and a remark warns.
+    Raises PointError, with a place in the axes of `points`, for half a head. It is also raised
+    where no standard fits well enough to tell what `given` leaves open of mirror, flip and origin.
+    With mirror and flip given, points that fit no standard are not moved, and a remark warns.
     """
     signs = _signs(points, body, given)
     done = ["turned upside down"] * (signs[1] < 0)

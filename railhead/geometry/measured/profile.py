@@ -118,8 +118,9 @@ def inner(profile: Profile) -> tuple[float, float]:
 def from_points(
     name: str, points: Array, wavelength: float | None = None, stretch: float = 1.0
 ) -> tuple[Smoothed, Profile]:
-    """The smooth curve through points (n, 2) in the axes of profiles, mm, in any order along it or
-    by y, and the longest part that faces upwards, as a profile of that name.
+    """The smooth curve along points (n, 2), and its longest part that faces upwards, as a profile
+    with the given name. points: in the axes of profiles, mm, in either order along the curve or by
+    y.
     wavelength: of waves that keep half of their height, mm, or None to choose by the noise.
     stretch: factor on the wavelengths, given or chosen.
     Raises ValueError for too few points and a curve that faces nowhere upwards. Raises PointError
