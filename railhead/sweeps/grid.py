@@ -48,8 +48,8 @@ class ParameterGrid:
         """Grid of all combinations of lists of values by dotted key; rows change slowest.
 
         rows: values by dotted key, each combined with all of the lists.
-        Raises SceneError for a wrong key or value, a key in both, more than 10 000 combinations and
-        two scenes with the same values.
+        Raises SceneError for a wrong key or value, a key in both or without values, more than
+        10 000 combinations and two scenes with the same values.
         """
         first = rows[0] if rows else {}
         for key in first.keys() & lists.keys():

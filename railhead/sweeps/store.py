@@ -137,7 +137,7 @@ def read(folder: Path, number: int) -> dict[str, Any]:
 
 def records(folder: Path) -> dict[int, dict[str, Any]]:
     """Records by number of the scene, in that order, also of scenes that are to be tried again.
-    Raises SceneError for a broken file.
+    Raises SceneError for a broken file, and for one that is no record.
     """
     found = {}
     for path in sorted((folder / RECORDS).glob("[0-9]*.json")):

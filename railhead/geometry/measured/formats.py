@@ -2,8 +2,9 @@
 
 MiniProf (.ban rail, .whl wheel: header lines key=value, an empty line, then columns), Simpack (.prr
 rail, .prw wheel: commented sections, points between point.begin and point.end), and tables of text.
-Separator and decimal mark of a table are those that make most lines rows of numbers. The columns of
-y and z are those that a header line names; without one the table must have two columns, y before z.
+Separator and decimal mark of a table are those that make most lines rows of numbers, of long files
+most of some 2000 lines. The columns of y and z are those that a header line names; without one the
+table must have two columns, y before z.
 """
 
 from __future__ import annotations
