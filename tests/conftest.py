@@ -1,10 +1,14 @@
-"""The process of the tests, and small contact models on two blocks that several of them share."""
+"""The process of the tests; small contact models on two blocks and the thesis's contact, which
+several of them share."""
 
 from railhead.run import process
 
 process.prepare()  # as the command does: one thread of BLAS, before numpy loads
 
+import json
 from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import block_pairs
 import numpy as np
@@ -15,6 +19,7 @@ from railhead.meshing import mesh
 from railhead.planning import cost
 from railhead.solver.contact import ContactModel
 from railhead.solver.setup import Setup
+from railhead.theory.elastic.hertz import Ellipse, contact_modulus, point_contact
 
 settings.register_profile("default", max_examples=20)
 settings.register_profile("thorough", max_examples=200)
@@ -53,3 +58,17 @@ def solve() -> Callable[..., tuple[ContactModel, object]]:
         return model, model.solve(active=active, **control)
 
     return run
+
+
+@pytest.fixture(scope="session")
+def reference() -> dict[str, Any]:
+    """Exact numbers of the thesis case, a 30-digit Hertz evaluation; N, mm, MPa."""
+    path = Path(__file__).parent / "theory" / "data" / "hertz_thesis.json"
+    data: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return data
+
+
+@pytest.fixture(scope="session")
+def thesis_ellipse() -> Ellipse:
+    """Wheel R 420 mm on rail crown R 300 mm, both steel (207 GPa, 0.3), 25 kN."""
+    return point_contact(1 / 420, 1 / 300, contact_modulus(207000, 0.3, 207000, 0.3), 25000)

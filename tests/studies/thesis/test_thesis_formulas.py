@@ -1,15 +1,13 @@
 """The thesis's own formulas: its printed numbers are met, and so are its known errors."""
 
-import json
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from railhead.theory.elastic.hertz import Ellipse, contact_modulus, point_contact
+from railhead.theory.elastic.hertz import Ellipse
 from studies.thesis.facts import (
     TABLE_5_3,
     exact_coefficients,
@@ -19,20 +17,6 @@ from studies.thesis.facts import (
 )
 
 WHEEL, RAIL = (1 / 420, 0.0), (0.0, 1 / 300)
-REFERENCE = Path(__file__).parents[2] / "theory" / "data" / "hertz_thesis.json"
-
-
-@pytest.fixture(scope="module")
-def reference() -> dict[str, Any]:
-    """Exact numbers of the thesis case, a 30-digit Hertz evaluation; N, mm, MPa."""
-    data: dict[str, Any] = json.loads(REFERENCE.read_text(encoding="utf-8"))
-    return data
-
-
-@pytest.fixture(scope="module")
-def thesis_ellipse() -> Ellipse:
-    """Wheel R 420 mm on rail crown R 300 mm, both steel (207 GPa, 0.3), 25 kN."""
-    return point_contact(1 / 420, 1 / 300, contact_modulus(207000, 0.3, 207000, 0.3), 25000)
 
 
 def test_table_5_3_is_as_printed(reference: dict[str, Any]) -> None:
