@@ -24,6 +24,7 @@ from railhead.results.report import terminal
 from railhead.results.report.output_units import Units
 from railhead.run import quantities
 from railhead.run.half_spaces.answer import HalfSpaceSolution, Solved
+from railhead.scene.catalogue import FILES
 from railhead.scene.scene import Scene
 from railhead.scene.scene import unit as scene_unit
 from railhead.scene.sections import Section
@@ -216,14 +217,17 @@ def _texts(
 
 
 def scene_rows(scene: Scene, units: Units) -> Iterator[tuple[str, str]]:
-    """Pairs (key in words, value with unit) of all keys of a scene that have a value other than
-    "auto".
+    """Pairs (key in words, value with unit, of files the name) of all keys of a scene whose value
+    is not the default.
     """
     for section, inner in scene:
+        of = inner if isinstance(inner, Section) else scene
         for name, value in inner if isinstance(inner, Section) else [("", inner)]:
-            if value in (None, "auto"):
+            if value == type(of).model_fields[name or section].default:
                 continue
             key, text = f"{section}.{name}".rstrip("."), str(value)
+            if name in FILES:
+                text = Path(text).name
             if isinstance(value, float):
                 base = scene_unit(key)
                 if base == "rad":

@@ -149,9 +149,11 @@ def test_the_plan_as_json_says_what_the_printed_one_says(capfd) -> None:
     assert command.status("plan", *case) == 0 and errors == ""
     said, words = json.loads(out), " ".join(capfd.readouterr().out.replace("│", " ").split())
     assert said["scene"]["wheelset"]["shift"] == 1 and said["scene"]["accuracy"] == 0.01
+    idle = words.partition("no part ")[2].partition(" (why: --json)")[0].split(", ")
     for name, effect in said["plan"]["effects"].items():
-        assert f"{name} {'on' if effect['on'] else 'off'} {effect['why'].split()[0]}" in words
-        assert effect["called_for"] in (True, False)
+        line = f"{name} {'on' if effect['on'] else 'off'} {effect['why'].split()[0]}"
+        assert (line in words) != (name in idle) and effect["called_for"] in (True, False)
+        assert name not in idle or not (effect["on"] or effect["called_for"])
     assert f"{said['plan']['unknowns']} unknowns" in words
     assert f"a = {said['hertz']['a_mm']:.4g} mm" in words
     assert f"angle {math.degrees(said['contact']['angle_rad']):.3f} deg" in words
