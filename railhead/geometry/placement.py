@@ -362,17 +362,16 @@ class Placed:
 def equivalent_conicity(amplitude: float, shifts: Array, differences: Array) -> float:
     """Equivalent conicity of a free wheelset that swings by an amplitude a (mm) to both sides: the
     conicity of cones whose motion has the same wavelength (EN 15302). NaN where the wheelset is not
-    turned back, or without amplitude.
+    turned back, without amplitude, and where the shifts do not reach a to both sides.
 
     The motion is y'' = -D(y)/(e r): D is the rolling radius difference at the shift y, e the
     distance of the contacts, r the rolling radius. Its wavelength is 2 J sqrt(e r), where J is the
     integral of dy/sqrt(2 (G(a) - G(y))) from -a to a, and G the integral of D from 0. That of cones
     (D = 2 c y) is pi sqrt(2 e r/c) (Klingel), so c = pi^2/(2 J^2).
 
-    shifts, differences (n,): rising lateral shifts and D at them, mm; D is taken as odd, and beyond
-        the shifts as constant.
+    shifts, differences (n,): rising lateral shifts and D at them, mm; D is taken as odd.
     """
-    if not amplitude:
+    if not 0 < amplitude <= min(-shifts[0], shifts[-1]) * (1 + 1e-9):
         return math.nan
     y = amplitude * np.linspace(0.0, 1.0, 2001)
     odd = (np.interp(y, shifts, differences) - np.interp(-y, shifts, differences)) / 2

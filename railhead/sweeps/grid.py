@@ -143,13 +143,14 @@ def read_rows(path: Path) -> list[dict[str, object]]:
         reason = getattr(error, "strerror", None) or "is no UTF-8 text"
         raise SceneError("--over-file", f"{str(path)!r}: {reason}; give a .csv file") from None
     split = ";" if lines and ";" in lines[0] else ","
-    table = [[cell.strip() for cell in line] for line in csv.reader(lines, delimiter=split) if line]
-    heads = [head.rstrip("]").partition(" [") for head in (table[0] if table else ())]
+    reader = csv.reader(lines, delimiter=split)
+    table = [(reader.line_num, [cell.strip() for cell in line]) for line in reader if line]
+    heads = [head.rstrip("]").partition(" [") for head in (table[0][1] if table else ())]
     if len(table) < 2 or len({key for key, _, _ in heads}) < len(heads):
         text = f"{str(path)!r} is no table; give a line of different keys and lines of values"
         raise SceneError("--over-file", text)
     rows = []
-    for number, line in enumerate(table[1:], 2):
+    for number, line in table[1:]:
         if len(line) != len(heads) or not all(line):
             text = f"line {number} of {str(path)!r} has no {len(heads)} values; give one a key"
             raise SceneError("--over-file", text)

@@ -292,3 +292,5 @@ def test_the_equivalent_conicity_is_that_of_the_motion() -> None:
     assert placement.equivalent_conicity(6.0, y, 2e-3 * y**3) == pytest.approx(exact, rel=1e-4)
     assert math.isnan(placement.equivalent_conicity(6.0, y, -0.1 * y))
     assert math.isnan(placement.equivalent_conicity(0.0, y, 0.1 * y))
+    short = y[y <= 5.0]
+    assert math.isnan(placement.equivalent_conicity(6.0, short, 0.1 * short))

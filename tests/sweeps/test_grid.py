@@ -82,6 +82,7 @@ def test_rows_of_a_file_are_combinations(tmp_path, capsys) -> None:
         ("load\n", "is no table"),
         ("", "is no table"),
         ("load\n1,2\n", "line 2 of "),
+        ("load\n1\n\n1,2\n", "line 4 of "),
         ("load\n3mm\n", "load: '3mm' is not a force"),
         ("load [mm]\n3\n", "load: '3mm' is not a force"),
         ("speed\n3\n", "speed: unknown key"),
