@@ -46,6 +46,8 @@ class LoadCase:
     force: further forces on the meshed part, on all owned dofs, N; None: zero.
     support_displacement: displacement prescribed at the supported faces beside far field and
         approach, on all owned dofs, mm; None: zero.
+    tolerance: Newton's tolerance for elastic bodies, residual over the contact force; None: that of
+        the setup.
     """
 
     load: float = 0.0
@@ -55,6 +57,7 @@ class LoadCase:
     progress: Callable[[int, float], None] = lambda step, residual: None
     force: PETSc.Vec | None = None
     support_displacement: PETSc.Vec | None = None
+    tolerance: float | None = None
 
     def scaled(self, share: float) -> LoadCase:
         """The same load case with load, approach, force and support displacement multiplied by a
@@ -278,7 +281,7 @@ class ContactSystem:
                     preconditioner,
                     active,
                     result.y if result and result.converged else None,
-                    rtol=self.setup.tolerance if last else STAGE_TOLERANCE,
+                    rtol=(case.tolerance or self.setup.tolerance) if last else STAGE_TOLERANCE,
                     max_steps=case.max_steps,
                     progress=case.progress,
                 )
@@ -292,17 +295,16 @@ class ContactSystem:
             compat.collect(self.comm)
         assert result is not None
         if result.converged:
-            self._balance(result)
+            self.balance(self.problem, result)
         return replace(result, history=history)
 
-    def _balance(self, result: newton.NewtonResult) -> None:
+    def balance(self, problem: ContactProblem, result: newton.NewtonResult) -> None:
         """Add translations of the bodies along the approach to the state of a result, in place, so
         that its forces balance to rounding at any tolerance of Newton's method (collective).
 
         With the translations T, the residual R and the tangent K_A at the active set of the state,
         y <- y - T (T^T K_A T)^-1 T^T R.
         """
-        problem = self.problem
         residual = problem.residual(result.y, result.pressure)
         tangent = problem.tangent(result.pressure > 0)
         forces = [tangent * motion for motion in self._translations]

@@ -93,7 +93,8 @@ class Search:
 
     def highest(self, invariant: Invariant, also: Array) -> Peak | None:
         """Largest recovered value of an invariant in the body, as a peak with its rivals; None if
-        all of the body is near sharp edges.
+        all of the body is near sharp edges. Where a body yields it is at most the largest value at
+        a Gauss point: the yield condition holds at these points, and a smooth field exceeds it.
 
         invariant: function that gives values (n,) of stresses (n, 6), MPa. also (n, 3): further
             places, mm, from which the search may start, such as the peak on the depth axis.
@@ -107,8 +108,15 @@ class Search:
         starts = hills[values > CLIMB_SHARE * values.max()]
         tops = [self._peak(*self._climb(start, invariant)) for start in starts]
         best = max(tops, key=lambda top: top.value)
+        if self._fields.plastic_strain is not None:
+            best = replace(best, value=min(best.value, self._largest_sample(invariant)))
         rivals = [top.depth for top in tops if top.value > (1 - RIVAL) * best.value]
         return replace(best, rivals=tuple(rivals))
+
+    def _largest_sample(self, invariant: Invariant) -> float:
+        """Largest value of an invariant at the Gauss points of cells away from sharp edges, MPa."""
+        sound = self._is_sound(self._recovery.points.mean(axis=1), self._solid.sizes)
+        return float(invariant(self._recovery.stress[sound].reshape(-1, 6)).max())
 
     def at_edges(self, invariant: Invariant, value: float) -> Peak | None:
         """Largest nodal average of an invariant near sharp edges, as a peak, if it exceeds `value`,

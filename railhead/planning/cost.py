@@ -22,9 +22,9 @@ START = 1.3  # seconds to import everything
 BASE_BYTES = 400_000_000  # memory of the libraries
 SMALL = 30_000  # unknowns above which the seconds of an unknown grow
 # Time of a load step of bodies that yield, its share of unloading included, over that of an elastic
-# run, by whether the contact is a line: 0.25 to 0.75 were measured on solids of 2 700 to 92 000
+# run, by whether the contact is a line: 0.3 to 0.6 were measured on solids of 73 000 to 405 000
 # unknowns, 0.14 on a line of 7 300 with its many small steps.
-LOAD_STEP = {False: 0.6, True: 0.15}
+LOAD_STEP = {False: 0.45, True: 0.15}
 YIELD_BYTES = 6_000  # more bytes per unknown with yield: 4 500 to 5 500 were measured
 # Additional time with friction of like solids over that of an elastic run, and seconds beside it
 # for boundary elements.

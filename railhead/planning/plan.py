@@ -344,15 +344,18 @@ class Plan:
     @property
     def newton_tolerance(self) -> float:
         """Tolerance of Newton's method, residual over the contact force: that of the scene, else
-        TOLERANCE_SHARE of the smallest error envelope on this mesh, at most LARGEST_TOLERANCE;
-        UNSIGNED_TOLERANCE where no envelope holds.
+        TOLERANCE_SHARE of the smallest error envelope on this mesh or, without envelopes and
+        friction, of an asked accuracy, at most LARGEST_TOLERANCE; UNSIGNED_TOLERANCE otherwise.
         """
         family, n = self.family, self.forecast.minor / self.patch_size
         if self.scene.solver.tolerance is not None:
             return self.scene.solver.tolerance
-        if family is None:
+        if family is not None:
+            smallest = min(family.mesh(name, n) for name in family.laws)
+        elif self.scene.accuracy and not self.effects["friction"].on:
+            smallest = self.scene.accuracy
+        else:
             return UNSIGNED_TOLERANCE
-        smallest = min(family.mesh(name, n) for name in family.laws)
         return min(TOLERANCE_SHARE * smallest, LARGEST_TOLERANCE)
 
     @property

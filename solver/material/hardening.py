@@ -82,6 +82,18 @@ class History:
         """
         return cls(np.zeros((count, size)), np.zeros((count, size)), np.zeros(count))
 
+    def extrapolated(self, earlier: History, factor: float, points: NDArray[np.int64]) -> History:
+        """This state, moved on by `factor` times its change since an earlier one at the points with
+        the given numbers (k,).
+        """
+        values = []
+        for each in fields(self):
+            now, before = getattr(self, each.name), getattr(earlier, each.name)
+            value = now.copy()
+            value[points] += factor * (now[points] - before[points])
+            values.append(value)
+        return History(*values)
+
 
 @dataclass(frozen=True)
 class TangentReduction:

@@ -213,6 +213,11 @@ class PlasticProblem(ContactProblem):
         """
         return self._bulk[0], self._surface[0]
 
+    @property
+    def yielding_points(self) -> tuple[Index, Index]:
+        """Numbers of the Gauss points and of the contact points that yield in the last state."""
+        return self._bulk[1].points, self._surface[1].points
+
     def commit(self, state: State) -> None:
         """Make a state the history that the next step starts from; state: at the Gauss points and
         at the contact points.
