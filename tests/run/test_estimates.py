@@ -222,13 +222,6 @@ def test_a_budget_buys_what_it_can_and_says_what_was_too_dear(monkeypatch) -> No
     assert found["bound"]
 
 
-def test_memory_is_guarded_before_the_next_mesh(monkeypatch) -> None:
-    monkeypatch.setattr(cost, "free_memory", lambda: 500_000_000)
-    result = pipeline.run(catalogue.find("hertz_ellipse").replace(["accuracy=0.1%"]))
-    assert not result.passed
-    assert "memory" in result.summary["accuracy"]["reason"]
-
-
 def test_price_grows_with_the_accuracy() -> None:
     plan = planning.make(catalogue.find("uic54_thesis"))
     needed = [plan.family.finest(asked) for asked in (0.05, 0.01, 0.002)]

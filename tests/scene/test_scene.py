@@ -3,8 +3,6 @@
 import math
 import pickle
 import re
-import subprocess
-import sys
 from dataclasses import replace
 from typing import Any
 
@@ -169,12 +167,6 @@ def test_replace_keeps_a_date_or_a_second_line_as_plain_text() -> None:
     assert scene().replace(["name=2012-06-01"]).name == "2012-06-01"
     with pytest.raises(SceneError, match=r"load: '1\\nname = 2' is not a force"):
         scene().replace(["load=1\nname = 2"])
-
-
-def test_numbers_do_not_load_pint() -> None:
-    code = "import sys; from railhead import Scene; Scene(load=1); print('pint' in sys.modules)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "False"
 
 
 def test_what_a_message_gives_as_an_example_is_read() -> None:
