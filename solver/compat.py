@@ -54,7 +54,8 @@ def alone(comm: MPI.Comm, folder: Path) -> Iterator[None]:
     processes wait. C files that killed processes left unfinished there are removed.
 
     comm: ranks that compile together; only rank 0 takes the lock. folder: cache folder.
-    An error on rank 0 is raised on all ranks. A folder that cannot be written to is left as it is.
+    An OSError on rank 0 is raised on all ranks, another error where it arises (collective). Without
+    write access to the folder nothing is locked; an error on rank 0 then raises that lack.
     dolfinx 0.5 and setuptools log each form at INFO; such messages are suppressed in the context.
     """
     disabled = logging.root.manager.disable

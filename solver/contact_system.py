@@ -251,6 +251,7 @@ class ContactSystem:
         if self.setup.load_control:
             local = result.y.array[self.reduction.approach] if self.reduction.approach >= 0 else 0.0
             approach = float(self.comm.allreduce(local))
+        overlap = float(np.max(-self.gaps(displacement, approach), initial=0.0))
         return Solution(
             displacement=displacement,
             pressure=result.pressure,
@@ -258,7 +259,7 @@ class ContactSystem:
             approach=approach,
             load=self._carried(result.pressure),
             reaction=self._reaction(displacement, result.pressure, case.force),
-            penetration=self._penetration(displacement, approach),
+            penetration=float(self.comm.allreduce(overlap, op=MPI.MAX)),
             newton=result,
         )
 
@@ -304,6 +305,7 @@ class ContactSystem:
 
         With the translations T, the residual R and the tangent K_A at the active set of the state,
         y <- y - T (T^T K_A T)^-1 T^T R.
+        problem: that was solved; its pressure in the result changes, too.
         """
         residual = problem.residual(result.y, result.pressure)
         tangent = problem.tangent(result.pressure > 0)
@@ -371,7 +373,7 @@ class ContactSystem:
 
     def gaps(self, displacement: PETSc.Vec, approach: float) -> Array:
         """Gap between the deformed surfaces (n,) at the contact points of this rank, mm, negative
-        where they overlap.
+        where they overlap (collective).
 
         displacement: on all dofs, mm. approach: mm; without effect where the moving body is meshed,
             because the displacement then holds it.
@@ -380,13 +382,6 @@ class ContactSystem:
         return np.asarray(
             gap + (self.gap_per_approach * approach if self.setup.moving.rigid else 0.0)
         )
-
-    def _penetration(self, displacement: PETSc.Vec, approach: float) -> float:
-        """Largest overlap of the surfaces on all ranks, mm, at least zero; displacement: on all
-        dofs, mm; approach: mm (collective).
-        """
-        overlap = float(np.max(-self.gaps(displacement, approach), initial=0.0))
-        return float(self.comm.allreduce(overlap, op=MPI.MAX))
 
     def _nearest(self) -> NDArray[np.bool_]:
         """Mask (n,) of this rank's points among the twelve contact points of all ranks with the

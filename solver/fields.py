@@ -159,14 +159,14 @@ MISS_PER_GAP, MISS_PER_FACET = 0.1, 0.02  # by which that normal may miss, of ga
 
 @dataclass(frozen=True)
 class MasterSurface:
-    """Gap at n nodes of the master's contact surface, of the facets at all whose nodes normals of
-    the slave end. Without such facets n is 0.
+    """Gap at n nodes of the master's contact surface: those of the f facets at each of whose nodes
+    a normal of the slave ends. Without such facets n is 0.
 
     facet_nodes: (f, k) nodes of these facets as row numbers of `Fields.points`, corners first,
         basix order.
     nodes: (n,) all nodes of these facets, as row numbers of `Fields.points`.
     gap: gap between the deformed surfaces along the slave's normal (n,), mm, negative where they
-        overlap; NaN where the exact gap is not finite.
+        overlap.
     """
 
     facet_nodes: NDArray[np.int64]
@@ -187,7 +187,8 @@ def master_surface(
     slave's normal.
 
     The point of the slave that faces a node is searched by following the normal that the slave has
-    at the last guess, `ITERATIONS` times. Nodes for which the normal still misses are left out.
+    at the last guess, `ITERATIONS` times. Nodes for which the normal still misses, or where the
+    exact gap is not finite, are left out, and so are facets with such a node.
 
     slave, master: contact facets of all ranks.
     exact: exact initial gap and the slave's outward normals.

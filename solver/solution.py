@@ -38,8 +38,9 @@ class PlasticSolution:
         unloading are included, else neither.
     first_loading_steps: number of results that lead up to the full load for the first time; these
         come first in `newton_results`.
-    residual_state: solution after unloading, with the bodies apart, converged or not; None where
-        the load is not removed.
+    residual_state: solution after unloading, with the bodies apart, converged or not; where
+        lowering the load fails, that of the failed step, in contact. None where the load is not
+        removed.
     indentation_depth: body tag -> largest residual displacement of the contact surface into that
         body, mm, of each deformable body; empty without a residual state.
     """
@@ -129,7 +130,8 @@ class Solution:
         `reason` also tells that friction did not settle.
     plastic_strain: plastic strain in all cells of this rank; None where no body yields.
     plasticity: load history; None where no body yields.
-    friction: tangential tractions and slip; None without friction.
+    friction: tangential tractions and slip; None without friction, where pressing did not converge,
+        and where a solid with half-spaces for its tractions did not.
     reference: with friction, the frictionless solution of the same load case, whose own reference
         is the elastic one if bodies yield; without friction but with yield, the elastic solution;
         otherwise None.

@@ -70,7 +70,7 @@ class ResidualState:
         """Entries of "plastic" in summary.json.
 
         elastic_pressure: largest pressure of the same load without yield, MPa. shear_yield: yield
-            stress in shear of the body that yields first, MPa.
+            stress in shear of the body with the largest plastic strain, MPa.
         """
         zone = self.zone
         return {

@@ -196,7 +196,8 @@ def solve(
     Krylov iterations (collective).
 
     problem: contact problem whose tangent is used.
-    preconditioner: set up again where it is outdated or where the solve does not converge.
+    preconditioner: set up again where it is outdated or where the solve does not converge; marked
+        as outdated where it has become slow.
     rhs: right-hand side in the free unknowns, N.
     out: vector for the solution.
     rtol: tolerance of the residual, relative to the norm of the right-hand side.

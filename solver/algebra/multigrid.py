@@ -119,7 +119,8 @@ class CoarseTangent:
 
     problem: contact problem.
     matrix: the tangent; its values are those of the last use of `fill`.
-    bulk: K - theta S^T w S on the P1 unknowns, which is the same for all active sets.
+    bulk: K - theta S^T w S on the P1 unknowns, which is the same for all active sets; K has the
+        problem's spring on the approach.
     normal_operator: B Q.
     test_operator: Bt Q; the same object as B Q for a symmetric law.
     scaled: w A B Q of the last active set A.

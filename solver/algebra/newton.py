@@ -128,8 +128,8 @@ class NewtonResult:
 
 
 def line_search(problem: ContactProblem, y: PETSc.Vec, step: PETSc.Vec) -> float:
-    """Step length t in (0, 1] that nearly minimises the convex energy at y + t step. It is 1 where
-    the energy still falls there or rises only slightly.
+    """Step length t, from 1e-3 to 1, that nearly minimises the convex energy at y + t step. It is 1
+    where the energy still falls at t = 1 or rises only slightly, or does not fall at t = 0.
     """
     slope = problem.slope(y, step)
     first = slope(0.0)
@@ -158,7 +158,8 @@ def solve(
     rtol: tolerance of the norm of the residual over that of the nodal contact forces. A residual
         that is down to rounding converges at any tolerance.
     max_steps: largest number of states.
-    progress: called with the number and the relative residual of each state.
+    progress: called with the number and the relative residual of each state, infinite where
+        nothing touches.
 
     A linear solve ends early where its solution changes the active set so much that this leaves
     more in R than the linear residual. Where the tangent changes within a set, see `ForcingTerm`. A

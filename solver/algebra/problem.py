@@ -60,7 +60,7 @@ class ContactProblem:
     """One load case of a contact, at n contact points of this rank, in the free unknowns y; the
     displacement is u = P y + u0. Forces are those on the meshed part.
 
-    `dataclasses.replace` with another law shares the matrices.
+    `dataclasses.replace` with another law of the same method shares the matrices.
 
     law: contact law.
     stiffness: stiffness K of the free unknowns, N/mm.
@@ -88,7 +88,9 @@ class ContactProblem:
     tangent_context: ClassVar[type[Tangent]] = Tangent
 
     def shared(self) -> dict[str, Any]:
-        """Fields by name, for another problem with the same matrices and its own force vector."""
+        """Fields by name, for another problem with the same matrices and a force vector of its own,
+        whose values are not set.
+        """
         own = {each.name: getattr(self, each.name) for each in fields(self) if each.init}
         return own | {"force": self.force.duplicate()}
 
@@ -270,8 +272,8 @@ class ContactProblem:
         return contact
 
     def predictor(self, active: Mask) -> PETSc.Vec:
-        """Right-hand side, N, of the linear problem in which exactly the active points (n,) touch
-        and the others do not.
+        """Right-hand side, N, of the linear problem for y in which exactly the active points (n,)
+        touch and the others do not; its matrix is the tangent.
         """
         rhs = self.force.copy()
         add_transposed(self.test_operator, -self.weight * active * self.offset, rhs)

@@ -47,8 +47,8 @@ class TangentialState:
     nodal: tractions of the wheel on the rail at the nodes (m,), MPa.
     motion: factors (j,) of the free modes of rigid slip.
     slips: (n,) points that were taken to slip in Newton's last step.
-    direction: unit vectors (n, k) of the trial traction, which is the direction of slip; zero where
-        there is none.
+    direction: unit vectors (n, k) of the trial traction at the start of Newton's last step, the
+        direction of slip; zero where there is none.
     history: for each of Newton's steps, the larger of two: the change of the tractions over the
         largest mu p, and the missing part of prescribed forces over mu times normal force. At
         least 2 TOLERANCE while the set of points that slip changes, infinite where the tangent is
@@ -199,8 +199,10 @@ class CoulombEquations:
                 step, x = self._slide(x, now)
                 unit = self._trial_state(x)[3]
             else:
+                residual, tangent = self.linearised(x, now)
+                tangent[m:, m:] = motion_stiffness * np.eye(len(self.forces))
                 try:
-                    step = self._newton_step(x, now, motion_stiffness)
+                    step = scipy.linalg.solve(tangent, -residual, check_finite=False)
                 except scipy.linalg.LinAlgError:  # all slips the way of the prescribed forces
                     history.append(np.inf)
                     break
@@ -228,21 +230,9 @@ class CoulombEquations:
             history=tuple(history),
         )
 
-    def _newton_step(self, x: Array, slips: NDArray[np.bool_], stiffness: float) -> Array:
-        """Newton's step (m + j,) from the unknowns x.
-
-        slips: (n,) active points that slip; the other active points stick.
-        stiffness: N over a unit of motion, on the diagonal of the motions in the tangent. Raises
-            LinAlgError where the tangent is singular.
-        """
-        m = len(self.friction.mass)
-        residual, tangent = self.linearised(x, slips)
-        tangent[m:, m:] = stiffness * np.eye(len(self.forces))
-        return np.asarray(scipy.linalg.solve(tangent, -residual, check_finite=False))
-
     def _slide(self, x: Array, slips: NDArray[np.bool_]) -> tuple[Array, Array]:
-        """Newton's step (m + 1,) and new unknowns x (m + 1,) where all points slip along the only
-        tangent.
+        """Newton's step (m + 1,), with zero for the motion, and new unknowns x (m + 1,), with the
+        motion found, where all points slip along the only tangent.
 
         The motion then changes no traction, and the tangent is singular, until points change the
         direction of their slip. The function finds the point whose change of direction makes the

@@ -157,8 +157,9 @@ class SurfaceResponse:
         place the unit normal (3,) is followed to the slave, from there the slave's own normal to
         the other body.
 
-        mirrors: unit normals (3,) of the symmetry planes through the origin that the patch meets;
-            places behind one have the mirrored displacement of those before it.
+        mirrors: unit normals (3,), along axes of space, of the symmetry planes through the origin
+            that the patch meets; places behind one, where x . normal < 0, have the mirrored
+            displacement of those before it.
         """
         flip = np.ones_like(places)
         for plane in mirrors:

@@ -98,7 +98,8 @@ class LoadStepping:
     earlier: share that was reached before, and the histories there.
     yielded: numbers of the Gauss points and of the contact points that yielded in the last step.
     results: results of Newton's method in all steps so far.
-    solution: solution of the last step, converged or not.
+    solution: solution of the last step, converged or not; missing before the first. Its plastic
+        strain is that of the last step that converged.
     """
 
     solution: Solution
@@ -135,7 +136,8 @@ class LoadStepping:
 
     def solve_load_steps(self, shares: Iterable[float]) -> NewtonResult:
         """Apply the load case in these shares of the full load, in turn. A step that does not
-        converge is halved, down to `SMALLEST_STEP` of it. Returns the result of the last step.
+        converge is halved, down to `SMALLEST_STEP` of it. Where that fails too, the other shares
+        are left out. Returns the result of the last step, which has then not converged.
         """
         for share in shares:
             least = abs(share - self.share) * SMALLEST_STEP
@@ -208,10 +210,10 @@ class LoadStepping:
         return bulk, surface
 
     def _predicted(self, y: PETSc.Vec, ratio: float) -> PETSc.Vec:
-        """Prediction of the free unknowns for the next load, from those of the last one (y).
+        """Prediction of the free unknowns for the next load, from free unknowns y.
 
         It solves the linear problem in which the active set follows the load as in Hertz's theory.
-        Where its tangent is singular, y itself is returned. ratio: next load over the last one.
+        Where its tangent is singular, y itself is returned. ratio: next load over that of y.
         Before the last state is made the history, the tangent is that of continued yield;
         afterwards it is that of unloading.
         """
@@ -231,7 +233,8 @@ def predict_active_set(system: ContactSystem, indicator: Array, ratio: float) ->
     at least one of all ranks (collective).
 
     Their area changes as in Hertz's theory: by ratio^(2/3), for a line contact by ratio^(1/2).
-    indicator: (n,) at this rank's contact points before the change of the load, MPa.
+    indicator: (n,) at this rank's contact points before the change of the load, MPa; positive
+        where they touch.
     """
     every = np.concatenate(system.comm.allgather(indicator))
     order = np.argsort(-every)
@@ -354,7 +357,7 @@ class PlasticResponse(ElasticResponse):
 
     def start_friction_step(self) -> None:
         """Mark the start of a friction load step: the present plastic state is the history from
-        which `press_again` starts.
+        which `press_again` starts; no plastic strain where pressing stayed elastic.
         """
         if self.stepping is None:
             self.problem.reset_history()
@@ -388,9 +391,12 @@ class PlasticResponse(ElasticResponse):
         return np.asarray(2 * self.problem.surface.mu[points, None] * shear)
 
     def unload(self, solution: Solution) -> Solution:
-        """The solution with its residual state, where the load path has one: far beyond first yield
-        (`UNLOADED_AT_ONCE`) the load is lowered to the shares `UNLOADING`, then the bodies are
-        separated (collective). Otherwise, and where nothing yielded or the solution did not
+        """The solution with its residual state, where the load path has one (collective). Up to
+        UNLOADED_AT_ONCE times first yield the bodies are separated at once; beyond, the load is
+        first lowered to the shares UNLOADING. Where that fails, the residual state is that of the
+        failed step, with the bodies in contact.
+
+        Without unloading in the load path, and where nothing yielded or the solution did not
         converge, the solution itself.
         """
         plasticity, stepping = solution.plasticity, self.stepping

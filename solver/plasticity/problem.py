@@ -45,7 +45,7 @@ class YieldPoints:
     weights: quadrature weight (n,) in the meshed part, mm3, of contact points mm2.
     mu: shear modulus (n,), MPa.
     groups: (numbers of its points, hardening) of each body that yields.
-    history: plastic state at the end of the last load step.
+    history: plastic state from which the present load step starts.
     """
 
     strain_matrix: PETSc.Mat
@@ -146,8 +146,8 @@ class PlasticProblem(ContactProblem):
 
     @property
     def symmetric(self) -> bool:
-        """Whether the tangent is symmetric: not where contact points of Nitsche's method yield, on
-        any rank."""
+        """Whether the tangent is symmetric (collective): where that of the contact law is, and no
+        contact point of Nitsche's method yields on any rank."""
         local = self.law.sigma * len(self._surface[1].points)
         total = self.stiffness.comm.tompi4py().allreduce(local)
         return self.law.symmetric and not total
@@ -182,7 +182,7 @@ class PlasticProblem(ContactProblem):
 
     def slope(self, y: PETSc.Vec, step: PETSc.Vec) -> Callable[[float], float]:
         """Function t -> R(y + t step) . step, N mm, with the residual R: the slope of the energy
-        along a step.
+        along a step. Each call replaces the plastic state that `indicator` keeps.
         """
 
         def value(t: float) -> float:
@@ -227,7 +227,7 @@ class PlasticProblem(ContactProblem):
     @property
     def yielding_operators(self) -> tuple[PETSc.Mat, PETSc.Mat]:
         """Rows of the strain matrices at the Gauss points and at the contact points that yield in
-        the last state.
+        the last state; made at the first use after `indicator` (collective).
         """
         if self._yielding_operators is None:
             self._yielding_operators = (

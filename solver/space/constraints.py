@@ -206,7 +206,8 @@ def rigid_modes(
     """Orthonormal rigid motions in the free unknowns, as the near-nullspace of algebraic multigrid.
 
     points: position of the owned block dofs (n, c), mm. reduction: map from free unknowns to dofs.
-        Motions that the supports exclude are left out.
+        Motions that the supports exclude are left out. Each rank turns its nodes about the mean of
+        its own points (collective).
     """
     centred = points - points.mean(axis=0) if len(points) else points
     modes: list[PETSc.Vec] = []

@@ -22,12 +22,12 @@ MOST = 8  # domains that one is split into
 def suited(
     patches: Sequence[PatchSolution], domains: Sequence[Array], *, fine: bool, split: bool
 ) -> list[Array]:
-    """Rectangular domains (2, 2) for the next solution: centres and half sizes, mm, one a patch.
+    """Rectangular domains (2, 2) for the next solution: centres and half sizes, mm.
 
     A domain that suits its patch remains, one whose patch meets the border grows, and one that the
     patch does not fill shrinks. With `split`, separate patches in a domain get domains of their
-    own. A domain without contact is dropped. With `fine`, domains only grow. Overlapping domains
-    are merged.
+    own. With `fine`, domains only grow, and none is split. A domain without contact is dropped.
+    Overlapping domains are merged. patches: solution of each domain, of all patches in it.
     """
     better = []
     for patch, domain in zip(patches, domains, strict=True):
@@ -51,8 +51,8 @@ def merged(domains: Sequence[Array]) -> list[Array]:
 
 
 def towards(gap: Array, domain: Array, grid: Grid) -> Array:
-    """Domain (2, 2) around the cell of the smallest gap (nx, ns): twice as wide in the directions
-    in which that cell lies on the border, else an eighth as wide.
+    """Domain (2, 2) around the cell of the smallest gap (n, n). Where that cell lies on the border,
+    it is twice as wide in that direction and as wide in the other; else an eighth as wide in both.
     """
     i, j = np.unravel_index(int(np.argmin(gap)), gap.shape)
     border = np.isin((i, j), (0, gap.shape[0] - 1))

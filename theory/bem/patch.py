@@ -47,8 +47,8 @@ class PatchSolution(Grid):
     s: cell centres across the rail on the developed surface, (ns,), mm.
     angle: tilt of the surface's normal from the load at s, (ns,), rad.
     pressure: contact pressure (nx, ns), MPa, zero outside of the patch.
-    gap: gap of the deformed bodies (nx, ns), mm, zero in the patch, infinite where the bodies do
-        not face each other.
+    gap: gap of the deformed bodies (nx, ns) along the normals, mm, zero to the tolerance of the
+        solution in the patch, infinite where the bodies do not face each other.
     approach: approach of the bodies along the load, mm.
     """
 

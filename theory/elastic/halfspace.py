@@ -153,7 +153,8 @@ def own_approach(a: float, b: float) -> float:
 
 
 def change(curvature: float, a: float, b: float) -> float:
-    """Relative rise of the largest pressure, and fall of the area, by an additional curvature.
+    """Relative rise v of the largest pressure by an additional curvature; the area is divided by
+    1 + v.
 
     curvature: over F/(pi E*), 1/mm^3, a mean of the bodies weighted by their compliance. a, b:
         semi-axes of the patch, mm. Largest pressure and area change with the power 2/3 and -2/3 of

@@ -86,8 +86,8 @@ def kogut_etsion(load: float, nu: float) -> Indentation:
 
 
 def residual_depth(approach: float) -> float:
-    """Depth of the imprint after unloading from an approach; both over the approach of first yield
-    (Etsion, Kligerman and Kadin, Int. J. Solids Struct. 42 (2005) 3716).
+    """Depth of the imprint after unloading from an approach; both over the approach of first yield.
+    Zero up to first yield (Etsion, Kligerman and Kadin, Int. J. Solids Struct. 42 (2005) 3716).
     """
     if approach <= 1:
         return 0.0

@@ -158,8 +158,8 @@ def stress(strip: Strip, poisson: float, t: ArrayLike, depth: ArrayLike) -> Arra
 def displacement(
     strip: Strip, t: ArrayLike, depth: ArrayLike, young: float, poisson: float, datum: float
 ) -> Array:
-    """Displacement (n, 2), mm, outwards along t and into the body, of the half-plane under a strip;
-    zero at t = 0, depth = datum.
+    """Displacement (n, 2), mm, along t and into the body, of the half-plane under a strip; zero at
+    t = 0, depth = datum.
 
     t, depth, datum: mm; young: MPa. Love's potentials for a line load: u_t = -(d psi_t + (1 - 2 nu)
         psi1_t)/(2 pi G) and inwards (2 (1 - nu) psi - d psi_d)/(2 pi G), psi = -Re int p ln(zeta -
@@ -201,8 +201,8 @@ def _coordinates(strip: Strip, t: Array, depth: Array) -> tuple[NDArray, NDArray
 
 
 def axis_stress(line: LineContact, poisson: float, depth: ArrayLike) -> Array:
-    """Normal stresses along x (along the rail), y (across) and z, (n, 3), MPa, at depths (n,), mm,
-    below the middle of the strip.
+    """Normal stresses along x (along the rail), y (across) and z, (n, 3), MPa, tension positive, at
+    depths (n,), mm, below the middle of the strip. ValueError: a negative depth.
     """
     found = line_axis_stress(line.strip, poisson, depth)
     return found if line.across else found[:, [1, 0, 2]]

@@ -120,12 +120,8 @@ class CattaneoMindlin:
         """Tangential approach, mm, under a force (N) that increased from 0 (Johnson, 7.42).
         ValueError: a force outside 0..mu N.
         """
-        return self._scale * (1 - self._rest(force) ** (2 / 3))
-
-    @property
-    def _scale(self) -> float:
-        """Tangential approach at full slip, mm."""
-        return 1.5 * self.compliance * self.limit
+        full_slip = 1.5 * self.compliance * self.limit
+        return full_slip * (1 - self._rest(force) ** (2 / 3))
 
     def _rest(self, force: float) -> float:
         """1 - Q/mu N for a force Q (N). ValueError: a force outside 0..mu N."""

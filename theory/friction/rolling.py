@@ -205,26 +205,7 @@ class HalfSpaceFriction:
         start: an earlier solution of this patch, from which the iterations begin. ValueError: no
             convergence.
         """
-        return self._found(creepage, self._slip(creepage), start)
-
-    def stiffness(self, found: TangentialSolution) -> Array:
-        """Derivatives (2, 2) of the forces along and across by the creepages along and across, N
-        (of a shift N/mm), at a solution of this patch.
-        """
-        slip = self._slip(found.creepage)
-        changes = self._tractions.changes(found.traction, slip, self._modes[:2])
-        return np.asarray(np.einsum("fcij,mcij->fm", self._modes[:2], changes) * found.cell)
-
-    def _slip(self, creepage: Creepage) -> Array:
-        """Slip (2, nx, ny) of surfaces without tractions at a creepage."""
-        return np.asarray(np.tensordot(creepage.motion, self._modes, axes=1) - self._drawn)
-
-    def _found(
-        self, creepage: Creepage, slip: Array, start: TangentialSolution | None
-    ) -> TangentialSolution:
-        """Solution for a slip (2, nx, ny) of surfaces without tractions. start: solution from which
-        the iterations begin, or None.
-        """
+        slip = self._slip(creepage)
         guess = None if start is None else start.traction
         traction = self._tractions.solve(slip, TOLERANCE, guess)
         left = np.where(self._bound > 0, slip - self._influence(traction), 0)
@@ -238,6 +219,18 @@ class HalfSpaceFriction:
             left,
             self._tractions.steps,
         )
+
+    def stiffness(self, found: TangentialSolution) -> Array:
+        """Derivatives (2, 2) of the forces along and across by the creepages along and across, N
+        (of a shift N/mm), at a solution of this patch.
+        """
+        slip = self._slip(found.creepage)
+        changes = self._tractions.changes(found.traction, slip, self._modes[:2])
+        return np.asarray(np.einsum("fcij,mcij->fm", self._modes[:2], changes) * found.cell)
+
+    def _slip(self, creepage: Creepage) -> Array:
+        """Slip (2, nx, ny) of surfaces without tractions at a creepage."""
+        return np.asarray(np.tensordot(creepage.motion, self._modes, axes=1) - self._drawn)
 
 
 def plane_modes(x: Array, y: Array) -> Array:

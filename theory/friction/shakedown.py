@@ -42,8 +42,8 @@ def shakedown_limit(friction: float, poisson: float, used: float | None = None) 
     """Largest p0/k (largest pressure over yield stress in shear) at which a line contact shakes
     down, to 1e-3.
 
-    friction: coefficient; poisson: Poisson's ratio; used: tangential over normal force in steady
-        rolling with Carter's tractions; None: the whole patch slips.
+    friction: coefficient; poisson: Poisson's ratio; used: tangential over normal force, not
+        negative, in steady rolling with Carter's tractions; None: the whole patch slips.
     """
     share = 1.0 if used is None or not friction else min(used / friction, 1.0)
     stick = math.sqrt(1 - share)

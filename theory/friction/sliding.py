@@ -124,8 +124,8 @@ def _strip_waves(contact: LineContact, s: Array, depth: Array) -> tuple[Waves, W
 def _ellipse_waves(
     contact: Ellipse, e: tuple[float, float], s: Array, depth: Array
 ) -> tuple[Waves, Waves]:
-    """I_0 and I_1, (n,) complex: sums of the waves exp(-k depth) and k depth exp(-k depth) of an
-    ellipse in the direction e (unit vector) at s = x e_x + y e_y and depths (n,), mm.
+    """I_0 and I_1, (n,) complex, MPa: sums of the waves exp(-k depth) and k depth exp(-k depth)
+    of an ellipse in the direction e (unit vector) at s = x e_x + y e_y and depths (n,), mm.
     """
     m = math.hypot(contact.a * e[0], contact.b * e[1])
     C = math.pi * contact.a * contact.b * contact.p0 / (2 * m)
