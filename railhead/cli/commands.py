@@ -22,7 +22,7 @@ import click
 from railhead import __version__
 from railhead.run import process
 from railhead.scene import catalogue
-from railhead.scene.scene import Scene, SceneError, unit_questions
+from railhead.scene.scene import Effects, Scene, SceneError, unit_questions
 
 if TYPE_CHECKING:
     from railhead.cli.geometry import ExaminedProfile, Location
@@ -34,10 +34,26 @@ PROCESSES.name = "number of processes; give a whole number from 1 on"
 SERIAL = ("list", "plan", "show", "locate", "profile")  # commands of which MPI prints one copy
 
 
+def _completing(words: Callable[[], Iterable[str]]) -> Callable[..., list[str]]:
+    """A function by which click completes a word in a shell, of a function that returns words."""
+    return lambda context, parameter, begun: [each for each in words() if each.startswith(begun)]
+
+
+def _keys() -> list[str]:
+    """Beginnings of assignments, "load=", "rail.profile=", of all keys of a scene."""
+    sections = Scene(load=1.0).model_dump()
+    inner = ((name, of) for name, of in sections.items() if isinstance(of, dict))
+    return [
+        *(f"{name}=" for name, of in sections.items() if not isinstance(of, dict)),
+        *(f"{name}.{key}=" for name, of in inner for key in of),
+    ]
+
+
 _over = click.option(
     "--over",
     "lists",
     multiple=True,
+    shell_complete=_completing(_keys),
     metavar="KEY=VALUES",
     help="Values of a key: 25kN,50kN or first:last:step, 0:10:0.5mm.",
 )
@@ -48,17 +64,25 @@ _over_file = click.option(
 )
 _force = click.option("--force", is_flag=True, help="Replace another result in --out.")
 _set = click.option(
-    "--set", "assignments", multiple=True, metavar="KEY=VALUE", help="Change a key of the scene."
+    "--set",
+    "assignments",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="Change a key of the scene.",
+    shell_complete=_completing(_keys),
+)
+_case = click.argument("case", shell_complete=_completing(catalogue.shipped))
+_effect = functools.partial(
+    click.option,
+    multiple=True,
+    metavar="NAME",
+    shell_complete=_completing(lambda: Effects.model_fields),
 )
 _scene_options = (
-    click.argument("case"),
+    _case,
     _set,
-    click.option(
-        "--with", "switched_on", multiple=True, metavar="NAME", help="Simulate this effect."
-    ),
-    click.option(
-        "--without", "switched_off", multiple=True, metavar="NAME", help="Leave this effect out."
-    ),
+    _effect("--with", "switched_on", help="Simulate this effect."),
+    _effect("--without", "switched_off", help="Leave this effect out."),
     click.option("--fast", is_flag=True, help="Half-spaces: --without finite_bodies."),
 )
 _report_options = (
@@ -362,7 +386,7 @@ def show(folder: Path, unit_names: str | None, as_json: bool) -> None:
 
 
 @railhead.command()
-@click.argument("case")
+@_case
 @_set
 @click.option("--shift", help="Lateral shift of the wheelset, e.g. 3mm.")
 @click.option("--yaw", help="Yaw of the wheelset, e.g. 2mrad.")

@@ -223,3 +223,22 @@ def test_non_convergence_is_status_1_with_its_history(tmp_path, monkeypatch, cap
     summary = json.loads((tmp_path / "results/two_cylinders/summary.json").read_text())
     assert summary["checks"]["converged"] is False
     assert len(summary["newton"]["history"]) == 1
+
+
+@pytest.mark.parametrize(
+    ("words", "found"),
+    [("run her", ["hertz_ellipse"]),
+     ("locate x --set rail.st", ["rail.steel=", "rail.stress_strain="]),
+     ("sweep x --over loa", ["load="]), ("plan x --without plasti", ["plasticity"])],
+)  # fmt: skip
+def test_a_shell_completes_cases_keys_and_effects(words: str, found: list[str]) -> None:
+    given = ["railhead", *words.split()]
+    asked = {
+        "_RAILHEAD_COMPLETE": "bash_complete",
+        "COMP_WORDS": " ".join(given),
+        "COMP_CWORD": str(len(given) - 1),
+    }
+    done = subprocess.run(
+        command.START, env=command.environment() | asked, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.splitlines() == [f"plain,{each}" for each in found]
