@@ -46,8 +46,8 @@ class LoadCase:
     force: further forces on the meshed part, on all owned dofs, N; None: zero.
     support_displacement: displacement prescribed at the supported faces beside far field and
         approach, on all owned dofs, mm; None: zero.
-    tolerance: Newton's tolerance for elastic bodies, residual over the contact force; None: that of
-        the setup.
+    tolerance: Newton's tolerance for elastic bodies, norm of the residual over that of the nodal
+        contact forces; None: that of the setup.
     """
 
     load: float = 0.0

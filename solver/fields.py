@@ -20,7 +20,7 @@ from railhead.solver.space.kinematics import SOLID, Kinematics
 @dataclass(frozen=True, kw_only=True)
 class ContactFields:
     """Values at q quadrature points on the f facets of the slave's contact surface, in space. Those
-    from which the normal misses the other body are left out.
+    from which the normal misses the other body, or where the exact gap is not finite, are left out.
 
     points: undeformed position (q, 3), mm.
     weights: area of each point (q,) in the meshed part, mm2: of a plane section times its
@@ -49,7 +49,8 @@ class ContactFields:
 @dataclass(frozen=True, kw_only=True)
 class Fields:
     """Solution at the n nodes of the m cells of the meshed part, in space; a plane section lies in
-    its plane. Nodes are those of the displacement, with cells of degree 2 also on edges.
+    its plane. Nodes are those of the displacement: of cells of degree 2 also on edges, in hexahedra
+    and quadrilaterals inside faces and cells, too.
 
     points: undeformed position of the nodes (n, 3), mm.
     displacement: displacement of the nodes (n, 3), mm.

@@ -48,7 +48,8 @@ class ContactBody:
 class LoadPath:
     """Load history of bodies that may yield.
 
-    steps: number of equal load steps from first yield up to the load, in each cycle.
+    steps: number of equal load steps from first yield up to the load; further cycles end their
+        steps at the same shares of the load.
     cycles: number of times that the load is applied, at least 1; between two of them it is lowered
         but not removed.
     unload: whether the load is removed at the end, so that the residual state is computed.
@@ -113,7 +114,8 @@ class Setup:
     far_field: displacement prescribed at both supports beside the rigid motion; None: zero.
     load_control: True: the load along `direction` is prescribed and the approach unknown; False:
         the reverse.
-    linear: method for linear systems, one of `LINEAR_SOLVERS`.
+    linear: method for linear systems, one of `LINEAR_SOLVERS`: a factorisation, multigrid, or
+        'auto', which factorises small systems.
     tolerance: of Newton's method: norm of the residual over that of the nodal contact forces.
     kinematics: what the mesh coordinates stand for in space: their axes and origin, the thickness
         of a plane section (mm), whether a section is revolved, and whether the volume strain is

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from railhead.solver.algebra.problem import Mask
 from railhead.solver.contact_system import ContactSystem, LoadCase
 from railhead.solver.friction.condensation import ContactCompliance, StaticCondensation
 from railhead.solver.friction.coulomb import TINY, CoulombContact, TangentialState
@@ -160,15 +159,20 @@ class FrictionHistory:
         """Solution under another share of the load and the present tractions.
 
         Points that come into contact on the way are at rest with respect to the displacement at
-        that moment, interpolated between the two shares of the load.
+        that moment, interpolated between the two shares of the load. The length of the patch is
+        taken to grow evenly: where p = p0 sqrt(1 - r^2), its border passes a point at r.
         """
         before, self.load_share = self._relative_displacement(), share
         solution = self._press_again(solution)
+        pressure, active = self.contact.pressure, self.contact.active
         if self.rest is not None:
-            came = self._contact_times(self.was_active)[:, None]
+            height = np.clip(pressure / pressure[active].max(), 0.0, 1.0)
+            r = np.where(active, np.sqrt(1 - height**2), 1.0)
+            edge = np.min(r[active & ~self.was_active], initial=1.0)
+            came = np.clip((r - edge) / max(1 - edge, TINY), 0.0, 1.0)[:, None]
             new = before + came * (self._relative_displacement() - before)
             self.rest = np.where(self.was_active[:, None], self.rest, new)
-        self.was_active = self.contact.active
+        self.was_active = active
         return solution
 
     def _press_again(self, solution: Solution) -> Solution:
@@ -186,20 +190,6 @@ class FrictionHistory:
         solution = self.response.press_again(solution, case)
         self.contact = self.condensation.linearised(self.contact, solution, self.nodal)
         return solution
-
-    def _contact_times(self, before: Mask) -> Array:
-        """Moment at which each point came into contact, as a share of the load step (n,), 0 at its
-        start and 1 at its end.
-
-        The length of the patch is taken to grow evenly. Where p = p0 sqrt(1 - r^2), its border
-        passes a point at r.
-        before: (n,) points in contact at the start of the step.
-        """
-        pressure, active = self.contact.pressure, self.contact.active
-        share = np.clip(pressure / pressure[active].max(), 0.0, 1.0)
-        r = np.where(active, np.sqrt(1 - share**2), 1.0)
-        edge = np.min(r[active & ~before], initial=1.0)
-        return np.clip((r - edge) / max(1 - edge, TINY), 0.0, 1.0)
 
     def _relative_displacement(self) -> Array:
         """Tangential displacement of the wheel's surface relative to the rail's (n, k), mm, rigid

@@ -107,8 +107,9 @@ def _around(boxes: Array) -> Array:
 
 
 def _window(used: NDArray[np.bool_], domain: Array, fine: bool) -> tuple[float, float]:
-    """Middle and half width (mm) of the next domain along one axis. used: cells with pressure (n,);
-    domain: present middle and half width; fine: the domain may only grow.
+    """Middle and half width (mm) of the next domain along one axis; twice as wide, towards the
+    border, where the patch meets one. used: cells with pressure (n,); domain: present middle and
+    half width; fine: the domain may only grow.
     """
     (middle, half), n, (first, last) = domain, used.size, np.flatnonzero(used)[[0, -1]]
     if first == 0 or last == n - 1:

@@ -96,8 +96,8 @@ def coefficients(axis_ratio: float, poisson: float) -> Coefficients:
 
 
 class _Basis:
-    """Products of Legendre polynomials in x/a and y/b up to a total degree DEGREE, over the root
-    sqrt(1 - x^2/a^2 - y^2/b^2), as tractions on an ellipse.
+    """Tractions on an ellipse: m products of Legendre polynomials in x/a and y/b up to a total
+    degree DEGREE, over the root sqrt(1 - x^2/a^2 - y^2/b^2).
 
     a, b: semi-axes along and across.
     places: collocation points x (n,), y (n,) in the ellipse.
@@ -118,9 +118,9 @@ class _Basis:
         return np.asarray(products[..., self._used])
 
     def displacements(self, poisson: float) -> Array:
-        """Matrix (2 n, 2 m): tangential displacements along, then across, at the n places by the m
-        tractions along, then across, for G = 1. Cerruti's integral in polar coordinates, over
-        chords through each place and over their angles.
+        """Matrix (2 n, 2 m): tangential displacements of both surfaces apart, along, then across,
+        at the n places by the m tractions along, then across, for G = 1. Cerruti's integral in
+        polar coordinates, over chords through each place and over their angles.
         """
         a, b, (x, y) = self.a, self.b, self.places
         count = 2 * DEGREE + int(20 * max(a / b, b / a))
