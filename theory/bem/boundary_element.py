@@ -22,8 +22,11 @@ from railhead.theory.bem.patch import Grid, PatchSolution
 
 Array = NDArray[np.float64]
 Gap = Callable[[Array, Array], Array]
+"""Places x (n,), s (n,), mm -> undeformed gap (n,), mm, +inf where the bodies do not face."""
 Angle = Callable[[Array], Array]
+"""Places s (n,), mm -> tilt (n,) of the surface's normal from the load, rad."""
 Window = tuple[tuple[float, float], tuple[float, float]]
+"""Centre and half sizes of a rectangle, each (x, s), mm."""
 SEARCH_CELLS, SEARCHES, ITERATIONS = 64, 60, 3000  # cells an axis in the search, and its limits
 FAR = 1e9  # mm; a wider gap never closes
 

@@ -52,7 +52,7 @@ def merged(domains: Sequence[Array]) -> list[Array]:
 
 def towards(gap: Array, domain: Array, grid: Grid) -> Array:
     """Domain (2, 2) around the cell of the smallest gap (n, n). Where that cell lies on the border,
-    it is twice as wide in that direction and as wide in the other; else an eighth as wide in both.
+    the domain becomes twice as wide in that direction; else an eighth as wide in both directions.
     """
     i, j = np.unravel_index(int(np.argmin(gap)), gap.shape)
     border = np.isin((i, j), (0, gap.shape[0] - 1))

@@ -108,9 +108,9 @@ def contact(
     poisson: Poisson's ratios of both bodies.
     length: length of the line, mm.
     across: whether the width of the strip runs across the rail.
-    ValueError: a load, curvature or length that is not positive and finite, a modulus not above 0
-        (infinite is rigid), a Poisson's ratio outside of (-1, 0.5], two rigid bodies, or an
-        approach that no half width below the radius makes.
+    ValueError: a load, curvature or length that is not positive and finite; a modulus not above 0
+        (infinite is rigid); a Poisson's ratio outside of (-1, 0.5]; two rigid bodies; an approach
+        that no half width below the radius makes.
     """
     if not (0 < curvature < math.inf and 0 < length < math.inf):
         raise ValueError(f"curvature and length must be positive, got {curvature}, {length}")
