@@ -22,7 +22,8 @@ docs: setup
 	    cp results/$$study/*.csv docs/; \
 	    cp results/$$study/*.png docs/ 2>/dev/null || true; \
 	done
-	PYTHONPATH=. .venv/bin/python -P tests/pages.py docs/tutorial.md docs/nitsche.md docs/gallery.md
+	PYTHONPATH=. .venv/bin/python -P tests/pages.py docs/tutorial.md docs/nitsche.md docs/gallery.md \
+	    docs/howto-*.md docs/contact-program.md
 	.venv/bin/railhead run uic54_thesis
 	cp results/uic54_thesis/wheel_rail.png docs/uic54_thesis.png
 
