@@ -206,10 +206,12 @@ def rigid_modes(
     """Orthonormal rigid motions in the free unknowns, as the near-nullspace of algebraic multigrid.
 
     points: position of the owned block dofs (n, c), mm. reduction: map from free unknowns to dofs.
-        Motions that the supports exclude are left out. Each rank turns its nodes about the mean of
-        its own points (collective).
+        Motions that the supports exclude are left out. Rotations are about the mean of the points
+        of all ranks (collective).
     """
-    centred = points - points.mean(axis=0) if len(points) else points
+    comm = reduction.matrix.comm.tompi4py()
+    *total, count = comm.allreduce(np.append(points.sum(axis=0), len(points)))
+    centred = points - np.array(total) / count
     modes: list[PETSc.Vec] = []
     for motion in kinematics.rigid_motions(centred):
         full = vector(reduction.matrix, motion)
