@@ -8,6 +8,7 @@ from typing import Any
 
 import command
 import numpy as np
+import pint
 import pytest
 from pydantic import ValidationError
 from scene_keys import ARC_RAIL, ARC_WHEEL, HALF, scene
@@ -220,6 +221,18 @@ def test_usual_and_small_models_are_not_asked_about() -> None:
         assert not list(unit_questions(rh.find(case))), case
     soft = ["rail.young_modulus=20", "load=30"]
     assert not list(unit_questions(rh.find("sphere_on_plane").replace(soft)))
+
+
+def test_quantities_of_pint_are_read() -> None:
+    """Of a registry of the script's own."""
+    of = pint.UnitRegistry()
+    asked = rh.find("uic54_thesis").replace(
+        load=25.5 * of.kN, wheel={"young_modulus": 207 * of.GPa, "rolling_radius": 0.42 * of.m}
+    )
+    assert (asked.load, asked.wheel.young_modulus) == (25500.0, 207000.0)
+    assert asked.wheel.rolling_radius == 420.0
+    with pytest.raises(SceneError, match="load: .*is not a force"):
+        asked.replace(load=3 * of.s)
 
 
 def test_of_several_scenes_the_first_wrong_value_of_a_key_is_asked_about() -> None:
