@@ -139,6 +139,19 @@ def test_rows_of_the_table_come_out(number: int) -> None:
         assert float(estimate[1]) == pytest.approx(100 * largest, abs=0.015)
 
 
+@pytest.mark.slow
+def test_yield_changes_the_last_row_by_what_it_says() -> None:
+    found = solved("uic54_22t5_axle")
+    elastic = found.as_dict()["elastic"]
+    numbers = [
+        found.pressure.max, found.patch.area,
+        elastic["pressure"]["max_MPa"], elastic["patch"]["area_mm2"],
+    ]  # fmt: skip
+    said = re.search(r"(\d+) MPa on (\d+) mm2 instead of (\d+) on (\d+)", README)
+    assert said is not None
+    assert [float(number) for number in said.groups()] == pytest.approx(numbers, rel=0.004)
+
+
 def test_the_citation_is_of_this_version() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     assert f"\nversion: {project['version']}\n" in (ROOT / "CITATION.cff").read_text()
