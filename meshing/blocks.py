@@ -111,8 +111,8 @@ def restore_model(found: ModelSnapshot) -> Iterator[Any]:
 
 
 def _wire(body: Body, *, flat: bool = False) -> list[int]:
-    """Add the section of a body to gmsh's current model; returns the tags of its curves, a closed
-    chain in the order of `body.section`.
+    """Add the section of a body to the OpenCASCADE kernel of gmsh's current model, without
+    synchronising; returns the tags of its curves, a closed chain in the order of `body.section`.
 
     flat: whether the section is drawn in gmsh's plane z = 0, with y and z of space as gmsh's x and
         y, instead of in its place in space. A curve with a centre becomes a circular arc, one with

@@ -120,7 +120,9 @@ def condensed_friction(
     model: ContactModel, response: ElasticResponse, case: LoadCase, pressed: Solution
 ) -> Solution:
     """Solution with friction of a pressed contact by static condensation to its contact points
-    (collective).
+    (collective). case: that of `pressed`. A solution that did not converge is returned too, see
+    `Solution.newton`. Raises ValueError where something rolls and a surface ends upstream of the
+    patch.
     """
     assert model.setup.friction is not None
     return FrictionHistory(model, response, model.setup.friction, case, pressed).solve()

@@ -111,7 +111,9 @@ class Setup:
     law: contact law, Nitsche's method or a penalty.
     direction: unit vector of the approach, from the moving body towards the fixed one.
     planes: (facet tag, unit normal) of each symmetry plane.
-    far_field: displacement prescribed at both supports beside the rigid motion; None: zero.
+    far_field: (load N of the whole model, body tag, points (n, 3) mm) -> displacement (n, 3), mm,
+        of both supports beside the rigid motion; None: zero, and a load cannot be given with an
+        approach.
     load_control: True: the load along `direction` is prescribed and the approach unknown; False:
         the reverse.
     linear: method for linear systems, one of `LINEAR_SOLVERS`: a factorisation, multigrid, or

@@ -95,7 +95,7 @@ def _check_request(folder: Path, request: dict[str, Any]) -> None:
 
 
 def _flat(table: Mapping[str, Any], above: str = "") -> dict[str, Any]:
-    """Values of nested tables by dotted key. above: prefix of the keys."""
+    """Values of nested tables by dotted key. above: prefix of the keys with its dot, 'mesh.'."""
     values: dict[str, Any] = {}
     for key, value in table.items():
         nested = isinstance(value, Mapping)

@@ -262,11 +262,12 @@ class StaticCondensation:
     def linearised(
         self, contact: ContactCompliance, solution: Solution, nodal: Array
     ) -> ContactCompliance:
-        """Compliance with the last four fields replaced by those of another solution; the matrices
-        and the stiffness stay those of the pressed contact.
+        """Compliance linearised around another solution: `active` is that of the solution, and
+        `trial_traction`, `displacement` and `pressure` are its own less the elastic effect of the
+        nodal tractions. The matrices and the stiffness stay those of the pressed contact.
 
         solution: solution of the bodies under the nodal tractions.
-        nodal: nodal tractions (m,), MPa, whose elastic effect is subtracted (collective).
+        nodal: nodal tractions (m,), MPa (collective).
         """
         active, trial, displacement, pressure = self._linearisation(solution)
         elastic = contact.displacement_compliance @ nodal

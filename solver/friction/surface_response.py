@@ -155,7 +155,8 @@ class SurfaceResponse:
     def at(self, places: Array, normal: Array, mirrors: tuple[Array, ...]) -> SurfacePoints:
         """Points of the surfaces at places (n, 3) in space, mm, near the slave (collective). From a
         place the unit normal (3,) is followed to the slave, from there the slave's own normal to
-        the other body.
+        the other body. A place from which either body is missed has no point: `met` (n,) says which
+        have one.
 
         mirrors: unit normals (3,), along axes of space, of the symmetry planes through the origin
             that the patch meets; places behind one, where x . normal < 0, have the mirrored

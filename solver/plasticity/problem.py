@@ -226,8 +226,9 @@ class PlasticProblem(ContactProblem):
 
     @property
     def yielding_operators(self) -> tuple[PETSc.Mat, PETSc.Mat]:
-        """Rows of the strain matrices at the Gauss points and at the contact points that yield in
-        the last state; made at the first use after `indicator` (collective).
+        """Strains per free unknown at the points that yield in the last state, m rows a point: at
+        the Gauss points, and of the slave's material at the contact points; made at the first use
+        after `indicator` (collective).
         """
         if self._yielding_operators is None:
             self._yielding_operators = (

@@ -182,7 +182,8 @@ def _size(patch: _Patch, around: list[_Body]) -> float:
 
 def _conformity(patch: _Patch, contact_modulus: float) -> float:
     """Sum of 1 - cos of three slopes: half the range of the normals in a patch, and the slopes of
-    the gap at its ends along and across.
+    the gap at its ends along and across, by Hertz's pressure on the half lengths of the patch and
+    its force. contact_modulus: E*, MPa.
     """
     a, b = patch.half_extents
     unit = patch.force / (math.pi * contact_modulus)
