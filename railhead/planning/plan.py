@@ -360,10 +360,10 @@ class Plan:
 
     @property
     def seconds(self) -> float:
-        """Predicted seconds of the whole process with one mesh: imports and `solving`, pictures not
-        included.
+        """Predicted seconds of the whole process with one mesh: imports, `solving` and passes,
+        pictures not included.
         """
-        return cost.START + self.solving
+        return cost.START + self.solving + self._seconds_of_passes
 
     @property
     def solving(self) -> float:
@@ -382,6 +382,14 @@ class Plan:
         elif self.effects["friction"].on and not self.section:
             more += cost.CONDENSING * self.unknowns / cost.CONDENSING_AT
         return cost.correction() * (self.cost.time(self.unknowns) * (1 + more) + beside)
+
+    @property
+    def _seconds_of_passes(self) -> float:
+        """Predicted seconds of the passes over a rail that yields; 0 without them."""
+        if not self.effects["passes"].on:
+            return 0.0
+        first, each = cost.PASSES[self.contact.line]
+        return cost.correction() * (first + each * (self.scene.rolling.passes or 0))
 
     @property
     def condenses(self) -> bool:
@@ -413,7 +421,8 @@ class Plan:
             each += cost.YIELD_BYTES
         if self.effects["friction"].on:
             each += cost.CONDENSING_BYTES if self.condenses else cost.FRICTION_BYTES
-        return cost.BASE_BYTES + each * self.unknowns
+        passes = cost.PASS_BYTES[self.contact.line] if self.effects["passes"].on else 0
+        return cost.BASE_BYTES + max(each * self.unknowns, passes)
 
     @property
     def seconds_of_two(self) -> float:

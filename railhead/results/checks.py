@@ -38,6 +38,8 @@ SHEAR_OVER_PRESSURE = (0.2, 0.6)
 """Largest shear stress over largest pressure: 0.266 to 0.488 in Hertz's ellipses of any axis ratio
 and Poisson's ratio (theory.elastic.subsurface), a quarter more room."""
 MISES_READING = 0.01  # relative: what reading two largest values apart from each other may cost
+RIM_LIMIT = 0.01  # of the largest plastic increment of a pass
+ENERGY_LIMIT = 0.03  # relative: what a coarse block may miss
 STRAIN_LIMIT = 0.2
 """p0/E*, which of a circle is 2/pi a/R and of a line a/(2 R): a sphere's patch then has 0.31 of its
 radius, and Tabor's representative strain 0.2 a/R (from memory) is 6 %. The limit is a choice."""
@@ -148,6 +150,41 @@ def friction(
         *forces(solved, estimates, other),
         *shift(solved, other),
     ]
+
+
+def passes(solved: Solved) -> Iterator[Check]:
+    """Checks of the passes of a wheel over a rail that yields: each met the tolerance of its fixed
+    point, nothing yields at the rim of the region where yield is followed, and in contact the
+    resistance of the leaning pressure is what yield takes: plastic work, and the elastic energy
+    that residual stresses keep. None without passes.
+    """
+    found = solved.passes
+    if found is None:
+        return
+    yield Check(
+        name="passes_converged",
+        value=0.0 if found.converged else 1.0,
+        limit=0.0,
+        source=found.reason or "the fixed point of every pass, to 1e-4 of the yield stress",
+        advice="give a smaller load, or rail.hardening_modulus",
+    )
+    if found.reason:
+        return
+    yield Check(
+        name="passes_rim",
+        value=found.rim,
+        limit=RIM_LIMIT,
+        source="strain at the rim of the region where yield is followed, over the largest",
+        advice="give a smaller load",
+    )
+    if found.energy_error is not None:
+        yield Check(
+            name="passes_energy",
+            value=found.energy_error,
+            limit=ENERGY_LIMIT,
+            source="resistance of the leaning pressure, over plastic work and elastic energy kept",
+            advice="give a smaller mesh.patch_size",
+        )
 
 
 def summary(checks: list[Check], missing: Mapping[str, str]) -> dict[str, Any]:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     Grids = tuple[meshio.Mesh, meshio.Mesh]
 
-TABLE = "result.csv"
+TABLE, PASSES = "result.csv", "passes.csv"
 
 
 def write(
@@ -49,6 +49,8 @@ def write(
     """
     with result(folder, "run", solved.plan.scene, summary) as (work, attempt):
         (work / TABLE).write_bytes(result_folder.encoded(quantity_rows.everything(summary)))
+        if solved.passes is not None and solved.passes.rows:
+            (work / PASSES).write_bytes(result_folder.encoded(solved.passes.table()))
         stresses: Array | None = None
         grids: Grids | None = None
         found = _titled(solved)
@@ -167,6 +169,17 @@ def _drawings(
                 poisson,
                 title=found.subject.title,
             )
+    if solved.passes is not None and solved.passes.rows:
+        from railhead.postprocess.pictures.plots import passes_plots
+
+        every["passes.png"] = partial(
+            passes_plots.draw,
+            solved.passes.rows,
+            [each.below() for each in solved.passes.sections],
+            [(each.y, each.up) for each in solved.passes.sections],
+            solved.passes.half_lengths,
+            found,
+        )
     if friction is not None:
         coefficient = solved.plan.scene.friction.coefficient
         every["friction.png"] = partial(

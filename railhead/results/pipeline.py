@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
 from mpi4py import MPI
 
 from railhead.planning import cost
@@ -14,6 +17,10 @@ from railhead.run.mesh_solution import MeshSolution
 from railhead.run.progress import Progress
 from railhead.run.refinement import Ending, refine, unplanned_yield
 from railhead.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from railhead.postprocess.passes import Passes
+    from railhead.run.half_spaces.answer import Solved
 
 
 def run(
@@ -36,24 +43,40 @@ def solve(plan: Plan, progress: Progress, comm: MPI.Intracomm = MPI.COMM_WORLD) 
     """
     if plan.by_half_spaces:
         solved = answer.solve(plan, progress)
+        solved = replace(solved, passes=_passes(solved, progress))
         return Result(solved, summarise_half_spaces(solved))
     levels, ending = refine(plan, progress, comm)
     if why := unplanned_yield(levels[-1], comm):
         levels, ending = refine(plan.with_yield(why), progress, comm)
     if comm.size == 1:
         _record_speed(levels)
-    return result(levels, ending, comm)
+    return result(levels, ending, progress, comm)
 
 
-def result(levels: list[MeshSolution], ending: Ending, comm: MPI.Intracomm) -> Result:
-    """Result of the last of some meshes, with error estimates from all of them; collective. Its
-    summary is the same on all ranks, fields and findings are on rank 0 only.
+def result(
+    levels: list[MeshSolution], ending: Ending, progress: Progress, comm: MPI.Intracomm
+) -> Result:
+    """Result of the last of some meshes, with error estimates from all of them, and with passes
+    over a rail that yields where the plan has them; collective. Its summary is the same on all
+    ranks, fields, findings and passes are on rank 0 only.
 
     levels: the solved meshes of this rank, coarsest first.
     ending: why there are no more meshes.
     """
-    solved = levels[-1]
+    solved = replace(levels[-1], passes=_passes(levels[-1], progress))
+    levels = [*levels[:-1], solved]
     return Result(solved, comm.bcast(None if solved.fields is None else summarise(levels, ending)))
+
+
+def _passes(solved: Solved, progress: Progress) -> Passes | None:
+    """Passes of the wheel of a solved scene over its rail, on this process alone; None where the
+    plan has none, nothing touches, or off rank 0.
+    """
+    if not solved.plan.effects["passes"].on or solved.result is None:
+        return None
+    from railhead.run.half_spaces import passes_of_scene
+
+    return passes_of_scene.solve(solved, progress)
 
 
 def _record_speed(levels: list[MeshSolution]) -> None:

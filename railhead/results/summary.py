@@ -48,6 +48,7 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
         beside = None if rubbed is None else {"scene": second}
     judged = checks.run(solved, known, second, reached=reached)
     judged += checks.friction(solved, known, beside)
+    judged += checks.passes(solved)
     cost, missing = ending.would_cost, checks.not_made(solved, judged, second, beside)
     return _summary(
         solved,
@@ -108,7 +109,7 @@ def summarise_half_spaces(solved: HalfSpaceSolution) -> dict[str, Any]:
             "levels": [],
         },
         checks={
-            **checks.summary(list(checks.half_spaces(solved, bound)), missing),
+            **checks.summary([*checks.half_spaces(solved, bound), *checks.passes(solved)], missing),
             "converged": solved.result is not None,
             "max_penetration_mm": 0.0,
         },
@@ -180,8 +181,8 @@ def _peak_memory() -> float:
 
 
 def _more(solved: Solved) -> dict[str, Any]:
-    """Entries "plastic" and "friction" (and effects on the steel) of "result" in summary.json;
-    those that do not apply are missing.
+    """Entries "plastic", "friction" (and effects on the steel) and those of passes of "result" in
+    summary.json; those that do not apply are missing.
     """
     out: dict[str, Any] = {} if solved.residual_state is None else {"plastic": _plastic(solved)}
     if solved.result is not None and (found := solved.result.get("friction")):
@@ -197,6 +198,8 @@ def _more(solved: Solved) -> dict[str, Any]:
             line=plan.contact.line,
         )
         out["friction"] = found | axle | stresses
+    if solved.passes is not None and solved.passes.rows:
+        out |= solved.passes.summary()
     return out
 
 

@@ -32,6 +32,7 @@ from railhead.run.progress import Progress
 from railhead.theory.elastic.contacts import Hertz
 
 if TYPE_CHECKING:
+    from railhead.postprocess.passes import Passes
     from railhead.postprocess.patch.moments import PressureMoments
     from railhead.postprocess.stress.plastic import ResidualState
     from railhead.solver.contact import ContactModel
@@ -68,6 +69,7 @@ class MeshSolution:
         yields and off rank 0.
     load_step_errors: relative error by key of the usual number of load steps; empty where it was
         not measured.
+    passes: of the wheel over the rail; None where there are none, and off rank 0.
     """
 
     plan: Plan
@@ -83,6 +85,7 @@ class MeshSolution:
     elastic_reference: MeshSolution | None = None
     residual_state: ResidualState | None = None
     load_step_errors: Mapping[str, float] = field(default_factory=dict)
+    passes: Passes | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         """The attributes without mesh and space of dolfinx, which cannot be pickled."""

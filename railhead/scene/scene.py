@@ -204,6 +204,11 @@ class Scene(Section):
                 "is not allowed beside a force of [friction]; give one",
             ),
             (
+                rolling.passes is not None and self.cycles > 1,
+                "cycles",
+                f"{self.cycles} is not allowed beside rolling.passes; give one",
+            ),
+            (
                 friction.cycle and not shifted,
                 "friction.cycle",
                 "true is not allowed without a force of [friction]",

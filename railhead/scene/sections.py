@@ -442,6 +442,9 @@ class Rolling(Section):
         tangent to the field side; the creepage follows. None: not given.
     spin: 1/mm, angular velocity about the normal out of the rail over the rolling speed.
     speed: m/s, for the friction power and the flash temperature; None: neither is computed.
+    passes: how often the wheel rolls over a rail that yields, 1 to 1000; None: not simulated.
+    pressure: beside passes, "contact": the pressure follows from the rail as the passes leave it;
+        "hertz": the elastic pressure is kept.
     """
 
     from_wheelset: bool = False
@@ -452,6 +455,8 @@ class Rolling(Section):
     force_across: units.SignedForce | None = None
     spin: units.Spin = 0.0
     speed: units.Speed | None = None
+    passes: units.Passes | None = None
+    pressure: Literal["contact", "hertz"] = "contact"
 
     @model_validator(mode="after")
     def _one_of_each(self) -> Self:
@@ -477,6 +482,11 @@ class Rolling(Section):
                 self.speed is not None and not self.prescribed,
                 "speed",
                 "is not allowed without a creepage, spin or force; give one",
+            ),
+            (
+                self.pressure != "contact" and self.passes is None,
+                "pressure",
+                f"{self.pressure} is not allowed without passes",
             ),
         )
         return self
@@ -524,6 +534,10 @@ class Effects(Section):
         where bodies roll or differ in material.
     friction: on: Coulomb friction. off: frictionless contact. on is not allowed for a coefficient
         of 0, and where half-spaces cannot answer it.
+    passes: on: the wheel rolls rolling.passes times over a rail that yields. off: it does not. on
+        is not allowed without rolling.passes.
+    plasticity_wheel: off accepts that passes leave out the yield of the wheel. on is not allowed,
+        as passes know the yield of the rail alone.
     heat: off accepts that heat is left out where the flash temperature is 100 K or more. on is not
         allowed, as no temperature is simulated.
     """
@@ -542,6 +556,8 @@ class Effects(Section):
     mean_dilatation: Switch = "auto"
     plasticity: Switch = "auto"
     friction: Switch = "auto"
+    passes: Switch = "auto"
+    plasticity_wheel: Switch = "auto"
     heat: Switch = "auto"
 
     def state(self, name: str) -> Switch:

@@ -160,4 +160,4 @@ def _solve_on_shared(
     solved = solve_on_mesh(mesh, model, plan, progress, comm)
     if solved is None or refinement.unplanned_yield(solved, comm):
         return None
-    return pipeline.result([solved], Ending(refinement.ONE_MESH), comm)
+    return pipeline.result([solved], Ending(refinement.ONE_MESH), progress, comm)

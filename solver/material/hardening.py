@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,7 +49,7 @@ class Hardening:
         """Stress at which plastic strain begins, MPa."""
         return self.stress[0]
 
-    @property
+    @cached_property
     def segments(self) -> tuple[Array, Array, Array]:
         """Plastic strain and stress (MPa) of the points (k,), and the slope after each, MPa."""
         strain, stress = np.array(self.strain), np.array(self.stress)
@@ -151,6 +152,16 @@ def deviator(tensors: Array) -> Array:
     return out
 
 
+def yield_radius(state: History, hardening: Hardening) -> Array:
+    """Size (n,) of the deviator of the stress less the back stress beyond which points yield, MPa;
+    state: plastic state of the points.
+    """
+    first = hardening.initial_yield_stress
+    curve, _ = hardening.stress_and_slope(state.equivalent)
+    radius = first + (1 - hardening.kinematic) * (curve - first)
+    return np.asarray(ROOT * radius * (1 + 1e-12))
+
+
 def radial_return(
     strain: Array, mu: Array, before: History, hardening: Hardening
 ) -> tuple[History, TangentReduction]:
@@ -169,8 +180,7 @@ def radial_return(
     share = hardening.kinematic
     first = hardening.initial_yield_stress
     curve, _ = hardening.stress_and_slope(before.equivalent)
-    radius = first + (1 - share) * (curve - first)
-    yielding = np.flatnonzero(size > ROOT * radius * (1 + 1e-12))
+    yielding = np.flatnonzero(size > yield_radius(before, hardening))
     mu, size = mu[yielding], size[yielding]
     normal = trial[yielding] / size[:, None]
     start, curve = before.equivalent[yielding], curve[yielding]

@@ -104,3 +104,13 @@ def test_yield_is_the_same_on_two_ranks(tmp_path) -> None:
         for key, value in one["result"][part].items():
             if isinstance(value, float):
                 assert two["result"][part][key] == pytest.approx(value, rel=1e-6), key
+
+
+@pytest.mark.slow
+def test_passes_are_the_same_on_two_ranks(tmp_path) -> None:
+    """They are solved on one rank, from the load that the scene gives."""
+    keys = "load=1150kN rail.extent=half-space rail.yield_stress=480 mesh.patch_size=2.2"
+    one, more = pair(2, tmp_path, *keys.split(), "rolling.passes=2", case="long_roller")
+    for own, other in zip(one["result"]["passes"], more["result"]["passes"], strict=True):
+        for key in ("strain_increment_max", "forward_mm", "groove_mm", "residual_along_MPa"):
+            assert other[key] == pytest.approx(own[key], rel=1e-6), key

@@ -17,7 +17,7 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
+from scipy.optimize import brentq, minimize
 
 from railhead.theory.elastic import line
 from railhead.theory.friction import sliding
@@ -50,6 +50,18 @@ def shakedown_limit(friction: float, poisson: float, used: float | None = None) 
     x, depth = np.meshgrid(np.linspace(-1.2, 1.2, PLACES), np.linspace(0.0, 1.0, DEPTHS))
     below = _stress(friction, stick, poisson, x.ravel(), depth.ravel())[:, 4]
     return min(float(STRIP.p0 / np.abs(below).max()), surface_limit(friction, poisson, stick))
+
+
+def ellipse_limit(ratio: float) -> float:
+    """Largest p0/k at which an ellipse without friction shakes down, an upper bound: p0 over the
+    largest shear stress xz of the middle plane.
+
+    ratio: half length along the way over that across. With (t^2 - 1)(2 t - 1) = ratio^2 it is
+    2 t (t + 1)/sqrt(2 t - 1): 4 of a line across the way, 4.67 of a circle.
+    """
+    root = brentq(lambda t: (t * t - 1) * (2 * t - 1) - ratio**2, 1.0, 2.0 + ratio)
+    t = float(root)
+    return 2 * t * (t + 1) / math.sqrt(2 * t - 1)
 
 
 def surface_limit(friction: float, poisson: float, stick: float = 0.0) -> float:

@@ -9,7 +9,7 @@ from functools import partial
 from railhead.contact.dimension import Dimension
 from railhead.contact.solid import Contact
 from railhead.planning.context import Context, Effect, PostSolveVerdict
-from railhead.planning.effects import assumptions, interface, material, shape
+from railhead.planning.effects import assumptions, interface, material, passes, shape
 from railhead.postprocess.findings import Findings
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.elastic.contacts import Hertz
@@ -65,6 +65,8 @@ EFFECTS = {
     "plasticity": EffectRules(
         decide=material.decide_plasticity, check=material.check_plasticity, beyond_half_spaces=True
     ),
+    "passes": EffectRules(decide=passes.decide_passes, beyond_half_spaces=True),
+    "plasticity_wheel": EffectRules(decide=passes.decide_plasticity_wheel, beyond_half_spaces=True),
     "heat": EffectRules(
         decide=interface.decide_heat, check=interface.check_heat, beyond_half_spaces=True
     ),
@@ -137,9 +139,13 @@ def left_out(
     effects: decisions by name; after: verdicts on the solution, which count in place of the plan's
         where present.
     Effects that a person overruled, and those that do not change the exact answer, are left out.
+    Passes simulate yield.
     """
     out = {}
+    rolled = "passes" in effects and effects["passes"].on
     for name, each in effects.items():
+        if name == "plasticity" and rolled:
+            continue
         weighed = after.get(name, PostSolveVerdict(each.called_for, each.why))
         if weighed.needed and not (each.on or each.override or EFFECTS[name].numerical_only):
             out[name] = weighed.why

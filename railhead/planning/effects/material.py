@@ -30,6 +30,7 @@ LARGEST_REVOLVED = 0.49
 STEPS = 4
 LINE_STEPS = 16  # the same for a line, where four steps make the strain 20 % too large
 HALF_SPACES = "half-spaces are solved elastically; effects.plasticity=off accepts that"
+IN_PASSES = "it is simulated in the passes of rolling.passes, before them the bodies are elastic"
 DEFAULT_STEEL = "R260"  # rail steel whose yield a scene without a steel is compared with
 
 
@@ -98,6 +99,10 @@ def decide_plasticity(context: Context) -> Effect:
         why += f"; exact Hertz's, as no other is known: {context.elastic}"
     if yields:
         why += _expected(context, over ** (2 if context.contact.line else 3))
+    rolled = scene.rolling.passes is not None and scene.effects.passes != "off"
+    if stresses and rolled:
+        why += f"; {IN_PASSES}" if yields else ""
+        return Effect(yields, False, why, {"on": IN_PASSES})
     refused = {} if stresses else {"on": "no body that deforms has a yield stress"}
     if stresses and not context.decided["finite_bodies"].on:
         refused = {"on": HALF_SPACES}
@@ -132,6 +137,8 @@ def check_plasticity(context: Context, effect: Effect, found: Findings) -> PostS
         return PostSolveVerdict(False, *_steel_yields(context, largest))
     if effect.on:
         return PostSolveVerdict(False, "simulated")
+    if context.decided["passes"].on:
+        return PostSolveVerdict(False, "simulated in the passes")
     over, why = _over_yield(context.scene, stresses)
     yields = over > 1
     cost = ": the elastic answer overstates the pressure and all stresses" if yields else ""

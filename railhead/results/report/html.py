@@ -40,6 +40,7 @@ CAPTIONS = {
     "wheel_rail": "The bodies that were solved, cut open, and their mesh at the contact.",
     "plastic": "What yields, what stays after the load, and the pressure with and without yield.",
     "friction": "Where the patch sticks and slips, and the tractions.",
+    "passes": "Residual stress below the patch by pass, increments by pass, and the groove.",
     "shakedown": "Pressure and traction against the limits of repeated rolling.",
 }
 EFFECTS = {
@@ -56,6 +57,8 @@ EFFECTS = {
     "mean_dilatation": "nearly incompressible material",
     "friction": "friction, traction and creepage",
     "plasticity": "steel that yields",
+    "passes": "a wheel that rolls again and again over a rail that yields",
+    "plasticity_wheel": "yield of the wheel in passes (told, not simulated)",
     "heat": "heat of friction (told, not simulated)",
     "small_patch": "patch small beside the radii (after)",
     "inside_the_bodies": "patch away from the edges (after)",
@@ -85,6 +88,9 @@ CHECKS = {
     "tangential_flux_rail": "the stresses below the patch carry the tangential force, rail",
     "tangential_flux_wheel": "the stresses above the patch carry the tangential force, wheel",
     "accuracy": "the asked accuracy",
+    "passes_converged": "every pass converged",
+    "passes_rim": "no yield at the rim of the region where it is followed",
+    "passes_energy": "resistance to rolling against plastic work",
 }
 HEADINGS = {
     "FE": "finite elements",

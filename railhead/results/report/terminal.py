@@ -26,6 +26,9 @@ ROUNDING = 1e-6  # of the deeper one: less deep is the surface of a body that di
 PAIRED = 30.0  # times first yield beyond which the pairing of the surfaces is felt
 
 
+PASSES_SHOWN = 10  # rows of the table of passes, and the last one
+
+
 def standard() -> Console:
     """Console on standard output, WIDTH characters wide where that is no terminal."""
     console = Console()
@@ -200,6 +203,8 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = DEFAUL
             )
             if rows := quantity_rows.rows(summary, "steel"):
                 _show_rows("what pressure and tractions do to the steel", rows, console, units)
+        if passes := summary["result"].get("passes"):
+            _show_passes(summary["result"], passes, console, units)
         missing = summary["checks"]["not_made"]
         for reason in dict.fromkeys(missing.values()):
             names = ", ".join(name for name in missing if missing[name] == reason)
@@ -282,6 +287,44 @@ def _show_plastic(plastic: Mapping[str, Any], console: Console, units: Units) ->
     )
     for line in lines:
         console.print(line, markup=False, highlight=False)
+
+
+def _show_passes(
+    result: Mapping[str, Any],
+    passes: Sequence[Mapping[str, Any]],
+    console: Console,
+    units: Units,
+) -> None:
+    """Print a table of the passes and their verdict. result: "result" of summary.json; passes: its
+    entry of that name.
+    """
+    table = Table(
+        title="passes (without an estimate)",
+        title_justify="left",
+        box=box.SIMPLE_HEAD,
+        padding=0,
+        show_edge=False,
+    )
+    columns = {
+        "strain_increment_max": ("strain", ""),
+        "forward_mm": ("forward", "mm"),
+        "groove_mm": ("groove", "mm"),
+        "pressure_max_MPa": ("pressure", "MPa"),
+        "lean_mm": ("lean", "mm"),
+        "residual_along_MPa": ("residual along", "MPa"),
+        "residual_across_MPa": ("across", "MPa"),
+    }
+    table.add_column("pass", justify="right")
+    for name, unit in columns.values():
+        shown = f"{name}, {units.unit(unit)}" if unit else name
+        table.add_column(shown, justify="right")
+    shown_passes = sorted({*range(min(PASSES_SHOWN, len(passes))), len(passes) - 1})
+    for number in shown_passes:
+        row = passes[number]
+        cells = (f"{units.value(row[key], unit):.4g}" for key, (_, unit) in columns.items())
+        table.add_row(str(number + 1), *cells)
+    console.print(table)
+    console.print(f"Passes: {result['passes_words']}.", markup=False, highlight=False)
 
 
 def _show_rows(title: str, rows: Sequence[Row], console: Console, units: Units) -> None:

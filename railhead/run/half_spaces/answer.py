@@ -22,6 +22,7 @@ from railhead.planning.references import boundary_elements, closed_forms
 from railhead.planning.references.allowance import added_stress
 from railhead.postprocess import friction
 from railhead.postprocess.findings import Findings
+from railhead.postprocess.passes import Passes
 from railhead.postprocess.patch import compare, half_space
 from railhead.run.half_spaces import normal_contact, tangential_contact
 from railhead.run.half_spaces.normal_contact import CELLS, PressedPatch
@@ -61,6 +62,7 @@ class HalfSpaceSolution:
         summary.json; empty where there are none.
     elastic_reference: the same scene without friction; None where it has none.
     seconds: of the solution and of its reading, s.
+    passes: of the wheel over the rail; None where there are none.
     fields, residual_state: None; there is no mesh, and no yield is simulated.
     """
 
@@ -74,6 +76,7 @@ class HalfSpaceSolution:
     other_friction: Mapping[str, dict[str, Any]] = field(default_factory=dict)
     elastic_reference: HalfSpaceSolution | None = None
     seconds: float = 0.0
+    passes: Passes | None = None
     fields: ClassVar[None] = None
     residual_state: ClassVar[None] = None
 

@@ -144,15 +144,17 @@ def test_what_is_called_for_and_left_out_fails_first_unless_a_person_overrules_i
     """A strip that slips everywhere: 160 K by the formula, and beyond first yield."""
     result = solved("long_roller", *HOT)
     checks = result.summary["checks"]
-    assert checks["failed"][0] == "effects_left_out" and checks["effects_left_out"] == 2
+    assert checks["failed"][0] == "effects_left_out" and checks["effects_left_out"] == 3
     limit, reason = checks["limits"]["effects_left_out"]
     assert limit == 0 and "plasticity: von Mises" in reason and "heat: flash" in reason
-    assert checks["advice"]["effects_left_out"].startswith("--without plasticity --without heat")
+    assert "give rolling.passes" in reason
+    advice = "--without plasticity --without passes --without heat"
+    assert checks["advice"]["effects_left_out"].startswith(advice)
     assert result.summary["effects_after"]["heat"]["why"].startswith("flash temperature 16")
     plan = result.plan
     assert "rolling is solved elastically" in plan.effects["plasticity"].why
     accepted = {
-        name: replace(each, override=name in ("plasticity", "heat"))
+        name: replace(each, override=name in ("plasticity", "passes", "heat"))
         for name, each in plan.effects.items()
     }
     assert effects.left_out(accepted, result.mesh_solution.after) == {}

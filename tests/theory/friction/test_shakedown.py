@@ -57,3 +57,8 @@ def test_the_surface_fatigue_index_is_how_far_the_friction_is_beyond_the_limit()
     assert index == pytest.approx(0.3 - 2 * math.pi * a * b * k / (3 * load))
     assert index > 0
     assert shakedown.surface_fatigue_index(k, pressure, k) == 0
+
+
+def test_an_ellipse_shakes_down_as_lines_and_circles_do():
+    values = [shakedown.ellipse_limit(ratio) for ratio in (1e-6, 1.0, 1.25, 2.0)]
+    assert values == pytest.approx([4.0, 4.675, 4.939, 5.777], abs=1e-3)

@@ -1,0 +1,198 @@
+"""Passes of a wheel over a rail that yields, as people read them: rows, states, and verdict."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railhead.theory.bem.patch import PatchSolution
+
+if TYPE_CHECKING:
+    from railhead.solver.material.hardening import Hardening
+    from railhead.solver.passes.rolling import RollingBlock, RollingPass, SectionState
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class RailState:
+    """State of the rail's section after a pass, on the lines of Gauss points.
+
+    places: y from the middle of the patch and z out of the surface (lines, 2), mm.
+    stress: residual stress xx, yy, zz, yz (lines, 4), MPa.
+    strain: equivalent plastic strain (lines,).
+    y: nodes of the surface, mm; up: its displacement out of the rail, mm.
+    """
+
+    places: Array
+    stress: Array
+    strain: Array
+    y: Array
+    up: Array
+
+    def below(self) -> tuple[Array, Array, Array]:
+        """Depth (k,), mm, residual stress (k, 4), MPa, and plastic strain (k,) of the lines nearest
+        to the middle, from the surface down.
+        """
+        distance = np.abs(self.places[:, 0])
+        near = np.flatnonzero(distance < distance.min() + 1e-6 * np.ptp(self.places[:, 1]))
+        order = near[np.argsort(-self.places[near, 1], kind="stable")]
+        depth, first = np.unique(np.round(-self.places[order, 1], 9), return_index=True)
+        return depth, self.stress[order][first], self.strain[order][first]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Passes:
+    """Passes of a wheel over a rail.
+
+    rows: a row for each pass, as "passes" of "result" in summary.json.
+    verdict: what they come to, a word of `solver.passes.verdict`.
+    words: the verdict in a sentence.
+    sections: state of the section after each pass.
+    half_lengths: of the elastic patch, along and across, mm.
+    converged: whether every pass met the tolerance of the fixed point.
+    energy_error: largest difference of the resistance from plastic work and elastic energy that
+        stays, over both; None under a kept pressure, and where nothing yields.
+    rim: largest plastic increment at the rim of the region where yield is followed, over the
+        largest.
+    unknowns: of the block. seconds: of all passes.
+    reason: why there are none; empty where there are.
+    """
+
+    rows: list[dict[str, Any]]
+    verdict: str
+    words: str = ""
+    sections: list[RailState] = field(default_factory=list)
+    half_lengths: tuple[float, float] = (0.0, 0.0)
+    converged: bool = False
+    energy_error: float | None = None
+    rim: float = 0.0
+    unknowns: int = 0
+    seconds: float = 0.0
+    reason: str = ""
+
+    def table(self) -> list[dict[str, Any]]:
+        """Rows of passes.csv: those of summary.json, with the number of the pass first and the
+        place in two columns.
+        """
+        rows = []
+        for number, row in enumerate(self.rows, 1):
+            plain = {key: value for key, value in row.items() if key != "place_mm"}
+            across, height = row["place_mm"]
+            place = {"place_across_mm": across, "place_depth_mm": -height}
+            rows.append({"pass": number, **plain, **place})
+        return rows
+
+    def summary(self) -> dict[str, Any]:
+        """Entries of "result" in summary.json: "passes", "passes_verdict", "passes_words", and
+        "passes_after" with depth, residual stresses and strain below the middle and the surface
+        after the last pass, and what the solution took.
+        """
+        depth, stress, strain = self.sections[-1].below()
+        last = self.sections[-1]
+        names = ("along", "across", "normal", "shear_across")
+        return {
+            "passes": self.rows,
+            "passes_verdict": self.verdict,
+            "passes_words": self.words,
+            "passes_after": {
+                "depth_mm": depth.tolist(),
+                **{
+                    f"residual_{name}_MPa": column.tolist()
+                    for name, column in zip(names, stress.T, strict=True)
+                },
+                "strain": strain.tolist(),
+                "surface_across_mm": last.y.tolist(),
+                "surface_up_mm": last.up.tolist(),
+                "unknowns": self.unknowns,
+                "seconds": self.seconds,
+            },
+        }
+
+
+def rail_state(rolling: RollingBlock, state: SectionState) -> RailState:
+    """Section of a state, mirrored to the whole where half of it was solved."""
+    solid = rolling.block.dim == 3
+    places, residual = rolling.streams.places, state.residual
+    if solid:
+        stress = np.column_stack([residual[:, :3], residual[:, 3] / math.sqrt(2)])
+    else:
+        stress = np.column_stack([residual[:, [0, 2, 1]], np.zeros(len(residual))])
+    strain, profile = state.history.equivalent, state.profile
+    y, up = profile.y, profile.up
+    if rolling.block.half:
+        places = np.vstack([places, places * [-1.0, 1.0]])
+        stress = np.vstack([stress, stress * [1.0, 1.0, 1.0, -1.0]])
+        strain = np.concatenate([strain, strain])
+        y, up = np.concatenate([-y[:0:-1], y]), np.concatenate([up[:0:-1], up])
+    return RailState(places=places, stress=stress, strain=strain, y=y, up=up)
+
+
+def row(
+    rolling: RollingBlock, each: RollingPass, section: RailState, patch: PatchSolution, a: float
+) -> dict[str, Any]:
+    """Row of a pass. a: half length of the elastic patch along the rail, mm."""
+    profile = each.profile
+    middle = int(np.argmin(np.abs(profile.y)))
+    place = rolling.streams.places[int(np.argmax(each.growth))]
+    along, across = section.stress[:, 0], section.stress[:, 1]
+    weight = patch.pressure.sum()
+    lean = float((patch.pressure.sum(axis=1) * patch.x).sum() / weight)
+    pressed = np.flatnonzero(patch.pressure.any(axis=1))
+    wide = np.flatnonzero(patch.pressure.any(axis=0))
+    dx, ds = patch.x[1] - patch.x[0], patch.s[1] - patch.s[0]
+    width = None if rolling.block.dim == 2 else float((wide[-1] - wide[0] + 1) * ds)
+    return {
+        "strain_increment_max": float(each.growth.max()),
+        "strain_max": float(section.strain.max()),
+        "place_mm": [float(value) for value in place],
+        "shear_increment_max": float(each.shear[np.argmax(np.abs(each.shear))]),
+        "forward_mm": float(profile.along[middle]),
+        "groove_mm": max(float(-section.up.min()), 0.0),
+        "ridge_mm": float(max(section.up.max(), 0.0)),
+        "pressure_max_MPa": float(patch.max_pressure) if width else float(patch.pressure.max()),
+        "lead_mm": float(patch.x[pressed[-1]] + dx / 2),
+        "trail_mm": float(patch.x[pressed[0]] - dx / 2),
+        "width_mm": width,
+        "lean_mm": lean,
+        "residual_along_MPa": float(along[np.argmax(np.abs(along))]),
+        "residual_across_MPa": float(across[np.argmax(np.abs(across))]),
+        "iterations": each.iterations,
+        "change": each.change,
+    }
+
+
+def words(verdict: str, rows: list[dict[str, Any]], rolling: RollingBlock) -> str:
+    """The verdict in a sentence, with what it depends on."""
+    last, curve = rows[-1], rolling.hardening
+    steel = "perfect plasticity" if not _hardens(curve) else "hardening"
+    kinematic = steel == "hardening" and curve.kinematic > 0
+    rest = {
+        "elastic": "nothing yields",
+        "shakes down": f"after {len(rows)} passes strain hardly grows",
+        "closed cycles": f"strain goes round, up to {last['strain_increment_max']:.2g} a pass, "
+        "and the surface stays",
+        "ratchets": f"the surface moves by {last['forward_mm']:.2g} mm a pass",
+        "at the limit": f"strain grows by {last['strain_increment_max']:.2g} a pass, slowly less",
+        "undecided": f"strain grows by {last['strain_increment_max']:.2g} in the last pass; more "
+        "passes tell",
+    }[verdict]
+    bracket = (
+        "linear kinematic hardening never ratchets for ever; real steel lies between it and "
+        "perfect plasticity"
+        if kinematic
+        else "perfect plasticity knows no hardening; real steel lies between it and linear "
+        "kinematic hardening"
+        if steel == "perfect plasticity"
+        else "isotropic hardening always shakes down in the end"
+    )
+    return f"{verdict}: {rest}" + (f" ({bracket})" if verdict != "elastic" else "")
+
+
+def _hardens(curve: Hardening) -> bool:
+    """Whether the stress of a flow curve grows anywhere."""
+    return bool(curve.final_hardening_modulus or curve.stress[-1] > curve.stress[0])

@@ -1,0 +1,143 @@
+"""Effects of repeated rolling over a rail that yields: the passes, and what they leave out."""
+
+from __future__ import annotations
+
+import math
+
+from railhead.planning.context import Context, Effect
+from railhead.planning.effects import interface, material
+from railhead.scene.sections import refuse_first
+from railhead.theory.elastic.line import LineContact
+from railhead.theory.friction import shakedown
+
+STEADY = {"hertz": 5.5, "contact": 6.0}  # largest p0/k that perfect plasticity has an answer for
+FEW, MANY = 3, 10  # passes that tell all below and above the shakedown limit
+OFF = "rolling.passes is not given"
+
+
+def decide_passes(context: Context) -> Effect:
+    """Passes are called for where something rolls and yield is called for, and simulated where
+    rolling.passes is given.
+
+    SceneError: passes over a rail that does not deform or has no yield stress, in a section across
+    the rail, and where perfect plasticity has no steady answer.
+    """
+    scene = context.scene
+    yields, count = context.decided["plasticity"].called_for, scene.rolling.passes
+    accepted = scene.effects.plasticity == "off"  # that yield is left out
+    if count is None and not scene.rolling.prescribed:
+        return Effect(False, False, "nothing rolls", {"on": OFF})
+    why, ratio, enough = "the rail has no yield stress", 0.0, FEW
+    if scene.rail.yields:
+        ratio, limit, why = _indicator(context)
+        enough = MANY if ratio > limit else FEW
+    if count is None:
+        called = yields and scene.rail.yields and not accepted
+        if called:
+            why += f"; give rolling.passes, {enough} tell all"
+        return Effect(called, False, why, {"on": OFF})
+    if scene.effects.passes == "off":
+        return Effect(yields, True, why)
+    given, key = f"{count} is not allowed: ", "rolling.passes"
+    _refuse_bodies(context, given)
+    steady = STEADY[scene.rolling.pressure]
+    refuse_first(
+        (
+            not _hardens(context) and ratio > steady,
+            key,
+            f"{given}p0/k is {ratio:.3g}, and perfect plasticity has no steady answer above "
+            f"{steady:g}; give rail.hardening_modulus, or a smaller load",
+        )
+    )
+    return Effect(yields, True, f"{count} passes; {why}; {enough} tell all")
+
+
+def _refuse_bodies(context: Context, given: str) -> None:
+    """Raise SceneError for bodies that passes do not know; given: the beginning of the text."""
+    key, friction = "rolling.passes", context.scene.friction
+    across = context.contact.plane == "yz" or context.contact.revolved
+    refuse_first(
+        (
+            "rail" not in context.deformable,
+            key,
+            f"{given}the rail is rigid; give effects.deformable_rail=auto",
+        ),
+        (
+            not context.scene.rail.yields,
+            key,
+            f"{given}the rail has no yield stress; give rail.steel or rail.yield_stress",
+        ),
+        (
+            friction.force_along or friction.force_across,
+            key,
+            f"{given}a force of [friction] shifts a wheel that rests; give it in [rolling]",
+        ),
+        (
+            across,
+            key,
+            f"{given}the scene is a section across the way; give a wheel that rolls, and of a "
+            "circular patch effects.axisymmetry=off",
+        ),
+    )
+
+
+def decide_plasticity_wheel(context: Context) -> Effect:
+    """Yield of the wheel in passes, which know the rail's alone: called for where the largest
+    elastic von Mises stress passes the wheel's yield stress.
+    """
+    refused = {"on": "passes know the yield of the rail alone"}
+    wheel = context.scene.wheel
+    if not context.decided["passes"].on or "wheel" not in context.deformable or not wheel.yields:
+        return Effect(False, False, "no passes, or a wheel without a yield stress", refused)
+    stress, limit = context.von_mises(wheel.poisson_ratio), material.first_yield(wheel)
+    called = stress > limit
+    verb = "passes" if called else "stays below"
+    why = f"von Mises {stress:.4g} MPa {verb} the yield {limit:.4g} MPa of the wheel"
+    return Effect(called, False, f"{why}, which passes take as elastic", refused)
+
+
+def traction(context: Context) -> float:
+    """Tangential over normal force in rolling: the given one, in a line contact that of Carter's
+    creepage (Johnson, Contact Mechanics, 8.6), else the coefficient of friction; 0 without
+    friction.
+    """
+    scene, hertz = context.scene, context.hertz
+    coefficient = scene.friction.coefficient
+    if not (coefficient and scene.rolling.prescribed and context.decided["friction"].on):
+        return 0.0
+    _, along, across = scene.tangential_forces
+    if along or across:
+        return min(math.hypot(along, across) / hertz.load, coefficient)
+    creepage = abs(interface.creepage(context).along)
+    if not isinstance(hertz, LineContact):
+        return coefficient
+    full = coefficient * hertz.strip.b * hertz.strip.curvature
+    return coefficient * (1 - (1 - min(creepage / full, 1.0)) ** 2)
+
+
+def _indicator(context: Context) -> tuple[float, float, str]:
+    """p0/k of the elastic pressure, the shakedown limit of p0/k, and both in a sentence."""
+    scene, hertz, elastic = context.scene, context.hertz, context.elastic
+    poisson = scene.rail.poisson_ratio
+    shear = material.first_yield(scene.rail) / math.sqrt(3)
+    p0 = hertz.p0 if isinstance(elastic, str) else elastic.max_pressure
+    ratio, share = p0 / shear, traction(context)
+    first = math.sqrt(3) * p0 / context.von_mises(poisson)
+    if isinstance(hertz, LineContact):
+        friction = scene.friction.coefficient
+        limit = shakedown.shakedown_limit(friction if share else 0.0, poisson, share)
+    else:
+        limit = min(shakedown.ellipse_limit(hertz.a / hertz.b), 2 * first)
+    beside = f" at Q/P = {share:.2g}" if share else ""
+    if share and not isinstance(hertz, LineContact):
+        beside = f" without tractions, and less with Q/P up to {share:.2g}"
+    text = f"p0/k = {ratio:.3g} of the elastic pressure, first yield {first:.3g}, shakedown limit "
+    return ratio, limit, f"{text}{limit:.3g}{beside}"
+
+
+def _hardens(context: Context) -> bool:
+    """Whether the flow curve of the rail grows anywhere."""
+    rail = context.scene.rail
+    if rail.yield_stress is not None:
+        return bool(rail.hardening_modulus)
+    return rail.curve[-1][1] > rail.curve[0][1]

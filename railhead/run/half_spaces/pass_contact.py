@@ -1,0 +1,259 @@
+"""What rolls over the block of a rail: gap, elastic pressure, tractions, and the stress below.
+
+In contact the pressure is that of two elastic half-spaces between the undeformed profiles, less all
+that the passes so far moved the surface. The elastic stress of a line contact is exact, that of a
+solid is the block's. Lengths in mm, forces in N, stresses in MPa; z points out of the rail.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railhead.theory.bem.boundary_element import BoundaryElementSolution, equilibrium
+from railhead.theory.bem.patch import Grid, PatchSolution
+from railhead.theory.elastic.strips import Strips
+
+if TYPE_CHECKING:
+    from railhead.solver.passes.rolling import ProfileChange, RollingBlock, SurfaceRise
+
+Array = NDArray[np.float64]
+STRIP_CELLS, SOLID_CELLS = 128, 40  # of the grid of the pressure, each way
+ROOM = 1.4  # half size of that grid over the half length of the elastic patch
+LENGTH = 1e4  # of a line contact over its half width, in the boundary elements
+TOLERANCE = 1e-7  # of the gap over the largest displacement
+
+
+@dataclass(frozen=True, kw_only=True)
+class RollingContact:
+    """What rolls: the undeformed gap, the elastic pressure in it, and the tractions.
+
+    grid: cells of the pressure; of a line contact two across, each LENGTH half widths long.
+    gap: undeformed gap (nx, ns) at the cells, mm.
+    pressure: elastic pressure (nx, ns), MPa.
+    load: force of the pressure, N, along the load.
+    modulus: contact modulus E*, MPa.
+    line: whether it is a line contact, in plane strain.
+    keeps: whether the pressure stays as it is.
+    traction: of the wheel on the rail, MPa; None: none. Of a line contact along x (nx,), else along
+        x and across (2, nx, ns).
+    width: of a line contact, mm.
+    """
+
+    grid: Grid
+    gap: Array
+    pressure: Array
+    load: float
+    modulus: float
+    line: bool
+    keeps: bool
+    traction: Array | None = None
+    width: float = 1.0
+
+    @cached_property
+    def edges(self) -> tuple[Array, Array]:
+        """Ends of the cells along x (nx + 1,) and across (ns + 1,), mm."""
+        x, s = (
+            np.append(axis - (axis[1] - axis[0]) / 2, axis[-1] + (axis[1] - axis[0]) / 2)
+            for axis in (self.grid.x, self.grid.s)
+        )
+        return x, s
+
+    def patch(self, moved: Array, guess: PatchSolution | None) -> PatchSolution:
+        """Pressure where the rail's surface has moved up by `moved` (nx, ns), mm; guess: an earlier
+        one. Raises ValueError where boundary elements find no balance, and for a patch that grows
+        beyond the grid.
+        """
+        if self.keeps:
+            grid = self.grid
+            gap = np.zeros_like(self.gap)
+            return PatchSolution(grid.x, grid.s, grid.angle, self.pressure, gap, 0.0)
+        start = None if guess is None else BoundaryElementSolution((guess,), self.modulus)
+        (found,) = equilibrium(
+            [self.grid], [self.gap - moved], self.modulus, self.load, None, TOLERANCE, start
+        )
+        edge = np.concatenate([found.pressure[[0, -1]].ravel(), found.pressure[:, [0, -1]].ravel()])
+        if (edge[: 2 * len(self.grid.s)] if self.line else edge).any():
+            raise ValueError(f"the patch of a pass grows beyond {ROOM:g} times the elastic one")
+        return found
+
+    def resistance(self, patch: PatchSolution) -> float:
+        """Force against the rolling by the lean of a pressure, N: int p d gap/dx dA."""
+        pressed = patch.pressure > 0
+        with np.errstate(invalid="ignore"):
+            slope = np.gradient(self.gap, self.grid.x, axis=0)
+        force = self.grid.cell * float((patch.pressure * slope)[pressed].sum())
+        return force * self.width / float(np.ptp(self.edges[1])) if self.line else force
+
+
+class Pressing:
+    """Elastic stress of the load at the points of a rolling block, for `RollingBlock.roll`.
+
+    patch: pressure of the last call; None: there was none.
+    traction_work: work of the tractions on what the pass moves the surface, over the way, N.
+    """
+
+    def __init__(self, rolling: RollingBlock, contact: RollingContact) -> None:
+        """rolling: the block, whose origin is that of the grid; contact: what rolls."""
+        from railhead.solver.passes.averages import cell_means
+
+        self.patch: PatchSolution | None = None
+        self.traction_work = 0.0
+        self._rolling, self._contact = rolling, contact
+        surface = rolling.surface(np.zeros(rolling.block.nodes.size))
+        along, across = contact.edges
+        self._along = cell_means(surface.x, along)
+        if not contact.line:
+            across = across[across > -1e-9 * across[-1]] if rolling.block.half else across
+            self._across = cell_means(surface.y, across)
+        else:
+            points = rolling.places.reshape(-1, 3)
+            poisson = rolling.block.material.poisson_ratio
+            self._strips = Strips(along, points[:, 0], -points[:, 2], poisson)
+        self._kept: Array | None = None
+
+    def __call__(self, surface: SurfaceRise, profile: ProfileChange) -> Array:
+        """Elastic stress (columns, lines, m), MPa, in Mandel's notation, where this pass moves the
+        surface beside what the passes before left.
+        """
+        if self._contact.traction is not None:
+            self.traction_work = self._work(surface)
+        if self._kept is not None:
+            return self._kept
+        contact = self._contact
+        up = surface.up + profile.up
+        if contact.line:
+            moved = np.repeat(self._along @ up, 2, axis=1)
+        else:
+            moved = self._along @ up @ self._across.T
+            if self._rolling.block.half:
+                moved = np.hstack([moved[:, ::-1], moved])
+        self.patch = contact.patch(moved, self.patch)
+        stress = self._line() if contact.line else self._solid()
+        self._kept = stress if contact.keeps else None
+        return stress
+
+    def _work(self, surface: SurfaceRise) -> float:
+        """Work of the tractions q over the way, N: -int q . du/dx dA, as the rail flows to -x."""
+        contact, (x, _) = self._contact, self._contact.edges
+        assert contact.traction is not None
+        rolled = self._rolling.block
+        if contact.line:
+            slope = np.gradient(self._along @ surface.moved[:, 0, 0], contact.grid.x)
+            return -contact.width * float((contact.traction * slope * np.diff(x)).sum())
+        total = 0.0
+        for axis, traction in enumerate(contact.traction):
+            own = traction[:, traction.shape[1] // 2 :] if rolled.half else traction
+            moved = self._along @ surface.moved[..., axis] @ self._across.T
+            total += float((own * np.gradient(moved, contact.grid.x, axis=0)).sum())
+        return -total * contact.grid.cell * (2 if rolled.half else 1)
+
+    def _line(self) -> Array:
+        """Exact stress below the pressure of a line contact and its tractions."""
+        assert self.patch is not None
+        places = self._rolling.places
+        found = self._strips.stress(self.patch.pressure[:, 0], self._contact.traction)
+        mandel = found[:, [0, 2, 1, 3]] * [1.0, 1.0, 1.0, math.sqrt(2)]
+        return np.asarray(mandel.reshape(*places.shape[:2], 4))
+
+    def _solid(self) -> Array:
+        """Stress of the block below the pressure and the tractions of a solid."""
+        assert self.patch is not None
+        rolling, pressure = self._rolling, self.patch.pressure
+        block, traction = rolling.block, self._contact.traction
+        zero = np.zeros_like(pressure)
+        acting = [*(traction if traction is not None else (zero, zero)), -pressure]
+        force = block.force()
+        values = force.array.reshape(-1, 3)
+        for axis, each in enumerate(acting):
+            own = each[:, each.shape[1] // 2 :] if block.half else each
+            nodal = self._contact.grid.cell * self._along.T @ own @ self._across
+            values[rolling.surface_numbers, axis] = nodal
+        strain = rolling.streams.gathered(block.strains(block.solve(force)))
+        return rolling.stress(strain)
+
+
+def line_contact(
+    half_width: float,
+    load: float,
+    curvature: float,
+    modulus: float,
+    *,
+    keeps: bool,
+    slips: float = 0.0,
+    sticks: float = 0.0,
+    width: float = 1.0,
+) -> RollingContact:
+    """Line contact that rolls.
+
+    half_width: mm. load: N/mm. curvature: relative, 1/mm. modulus: E*, MPa. keeps: whether Hertz's
+        pressure stays. slips: coefficient of friction, with the sign of the force of the wheel on
+        the rail. sticks: half width that sticks, from the leading edge on, over the half width
+        (Carter; Johnson, Contact Mechanics, 8.3). width: of the contact, mm.
+    """
+    length = LENGTH * half_width
+    edges = ROOM * half_width * np.linspace(-1, 1, STRIP_CELLS + 1)
+    x = (edges[1:] + edges[:-1]) / 2
+    p0 = 2 * load / (math.pi * half_width)
+
+    def circle(centre: float, width: float, height: float) -> Array:
+        """Means over the cells of height * sqrt(1 - ((x - centre)/width)^2)."""
+        t = np.clip((edges - centre) / width, -1.0, 1.0)
+        area = width * (t * np.sqrt(1 - t * t) + np.arcsin(t)) / 2
+        return np.asarray(height * np.diff(area) / np.diff(edges))
+
+    pressure, traction = circle(0.0, half_width, p0), None
+    if slips:
+        traction = slips * pressure
+        if sticks:
+            traction -= slips * circle(half_width * (1 - sticks), half_width * sticks, p0 * sticks)
+    return RollingContact(
+        grid=Grid(x, length / 4 * np.array([-1.0, 1.0]), np.zeros(2)),
+        gap=curvature / 2 * np.column_stack([x**2, x**2]),
+        pressure=np.column_stack([pressure, pressure]),
+        load=load * length,
+        modulus=modulus,
+        line=True,
+        keeps=keeps,
+        traction=traction,
+        width=width,
+    )
+
+
+def solid_contact(
+    half_lengths: tuple[float, float],
+    load: float,
+    gap: Callable[[Array, Array], Array],
+    modulus: float,
+    angle: Callable[[Array], Array] | None = None,
+    *,
+    keeps: bool,
+) -> RollingContact:
+    """Contact of solids that rolls.
+
+    half_lengths: of the elastic patch, along and across, mm. load: N. gap: undeformed gap (n,) at
+        x, s (n,), mm from the middle of the patch. modulus: E*, MPa. angle: tilt (n,), rad, of the
+        normal at s from the load; None: zero. keeps: whether the elastic pressure stays. Raises
+        ValueError where boundary elements find no balance.
+    """
+    ticks = (2 * np.arange(SOLID_CELLS) + 1) / SOLID_CELLS - 1
+    x, s = (ROOM * half * ticks for half in half_lengths)
+    tilt = np.zeros_like(s) if angle is None else angle(s)
+    grid = Grid(x, s, tilt)
+    values = gap(np.repeat(x, s.size), np.tile(s, x.size)).reshape(x.size, s.size)
+    (patch,) = equilibrium([grid], [values], modulus, load, None, TOLERANCE, None)
+    return RollingContact(
+        grid=grid,
+        gap=values,
+        pressure=patch.pressure,
+        load=load,
+        modulus=modulus,
+        line=False,
+        keeps=keeps,
+    )

@@ -1,0 +1,150 @@
+"""Passes of the wheel of a solved scene over its rail."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import LinearNDInterpolator
+
+from railhead.planning.references import boundary_elements
+from railhead.postprocess.passes import Passes
+from railhead.run.half_spaces import pass_contact
+from railhead.run.half_spaces.answer import Solved
+from railhead.run.half_spaces.pass_contact import RollingContact
+from railhead.run.half_spaces.passes import block, roll
+from railhead.run.mesh_solution import MeshSolution
+from railhead.run.progress import Progress
+from railhead.solver.solution import FrictionSolution
+from railhead.theory.elastic.line import LineContact
+
+Array = NDArray[np.float64]
+ELEMENTS = {True: (3.0, 16.0), False: (2.0, 5.0)}
+"""Fewest and most elements of the block on a half length of a line contact, and of a solid."""
+
+
+def solve(solved: Solved, progress: Progress) -> Passes:
+    """Passes of the wheel of a solved scene over its rail; on this process alone. Where half-spaces
+    find no balance there are none, with a reason.
+    """
+    from railhead.run.model_setup import hardening
+    from railhead.solver.material.elasticity import Material
+
+    start, scene = time.perf_counter(), solved.plan.scene
+    material = Material(scene.rail.young_modulus, scene.rail.poisson_ratio, hardening(scene.rail))
+    try:
+        contact, half_lengths, half = _of_scene(solved)
+        size, (fewest, most) = scene.mesh.patch_size, ELEMENTS[contact.line]
+        rolling = block(
+            material,
+            half_lengths,
+            line=contact.line,
+            half=half,
+            per_length=None if size is None else min(max(min(half_lengths) / size, fewest), most),
+        )
+        found, _ = roll(
+            rolling, contact, half_lengths, scene.rolling.passes or 1, stage=progress.stage
+        )
+    except ValueError as error:
+        return Passes(rows=[], verdict="", reason=" ".join(str(error).split()))
+    return replace(found, seconds=time.perf_counter() - start)
+
+
+def _of_scene(solved: Solved) -> tuple[RollingContact, tuple[float, float], bool]:
+    """What rolls in a solved scene, the half lengths of its elastic patch along and across, mm, and
+    whether it is symmetric about y = 0. Raises ValueError for several patches, and where boundary
+    elements fail.
+    """
+    plan, load = solved.plan, solved.plan.scene.load
+    hertz = solved.ellipse if load is None else plan.estimate  # which is the same on any ranks
+    keeps = plan.scene.rolling.pressure == "hertz"
+    if isinstance(hertz, LineContact):
+        strip, share = hertz.strip, _slipping(solved)
+        contact = pass_contact.line_contact(
+            strip.b,
+            strip.load_per_length,
+            strip.curvature,
+            strip.contact_modulus,
+            keeps=keeps,
+            slips=math.copysign(plan.scene.friction.coefficient, share) if share else 0.0,
+            sticks=math.sqrt(1 - abs(share)),
+            width=hertz.length,
+        )
+        return contact, (strip.b, strip.b), False
+    if plan.contact.half_space:
+        contact = pass_contact.solid_contact(
+            (hertz.a, hertz.b),
+            hertz.load,
+            lambda x, s: (hertz.curvature_x * x**2 + hertz.curvature_y * s**2) / 2,
+            hertz.contact_modulus,
+            keeps=keeps,
+        )
+        friction = _friction(solved)
+        if friction is not None:
+            x, y, _ = friction.points.T
+            contact = _with_tractions(solved, contact, x, y, friction.traction[:, :2])
+        return contact, (hertz.a, hertz.b), not plan.scene.asymmetric_friction[1]
+    surface = boundary_elements.develop(plan.surfaces)
+    found = boundary_elements.solve(plan.surfaces, hertz, load or solved.load)
+    if len(found.patches) > 1:
+        raise ValueError("there are several patches; passes know one")
+    patch = found.patches[0]
+    half_lengths, plane = patch.half_extents, patch.plane
+    x, s = patch.centroid
+    symmetric = plan.contact.why_asymmetric_in_y() is None
+    symmetric &= not plan.scene.asymmetric_friction[1]
+    contact = pass_contact.solid_contact(
+        half_lengths,
+        patch.cell * float((patch.pressure @ np.cos(patch.angle - plane)).sum()),
+        lambda along, across: surface.gap(x + along, s + across),
+        hertz.contact_modulus,
+        lambda across: surface.angle(s + across) - plane,
+        keeps=keeps,
+    )
+    friction = _friction(solved)
+    if friction is not None:
+        along, y, _ = friction.points.T
+        across = np.interp(y, surface.y, surface.s)
+        tilt, sideways = surface.angle(across), friction.traction[:, 1:]
+        tangent = np.cos(tilt) * sideways[:, 0] + np.sin(tilt) * sideways[:, 1]
+        traction = np.column_stack([friction.traction[:, 0], tangent])
+        contact = _with_tractions(solved, contact, along - x, across - s, traction)
+    return contact, half_lengths, symmetric
+
+
+def _friction(solved: Solved) -> FrictionSolution | None:
+    """Tractions of a solved scene whose wheel rolls; None without them."""
+    if not solved.plan.scene.rolling.prescribed:
+        return None
+    return solved.solution.friction if isinstance(solved, MeshSolution) else solved.friction
+
+
+def _with_tractions(
+    solved: Solved, contact: RollingContact, x: Array, s: Array, traction: Array
+) -> RollingContact:
+    """Contact of solids with tractions (n, 2), MPa, along and across, found at places x, s (n,),
+    mm from the middle of the patch; nowhere more than friction allows at the elastic pressure.
+    """
+    if solved.plan.half_y:
+        x, s = np.concatenate([x, x]), np.concatenate([s, -s])
+        traction = np.vstack([traction, traction * [1.0, -1.0]])
+    places = np.stack(np.meshgrid(contact.grid.x, contact.grid.s, indexing="ij"), axis=-1)
+    found = LinearNDInterpolator(np.column_stack([x, s]), traction, fill_value=0.0)(places)
+    bound = solved.plan.scene.friction.coefficient * contact.pressure
+    size = np.hypot(found[..., 0], found[..., 1])
+    found *= np.minimum(1.0, bound / np.maximum(size, 1e-300))[..., None]
+    return replace(contact, traction=np.moveaxis(found, -1, 0))
+
+
+def _slipping(solved: Solved) -> float:
+    """Tangential force of the wheel on the rail along it over that of full slip, -1 to 1."""
+    rolls = solved.plan.scene.rolling.prescribed
+    found = (solved.result or {}).get("friction") if rolls else None
+    coefficient = solved.plan.scene.friction.coefficient
+    if not found or not coefficient:
+        return 0.0
+    share = float(found["force_along_N"]) / (coefficient * solved.load)
+    return min(max(share, -1.0), 1.0)

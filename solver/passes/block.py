@@ -1,0 +1,244 @@
+"""Structured block below a moving load: graded axes, mesh, stiffness, and its supports.
+
+The coordinates are x along the way of the load, y across it in a solid, and z out of the surface,
+which is z = 0. The load stands at the origin and moves to +x, so that the body flows to -x.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from railhead.solver import compat
+from railhead.solver.algebra import linear
+from railhead.solver.algebra.reduced_stiffness import Stiffness
+from railhead.solver.material.elasticity import Material, assemble
+from railhead.solver.plasticity.problem import YieldPoints, bulk_points
+from railhead.solver.space import constraints
+from railhead.solver.space.cells import Array
+from railhead.solver.space.kinematics import SOLID, Kinematics
+
+TAG = 1  # of the cells
+CELLS = {2: "quadrilateral", 3: "hexahedron"}
+SECTION = Kinematics(axes=np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]))
+NEAR = 1e-9  # of the largest coordinate: nodes on a face
+
+
+class _Tags:
+    """Cell tags of a mesh whose cells all carry TAG. count: number of cells."""
+
+    def __init__(self, count: int) -> None:
+        self.count = count
+
+    def find(self, tag: int) -> NDArray[np.int32]:
+        """Numbers of the cells with a tag."""
+        return np.arange(self.count if tag == TAG else 0, dtype=np.int32)
+
+
+def graded(inner: float, size: float, reach: float, growth: float) -> Array:
+    """Ascending coordinates from 0 to `reach`, mm: cells of at most `size` up to `inner`, beyond
+    them each wider by the factor `growth`, the last one at most that wide.
+    """
+    count = max(int(np.ceil(inner / size - 1e-9)), 1)
+    nodes = list(np.linspace(0.0, inner, count + 1))
+    step = nodes[1]
+    widths: list[float] = []
+    while sum(widths) < reach - inner:
+        step *= growth
+        widths.append(step)
+    if widths:
+        nodes += list(inner + np.cumsum(widths) * ((reach - inner) / sum(widths)))
+    return np.array(nodes)
+
+
+def mirrored(axis: Array) -> Array:
+    """Coordinates (2 n - 1,) of an axis (n,) from 0 on, and of its mirror image."""
+    return np.concatenate([-axis[:0:-1], axis])
+
+
+@dataclass(frozen=True)
+class Block:
+    """Block of quadratic quadrilaterals (plane strain) or hexahedra on one process.
+
+    axes: ascending node coordinates of the cells along x, in a solid y, and z, whose last is 0, mm.
+    material: elastic constants and flow curve.
+    half: whether y = 0 is a symmetry plane, where the second axis begins.
+    depth: depth down to which plastic strain is followed, mm.
+    aside: distance |y| up to which it is followed, mm.
+    tied: whether all planes x = constant move alike: the section of a body that does not change
+        along x.
+    """
+
+    axes: tuple[Array, ...]
+    material: Material
+    half: bool = False
+    depth: float = np.inf
+    aside: float = np.inf
+    tied: bool = False
+
+    @property
+    def dim(self) -> int:
+        """Number of coordinates: 2 in plane strain, 3 in a solid."""
+        return len(self.axes)
+
+    @property
+    def kinematics(self) -> Kinematics:
+        """Meaning of the coordinates."""
+        return SOLID if self.dim == 3 else SECTION
+
+    @cached_property
+    def mesh(self) -> Any:
+        """dolfinx mesh of the block."""
+        sizes = [len(axis) for axis in self.axes]
+        points = np.stack(np.meshgrid(*self.axes, indexing="ij"), axis=-1).reshape(-1, self.dim)
+        number = np.arange(len(points)).reshape(sizes)
+        corners = [
+            number[tuple(slice(c, n - 1 + c) for c, n in zip(reversed(at), sizes, strict=True))]
+            for at in product((0, 1), repeat=self.dim)  # the first coordinate changes first
+        ]
+        cells = np.stack(corners, axis=-1).reshape(-1, 2**self.dim)
+        return compat.straight_mesh(MPI.COMM_SELF, cells, points, CELLS[self.dim])
+
+    @cached_property
+    def _assembled(self) -> tuple[Any, PETSc.Mat]:
+        """Displacement space and stiffness on all dofs."""
+        tags = _Tags(int(np.prod([len(axis) - 1 for axis in self.axes])))
+        return assemble(self.mesh, tags, {TAG: self.material}, 2, self.kinematics)
+
+    @cached_property
+    def nodes(self) -> Array:
+        """Coordinates (n, c) of the nodes of the displacement, mm."""
+        return compat.dof_points(self._assembled[0].space)
+
+    def at(self, axis: int, value: float) -> NDArray[np.bool_]:
+        """Mask (n,) of the nodes whose coordinate of this axis has a value, mm."""
+        scale = max(float(np.abs(each).max()) for each in self.axes)
+        return np.asarray(np.abs(self.nodes[:, axis] - value) < NEAR * scale)
+
+    @cached_property
+    def outflow(self) -> NDArray[np.bool_]:
+        """Mask (n,) of the nodes where the body leaves, at the least x."""
+        return self.at(0, self.axes[0][0])
+
+    @cached_property
+    def reduction(self) -> constraints.Reduction:
+        """Map from free unknowns to dofs. The bottom is held; the faces across x, and of a solid
+        those across y, move in their planes. Tied planes leave x free.
+        """
+        unit = np.eye(self.dim)
+        planes = [(self.at(0, self.axes[0][side]), unit[0]) for side in (0, -1)]
+        if self.tied:
+            planes = []
+        if self.dim == 3:
+            planes += [(self.at(1, self.axes[1][side]), unit[1]) for side in (0, -1)]
+        supports = constraints.Supports(
+            self.at(self.dim - 1, self.axes[-1][0]), planes, None, unit[-1], hub_free=False
+        )
+        return constraints.reduce(supports, MPI.COMM_SELF)
+
+    @cached_property
+    def points(self) -> YieldPoints:
+        """Gauss points where plastic strain is followed."""
+        tags = _Tags(int(np.prod([len(axis) - 1 for axis in self.axes])))
+
+        def near(centroids: Array) -> NDArray[np.bool_]:
+            """Whether plastic strain is followed in cells with these centroids (k, 3), mm."""
+            below, beside = -centroids[:, 2] < self.depth, np.abs(centroids[:, 1]) < self.aside
+            return np.asarray(below & beside)
+
+        return bulk_points(
+            self._assembled[0], tags, {TAG: self.material}, near, self.reduction, MPI.COMM_SELF
+        )
+
+    @cached_property
+    def stiffness(self) -> PETSc.Mat:
+        """Stiffness on all dofs, N/mm."""
+        return self._assembled[1]
+
+    @cached_property
+    def _solver(self) -> tuple[PETSc.Mat, PETSc.KSP]:
+        """Map from unknowns to dofs, and the factorised stiffness of the unknowns."""
+        if self.tied:
+            map_, matrix = self._tied_stiffness()
+        else:
+            map_ = self.reduction.matrix
+            matrix = Stiffness.reduced(self.stiffness.copy(), self.reduction).assembled()
+        matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        ksp = PETSc.KSP().create(MPI.COMM_SELF)
+        ksp.setOperators(matrix)
+        ksp.setType("preonly")
+        linear.factorise(ksp.getPC(), symmetric=True)
+        ksp.setUp()
+        return map_, ksp
+
+    def _tied_stiffness(self) -> tuple[PETSc.Mat, PETSc.Mat]:
+        """Map from the unknowns of one plane to all dofs, and the stiffness of these unknowns."""
+        first = np.flatnonzero(self.outflow)
+        place = {tuple(np.round(yz, 9)): i for i, yz in enumerate(self.nodes[first, 1:])}
+        own = np.array([place[tuple(np.round(yz, 9))] for yz in self.nodes[:, 1:]])
+        free = self.reduction.free.reshape(-1, self.dim)[first].ravel()
+        number = np.cumsum(free) - 1
+        dofs = (own[:, None] * self.dim + np.arange(self.dim)).ravel()
+        rows = np.flatnonzero(free[dofs])
+        map_ = PETSc.Mat().createAIJ((len(dofs), int(free.sum())), nnz=1, comm=MPI.COMM_SELF)
+        map_.setUp()
+        for row in rows:
+            map_.setValue(int(row), int(number[dofs[row]]), 1.0)
+        map_.assemble()
+        full = self.stiffness.convert("aij", PETSc.Mat())
+        return map_, full.ptap(map_)
+
+    def solve(self, force: PETSc.Vec, prescribed: Array | None = None) -> Array:
+        """Displacement on all dofs (n c,), mm, under forces on all dofs, N, and a prescribed u_x
+        (n,) of the outflow's nodes, mm; None: zero.
+        """
+        map_, ksp = self._solver
+        start = self.stiffness.createVecRight()
+        start.set(0.0)
+        load = force.copy()
+        if prescribed is not None:
+            values = start.array.reshape(-1, self.dim)
+            values[self.outflow, 0] = prescribed
+            load.axpy(-1.0, self.stiffness * start)
+        rhs, y = map_.createVecRight(), map_.createVecRight()
+        map_.multTranspose(load, rhs)
+        ksp.solve(rhs, y)
+        map_.multAdd(y, start, start)
+        return np.array(start.array)
+
+    def force(self) -> PETSc.Vec:
+        """Zero forces on all dofs."""
+        out = self.stiffness.createVecLeft()
+        out.set(0.0)
+        return out
+
+    def strains(self, displacement: Array) -> Array:
+        """Strain (k, m) at the Gauss points of a displacement on all dofs (n c,), mm."""
+        vector = self.force()
+        vector.array[:] = displacement
+        strain = (self.points.full_strain_matrix * vector).array
+        return np.array(strain).reshape(len(self.points.weights), -1)
+
+    def plastic_force(self, plastic: Array) -> PETSc.Vec:
+        """Forces on all dofs of plastic strains (k, m) without trace at the Gauss points, N."""
+        out, points = self.force(), self.points
+        stress = 2 * points.mu[:, None] * plastic * points.weights[:, None]
+        vector = points.full_strain_matrix.createVecLeft()
+        vector.array[:] = stress.ravel()
+        points.full_strain_matrix.multTranspose(vector, out)
+        return out
+
+
+def section(block: Block) -> Block:
+    """Slab of one cell along x with the section of a block, whose planes are tied."""
+    width = float(np.diff(block.axes[-1]).max())
+    axes: Sequence[Array] = (np.array([0.0, width]), *block.axes[1:])
+    return Block(tuple(axes), block.material, block.half, block.depth, block.aside, tied=True)

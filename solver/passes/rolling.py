@@ -1,0 +1,316 @@
+"""One pass of a load, and passes one after the other, in the frame of the load.
+
+    sigma = sigma_r(y, z) + sigma_e + C (E u - D),    K u = E^T w C D
+
+sigma_r is the residual stress that the earlier passes left, sigma_e the elastic stress of the load
+on a half-space, and u the displacement that the change D of the plastic strain in this pass makes.
+D follows at the Gauss points by radial return from one to the next along x, from upstream, where it
+is zero, down. Nothing depends on time (Dang Van and Maitournam, J. Mech. Phys. Solids 41, 1993).
+The outflow moves along x by the answer of the section to D of the last column.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from railhead.solver.material.hardening import Hardening, History, deviator
+from railhead.solver.passes import block as blocks
+from railhead.solver.passes.block import Block
+from railhead.solver.passes.mixing import Anderson
+from railhead.solver.passes.streams import Streams, follow
+from railhead.solver.space.cells import Array
+
+TOLERANCE = 1e-4  # change of the stress in an iteration over the yield stress in shear
+ITERATIONS = 250
+DEPTH = 20  # of the mixing
+
+
+@dataclass(frozen=True)
+class ProfileChange:
+    """Displacement of the surface z = 0 at n nodes of the section across the rail.
+
+    y: (n,), mm; a single zero in plane strain.
+    along: u_x (n,), mm.
+    up: u_z (n,), mm.
+    """
+
+    y: Array
+    along: Array
+    up: Array
+
+    def __add__(self, other: ProfileChange) -> ProfileChange:
+        """Sum of both displacements on the same nodes."""
+        return ProfileChange(self.y, self.along + other.along, self.up + other.up)
+
+
+@dataclass(frozen=True)
+class SurfaceRise:
+    """Displacement of the surface that a pass adds to the elastic one.
+
+    x: (nx,), mm, ascending.
+    y: (ny,), mm, ascending.
+    moved: displacement (nx, ny, c) along the c coordinates of the block, mm.
+    """
+
+    x: Array
+    y: Array
+    moved: Array
+
+    @property
+    def up(self) -> Array:
+        """Displacement (nx, ny) out of the surface, mm."""
+        return np.asarray(self.moved[..., -1])
+
+
+Pressing = Callable[[SurfaceRise, ProfileChange], Array]
+"""(surface of this pass, profile of the passes before) -> elastic stress of the load (columns,
+lines, m) at the points of `RollingBlock`, MPa, in Mandel's notation of the block."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SectionState:
+    """What the passes so far left in the section.
+
+    history: plastic state of the lines.
+    residual: residual stress (lines, m), MPa, in Mandel's notation of the block.
+    profile: displacement of the surface.
+    displacement: u (n c,) of the last pass, from which the next one starts; None: zero.
+    count: number of passes so far.
+    """
+
+    history: History
+    residual: Array
+    profile: ProfileChange
+    displacement: Array | None = None
+    count: int = 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class RollingPass:
+    """A pass, and the state after it.
+
+    state: what is left.
+    profile: change of the surface in this pass.
+    growth: increase of the equivalent plastic strain (lines,) in this pass.
+    shear: increase of the plastic shear 2 eps_xz (lines,), z upwards, in this pass.
+    work: plastic work of this pass over the way, N: per mm of depth of the section in plane strain.
+    stored: elastic energy over the way that this pass adds to what residual stresses store, N, the
+        same.
+    iterations: number of fixed-point iterations.
+    change: stress change of the last iteration over the yield stress in shear.
+    converged: whether it is below the tolerance.
+    rim: largest growth on the outermost lines of the region where plastic strain is followed.
+    """
+
+    state: SectionState
+    profile: ProfileChange
+    growth: Array
+    shear: Array
+    work: float
+    stored: float
+    iterations: int
+    change: float
+    converged: bool
+    rim: float
+
+
+@dataclass(frozen=True)
+class RollingBlock:
+    """A block over which a load rolls.
+
+    block: the block; its material has a flow curve.
+    tolerance: of the fixed point, stress over the yield stress in shear.
+    """
+
+    block: Block
+    tolerance: float = TOLERANCE
+
+    @cached_property
+    def streams(self) -> Streams:
+        """Columns and lines of the Gauss points."""
+        return Streams.of(self.block.points.points)
+
+    @cached_property
+    def places(self) -> Array:
+        """Points (columns, lines, 3) in space, mm."""
+        return self.streams.gathered(self.block.points.points)
+
+    @cached_property
+    def section(self) -> Block:
+        """Slab of one cell with tied planes."""
+        return blocks.section(self.block)
+
+    @cached_property
+    def _section_streams(self) -> Streams:
+        """Columns and lines of the slab; the lines are those of the block."""
+        found = Streams.of(self.section.points.points)
+        if found.places.shape != self.streams.places.shape:
+            raise ValueError("the lines of section and block differ")
+        return found
+
+    @cached_property
+    def _areas(self) -> Array:
+        """Area (lines,) of the section that belongs to each line, mm2; of plane strain per mm."""
+        weights = self._section_streams.gathered(self.section.points.weights)
+        return np.asarray(weights.sum(axis=0) / self.section.axes[0][-1])
+
+    @property
+    def _shear(self) -> int:
+        """Number of the component xz in Mandel's notation."""
+        return 3 + self.block.kinematics.shears.index((0, self.block.dim - 1))
+
+    @property
+    def hardening(self) -> Hardening:
+        """Flow curve of the block."""
+        assert self.block.material.hardening is not None
+        return self.block.material.hardening
+
+    @property
+    def start(self) -> SectionState:
+        """State without plastic strain or residual stress."""
+        lines, size = self.places.shape[1], 3 + len(self.block.kinematics.shears)
+        y = self._surface_nodes[1]
+        zero = np.zeros(len(y))
+        return SectionState(
+            history=History.virgin(lines, size),
+            residual=np.zeros((lines, size)),
+            profile=ProfileChange(y, zero, zero),
+        )
+
+    def stress(self, strain: Array) -> Array:
+        """Stress C : eps (..., m), MPa, of strains (..., m)."""
+        lam, mu = self.block.material.lame
+        out = 2 * mu * strain
+        out[..., :3] += lam * strain[..., :3].sum(axis=-1, keepdims=True)
+        return out
+
+    @cached_property
+    def _surface_nodes(self) -> tuple[Array, Array, Array]:
+        """x (nx,), y (ny,) of the nodes of the surface z = 0, mm, and their numbers (nx, ny)."""
+        return _grid(self.block)
+
+    @property
+    def surface_numbers(self) -> Array:
+        """Numbers (nx, ny) of the nodes of the surface, in the order of `SurfaceRise`."""
+        return self._surface_nodes[2]
+
+    @cached_property
+    def _outflow_order(self) -> Array:
+        """Node of the section for each node of the outflow, in the order of its mask."""
+        section, block = self.section, self.block
+        own = np.flatnonzero(section.outflow)
+        place = {tuple(np.round(section.nodes[i, 1:], 9)): i for i in own}
+        return np.array([place[tuple(np.round(yz, 9))] for yz in block.nodes[block.outflow, 1:]])
+
+    def outgoing(self, change: Array) -> tuple[Array, ProfileChange, Array]:
+        """Answer of the section to a change of its plastic strain (lines, m): u_x (k,) of the
+        outflow's nodes, mm; displacement of the surface; residual stress (lines, m), MPa.
+        """
+        section, streams = self.section, self._section_streams
+        spread = streams.scattered(np.broadcast_to(change, (len(streams.x), *change.shape)))
+        moved = section.solve(section.plastic_force(spread))
+        strain = streams.gathered(section.strains(moved))[0]
+        values = moved.reshape(-1, section.dim)
+        _, y, numbers = _grid(section)
+        surface = values[numbers[0]]
+        profile = ProfileChange(y, surface[:, 0], surface[:, -1])
+        return values[self._outflow_order, 0], profile, self.stress(strain - change)
+
+    def stored(self, state: SectionState) -> float:
+        """Elastic energy of the residual stresses of a state over the way, N, in plane strain per
+        mm: -1/2 int sigma_r : eps_p dA, as residual stresses do no work on the section's strains.
+        """
+        product = np.einsum("lm,lm->l", state.residual, state.history.plastic)
+        return -0.5 * float(product @ self._areas)
+
+    def surface(self, displacement: Array) -> SurfaceRise:
+        """SurfaceRise z = 0 of a displacement on all dofs (n c,)."""
+        x, y, numbers = self._surface_nodes
+        return SurfaceRise(x, y, displacement.reshape(-1, self.block.dim)[numbers])
+
+    def roll(self, state: SectionState, pressing: Pressing) -> RollingPass:
+        """One more pass of a load over a state."""
+        block, streams = self.block, self.streams
+        mu = block.material.lame[1]
+        shear_yield = self.hardening.initial_yield_stress / np.sqrt(3)
+        mus = np.full(self.places.shape[1], mu)
+        incoming = state.history
+        u = np.zeros(block.nodes.size)
+        if state.displacement is not None and state.count > 1:  # the first pass is unlike the rest
+            u = state.displacement
+        strain = streams.gathered(block.strains(u))
+        mixing, change, iterations = Anderson(DEPTH), np.inf, 0
+        while change >= self.tolerance and iterations < ITERATIONS:
+            iterations += 1
+            elastic = pressing(self.surface(u), state.profile)
+            trial = deviator((state.residual + elastic).reshape(-1, elastic.shape[-1]))
+            trial = trial.reshape(elastic.shape) / (2 * mu) + strain + incoming.plastic
+            plastic, growth, after = follow(trial, mus, incoming, self.hardening)
+            pushed, profile, residual = self.outgoing(plastic[-1] - incoming.plastic)
+            force = block.plastic_force(streams.scattered(plastic - incoming.plastic))
+            value = block.solve(force, pushed)
+            new = streams.gathered(block.strains(value))
+            change = float(np.abs(self.stress(new - strain)).max() / shear_yield)
+            u = value if change < self.tolerance else mixing.next(u, value)
+            strain = streams.gathered(block.strains(u))
+        total = state.residual + elastic + self.stress(new - plastic + incoming.plastic)
+        before = np.concatenate([incoming.plastic[None], plastic[:-1]])
+        mean = (total + np.concatenate([total[:1], total[:-1]])) / 2
+        work = float(np.einsum("clm,clm,l->", mean, plastic - before, self._areas))
+        gained = after.equivalent - incoming.equivalent
+        step = np.sqrt(2) * (after.plastic - incoming.plastic)[:, self._shear]
+        left = SectionState(
+            history=after,
+            residual=state.residual + residual,
+            profile=state.profile + profile,
+            displacement=u,
+            count=state.count + 1,
+        )
+        return RollingPass(
+            state=left,
+            profile=profile,
+            growth=gained,
+            shear=step,
+            work=work,
+            stored=self.stored(left) - self.stored(state),
+            iterations=iterations,
+            change=change,
+            converged=change < self.tolerance,
+            rim=float(np.max(gained[self._rim], initial=0.0)),
+        )
+
+    @cached_property
+    def _rim(self) -> Array:
+        """Mask (lines,) of the lines in the outermost cells where plastic strain is followed."""
+        y, z = self.streams.places.T
+        out = z <= np.unique(z)[2]
+        if self.block.dim == 3:
+            out |= np.abs(y) >= np.unique(np.abs(y))[-3]
+        return np.asarray(out)
+
+    def passes(
+        self, count: int, pressing: Pressing, state: SectionState | None = None
+    ) -> Iterator[RollingPass]:
+        """The next `count` passes, from a state; None: from the start."""
+        state = state or self.start
+        for _ in range(count):
+            found = self.roll(state, pressing)
+            yield found
+            state = found.state
+
+
+def _grid(block: Block) -> tuple[Array, Array, Array]:
+    """x (nx,), y (ny,) of the nodes at z = 0, mm, and their numbers (nx, ny); in plane strain y is
+    a single zero.
+    """
+    numbers = np.flatnonzero(block.at(block.dim - 1, 0.0))
+    at = block.nodes[numbers]
+    y = at[:, 1] if block.dim == 3 else np.zeros(len(at))
+    order = np.lexsort((np.round(y, 9), np.round(at[:, 0], 9)))
+    x = np.unique(np.round(at[:, 0], 9))
+    table = numbers[order].reshape(len(x), -1)
+    return block.nodes[table[:, 0], 0], y[order][: table.shape[1]], table

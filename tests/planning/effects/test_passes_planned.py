@@ -1,0 +1,89 @@
+"""Whether passes are called for, what they leave out, and what is refused."""
+
+import pytest
+
+import railhead as rh
+from railhead.planning import effects
+from railhead.planning import plan as planning
+
+LINE = rh.find("long_roller").replace(
+    load="1400 kN", rail={"extent": "half-space", "yield_stress": 480.0}
+)
+ROLLS = {"friction": {"coefficient": 0.3}, "rolling": {"force_along": "140 kN"}}
+
+
+def left_out(scene: rh.Scene) -> set[str]:
+    """Names of the effects that the plan of a scene leaves out."""
+    return set(effects.left_out(planning.make(scene).effects, {}))
+
+
+def test_what_rolls_and_yields_names_the_key_until_it_is_given():
+    rolls = LINE.replace(**ROLLS)
+    plan = planning.make(rolls)
+    assert "passes" in left_out(rolls)
+    assert "give rolling.passes" in plan.effects["passes"].why
+    assert left_out(rolls.replace(["rolling.passes=3"])) == set()
+    assert left_out(LINE) == set()  # nothing rolls
+    assert left_out(rolls.replace(["effects.plasticity=off"])) == set()
+    elastic = rolls.replace(["load=200kN", "rolling.force_along=20kN"])
+    assert left_out(elastic) == set()  # nothing yields
+
+
+def test_with_passes_the_bodies_are_pressed_elastically_and_nothing_else_changes():
+    plan = planning.make(LINE.replace(["rolling.passes=3"]))
+    assert plan.effects["plasticity"].called_for and not plan.effects["plasticity"].on
+    off = planning.make(LINE.replace(["rolling.passes=3", "effects.passes=off"]))
+    assert off.effects["plasticity"].on and not off.effects["passes"].on
+    assert plan.unknowns == off.unknowns
+
+
+def test_the_indicator_is_held_against_yield_and_shakedown():
+    why = planning.make(LINE.replace(["rolling.passes=3"])).effects["passes"].why
+    assert "p0/k = 4.74" in why and "first yield 3.11" in why and "shakedown limit 4" in why
+    assert "10 tell all" in why
+    below = planning.make(LINE.replace(["rolling.passes=3", "load=800kN"])).effects["passes"].why
+    assert "3 tell all" in below
+    rolls = planning.make(LINE.replace(**ROLLS).replace(["rolling.passes=3"]))
+    assert "shakedown limit 3.6" in rolls.effects["passes"].why
+
+
+def test_a_wheel_that_yields_too_is_left_out_by_its_name():
+    both = LINE.replace(["rolling.passes=3", "wheel.yield_stress=480"])
+    assert left_out(both) == {"plasticity_wheel"}
+    assert left_out(both.replace(["effects.plasticity_wheel=off"])) == set()
+    strong = LINE.replace(["rolling.passes=3", "wheel.yield_stress=900"])
+    assert left_out(strong) == set()
+
+
+@pytest.mark.parametrize(
+    ("changes", "text"),
+    [
+        (["rail.yield_stress=none"], "rolling.passes: 3 .*the rail has no yield stress"),
+        (["load=3000kN"], "rolling.passes: 3 .*no steady answer above 6;"),
+        (["load=2100kN", "rolling.pressure=hertz"], "rolling.passes: 3 .*answer above 5.5;"),
+        (["rail.young_modulus=inf"], "rolling.passes: 3 .*the rail is rigid"),
+        (["friction.coefficient=0.3", "friction.force_along=9kN"],
+         "rolling.passes: 3 .*a force of .friction. shifts a wheel that rests"),
+        (["cycles=2"], "cycles: 2 is not allowed beside rolling.passes"),
+        (["rolling.passes=0"], "rolling.passes: 0 .*from 1 to 1000"),
+        (["effects.plasticity=on"], "effects.plasticity: 'on' .*simulated in the passes"),
+        (["wheel.rolling_radius=inf", "wheel.profile=arc", "wheel.transverse_radius=300",
+              "rail.length=100"],
+         "rolling.passes: 3 .*section across the way"),
+    ],
+)  # fmt: skip
+def test_what_cannot_roll_is_refused_in_one_line(changes, text):
+    scene = {"rolling.passes": "3"}
+    with pytest.raises(rh.SceneError, match=text) as found:
+        planning.make(LINE.replace([f"{k}={v}" for k, v in scene.items()]).replace(changes))
+    assert "\n" not in str(found.value)
+
+
+def test_hardening_has_an_answer_where_perfect_plasticity_has_none():
+    scene = LINE.replace(["load=3000kN", "rail.hardening_modulus=6000", "rolling.passes=3"])
+    assert planning.make(scene).effects["passes"].on
+
+
+def test_a_pressure_without_passes_is_refused():
+    with pytest.raises(rh.SceneError, match="rolling.pressure: hertz is not allowed without"):
+        LINE.replace(["rolling.pressure=hertz"])

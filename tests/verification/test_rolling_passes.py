@@ -1,0 +1,188 @@
+"""Passes of a wheel over a rail that yields, beside an independent program's numbers and laws."""
+
+import json
+import math
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from railhead.postprocess.passes import Passes
+from railhead.run.half_spaces import pass_contact, passes
+from railhead.solver.material.elasticity import Material
+from railhead.solver.material.hardening import Hardening
+from railhead.theory.elastic import hertz
+
+REFERENCE = json.loads((Path(__file__).parents[1] / "theory" / "data" / "passes.json").read_text())
+E, NU, Y = 207e3, 0.3, 480.0
+SHEAR = Y / math.sqrt(3)
+MODULUS = E / (1 - NU**2)  # of a rigid wheel
+
+
+def rail(hardening: float) -> Material:
+    """Rail steel with kinematic hardening (MPa), or without."""
+    return Material(E, NU, Hardening.linear(Y, hardening, 1.0 if hardening else 0.0))
+
+
+def line(ratio: float, *, keeps: bool, traction: float = 0.0) -> pass_contact.RollingContact:
+    """A line contact with half width 1 and p0/k = ratio."""
+    p0 = ratio * SHEAR
+    return pass_contact.line_contact(
+        1.0, math.pi * p0 / 2, 2 * p0 / MODULUS, MODULUS, keeps=keeps, slips=traction
+    )
+
+
+@cache
+def rolled(
+    ratio: float, hardening: float = 0.0, traction: float = 0.0, *, count: int, keeps: bool = True
+) -> Passes:
+    """Passes of a line contact, six elements on the half width."""
+    block = passes.block(rail(hardening), (1.0, 1.0), line=True, half=False, per_length=6)
+    contact = line(ratio, keeps=keeps, traction=traction)
+    return passes.roll(block, contact, (1.0, 1.0), count)[0]
+
+
+@pytest.mark.parametrize("ratio", [3.6, 3.9])
+def test_below_the_limit_the_second_pass_does_not_yield_at_all(ratio):
+    found = rolled(ratio, count=3)
+    assert found.rows[0]["strain_increment_max"] > 5e-4
+    assert [row["strain_increment_max"] for row in found.rows[1:]] == [0.0, 0.0]
+    assert [row["iterations"] for row in found.rows[1:]] == [1, 1]
+    assert found.verdict == "shakes down"
+
+
+@pytest.mark.parametrize("number", [0, 2, 3, 5], ids=["3.6", "4.5", "5.0-hardens", "4.0-traction"])
+def test_two_passes_of_a_line_are_those_of_another_program(number):
+    case = REFERENCE["line"][number]
+    found = rolled(case["p0_over_k"], case["H_over_E"] * E, case["traction"], count=2)
+    high = case["p0_over_k"] >= 5
+    for row, other, wide in zip(found.rows, case["passes"], (0.10, 0.15), strict=False):
+        assert row["strain_increment_max"] == pytest.approx(
+            other["dq"], rel=0.10 if high else 0.05, abs=1e-9
+        )
+        assert row["forward_mm"] == pytest.approx(other["forward"], rel=wide, abs=1e-4)
+    for column, name in enumerate(("sxx_min", "syy_min")):
+        least = [state.stress[:, column].min() for state in found.sections]
+        expected = [other[name] for other in case["passes"][:2]]
+        assert least == pytest.approx(expected, rel=0.08 if high else 0.05)
+    assert found.rows[0]["groove_mm"] == pytest.approx(case["passes"][0]["settle"], rel=0.05)
+
+
+def test_in_contact_the_resistance_is_what_yield_takes():
+    found = rolled(4.5, count=3, keeps=False)
+    assert found.energy_error is not None and found.energy_error < 0.03
+    for row in found.rows:
+        spent = row["work_N"] + row["stored_N"]
+        assert row["resistance_N"] == pytest.approx(spent, rel=0.03)
+    assert found.rows[0]["stored_N"] > 0.05 * found.rows[0]["work_N"]  # most of it in the first
+    assert found.rows[2]["resistance_N"] == pytest.approx(found.rows[2]["work_N"], rel=0.03)
+    given = rolled(4.5, count=2)
+    strain = [each.rows[0]["strain_increment_max"] for each in (found, given)]
+    assert strain[0] < 0.9 * strain[1]  # the groove carries
+    assert found.rows[0]["lean_mm"] > 0.05
+    assert given.rows[0]["lean_mm"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_without_yield_the_contact_is_the_elastic_one():
+    found = rolled(3.0, count=1, keeps=False)
+    assert found.verdict == "elastic"
+    contact = line(3.0, keeps=False)
+    patch = contact.patch(np.zeros_like(contact.gap), None)
+    assert found.rows[0]["pressure_max_MPa"] == pytest.approx(patch.pressure.max(), rel=1e-8)
+    assert found.rows[0]["pressure_max_MPa"] == pytest.approx(3.0 * SHEAR, rel=2e-3)
+
+
+def test_passes_in_two_runs_are_those_of_one():
+    block = passes.block(rail(0.0), (1.0, 1.0), line=True, half=False, per_length=4, reach=20)
+    contact = line(4.2, keeps=True)
+    whole, _ = passes.roll(block, contact, (1.0, 1.0), 3)
+    _, state = passes.roll(block, contact, (1.0, 1.0), 2)
+    rest, _ = passes.roll(block, contact, (1.0, 1.0), 1, state=state)
+    for key in ("strain_increment_max", "forward_mm", "residual_along_MPa"):
+        assert rest.rows[0][key] == pytest.approx(whole.rows[2][key], rel=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("ratio", "traction", "count", "verdict"),
+    [
+        (3.88, 0.0, 3, "shakes down"),
+        (4.12, 0.0, 10, "ratchets"),
+        (3.11, 0.2, 10, "shakes down"),
+        (3.30, 0.2, 10, "ratchets"),
+    ],
+)
+def test_the_verdict_turns_at_melan_s_limit(ratio, traction, count, verdict):
+    """Three per cent below and above 4.00 and 3.202."""
+    block = passes.block(rail(0.0), (1.0, 1.0), line=True, half=False)
+    contact = line(ratio, keeps=True, traction=traction)
+    assert passes.roll(block, contact, (1.0, 1.0), count)[0].verdict == verdict
+
+
+def test_a_longer_block_changes_nothing():
+    found = []
+    for reach in (15, 45):
+        block = passes.block(
+            rail(0.0), (1.0, 1.0), line=True, half=False, per_length=4, reach=reach
+        )
+        found.append(passes.roll(block, line(4.2, keeps=True), (1.0, 1.0), 1)[0].rows[0])
+    for key, share in (
+        ("strain_increment_max", 0.005), ("forward_mm", 0.01), ("residual_along_MPa", 0.01),
+    ):  # fmt: skip
+        assert found[1][key] == pytest.approx(found[0][key], rel=share)
+
+
+def test_half_of_a_symmetric_solid_is_the_whole():
+    exact = ellipse()
+    half_lengths = exact.a, exact.b
+    contact = pass_contact.solid_contact(
+        half_lengths,
+        exact.load,
+        lambda x, s: (exact.curvature_x * x**2 + exact.curvature_y * s**2) / 2,
+        exact.contact_modulus,
+        keeps=False,
+    )
+    found = []
+    for half in (True, False):
+        block = passes.block(
+            rail(10e3), half_lengths, line=False, half=half, per_length=1.5, reach=4
+        )
+        found.append(passes.roll(block, contact, half_lengths, 1)[0].rows[0])
+    for key in ("strain_increment_max", "forward_mm", "groove_mm", "residual_along_MPa", "work_N"):
+        assert found[1][key] == pytest.approx(found[0][key], rel=2e-3), key
+    assert abs(found[1]["place_mm"][0]) == pytest.approx(found[0]["place_mm"][0], abs=0.1)
+    assert found[0]["strain_increment_max"] > 3e-3
+
+
+def ellipse() -> hertz.Ellipse:
+    """Ellipse with half lengths 1 along and 0.7995 across and p0 = 5 k, of two elastic bodies."""
+    modulus, ratio = MODULUS / 2, 0.7995
+    low, high = 0.5, 2.0
+    for _ in range(60):  # curvature across over that along
+        middle = math.sqrt(low * high)
+        one = hertz.point_contact(1.0, middle, modulus, 1.0)
+        low, high = (middle, high) if one.b / one.a > ratio else (low, middle)
+    scale = 5 * SHEAR / one.p0 * one.a  # p0 ~ (load curvature^2)^(1/3), a ~ (load/curvature)^(1/3)
+    return hertz.point_contact(scale, scale * middle, modulus, scale / one.a**3)
+
+
+@pytest.mark.slow
+def test_an_ellipse_in_contact_yields_half_as_much_and_shakes_down():
+    exact = ellipse()
+    assert (exact.a, exact.p0 / SHEAR) == pytest.approx((1.0, 5.0))
+    half_lengths = exact.a, exact.b
+    contact = pass_contact.solid_contact(
+        half_lengths,
+        exact.load,
+        lambda x, s: (exact.curvature_x * x**2 + exact.curvature_y * s**2) / 2,
+        exact.contact_modulus,
+        keeps=False,
+    )
+    block = passes.block(rail(10e3), half_lengths, line=False, half=True)
+    found, _ = passes.roll(block, contact, half_lengths, 3)
+    first, other = found.rows[0], REFERENCE["ellipse"]["contact"][0]
+    assert first["strain_increment_max"] == pytest.approx(other["dq"], rel=0.15)
+    assert first["groove_mm"] == pytest.approx(other["groove"], rel=0.15)
+    assert first["residual_along_MPa"] == pytest.approx(other["sxx_min"], rel=0.05)
+    assert found.verdict == "shakes down"
