@@ -8,7 +8,7 @@ from collections.abc import Sequence
 FALLS = 0.9  # ratio of an increment to the one before, below which the increments fall
 STEADY = 0.98  # ratio from which they are steady
 SHARE = 0.1  # of the plastic strain that is there: what later passes may add after shakedown
-NOTHING = 1e-3  # forward displacement over half length and strain increment, that counts as none
+NOTHING = 1e-2  # forward displacement over half length and strain increment, that counts as none
 
 ELASTIC, SHAKES_DOWN, CYCLES = "elastic", "shakes down", "closed cycles"
 RATCHETS, LIMIT, UNDECIDED = "ratchets", "at the limit", "undecided"
@@ -28,8 +28,8 @@ def verdict(
     last two increments each fall below 0.9 of the one before, and all that a geometric series adds
     to them is below a tenth of their sum. Closed cycles: the increments are steady and the forward
     displacement falls to zero. Ratchetting: both are steady. In between, increments fall slowly,
-    at the limit of shakedown. Fewer than three passes are undecided, and before the fourth only
-    shakedown is told.
+    at the limit of shakedown. Fewer than three passes are undecided, before the fourth only
+    shakedown is told, and a forward displacement that still grows or turns round is undecided.
     """
     small = [value <= noise for value in increments]
     if small and small[0] and all(small):
@@ -46,12 +46,17 @@ def verdict(
         return UNDECIDED
     if falls < STEADY:
         return LIMIT
-    moved = abs(forward[-1]) > NOTHING * length * increments[-1]
-    same_way = forward[-1] * forward[-2] > 0 and forward[-2] * forward[-3] > 0
-    return RATCHETS if moved and same_way and _ratio(forward) >= FALLS else CYCLES
+    if abs(forward[-1]) <= NOTHING * length * increments[-1] or 0 < _ratio(forward) < FALLS:
+        return CYCLES
+    steady = all(FALLS <= each <= 1 / FALLS for each in _ratios(forward))
+    return RATCHETS if steady else UNDECIDED
+
+
+def _ratios(values: Sequence[float]) -> list[float]:
+    """The last two ratios of a value to the one before; infinite after zero."""
+    return [b / a if a else math.inf for a, b in zip(values[-3:], values[-2:], strict=False)]
 
 
 def _ratio(values: Sequence[float]) -> float:
-    """Larger of the last two ratios of a value to the one before, in size; infinite after zero."""
-    last = [abs(value) for value in values[-3:]]
-    return max(b / a if a else math.inf for a, b in zip(last, last[1:], strict=False))
+    """Larger of the last two ratios of a value to the one before, in size."""
+    return max(abs(each) for each in _ratios(values))
