@@ -35,14 +35,15 @@ class RailState:
     up: Array
 
     def below(self) -> tuple[Array, Array, Array]:
-        """Depth (k,), mm, residual stress (k, 4), MPa, and plastic strain (k,) of the lines nearest
-        to the middle, from the surface down.
+        """Depth (k,), mm, residual stress (k, 4), MPa, and plastic strain (k,) from the surface
+        down: means of the lines nearest to the middle on both sides.
         """
         distance = np.abs(self.places[:, 0])
         near = np.flatnonzero(distance < distance.min() + 1e-6 * np.ptp(self.places[:, 1]))
-        order = near[np.argsort(-self.places[near, 1], kind="stable")]
-        depth, first = np.unique(np.round(-self.places[order, 1], 9), return_index=True)
-        return depth, self.stress[order][first], self.strain[order][first]
+        depth, level = np.unique(np.round(-self.places[near, 1], 9), return_inverse=True)
+        mean = np.eye(len(depth))[:, level]
+        mean /= mean.sum(axis=1, keepdims=True)
+        return depth, mean @ self.stress[near], mean @ self.strain[near]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,8 +83,9 @@ class Passes:
         rows = []
         for number, row in enumerate(self.rows, 1):
             plain = {key: value for key, value in row.items() if key != "place_mm"}
-            across, height = row["place_mm"]
-            place = {"place_across_mm": across, "place_depth_mm": -height}
+            across, height = row["place_mm"] or (None, None)
+            depth = None if height is None else -height
+            place = {"place_across_mm": across, "place_depth_mm": depth}
             rows.append({"pass": number, **plain, **place})
         return rows
 
@@ -133,9 +135,9 @@ def rail_state(rolling: RollingBlock, state: SectionState) -> RailState:
 
 
 def row(
-    rolling: RollingBlock, each: RollingPass, section: RailState, patch: PatchSolution, a: float
+    rolling: RollingBlock, each: RollingPass, section: RailState, patch: PatchSolution
 ) -> dict[str, Any]:
-    """Row of a pass. a: half length of the elastic patch along the rail, mm."""
+    """Row of a pass; its place is None where nothing yields."""
     profile = each.profile
     middle = int(np.argmin(np.abs(profile.y)))
     place = rolling.streams.places[int(np.argmax(each.growth))]
@@ -149,10 +151,10 @@ def row(
     return {
         "strain_increment_max": float(each.growth.max()),
         "strain_max": float(section.strain.max()),
-        "place_mm": [float(value) for value in place],
+        "place_mm": [float(value) for value in place] if each.growth.any() else None,
         "shear_increment_max": float(each.shear[np.argmax(np.abs(each.shear))]),
         "forward_mm": float(profile.along[middle]),
-        "groove_mm": max(float(-section.up.min()), 0.0),
+        "groove_mm": max(float(-section.up.min()), 0.0) + 0.0,
         "ridge_mm": float(max(section.up.max(), 0.0)),
         "pressure_max_MPa": float(patch.max_pressure) if width else float(patch.pressure.max()),
         "lead_mm": float(patch.x[pressed[-1]] + dx / 2),

@@ -386,10 +386,10 @@ class Plan:
     @property
     def _seconds_of_passes(self) -> float:
         """Predicted seconds of the passes over a rail that yields; 0 without them."""
-        if not self.effects["passes"].on:
+        if not self.effects["passes"].on or self.scene.rolling.passes is None:
             return 0.0
         first, each = cost.PASSES[self.contact.line]
-        return cost.correction() * (first + each * (self.scene.rolling.passes or 0))
+        return cost.correction() * (first + each * self.scene.rolling.passes)
 
     @property
     def condenses(self) -> bool:

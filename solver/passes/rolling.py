@@ -11,7 +11,7 @@ The outflow moves along x by the answer of the section to D of the last column.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -48,7 +48,7 @@ class ProfileChange:
 
 
 @dataclass(frozen=True)
-class SurfaceRise:
+class SurfaceMotion:
     """Displacement of the surface that a pass adds to the elastic one.
 
     x: (nx,), mm, ascending.
@@ -66,7 +66,7 @@ class SurfaceRise:
         return np.asarray(self.moved[..., -1])
 
 
-Pressing = Callable[[SurfaceRise, ProfileChange], Array]
+Pressing = Callable[[SurfaceMotion, ProfileChange], Array]
 """(surface of this pass, profile of the passes before) -> elastic stress of the load (columns,
 lines, m) at the points of `RollingBlock`, MPa, in Mandel's notation of the block."""
 
@@ -195,7 +195,7 @@ class RollingBlock:
 
     @property
     def surface_numbers(self) -> Array:
-        """Numbers (nx, ny) of the nodes of the surface, in the order of `SurfaceRise`."""
+        """Numbers (nx, ny) of the nodes of the surface, in the order of `SurfaceMotion`."""
         return self._surface_nodes[2]
 
     @cached_property
@@ -227,10 +227,10 @@ class RollingBlock:
         product = np.einsum("lm,lm->l", state.residual, state.history.plastic)
         return -0.5 * float(product @ self._areas)
 
-    def surface(self, displacement: Array) -> SurfaceRise:
-        """SurfaceRise z = 0 of a displacement on all dofs (n c,)."""
+    def surface(self, displacement: Array) -> SurfaceMotion:
+        """Rise of the surface z = 0 in a displacement on all dofs (n c,), mm."""
         x, y, numbers = self._surface_nodes
-        return SurfaceRise(x, y, displacement.reshape(-1, self.block.dim)[numbers])
+        return SurfaceMotion(x, y, displacement.reshape(-1, self.block.dim)[numbers])
 
     def roll(self, state: SectionState, pressing: Pressing) -> RollingPass:
         """One more pass of a load over a state."""
@@ -291,16 +291,6 @@ class RollingBlock:
         if self.block.dim == 3:
             out |= np.abs(y) >= np.unique(np.abs(y))[-3]
         return np.asarray(out)
-
-    def passes(
-        self, count: int, pressing: Pressing, state: SectionState | None = None
-    ) -> Iterator[RollingPass]:
-        """The next `count` passes, from a state; None: from the start."""
-        state = state or self.start
-        for _ in range(count):
-            found = self.roll(state, pressing)
-            yield found
-            state = found.state
 
 
 def _grid(block: Block) -> tuple[Array, Array, Array]:

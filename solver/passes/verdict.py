@@ -15,7 +15,12 @@ RATCHETS, LIMIT, UNDECIDED = "ratchets", "at the limit", "undecided"
 
 
 def verdict(
-    increments: Sequence[float], forward: Sequence[float], length: float, noise: float
+    increments: Sequence[float],
+    forward: Sequence[float],
+    length: float,
+    noise: float,
+    *,
+    hardens: bool,
 ) -> str:
     """Verdict on n passes.
 
@@ -23,6 +28,8 @@ def verdict(
     forward: displacement of the surface along the rail in each pass (n,), mm.
     length: half length of the patch along the rail, mm.
     noise: increment that the tolerance of the solution may make.
+    hardens: whether the flow curve rises without end; then nothing ratchets for ever, and no
+        limit lies between shakedown and ratchetting: such passes are undecided.
 
     Elastic: nothing yields in the first pass. Shakedown: nothing yields in the last two; or the
     last two increments each fall below 0.9 of the one before, and all that a geometric series adds
@@ -44,12 +51,13 @@ def verdict(
         return SHAKES_DOWN if rest < SHARE * sum(increments) else UNDECIDED
     if len(increments) < 4:
         return UNDECIDED
-    if falls < STEADY:
-        return LIMIT
-    if abs(forward[-1]) <= NOTHING * length * increments[-1] or 0 < _ratio(forward) < FALLS:
-        return CYCLES
+    still = abs(forward[-1]) <= NOTHING * length * increments[-1]
     steady = all(FALLS <= each <= 1 / FALLS for each in _ratios(forward))
-    return RATCHETS if steady else UNDECIDED
+    if falls < STEADY:
+        return LIMIT if (still or steady) and not hardens else UNDECIDED
+    if still or _ratio(forward) < FALLS:
+        return CYCLES
+    return RATCHETS if steady and not hardens else UNDECIDED
 
 
 def _ratios(values: Sequence[float]) -> list[float]:

@@ -186,3 +186,10 @@ def test_an_ellipse_in_contact_yields_half_as_much_and_shakes_down():
     assert first["groove_mm"] == pytest.approx(other["groove"], rel=0.15)
     assert first["residual_along_MPa"] == pytest.approx(other["sxx_min"], rel=0.05)
     assert found.verdict == "shakes down"
+
+
+def test_yield_beyond_the_region_that_is_followed_is_told(monkeypatch):
+    monkeypatch.setitem(passes.DEEP, "line", 1.0)
+    block = passes.block(rail(0.0), (1.0, 1.0), line=True, half=False, per_length=3, reach=12)
+    found, _ = passes.roll(block, line(4.2, keeps=True), (1.0, 1.0), 1)
+    assert found.rim > 0.01

@@ -34,7 +34,7 @@ def decide_passes(context: Context) -> Effect:
     if count is None:
         called = yields and scene.rail.yields and not accepted
         if called:
-            why += f"; give rolling.passes, {enough} tell all"
+            why += f"; give rolling.passes, about {enough} tell"
         return Effect(called, False, why, {"on": OFF})
     if scene.effects.passes == "off":
         return Effect(yields, True, why)
@@ -49,12 +49,12 @@ def decide_passes(context: Context) -> Effect:
             f"{steady:g}; give rail.hardening_modulus, or a smaller load",
         )
     )
-    return Effect(yields, True, f"{count} passes; {why}; {enough} tell all")
+    return Effect(yields, True, f"{count} passes; {why}; about {enough} tell")
 
 
 def _refuse_bodies(context: Context, given: str) -> None:
     """Raise SceneError for bodies that passes do not know; given: the beginning of the text."""
-    key, friction = "rolling.passes", context.scene.friction
+    key, friction, wheel = "rolling.passes", context.scene.friction, context.scene.wheel
     across = context.contact.plane == "yz" or context.contact.revolved
     refuse_first(
         (
@@ -66,6 +66,11 @@ def _refuse_bodies(context: Context, given: str) -> None:
             not context.scene.rail.yields,
             key,
             f"{given}the rail has no yield stress; give rail.steel or rail.yield_stress",
+        ),
+        (
+            "wheel" not in context.deformable and math.isfinite(wheel.young_modulus),
+            key,
+            f"{given}the wheel is rigid by effects.deformable_wheel; give wheel.young_modulus=inf",
         ),
         (
             friction.force_along or friction.force_across,
@@ -124,8 +129,10 @@ def _indicator(context: Context) -> tuple[float, float, str]:
     ratio, share = p0 / shear, traction(context)
     first = math.sqrt(3) * p0 / context.von_mises(poisson)
     if isinstance(hertz, LineContact):
-        friction = scene.friction.coefficient
-        limit = shakedown.shakedown_limit(friction if share else 0.0, poisson, share)
+        # The back stress of linear kinematic hardening balances what tractions add.
+        balanced = _hardens(context) and scene.rail.kinematic_fraction == 1
+        friction = 0.0 if balanced or not share else scene.friction.coefficient
+        limit = shakedown.shakedown_limit(friction, poisson, share)
     else:
         limit = min(shakedown.ellipse_limit(hertz.a / hertz.b), 2 * first)
     beside = f" at Q/P = {share:.2g}" if share else ""

@@ -21,7 +21,7 @@ from railhead.theory.bem.patch import Grid, PatchSolution
 from railhead.theory.elastic.strips import Strips
 
 if TYPE_CHECKING:
-    from railhead.solver.passes.rolling import ProfileChange, RollingBlock, SurfaceRise
+    from railhead.solver.passes.rolling import ProfileChange, RollingBlock, SurfaceMotion
 
 Array = NDArray[np.float64]
 STRIP_CELLS, SOLID_CELLS = 128, 40  # of the grid of the pressure, each way
@@ -118,7 +118,7 @@ class Pressing:
             self._strips = Strips(along, points[:, 0], -points[:, 2], poisson)
         self._kept: Array | None = None
 
-    def __call__(self, surface: SurfaceRise, profile: ProfileChange) -> Array:
+    def __call__(self, surface: SurfaceMotion, profile: ProfileChange) -> Array:
         """Elastic stress (columns, lines, m), MPa, in Mandel's notation, where this pass moves the
         surface beside what the passes before left.
         """
@@ -139,7 +139,7 @@ class Pressing:
         self._kept = stress if contact.keeps else None
         return stress
 
-    def _work(self, surface: SurfaceRise) -> float:
+    def _work(self, surface: SurfaceMotion) -> float:
         """Work of the tractions q over the way, N: -int q . du/dx dA, as the rail flows to -x."""
         contact, (x, _) = self._contact, self._contact.edges
         assert contact.traction is not None

@@ -28,6 +28,7 @@ GROWTH = {"line": 1.35, "solid": 1.6}  # of the elements beside the patch
 REACH = {"line": 50.0, "solid": 12.0}  # of the block over the half length of the patch
 DEEP, ASIDE = {"line": 3.4, "solid": 2.6}, 2.2  # plastic strain is followed, over half lengths
 INNER, BELOW = 1.5, {"line": 2.2, "solid": 1.4}  # where the elements are small
+TOLD = 5e-4  # strain of the first pass from which its energy is compared
 SETTLED = 2e-3  # of the first plastic work: less is no longer compared with the resistance
 
 
@@ -83,7 +84,6 @@ def roll(
 
     pressing, state = pass_contact.Pressing(rolling, contact), state or rolling.start
     made, rows, sections, works = [], [], [], []
-    a = half_lengths[0]
     stiff = 2 * rolling.block.material.lame[1]
     shear_yield = rolling.hardening.initial_yield_stress / math.sqrt(3)
     noise = rolling.tolerance * shear_yield / stiff
@@ -94,7 +94,7 @@ def roll(
         state = each.state
         made.append(each)
         sections.append(rail_state(rolling, state))
-        rows.append(row(rolling, each, sections[-1], pressing.patch, a))
+        rows.append(row(rolling, each, sections[-1], pressing.patch))
         whole = contact.width * (2 if rolling.block.half else 1)
         work, stored = whole * each.work, whole * each.stored
         resistance = None if contact.keeps else contact.resistance(pressing.patch)
@@ -109,10 +109,11 @@ def roll(
     found = verdict(
         [each["strain_increment_max"] for each in rows],
         [each["forward_mm"] for each in rows],
-        a,
+        half_lengths[0],
         noise,
+        hardens=rolling.hardening.final_hardening_modulus > 0,
     )
-    least = SETTLED * works[0][0]
+    least = SETTLED * works[0][0] if rows[0]["strain_increment_max"] > TOLD else math.inf
     spent = [(work + kept, force) for work, kept, force in works if force is not None]
     errors = [abs(force - total) / total for total, force in spent if total > least]
     largest = max((float(each.growth.max()) for each in made), default=0.0)

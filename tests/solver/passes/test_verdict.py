@@ -25,15 +25,33 @@ def test_ten_passes_tell_all_and_two_tell_nothing(case):
     increments = [each["dq"] for each in case["passes"]]
     forward = [each["forward"] for each in case["passes"]]
     expected = EXPECTED[case["p0_over_k"], case["H_over_E"], case["traction"]]
-    assert verdict(increments, forward, 1.0, 1e-7) == expected
-    assert verdict(increments[:2], forward[:2], 1.0, 1e-7) == "undecided"
+    hardens = bool(case["H_over_E"])
+    assert verdict(increments, forward, 1.0, 1e-7, hardens=hardens) == expected
+    assert verdict(increments[:2], forward[:2], 1.0, 1e-7, hardens=hardens) == "undecided"
     for count in range(3, 10):  # nothing else is ever said for sure before
-        early = verdict(increments[:count], forward[:count], 1.0, 1e-7)
+        early = verdict(increments[:count], forward[:count], 1.0, 1e-7, hardens=hardens)
         assert early in (expected, "undecided")
 
 
 def test_nothing_that_yields_is_elastic():
-    assert verdict([0.0], [0.0], 1.0, 1e-7) == "elastic"
-    assert verdict([1e-3, 0.0], [0.0, 0.0], 1.0, 1e-7) == "undecided"
-    assert verdict([1e-3, 0.0, 0.0], [0.0, 0.0, 0.0], 1.0, 1e-7) == "shakes down"
-    assert verdict([1e-3, 0.0, 1e-3], [0.0, 0.0, 0.0], 1.0, 1e-7) != "shakes down"
+    assert verdict([0.0], [0.0], 1.0, 1e-7, hardens=False) == "elastic"
+    assert verdict([1e-3, 0.0], [0.0, 0.0], 1.0, 1e-7, hardens=False) == "undecided"
+    assert verdict([1e-3, 0.0, 0.0], [0.0, 0.0, 0.0], 1.0, 1e-7, hardens=False) == "shakes down"
+    assert verdict([1e-3, 0.0, 1e-3], [0.0, 0.0, 0.0], 1.0, 1e-7, hardens=False) != "shakes down"
+
+
+def test_a_surface_that_still_turns_is_undecided():
+    """Kinematic hardening at 5 k in contact: the fourth pass looked like ratchetting."""
+    increments = [0.01198, 0.01413, 0.01322, 0.01314]
+    forward = [0.00357, -0.00091, -0.00118, -0.00062]
+    for hardens in (True, False):
+        assert verdict(increments, forward, 1.0, 1e-7, hardens=hardens) == "undecided"
+
+
+@pytest.mark.parametrize(
+    ("last", "perfect"), [(0.0101, "ratchets"), (0.0096, "at the limit")], ids=["steady", "falls"]
+)
+def test_what_hardens_without_end_neither_ratchets_nor_is_at_a_limit(last, perfect):
+    increments, forward = [0.011, 0.0105, 0.0102, last], [0.02, 0.011, 0.0108, 0.0106]
+    assert verdict(increments, forward, 1.0, 1e-7, hardens=False) == perfect
+    assert verdict(increments, forward, 1.0, 1e-7, hardens=True) == "undecided"
