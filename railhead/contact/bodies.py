@@ -17,6 +17,7 @@ from railhead.scene.scene import Scene, SceneError
 HEAD_DEPTH = 50.0  # mm, of a block below a single-radius or measured crown
 RIM_DEPTH = 60.0  # mm
 MOST_SLENDER = 9.0  # half length of the wheel's segment over its thickness; gmsh fails on thinner
+THINNEST = 1e-3  # mm, width of a wheel in a section
 # Corners of a whole section with a smaller radius (mm), far below the elements there, are left out:
 # area +0.13 %, second moments +0.2 % (vertical bending) and +0.9 % (lateral).
 SHARP_BELOW = 5.0
@@ -125,7 +126,7 @@ def _wheel(contact: Contact, reach: float, *, half: bool) -> Body:
         )
     reach = wheel.segment_length / 2 if wheel.segment_length else reach
     reach = min(reach, 1.2 * wheel.rolling_radius)
-    thinnest = reach / MOST_SLENDER * (2 if half else 1)
+    thinnest = max(reach / MOST_SLENDER * (2 if half else 1), THINNEST)
     if end - start < thinnest:
         raise SceneError(
             "wheel.width",
