@@ -229,7 +229,7 @@ def test_non_convergence_is_status_1_with_its_history(tmp_path, monkeypatch, cap
     ("words", "found"),
     [("run her", ["hertz_ellipse"]),
      ("locate x --set rail.st", ["rail.steel=", "rail.stress_strain="]),
-     ("sweep x --over loa", ["load="]), ("plan x --without plasti", ["plasticity"])],
+     ("sweep x --over loa", ["load="]), ("plan x --without plane", ["plane_strain"])],
 )  # fmt: skip
 def test_a_shell_completes_cases_keys_and_effects(words: str, found: list[str]) -> None:
     given = ["railhead", *words.split()]

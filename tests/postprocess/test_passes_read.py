@@ -10,7 +10,7 @@ from railhead.solver.passes.block import Block
 from railhead.solver.passes.rolling import RollingBlock
 
 
-def test_below_the_middle_are_the_nearest_lines_from_the_surface_down():
+def test_below_the_middle_are_means_of_the_nearest_lines_from_the_surface_down():
     places = np.array([[0.3, -2.0], [-0.1, -3.0], [0.1, -1.0], [0.1, -3.0], [-0.1, -1.0]])
     stress = np.arange(20.0).reshape(5, 4)
     state = RailState(
@@ -18,8 +18,11 @@ def test_below_the_middle_are_the_nearest_lines_from_the_surface_down():
     )
     depth, found, strain = state.below()
     assert depth.tolist() == [1.0, 3.0]
-    assert found.tolist() == [stress[2].tolist(), stress[1].tolist()]
-    assert strain.tolist() == [2.0, 1.0]
+    assert found.tolist() == [
+        stress[[2, 4]].mean(axis=0).tolist(),
+        stress[[1, 3]].mean(axis=0).tolist(),
+    ]
+    assert strain.tolist() == [3.0, 2.0]
 
 
 def test_the_table_has_the_place_in_two_columns():
