@@ -142,7 +142,9 @@ class Location:
         yaw = f", yaw {1e3 * scene.wheelset.yaw:g} mrad"
         title = f"{pair}, shifted by {scene.wheelset.shift:g} mm to the right{yaw}"
         with result_folder.result(folder, "locate", scene, self.summary()) as (work, attempt):
-            (work / "positions.csv").write_bytes(result_folder.encoded(_signed(self.positions())))
+            (work / "positions.csv").write_bytes(
+                result_folder.encoded(result_folder.signed(self.positions()))
+            )
             if not pictures:
                 return
             with attempt("profiles.png"):
@@ -204,12 +206,6 @@ def _checked(folder: str | Path, command: str, scene: Scene, force: bool) -> Pat
     if not force:
         result_folder.refuse_other(folder, command, scene)
     return folder
-
-
-def _signed(rows: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Rows of a table with program and date as their last columns."""
-    origin = {"program": f"railhead {result_folder.VERSION}", "date": result_folder.now()}
-    return [row | origin for row in rows]
 
 
 def _contact(touch: ContactPoint, crest: float) -> dict[str, float | bool]:
@@ -292,7 +288,7 @@ class ExaminedProfile:
         ]
         folder = _checked(folder, "profile", self.scene, force)
         with result_folder.result(folder, "profile", self.scene, self.summary()) as (work, attempt):
-            (work / "profile.csv").write_bytes(result_folder.encoded(_signed(rows)))
+            (work / "profile.csv").write_bytes(result_folder.encoded(result_folder.signed(rows)))
             if not pictures:
                 return
             with attempt("profile.png"):

@@ -50,7 +50,9 @@ def write(
     with result(folder, "run", solved.plan.scene, summary) as (work, attempt):
         (work / TABLE).write_bytes(result_folder.encoded(quantity_rows.everything(summary)))
         if solved.passes is not None and solved.passes.rows:
-            (work / PASSES).write_bytes(result_folder.encoded(solved.passes.table()))
+            (work / PASSES).write_bytes(
+                result_folder.encoded(result_folder.signed(solved.passes.table()))
+            )
         stresses: Array | None = None
         grids: Grids | None = None
         found = _titled(solved)

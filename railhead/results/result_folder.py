@@ -174,6 +174,12 @@ def origin() -> dict[str, Any]:
     return {"railhead": VERSION, "date": now(), "units": UNITS}
 
 
+def signed(rows: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Rows of a table with program and date as their last columns."""
+    origin = {"program": f"railhead {VERSION}", "date": now()}
+    return [row | origin for row in rows]
+
+
 def stamp(folder: Path) -> None:
     """Write version, date and units into the .png, .vtu and .pvd files of a folder, as text that
     viewers skip. OSError: a file cannot be written; it is unchanged then.

@@ -59,6 +59,7 @@ def test_the_files_hold_the_passes(result, tmp_path, monkeypatch):
     written = float(rows[1]["residual_along_MPa"])
     assert written == pytest.approx(result.summary["result"]["passes"][1]["residual_along_MPa"])
     assert float(rows[0]["place_depth_mm"]) > 1
+    assert all(row["program"].startswith("railhead ") and row["date"] for row in rows)
     assert matplotlib.image.imread(tmp_path / "out" / "passes.png").std() > 0.02
 
 
