@@ -458,8 +458,9 @@ def shared_patches(
 
 
 def _change(found: list[TangentialSolution], before: list[TangentialSolution]) -> float:
-    """Integral of the change of the tractions over that of their limit mu p; infinite where there
-    were none before.
+    """Change of the tractions of all patches from one turn to the next, relative: sum over the
+    cells of the change, in N, over mu times the normal force. found, before: one for each patch.
+    Infinite where there were none before.
     """
     if not before:
         return np.inf

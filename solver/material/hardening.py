@@ -179,11 +179,11 @@ def radial_return(
     size = np.sqrt(np.einsum("nm,nm->n", trial, trial))
     share = hardening.kinematic
     first = hardening.initial_yield_stress
-    curve, _ = hardening.stress_and_slope(before.equivalent)
     yielding = np.flatnonzero(size > yield_radius(before, hardening))
     mu, size = mu[yielding], size[yielding]
     normal = trial[yielding] / size[:, None]
-    start, curve = before.equivalent[yielding], curve[yielding]
+    start = before.equivalent[yielding]
+    curve, _ = hardening.stress_and_slope(start)
     # 2 mu q / ROOT + ROOT k(q) = reached, whose left side is straight in pieces and grows with q.
     strain_at, stress_at, slopes = hardening.segments
     reached = size + 2 * mu * start / ROOT + ROOT * share * (curve - first)

@@ -107,11 +107,15 @@ class Block:
         cells = np.stack(corners, axis=-1).reshape(-1, 2**self.dim)
         return compat.straight_mesh(MPI.COMM_SELF, cells, points, CELLS[self.dim])
 
+    @property
+    def _tags(self) -> _Tags:
+        """Tags of the cells."""
+        return _Tags(int(np.prod([len(axis) - 1 for axis in self.axes])))
+
     @cached_property
     def _assembled(self) -> tuple[Any, PETSc.Mat]:
         """Displacement space and stiffness on all dofs."""
-        tags = _Tags(int(np.prod([len(axis) - 1 for axis in self.axes])))
-        return assemble(self.mesh, tags, {TAG: self.material}, 2, self.kinematics)
+        return assemble(self.mesh, self._tags, {TAG: self.material}, 2, self.kinematics)
 
     @cached_property
     def nodes(self) -> Array:
@@ -147,7 +151,6 @@ class Block:
     @cached_property
     def points(self) -> YieldPoints:
         """Gauss points where plastic strain is followed."""
-        tags = _Tags(int(np.prod([len(axis) - 1 for axis in self.axes])))
 
         def near(centroids: Array) -> NDArray[np.bool_]:
             """Whether plastic strain is followed in cells with these centroids (k, 3), mm."""
@@ -155,7 +158,12 @@ class Block:
             return np.asarray(below & beside)
 
         return bulk_points(
-            self._assembled[0], tags, {TAG: self.material}, near, self.reduction, MPI.COMM_SELF
+            self._assembled[0],
+            self._tags,
+            {TAG: self.material},
+            near,
+            self.reduction,
+            MPI.COMM_SELF,
         )
 
     @cached_property

@@ -11,6 +11,7 @@ The outflow moves along x by the answer of the section to D of the last column.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -170,6 +171,11 @@ class RollingBlock:
         return self.block.material.hardening
 
     @property
+    def shear_yield(self) -> float:
+        """First yield stress in pure shear, MPa."""
+        return self.hardening.initial_yield_stress / math.sqrt(3)
+
+    @property
     def start(self) -> SectionState:
         """State without plastic strain or residual stress."""
         lines, size = self.places.shape[1], 3 + len(self.block.kinematics.shears)
@@ -193,6 +199,14 @@ class RollingBlock:
         """x (nx,), y (ny,) of the nodes of the surface z = 0, mm, and their numbers (nx, ny)."""
         return _grid(self.block)
 
+    @cached_property
+    def _section_surface(self) -> tuple[Array, Array]:
+        """y (ny,) of the nodes of the section's surface, mm, and their numbers (ny,) in one plane
+        of the slab.
+        """
+        _, y, numbers = _grid(self.section)
+        return y, numbers[0]
+
     @property
     def surface_numbers(self) -> Array:
         """Numbers (nx, ny) of the nodes of the surface, in the order of `SurfaceMotion`."""
@@ -215,8 +229,8 @@ class RollingBlock:
         moved = section.solve(section.plastic_force(spread))
         strain = streams.gathered(section.strains(moved))[0]
         values = moved.reshape(-1, section.dim)
-        _, y, numbers = _grid(section)
-        surface = values[numbers[0]]
+        y, numbers = self._section_surface
+        surface = values[numbers]
         profile = ProfileChange(y, surface[:, 0], surface[:, -1])
         return values[self._outflow_order, 0], profile, self.stress(strain - change)
 
@@ -236,7 +250,6 @@ class RollingBlock:
         """One more pass of a load over a state."""
         block, streams = self.block, self.streams
         mu = block.material.lame[1]
-        shear_yield = self.hardening.initial_yield_stress / np.sqrt(3)
         mus = np.full(self.places.shape[1], mu)
         incoming = state.history
         u = np.zeros(block.nodes.size)
@@ -254,7 +267,7 @@ class RollingBlock:
             force = block.plastic_force(streams.scattered(plastic - incoming.plastic))
             value = block.solve(force, pushed)
             new = streams.gathered(block.strains(value))
-            change = float(np.abs(self.stress(new - strain)).max() / shear_yield)
+            change = float(np.abs(self.stress(new - strain)).max() / self.shear_yield)
             u = value if change < self.tolerance else mixing.next(u, value)
             strain = streams.gathered(block.strains(u))
         total = state.residual + elastic + self.stress(new - plastic + incoming.plastic)

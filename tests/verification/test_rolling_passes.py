@@ -136,13 +136,7 @@ def test_a_longer_block_changes_nothing():
 def test_half_of_a_symmetric_solid_is_the_whole():
     exact = ellipse()
     half_lengths = exact.a, exact.b
-    contact = pass_contact.solid_contact(
-        half_lengths,
-        exact.load,
-        lambda x, s: (exact.curvature_x * x**2 + exact.curvature_y * s**2) / 2,
-        exact.contact_modulus,
-        keeps=False,
-    )
+    contact = pass_contact.ellipse_contact(exact, keeps=False)
     found = []
     for half in (True, False):
         block = passes.block(
@@ -172,13 +166,7 @@ def test_an_ellipse_in_contact_yields_half_as_much_and_shakes_down():
     exact = ellipse()
     assert (exact.a, exact.p0 / SHEAR) == pytest.approx((1.0, 5.0))
     half_lengths = exact.a, exact.b
-    contact = pass_contact.solid_contact(
-        half_lengths,
-        exact.load,
-        lambda x, s: (exact.curvature_x * x**2 + exact.curvature_y * s**2) / 2,
-        exact.contact_modulus,
-        keeps=False,
-    )
+    contact = pass_contact.ellipse_contact(exact, keeps=False)
     block = passes.block(rail(10e3), half_lengths, line=False, half=True)
     found, _ = passes.roll(block, contact, half_lengths, 3)
     first, other = found.rows[0], REFERENCE["ellipse"]["contact"][0]

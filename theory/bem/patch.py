@@ -34,6 +34,15 @@ class Grid:
         return float((self.x[1] - self.x[0]) * (self.s[1] - self.s[0]))
 
     @property
+    def edges(self) -> tuple[Array, Array]:
+        """Ends of the cells along x (nx + 1,) and across (ns + 1,), mm."""
+        x, s = (
+            np.append(axis - (axis[1] - axis[0]) / 2, axis[-1] + (axis[1] - axis[0]) / 2)
+            for axis in (self.x, self.s)
+        )
+        return x, s
+
+    @property
     def normals(self) -> Array:
         """Components (2, 1, ns) of the surface normals along the load and across the load."""
         return np.array([np.cos(self.angle), np.sin(self.angle)])[:, None]

@@ -39,6 +39,12 @@ class Ellipse:
     curvature_x: float
     curvature_y: float
 
+    def gap(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Gap of the undeformed surfaces, mm, at x along and y across the rail from the first
+        contact (mm, broadcast against each other).
+        """
+        return (self.curvature_x * x**2 + self.curvature_y * y**2) / 2
+
     @property
     def area(self) -> float:
         """Patch area pi a b in mm^2."""

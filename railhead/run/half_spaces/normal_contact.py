@@ -166,7 +166,7 @@ def patches(
         return _strip(hertz.strip, cells)
     if contact.half_space or (hertzian and not contact.touch.orientation):
         pressed = boundary_element.solve(
-            lambda x, s: (hertz.curvature_x * x**2 + hertz.curvature_y * s**2) / 2,
+            hertz.gap,
             hertz.contact_modulus,
             load=hertz.load,
             cells=cells,
@@ -191,20 +191,24 @@ def _strip(contact: Strip, cells: int) -> list[PressedPatch]:
     along the line. Both are so long that each is a strip; the load is that of the strip over this
     length.
     """
-    length = LENGTH * contact.b
-    x = WIDER * contact.b * ((2 * np.arange(cells) + 1) / cells - 1)
-    s = length / 4 * np.array([-1.0, 1.0])
-    gap = contact.curvature / 2 * np.column_stack([x**2, x**2])
+    grid, gap = strip_grid(contact.b, contact.curvature, cells, WIDER)
+    load = contact.load_per_length * LENGTH * contact.b
     (pressed,) = boundary_element.equilibrium(
-        [Grid(x, s, np.zeros(2))],
-        [gap],
-        contact.contact_modulus,
-        contact.load_per_length * length,
-        None,
-        TOLERANCE,
-        None,
+        [grid], [gap], contact.contact_modulus, load, None, TOLERANCE, None
     )
-    return [PressedPatch(pressed, plane_modes(x, s))]
+    return [PressedPatch(pressed, plane_modes(grid.x, grid.s))]
+
+
+def strip_grid(half_width: float, curvature: float, cells: int, wider: float) -> tuple[Grid, Array]:
+    """Grid of a line contact, `cells` over its width, taken along x, by two along the line, which
+    is LENGTH half widths long; and the undeformed gap (cells, 2) at the cells, mm.
+
+    half_width: mm. curvature: relative curvature across the line, 1/mm. wider: width of the grid
+        over that of the contact.
+    """
+    x = wider * half_width * ((2 * np.arange(cells) + 1) / cells - 1)
+    s = LENGTH * half_width / 4 * np.array([-1.0, 1.0])
+    return Grid(x, s, np.zeros(2)), curvature / 2 * np.column_stack([x**2, x**2])
 
 
 def surface(contact: Contact) -> Callable[[Array, Array], Array]:

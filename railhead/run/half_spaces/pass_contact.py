@@ -10,14 +10,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from railhead.run.half_spaces.normal_contact import LENGTH, strip_grid
 from railhead.theory.bem.boundary_element import BoundaryElementSolution, equilibrium
 from railhead.theory.bem.patch import Grid, PatchSolution
+from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.strips import Strips
 
 if TYPE_CHECKING:
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 STRIP_CELLS, SOLID_CELLS = 128, 40  # of the grid of the pressure, each way
 ROOM = 1.4  # half size of that grid over the half length of the elastic patch
-LENGTH = 1e4  # of a line contact over its half width, in the boundary elements
 TOLERANCE = 1e-7  # of the gap over the largest displacement
 
 
@@ -56,15 +56,6 @@ class RollingContact:
     traction: Array | None = None
     width: float = 1.0
 
-    @cached_property
-    def edges(self) -> tuple[Array, Array]:
-        """Ends of the cells along x (nx + 1,) and across (ns + 1,), mm."""
-        x, s = (
-            np.append(axis - (axis[1] - axis[0]) / 2, axis[-1] + (axis[1] - axis[0]) / 2)
-            for axis in (self.grid.x, self.grid.s)
-        )
-        return x, s
-
     def patch(self, moved: Array, guess: PatchSolution | None) -> PatchSolution:
         """Pressure where the rail's surface has moved up by `moved` (nx, ns), mm; guess: an earlier
         one. Raises ValueError where boundary elements find no balance, and for a patch that grows
@@ -89,7 +80,7 @@ class RollingContact:
         with np.errstate(invalid="ignore"):
             slope = np.gradient(self.gap, self.grid.x, axis=0)
         force = self.grid.cell * float((patch.pressure * slope)[pressed].sum())
-        return force * self.width / float(np.ptp(self.edges[1])) if self.line else force
+        return force * self.width / float(np.ptp(self.grid.edges[1])) if self.line else force
 
 
 class Pressing:
@@ -107,7 +98,7 @@ class Pressing:
         self.traction_work = 0.0
         self._rolling, self._contact = rolling, contact
         surface = rolling.surface(np.zeros(rolling.block.nodes.size))
-        along, across = contact.edges
+        along, across = contact.grid.edges
         self._along = cell_means(surface.x, along)
         if not contact.line:
             across = across[across > -1e-9 * across[-1]] if rolling.block.half else across
@@ -141,7 +132,7 @@ class Pressing:
 
     def _work(self, surface: SurfaceMotion) -> float:
         """Work of the tractions q over the way, N: -int q . du/dx dA, as the rail flows to -x."""
-        contact, (x, _) = self._contact, self._contact.edges
+        contact, (x, _) = self._contact, self._contact.grid.edges
         assert contact.traction is not None
         rolled = self._rolling.block
         if contact.line:
@@ -149,10 +140,17 @@ class Pressing:
             return -contact.width * float((contact.traction * slope * np.diff(x)).sum())
         total = 0.0
         for axis, traction in enumerate(contact.traction):
-            own = traction[:, traction.shape[1] // 2 :] if rolled.half else traction
             moved = self._along @ surface.moved[..., axis] @ self._across.T
-            total += float((own * np.gradient(moved, contact.grid.x, axis=0)).sum())
+            total += float(
+                (self._meshed(traction) * np.gradient(moved, contact.grid.x, axis=0)).sum()
+            )
         return -total * contact.grid.cell * (2 if rolled.half else 1)
+
+    def _meshed(self, values: Array) -> Array:
+        """Values at the cells (nx, ns) of a solid that lie over the block, whose half may be left
+        out.
+        """
+        return values[:, values.shape[1] // 2 :] if self._rolling.block.half else values
 
     def _line(self) -> Array:
         """Exact stress below the pressure of a line contact and its tractions."""
@@ -172,8 +170,7 @@ class Pressing:
         force = block.force()
         values = force.array.reshape(-1, 3)
         for axis, each in enumerate(acting):
-            own = each[:, each.shape[1] // 2 :] if block.half else each
-            nodal = self._contact.grid.cell * self._along.T @ own @ self._across
+            nodal = self._contact.grid.cell * self._along.T @ self._meshed(each) @ self._across
             values[rolling.surface_numbers, axis] = nodal
         strain = rolling.streams.gathered(block.strains(block.solve(force)))
         return rolling.stress(strain)
@@ -197,9 +194,8 @@ def line_contact(
         the rail. sticks: half width that sticks, from the leading edge on, over the half width
         (Carter; Johnson, Contact Mechanics, 8.3). width: of the contact, mm.
     """
-    length = LENGTH * half_width
-    edges = ROOM * half_width * np.linspace(-1, 1, STRIP_CELLS + 1)
-    x = (edges[1:] + edges[:-1]) / 2
+    grid, gap = strip_grid(half_width, curvature, STRIP_CELLS, ROOM)
+    edges, _ = grid.edges
     p0 = 2 * load / (math.pi * half_width)
 
     def circle(centre: float, width: float, height: float) -> Array:
@@ -214,15 +210,22 @@ def line_contact(
         if sticks:
             traction -= slips * circle(half_width * (1 - sticks), half_width * sticks, p0 * sticks)
     return RollingContact(
-        grid=Grid(x, length / 4 * np.array([-1.0, 1.0]), np.zeros(2)),
-        gap=curvature / 2 * np.column_stack([x**2, x**2]),
+        grid=grid,
+        gap=gap,
         pressure=np.column_stack([pressure, pressure]),
-        load=load * length,
+        load=load * LENGTH * half_width,
         modulus=modulus,
         line=True,
         keeps=keeps,
         traction=traction,
         width=width,
+    )
+
+
+def ellipse_contact(ellipse: Ellipse, *, keeps: bool) -> RollingContact:
+    """Contact of half-spaces that rolls. keeps: as of `solid_contact`."""
+    return solid_contact(
+        (ellipse.a, ellipse.b), ellipse.load, ellipse.gap, ellipse.contact_modulus, keeps=keeps
     )
 
 

@@ -85,8 +85,7 @@ def roll(
     pressing, state = pass_contact.Pressing(rolling, contact), state or rolling.start
     made, rows, sections, works = [], [], [], []
     stiff = 2 * rolling.block.material.lame[1]
-    shear_yield = rolling.hardening.initial_yield_stress / math.sqrt(3)
-    noise = rolling.tolerance * shear_yield / stiff
+    noise = rolling.tolerance * rolling.shear_yield / stiff
     for number in range(count):
         stage(f"pass {number + 1} of {count}")
         each = rolling.roll(state, pressing)

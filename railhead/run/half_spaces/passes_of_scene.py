@@ -75,13 +75,7 @@ def _of_scene(solved: Solved) -> tuple[RollingContact, tuple[float, float], bool
         )
         return contact, (strip.b, strip.b), False
     if plan.contact.half_space:
-        contact = pass_contact.solid_contact(
-            (hertz.a, hertz.b),
-            hertz.load,
-            lambda x, s: (hertz.curvature_x * x**2 + hertz.curvature_y * s**2) / 2,
-            hertz.contact_modulus,
-            keeps=keeps,
-        )
+        contact = pass_contact.ellipse_contact(hertz, keeps=keeps)
         friction = _friction(solved)
         if friction is not None:
             x, y, _ = friction.points.T

@@ -19,13 +19,7 @@ HALF = ELLIPSE.a, ELLIPSE.b
 
 def solid(ellipse: Ellipse, friction: float = 0.0) -> pass_contact.RollingContact:
     """An ellipse under its own pressure, with tractions friction * p along the rail."""
-    found = pass_contact.solid_contact(
-        HALF,
-        ellipse.load,
-        lambda x, s: (ellipse.curvature_x * x**2 + ellipse.curvature_y * s**2) / 2,
-        ellipse.contact_modulus,
-        keeps=True,
-    )
+    found = pass_contact.ellipse_contact(ellipse, keeps=True)
     along = friction * found.pressure
     return pass_contact.RollingContact(
         **{**vars(found), "traction": np.stack([along, np.zeros_like(along)])}
@@ -63,7 +57,7 @@ def test_carter_s_tractions_carry_their_force():
         2.0, 500.0, 1e-3, 1e5, keeps=True, slips=-friction, sticks=math.sqrt(1 - share)
     )
     assert found.traction is not None
-    x, _ = found.edges
+    x, _ = found.grid.edges
     force = (found.traction * np.diff(x)).sum()
     assert force == pytest.approx(-share * friction * 500.0)
     assert (found.traction <= 1e-9).all()
