@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from railhead.planning import plan as planning
 from railhead.planning.plan import Plan
 from railhead.results.report import terminal
-from railhead.scene.catalogue import find
+from railhead.scene.catalogue import as_path, find
 from railhead.scene.scene import Scene, SceneError, checked, warn_of_units
 from railhead.scene.steels import by_name as steels
 
@@ -99,13 +99,14 @@ def solve(
 def load(folder: str | Path) -> Result | Sweep:
     """The result in a folder that `railhead run` or `Result.save` wrote: its numbers, checks and
     tables, without fields; infinite numbers in `summary` are the words "inf" and "-inf". In that of
-    a sweep, finished or not, a `Sweep` of such results. Raises SceneError for a folder without one.
+    a sweep, finished or not, a `Sweep` of such results. Raises SceneError for a folder without one,
+    and for what is no path.
     """
     from railhead.results.result import Result
     from railhead.sweeps import store
     from railhead.sweeps.sweep import Sweep
 
-    folder = Path(folder)
+    folder = as_path(folder, "folder")
     if (folder / store.REQUEST).is_file():
         return Sweep(folder)
     try:

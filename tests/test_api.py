@@ -170,6 +170,14 @@ def test_a_result_can_be_pickled_and_loaded(tmp_path) -> None:
     for folder in (tmp_path, tmp_path / "none"):
         with pytest.raises(rh.SceneError, match="holds no result of a run or a sweep"):
             rh.load(folder)
+    for wrong in (
+        lambda: rh.load(3),
+        lambda: result.save(3),
+        lambda: rh.sweep(rh.find("hertz_ellipse"), load=["1 kN"], out=3),
+        lambda: rh.profile(3),
+    ):
+        with pytest.raises(rh.SceneError, match="3 is no path; give text or a pathlib.Path"):
+            wrong()
 
 
 def test_arrays_are_public() -> None:

@@ -26,7 +26,7 @@ from railhead.geometry.measured.standards import LaidStandard
 from railhead.geometry.placement import ContactPoint, Placed, PlacementError, ProfilePair, Track
 from railhead.results import result_folder
 from railhead.results.report import terminal
-from railhead.scene.catalogue import portable
+from railhead.scene.catalogue import as_path, portable
 from railhead.scene.scene import Scene, SceneError, checked
 
 CLEARANCE = 0.05  # mm, largest gap of a contact, of the size of elastic approaches
@@ -201,7 +201,7 @@ def locate(scene: Scene) -> Location:
 
 def _checked(folder: str | Path, command: str, scene: Scene, force: bool) -> Path:
     """The folder, if the result of a command for a scene may be written there, else SceneError."""
-    folder = Path(folder)
+    folder = as_path(folder, "folder")
     result_folder.check_folder(folder)
     if not force:
         result_folder.refuse_other(folder, command, scene)
@@ -317,7 +317,7 @@ def profile(
     assignments: keys of that body as in a scene, e.g. "rail.profile_unit=inch".
     Raises SceneError for a profile that cannot be read.
     """
-    path = Path(path)
+    path = as_path(path, "path")
     names = (assignment.partition(".")[0] for assignment in assignments)
     of_key = next((name for name in names if name in ("rail", "wheel")), None)
     kind = body or BODY_BY_EXTENSION.get(path.suffix.lower()) or of_key

@@ -14,6 +14,7 @@ from railhead.results.report.output_units import Units
 from railhead.run import quantities
 from railhead.run.half_spaces.answer import Solved
 from railhead.run.mesh_solution import MeshSolution
+from railhead.scene.catalogue import as_path
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -257,7 +258,7 @@ class Result:
         from railhead.results import files, result_folder
 
         problem: Exception | None = None
-        comm, out = self.comm, Path(folder)
+        comm, out = self.comm, as_path(folder, "folder")
         if comm.rank == 0:
             try:
                 result_folder.check_folder(out)

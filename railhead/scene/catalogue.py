@@ -19,6 +19,7 @@ import tomli_w
 
 from railhead.geometry.measured import EXTENSIONS
 from railhead.scene.scene import MAX_NAME_BYTES, Scene, SceneError
+from railhead.scene.units import show
 
 
 def shipped() -> dict[str, str]:
@@ -54,6 +55,16 @@ INPUT = "input"  # folder in a result folder with the files that the scene names
 FILES = ("profile", "stress_strain")  # keys of a body whose values may be paths
 
 
+def as_path(value: object, name: str) -> Path:
+    """The value of an argument `name` as a path. Raises SceneError for what is neither text nor a
+    path.
+    """
+    try:
+        return Path(value)  # type: ignore[arg-type]
+    except TypeError:
+        raise SceneError(name, f"{show(value)} is no path; give text or a pathlib.Path") from None
+
+
 def _read_toml(path: Path) -> dict[str, Any]:
     """Nested tables of a TOML file. Raises SceneError where the file is missing, unreadable, not
     UTF-8 or invalid TOML.
@@ -84,7 +95,7 @@ def read_scene(path: str | Path) -> Scene:
     have. Relative paths of its files start at the folder of the file.
     Raises SceneError (one line), naming the file if it cannot be read, else the key.
     """
-    path = Path(path)
+    path = as_path(path, "path")
     data = _read_toml(path)
     stem = unicodedata.normalize("NFC", path.stem)  # else an accent is a character of its own
     short = re.sub(r"[^\w.-]", "_", stem).encode()[:MAX_NAME_BYTES].decode(errors="ignore")

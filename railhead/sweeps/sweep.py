@@ -17,6 +17,7 @@ from railhead.results import result_folder
 from railhead.results.report import terminal
 from railhead.results.report.output_units import Units
 from railhead.results.result import Result
+from railhead.scene.catalogue import as_path
 from railhead.scene.scene import Scene, SceneError, warn_of_units
 from railhead.sweeps import parallel, store, sweep_report, sweep_table
 from railhead.sweeps.grid import ParameterGrid, column
@@ -78,7 +79,7 @@ class Sweep(list[Result]):
 
     def to_csv(self, path: str | Path) -> None:
         """Write the rows as comma-separated values, in UTF-8 with a byte order mark."""
-        Path(path).write_bytes(result_folder.encoded(self.rows()))
+        as_path(path, "path").write_bytes(result_folder.encoded(self.rows()))
 
     def to_dataframe(self) -> Any:
         """The rows as a pandas.DataFrame. Raises ImportError where pandas is not installed."""
@@ -112,7 +113,7 @@ def sweep(
     warn_of_units(*grid.scenes)
     comm = MPI.COMM_WORLD
     with tempfile.TemporaryDirectory() as temporary:
-        folder = Path(out if out is not None else comm.bcast(temporary))
+        folder = as_path(comm.bcast(temporary) if out is None else out, "out")
         result_folder.check_folder(folder)
         task = parallel.ParallelSweep(grid=grid, folder=folder, fields=True)
         outcome = parallel.run(task, pictures=out is not None, quiet=quiet)
