@@ -33,7 +33,7 @@ class Frame:
     """Axes of a contact: x along the rail, s along the common tangent across the rail, and the
     outward normal of the rail.
 
-    origin (3,): contact point in space, mm.
+    origin: (3,) first contact or, of one of several patches, its centre of pressure, in space, mm.
     angle: contact angle, from the horizontal axis y to the tangent s, rad; positive where s rises.
     """
 

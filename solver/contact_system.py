@@ -41,7 +41,7 @@ class LoadCase:
         also scales the far field.
     approach: mm, under approach control; without effect under load control.
     active: (n,) contact points of this rank that touch at the start.
-    max_steps: largest number of Newton's steps in each nonlinear solve.
+    max_steps: largest number of Newton's steps in each solve of the pressure.
     progress: called with the number and the relative residual of each of Newton's steps.
     force: further forces on the meshed part, on all owned dofs, N; None: zero.
     support_displacement: displacement prescribed at the supported faces beside far field and

@@ -52,9 +52,11 @@ def stresses(
 
 
 def _facets(fields: Fields, solid: Solid) -> tuple[Array, Array, NDArray[np.int64]]:
-    """Points, nodes and cells of the f facets of the contact surface of a body, each facet with k
-    nodes. Points (f, k, 3), mm: at 0.6 (INNER) of the way from the facet's middle to each node.
-    Nodes (f, k, 3), mm. Cells (f,): rows in the solid. All are empty where the body has no meshed
+    """Points, nodes and cells of the f facets of a body on the slave's contact surface, or on the
+    part of the master's that faces it. Each facet has k nodes, those on its edges included.
+
+    Points (f, k, 3), mm: at 0.6 (INNER) of the way from the facet's middle to each node. Nodes (f,
+    k, 3), mm. Cells (f,): rows in the solid. All are empty where the body has no meshed
     contact surface.
     """
     own = fields.body[solid.cells[0]] == fields.slave

@@ -98,9 +98,10 @@ class Location:
         return found
 
     def positions(self) -> list[dict[str, Any]]:
-        """Rows of positions.csv, one for each lateral shift: cells by column header. The shift is
-        the amplitude of the equivalent conicity, which is None at shift 0 and where no wheelset
-        turns back.
+        """Rows of positions.csv: cells by column header, a row for each lateral shift of `swept`.
+        "equivalent conicity" is that of a wheelset which swings by the size of this shift to both
+        sides. It is None at shift 0, where the wheelset is not turned back, and where it would
+        swing beyond the shifts of `swept`.
         """
         shifts = np.array([shift for shift, _ in self.swept])
         differences = np.array([placed.rolling_radius_difference for _, placed in self.swept])

@@ -291,7 +291,8 @@ class Track:
         return self.back_to_back / 2 + TAPE_CIRCLE
 
     def crown(self, rail: Profile) -> float:
-        """Distance of the rail's crown centre from the centre of the track, mm.
+        """Distance of the rail's crown centre from the centre of the track, mm: where no gauge is
+        given, the distance of the wheel's tape circle from there.
         Raises PlacementError where a gauge is given and the profile ends above the depth of the
         gauge.
         """

@@ -612,5 +612,7 @@ def not_made(
 
 
 def _unknown(second: Mapping[str, Any]) -> str:
-    """Reason why a second method as a whole cannot be compared; empty where it can."""
+    """Reason why a second method as a whole cannot be compared; empty where it can. second: as of
+    `second_method`: the reason stands under "reason", or under that key of its "allowance".
+    """
     return str(second.get("reason") or second["allowance"].get("reason") or "")

@@ -417,7 +417,8 @@ class Answer:
     patch: half lengths and area.
     pressure: largest and mean pressure.
     approach: approach of the bodies' supports along the vertical, mm; of half-spaces that of
-        distant points. None of exact Hertz where no formula is known.
+        distant points, of half-planes that of points one relative radius from the contact. None
+        of exact Hertz where no formula is known.
     load: vertical component of the force between the bodies, friction included, of the whole model,
         N. At a contact angle the normal force is larger.
     contact_point: centre of pressure (x, y, z) of the most loaded patch in space, on its tangent

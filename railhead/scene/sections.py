@@ -354,7 +354,8 @@ class Solver(Section):
         and the number of unknowns.
     tolerance: of Newton's method, residual over the contact force, 1e-10 to 1e-3. None: a share of
         the expected error of the mesh.
-    max_newton: largest number of steps of Newton's method in each nonlinear solve, 1 to 200.
+    max_newton: largest number of steps of Newton's method in each solve of the pressure, 1 to 200;
+        tractions have a limit of their own.
     """
 
     method: Literal["nitsche", "penalty"] = "nitsche"
@@ -424,12 +425,13 @@ class Friction(Section):
 
 
 class Rolling(Section):
-    """Steady rolling of the wheel towards positive x. It needs friction.coefficient to have an
-    effect.
+    """Steady rolling of the wheel towards positive x. Without friction.coefficient only passes have
+    an effect.
 
-    Along and across, either a creepage or a force may be given, not both. Beside from_wheelset only
-    force_along, axle and speed are allowed. Creepages are the velocity of the wheel's surface
-    relative to the rail's over the rolling speed.
+    Along and across, either a creepage or a force may be given, not both. Beside from_wheelset no
+    creepage, spin or force_across is allowed. Creepages are the velocity of the wheel's surface
+    relative to the rail's over the rolling speed. A creepage of 0 prescribes rolling, too. Where
+    one direction is not given and another makes the wheel roll, its creepage is 0.
 
     from_wheelset: whether creepages and spin follow from the position of the wheelset.
     axle: beside from_wheelset, the radius by which the axle turns: the mean of both wheels' rolling

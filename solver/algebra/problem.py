@@ -133,8 +133,8 @@ class ContactProblem:
         return self.normal_operator if self.law.symmetric else self._combined(self.consistency)
 
     def _combined(self, factor: float) -> PETSc.Mat:
-        """Matrix factor S + tau N with one row for each contact point, MPa/mm; S: normal stress, N:
-        gap per free unknown.
+        """Matrix factor S + tau N with one row for each contact point, MPa/mm. S: normal
+        stress, N: gap per free unknown, tau: stiffness of the contact law at the points, MPa/mm.
         """
         matrix = self.gap.copy()
         matrix.diagonalScale(L=vector(self.gap, self.tau))
@@ -158,7 +158,8 @@ class ContactProblem:
 
     def indicator(self, y: PETSc.Vec) -> Array:
         """Pressure before its negative part is set to zero (n,), MPa, at the free unknowns y:
-        -(sigma s + tau g) with stress s and gap g, positive where the surfaces touch.
+        -(sigma s + tau g) with normal stress s and gap g, positive where the surfaces touch;
+        sigma is 1 of Nitsche's method and 0 of a penalty, tau the stiffness of the contact law.
         """
         return np.asarray(-((self.normal_operator * y).array + self.offset))
 

@@ -140,9 +140,10 @@ def render(
     found: Findings | None,
     grids: tuple[meshio.Mesh, meshio.Mesh] | None,
 ) -> str:
-    """HTML text of the report, with the pictures of the folder in it. found: findings with titles;
-    None where nothing touches. grids: of the cells and of the contact surface; None without views.
-    Raises OSError for a file that cannot be read.
+    """HTML text of the report, with those pictures of the folder in it that have a caption
+    (CAPTIONS), and its scene.toml, which must be there. found: findings with titles; None where
+    nothing touches. grids: of the cells and of the contact surface; None without views. Raises
+    OSError for a file that cannot be read.
     """
     scene = solved.plan.scene
     views, viewer, missing = _views(solved, found, grids)
