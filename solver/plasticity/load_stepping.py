@@ -342,11 +342,10 @@ class PlasticResponse(ElasticResponse):
         self.stepping = stepping = LoadStepping(
             self.system, self.problem, case, first_yield, start, up[0]
         )
-        result = stepping.solve_load_steps(up)
+        loaded = stepping.solve_load_steps(up)
         loading_steps = len(stepping.results)
-        for _ in range(self.path.cycles - 1):
-            if result.converged and stepping.solve_load_steps(LOWERING).converged:
-                result = stepping.solve_load_steps(up)
+        if loaded.converged:
+            stepping.solve_load_steps([*LOWERING, *up] * (self.path.cycles - 1))
         plasticity = PlasticSolution(
             load_over_first_yield=over,
             newton_results=tuple(stepping.results),

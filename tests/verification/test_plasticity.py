@@ -24,7 +24,7 @@ from railhead.postprocess.stress.flux import contact_force
 from railhead.postprocess.stress.plastic import largest_von_mises
 from railhead.run import mesh_solution, quantities
 from railhead.run.progress import Progress
-from railhead.solver.algebra import linear
+from railhead.solver.algebra import linear, newton
 from railhead.solver.contact import ContactModel
 from railhead.solver.contact_system import LoadCase
 from railhead.solver.plasticity import load_stepping
@@ -146,6 +146,25 @@ def test_cycles_press_the_spot_as_often_as_asked() -> None:
     ]
     counts = [len(each.newton_results) for each in found]
     assert counts == [3, 15]
+
+
+def test_no_cycle_follows_a_lowering_that_failed(monkeypatch) -> None:
+    """Ten steps down fail, more than one lowering tries. A third cycle would then converge, and two
+    would be shown as three."""
+    step, failed = load_stepping.LoadStepping._step, []
+
+    def fails_at_first(stepping: load_stepping.LoadStepping, share: float) -> newton.NewtonResult:
+        if share > stepping.share or len(failed) == 10:
+            return step(stepping, share)
+        failed.append(share)
+        none = replace(stepping.solution.newton, reason="none")
+        stepping.solution = replace(stepping.solution, newton=none)
+        return none
+
+    monkeypatch.setattr(load_stepping.LoadStepping, "_step", fails_at_first)
+    scene = pressed(2.0, cycles=3, mesh={"patch_size": 0.4 * RADIUS})
+    found = rh.solve(scene, quiet=True)
+    assert 1 < len(failed) < 10 and "converged" in found.failed
 
 
 @pytest.mark.slow
