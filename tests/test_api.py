@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pages
 import pytest
+from matplotlib.figure import Figure
 from solved import solved
 
 import railhead
@@ -190,3 +191,25 @@ def test_arrays_are_public() -> None:
     assert surface.pressure[touching] == pytest.approx(exact, rel=0.02)
     assert abs(surface.gap[touching]).max() < 1e-3 * result.approach
     assert result.tractions is None
+
+
+def test_pictures_are_drawn_on_given_axes() -> None:
+    """As many as panels, with the content of the picture; a wrong name or number is one line."""
+    result = solved("sphere_on_plane")
+    own = Figure(figsize=(8, 4))
+    left, right = own.subplots(1, 2)
+    assert result.plot("depth", ax=[left, right]) is own
+    alone = result.plot("depth")
+    for given, new in zip((left, right), alone.axes, strict=True):
+        assert np.array_equal(given.lines[0].get_xdata(), new.lines[0].get_xdata())
+        assert given.get_ylim() == new.get_ylim()  # depth downwards in both
+    with pytest.raises(ValueError, match="1 axes for 2 panels"):
+        result.plot("depth", ax=left)
+    with pytest.raises(ValueError, match="no axes of matplotlib"):
+        result.plot("depth", ax="left")
+    with pytest.raises(ValueError, match="'patch' is none of this result; give pressure, depth"):
+        result.plot("patch")
+    three = Figure().subplots(1, 3)
+    placed = rh.locate(rh.find("s1002_60e1"))
+    assert placed.plot("profiles", ax=three[:2]) is three[0].figure
+    assert len(three[0].lines) >= 3 and not three[2].lines

@@ -10,9 +10,9 @@ import math
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.console import Console
@@ -28,6 +28,11 @@ from railhead.results import result_folder
 from railhead.results.report import terminal
 from railhead.scene.catalogue import as_path, portable
 from railhead.scene.scene import Scene, SceneError, checked
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from railhead.postprocess.pictures.plots.diagrams import Drawing
 
 CLEARANCE = 0.05  # mm, largest gap of a contact, of the size of elastic approaches
 SHIFTS = np.linspace(-10.0, 10.0, 81)  # mm, of pictures and positions.csv
@@ -135,25 +140,35 @@ class Location:
         Raises SceneError for a folder with other files and, without `force`, with another result;
         OSError where it cannot be written.
         """
+        folder = _checked(folder, "locate", self.scene, force)
+        with result_folder.result(folder, "locate", self.scene, self.summary()) as (work, attempt):
+            rows = result_folder.signed(self.positions())
+            (work / "positions.csv").write_bytes(result_folder.encoded(rows))
+            for name, draw in self._drawings().items() if pictures else ():
+                with attempt(name):
+                    draw(work / name)
+
+    def plot(self, picture: str, ax: object = None) -> Figure:
+        """Draw "profiles", "positions" or "rolling_radius", as `Result.plot`."""
+        from railhead.postprocess.pictures.plots import diagrams
+
+        return diagrams.draw_one(self._drawings(), picture, ax)
+
+    def _drawings(self) -> dict[str, Drawing]:
+        """The pictures by name of their PNG file."""
         from railhead.postprocess.pictures.plots import profile_plots
 
-        scene, swept, folder = self.scene, self.swept, _checked(folder, "locate", self.scene, force)
+        scene, pair, swept = self.scene, self.pair, self.swept
         wheel, rail = Path(scene.wheel.profile).name, Path(scene.rail.profile).name
-        pair = f"{scene.name}: wheelset with wheels {wheel} on rails {rail}"
+        words = f"{scene.name}: wheelset with wheels {wheel} on rails {rail}"
         yaw = f", yaw {1e3 * scene.wheelset.yaw:g} mrad"
-        title = f"{pair}, shifted by {scene.wheelset.shift:g} mm to the right{yaw}"
-        with result_folder.result(folder, "locate", scene, self.summary()) as (work, attempt):
-            (work / "positions.csv").write_bytes(
-                result_folder.encoded(result_folder.signed(self.positions()))
-            )
-            if not pictures:
-                return
-            with attempt("profiles.png"):
-                profile_plots.profiles(self.pair, self.placed, work / "profiles.png", title)
-            with attempt("positions.png"):
-                profile_plots.positions(self.pair, swept, work / "positions.png", pair + yaw)
-            with attempt("rolling_radius.png"):
-                profile_plots.rolling_radius(swept, work / "rolling_radius.png", pair + yaw)
+        title = f"{words}, shifted by {scene.wheelset.shift:g} mm to the right{yaw}"
+        over = {"title": words + yaw}
+        return {
+            "profiles.png": partial(profile_plots.profiles, pair, self.placed, title=title),
+            "positions.png": partial(profile_plots.positions, pair, swept, **over),
+            "rolling_radius.png": partial(profile_plots.rolling_radius, swept, **over),
+        }
 
     def show(self, console: Console) -> None:
         """Print a table with a column for each contact, below it the values of the wheelset."""
@@ -272,8 +287,6 @@ class ExaminedProfile:
         SceneError for a folder with other files and, without `force`, with another result; OSError
         where it cannot be written.
         """
-        from railhead.postprocess.pictures.plots import profile_plots
-
         profile = self.measured.profile
         start, end = profile.domain
         y = np.linspace(start, end, math.ceil((end - start) / ROW_STEP) + 1)
@@ -290,10 +303,21 @@ class ExaminedProfile:
         folder = _checked(folder, "profile", self.scene, force)
         with result_folder.result(folder, "profile", self.scene, self.summary()) as (work, attempt):
             (work / "profile.csv").write_bytes(result_folder.encoded(result_folder.signed(rows)))
-            if not pictures:
-                return
-            with attempt("profile.png"):
-                profile_plots.draw_profile(self.measured, self.worn, work / "profile.png")
+            for name, draw in self._drawings().items() if pictures else ():
+                with attempt(name):
+                    draw(work / name)
+
+    def plot(self, picture: str = "profile", ax: object = None) -> Figure:
+        """Draw "profile", which has four panels, as `Result.plot`."""
+        from railhead.postprocess.pictures.plots import diagrams
+
+        return diagrams.draw_one(self._drawings(), picture, ax)
+
+    def _drawings(self) -> dict[str, Drawing]:
+        """The picture by name of its PNG file."""
+        from railhead.postprocess.pictures.plots import profile_plots
+
+        return {"profile.png": partial(profile_plots.draw_profile, self.measured, self.worn)}
 
     def show(self, console: Console) -> None:
         """Print reading and smoothing of the file, radii of curvature and wear."""

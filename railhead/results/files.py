@@ -20,9 +20,9 @@ from railhead.theory.elastic.line import LineContact
 
 if TYPE_CHECKING:
     import meshio
+    from matplotlib.figure import Figure
 
-    from railhead.postprocess.pictures.views.gallery import Drawing
-    from railhead.solver.fields import Fields
+    from railhead.postprocess.pictures.plots.diagrams import Drawing
 
     Grids = tuple[meshio.Mesh, meshio.Mesh]
 
@@ -61,8 +61,7 @@ def write(
             write_grids(solved, stresses, work, whole=whole)
         if pictures and found is not None:
             with attempt("*.png"):
-                if stresses is not None and solved.fields is not None:
-                    grids = _grids(solved.fields, found, stresses)
+                grids = _grids(solved, found, stresses)
                 for name, draw in _drawings(solved, summary["result"], found, grids).items():
                     with attempt(name):
                         draw(work / name)
@@ -71,6 +70,19 @@ def write(
                 from railhead.results.report import html
 
                 html.write(solved, summary, report, work, found, grids)
+
+
+def plot(solved: Solved, summary: dict[str, Any], picture: str, ax: object = None) -> Figure:
+    """Draw a picture of a solved scene, as `diagrams.draw_one`. summary: content of summary.json.
+    ValueError: as there, and where nothing touches or off rank 0.
+    """
+    from railhead.postprocess.pictures.plots import diagrams
+
+    found = _titled(solved)
+    if found is None:
+        raise ValueError("there is nothing to draw: nothing touches, or this is not rank 0")
+    grids = _grids(solved, found, nodal_stress(solved))
+    return diagrams.draw_one(_drawings(solved, summary["result"], found, grids), picture, ax)
 
 
 def _titled(solved: Solved) -> Findings | None:
@@ -117,12 +129,16 @@ def write_grids(
     )
 
 
-def _grids(fields: Fields, found: Findings, stresses: Array) -> Grids:
-    """Grids of the cells, mirrored to the whole model, and of the slave's contact surface. found:
-    findings with the whole contact surface (`_titled`). stresses (n, 6): at the nodes, MPa.
+def _grids(solved: Solved, found: Findings, stresses: Array | None) -> Grids | None:
+    """Grids of the cells, mirrored to the whole model, and of the slave's contact surface; None
+    without stresses. found: findings with the whole contact surface (`_titled`). stresses (n, 6):
+    as of `nodal_stress`.
     """
     from railhead.postprocess import vtu
 
+    fields = solved.fields
+    if stresses is None or fields is None:
+        return None
     surface = vtu.contact_grid({fields.slave: found.surface})
     return symmetry.grid(vtu.volume_grid(fields, stresses), fields.mirrors), surface
 
@@ -130,7 +146,7 @@ def _grids(fields: Fields, found: Findings, stresses: Array) -> Grids:
 def _drawings(
     solved: Solved, numbers: Mapping[str, Any], found: Findings, grids: Grids | None
 ) -> dict[str, Drawing]:
-    """Functions by file name that draw that picture into a path.
+    """The pictures of a solved scene by name of their PNG file.
 
     numbers: "result" of summary.json. found: with the title and the notes of pictures. grids: of
         the cells and of the slave's contact surface; None where there are none, which leaves only

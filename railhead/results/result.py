@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
@@ -18,6 +19,7 @@ from railhead.scene.catalogue import as_path
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
     from rich.console import Console
 
     from railhead.planning.plan import Plan
@@ -278,13 +280,18 @@ class Result:
         if (problem := comm.bcast(problem)) is not None:
             raise problem
 
-    @property
-    def plot(self) -> Plots:
-        """Diagrams of the result. The methods of what is returned, `pressure` and `depth`, take no
-        axes: each makes a figure of its own and returns a list of its matplotlib axes. They raise
-        ValueError where nothing touches, off rank 0 and for a loaded result.
+    def plot(self, picture: str, ax: Axes | Iterable[Axes] | None = None) -> Figure:
+        """Draw a picture of `railhead run`; returns its matplotlib figure.
+
+        picture: name of its PNG file without .png, e.g. "pressure" or "stress_cut".
+        ax: axes to draw on, as many as the picture has panels, row by row; their figure keeps its
+            style and title. None: a new figure.
+        ValueError: there is no such picture (the message names those that are), or another number
+            of axes; nothing touches, off rank 0, or the result was loaded.
         """
-        return Plots(self)
+        from railhead.results import files
+
+        return files.plot(self.solved, self.summary, picture, ax)
 
     @property
     def plan(self) -> Plan:
@@ -314,44 +321,3 @@ class Result:
         them on every rank) and where nothing touches. ValueError: the result was loaded.
         """
         return self.solved.findings
-
-
-@dataclass(frozen=True)
-class Plots:
-    """Diagrams of a result. Each method takes no axes, makes a new figure and returns the list of
-    its axes. ValueError: nothing touches, off rank 0, or the result was loaded.
-
-    result: the solved scene.
-    """
-
-    result: Result
-
-    def pressure(self) -> list[Axes]:
-        """Pressure along and across the rail through the most loaded patch, with exact Hertz where
-        there is one patch: two axes, or one of a meridian section.
-        """
-        from railhead.postprocess.pictures.plots import diagrams
-
-        return diagrams.pressure(self._findings, self._hertz).axes
-
-    def depth(self) -> list[Axes]:
-        """Principal stresses, and largest shear stress, on the normal below the most loaded patch,
-        over the depth, in the rail or in the wheel of a rigid rail: two axes.
-        """
-        from railhead.postprocess.pictures.plots import diagrams
-
-        poisson = self.result.plan.reported_body.poisson_ratio
-        return diagrams.depth(self._findings, self._hertz, poisson).axes
-
-    @property
-    def _findings(self) -> Findings:
-        """Findings of the result, on rank 0. ValueError: nothing touches, or this is not rank 0."""
-        if self.result.findings is None:
-            raise ValueError("there is nothing to draw: nothing touches, or this is not rank 0")
-        return self.result.findings
-
-    @property
-    def _hertz(self) -> Hertz | None:
-        """Exact Hertz; None for several patches, as Hertz describes the first contact only."""
-        # Hertz's ellipse lies at the first contact, which need not be the most loaded of several.
-        return self.result.ellipse if len(self._findings.patch.each) < 2 else None

@@ -291,11 +291,11 @@ def _write(
             store.read(folder, number).get("outlines", []) if number in done else []
             for number in status
         ]
-        drawings: tuple[Callable[..., None], ...]
-        drawings = plots.curves, partial(plots.patches, outlines=outlines)
+        drawings: list[Callable[..., object]]
+        drawings = [plots.curves, partial(plots.patches, outlines=outlines)]
         for name, draw in zip(store.PICTURES, drawings, strict=True):
             with result_folder.attempt(failures, folder / name, folder):
-                draw(columns, table, path=folder / name, y=y_label, title=title)
+                draw(columns, table, target=folder / name, y=y_label, title=title)
     with result_folder.attempt(failures, folder, folder):
         result_folder.stamp(folder)
     if pictures:

@@ -1,6 +1,8 @@
-"""Diagrams of the findings against exact Hertz, as PNG files.
+"""Diagrams of the findings against exact Hertz.
 
-Each picture is drawn on a figure of its own, so no state is shared. `ellipse` is the exact Hertz
+Functions that draw a picture end with an argument `target`: the path of a PNG file that is written,
+axes of another figure, as many as the picture has panels, or None. They return the figure. Without
+axes it is a new one, so no state is shared. `ellipse` is the exact Hertz
 contact, also a line contact, or None: then only the computed result is drawn. Its middle is at the
 origin of the contact frame.
 """
@@ -9,8 +11,8 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,6 +27,11 @@ from railhead.theory.elastic.subsurface import max_shear, principal
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    Target = Path | Sequence[Axes] | None
+
+Drawing = Callable[["Target"], Any]
+"""Draws a picture on a target and returns its figure, or None where there is nothing to draw."""
 
 FE, HERTZ, GREY = "#1f4e79", "#c8502d", "#7a7a7a"
 BANDS = 10
@@ -45,19 +52,83 @@ STYLE = {
 }
 
 
+class GivenAxes:
+    """Axes of another figure in the place of a figure: what a picture asks of its figure.
+
+    axes: as many as the picture has panels, row by row.
+    figure: the other figure.
+    """
+
+    def __init__(self, axes: Sequence[Axes]) -> None:
+        """axes: one or more of one figure."""
+        self.axes = list(axes)
+        self.figure = self.axes[0].figure
+
+    def subplots(
+        self,
+        rows: int = 1,
+        columns: int = 1,
+        *,
+        squeeze: bool = True,
+        sharex: bool = False,
+        sharey: bool = False,
+        **_: Any,
+    ) -> Any:
+        """The axes, as `Figure.subplots` returns new ones; other arguments have no effect.
+        ValueError: the picture has another number of panels.
+        """
+        if len(self.axes) != rows * columns:
+            raise ValueError(
+                f"ax: {len(self.axes)} axes for {rows * columns} panels; give as many as panels"
+            )
+        first, *others = self.axes
+        for each in others:
+            with suppress(ValueError):  # their owner has shared them
+                if sharex:
+                    each.sharex(first)
+                if sharey:
+                    each.sharey(first)
+        every = np.array(self.axes, dtype=object).reshape(rows, columns)
+        if not squeeze:
+            return every
+        return every.item() if every.size == 1 else every.squeeze()
+
+    def add_subplot(self, **_: Any) -> Axes:
+        """The one axes of a picture with one panel. ValueError: there are more."""
+        found: Axes = self.subplots()
+        return found
+
+    def legend(self, *handles: Any, loc: str = "", ncols: int = 1, **look: Any) -> None:
+        """Draw the legend of the figure above the first axes."""
+        place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.08), "borderaxespad": 0.0}
+        self.axes[0].legend(*handles, **place, **look)
+
+    def colorbar(self, bands: Any, **look: Any) -> Any:
+        """Draw a colour bar, as `Figure.colorbar`."""
+        return self.figure.colorbar(bands, **look)
+
+    def suptitle(self, *_: Any, **__: Any) -> None:
+        """Draw no title: that of the figure is its owner's."""
+
+
 @contextmanager
 def new_figure(
-    path: Path | None, width: float, height: float, of: Findings | str = ""
+    target: Target, width: float, height: float, of: Findings | str = ""
 ) -> Iterator[Figure]:
     """Context manager: a matplotlib figure of width by height inches, to which title and notes are
-    added. The Agg backend draws it; at the end it is saved as PNG if `path` is given.
+    added. The Agg backend draws it; at the end it is saved if `target` is the path of a PNG file.
+    If it is axes, these are the figure, with the style of their owner, and there is no title.
 
     of: findings, whose title is written above the figure and whose notes below; or a title alone.
         In both `$` is a plain character.
+    ValueError: the picture has another number of panels than there are axes.
     """
     import matplotlib
     from matplotlib.figure import Figure
 
+    if target is not None and not isinstance(target, Path):
+        yield GivenAxes(target)
+        return
     title, notes = (of, ()) if isinstance(of, str) else (of.subject.title, of.notes)
     over = textwrap.wrap(title, int(10.5 * width), break_on_hyphens=False)
     below = [line for note in notes for line in textwrap.wrap(note, int(13 * width))]
@@ -72,8 +143,34 @@ def new_figure(
             look: dict[str, Any] = {"fontsize": 9, "color": HERTZ, "ha": "center", "va": "center"}
             bottom.text(0.5, 0.5, "\n".join(below), parse_math=False, **look)
         yield figure
-        if path is not None:
-            sheet.savefig(path, format="png")
+        if target is not None:
+            sheet.savefig(target, format="png")
+
+
+def draw_one(drawings: Mapping[str, Drawing], picture: str, ax: object = None) -> Figure:
+    """Draw one of several pictures; returns its figure.
+
+    drawings: by name of the PNG file. picture: that name without .png. ax: axes of matplotlib, or
+        several in any nesting, as many as the picture has panels; None: a new figure.
+    ValueError: there is no such picture, `ax` is something else, or their number is another one.
+    """
+    from matplotlib.axes import Axes
+
+    draw = drawings.get(f"{picture}.png")
+    if draw is None:
+        names = ", ".join(name.removesuffix(".png") for name in drawings)
+        raise ValueError(f"picture: {picture!r} is none of this result; give {names}")
+    if ax is None:
+        target: Target = None
+    else:
+        target = list(np.ravel(np.array(ax, dtype=object)))
+        if not target or not all(isinstance(each, Axes) for each in target):
+            raise ValueError("ax: is no axes of matplotlib; give one, or one for each panel")
+    figure = draw(target)
+    if figure is None:
+        raise ValueError(f"picture: {picture!r} has nothing to draw")
+    found: Figure = figure.figure  # of a part of a figure the whole
+    return found
 
 
 def closed_ellipse(ellipse: Ellipse) -> Array:
@@ -82,15 +179,15 @@ def closed_ellipse(ellipse: Ellipse) -> Array:
     return np.column_stack((ellipse.a * np.cos(angle), ellipse.b * np.sin(angle)))
 
 
-def pressure(findings: Findings, ellipse: Hertz | None, path: Path | None = None) -> Figure:
+def pressure(findings: Findings, ellipse: Hertz | None, target: Target = None) -> Figure:
     """Contact pressure (MPa) along x and along s (mm), on the lines `Findings.along` and `across`
     through the most loaded patch.
 
-    ellipse: exact Hertz contact, drawn beside the result, or None. path: of the PNG file; None: the
-        figure is returned only. Of a meridian section there is one panel, over the radius.
+    ellipse: exact Hertz contact, drawn beside the result, or None. Of a meridian section there is
+        one panel, over the radius.
     """
     revolved = findings.subject.revolved  # along and across are the same
-    with new_figure(path, 7 if revolved else 10, 5.1, findings) as figure:
+    with new_figure(target, 7 if revolved else 10, 5.1, findings) as figure:
         left, *others = figure.subplots(1, 1 if revolved else 2, sharey=True, squeeze=False)[0]
         method = findings.subject.method
         largest, cut = findings.patch.max_pressure, float(findings.along.pressure.max())
@@ -167,19 +264,18 @@ def depth(
     findings: Findings,
     ellipse: Hertz | None,
     poisson: float,
-    path: Path | None = None,
+    target: Target = None,
 ) -> Figure:
     """Principal stresses and largest shear stress (MPa) over the depth (mm) below the centre of the
     most loaded patch, in two panels; the body shown is that of `Findings.axis`.
 
     ellipse: exact Hertz contact, drawn beside the result, or None. poisson: Poisson's ratio of the
-        body shown, for the exact stresses. path: of the PNG file; None: the figure is returned
-        only.
+        body shown, for the exact stresses.
     """
     axis = findings.axis
     fine = np.linspace(0, float(axis.depth.max()), 301, dtype=np.float64)
     names = findings.subject.names
-    with new_figure(path, 10, 6.6, findings) as figure:
+    with new_figure(target, 10, 6.6, findings) as figure:
         panels = tuple(figure.subplots(1, 2, sharey=True, width_ratios=(3, 2)))
         peak = axis.peak(max_shear(axis.stress))
         name = f"{findings.subject.method}, {names[axis.body]}"
@@ -326,12 +422,12 @@ def _name_curves(axes: Axes, axis: DepthAxis) -> None:
         )
 
 
-def patch(findings: Findings, ellipse: Ellipse | None, path: Path) -> None:
-    """Write a PNG file of the pressure in bands over all patches, with axes x and s in the tangent
-    plane, and their outlines; not of a section.
+def patch(findings: Findings, ellipse: Ellipse | None, target: Target = None) -> Figure:
+    """Pressure in bands over all patches, with axes x and s in the tangent plane, and their
+    outlines; not of a section.
 
     findings: with the whole contact surface, images included. ellipse: exact Hertz contact, whose
-        outline is drawn too, or None. path: of the file.
+        outline is drawn too, or None.
     """
     from matplotlib.path import Path as Path2D
     from matplotlib.ticker import MaxNLocator
@@ -343,7 +439,7 @@ def patch(findings: Findings, ellipse: Ellipse | None, path: Path) -> None:
     width, height = high - low + 2 * margin
     scale = 6.5 / max(width, height)
     size = max(width * scale, 4) + 2.2, max(height * scale, 2) + 1.5
-    with new_figure(path, *size, findings) as figure:
+    with new_figure(target, *size, findings) as figure:
         axes = figure.add_subplot(axisbelow=True)
         levels = np.array(MaxNLocator(BANDS).tick_values(0, float(surface.pressure.max())))
         bands = axes.tricontourf(
@@ -365,3 +461,4 @@ def patch(findings: Findings, ellipse: Ellipse | None, path: Path) -> None:
         axes.set_ylim(low[1] - margin, high[1] + margin, auto=True)
         figure.colorbar(bands, ax=axes, label="contact pressure, MPa", ticks=levels)
         figure.legend(loc="outside upper center", ncols=2)
+    return figure

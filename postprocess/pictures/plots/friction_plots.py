@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,6 +18,9 @@ from railhead.theory.friction import shakedown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from railhead.postprocess.pictures.plots.diagrams import Target
 
 STICK, SLIP, ACROSS = "#d3e4f3", "#e08a4f", "#3f7d54"  # light and dark: told apart in grey, too
 ARROWS = 17  # along the longer side of the patch
@@ -32,10 +34,11 @@ def draw_tractions(
     found: FrictionSolution,
     findings: Findings,
     coefficient: float,
-    path: Path,
+    target: Target = None,
+    *,
     planes: symmetry.Planes,
-) -> None:
-    """Write a PNG file of the tractions of the wheel on the rail.
+) -> Figure:
+    """Tractions of the wheel on the rail.
 
     One panel shows the zones of stick and slip in the tangent plane, with tractions as arrows; of a
     section it is left out. The other shows tractions along and across over x, between the limits
@@ -43,9 +46,8 @@ def draw_tractions(
     a section it shows those along its line, over the coordinate along it. Only points with pressure
     are used.
 
-    found: at points of the part that `planes` leave. coefficient: of friction, mu. path: of the
-        file. planes: unit normals of the symmetry planes at which the model was cut; the images are
-        drawn too.
+    found: at points of the part that `planes` leave. coefficient: of friction, mu. planes: unit
+        normals of the symmetry planes at which the model was cut; the images are drawn too.
     """
     frame, patch, subject = findings.frame, findings.patch, findings.subject
     touches = found.pressure > 0
@@ -56,7 +58,7 @@ def draw_tractions(
     extent = np.ptp(local, axis=0)
     flat = extent.min() < 1e-9
     line = int(flat and extent[1] > extent[0])  # 0: along x, 1: along s
-    with new_figure(path, 7 if flat else 12, 5.4, findings) as figure:
+    with new_figure(target, 7 if flat else 12, 5.4, findings) as figure:
         panels = figure.subplots(1, 1 if flat else 2, squeeze=False)[0]
         axes = panels[-1]
         values = np.column_stack([traction, coefficient * pressure, sticks])
@@ -88,6 +90,7 @@ def draw_tractions(
             axes.set_ylabel("traction of the upper on the lower body, MPa")
         handles = axes.get_legend_handles_labels()
         figure.legend(*handles, loc="outside upper right", ncols=2 if flat else 3)
+    return figure
 
 
 def _map(
@@ -140,18 +143,17 @@ def thinned(local: Array, cell: float) -> NDArray[np.int64]:
 
 
 def draw_shakedown(
-    friction: Mapping[str, Any], poisson: float, path: Path, title: str = ""
-) -> None:
-    """Write a PNG file of the shakedown map, p0/k over the traction coefficient, with the point of
-    a result and its limits.
+    friction: Mapping[str, Any], poisson: float, target: Target = None, title: str = ""
+) -> Figure:
+    """The shakedown map, p0/k over the traction coefficient, with the point of a result and its
+    limits.
 
     friction: "friction" of a result in summary.json, which must hold p0_over_k. poisson: Poisson's
-        ratio, for the limits of a line contact under full slip. path: of the file. title: above the
-        picture.
+        ratio, for the limits of a line contact under full slip. title: above the picture.
     """
     used, ratio = friction["traction_coefficient"], friction["p0_over_k"]
     shares = np.linspace(0.0, max(WIDE, 1.1 * used), POINTS)
-    with new_figure(path, 7, 4.8, title) as figure:
+    with new_figure(target, 7, 4.8, title) as figure:
         axes = figure.subplots()
         limits = [shakedown.shakedown_limit(each, poisson) for each in shares]
         elastic = [shakedown.elastic_limit(each, poisson) for each in shares]
@@ -208,3 +210,4 @@ def draw_shakedown(
             ylabel="largest pressure over shear yield, p0/k",
         )
         figure.legend(loc="outside upper center", ncols=2)
+    return figure

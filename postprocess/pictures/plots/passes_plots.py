@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +13,9 @@ from railhead.postprocess.pictures.plots.diagrams import new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from railhead.postprocess.pictures.plots.diagrams import Target
 
 DEEP = 3.0  # shown depth over the smaller half length
 WIDE = 2.5  # shown width over the half length across
@@ -29,9 +31,9 @@ def draw(
     surfaces: Sequence[tuple[Array, Array]],
     half_lengths: tuple[float, float],
     found: Findings,
-    path: Path,
-) -> None:
-    """Write a PNG file with four panels: residual stress along the rail and across it over the
+    target: Target = None,
+) -> Figure:
+    """Four panels: residual stress along the rail and across it over the
     depth, equivalent plastic strain over the depth, what each pass adds, and the groove.
 
     rows: of the passes, as in summary.json. below: state below the middle after each pass.
@@ -43,7 +45,7 @@ def draw(
     shown = sorted({round(value) for value in np.geomspace(1, count, min(SHOWN, count))})
     colours = colormaps["viridis"](np.linspace(0.0, 0.85, len(shown)))
     deep = DEEP * min(half_lengths)
-    with new_figure(path, 11, 8.6, found) as figure:
+    with new_figure(target, 11, 8.6, found) as figure:
         (stress, strain), (growth, groove) = figure.subplots(2, 2)
         for number, colour in zip(shown, colours, strict=True):
             depth, left, equivalent = below[number - 1]
@@ -69,6 +71,7 @@ def draw(
             depth = [1e3 * row["groove_mm"] for row in rows]
             groove.plot(np.arange(1, count + 1), depth, "o-")
             groove.set(xlabel="pass", ylabel="the surface has sunk by, um")
+    return figure
 
 
 def _increments(axes: Axes, rows: Sequence[Mapping[str, Any]]) -> None:

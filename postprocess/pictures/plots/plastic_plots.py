@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,6 +29,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from railhead.postprocess.pictures.plots.diagrams import Target
+
 THIN = 0.12  # of the half length: nodes nearer than this to a line are shown on it
 THICK = 0.5  # of the smaller half length: points nearer than this to a plane tell the values on it
 CELLS = 150  # of a cut, along each side
@@ -43,20 +44,20 @@ def draw(
     found: Findings,
     elastic: Findings,
     exact: Hertz | None,
-    path: Path,
-) -> None:
-    """Write a PNG file with panels of equivalent plastic strain, residual von Mises stress, contact
+    target: Target = None,
+) -> Figure:
+    """Four panels: equivalent plastic strain, residual von Mises stress, contact
     pressure, and height of the surfaces after the load.
 
     pressed: fields under the load, with plastic strain. residual: fields after it. found: findings
         of the yielding bodies. elastic: findings of the same load without yield. exact: Hertz
-        contact, or None. path: of the file.
+        contact, or None.
     """
     assert pressed.plastic_strain is not None
     patch = found.patch
     axis = 1 if pressed.kinematics.dim == 3 else coordinate(pressed)
     half = (patch.a, patch.b)[axis]
-    with new_figure(path, 11, 8.6, found) as figure:
+    with new_figure(target, 11, 8.6, found) as figure:
         (strain, stress), (pressure, depth) = figure.subplots(2, 2)
         every = np.arange(len(pressed.cells))
         points = stress_at_gauss_points(pressed, every)[0].reshape(-1, 3)
@@ -72,6 +73,7 @@ def draw(
             _cut(figure, axes, found, (local, values, body), axis, label)
         _pressures(pressure, found, elastic, exact, axis)
         _residual_heights(depth, residual, pressed, found, half)
+    return figure
 
 
 def _cut(

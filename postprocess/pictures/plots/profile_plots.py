@@ -5,7 +5,6 @@ positions, rolling radii), and a measured profile over the nearest standard one.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +17,9 @@ from railhead.postprocess.pictures.plots.diagrams import minus, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from railhead.postprocess.pictures.plots.diagrams import Target
 
 RAIL, WHEEL, MARK, FURTHER = "#555555", "#1f4e79", "#c8502d", "#7b4fa3"
 SAMPLES = 1500
@@ -26,17 +28,17 @@ LIFT = 25.0  # mm between wheel and rail in the picture of the positions
 RAW, SMOOTH, STANDARD, LOST = "#9a9a9a", "#1f4e79", "#c8502d", "#9a5f00"
 
 
-def profiles(pair: ProfilePair, placed: Placed, path: Path, title: str = "") -> None:
-    """Write a PNG file with two panels, the left and the right wheel on their rails, seen along the
+def profiles(pair: ProfilePair, placed: Placed, target: Target = None, title: str = "") -> Figure:
+    """Two panels: the left and the right wheel on their rails, seen along the
     track, with all contact points.
 
     The left panel is mirrored, so that it stands as the left side does; its labels of y grow
     towards the field side as those of the right panel do. pair: profiles of rail and wheel. placed:
-    the wheelset's position. path: of the file. title: above the picture.
+    the wheelset's position. title: above the picture.
     """
     from matplotlib.ticker import FuncFormatter
 
-    with new_figure(path, 12, 4.2, title) as figure:
+    with new_figure(target, 12, 4.2, title) as figure:
         axes = figure.subplots(1, 2, sharey=True)
         for ax, side, flip, name in (
             (axes[0], placed.left, -1, "left"),
@@ -74,22 +76,26 @@ def profiles(pair: ProfilePair, placed: Placed, path: Path, title: str = "") -> 
             ax.set_ylim(-36, 34)
         axes[0].set_ylabel("z, mm")
         axes[0].legend(loc="upper left")
+    return figure
 
 
 def positions(
-    pair: ProfilePair, swept: Sequence[tuple[float, Placed]], path: Path, title: str = ""
-) -> None:
-    """Write a PNG file of the right wheel, lifted above the right rail. Lines join each contact on
+    pair: ProfilePair,
+    swept: Sequence[tuple[float, Placed]],
+    target: Target = None,
+    title: str = "",
+) -> Figure:
+    """The right wheel, lifted above the right rail. Lines join each contact on
     the rail with the same contact on the wheel, coloured by the lateral shift.
 
     pair: profiles of rail and wheel. swept: lateral shift to the right, mm, and placed wheelset.
-        path: of the file. title: above the picture.
+        title: above the picture.
     """
     from matplotlib.collections import LineCollection
     from matplotlib.colors import LinearSegmentedColormap
 
     dark = LinearSegmentedColormap.from_list("shift", [WHEEL, FURTHER, MARK])
-    with new_figure(path, 9, 4.6, title) as figure:
+    with new_figure(target, 9, 4.6, title) as figure:
         ax = figure.subplots()
         y = np.linspace(*pair.rail.domain, SAMPLES)
         ax.plot(y, pair.rail.height(y), color=RAIL, label="rail")
@@ -115,16 +121,19 @@ def positions(
         ax.set_ylabel("z, mm (wheel lifted)")
         ax.set_aspect("equal")
         ax.set_xlim(min(-50.0, pair.rail.domain[0] - 5), 45)
+    return figure
 
 
-def rolling_radius(swept: Sequence[tuple[float, Placed]], path: Path, title: str = "") -> None:
-    """Write a PNG file with two panels over the lateral shift: the rolling radius difference, right
+def rolling_radius(
+    swept: Sequence[tuple[float, Placed]], target: Target = None, title: str = ""
+) -> Figure:
+    """Two panels over the lateral shift: the rolling radius difference, right
     less left, and the places y of the contacts on both rails, all in mm.
 
     swept: lateral shift to the right, mm, and placed wheelset, in ascending order of shift.
     """
     shifts = np.array([shift for shift, _ in swept])
-    with new_figure(path, 9, 7, title) as figure:
+    with new_figure(target, 9, 7, title) as figure:
         upper, lower = figure.subplots(2, 1, sharex=True)
         difference = np.array([placed.rolling_radius_difference for _, placed in swept])
         breaks = _jump(swept, "right") | _jump(swept, "left")
@@ -173,16 +182,16 @@ def _broken(
     )
 
 
-def draw_profile(found: Measured, worn: LaidStandard, path: Path) -> None:
-    """Write a PNG file with four panels over y: the profile, the difference of measured and
+def draw_profile(found: Measured, worn: LaidStandard, target: Target = None) -> Figure:
+    """Four panels over y: the profile, the difference of measured and
     smoothed heights, the curvature, and the material lost to wear.
 
     found: measured and smoothed profile. worn: the nearest standard profile, laid on the measured
-        one. path: of the file.
+        one.
     """
     smoothed, profile = found.smoothed, found.profile
     y = np.linspace(*inner(profile), 3000)
-    with new_figure(path, 9, 11) as figure:
+    with new_figure(target, 9, 11) as figure:
         top, left, bend, lost = figure.subplots(
             4, 1, sharex=True, gridspec_kw={"height_ratios": [1.6, 1, 1.4, 1]}
         )
@@ -225,6 +234,7 @@ def draw_profile(found: Measured, worn: LaidStandard, path: Path) -> None:
         lost.legend(loc="upper right")
         lost.set_ylabel(f"less than\n{worn.name}, mm")
         lost.set_xlabel("y across the track, mm (gauge side and flange on the left)")
+    return figure
 
 
 def _curvature(worn: LaidStandard) -> tuple[Array, Array]:

@@ -18,6 +18,9 @@ from railhead.postprocess.pictures.plots.diagrams import FE, HERTZ, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from railhead.postprocess.pictures.plots.diagrams import Target
 
 Rows = Sequence[Mapping[str, Any]]
 PLACE = "patch y [mm]"
@@ -32,8 +35,8 @@ GAP = 0.15  # between patches, of the longest
 LETTER = 0.11  # in: width of one of a value
 
 
-def curves(columns: Sequence[str], rows: Rows, path: Path, y: str, title: str = "") -> None:
-    """Write a PNG file with panels of the largest pressure, area, place in y and largest shear
+def curves(columns: Sequence[str], rows: Rows, target: Target, y: str, title: str = "") -> Figure:
+    """Panels of the largest pressure, area, place in y and largest shear
     stress over the varied column with the most values; bars are error estimates.
 
     columns: headers of the one or two columns that are varied. rows: of sweep.csv, cells by column
@@ -43,7 +46,7 @@ def curves(columns: Sequence[str], rows: Rows, path: Path, y: str, title: str = 
     """
     over, *others = _by_values(columns, rows)
     lines = _values(others[0], rows) if others else [None]
-    with new_figure(path, 11, 7.6, title) as figure:
+    with new_figure(target, 11, 7.6, title) as figure:
         import matplotlib
 
         shades = matplotlib.colormaps["viridis"](np.linspace(0, 0.85, len(lines)))
@@ -76,18 +79,19 @@ def curves(columns: Sequence[str], rows: Rows, path: Path, y: str, title: str = 
         if others:
             handles, labels = panels[0, 0].get_legend_handles_labels()
             figure.legend(handles, labels, title=others[0], loc="outside right upper", fontsize=9)
+    return figure
 
 
 def patches(
     columns: Sequence[str],
     rows: Rows,
     outlines: Sequence[Sequence[Any]],
-    path: Path,
+    target: Target,
     y: str,
     title: str = "",
-) -> None:
-    """Write a PNG file of all patch outlines from above, to scale, beside each other at their
-    places in y. Nothing is written if there is no outline.
+) -> Figure | None:
+    """All patch outlines from above, to scale, beside each other at their places in y. None, and
+    nothing is drawn, if there is no outline.
 
     columns: headers of the one or two columns that are varied. rows: of sweep.csv, cells by column
         header. outlines: of each row, a list of curves (k, 2) in x and y, mm. y: label of the
@@ -101,7 +105,7 @@ def patches(
     lines = [[np.array(line) for line in each] for each in outlines]
     known = [line for each in lines for line in each]
     if not known:
-        return
+        return None
     across = np.concatenate([line[:, 1] for line in known])
     step = (1 + GAP) * max(float(np.ptp(np.concatenate(each)[:, 0])) for each in lines if each)
     most = max(
@@ -112,7 +116,7 @@ def patches(
     letters = max(len(_word(row[over])) for row in rows)
     step = max(step, (letters + 1) * LETTER / every / inch)  # no value runs into the next
     width, height = max(most * step * inch + 1.6, 5.0), max(high * inch, 1.6) + 0.7
-    with new_figure(path, width, len(strips) * height + 0.2, title) as figure:
+    with new_figure(target, width, len(strips) * height + 0.2, title) as figure:
         panels = figure.subplots(len(strips), 1, squeeze=False, sharex=True, sharey=True)[:, 0]
         for axes, value in zip(panels, strips, strict=True):
             own = [index for index, row in enumerate(rows) if not split or row[split] == value]
@@ -131,6 +135,7 @@ def patches(
         panels[-1].set_xlabel(
             f"{over}; patches from above, to scale" + ("; red: a check failed" if failed else "")
         )
+    return figure
 
 
 def _strip(

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,15 +10,24 @@ from railhead.meshing.bodies import BODY_NAMES
 from railhead.postprocess.findings import Array, Findings
 from railhead.postprocess.pictures.plots.diagrams import BANDS, mark_largest, new_figure
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from railhead.postprocess.pictures.plots.diagrams import Target
+
 LABELS = (r"smallest principal stress $\sigma_3$, MPa", r"largest shear stress $\tau$, MPa")
 LONG = 66  # letters of a label: two longer ones do not fit beside each other
 MAPS = ("YlGnBu_r", "YlOrRd")
 
 
 def draw_fringes(
-    sections: list[Any], axis: int, window: tuple[Array, Array], findings: Findings, path: Path
-) -> None:
-    """Write a PNG file with two panels: bands of the smallest principal stress and of the largest
+    sections: list[Any],
+    axis: int,
+    window: tuple[Array, Array],
+    findings: Findings,
+    target: Target = None,
+) -> Figure:
+    """Two panels: bands of the smallest principal stress and of the largest
     shear stress in all bodies of a plane cut through the contact.
 
     sections: pyvista surfaces of triangles, one a body, with the point data "principal_stresses"
@@ -27,7 +35,7 @@ def draw_fringes(
         s. window: smallest and largest coordinate along that axis, and height over the tangent
         plane, that are shown, (2,) each, mm; the stresses there set the limits of the colour bands.
     findings: give the title, the edges of the patch and the largest shear stress of each body,
-        which is marked in the second panel. path: of the file.
+        which is marked in the second panel.
     """
     from matplotlib.collections import LineCollection
     from matplotlib.lines import Line2D
@@ -40,7 +48,7 @@ def draw_fringes(
         [each["max_shear"] for each in sections],
     )
     shape = float(np.divide(*(high - low)[::-1]))
-    with new_figure(path, 10, 2.0 + 4.4 * shape, findings) as figure:
+    with new_figure(target, 10, 2.0 + 4.4 * shape, findings) as figure:
         panels = figure.subplots(1, 2, sharey=True)
         for number, axes in enumerate(panels):
             seen = [own[shown] for own, shown in zip(stresses[number], inside, strict=True)]
@@ -84,6 +92,7 @@ def draw_fringes(
             ncols=1 if long else 2,
             fontsize=10,
         )
+    return figure
 
 
 def levels(values: Array, *, below: bool) -> Array:

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 
 import meshio
 
 from railhead.postprocess.findings import Findings
 from railhead.postprocess.pictures.plots import diagrams
+from railhead.postprocess.pictures.plots.diagrams import Drawing
 from railhead.postprocess.pictures.views import render, section
 from railhead.theory.elastic.contacts import Hertz
 from railhead.theory.elastic.line import LineContact
-
-Drawing = Callable[[Path], object]
 
 
 def drawings(
@@ -24,8 +21,8 @@ def drawings(
     exact: Hertz | None,
     poisson: float,
 ) -> dict[str, Drawing]:
-    """The pictures of one result of finite elements: functions that write a PNG file to a path, by
-    file name. Nothing is drawn here. Pictures of the patch from above are those of a solid only.
+    """The pictures of one result of finite elements by name of their PNG file. Nothing is drawn
+    here. Pictures of the patch from above are those of a solid only.
 
     grids: of the cells, with nodal stresses, and of the slave's contact surface, images of what
         symmetry left out included. axis: of a section, 0 where it runs along x, 1 along s; None of

@@ -1,4 +1,4 @@
-"""Pictures of a solid in space, as PNG files about 1600 pixels wide.
+"""Pictures of a solid in space, as PNG files about 1600 pixels wide, or on given axes.
 
 The grids are those of `vtu`, of whole bodies with the images of what symmetry left out; nothing is
 deformed.
@@ -6,7 +6,6 @@ deformed.
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import meshio
@@ -24,6 +23,9 @@ from railhead.theory.elastic.hertz import Ellipse
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from railhead.postprocess.pictures.plots.diagrams import Target
 
 COLOURS = {"rail": "#b4c3d3", "wheel": "#dcc9a3"}
 FREE_SURFACE, EDGE, CONTACT = "#d9dfe5", "#5a6570", "#b2182b"
@@ -35,12 +37,12 @@ MESH = {"show_edges": True, "edge_color": EDGE, "edge_opacity": 0.6, "line_width
 SHADE = {"ambient": 0.45, "diffuse": 0.6}
 
 
-def wheel_rail(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
-    """Write a PNG file with two panels: the bodies cut open across the rail at the contact, with
+def wheel_rail(grid: meshio.Mesh, findings: Findings, target: Target = None) -> Figure:
+    """Two panels: the bodies cut open across the rail at the contact, with
     their mesh, and the mesh around the patch.
 
     grid: cells of the whole bodies, as `vtu.volume_grid` makes them. findings: frame, patch,
-        surface and names. path: of the file.
+        surface and names.
     """
     from matplotlib.patches import Patch as Swatch
 
@@ -54,7 +56,7 @@ def wheel_rail(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
     middle = _global(frame, [[0.0, (low[1] + high[1]) / 2, 0.0]])[0]
     close = Camera(middle, frame.axes[0], 0.7 * reach, reach, frame.axes[2], pixels=900)
     names = findings.subject.names
-    with new_figure(path, 10, 6.6, findings) as figure:
+    with new_figure(target, 10, 6.6, findings) as figure:
         left, right = figure.subplots(1, 2, width_ratios=(1.6, 1))
         general.show(left, general.shoot(meshes))
         left.set_axis_off()
@@ -76,14 +78,15 @@ def wheel_rail(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
             text, side = f"{names[name]}: rigid, not meshed", 0.25 if name == "rail" else 0.75
             right.text(0.5, side, text, transform=right.transAxes, ha="center")
         figure.legend(handles=[*swatches, right.lines[0]], loc="outside upper center", ncols=3)
+    return figure
 
 
-def stress_cut(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
-    """Write a PNG file of the smallest principal stress and the largest shear stress, in the
-    section across the rail through the contact, at the x of the frame's origin.
+def stress_cut(grid: meshio.Mesh, findings: Findings, target: Target = None) -> Figure:
+    """The smallest principal stress and the largest shear stress, in the section across the rail
+    through the contact, at the x of the frame's origin.
 
     grid: cells with nodal stresses, as `vtu.volume_grid` makes them. findings: frame, patch and
-        largest stresses. path: of the file.
+        largest stresses.
     """
     patch, (x, y, z) = findings.patch, findings.frame.origin
     low, high = (each[1] for each in patch.box)
@@ -94,17 +97,17 @@ def stress_cut(grid: meshio.Mesh, findings: Findings, path: Path) -> None:
         part.slice(normal="x", origin=(beside, y, z)).triangulate()
         for part in bodies_of(grid).values()
     ]
-    draw_fringes(sections, 1, (centre - half, centre + half), findings, path)
+    return draw_fringes(sections, 1, (centre - half, centre + half), findings, target)
 
 
 def patch_on_rail(
-    grid: meshio.Mesh, findings: Findings, ellipse: Ellipse | None, path: Path
-) -> None:
-    """Write a PNG file of the pressure on the contact surface, seen obliquely from above, with
-    outlines and dimensions of the patch.
+    grid: meshio.Mesh, findings: Findings, ellipse: Ellipse | None, target: Target = None
+) -> Figure:
+    """The pressure on the contact surface, seen obliquely from above, with outlines and dimensions
+    of the patch.
 
     grid: the contact surface, as `vtu.contact_grid` makes it. ellipse: exact Hertz contact,
-        whose outline is drawn too, or None. path: of the file.
+        whose outline is drawn too, or None.
     """
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
@@ -118,7 +121,7 @@ def patch_on_rail(
     look = {"lighting": False, "scalars": "pressure", "cmap": "YlOrRd", "clim": shown}
     lines = {"style": "wireframe", "color": EDGE, "opacity": 0.3, "line_width": 0.8}
     camera = camera_over(findings)
-    with new_figure(path, 10, 6.8, findings) as figure:
+    with new_figure(target, 10, 6.8, findings) as figure:
         axes = figure.add_subplot()
         nearer = surface.translate(1e-3 * camera.half_width * frame.axes[2])
         image = camera.shoot([(free, plain), (pressed, look), (nearer, lines)])
@@ -134,6 +137,7 @@ def patch_on_rail(
         colours = ScalarMappable(Normalize(*shown), "YlOrRd")
         figure.colorbar(colours, ax=axes, label="contact pressure, MPa", shrink=0.8)
         figure.legend(loc="outside upper center", ncols=2)
+    return figure
 
 
 def camera_over(findings: Findings) -> Camera:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import meshio
 import numpy as np
@@ -14,20 +13,25 @@ from railhead.postprocess.pictures.plots.diagrams import new_figure
 from railhead.postprocess.pictures.views.fringes import draw_fringes
 from railhead.postprocess.pictures.views.render import COLOURS, CONTACT, EDGE, bodies_of, outer
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
-def bodies(grid: meshio.Mesh, axis: int, findings: Findings, path: Path) -> None:
-    """Write a PNG file with two panels: the whole section with its mesh, and the mesh around the
+    from railhead.postprocess.pictures.plots.diagrams import Target
+
+
+def bodies(grid: meshio.Mesh, axis: int, findings: Findings, target: Target = None) -> Figure:
+    """Two panels: the whole section with its mesh, and the mesh around the
     contact.
 
     grid: cells of the whole section, as `vtu.volume_grid` makes them. axis: 0 where the section
-        runs along x, 1 along s. path: of the file.
+        runs along x, 1 along s.
     """
     from matplotlib.collections import PolyCollection
     from matplotlib.patches import Patch as Swatch
 
     half, middle = (findings.patch.a, findings.patch.b)[axis], findings.patch.centre[axis]
     names, skins = findings.subject.names, {k: outer(part) for k, part in bodies_of(grid).items()}
-    with new_figure(path, 10, 6.2, findings) as figure:
+    with new_figure(target, 10, 6.2, findings) as figure:
         left, right = figure.subplots(1, 2, width_ratios=(1.4, 1))
         for axes in (left, right):
             for name, skin in skins.items():
@@ -53,14 +57,14 @@ def bodies(grid: meshio.Mesh, axis: int, findings: Findings, path: Path) -> None
         swatches = [Swatch(fc=COLOURS[name], ec=EDGE, label=names[name]) for name in skins]
         swatches.append(Swatch(fc=CONTACT, label="contact patch"))
         figure.legend(handles=swatches, loc="outside lower center", ncols=3)
+    return figure
 
 
-def stress_cut(grid: meshio.Mesh, axis: int, findings: Findings, path: Path) -> None:
-    """Write a PNG file of the smallest principal stress and the largest shear stress in a section
-    around the contact.
+def stress_cut(grid: meshio.Mesh, axis: int, findings: Findings, target: Target = None) -> Figure:
+    """The smallest principal stress and the largest shear stress in a section around the contact.
 
     grid: cells of the whole section with nodal stresses, as `vtu.volume_grid` makes them. axis:
-        0 where the section runs along x, 1 along s. path: of the file.
+        0 where the section runs along x, 1 along s.
     """
     patch = findings.patch
     reach = np.array([2.4, 1.8]) * (patch.a, patch.b)[axis]
@@ -69,4 +73,4 @@ def stress_cut(grid: meshio.Mesh, axis: int, findings: Findings, path: Path) -> 
         part.extract_surface(nonlinear_subdivision=1, algorithm="dataset_surface").triangulate()
         for part in bodies_of(grid).values()
     ]
-    draw_fringes(sections, axis, (centre - reach, centre + reach), findings, path)
+    return draw_fringes(sections, axis, (centre - reach, centre + reach), findings, target)
