@@ -23,6 +23,7 @@ WIDTH = 80  # characters where there is no terminal
 WIDEST = 80  # characters of a table of numbers, which are never cut: it goes on below
 DEFAULT = Units()
 ROUNDING = 1e-6  # of the deeper one: less deep is the surface of a body that did not yield
+BORDER = 10.0  # times first yield beyond which load steps move the largest residual stress
 PAIRED = 30.0  # times first yield beyond which the pairing of the surfaces is felt
 
 
@@ -271,9 +272,11 @@ def _show_plastic(plastic: Mapping[str, Any], console: Console, units: Units) ->
             for body, depth in left.items()
             if depth > ROUNDING * max(left.values())
         )
+        far = plastic["load_over_first_yield"] > BORDER
         lines.append(
             f"Unloaded: {f'{depths} deep' if depths else 'nothing pushed in'}, von Mises stress up "
-            f"to {units.text(plastic['residual_von_mises_max_MPa'], 'MPa')} (without an estimate)."
+            f"to {units.text(plastic['residual_von_mises_max_MPa'], 'MPa')} (without an estimate"
+            f"{'; more load steps take 9 to 13 % from it at 20 times first yield' if far else ''})."
         )
     if plastic["load_over_first_yield"] > PAIRED:
         lines.append(

@@ -70,8 +70,12 @@ def test_sentences_are_in_the_readers_units(full: dict) -> None:
     assert "2 separate patches: a and b are those of the most loaded one (75 % of the load)" in text
     assert "rail at (0, 1, -2) in, in 1 in3 between 0.1 in and 0.2 in deep" in text
     assert "Unloaded: the rail 0.001 in deep, von Mises stress up to 10 ksi" in text
+    assert "up to 10 ksi (without an estimate)." in text
     assert "Yields from 0.5 of the load on" in text
     assert "tau_max 100 ksi in the rail at (1, 0, 0) in" in text
+    result["plastic"] = {**plastic, "load_over_first_yield": 20.0}
+    text = "\n".join(printed({**full, "result": result}, 400))
+    assert "(without an estimate; more load steps take 9 to 13 % from it at 20 times" in text
 
 
 def test_columns_without_a_value_are_left_out(full: dict) -> None:
