@@ -127,8 +127,13 @@ class Plan:
 
     @property
     def is_elastic_frictionless(self) -> bool:
-        """Whether neither yield nor friction is simulated."""
-        return not (self.effects["plasticity"].on or self.effects["friction"].on)
+        """Whether neither yield nor friction is simulated, nor another effect without which the
+        error envelopes were calibrated.
+        """
+        rules = effects.EFFECTS
+        return not any(
+            each.on and rules[name].beyond_envelopes for name, each in self.effects.items()
+        )
 
     @property
     def section(self) -> bool:

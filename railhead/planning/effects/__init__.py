@@ -14,10 +14,14 @@ from railhead.postprocess.findings import Findings
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.elastic.contacts import Hertz
 
+Weigh = Callable[[Context, Findings], PostSolveVerdict | None]
+"""Evaluates an assumption on the findings of a solution; None where it does not apply."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class EffectRules:
     """How an effect is decided, and evaluated on the solution.
+    words: the effect in a report.
     decide: function of the context (scene, contact and the effects before it in `EFFECTS`) that
         gives the decision.
     check: function of context, decision and findings that evaluates the indicator of the effect on
@@ -27,55 +31,114 @@ class EffectRules:
     of_bodies: the effect is one of meshed bodies. Where half-spaces answer it is off, and the
         estimate of the answer covers it.
     in_half_spaces: half-spaces always have the effect; where they answer it cannot be off.
+    beyond_envelopes: the error envelopes were calibrated without the effect, and do not hold where
+        it is on.
     """
 
+    words: str
     decide: Callable[[Context], Effect]
     check: Callable[[Context, Effect, Findings], PostSolveVerdict | None] = lambda *_: None
     numerical_only: bool = False
     beyond_half_spaces: bool = False
     of_bodies: bool = False
     in_half_spaces: bool = False
+    beyond_envelopes: bool = False
 
 
 EFFECTS = {
-    "plane_strain": EffectRules(decide=shape.plane_strain),
-    "axisymmetry": EffectRules(decide=shape.axisymmetry, numerical_only=True),
-    "symmetry_x": EffectRules(decide=shape.symmetry_x, numerical_only=True, of_bodies=True),
-    "symmetry_y": EffectRules(decide=shape.symmetry_y, numerical_only=True, of_bodies=True),
+    "plane_strain": EffectRules(
+        words="line contact, solved in a section", decide=shape.plane_strain
+    ),
+    "axisymmetry": EffectRules(
+        words="body of revolution, solved in a meridian section",
+        decide=shape.axisymmetry,
+        numerical_only=True,
+    ),
+    "symmetry_x": EffectRules(
+        words="symmetry along the rail (half is solved)",
+        decide=shape.symmetry_x,
+        numerical_only=True,
+        of_bodies=True,
+    ),
+    "symmetry_y": EffectRules(
+        words="symmetry across the rail (half is solved)",
+        decide=shape.symmetry_y,
+        numerical_only=True,
+        of_bodies=True,
+    ),
     "deformable_rail": EffectRules(
-        decide=partial(material.decide_deformable, "rail"), in_half_spaces=True
+        words="the rail deforms",
+        decide=partial(material.decide_deformable, "rail"),
+        in_half_spaces=True,
     ),
     "deformable_wheel": EffectRules(
-        decide=partial(material.decide_deformable, "wheel"), in_half_spaces=True
+        words="the wheel deforms",
+        decide=partial(material.decide_deformable, "wheel"),
+        in_half_spaces=True,
     ),
     "true_profile": EffectRules(
-        decide=shape.decide_true_profile, check=shape.check_true_profile, in_half_spaces=True
+        words="true profiles instead of radii",
+        decide=shape.decide_true_profile,
+        check=shape.check_true_profile,
+        in_half_spaces=True,
     ),
     "rail_section": EffectRules(
-        decide=shape.decide_rail_section, check=shape.check_rail_section, of_bodies=True
+        words="whole rail with web and foot",
+        decide=shape.decide_rail_section,
+        check=shape.check_rail_section,
+        of_bodies=True,
     ),
-    "far_field": EffectRules(decide=shape.far_field, of_bodies=True),
-    "finite_bodies": EffectRules(decide=shape.decide_finite_bodies, of_bodies=True),
+    "far_field": EffectRules(
+        words="half-spaces around the bodies", decide=shape.far_field, of_bodies=True
+    ),
+    "finite_bodies": EffectRules(
+        words="bodies that end, by finite elements",
+        decide=shape.decide_finite_bodies,
+        of_bodies=True,
+    ),
     "mean_dilatation": EffectRules(
-        decide=material.decide_mean_dilatation, numerical_only=True, of_bodies=True
+        words="nearly incompressible material",
+        decide=material.decide_mean_dilatation,
+        numerical_only=True,
+        of_bodies=True,
     ),
     "friction": EffectRules(
-        decide=interface.decide_friction, check=interface.check_friction, beyond_half_spaces=True
+        words="friction, traction and creepage",
+        decide=interface.decide_friction,
+        check=interface.check_friction,
+        beyond_half_spaces=True,
+        beyond_envelopes=True,
     ),
     "plasticity": EffectRules(
-        decide=material.decide_plasticity, check=material.check_plasticity, beyond_half_spaces=True
+        words="steel that yields",
+        decide=material.decide_plasticity,
+        check=material.check_plasticity,
+        beyond_half_spaces=True,
+        beyond_envelopes=True,
     ),
-    "passes": EffectRules(decide=passes.decide_passes, beyond_half_spaces=True),
-    "plasticity_wheel": EffectRules(decide=passes.decide_plasticity_wheel, beyond_half_spaces=True),
+    "passes": EffectRules(
+        words="a wheel that rolls again and again over a rail that yields",
+        decide=passes.decide_passes,
+        beyond_half_spaces=True,
+    ),
+    "plasticity_wheel": EffectRules(
+        words="yield of the wheel in passes (told, not simulated)",
+        decide=passes.decide_plasticity_wheel,
+        beyond_half_spaces=True,
+    ),
     "heat": EffectRules(
-        decide=interface.decide_heat, check=interface.check_heat, beyond_half_spaces=True
+        words="heat of friction (told, not simulated)",
+        decide=interface.decide_heat,
+        check=interface.check_heat,
+        beyond_half_spaces=True,
     ),
 }
-ASSUMPTIONS = {
-    "small_patch": assumptions.small_patch,
-    "inside_the_bodies": assumptions.inside_the_bodies,
-    "thick_bodies": assumptions.thick_bodies,
+ASSUMPTIONS: dict[str, tuple[str, Weigh]] = {
+    "small_patch": ("patch small beside the radii (after)", assumptions.small_patch),
+    "inside_the_bodies": ("patch away from the edges (after)", assumptions.inside_the_bodies),
+    "thick_bodies": ("bodies thick enough (after)", assumptions.thick_bodies),
 }
+"""Words, and the verdict on a solution, by name of each assumption."""
 
 
 def decide(
@@ -115,6 +178,11 @@ def _without_bodies(name: str, effect: Effect) -> Effect:
         raise SceneError(f"effects.{name}", text)
     why = f"{effect.why}; off by effects.finite_bodies"
     return replace(effect, on=False, override=True, why=why)
+
+
+def in_words(name: str) -> str:
+    """The effect or the assumption of this name as a report calls it."""
+    return EFFECTS[name].words if name in EFFECTS else ASSUMPTIONS[name][0]
 
 
 def overruled(effects: Mapping[str, Effect]) -> list[str]:
@@ -159,5 +227,5 @@ def check(
     those that do not apply are missing. Effects without a rule for the solution never appear.
     """
     after = {name: each.check(context, effects[name], findings) for name, each in EFFECTS.items()}
-    after |= {name: weigh(context, findings) for name, weigh in ASSUMPTIONS.items()}
+    after |= {name: weigh(context, findings) for name, (_, weigh) in ASSUMPTIONS.items()}
     return {name: each for name, each in after.items() if each is not None}

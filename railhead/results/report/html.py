@@ -16,6 +16,7 @@ import meshio
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from PIL import Image
 
+from railhead.planning.effects import in_words
 from railhead.postprocess.findings import Findings
 from railhead.results import quantity_rows
 from railhead.results.checks import SECOND
@@ -42,27 +43,6 @@ CAPTIONS = {
     "friction": "Where the patch sticks and slips, and the tractions.",
     "passes": "Residual stress below the patch by pass, increments by pass, and the groove.",
     "shakedown": "Pressure and traction against the limits of repeated rolling.",
-}
-EFFECTS = {
-    "plane_strain": "line contact, solved in a section",
-    "axisymmetry": "body of revolution, solved in a meridian section",
-    "symmetry_x": "symmetry along the rail (half is solved)",
-    "symmetry_y": "symmetry across the rail (half is solved)",
-    "deformable_rail": "the rail deforms",
-    "deformable_wheel": "the wheel deforms",
-    "true_profile": "true profiles instead of radii",
-    "rail_section": "whole rail with web and foot",
-    "far_field": "half-spaces around the bodies",
-    "finite_bodies": "bodies that end, by finite elements",
-    "mean_dilatation": "nearly incompressible material",
-    "friction": "friction, traction and creepage",
-    "plasticity": "steel that yields",
-    "passes": "a wheel that rolls again and again over a rail that yields",
-    "plasticity_wheel": "yield of the wheel in passes (told, not simulated)",
-    "heat": "heat of friction (told, not simulated)",
-    "small_patch": "patch small beside the radii (after)",
-    "inside_the_bodies": "patch away from the edges (after)",
-    "thick_bodies": "bodies thick enough (after)",
 }
 CHECKS = {
     "effects_left_out": "effects that are called for are simulated",
@@ -151,7 +131,7 @@ def render(
     return template("report.html.j2").render(
         summary=summary,
         units=units,
-        effect=effect,
+        effect=in_words,
         check=check,
         found=found,
         views=views,
@@ -242,13 +222,6 @@ def scene_rows(scene: Scene, units: Units) -> Iterator[tuple[str, str]]:
                 text = f"{units.value(value, base):.6g} {units.unit(base)}".strip()
             words = key.replace("effects.", "effect.").replace(".", ": ").replace("_", " ")
             yield words, text
-
-
-def effect(name: str) -> str:
-    """Words for the name of an effect or of an assumption that is checked after the solution; an
-    unknown name with blanks for underscores.
-    """
-    return EFFECTS.get(name, name.replace("_", " "))
 
 
 def check(name: str) -> str:

@@ -16,6 +16,7 @@ from matplotlib.image import imread
 from PIL import Image
 
 from railhead import api
+from railhead.planning.effects import in_words
 from railhead.postprocess.pictures.views import gallery, turning
 from railhead.results import quantity_rows, result_folder
 from railhead.results.report import html
@@ -160,7 +161,7 @@ def test_the_verdict_is_of_what_holds(
         return html.render(result.mesh_solution, shown, Units(), folder, result.findings, None)
 
     after = {"plasticity": {"needed": True, "why": "it yields <b>here</b>"}}
-    told = f"What was left out matters: {html.effect('plasticity')}.</b> it yields &lt;b&gt;here"
+    told = f"What was left out matters: {in_words('plasticity')}.</b> it yields &lt;b&gt;here"
     assert told in said(effects_after=after)
     assert "matters" not in said()
 
