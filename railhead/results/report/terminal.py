@@ -180,11 +180,9 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = DEFAUL
     if summary["result"] is not None:
         load = units.value(summary["result"]["load_N"], "N")
         title = f"{summary['case']}: {load:.6g} {units.unit('N')}"
-        if quantity_rows.reference_name(summary):
-            both = ("yield", "plastic"), ("friction", "friction")
-            title += ", with " + " and ".join(
-                effect for effect, key in both if key in summary["result"]
-            )
+        both = ("yield", "plastic"), ("friction", "friction")
+        if named := [effect for effect, key in both if key in summary["result"]]:
+            title += f", with {' and '.join(named)}"
         _show_rows(title, quantity_rows.rows(summary, "contact"), console, units)
         if len(patches := summary["result"]["patches"]) > 1:
             most = 100 * max(patch["load_share"] for patch in patches)
