@@ -11,7 +11,8 @@ frame, in the order (xx, ss, nn, xs, xn, sn); tension is positive.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -26,6 +27,14 @@ FLAT = 0.01  # relative
 RIVAL = 0.005  # relative: which of two hills is higher is not known below it
 NO_DEPTH = 1e-9  # of a semi-axis: rounding at the surface
 PEAK_SAMPLES = 8  # either side of the largest one
+FACTORS = {
+    "mm": {"mm": 1.0, "um": 1e3, "m": 1e-3, "in": 1 / 25.4},
+    "N": {"N": 1.0, "kN": 1e-3, "lbf": 1 / 4.4482216152605},
+    "MPa": {"MPa": 1.0, "GPa": 1e-3, "Pa": 1e6, "ksi": 0.14503773773, "psi": 145.03773773},
+    "um": {"um": 1.0, "m": 1e-6, "in": 1e-3 / 25.4},
+}
+"""By base unit, what a reader may have instead, and how many of it are one base unit."""
+_FACTOR = re.compile(r"([A-Za-z]+)(\d?)")
 
 
 @dataclass(frozen=True)
@@ -293,6 +302,54 @@ class AxisPressure:
 
 
 @dataclass(frozen=True)
+class Units:
+    """Units of displayed numbers; files remain in mm, N and MPa.
+
+    chosen: displayed unit by base unit ("mm", "N", "MPa", "um"); others remain.
+    """
+
+    chosen: Mapping[str, str] = field(default_factory=dict)
+
+    def unit(self, unit: str) -> str:
+        """Displayed unit for a product of powers of base units; other units and words remain."""
+        return _FACTOR.sub(lambda each: self.chosen.get(each[1], each[1]) + each[2], unit)
+
+    def value(self, value: float, unit: str) -> float:
+        """Value in the displayed unit; unit: that of the argument, powers of base units, of which
+        at most one is divided by ("N/mm2"). Other units and words have no effect.
+        """
+        over, _, under = unit.partition("/")
+        for part, sign in ((over, 1), (under, -1)):
+            for name, power in _FACTOR.findall(part):
+                if name in self.chosen:
+                    value *= FACTORS[name][self.chosen[name]] ** (sign * int(power or 1))
+        return value
+
+    def text(self, value: float, unit: str, digits: int = 4) -> str:
+        """Value with so many digits, and its displayed unit."""
+        return f"{brief(self.value(value, unit), digits)} {self.unit(unit)}"
+
+    def place(self, point: Sequence[float]) -> str:
+        """Text "(x, y, z) mm" of a point (3,), mm, in the displayed unit, four digits each."""
+        inside = ", ".join(f"{self.value(each, 'mm'):.4g}" for each in point)
+        return f"({inside}) {self.unit('mm')}"
+
+    @property
+    def others(self) -> str:
+        """Displayed units that differ from the base units, as text; empty where none does."""
+        return ", ".join(to for base, to in self.chosen.items() if base not in (to, "um"))
+
+
+def brief(value: float, digits: int = 4) -> str:
+    """Text of a number with so many digits, without a power of ten up to 1e7."""
+    rounded = float(f"{value:.{digits}g}") + 0.0  # -0 is 0
+    return f"{rounded:.0f}" if 1e4 <= abs(rounded) < 1e7 else f"{rounded:.{digits}g}"
+
+
+BASE_UNITS = Units()  # mm, N, MPa
+
+
+@dataclass(frozen=True)
 class Subject:
     """Words for titles, axis labels and legends of pictures.
 
@@ -305,6 +362,7 @@ class Subject:
     rubs: whether the solution has friction.
     revolved: whether the model is a meridian section of bodies of revolution.
     method: what made the numbers, for legends.
+    units: of the numbers that are shown.
     """
 
     title: str = ""
@@ -316,6 +374,7 @@ class Subject:
     rubs: bool = False
     revolved: bool = False
     method: str = "finite elements"
+    units: Units = BASE_UNITS
 
     @property
     def y(self) -> str:

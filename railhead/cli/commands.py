@@ -62,6 +62,23 @@ _over_file = click.option(
     type=click.Path(path_type=Path),
     help="Rows of values: a .csv file, its first line keys.",
 )
+
+
+def _beside_png(_: click.Context, __: click.Parameter, kind: str | None) -> None:
+    """Let matplotlib write pictures in this format, too."""
+    if kind is not None:
+        import matplotlib
+
+        matplotlib.rcParams["savefig.format"] = kind
+
+
+_format = click.option(
+    "--format",
+    type=click.Choice(["svg", "pdf"]),
+    expose_value=False,
+    callback=_beside_png,
+    help="Pictures in this format beside PNG.",
+)
 _force = click.option("--force", is_flag=True, help="Replace another result in --out.")
 _set = click.option(
     "--set",
@@ -91,6 +108,7 @@ _report_options = (
     ),
     _force,
     click.option("--no-pictures", is_flag=True, help="Write no PNG files."),
+    _format,
     click.option("--quiet", is_flag=True, help="Print nothing."),
     click.option("--json", "as_json", is_flag=True, help="Print the summary and nothing else."),
 )
@@ -102,7 +120,7 @@ def _with_options(command: Callable[..., Any], options: Iterable[Callable[[Any],
 
 
 _takes_report = functools.partial(_with_options, options=_report_options)
-"""Adds the options that `_report` takes: --out, --force, --no-pictures, --quiet, --json."""
+"""Adds the options that `_report` takes, and --format."""
 
 
 def _takes_scene(command: Callable[..., Any]) -> Any:
@@ -215,9 +233,10 @@ def plan(
 @click.option("--out", type=click.Path(path_type=Path), help="Result folder [results/<case>].")
 @_force
 @click.option("--no-pictures", is_flag=True, help="Write no PNG files and no report.html.")
+@_format
 @click.option("--no-report", is_flag=True, help="Write no report.html.")
 @click.option("--whole", is_flag=True, help="Write .vtu files of the whole model, mirrored.")
-@click.option("--units", "unit_names", help="Of the table and the report, e.g. mm,kN,MPa.")
+@click.option("--units", "unit_names", help="Of table, pictures and report: mm,kN,MPa.")
 @click.option("--ranks", type=PROCESSES, help="Processes [as many as pay].")
 @click.option("--quiet", is_flag=True, help="Print only what fails.")
 @click.option("--json", "as_json", is_flag=True, help="Print summary.json and nothing else.")
@@ -239,9 +258,9 @@ def run(
 ) -> int:
     """Solve a case (its name, or a TOML file) and compare it with exact Hertz."""
     from railhead.results import result_folder
-    from railhead.results.report.output_units import Units
+    from railhead.results.report import output_units
 
-    units = Units.parse(unit_names)
+    units = output_units.parse(unit_names)
 
     from railhead import api
     from railhead.cli import launch
@@ -321,6 +340,7 @@ def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: b
 @click.option("--resume", is_flag=True, help="Refuse a folder that holds no part of this sweep.")
 @click.option("--vtu", is_flag=True, help="Write .vtu files of each combination, for ParaView.")
 @click.option("--no-pictures", is_flag=True, help="Write no PNG files and no report.html.")
+@_format
 @click.option("--quiet", is_flag=True, help="Print only what fails.")
 @click.option("--json", "as_json", is_flag=True, help="Print the rows and nothing else.")
 def sweep(
@@ -375,10 +395,9 @@ def show(folder: Path, unit_names: str | None, as_json: bool) -> None:
     """Print the result of a run or a sweep that lies in a folder; solve nothing."""
     from railhead import api
     from railhead.results import result_folder
-    from railhead.results.report import terminal
-    from railhead.results.report.output_units import Units
+    from railhead.results.report import output_units, terminal
 
-    units, found = Units.parse(unit_names), api.load(folder)
+    units, found = output_units.parse(unit_names), api.load(folder)
     if as_json:
         click.echo(result_folder.to_json(found.as_dict()), nl=False)
     else:

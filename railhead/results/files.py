@@ -9,9 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from railhead.postprocess import symmetry
-from railhead.postprocess.findings import Array, Findings
+from railhead.postprocess.findings import BASE_UNITS, Array, Findings, Units
 from railhead.results import quantity_rows, result_folder
-from railhead.results.report.output_units import Units
 from railhead.results.result_folder import result
 from railhead.results.subject import subject
 from railhead.run.half_spaces.answer import HalfSpaceSolution, Solved
@@ -35,15 +34,16 @@ def write(
     folder: Path,
     *,
     pictures: bool = True,
-    report: Units | None = None,
+    report: bool = True,
     whole: bool = False,
+    units: Units = BASE_UNITS,
 ) -> None:
     """Write all files of a solved scene, numbers first, on the rank that calls (rank 0); they
     replace those of an earlier result in the folder.
 
     summary: content of summary.json. pictures: whether PNG files are written; none where nothing
-        touches. report: units of the numbers in report.html; None: no such file. whole: whether the
-        files for ParaView hold the mirror images of what symmetry left out.
+        touches. report: whether report.html is written. whole: whether the files for ParaView hold
+        the mirror images of what symmetry left out. units: of pictures and report.
     OSError: the numbers cannot be written; or, a line for each, other files that could not be
         written, after all the others are.
     """
@@ -55,7 +55,7 @@ def write(
             )
         stresses: Array | None = None
         grids: Grids | None = None
-        found = _titled(solved)
+        found = _titled(solved, units)
         with attempt("*.vtu"):
             stresses = nodal_stress(solved)
             write_grids(solved, stresses, work, whole=whole)
@@ -65,11 +65,11 @@ def write(
                 for name, draw in _drawings(solved, summary["result"], found, grids).items():
                     with attempt(name):
                         draw(work / name)
-        if report is not None:
+        if report:
             with attempt("report.html"):
                 from railhead.results.report import html
 
-                html.write(solved, summary, report, work, found, grids)
+                html.write(solved, summary, units, work, found, grids)
 
 
 def plot(solved: Solved, summary: dict[str, Any], picture: str, ax: object = None) -> Figure:
@@ -78,16 +78,16 @@ def plot(solved: Solved, summary: dict[str, Any], picture: str, ax: object = Non
     """
     from railhead.postprocess.pictures.plots import diagrams
 
-    found = _titled(solved)
+    found = _titled(solved, BASE_UNITS)
     if found is None:
         raise ValueError("there is nothing to draw: nothing touches, or this is not rank 0")
     grids = _grids(solved, found, nodal_stress(solved))
     return diagrams.draw_one(_drawings(solved, summary["result"], found, grids), picture, ax)
 
 
-def _titled(solved: Solved) -> Findings | None:
-    """Findings with the whole contact surface, the title and the notes of pictures; None where
-    nothing touches and off rank 0.
+def _titled(solved: Solved, units: Units) -> Findings | None:
+    """Findings with the whole contact surface, and the title, the units and the notes of pictures;
+    None where nothing touches and off rank 0.
     """
     if solved.findings is None:
         return None
@@ -96,7 +96,7 @@ def _titled(solved: Solved) -> Findings | None:
         surface = symmetry.surface(surface, solved.fields.mirrors)
     after = solved.after.items()
     needed = tuple(f"{name.replace('_', ' ')}: {each.why}" for name, each in after if each.needed)
-    words = subject(solved.plan, solved.load)
+    words = subject(solved.plan, solved.load, units)
     return replace(solved.findings, surface=surface, notes=needed, subject=words)
 
 

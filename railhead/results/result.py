@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from mpi4py import MPI
 
+from railhead.postprocess.findings import BASE_UNITS, Units
 from railhead.results.report import terminal
-from railhead.results.report.output_units import Units
 from railhead.run import quantities
 from railhead.run.half_spaces.answer import Solved
 from railhead.run.mesh_solution import MeshSolution
@@ -67,7 +67,7 @@ class Result:
         """Print the table of `railhead run` on a console. units: units of the numbers; None: mm, N,
         MPa.
         """
-        terminal.show_result(self.summary, console, units or terminal.DEFAULT)
+        terminal.show_result(self.summary, console, units or BASE_UNITS)
 
     def as_dict(self) -> dict[str, Any]:
         """The content of summary.json."""
@@ -252,7 +252,7 @@ class Result:
         pictures: whether PNG files are written.
         report: whether report.html is written; needs pictures.
         whole: whether .vtu files contain the mirror images of what symmetry left out.
-        units: units of report.html; None: mm, N, MPa.
+        units: of pictures and report.html; None: mm, N, MPa.
         force: whether a result of another command or scene in the folder is replaced.
         Raises SceneError for a folder with other files and, without `force`, with another result;
         OSError where it cannot be written, ValueError for a loaded result.
@@ -266,14 +266,14 @@ class Result:
                 result_folder.check_folder(out)
                 if not force:
                     result_folder.refuse_other(out, "run", self.plan.scene)
-                shown = units or Units() if report and pictures else None
                 files.write(
                     self.solved,
                     self.summary,
                     out,
                     pictures=pictures,
-                    report=shown,
+                    report=report and pictures,
                     whole=whole,
+                    units=units or BASE_UNITS,
                 )
             except Exception as error:  # whatever it is, the other ranks wait for it
                 problem = error

@@ -7,29 +7,31 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from railhead.planning.plan import Plan
-from railhead.postprocess.findings import Subject
-from railhead.results.report.output_units import brief
+from railhead.postprocess.findings import BASE_UNITS, Subject, Units, brief
 from railhead.scene.sections import Rail, Wheel, Wheelset
 
 
-def subject(plan: Plan, load: float) -> Subject:
+def subject(plan: Plan, load: float, units: Units = BASE_UNITS) -> Subject:
     """Title of a scene, names of its bodies, and labels of its directions for pictures. load:
-    vertical load of the solution, N, or of the scene.
+    vertical load of the solution, N, or of the scene. units: of the numbers that are shown.
     """
     scene, contact = plan.scene, plan.contact
     bar = math.isinf(scene.wheel.rolling_radius)
     roller = contact.plane == "xz" and not bar and scene.rail.profile == "arc"
     short, long = zip(
-        _rail(scene.rail, bar, contact.half_space), _wheel(scene.wheel, bar, roller), strict=True
+        _rail(scene.rail, bar, contact.half_space, units),
+        _wheel(scene.wheel, bar, roller, units),
+        strict=True,
     )
     if short[0] == short[1]:
         short = f"lower {short[0]}", f"upper {short[1]}"
     long = _said(long[0], scene.rail), _said(long[1], scene.wheel)
     real = scene.rail.profile != "arc" and not contact.half_space
-    force = f"{brief(load / 1e3)} kN" if load >= 1e3 else f"{brief(load)} N"
+    kilo = load >= 1e3 and "N" not in units.chosen
+    force = f"{brief(load / 1e3)} kN" if kilo else units.text(load, "N")
     rubs = plan.effects["friction"].on
     end = ", as half-spaces" if contact.half_space else ""
-    end += _stands(scene.wheelset)
+    end += _stands(scene.wheelset, units)
     if rubs:
         end += f", friction\N{NO-BREAK SPACE}{scene.friction.coefficient:g}"
     along, across = "in the rolling direction", "along the axis" if roller else "across"
@@ -47,13 +49,14 @@ def subject(plan: Plan, load: float) -> Subject:
         rubs=rubs,
         revolved=contact.revolved,
         method="half-spaces" if plan.by_half_spaces else "finite elements",
+        units=units,
     )
 
 
-def _stands(wheelset: Wheelset) -> str:
-    """Lateral shift and yaw of a wheelset as text, in mm and mrad; empty where both are zero."""
-    shift, yaw = wheelset.shift, 1e3 * wheelset.yaw
-    end = f", shifted\N{NO-BREAK SPACE}{brief(shift)}\N{NO-BREAK SPACE}mm" if shift else ""
+def _stands(wheelset: Wheelset, units: Units) -> str:
+    """Lateral shift and yaw (mrad) of a wheelset as text; empty where both are zero."""
+    shift, yaw = units.text(wheelset.shift, "mm").split(), 1e3 * wheelset.yaw
+    end = f", {chr(0xA0).join(('shifted', *shift))}" if wheelset.shift else ""
     return end + (f", yaw\N{NO-BREAK SPACE}{brief(yaw)}\N{NO-BREAK SPACE}mrad" if yaw else "")
 
 
@@ -72,33 +75,36 @@ def _said(text: str, body: Rail | Wheel) -> str:
     return f"a rigid {text[2:]}" if text.startswith("a ") else f"rigid {text}"
 
 
-def _rail(rail: Rail, bar: bool, half_space: bool) -> tuple[str, str]:
+def _rail(rail: Rail, bar: bool, half_space: bool, units: Units) -> tuple[str, str]:
     """Short name of the lower body, and name with its size. bar: whether the wheel is a straight
     bar; half_space: whether the bodies are half-spaces.
     """
     if rail.profile != "arc":
         tilt = f", inclined 1:{1 / rail.inclination:.3g}" if rail.inclination else ""
         return "rail", f"rail {Path(rail.profile).name}{tilt}"
-    if math.isinf(rail.crown_radius or math.inf):
+    crown = rail.crown_radius or math.inf
+    if math.isinf(crown):
         return ("plane", "a plane") if half_space else ("block", "a flat block")
     if bar:
-        return "cylinder", f"cylinder R {rail.crown_radius:g} mm"
-    return "rail", f"rail, crown R {rail.crown_radius:g} mm"
+        return "cylinder", f"cylinder R {units.text(crown, 'mm', 6)}"
+    return "rail", f"rail, crown R {units.text(crown, 'mm', 6)}"
 
 
-def _wheel(wheel: Wheel, bar: bool, roller: bool) -> tuple[str, str]:
+def _wheel(wheel: Wheel, bar: bool, roller: bool, units: Units) -> tuple[str, str]:
     """Short name of the upper body, and name with its size. bar: whether the wheel is a straight
     bar; roller: whether it is a roller on an arc in a section along the rail.
     """
     rolling, tread = wheel.rolling_radius, wheel.transverse_radius
     if wheel.profile == "arc" and tread == rolling:
-        return "sphere", f"sphere R {rolling:g} mm"
+        return "sphere", f"sphere R {units.text(rolling, 'mm', 6)}"
     profile = Path(wheel.profile).name  # a file's name will do
     if bar:
         if tread:
-            return "cylinder", f"cylinder R {tread:g} mm"
+            return "cylinder", f"cylinder R {units.text(tread, 'mm', 6)}"
         return "bar", f"straight bar, profile {profile},"
     if roller:
-        return "roller", f"roller R {rolling:g} mm"
-    shape = f"tread arc R {tread:g} mm" if wheel.profile == "arc" else f"tread {profile}"
-    return "wheel", f"wheel R {rolling:g} mm, {shape},"
+        return "roller", f"roller R {units.text(rolling, 'mm', 6)}"
+    shape = f"tread {profile}"
+    if wheel.profile == "arc":
+        shape = f"tread arc R {units.text(tread or math.inf, 'mm', 6)}"
+    return "wheel", f"wheel R {units.text(rolling, 'mm', 6)}, {shape},"

@@ -50,13 +50,6 @@ def _registry() -> "pint.UnitRegistry[Decimal]":
     return pint.UnitRegistry(non_int_type=Decimal)
 
 
-def to_reader(base: str, unit: str) -> float:
-    """Factor on a number in `base` units that makes it one in `unit`, e.g. 0.001 for base N and
-    unit kN.
-    """
-    return float(_registry().Quantity(1, base).to(unit).magnitude)
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class QuantityKind:
     """A kind of physical quantity and the texts by which values are given.

@@ -280,7 +280,8 @@ def _write(
         }
         vtu.series(files, folder / f"{name}.pvd")
     for name in (*store.PICTURES, sweep_report.NAME):
-        (folder / name).unlink(missing_ok=True)
+        for suffix in (Path(name).suffix, *store.BESIDE):
+            (folder / name).with_suffix(suffix).unlink(missing_ok=True)
     columns = [column(key) for key in grid.keys]
     if grid.listed and len(columns) > 1:
         columns = ["combination"]

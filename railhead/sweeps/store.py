@@ -20,6 +20,7 @@ from railhead.sweeps import sweep_report, sweep_table
 
 REQUEST, RECORDS, VTU, TABLE = "sweep.json", "records", "vtu", "sweep.csv"
 PICTURES = ("sweep.png", "patches.png")
+BESIDE = (".svg", ".pdf")  # what pictures may have beside them
 SERIES = ("solution", "contact")  # names of the .vtu files of a scene
 AGAIN = ".again.json"  # end of the name of a record of a scene that is to be tried again
 ADVICE = "give another folder, or --force to replace it"
@@ -31,6 +32,7 @@ LATER = (
     TABLE,
     sweep_report.NAME,
     *PICTURES,
+    *(f"{Path(name).stem}{suffix}" for name in PICTURES for suffix in BESIDE),
     *(f"{name}.pvd" for name in SERIES),
 )
 

@@ -13,9 +13,9 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from railhead.postprocess.findings import Units
 from railhead.results import result_folder
 from railhead.results.report import terminal
-from railhead.results.report.output_units import Units
 from railhead.results.result import Result
 from railhead.scene.catalogue import as_path
 from railhead.scene.scene import Scene, SceneError, warn_of_units

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from railhead.postprocess.findings import Units
 from railhead.postprocess.pictures.plots.sweep import PANELS
 from railhead.results import result_folder
 from railhead.results.report import html
-from railhead.results.report.output_units import Units
 from railhead.scene.scene import Scene
 from railhead.sweeps import sweep_table
 

@@ -17,8 +17,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.ticker import AutoLocator, FixedLocator, MaxNLocator
 
-from railhead.postprocess.findings import Array, AxisPressure, DepthAxis, Findings
+from railhead.postprocess.findings import Array, AxisPressure, DepthAxis, Findings, Units, brief
 from railhead.theory.elastic import contacts
 from railhead.theory.elastic.contacts import Hertz
 from railhead.theory.elastic.hertz import Ellipse
@@ -116,8 +117,10 @@ def new_figure(
     target: Target, width: float, height: float, of: Findings | str = ""
 ) -> Iterator[Figure]:
     """Context manager: a matplotlib figure of width by height inches, to which title and notes are
-    added. The Agg backend draws it; at the end it is saved if `target` is the path of a PNG file.
-    If it is axes, these are the figure, with the style of their owner, and there is no title.
+    added. The Agg backend draws it; at the end its axes get the units of the findings, and it is
+    saved if `target` is the path of a PNG file; beside it in the format `savefig.format` of
+    matplotlib's settings. If `target` is axes, these are the figure, with the style of their owner,
+    and there is no title.
 
     of: findings, whose title is written above the figure and whose notes below; or a title alone.
         In both `$` is a plain character.
@@ -143,8 +146,46 @@ def new_figure(
             look: dict[str, Any] = {"fontsize": 9, "color": HERTZ, "ha": "center", "va": "center"}
             bottom.text(0.5, 0.5, "\n".join(below), parse_math=False, **look)
         yield figure
+        if not isinstance(of, str):
+            in_units(figure.axes, of.subject.units)
         if target is not None:
-            sheet.savefig(target, format="png")
+            for kind in {"png", matplotlib.rcParams["savefig.format"]}:
+                sheet.savefig(target.with_suffix(f".{kind}"), format=kind)
+
+
+class ReaderTicks(AutoLocator):
+    """Ticks at round numbers of a unit of which there are `factor` in that of the axis."""
+
+    def __init__(self, factor: float) -> None:
+        super().__init__()
+        self.factor = factor
+
+    def tick_values(self, vmin: float, vmax: float) -> Array:
+        """Places of the ticks between two places of the axis."""
+        values = super().tick_values(self.factor * vmin, self.factor * vmax)
+        return np.asarray(values) / self.factor
+
+
+def in_units(panels: Sequence[Axes], units: Units) -> None:
+    """Give those axes that have mm, um or MPa in their labels the units of a reader: labels and
+    numbers of the ticks. What is drawn stays in mm, um and MPa.
+    """
+    for axis in (axis for axes in panels for axis in (axes.xaxis, axes.yaxis)):
+        label = axis.get_label_text()
+        factor = units.value(1.0, label)
+        if factor != 1.0:
+            axis.set_label_text(units.unit(label))
+            if not isinstance(axis.get_major_locator(), FixedLocator):
+                axis.set_major_locator(ReaderTicks(factor))
+            axis.set_major_formatter(lambda value, _, by=factor: minus(brief(by * value, 6)))
+
+
+def levels(units: Units, low: float, high: float, count: int = BANDS) -> Array:
+    """Limits (k,) of colour bands, MPa, from `low` to `high` at least: round numbers of the
+    reader's unit.
+    """
+    factor = units.value(1.0, "MPa")
+    return np.array(MaxNLocator(count).tick_values(factor * low, factor * high)) / factor
 
 
 def draw_one(drawings: Mapping[str, Drawing], picture: str, ax: object = None) -> Figure:
@@ -189,13 +230,13 @@ def pressure(findings: Findings, ellipse: Hertz | None, target: Target = None) -
     revolved = findings.subject.revolved  # along and across are the same
     with new_figure(target, 7 if revolved else 10, 5.1, findings) as figure:
         left, *others = figure.subplots(1, 1 if revolved else 2, sharey=True, squeeze=False)[0]
-        method = findings.subject.method
+        method, units = findings.subject.method, findings.subject.units
         largest, cut = findings.patch.max_pressure, float(findings.along.pressure.max())
         if len(findings.patch.each) > 1 and cut < SEEN * largest:
-            name = f"{method}, largest pressure of this patch {cut:.4g} MPa"
-            name += f" (of another {largest:.4g} MPa)"
+            name = f"{method}, largest pressure of this patch {units.text(cut, 'MPa')}"
+            name += f" (of another {units.text(largest, 'MPa')})"
         else:
-            name = f"{method}, largest pressure {largest:.4g} MPa"
+            name = f"{method}, largest pressure {units.text(largest, 'MPa')}"
         _pressure(left, findings, ellipse, 0, name)
         for right in others:
             _pressure(right, findings, ellipse, 1, name)
@@ -240,13 +281,14 @@ def _pressure(axes: Axes, findings: Findings, ellipse: Hertz | None, axis: int, 
     axes.set_xlabel(findings.subject.label(axis))
     if not findings.subject.revolved:
         half = (findings.patch.b, findings.patch.a)[axis]
-        title = f"cut at {'sx'[axis]} = {rounded(line.at, half)} mm"
+        units = findings.subject.units
+        title = f"cut at {'sx'[axis]} = {rounded(units, line.at, half)} {units.unit('mm')}"
         if (count := len(findings.patch.each)) > 1:
             title += f", most loaded of {count} patches"
         axes.set_title(title, fontsize=11)
     if ellipse is not None:
         half = (ellipse.a, ellipse.b)[axis]
-        label = f"exact Hertz, largest pressure {ellipse.p0:.4g} MPa"
+        label = f"exact Hertz, largest pressure {findings.subject.units.text(ellipse.p0, 'MPa')}"
         axes.plot(*exact_line(ellipse, axis), color=HERTZ, label=label, zorder=3)
         axes.axvline(-half, color=HERTZ, lw=0.8, ls=":")
         axes.axvline(half, color=HERTZ, lw=0.8, ls=":")
@@ -277,8 +319,16 @@ def depth(
     names = findings.subject.names
     with new_figure(target, 10, 6.6, findings) as figure:
         panels = tuple(figure.subplots(1, 2, sharey=True, width_ratios=(3, 2)))
+        units = findings.subject.units
+
+        def label(name: str, deep: float, largest: float) -> str:
+            """Entry of the legend: name, largest shear stress (MPa) and its depth (mm)."""
+            depth = units.text(deep, "mm", 3)
+            return f"{name}\n$\\tau$ up to {units.text(largest, 'MPa')}, {depth} deep"
+
         peak = axis.peak(max_shear(axis.stress))
-        name = f"{findings.subject.method}, {names[axis.body]}"
+        name = label(f"{findings.subject.method}, {names[axis.body]}", *peak)
+        name += _elsewhere(findings)
         _stresses(panels, axis.depth, axis.stress, "o", FE, name, peak)
         if ellipse is not None:
             name = f"exact Hertz, {_kind(ellipse)}"
@@ -288,15 +338,14 @@ def depth(
             exact = contacts.axis_extrema(ellipse, poisson)
             peak = exact.tau_max_depth, exact.tau_max
             stress = np.hstack((normal, np.zeros_like(normal)))  # no shear
-            _stresses(panels, fine, stress, "-", HERTZ, name, peak)
+            _stresses(panels, fine, stress, "-", HERTZ, label(name, *peak), peak)
         _name_curves(panels[0], axis)
         panels[0].set(
             xlabel="principal stress, MPa",
             ylabel=f"depth in the {names[axis.body]}{_below(findings)}, mm",
         )
         panels[1].set(
-            xlabel="largest shear stress $\\tau$, MPa\n"
-            f"(+ its peak on this line{_elsewhere(findings)})",
+            xlabel="largest shear stress $\\tau$, MPa\n(+ its peak on this line)",
             ylim=(axis.depth.max(), 0),
         )
         panels[1].set_xlim(0, 1.08 * panels[1].dataLim.x1)  # a cross is not cut
@@ -312,11 +361,11 @@ def minus(text: str) -> str:
     return text.replace("-", "\N{MINUS SIGN}")
 
 
-def rounded(place: float, size: float) -> str:
-    """Text of a coordinate (mm) with three digits; zero if its magnitude is at most 1e-3 of a size
-    (mm).
+def rounded(units: Units, place: float, size: float) -> str:
+    """Text of a coordinate (mm), in the reader's unit, with three digits; zero if its magnitude is
+    at most 1e-3 of a size (mm).
     """
-    return minus(f"{place if abs(place) > 1e-3 * size else 0.0:.3g}")
+    return minus(brief(units.value(place if abs(place) > 1e-3 * size else 0.0, "mm"), 3))
 
 
 def _kind(ellipse: Hertz) -> str:
@@ -335,14 +384,14 @@ def _centred(findings: Findings) -> bool:
 
 
 def _elsewhere(findings: Findings) -> str:
-    """Text with the body's largest shear stress where this exceeds the largest on the depth axis by
-    1 % (OFF_AXIS) or more; otherwise empty.
+    """Line of a legend with the body's largest shear stress where this exceeds the largest on the
+    depth axis by 1 % (OFF_AXIS) or more; otherwise empty.
     """
     axis = findings.axis
     largest = findings.largest[axis.body].tau.value
     if largest < (1 + OFF_AXIS) * axis.peak(max_shear(axis.stress))[1]:
         return ""
-    return f";\n{largest:.4g} MPa elsewhere in the {findings.subject.names[axis.body]}"
+    return f"\n({findings.subject.units.text(largest, 'MPa')} elsewhere in it)"
 
 
 def _below(findings: Findings) -> str:
@@ -354,7 +403,8 @@ def _below(findings: Findings) -> str:
         return ", below the most loaded patch"
     if _centred(findings):
         return ", below the first contact"
-    return f", below x = {x:.2g} mm, s = {s:.2g} mm"
+    units, (a, b) = findings.subject.units, (findings.patch.a, findings.patch.b)
+    return f", below x = {rounded(units, x, a)}, s = {rounded(units, s, b)}"
 
 
 def _stresses(
@@ -376,29 +426,31 @@ def _stresses(
     look: dict[str, Any] = {"color": colour, "zorder": 2}
     if style == "o":
         look |= {"markevery": 3, "zorder": 3, "clip_on": False}
-    label = f"{name}\n" + rf"$\tau$ up to {peak[1]:.4g} MPa, {peak[0]:.3g} mm deep"
     panels[0].plot(principal(stress), at, style, **look)
-    panels[1].plot(max_shear(stress), at, style, label=label, **look)
+    panels[1].plot(max_shear(stress), at, style, label=name, **look)
     panels[1].plot(peak[1], peak[0], "+", color=colour, ms=16, mew=1.8, zorder=4)
 
 
-def mark_largest(axes: Axes, findings: Findings, across: int) -> None:
+def mark_largest(axes: Axes, findings: Findings, across: int, cut: float) -> None:
     """Mark the place of the largest shear stress of each body in a picture of x or s over height;
     bodies whose place is not known are left out.
 
-    across: 0 where the horizontal axis is x, 1 where it is s. Legend entries give the value, the
-        depth and, if the place lies off a cut across the rail, its x.
+    across: 0 where the horizontal axis is x, 1 where it is s. cut: the other coordinate of the cut,
+        mm. Legend entries give the value, the depth and, if the place lies off the cut, how far.
     """
-    half = min(findings.patch.a, findings.patch.b)
+    half, subject = min(findings.patch.a, findings.patch.b), findings.subject
     for body, largest in findings.largest.items():
-        peak, name = largest.tau, findings.subject.names[body]
+        peak = largest.tau
         if peak.place is None:
             continue
         local = findings.frame.local(np.array([peak.place]))[0]
-        deep = "at the surface" if peak.depth < SURFACE * half else f"{peak.depth:.3g} mm deep"
-        label = rf"$\tau_{{max}}$ in the {name}: {peak.value:.4g} MPa, {deep}"
-        if across and abs(local[0]) > OFF_CUT * peak.depth:
-            label += minus(f", {local[0]:+.2g} mm ") + findings.subject.along
+        depth = subject.units.text(peak.depth, "mm", 3)
+        deep = "at the surface" if peak.depth < SURFACE * half else f"{depth} deep"
+        value = subject.units.text(peak.value, "MPa")
+        label = rf"$\tau_{{max}}$ in the {subject.names[body]}: {value}, {deep}"
+        if abs(off := local[1 - across] - cut) > OFF_CUT * peak.depth:
+            sign, way = "+" if off > 0 else "", (subject.across, subject.along)[across]
+            label += minus(f", {sign}{subject.units.text(off, 'mm', 2)} {way}")
         marker = "v" if body == "rail" else "^"
         look: dict[str, Any] = {"ms": 10, "mfc": "white", "mec": "black", "ls": "none"}
         axes.plot(local[across], local[2], marker, label=label, **look)
@@ -430,7 +482,6 @@ def patch(findings: Findings, ellipse: Ellipse | None, target: Target = None) ->
         outline is drawn too, or None.
     """
     from matplotlib.path import Path as Path2D
-    from matplotlib.ticker import MaxNLocator
 
     surface, outlines = findings.surface, findings.patch.outlines
     curves = outlines + ([] if ellipse is None else [closed_ellipse(ellipse)])
@@ -441,9 +492,9 @@ def patch(findings: Findings, ellipse: Ellipse | None, target: Target = None) ->
     size = max(width * scale, 4) + 2.2, max(height * scale, 2) + 1.5
     with new_figure(target, *size, findings) as figure:
         axes = figure.add_subplot(axisbelow=True)
-        levels = np.array(MaxNLocator(BANDS).tick_values(0, float(surface.pressure.max())))
+        limits = levels(findings.subject.units, 0.0, float(surface.pressure.max()))
         bands = axes.tricontourf(
-            *surface.local.T, surface.triangles, surface.pressure, levels, cmap="YlOrRd"
+            *surface.local.T, surface.triangles, surface.pressure, limits, cmap="YlOrRd"
         )
         inside = Path2D.make_compound_path(*(Path2D(line, closed=True) for line in outlines))
         bands.set_clip_path(inside, axes.transData)
@@ -459,6 +510,6 @@ def patch(findings: Findings, ellipse: Ellipse | None, target: Target = None) ->
         axes.set_aspect("equal", adjustable="datalim")  # else its label leaves a narrow sheet
         axes.set_xlim(low[0] - margin, high[0] + margin, auto=True)
         axes.set_ylim(low[1] - margin, high[1] + margin, auto=True)
-        figure.colorbar(bands, ax=axes, label="contact pressure, MPa", ticks=levels)
+        figure.colorbar(bands, ax=axes, label="contact pressure, MPa", ticks=limits)
         figure.legend(loc="outside upper center", ncols=2)
     return figure

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from scipy.interpolate import LinearNDInterpolator
 from scipy.spatial import cKDTree
 
 from railhead.postprocess import symmetry
-from railhead.postprocess.findings import Array, Findings
+from railhead.postprocess.findings import Array, Findings, brief
 from railhead.postprocess.pictures.plots.diagrams import FE, GREY, HERTZ, new_figure, rounded
 from railhead.solver.solution import FrictionSolution
 from railhead.theory.friction import shakedown
@@ -65,14 +65,16 @@ def draw_tractions(
         order = np.argsort(local[:, line])
         x, values = local[order, line], values[order]
         if not flat:
-            _map(panels[0], local, traction, sticks, patch.outlines)
+            _map(panels[0], local, traction, sticks, findings)
             panels[0].set(xlabel=subject.label(0), ylabel=subject.label(1))
             (middle, s), ends = patch.centre, 1.5 * patch.a
             x = x[np.abs(x - middle) < ends]
             x = np.linspace(x[0], x[-1], CELLS)
             at = np.column_stack([x, np.full_like(x, s)])
             values = LinearNDInterpolator(local[order], values)(at)
-            axes.set_title(f"at s = {rounded(s, 0.1 * patch.b)} mm", fontsize=11)
+            units = subject.units
+            where = f"{rounded(units, s, 0.1 * patch.b)} {units.unit('mm')}"
+            axes.set_title(f"cut at s = {where}", fontsize=11)
         slides = values[:, 3] < 0.5
         for where, colour, name in ((~slides, STICK, "sticks"), (slides, SLIP, "slips")):
             band = {"transform": axes.get_xaxis_transform(), "color": colour, "alpha": 0.5}
@@ -98,18 +100,19 @@ def _map(
     local: Array,
     traction: Array,
     sticks: NDArray[np.bool_],
-    outlines: Sequence[Array],
+    findings: Findings,
 ) -> None:
     """Draw the zones of stick and slip within the patches, each place as the nearest point, with
     tractions as arrows at a few points.
 
     local (n, 2): x and s of the contact points, mm. traction (n, 2): along x and s, MPa. sticks
-        (n,): whether each point sticks. outlines: closed curves (k, 2) of (x, s), mm.
+        (n,): whether each point sticks. findings: with the outlines of the patches.
     """
     from matplotlib.patches import Patch
     from matplotlib.path import Path as Path2D
 
-    low, high = (each(np.vstack(outlines), axis=0) for each in (np.min, np.max))
+    outlines, units = findings.patch.outlines, findings.subject.units
+    low, high = findings.patch.box
     x, s = (np.linspace(low[k], high[k], CELLS) for k in (0, 1))
     at = np.stack(np.meshgrid(x, s), axis=-1)
     zones = axes.contourf(
@@ -124,8 +127,9 @@ def _map(
     largest = float(np.hypot(*traction.T).max())
     longest = {"scale": largest / (LONG * cell), "scale_units": "xy", "angles": "xy"}
     arrows = axes.quiver(*local[few].T, *traction[few].T, color=FE, width=0.004, **longest)
-    shown = float(f"{largest:.1g}")
-    axes.quiverkey(arrows, 0.72, 1.05, shown, f"traction {shown:g} MPa", labelpos="E")
+    shown = float(f"{units.value(largest, 'MPa'):.1g}")
+    text = f"traction {brief(shown)} {units.unit('MPa')}"
+    axes.quiverkey(arrows, 0.72, 1.05, shown / units.value(1.0, "MPa"), text, labelpos="E")
     axes.set_aspect("equal", adjustable="datalim")  # else the legend has no room over a tall map
     names = [Patch(color=STICK, label="sticks"), Patch(color=SLIP, label="slips")]
     axes.legend(handles=names, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)

@@ -10,13 +10,13 @@ from scipy.interpolate import LinearNDInterpolator
 
 from railhead.meshing.bodies import BODY_NAMES, RAIL, WHEEL, other
 from railhead.postprocess import symmetry
-from railhead.postprocess.findings import Array, Findings
+from railhead.postprocess.findings import Array, Findings, Units
 from railhead.postprocess.patch.moments import coordinate
 from railhead.postprocess.pictures.plots.diagrams import (
-    BANDS,
     FE,
     HERTZ,
     exact_line,
+    levels,
     loaded,
     new_figure,
 )
@@ -92,8 +92,6 @@ def _cut(
         included. across: 0 where the horizontal axis is x, 1 where it is s. label: of the colour
         bar.
     """
-    from matplotlib.ticker import MaxNLocator
-
     local, values, body = samples
     low, high = (each[across] for each in found.patch.box)
     middle, half = (low + high) / 2, SPAN * (high - low) / 2
@@ -104,12 +102,13 @@ def _cut(
     used = [across, 2] if flat else [across, 2, 1 - across]
     t, z = middle + half * np.linspace(-1, 1, CELLS), half * np.linspace(-1, 1, CELLS)
     at = np.stack([*np.meshgrid(t, z), np.zeros((CELLS, CELLS))], axis=-1)[..., : len(used)]
-    levels = MaxNLocator(BANDS).tick_values(0.0, float(values[near].max()) or 1.0)
+    units = found.subject.units if label.endswith("MPa") else Units()
+    limits = levels(units, 0.0, float(values[near].max()) or 1.0)
     for tag, height in ((RAIL, 0.04), (WHEEL, 0.96)):
         own = near & (body == tag)
         if own.any():
             field = LinearNDInterpolator(local[own][:, used], values[own])(at)
-            bands = axes.contourf(t, z, field, levels=levels, cmap="YlOrRd")
+            bands = axes.contourf(t, z, field, levels=limits, cmap="YlOrRd")
             place = {"va": "bottom" if tag == RAIL else "top", "transform": axes.transAxes}
             axes.text(0.03, height, found.subject.names[BODY_NAMES[tag]], **place)
     if not values[near].any():

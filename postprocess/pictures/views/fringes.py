@@ -7,8 +7,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from railhead.meshing.bodies import BODY_NAMES
-from railhead.postprocess.findings import Array, Findings
-from railhead.postprocess.pictures.plots.diagrams import BANDS, mark_largest, new_figure
+from railhead.postprocess.findings import Array, Findings, Units
+from railhead.postprocess.pictures.plots.diagrams import (
+    BANDS,
+    levels,
+    mark_largest,
+    new_figure,
+    rounded,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -23,6 +29,7 @@ MAPS = ("YlGnBu_r", "YlOrRd")
 def draw_fringes(
     sections: list[Any],
     axis: int,
+    cut: float | None,
     window: tuple[Array, Array],
     findings: Findings,
     target: Target = None,
@@ -32,10 +39,11 @@ def draw_fringes(
 
     sections: pyvista surfaces of triangles, one a body, with the point data "principal_stresses"
         and "max_shear", MPa. axis: 0 where the horizontal axis of the picture is x, 1 where it is
-        s. window: smallest and largest coordinate along that axis, and height over the tangent
-        plane, that are shown, (2,) each, mm; the stresses there set the limits of the colour bands.
-    findings: give the title, the edges of the patch and the largest shear stress of each body,
-        which is marked in the second panel.
+        s. cut: the other coordinate of the cut, mm; None of a section. window: smallest and largest
+        coordinate along that axis, and height over the tangent plane, that are shown, (2,) each,
+        mm; the stresses there set the limits of the colour bands. findings: give the title, the
+        edges of the patch and the largest shear stress of each body, which is marked in the second
+        panel.
     """
     from matplotlib.collections import LineCollection
     from matplotlib.lines import Line2D
@@ -52,10 +60,10 @@ def draw_fringes(
         panels = figure.subplots(1, 2, sharey=True)
         for number, axes in enumerate(panels):
             seen = [own[shown] for own, shown in zip(stresses[number], inside, strict=True)]
-            ticks = levels(np.concatenate(seen), below=number == 0)
+            ticks = bands(np.concatenate(seen), findings.subject.units, below=number == 0)
             look = {"cmap": MAPS[number], "extend": "neither" if number else "max"}
             for each, at, own in zip(sections, places, stresses[number], strict=True):
-                bands = axes.tricontourf(*at.T, each.regular_faces, own, ticks, **look)
+                drawn = axes.tricontourf(*at.T, each.regular_faces, own, ticks, **look)
                 rim = each.extract_feature_edges(
                     feature_edges=False, manifold_edges=False, non_manifold_edges=False
                 )
@@ -64,7 +72,7 @@ def draw_fringes(
                 ]
                 axes.add_collection(LineCollection(list(ends), colors="black", linewidths=1.2))
             figure.colorbar(
-                bands,
+                drawn,
                 ax=axes,
                 label=LABELS[number],
                 ticks=ticks[::2] if number else ticks[::-2][::-1],
@@ -81,7 +89,11 @@ def draw_fringes(
                 edges = np.array([line[:, axis].min(), line[:, axis].max()])
                 axes.plot(edges, [0, 0], "|", color="black", ms=14, mew=1.6, gid="contact patch")
         panels[0].set_ylabel("height over the contact, mm")
-        mark_largest(panels[1], findings, axis)
+        if cut is not None:
+            units, half = findings.subject.units, (findings.patch.b, findings.patch.a)[axis]
+            where = f"{'sx'[axis]} = {rounded(units, cut, half)} {units.unit('mm')}"
+            panels[0].set_title(f"cut at {where}", fontsize=11)
+        mark_largest(panels[1], findings, axis, cut or 0.0)
         handles, labels = panels[1].get_legend_handles_labels()
         mark = Line2D([], [], color="black", marker="|", ms=12, mew=1.6, ls="none")
         long = max(map(len, labels), default=0) > LONG
@@ -95,14 +107,11 @@ def draw_fringes(
     return figure
 
 
-def levels(values: Array, *, below: bool) -> Array:
-    """Limits (k,) of the colour bands, MPa, for values (n,). Zero is one of the limits. below:
-    whether the bands cover the negative values, from the smallest to zero; otherwise they cover
-    the positive ones, from zero to the largest.
+def bands(values: Array, units: Units, *, below: bool) -> Array:
+    """Limits (k,) of the colour bands, MPa, for values (n,); round numbers of the reader's unit.
+    Zero is one of the limits. below: whether the bands cover the negative values, from the smallest
+    to zero; otherwise they cover the positive ones, from zero to the largest.
     """
-    from matplotlib.ticker import MaxNLocator
-
-    low, high = (min(values.min(), 0.0), 0.0) if below else (0.0, max(values.max(), 0.0))
-    if low == high:
-        low, high = (-1.0, 0.0) if below else (0.0, 1.0)
-    return np.array(MaxNLocator(BANDS + 2).tick_values(low, high), dtype=np.float64)
+    if below:
+        return levels(units, min(float(values.min()), 0.0) or -1.0, 0.0, BANDS + 2)
+    return levels(units, 0.0, max(float(values.max()), 0.0) or 1.0, BANDS + 2)

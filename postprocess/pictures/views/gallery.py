@@ -41,9 +41,11 @@ def drawings(
             "stress_cut.png": partial(section.stress_cut, volume, axis, found),
         }
     assert not isinstance(exact, LineContact)
+    if found.subject.rolls:
+        every["stress_cut_along.png"] = partial(render.stress_cut, volume, 0, found)
     return every | {
         "patch.png": partial(diagrams.patch, found, exact),
         "wheel_rail.png": partial(render.wheel_rail, volume, found),
-        "stress_cut.png": partial(render.stress_cut, volume, found),
+        "stress_cut.png": partial(render.stress_cut, volume, 1, found),
         "patch_on_rail.png": partial(render.patch_on_rail, contact, found, exact),
     }

@@ -81,23 +81,26 @@ def wheel_rail(grid: meshio.Mesh, findings: Findings, target: Target = None) -> 
     return figure
 
 
-def stress_cut(grid: meshio.Mesh, findings: Findings, target: Target = None) -> Figure:
-    """The smallest principal stress and the largest shear stress, in the section across the rail
-    through the contact, at the x of the frame's origin.
+def stress_cut(grid: meshio.Mesh, axis: int, findings: Findings, target: Target = None) -> Figure:
+    """The smallest principal stress and the largest shear stress in a plane cut
+    through the contact: across the rail, at the x of the frame's origin, or along it and normal to
+    the patch, at the s of the largest pressure.
 
-    grid: cells with nodal stresses, as `vtu.volume_grid` makes them. findings: frame, patch and
-        largest stresses.
+    grid: cells with nodal stresses, as `vtu.volume_grid` makes them. axis: 1 across, 0 along.
+        findings: frame, patch and largest stresses.
     """
-    patch, (x, y, z) = findings.patch, findings.frame.origin
-    low, high = (each[1] for each in patch.box)
-    half = np.array([1.2 * (high - low), min(0.9 * (high - low), 5 * patch.a)])
-    centre = np.array([(low + high) / 2, 0.0])
-    beside = x + 1e-3 * min(patch.a, patch.b)  # at x itself there may be faces of cells
+    frame, patch = findings.frame, findings.patch
+    ends = patch.box if axis else (patch.main.min(axis=0), patch.main.max(axis=0))
+    low, high = (each[axis] for each in ends)
+    half = np.array([1.2 * (high - low), min(0.9 * (high - low), 5 * (patch.b, patch.a)[axis])])
+    centre, cut = np.array([(low + high) / 2, 0.0]), 0.0 if axis else findings.along.at
+    beside = cut + 1e-3 * min(patch.a, patch.b)  # at x = 0 itself there may be faces of cells
+    origin = frame.place(beside, 0.0) if axis else frame.place(0.0, beside)
     sections = [
-        part.slice(normal="x", origin=(beside, y, z)).triangulate()
+        part.slice(normal=frame.axes[1 - axis], origin=origin).triangulate()
         for part in bodies_of(grid).values()
     ]
-    return draw_fringes(sections, 1, (centre - half, centre + half), findings, target)
+    return draw_fringes(sections, axis, cut, (centre - half, centre + half), findings, target)
 
 
 def patch_on_rail(
@@ -209,13 +212,14 @@ def _dimensions(axes: Axes, camera: Camera, findings: Findings) -> None:
     rolling.
     """
     frame, patch, subject = findings.frame, findings.patch, findings.subject
+    length, width = (subject.units.text(2 * half, "mm") for half in (patch.a, patch.b))
     (x0, s0), (x1, s1) = patch.main.min(axis=0), patch.main.max(axis=0)
     away = max(0.2 * max(x1 - x0, s1 - s0), BESIDE * camera.half_width)
     low, high = patch.box[0][1], patch.box[1][1]
     beyond = s1 + away if high - s1 < s0 - low else s0 - away  # off other patches
     lines = {
-        f"2a = {2 * patch.a:.4g} mm\n(x, {subject.along})": [[x0, beyond, 0], [x1, beyond, 0]],
-        f"2b = {2 * patch.b:.4g} mm\n(s, {subject.across})": [
+        f"2a = {length}\n(x, {subject.along})": [[x0, beyond, 0], [x1, beyond, 0]],
+        f"2b = {width}\n(s, {subject.across})": [
             [x0 - away, s0, 0],
             [x0 - away, s1, 0],
         ],

@@ -73,4 +73,4 @@ def stress_cut(grid: meshio.Mesh, axis: int, findings: Findings, target: Target 
         part.extract_surface(nonlinear_subdivision=1, algorithm="dataset_surface").triangulate()
         for part in bodies_of(grid).values()
     ]
-    return draw_fringes(sections, axis, (centre - reach, centre + reach), findings, target)
+    return draw_fringes(sections, axis, None, (centre - reach, centre + reach), findings, target)

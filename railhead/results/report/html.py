@@ -17,12 +17,11 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from PIL import Image
 
 from railhead.planning.effects import in_words
-from railhead.postprocess.findings import Findings
+from railhead.postprocess.findings import Findings, Units
 from railhead.results import quantity_rows
 from railhead.results.checks import SECOND
 from railhead.results.quantity_rows import Row
 from railhead.results.report import terminal
-from railhead.results.report.output_units import Units
 from railhead.run import quantities
 from railhead.run.half_spaces.answer import HalfSpaceSolution, Solved
 from railhead.scene.catalogue import FILES
@@ -38,6 +37,7 @@ CAPTIONS = {
     "pressure": "Contact pressure along both axes; where each cut lies is said over it.",
     "depth": "Stresses below the contact.",
     "stress_cut": "Stresses in a cut through the contact.",
+    "stress_cut_along": "Stresses in a cut along the rail, through the largest pressure.",
     "wheel_rail": "The bodies that were solved, cut open, and their mesh at the contact.",
     "plastic": "What yields, what stays after the load, and the pressure with and without yield.",
     "friction": "Where the patch sticks and slips, and the tractions.",

@@ -15,13 +15,12 @@ from rich.table import Table
 
 from railhead.planning.context import Effect
 from railhead.planning.plan import Plan
+from railhead.postprocess.findings import BASE_UNITS, Units
 from railhead.results import quantity_rows
 from railhead.results.quantity_rows import Cell, Row
-from railhead.results.report.output_units import Units
 
 WIDTH = 80  # characters where there is no terminal
 WIDEST = 80  # characters of a table of numbers, which are never cut: it goes on below
-DEFAULT = Units()
 ROUNDING = 1e-6  # of the deeper one: less deep is the surface of a body that did not yield
 BORDER = 10.0  # times first yield beyond which load steps move the largest residual stress
 PAIRED = 30.0  # times first yield beyond which the pairing of the surfaces is felt
@@ -173,7 +172,7 @@ def _show_prices(prices: Sequence[Mapping[str, Any]] | None, console: Console) -
     console.print(table)
 
 
-def show_result(summary: dict[str, Any], console: Console, units: Units = DEFAULT) -> None:
+def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_UNITS) -> None:
     """Print finite elements, or half-spaces, and exact Hertz side by side, friction, yield, remarks
     and cost; failed checks are left to `show_failure`.
     """

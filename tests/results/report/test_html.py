@@ -17,10 +17,10 @@ from PIL import Image
 
 from railhead import api
 from railhead.planning.effects import in_words
+from railhead.postprocess.findings import Units
 from railhead.postprocess.pictures.views import gallery, turning
 from railhead.results import quantity_rows, result_folder
-from railhead.results.report import html
-from railhead.results.report.output_units import Units
+from railhead.results.report import html, output_units
 from railhead.run import quantities
 from railhead.scene.sections import SceneError
 
@@ -36,7 +36,7 @@ HEADLESS = [
     "--v=0",
     "--virtual-time-budget=8000",
 ]
-UNITS = Units.parse("um,kN,GPa")
+UNITS = output_units.parse("um,kN,GPa")
 
 
 class Cells(HTMLParser):
@@ -201,17 +201,17 @@ def test_files_that_a_scene_needs_are_named() -> None:
 
 
 def test_units_are_the_readers() -> None:
-    units = Units.parse("in, ksi")
+    units = output_units.parse("in, ksi")
     assert (units.unit("mm2"), units.unit("N mm"), units.unit("MPa")) == ("in2", "N in", "ksi")
     assert units.value(645.16, "mm2") == pytest.approx(1.0)
     assert units.value(1.0, "1/mm") == pytest.approx(25.4)
     assert units.value(1.0, "N/mm2") == pytest.approx(645.16)
     assert units.value(6.894757293, "MPa") == pytest.approx(1.0)
     assert Units().value(3.0, "mm") == 3.0
-    assert Units.parse("m,Pa").text(1.5, "MPa") == "1500000 Pa"
+    assert output_units.parse("m,Pa").text(1.5, "MPa") == "1500000 Pa"
     for wrong in ("mm,furlong", "", "kN,N", "kg"):
         with pytest.raises(SceneError, match="--units"):
-            Units.parse(wrong)
+            output_units.parse(wrong)
 
 
 def browse(*options: str, file: Path) -> str:

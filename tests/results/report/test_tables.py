@@ -11,9 +11,9 @@ from rich.console import Console
 from solved import solved
 
 import railhead as rh
+from railhead.postprocess.findings import Units, brief
 from railhead.results import quantity_rows, result_folder
 from railhead.results.report import html, output_units, terminal
-from railhead.results.report.output_units import Units
 from railhead.run import quantities
 
 
@@ -66,7 +66,7 @@ def test_sentences_are_in_the_readers_units(full: dict) -> None:
     result = {**full["result"], "plastic": plastic, "stress": stress}
     assert "separate patches" not in "\n".join(printed(full, 400))
     result["patches"] = [{"load_share": 0.75}, {"load_share": 0.25}]
-    text = "\n".join(printed({**full, "result": result}, 400, Units.parse("in,ksi")))
+    text = "\n".join(printed({**full, "result": result}, 400, output_units.parse("in,ksi")))
     assert "2 separate patches: a and b are those of the most loaded one (75 % of the load)" in text
     assert "rail at (0, 1, -2) in, in 1 in3 between 0.1 in and 0.2 in deep" in text
     assert "Unloaded: the rail 0.001 in deep, von Mises stress up to 10 ksi" in text
@@ -179,7 +179,7 @@ def test_zero_is_printed_as_0() -> None:
     rows = {row["quantity"]: row["FE"] for row in quantity_rows.rows(summary, "friction")}
     assert [f"{value:g}" for value in rows.values()] == ["0", "0", "0"]
     assert terminal.cell("FE - Hertz", -1e-7, "", Units()) == "+0.00%"
-    assert f"{terminal.rounded(-1e-9):.3f}" == "0.000" and output_units.brief(-0.0) == "0"
+    assert f"{terminal.rounded(-1e-9):.3f}" == "0.000" and brief(-0.0) == "0"
 
 
 def test_a_yaw_is_in_mrad_in_the_report() -> None:

@@ -130,7 +130,8 @@ def test_depths_below_two_places_say_so(blocks: Callable[..., Any], tmp_path: Pa
         figure = diagrams.depth(shown, case.ellipse, 0.3, tmp_path / "depth.png")
         words = [text.get_text() for text in figure.legends[0].get_texts()]
         assert any("below its own centre" in each for each in words) is apart
-        assert (f"{more.tau.value:.4g} MPa elsewhere" in figure.axes[1].get_xlabel()) is apart
+        elsewhere = f"{more.tau.value:.4g} MPa elsewhere"
+        assert any(elsewhere in each for each in words) is apart
 
 
 def test_a_cut_through_one_of_several_patches_says_so(blocks: Callable[..., Any]) -> None:

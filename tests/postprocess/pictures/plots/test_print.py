@@ -6,6 +6,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
+import matplotlib
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
@@ -14,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from railhead.postprocess import vtu
-from railhead.postprocess.findings import AxisPressure, OnePatch, Subject
+from railhead.postprocess.findings import AxisPressure, OnePatch, Subject, Units
 from railhead.postprocess.pictures.plots import diagrams, friction_plots, plastic_plots, sweep
 from railhead.postprocess.pictures.views import fringes, render
 from railhead.solver.fields import ContactFields, MasterSurface
@@ -86,7 +87,7 @@ def test_all_patches_are_in_every_picture(
     grid = vtu.contact_grid({1: found.surface})
     render.wheel_rail(volume, found, tmp_path / "w.png")
     render.patch_on_rail(grid, found, None, tmp_path / "o.png")
-    render.stress_cut(volume, found, tmp_path / "s.png")
+    render.stress_cut(volume, 1, found, tmp_path / "s.png")
     diagrams.patch(found, None, tmp_path / "p.png")
     places = (1, 0, 0, 0)  # of the panel
     for figure, place in zip(sheets, places, strict=True):
@@ -117,7 +118,7 @@ def test_long_labels_do_not_leave_the_sheet(
     }
     names = {"rail": "lower cylinder", "wheel": "upper cylinder"}
     found = replace(case.findings, largest=largest, subject=Subject(TITLE, names))
-    render.stress_cut(case.volume, found, tmp_path / "s.png")
+    render.stress_cut(case.volume, 1, found, tmp_path / "s.png")
     diagrams.depth(found, case.ellipse, 0.3, tmp_path / "d.png")
     for figure in sheets:
         assert not cut_off(figure)
@@ -133,7 +134,7 @@ def test_long_labels_do_not_leave_the_sheet(
     ],
 )
 def test_bands_of_stress_end_at_zero_and_hold_all(values: tuple[float, float], below: bool) -> None:
-    levels = fringes.levels(np.array(values), below=below)
+    levels = fringes.bands(np.array(values), Units(), below=below)
     assert np.all(np.diff(levels) > 0)
     assert levels[-1 if below else 0] == pytest.approx(0.0, abs=1e-12)
     assert levels[0] <= values[0] or not below
@@ -316,3 +317,33 @@ def test_dollars_in_a_title_are_no_formula(tmp_path) -> None:
         pass
     assert (tmp_path / "a.png").is_file()
     assert sweep._word("r$_$.csv") == r"r\$_\$.csv"
+
+
+def test_axes_and_numbers_are_in_the_readers_units(blocks: Callable[..., Any]) -> None:
+    """Ticks at round inches and ksi, over curves that stay where they are in mm and MPa."""
+    case = blocks()
+    units = Units({"mm": "in", "MPa": "ksi", "um": "in"})
+    found = replace(case.findings, subject=Subject(TITLE, units=units))
+    plain, shown = (diagrams.pressure(each, case.ellipse) for each in (case.findings, found))
+    left, other = plain.axes[0], shown.axes[0]
+    assert np.array_equal(left.lines[0].get_xydata(), other.lines[0].get_xydata())
+    assert other.get_xlabel() == "x, along the rail, in"
+    assert other.get_ylabel() == "contact pressure, ksi"
+    place = other.yaxis.get_major_locator()()[1]
+    text = other.yaxis.get_major_formatter()(place, 1)
+    assert float(text) == pytest.approx(place * 0.1450377377, rel=1e-6) and len(text) < 5
+    label = other.get_legend_handles_labels()[1][1]
+    assert f"largest pressure {case.ellipse.p0 * 0.1450377377:.4g} ksi" in label
+    limits = diagrams.levels(units, 0.0, 1000.0) * 0.1450377377
+    assert limits == pytest.approx(np.round(limits, 6))
+
+
+def test_a_picture_is_written_in_a_second_format_beside_png(tmp_path: Path) -> None:
+    path = tmp_path / "a.png"
+    with (
+        matplotlib.rc_context({"savefig.format": "svg"}),
+        diagrams.new_figure(path, 4, 3, TITLE) as figure,
+    ):
+        figure.add_subplot()
+    assert (tmp_path / "a.svg").read_text().startswith("<?xml")
+    assert path.read_bytes().startswith(b"\x89PNG")

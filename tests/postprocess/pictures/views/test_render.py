@@ -33,7 +33,7 @@ def draw(case: Any, folder: Path) -> dict[str, Any]:
     volume = case.volume
     contact = vtu.contact_grid({1: case.findings.surface})
     render.wheel_rail(volume, case.findings, folder / "wheel_rail.png")
-    render.stress_cut(volume, case.findings, folder / "stress_cut.png")
+    render.stress_cut(volume, 1, case.findings, folder / "stress_cut.png")
     render.patch_on_rail(contact, case.findings, case.ellipse, folder / "patch_on_rail.png")
     return {path.stem: image(path) for path in folder.iterdir()}
 
