@@ -72,9 +72,8 @@ def draw_tractions(
             x = np.linspace(x[0], x[-1], CELLS)
             at = np.column_stack([x, np.full_like(x, s)])
             values = LinearNDInterpolator(local[order], values)(at)
-            units = subject.units
-            where = f"{rounded(units, s, 0.1 * patch.b)} {units.unit('mm')}"
-            axes.set_title(f"cut at s = {where}", fontsize=11)
+            place = rounded(subject.units, s, 0.1 * patch.b)
+            axes.set_title(f"cut at s = {place} {subject.units.unit('mm')}", fontsize=11)
         slides = values[:, 3] < 0.5
         for where, colour, name in ((~slides, STICK, "sticks"), (slides, SLIP, "slips")):
             band = {"transform": axes.get_xaxis_transform(), "color": colour, "alpha": 0.5}
