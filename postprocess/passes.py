@@ -20,30 +20,30 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class RailState:
-    """State of the rail's section after a pass, on the lines of Gauss points.
+    """State of the rail's section after a pass, at the Gauss points of the section.
 
-    places: y from the middle of the patch and z out of the surface (lines, 2), mm.
-    stress: residual stress xx, yy, zz, yz (lines, 4), MPa.
-    strain: equivalent plastic strain (lines,).
-    y: nodes of the surface, mm; up: its displacement out of the rail, mm.
+    y: from the middle of the patch across (ny,), ascending, mm.
+    depth: below the surface (nz,), ascending, mm.
+    stress: residual stress xx, yy, zz, yz (ny, nz, 4), MPa.
+    strain: equivalent plastic strain (ny, nz).
+    across: nodes of the surface (n,), ascending, mm.
+    up: displacement of the surface out of the rail (n,), mm.
     """
 
-    places: Array
+    y: Array
+    depth: Array
     stress: Array
     strain: Array
-    y: Array
+    across: Array
     up: Array
 
-    def below(self) -> tuple[Array, Array, Array]:
-        """Depth (k,), mm, residual stress (k, 4), MPa, and plastic strain (k,) from the surface
-        down: means of the lines nearest to the middle on both sides.
+    def below(self) -> tuple[Array, Array]:
+        """Residual stress (nz, 4), MPa, and plastic strain (nz,) below the middle: means of the
+        points nearest to it on both sides.
         """
-        distance = np.abs(self.places[:, 0])
-        near = np.flatnonzero(distance < distance.min() + 1e-6 * np.ptp(self.places[:, 1]))
-        depth, level = np.unique(np.round(-self.places[near, 1], 9), return_inverse=True)
-        mean = np.eye(len(depth))[:, level]
-        mean /= mean.sum(axis=1, keepdims=True)
-        return depth, mean @ self.stress[near], mean @ self.strain[near]
+        distance = np.abs(self.y)
+        near = distance < distance.min() + 1e-6 * np.ptp(self.depth)
+        return self.stress[near].mean(axis=0), self.strain[near].mean(axis=0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,7 +54,11 @@ class Passes:
     verdict: what they come to, a word of `solver.passes.verdict`.
     words: the verdict in a sentence.
     sections: state of the section after each pass.
+    state: what the last pass left, from which more go on; None where there are no passes.
+    axes: of the block (see `solver.passes.block.Block`), one after the other, mm.
     half_lengths: of the elastic patch, along and across, mm.
+    profile: the rail's profile with the groove on it (n, 2), y and z as the file of rail.profile
+        has them, mm; None of a half-space and of a section.
     converged: whether every pass met the tolerance of the fixed point.
     energy_error: largest difference of the resistance from plastic work and elastic energy that
         stays, over both; None under a kept pressure, and where nothing yields.
@@ -68,7 +72,10 @@ class Passes:
     verdict: str
     words: str = ""
     sections: list[RailState] = field(default_factory=list)
+    state: SectionState | None = None
+    axes: Array = field(default_factory=lambda: np.zeros(0))
     half_lengths: tuple[float, float] = (0.0, 0.0)
+    profile: Array | None = None
     converged: bool = False
     energy_error: float | None = None
     rim: float = 0.0
@@ -94,21 +101,21 @@ class Passes:
         "passes_after" with depth, residual stresses and strain below the middle and the surface
         after the last pass, and what the solution took.
         """
-        depth, stress, strain = self.sections[-1].below()
         last = self.sections[-1]
+        stress, strain = last.below()
         names = ("along", "across", "normal", "shear_across")
         return {
             "passes": self.rows,
             "passes_verdict": self.verdict,
             "passes_words": self.words,
             "passes_after": {
-                "depth_mm": depth.tolist(),
+                "depth_mm": last.depth.tolist(),
                 **{
                     f"residual_{name}_MPa": column.tolist()
                     for name, column in zip(names, stress.T, strict=True)
                 },
                 "strain": strain.tolist(),
-                "surface_across_mm": last.y.tolist(),
+                "surface_across_mm": last.across.tolist(),
                 "surface_up_mm": last.up.tolist(),
                 "unknowns": self.unknowns,
                 "seconds": self.seconds,
@@ -118,20 +125,20 @@ class Passes:
 
 def rail_state(rolling: RollingBlock, state: SectionState) -> RailState:
     """Section of a state, mirrored to the whole where half of it was solved."""
-    solid = rolling.block.dim == 3
-    places, residual = rolling.streams.places, state.residual
-    if solid:
+    residual, shear = state.residual, np.zeros(len(state.residual))
+    if rolling.block.dim == 3:
         stress = np.column_stack([residual[:, :3], residual[:, 3] / math.sqrt(2)])
     else:
-        stress = np.column_stack([residual[:, [0, 2, 1]], np.zeros(len(residual))])
-    strain, profile = state.history.equivalent, state.profile
-    y, up = profile.y, profile.up
+        stress = np.column_stack([residual[:, [0, 2, 1]], shear])
+    y, z = (np.unique(np.round(axis, 9)) for axis in rolling.streams.places.T)
+    stress = stress.reshape(len(y), len(z), 4)[:, ::-1]
+    strain = state.history.equivalent.reshape(len(y), len(z))[:, ::-1]
+    across, up = state.profile.y, state.profile.up
     if rolling.block.half:
-        places = np.vstack([places, places * [-1.0, 1.0]])
-        stress = np.vstack([stress, stress * [1.0, 1.0, 1.0, -1.0]])
-        strain = np.concatenate([strain, strain])
-        y, up = np.concatenate([-y[:0:-1], y]), np.concatenate([up[:0:-1], up])
-    return RailState(places=places, stress=stress, strain=strain, y=y, up=up)
+        y, strain = np.concatenate([-y[::-1], y]), np.concatenate([strain[::-1], strain])
+        stress = np.concatenate([stress[::-1] * [1.0, 1.0, 1.0, -1.0], stress])
+        across, up = np.concatenate([-across[:0:-1], across]), np.concatenate([up[:0:-1], up])
+    return RailState(y=y, depth=-z[::-1], stress=stress, strain=strain, across=across, up=up)
 
 
 def row(
@@ -141,7 +148,7 @@ def row(
     profile = each.profile
     middle = int(np.argmin(np.abs(profile.y)))
     place = rolling.streams.places[int(np.argmax(each.growth))]
-    along, across = section.stress[:, 0], section.stress[:, 1]
+    along, across = (section.stress[..., axis].ravel() for axis in (0, 1))
     weight = patch.pressure.sum()
     lean = float((patch.pressure.sum(axis=1) * patch.x).sum() / weight)
     pressed = np.flatnonzero(patch.pressure.any(axis=1))
@@ -150,6 +157,7 @@ def row(
     width = None if rolling.block.dim == 2 else float((wide[-1] - wide[0] + 1) * ds)
     return {
         "strain_increment_max": float(each.growth.max()),
+        "strain_increment_rim": each.rim,
         "strain_max": float(section.strain.max()),
         "place_mm": [float(value) for value in place] if each.growth.any() else None,
         "shear_increment_max": float(each.shear[np.argmax(np.abs(each.shear))]),
@@ -168,11 +176,13 @@ def row(
     }
 
 
-def words(verdict: str, rows: list[dict[str, Any]], rolling: RollingBlock) -> str:
-    """The verdict in a sentence, with what it depends on."""
+def words(
+    verdict: str, rows: list[dict[str, Any]], rolling: RollingBlock, *, tractions: bool
+) -> str:
+    """The verdict in a sentence, with the hardening law that it stands on, and whether tractions
+    act.
+    """
     last, curve = rows[-1], rolling.hardening
-    steel = "perfect plasticity" if not _hardens(curve) else "hardening"
-    kinematic = steel == "hardening" and curve.kinematic > 0
     rest = {
         "elastic": "nothing yields",
         "shakes down": f"after {len(rows)} passes strain hardly grows",
@@ -183,16 +193,20 @@ def words(verdict: str, rows: list[dict[str, Any]], rolling: RollingBlock) -> st
         "undecided": f"strain grows by {last['strain_increment_max']:.2g} in the last pass; more "
         "passes tell",
     }[verdict]
-    bracket = (
-        "linear kinematic hardening never ratchets for ever; real steel lies between it and "
-        "perfect plasticity"
-        if kinematic
-        else "perfect plasticity knows no hardening; real steel lies between it and linear "
-        "kinematic hardening"
-        if steel == "perfect plasticity"
-        else "isotropic hardening always shakes down in the end"
-    )
-    return f"{verdict}: {rest}" + (f" ({bracket})" if verdict != "elastic" else "")
+    act = "the tractions of elastic bodies act, one way: yield does not change them"
+    law = f"; {act}" if tractions else "; no tractions act"
+    if verdict == "elastic":
+        return f"{verdict}: {rest}{law}"
+    if not _hardens(curve):
+        steel = "perfect plasticity: real steel lies between it and linear kinematic hardening"
+    elif curve.kinematic:
+        steel = (
+            "kinematic hardening, which never ratchets for ever: real steel lies between it and "
+            "perfect plasticity"
+        )
+    else:
+        steel = "isotropic hardening, which always shakes down in the end: real steel may not"
+    return f"{verdict}: {rest} ({steel}{law})"
 
 
 def _hardens(curve: Hardening) -> bool:

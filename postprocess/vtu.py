@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from railhead.meshing.bodies import RAIL, other
 from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array, Findings, Surface
+from railhead.postprocess.passes import RailState
 from railhead.postprocess.stress.gauss_points import nodal_stress
 from railhead.solver.fields import Fields
 from railhead.solver.solution import FrictionSolution
@@ -28,6 +29,7 @@ UNITS = {
     "von_mises": "MPa",
     "max_shear": "MPa",
     "traction": "MPa",
+    "residual_stress": "MPa",
 }
 _ARRAY = re.compile(rb'<DataArray [^>]*Name="(\w+)"[^>]*>[^<]*')  # with its data
 _HEXAHEDRON = [0, 1, 3, 2, 4, 5, 7, 6]
@@ -167,6 +169,32 @@ def traction_points(found: FrictionSolution) -> meshio.Mesh:
             "slip": found.slip[touches],
             "sticks": found.sticks[touches].astype(np.int32),
             "pressure": found.pressure[touches],
+        },
+    )
+
+
+def section_grid(left: RailState) -> meshio.Mesh:
+    """Section of a rail after passes: quadrilaterals, or of plane strain lines, between its points
+    (0, y, z), y from the middle of the patch and z out of the surface, mm.
+
+    Point data: residual_stress (n, 9), MPa, the tensor row by row, xy and xz left at zero;
+    equivalent_plastic_strain (n,).
+    """
+    number = np.arange(left.strain.size).reshape(left.strain.shape)
+    if len(left.y) > 1:
+        corners = [number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]]
+        kind = "quad"
+    else:
+        corners, kind = [number[:, :-1], number[:, 1:]], "line"
+    y, depth = np.meshgrid(left.y, left.depth, indexing="ij")
+    xx, yy, zz, yz = left.stress.reshape(-1, 4).T
+    zero = np.zeros_like(xx)
+    return meshio.Mesh(
+        np.column_stack([zero, y.ravel(), -depth.ravel()]),
+        [(kind, np.stack([each.ravel() for each in corners], axis=1))],
+        point_data={
+            "residual_stress": np.column_stack([xx, zero, zero, zero, yy, yz, zero, yz, zz]),
+            "equivalent_plastic_strain": left.strain.ravel(),
         },
     )
 

@@ -320,12 +320,16 @@ def run(
 def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: bool) -> Path:
     """The folder of a result: `out`, or results/<name> where that is None. Raises SceneError where
     the result of `command` for a scene cannot be written there, or would replace another one in
-    `out` without `force`.
+    `out` without `force`, or would set aside a folder of which the scene reads a file.
     """
     from railhead.results import result_folder
 
     folder = out if out is not None else Path("results") / name
     result_folder.check_folder(folder)
+    read = [file.name for file in scene.files if folder.resolve() in file.resolve().parents]
+    if read and out is None and result_folder.other_result(folder, command, scene):
+        text = f"{str(folder)!r} holds {read[0]}, which the scene reads; give another folder"
+        raise SceneError("--out", text)
     if out is not None and not force:
         result_folder.refuse_other(folder, command, scene)
     return folder

@@ -21,11 +21,14 @@ if TYPE_CHECKING:
     import meshio
     from matplotlib.figure import Figure
 
+    from railhead.postprocess.passes import Passes
     from railhead.postprocess.pictures.plots.diagrams import Drawing
+    from railhead.scene.scene import Scene
 
     Grids = tuple[meshio.Mesh, meshio.Mesh]
 
-TABLE, PASSES = "result.csv", "passes.csv"
+TABLE, PASSES, STATE = "result.csv", "passes.csv", "passes.npz"
+PROFILE = "rail_profile.csv"
 
 
 def write(
@@ -50,9 +53,7 @@ def write(
     with result(folder, "run", solved.plan.scene, summary) as (work, attempt):
         (work / TABLE).write_bytes(result_folder.encoded(quantity_rows.everything(summary)))
         if solved.passes is not None and solved.passes.rows:
-            (work / PASSES).write_bytes(
-                result_folder.encoded(result_folder.signed(solved.passes.table()))
-            )
+            _write_passes(solved.passes, solved.plan.scene, work)
         stresses: Array | None = None
         grids: Grids | None = None
         found = _titled(solved, units)
@@ -70,6 +71,21 @@ def write(
                 from railhead.results.report import html
 
                 html.write(solved, summary, units, work, found, grids)
+
+
+def _write_passes(passes: Passes, scene: Scene, work: Path) -> None:
+    """Write the table of passes, the state after them, and the rail's new profile."""
+    from railhead.run.half_spaces import passes_file
+
+    (work / PASSES).write_bytes(result_folder.encoded(result_folder.signed(passes.table())))
+    passes_file.save(passes, scene, work / STATE)
+    if passes.profile is not None:
+        holds = (
+            f"the groove is followed {passes.sections[-1].y[-1]:.3g} mm to each side of the patch"
+        )
+        text = f"# {len(passes.rows)} passes, railhead {result_folder.VERSION}; {holds}\n"
+        lines = [f"{y:.6f},{z:.6f}\n" for y, z in passes.profile]
+        (work / PROFILE).write_text("".join([text, "y [mm],z [mm]\n", *lines]))
 
 
 def plot(solved: Solved, summary: dict[str, Any], picture: str, ax: object = None) -> Figure:
@@ -114,14 +130,19 @@ def nodal_stress(solved: Solved) -> Array | None:
 def write_grids(
     solved: Solved, stresses: Array | None, folder: Path, *, whole: bool = False
 ) -> None:
-    """Write the files for ParaView into a folder; none without stresses.
+    """Write the files for ParaView into a folder; without stresses none but the section of passes.
 
     stresses (n, 6): as of `nodal_stress`. whole: with the mirror images of what symmetry left out.
     """
-    if stresses is None:
+    passes = solved.passes if solved.passes is not None and solved.passes.rows else None
+    if stresses is None and passes is None:
         return
     from railhead.postprocess import vtu
 
+    if passes is not None:
+        vtu.write(vtu.section_grid(passes.sections[-1]), folder / "passes_section.vtu")
+    if stresses is None:
+        return
     assert isinstance(solved, MeshSolution) and solved.fields and solved.findings
     friction, residual = solved.solution.friction, solved.unloaded_fields
     vtu.write_result(
@@ -190,14 +211,9 @@ def _drawings(
     if solved.passes is not None and solved.passes.rows:
         from railhead.postprocess.pictures.plots import passes_plots
 
-        every["passes.png"] = partial(
-            passes_plots.draw,
-            solved.passes.rows,
-            [each.below() for each in solved.passes.sections],
-            [(each.y, each.up) for each in solved.passes.sections],
-            solved.passes.half_lengths,
-            found,
-        )
+        every["passes.png"] = partial(passes_plots.draw, solved.passes, found)
+        if len(solved.passes.sections[-1].y) > 1:
+            every["passes_section.png"] = partial(passes_plots.draw_section, solved.passes, found)
     if friction is not None:
         coefficient = solved.plan.scene.friction.coefficient
         every["friction.png"] = partial(

@@ -52,7 +52,7 @@ def find(name: str | Path) -> Scene:
 
 
 INPUT = "input"  # folder in a result folder with the files that the scene names
-FILES = ("profile", "stress_strain")  # keys of a body whose values may be paths
+FILES = ("profile", "stress_strain", "passes_from")  # keys of tables whose values may be paths
 
 
 def as_path(value: object, name: str) -> Path:
@@ -103,7 +103,8 @@ def read_scene(path: str | Path) -> Scene:
     for section in filter(lambda table: isinstance(table, dict), data.values()):
         for key in FILES:
             file = section.get(key)
-            if isinstance(file, str) and file.lower().endswith(EXTENSIONS):
+            is_path = isinstance(file, str) and file.lower().endswith(EXTENSIONS)
+            if is_path or (isinstance(file, str) and key == "passes_from"):
                 section[key] = str(path.parent / file)
     return Scene.from_mapping(data)
 
@@ -130,8 +131,8 @@ def portable(scene: Scene) -> dict[str, Any]:
     result folder. OSError: a file cannot be read.
     """
     at, data = places(scene.files), scene.model_dump(exclude_none=True)
-    for body in (data["rail"], data["wheel"]):
-        body |= {key: at.get(body[key], body[key]) for key in FILES if key in body}
+    for table in (data["rail"], data["wheel"], data["rolling"]):
+        table |= {key: at.get(table[key], table[key]) for key in FILES if key in table}
     return data
 
 

@@ -272,9 +272,12 @@ class Scene(Section):
 
     @property
     def files(self) -> list[Path]:
-        """Absolute paths of the files that profiles and stress-strain curves are read from."""
+        """Absolute paths of the files that profiles, stress-strain curves and earlier passes are
+        read from.
+        """
         bodies = self.bodies.values()
         given = [path for body in bodies for path in (body.profile, body.stress_strain)]
+        given.append(self.rolling.passes_from)
         return [path for path in map(Path, filter(None, given)) if path.suffix]
 
     @property

@@ -152,6 +152,19 @@ def _curve(value: object) -> str:
     return path
 
 
+def _passes_file(value: object) -> str:
+    """The absolute path of the .npz file of a result's passes, given by its path or by the folder
+    of the result. Raises ValueError (one line) where there is none.
+    """
+    path = os.path.abspath(str(value))
+    if os.path.isdir(path):
+        path = os.path.join(path, "passes.npz")
+    if not path.endswith(".npz") or not _readable(path):
+        text = "give the folder of a result with rolling.passes"
+        raise ValueError(f"{show(value)} has no readable passes.npz; {text}")
+    return path
+
+
 Switch = Literal["auto", "on", "off"]
 _FILE_KEYS = ("profile_unit", "profile_mirror", "profile_flip", "profile_origin", "smoothing")
 
@@ -447,6 +460,8 @@ class Rolling(Section):
     passes: how often the wheel rolls over a rail that yields, 1 to 1000; None: not simulated.
     pressure: beside passes, "contact": the pressure follows from the rail as the passes leave it;
         "hertz": the elastic pressure is kept.
+    passes_from: folder of a result whose passes these go on from; kept as the absolute path of its
+        passes.npz. None: the rail is new.
     """
 
     from_wheelset: bool = False
@@ -459,6 +474,7 @@ class Rolling(Section):
     speed: units.Speed | None = None
     passes: units.Passes | None = None
     pressure: Literal["contact", "hertz"] = "contact"
+    passes_from: Annotated[str, BeforeValidator(_passes_file)] | None = None
 
     @model_validator(mode="after")
     def _one_of_each(self) -> Self:
@@ -489,6 +505,11 @@ class Rolling(Section):
                 self.pressure != "contact" and self.passes is None,
                 "pressure",
                 f"{self.pressure} is not allowed without passes",
+            ),
+            (
+                self.passes_from is not None and self.passes is None,
+                "passes_from",
+                "is not allowed without passes; give how many more",
             ),
         )
         return self

@@ -1,28 +1,52 @@
 """Passes as people read them: the section below the middle, the table, and the verdict in words."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from railhead.postprocess.passes import Passes, RailState, words
+from railhead.postprocess.passes import Passes, RailState, rail_state, words
 from railhead.solver.material.elasticity import Material
 from railhead.solver.material.hardening import Hardening
 from railhead.solver.passes.block import Block
 from railhead.solver.passes.rolling import RollingBlock
 
 
-def test_below_the_middle_are_means_of_the_nearest_lines_from_the_surface_down():
-    places = np.array([[0.3, -2.0], [-0.1, -3.0], [0.1, -1.0], [0.1, -3.0], [-0.1, -1.0]])
-    stress = np.arange(20.0).reshape(5, 4)
+def test_below_the_middle_are_means_of_the_nearest_points():
+    stress, strain = np.arange(24.0).reshape(3, 2, 4), np.arange(6.0).reshape(3, 2)
     state = RailState(
-        places=places, stress=stress, strain=np.arange(5.0), y=np.zeros(1), up=np.zeros(1)
+        y=np.array([-0.1, 0.1, 0.3]),
+        depth=np.array([1.0, 3.0]),
+        stress=stress,
+        strain=strain,
+        across=np.zeros(1),
+        up=np.zeros(1),
     )
-    depth, found, strain = state.below()
-    assert depth.tolist() == [1.0, 3.0]
-    assert found.tolist() == [
-        stress[[2, 4]].mean(axis=0).tolist(),
-        stress[[1, 3]].mean(axis=0).tolist(),
-    ]
-    assert strain.tolist() == [3.0, 2.0]
+    found, mean = state.below()
+    assert found.tolist() == stress[:2].mean(axis=0).tolist()
+    assert mean.tolist() == [1.0, 2.0]
+
+
+@pytest.mark.parametrize("half", [True, False])
+def test_the_section_is_read_at_its_points(half):
+    """Stress and strain that are their own coordinates come back at y and depth, mirrored where
+    half of the section was solved.
+    """
+    y = np.array([0.0, 1.0, 2.0]) if half else np.array([-2.0, -1.0, 1.0])
+    axes = np.array([-1.0, 0.0, 1.0]), y, np.array([-2.0, -1.0, 0.0])
+    rolling = RollingBlock(Block(axes, Material(207e3, 0.3, Hardening.linear(480.0)), half))
+    state, places = rolling.start, rolling.streams.places
+    residual = np.zeros_like(state.residual)
+    residual[:, 1], residual[:, 2], residual[:, 3] = *places.T, np.sqrt(2) * places[:, 0]
+    history = replace(state.history, equivalent=-places[:, 1])
+    left = rail_state(rolling, replace(state, residual=residual, history=history))
+    assert (np.diff(left.y) > 0).all() and (np.diff(left.depth) > 0).all() and left.depth[0] > 0
+    assert left.strain == pytest.approx(np.broadcast_to(left.depth, left.strain.shape))
+    assert left.stress[:, 0, 2] == pytest.approx(-np.full(len(left.y), left.depth[0]))
+    expected = np.abs(left.y) if half else left.y
+    assert left.stress[:, 0, 1] == pytest.approx(expected)
+    assert left.stress[:, 0, 3] == pytest.approx(left.y)
+    assert len(left.y) == (12 if half else 6)
 
 
 def test_the_table_has_the_place_in_two_columns():
@@ -36,15 +60,20 @@ def test_the_table_has_the_place_in_two_columns():
 @pytest.mark.parametrize(
     ("hardening", "text"),
     [
-        (Hardening.linear(480.0), "perfect plasticity knows no hardening"),
-        (Hardening.linear(480.0, 6e3, 1.0), "kinematic hardening never ratchets for ever"),
-        (Hardening.linear(480.0, 6e3), "isotropic hardening always shakes down"),
+        (Hardening.linear(480.0), "(perfect plasticity: real steel lies between it and linear kin"),
+        (Hardening.linear(480.0, 6e3, 1.0), "(kinematic hardening, which never ratchets for ever"),
+        (Hardening.linear(480.0, 6e3), "(isotropic hardening, which always shakes down"),
     ],
 )
-def test_the_words_say_what_the_hardening_law_makes_of_it(hardening, text):
+def test_the_words_name_the_hardening_law_and_tractions(hardening, text):
     axis = np.linspace(-1, 0, 2)
     rolling = RollingBlock(Block((axis, axis), Material(207e3, 0.3, hardening)))
     rows = [{"strain_increment_max": 0.004, "forward_mm": -0.0012}]
-    said = words("ratchets", rows, rolling)
-    assert said.startswith("ratchets: the surface moves by -0.0012 mm a pass") and text in said
-    assert words("elastic", rows, rolling) == "elastic: nothing yields"
+    said = words("ratchets", rows, rolling, tractions=False)
+    assert said.startswith("ratchets: the surface moves by -0.0012 mm a pass (") and text in said
+    assert said.endswith("; no tractions act)")
+    dragged = words("ratchets", rows, rolling, tractions=True)
+    assert "the tractions of elastic bodies act, one way: yield does not change them" in dragged
+    assert words("elastic", rows, rolling, tractions=False) == (
+        "elastic: nothing yields; no tractions act"
+    )

@@ -3,13 +3,21 @@
 import csv
 import io
 import json
+from dataclasses import replace
 
 import matplotlib.image
+import meshio
+import numpy as np
 import pytest
+from command import refused
 from rich.console import Console
 from solved import scene_of
 
 import railhead as rh
+from railhead.planning import plan as planning
+from railhead.postprocess import vtu
+from railhead.postprocess.passes import RailState
+from railhead.postprocess.pictures.plots import passes_plots
 from railhead.postprocess.pictures.views import gallery
 from railhead.results import pipeline
 
@@ -61,6 +69,80 @@ def test_the_files_hold_the_passes(result, tmp_path, monkeypatch):
     assert float(rows[0]["place_depth_mm"]) > 1
     assert all(row["program"].startswith("railhead ") and row["date"] for row in rows)
     assert matplotlib.image.imread(tmp_path / "out" / "passes.png").std() > 0.02
+    section = meshio.read(tmp_path / "out" / "passes_section.vtu")
+    after = result.summary["result"]["passes_after"]
+    assert section.points[:, 2] == pytest.approx(-np.array(after["depth_mm"]))
+    stress = section.point_data["residual_stress"]
+    assert stress[:, 0] == pytest.approx(after["residual_along_MPa"])
+    assert section.point_data["equivalent_plastic_strain"].max() == pytest.approx(
+        after["strain"][int(np.argmax(after["strain"]))]
+    )
+    assert not (tmp_path / "out" / "rail_profile.csv").exists()  # half-spaces have none
+
+
+def test_passes_go_on_from_a_result(result, tmp_path, monkeypatch):
+    """Two passes, then one more, are three; what is written goes on in the same way."""
+    monkeypatch.setattr(gallery, "drawings", lambda *_: {})
+    result.save(tmp_path / "two", report=False, pictures=False)
+    more = [*KEYS, "rolling.passes=1", f"rolling.passes_from={tmp_path / 'two'}"]
+    found = pipeline.run(scene_of("long_roller", *more))
+    whole = pipeline.run(scene_of("long_roller", *KEYS, "rolling.passes=3"))
+    key = "passes", "passes_verdict", "passes_words"
+    assert [found.summary["result"][name] for name in key] == [
+        whole.summary["result"][name] for name in key
+    ]
+    assert found.summary["checks"]["passes_energy"] == whole.summary["checks"]["passes_energy"]
+    found.save(tmp_path / "three", report=False, pictures=False)
+    again = rh.find(tmp_path / "three" / "scene.toml")
+    assert again.rolling.passes_from == str(next((tmp_path / "three" / "input").glob("*/*.npz")))
+    planning.make(again)
+    with pytest.raises(rh.SceneError, match="rolling.passes_from: .*another scene .load differs"):
+        planning.make(again.replace(load="1160 kN"))
+
+
+def test_a_folder_that_is_gone_on_from_is_not_set_aside(result, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    result.save("results/long_roller", report=False, pictures=False)
+    keys = [*KEYS, "rolling.passes=1", "rolling.passes_from=results/long_roller"]
+    said = refused(capsys, "run", "long_roller", *(word for key in keys for word in ("--set", key)))
+    assert "--out: 'results/long_roller' holds passes.npz, which the scene reads; give" in said
+    assert [each.name for each in (tmp_path / "results").iterdir()] == ["long_roller"]
+
+
+@pytest.mark.parametrize("content", [b"", b"no archive", None])
+def test_what_holds_no_passes_is_refused_in_one_line(content, tmp_path):
+    path = tmp_path / "passes.npz"
+    if content is None:
+        np.savez(path, other=np.zeros(2))
+    else:
+        path.write_bytes(content)
+    scene = scene_of("long_roller", *KEYS, "rolling.passes=1", f"rolling.passes_from={tmp_path}")
+    with pytest.raises(rh.SceneError, match="rolling.passes_from: .*holds no passes; give"):
+        planning.make(scene)
+
+
+def test_the_section_of_a_solid_is_drawn(result, tmp_path):
+    """Random stress at random places; a grid of quadrilaterals, and four panels."""
+    rng, shape = np.random.default_rng(1), (6, 5)
+    left = RailState(
+        y=np.sort(rng.normal(size=6)),
+        depth=np.sort(rng.uniform(size=5)),
+        stress=rng.normal(size=(*shape, 4)),
+        strain=rng.uniform(size=shape),
+        across=np.zeros(1),
+        up=np.zeros(1),
+    )
+    grid = vtu.section_grid(left)
+    corners = grid.points[grid.cells[0].data]
+    first, second = corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]
+    area = np.abs(first[:, 1] * second[:, 2] - first[:, 2] * second[:, 1]).sum() / 2
+    assert area == pytest.approx(np.ptp(left.y) * np.ptp(left.depth))
+    assert grid.point_data["residual_stress"][7].tolist() == pytest.approx(
+        [left.stress[1, 2, 0], 0, 0, 0, *left.stress[1, 2, [1, 3]], 0, *left.stress[1, 2, [3, 2]]]
+    )
+    passes = replace(result.solved.passes, sections=[left])
+    passes_plots.draw_section(passes, result.solved.findings, tmp_path / "section.png")
+    assert matplotlib.image.imread(tmp_path / "section.png").std() > 0.02
 
 
 def test_the_table_shows_passes_and_verdict(result):

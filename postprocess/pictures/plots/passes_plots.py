@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib import colormaps
+from matplotlib.ticker import MaxNLocator
 
-from railhead.postprocess.findings import Array, Findings
+from railhead.postprocess.findings import Findings
+from railhead.postprocess.passes import Passes
 from railhead.postprocess.pictures.plots.diagrams import new_figure
 
 if TYPE_CHECKING:
@@ -19,28 +20,22 @@ if TYPE_CHECKING:
 
 DEEP = 3.0  # shown depth over the smaller half length
 WIDE = 2.5  # shown width over the half length across
+LEVELS = 16  # of colour
 SHOWN = 5  # passes of which curves are shown: the first, the last, and some between
 
-Below = tuple[Array, Array, Array]
-"""Depth (k,), mm, residual stress xx, yy, zz, yz (k, 4), MPa, plastic strain (k,)."""
+PANELS = (
+    ("equivalent plastic strain, %", "YlOrRd"),
+    ("residual stress along the rail, MPa", "RdBu_r"),
+    ("residual stress across, MPa", "RdBu_r"),
+    ("residual normal stress, MPa", "RdBu_r"),
+)
 
 
-def draw(
-    rows: Sequence[Mapping[str, Any]],
-    below: Sequence[Below],
-    surfaces: Sequence[tuple[Array, Array]],
-    half_lengths: tuple[float, float],
-    found: Findings,
-    target: Target = None,
-) -> Figure:
-    """Four panels: residual stress along the rail and across it over the
-    depth, equivalent plastic strain over the depth, what each pass adds, and the groove.
-
-    rows: of the passes, as in summary.json. below: state below the middle after each pass.
-        surfaces: across (n,) and displacement out of the rail (n,), mm, after each pass.
-        half_lengths: of the elastic patch, along and across, mm. found: gives the title. path: of
-        the file.
+def draw(passes: Passes, found: Findings, target: Target = None) -> Figure:
+    """Four panels: residual stress along the rail and across it over the depth, equivalent plastic
+    strain over the depth, what each pass adds, and the groove. found: gives the title.
     """
+    rows, half_lengths = passes.rows, passes.half_lengths
     count = len(rows)
     shown = sorted({round(value) for value in np.geomspace(1, count, min(SHOWN, count))})
     colours = colormaps["viridis"](np.linspace(0.0, 0.85, len(shown)))
@@ -48,8 +43,8 @@ def draw(
     with new_figure(target, 11, 8.6, found) as figure:
         (stress, strain), (growth, groove) = figure.subplots(2, 2)
         for number, colour in zip(shown, colours, strict=True):
-            depth, left, equivalent = below[number - 1]
-            label = f"pass {number}"
+            section, label = passes.sections[number - 1], f"pass {number}"
+            depth, (left, equivalent) = section.depth, section.below()
             stress.plot(left[:, 0], depth, color=colour, label=label)
             stress.plot(left[:, 1], depth, "--", color=colour)
             strain.plot(100 * equivalent, depth, color=colour, label=label)
@@ -59,10 +54,10 @@ def draw(
             axes.set(ylabel="depth below the middle of the patch, mm", ylim=(deep, 0.0))
             axes.legend()
         _increments(growth, rows)
-        if len(surfaces[0][0]) > 1:
+        if len(passes.sections[0].across) > 1:
             for number, colour in zip(shown, colours, strict=True):
-                y, up = surfaces[number - 1]
-                groove.plot(y, 1e3 * up, color=colour, label=f"pass {number}")
+                section = passes.sections[number - 1]
+                groove.plot(section.across, 1e3 * section.up, color=colour, label=f"pass {number}")
             wide = WIDE * half_lengths[1]
             groove.set(xlabel="across, from the middle of the patch, mm", xlim=(-wide, wide))
             groove.set(ylabel="residual height, um")
@@ -74,7 +69,27 @@ def draw(
     return figure
 
 
-def _increments(axes: Axes, rows: Sequence[Mapping[str, Any]]) -> None:
+def draw_section(passes: Passes, found: Findings, target: Target = None) -> Figure:
+    """Section of a solid after the last pass: equivalent plastic strain, and residual stress along
+    the rail, across it and normal to its surface. found: gives the title.
+    """
+    left = passes.sections[-1]
+    values = [100 * left.strain, *np.moveaxis(left.stress[..., :3], -1, 0)]
+    with new_figure(target, 11, 6.4, found) as figure:
+        for axes, each, (label, colours) in zip(
+            figure.subplots(2, 2).ravel(), values, PANELS, strict=True
+        ):
+            size = np.abs(each).max() or 1.0
+            least = 0.0 if each is values[0] else -size
+            levels = MaxNLocator(LEVELS).tick_values(least, size)
+            filled = axes.contourf(left.y, -left.depth, each.T, levels, cmap=colours)
+            axes.figure.colorbar(filled, ax=axes, label=label)
+            axes.set(xlabel="across, from the middle of the patch, mm", ylabel="height, mm")
+            axes.set_aspect("equal")
+    return figure
+
+
+def _increments(axes: Axes, rows: list[dict[str, Any]]) -> None:
     """Draw the largest plastic increment and the forward displacement (um) over the passes, on
     logarithmic axes where they are not zero.
     """

@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+import json
 import math
+import zipfile
+from typing import Any
+
+import numpy as np
 
 from railhead.planning.context import Context, Effect
 from railhead.planning.effects import interface, material
+from railhead.scene.catalogue import portable
+from railhead.scene.scene import Scene, SceneError
 from railhead.scene.sections import refuse_first
 from railhead.theory.elastic.line import LineContact
 from railhead.theory.friction import shakedown
@@ -40,6 +47,7 @@ def decide_passes(context: Context) -> Effect:
         return Effect(yields, True, why)
     given, key = f"{count} is not allowed: ", "rolling.passes"
     _refuse_bodies(context, given)
+    _refuse_other(scene)
     steady = STEADY[scene.rolling.pressure]
     refuse_first(
         (
@@ -84,6 +92,37 @@ def _refuse_bodies(context: Context, given: str) -> None:
             "circular patch effects.axisymmetry=off",
         ),
     )
+
+
+def alike(scene: Scene) -> dict[str, Any]:
+    """Values by dotted key that a scene must share with the one whose passes it goes on from;
+    files by their content. Plain data as JSON gives it.
+    """
+    held: dict[str, Any] = {"symmetric across the rail": not scene.asymmetric_friction[1]}
+    for table, values in portable(scene).items():
+        if table in ("rail", "wheel", "wheelset"):
+            held |= {f"{table}.{key}": value for key, value in values.items()}
+    held |= {"load": scene.load, "approach": scene.approach}
+    held |= {"mesh.patch_size": scene.mesh.patch_size}
+    return held
+
+
+def _refuse_other(scene: Scene) -> None:
+    """Raise SceneError where rolling.passes_from holds no passes of this scene."""
+    path, key = scene.rolling.passes_from, "rolling.passes_from"
+    if path is None:
+        return
+    try:
+        with np.load(path) as file:
+            held = json.loads(str(file["scene"]))
+    except (OSError, ValueError, KeyError, zipfile.BadZipFile):
+        text = f"{path!r} holds no passes; give the folder of a result with rolling.passes"
+        raise SceneError(key, text) from None
+    own = alike(scene)
+    other = [name for name in {**held, **own} if held.get(name) != own.get(name)]
+    if other:
+        text = f"{path!r} holds passes of another scene ({other[0]} differs); give one alike"
+        raise SceneError(key, text)
 
 
 def decide_plasticity_wheel(context: Context) -> Effect:

@@ -42,6 +42,7 @@ CAPTIONS = {
     "plastic": "What yields, what stays after the load, and the pressure with and without yield.",
     "friction": "Where the patch sticks and slips, and the tractions.",
     "passes": "Residual stress below the patch by pass, increments by pass, and the groove.",
+    "passes_section": "Plastic strain and residual stress across the rail after the last pass.",
     "shakedown": "Pressure and traction against the limits of repeated rolling.",
 }
 CHECKS = {

@@ -238,7 +238,7 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
     checks, cost = summary["checks"], summary["cost"]
     if summary.get("method") == "half-spaces":
         console.print(
-            f"Half-spaces, {cost['seconds']['total']:.1f} s: no bodies, no mesh, no .vtu files. "
+            f"Half-spaces, {cost['seconds']['total']:.1f} s: no bodies, no mesh. "
             "Estimates are what finite bodies would change; other numbers have none.",
             highlight=False,
         )

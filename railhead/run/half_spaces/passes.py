@@ -20,7 +20,7 @@ from railhead.run.half_spaces.pass_contact import RollingContact
 
 if TYPE_CHECKING:
     from railhead.solver.material.elasticity import Material
-    from railhead.solver.passes.rolling import RollingBlock, SectionState
+    from railhead.solver.passes.rolling import RollingBlock
 
 Array = NDArray[np.float64]
 PER_LENGTH = {"line": 8.0, "solid": 3.0}  # elements on a half length
@@ -73,58 +73,62 @@ def roll(
     half_lengths: tuple[float, float],
     count: int,
     *,
-    state: SectionState | None = None,
+    before: Passes | None = None,
     stage: Callable[[str], None] = lambda name: None,
-) -> tuple[Passes, SectionState]:
-    """Roll `count` times over a block, from a state or from the start; the passes, and the state
-    after them. stage: called with words before each pass. Raises ValueError where boundary
-    elements find no balance.
+) -> Passes:
+    """Roll `count` times over a block, from the start or on from the passes `before`, which come
+    first in what is returned. stage: called with words before each pass. Raises ValueError where
+    boundary elements find no balance.
     """
     from railhead.solver.passes.verdict import verdict
 
-    pressing, state = pass_contact.Pressing(rolling, contact), state or rolling.start
-    made, rows, sections, works = [], [], [], []
+    pressing = pass_contact.Pressing(rolling, contact)
+    rows, sections = ([*before.rows], [*before.sections]) if before else ([], [])
+    state, last = (before and before.state) or rolling.start, len(rows) + count
     stiff = 2 * rolling.block.material.lame[1]
-    noise = rolling.tolerance * rolling.shear_yield / stiff
-    for number in range(count):
-        stage(f"pass {number + 1} of {count}")
+    whole = contact.width * (2 if rolling.block.half else 1)
+    while len(rows) < last:
+        stage(f"pass {len(rows) + 1} of {last}")
+        if not contact.keeps:
+            pressing.patch = None  # else a run in two parts would differ in the last digits
         each = rolling.roll(state, pressing)
         assert pressing.patch is not None
         state = each.state
-        made.append(each)
         sections.append(rail_state(rolling, state))
-        rows.append(row(rolling, each, sections[-1], pressing.patch))
-        whole = contact.width * (2 if rolling.block.half else 1)
-        work, stored = whole * each.work, whole * each.stored
-        resistance = None if contact.keeps else contact.resistance(pressing.patch)
-        rubbed = pressing.traction_work
-        works.append((work, stored, None if resistance is None else resistance + rubbed))
-        rows[-1] |= {
-            "work_N": work,
-            "stored_N": stored,
-            "resistance_N": resistance,
-            "traction_work_N": rubbed,
-        }
+        rows.append(
+            row(rolling, each, sections[-1], pressing.patch)
+            | {
+                "work_N": whole * each.work,
+                "stored_N": whole * each.stored,
+                "resistance_N": None if contact.keeps else contact.resistance(pressing.patch),
+                "traction_work_N": pressing.traction_work,
+            }
+        )
+    increments = [each["strain_increment_max"] for each in rows]
     found = verdict(
-        [each["strain_increment_max"] for each in rows],
+        increments,
         [each["forward_mm"] for each in rows],
         half_lengths[0],
-        noise,
+        rolling.tolerance * rolling.shear_yield / stiff,
         hardens=rolling.hardening.final_hardening_modulus > 0,
     )
-    least = SETTLED * works[0][0] if rows[0]["strain_increment_max"] > TOLD else math.inf
-    spent = [(work + kept, force) for work, kept, force in works if force is not None]
+    least = SETTLED * rows[0]["work_N"] if increments[0] > TOLD else math.inf
+    spent = [
+        (each["work_N"] + each["stored_N"], each["resistance_N"] + each["traction_work_N"])
+        for each in rows
+        if each["resistance_N"] is not None
+    ]
     errors = [abs(force - total) / total for total, force in spent if total > least]
-    largest = max((float(each.growth.max()) for each in made), default=0.0)
-    passes = Passes(
+    return Passes(
         rows=rows,
         verdict=found,
-        words=words(found, rows, rolling),
+        words=words(found, rows, rolling, tractions=contact.traction is not None),
         sections=sections,
+        state=state,
+        axes=np.concatenate(rolling.block.axes),
         half_lengths=half_lengths,
-        converged=all(each.converged for each in made),
+        converged=all(each["change"] < rolling.tolerance for each in rows),
         energy_error=max(errors, default=None),
-        rim=max(each.rim for each in made) / largest if largest else 0.0,
+        rim=max(each["strain_increment_rim"] for each in rows) / (max(increments) or 1.0),
         unknowns=rolling.block.nodes.size,
     )
-    return passes, state

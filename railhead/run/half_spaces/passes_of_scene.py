@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import LinearNDInterpolator
+from scipy.interpolate import CubicSpline, LinearNDInterpolator
 
 from railhead.planning.references import boundary_elements
-from railhead.postprocess.passes import Passes
-from railhead.run.half_spaces import pass_contact
+from railhead.planning.references.boundary_elements import Developed
+from railhead.postprocess.passes import Passes, RailState
+from railhead.run.half_spaces import pass_contact, passes_file
 from railhead.run.half_spaces.answer import Solved
 from railhead.run.half_spaces.pass_contact import RollingContact
 from railhead.run.half_spaces.passes import block, roll
@@ -22,6 +24,8 @@ from railhead.solver.solution import FrictionSolution
 from railhead.theory.elastic.line import LineContact
 
 Array = NDArray[np.float64]
+SPACING = 0.2  # mm, of the points of the profile with its groove
+Laid = Callable[[RailState], Array]
 ELEMENTS = {True: (3.0, 16.0), False: (2.0, 5.0)}
 """Fewest and most elements of the block on a half length of a line contact, and of a solid."""
 
@@ -36,7 +40,7 @@ def solve(solved: Solved, progress: Progress) -> Passes:
     start, scene = time.perf_counter(), solved.plan.scene
     material = Material(scene.rail.young_modulus, scene.rail.poisson_ratio, hardening(scene.rail))
     try:
-        contact, half_lengths, half = _of_scene(solved)
+        contact, half_lengths, half, laid = _of_scene(solved)
         size, (fewest, most) = scene.mesh.patch_size, ELEMENTS[contact.line]
         rolling = block(
             material,
@@ -45,18 +49,49 @@ def solve(solved: Solved, progress: Progress) -> Passes:
             half=half,
             per_length=None if size is None else min(max(min(half_lengths) / size, fewest), most),
         )
-        found, _ = roll(
-            rolling, contact, half_lengths, scene.rolling.passes or 1, stage=progress.stage
+        path = scene.rolling.passes_from
+        found = roll(
+            rolling,
+            contact,
+            half_lengths,
+            scene.rolling.passes or 1,
+            before=None if path is None else passes_file.load(path, rolling),
+            stage=progress.stage,
         )
     except ValueError as error:
         return Passes(rows=[], verdict="", reason=" ".join(str(error).split()))
-    return replace(found, seconds=time.perf_counter() - start)
+    profile = None if laid is None else laid(found.sections[-1])
+    return replace(found, profile=profile, seconds=time.perf_counter() - start)
 
 
-def _of_scene(solved: Solved) -> tuple[RollingContact, tuple[float, float], bool]:
-    """What rolls in a solved scene, the half lengths of its elastic patch along and across, mm, and
-    whether it is symmetric about y = 0. Raises ValueError for several patches, and where boundary
-    elements fail.
+def groove_on_profile(surface: Developed, centre: float, inclination: float) -> Laid:
+    """Function that lays the groove of passes on a rail's profile: from the state of the section to
+    y and z (n, 2), mm, in the axes of the profile's file, before the rail is inclined.
+
+    surface: of the rail as it stands. centre: arc length of the middle of the patch on it, mm.
+    inclination: slope by which the rail leans. Points lie along the surface's normals, SPACING
+    apart or less.
+    """
+    s = np.linspace(surface.s[0], surface.s[-1], int(np.ptp(surface.s) / SPACING) + 2)
+    normal, lean = surface.angle(s), math.atan(inclination)
+    _, y, z = surface.points(np.zeros_like(s), s).T
+
+    def laid(left: RailState) -> Array:
+        """The profile (n, 2), mm."""
+        up = CubicSpline(left.across, left.up)(np.clip(s - centre, *left.across[[0, -1]]))
+        y_now, z_now = y - up * np.sin(normal), z + up * np.cos(normal)
+        turned = (y_now + 1j * z_now) * np.exp(-1j * lean)
+        return np.column_stack([turned.real, turned.imag])
+
+    return laid
+
+
+def _of_scene(
+    solved: Solved,
+) -> tuple[RollingContact, tuple[float, float], bool, Laid | None]:
+    """What rolls in a solved scene, the half lengths of its elastic patch along and across, mm,
+    whether it is symmetric about y = 0, and what lays the groove on its profile. Raises ValueError
+    for several patches, and where boundary elements fail.
     """
     plan, load = solved.plan, solved.plan.scene.load
     hertz = solved.ellipse if load is None else plan.estimate  # which is the same on any ranks
@@ -73,14 +108,14 @@ def _of_scene(solved: Solved) -> tuple[RollingContact, tuple[float, float], bool
             sticks=math.sqrt(1 - abs(share)),
             width=hertz.length,
         )
-        return contact, (strip.b, strip.b), False
+        return contact, (strip.b, strip.b), False, None
     if plan.contact.half_space:
         contact = pass_contact.ellipse_contact(hertz, keeps=keeps)
         friction = _friction(solved)
         if friction is not None:
             x, y, _ = friction.points.T
             contact = _with_tractions(solved, contact, x, y, friction.traction[:, :2])
-        return contact, (hertz.a, hertz.b), not plan.scene.asymmetric_friction[1]
+        return contact, (hertz.a, hertz.b), not plan.scene.asymmetric_friction[1], None
     surface = boundary_elements.develop(plan.surfaces)
     found = boundary_elements.solve(plan.surfaces, hertz, load or solved.load)
     if len(found.patches) > 1:
@@ -106,7 +141,9 @@ def _of_scene(solved: Solved) -> tuple[RollingContact, tuple[float, float], bool
         tangent = np.cos(tilt) * sideways[:, 0] + np.sin(tilt) * sideways[:, 1]
         traction = np.column_stack([friction.traction[:, 0], tangent])
         contact = _with_tractions(solved, contact, along - x, across - s, traction)
-    return contact, half_lengths, symmetric
+    true = boundary_elements.develop(plan.contact)  # not the circles of `surfaces`
+    laid = groove_on_profile(true, s, plan.scene.rail.inclination)
+    return contact, half_lengths, symmetric, laid
 
 
 def _friction(solved: Solved) -> FrictionSolution | None:

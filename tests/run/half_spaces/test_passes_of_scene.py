@@ -1,11 +1,50 @@
 """Passes of shipped scenes on real profiles, with and without friction."""
 
+import numpy as np
 import pytest
 from solved import scene_of
 
+import railhead as rh
+from railhead.contact import solid
+from railhead.planning.references import boundary_elements
+from railhead.postprocess.passes import RailState
 from railhead.results import pipeline
+from railhead.run.half_spaces import passes_of_scene
 
 FAST = ("effects.finite_bodies=off", "wheel.steel=none", "mesh.patch_size=4", "rolling.passes=1")
+
+
+def groove(y: np.ndarray, up: np.ndarray) -> RailState:
+    """A section whose surface has moved up (n,) at y (n,), mm."""
+    zero = np.zeros((1, 1))
+    return RailState(y=y[:1], depth=y[:1], stress=zero[..., None], strain=zero, across=y, up=up)
+
+
+@pytest.mark.parametrize("inclination", [0.0, 0.05])
+@pytest.mark.parametrize("profile", ["54E1", "60E1"])
+def test_the_profile_with_its_groove_is_read_as_it_was_laid(profile, inclination, tmp_path):
+    """A groove of 20 um, 5 mm beside the crown, comes back within 1 um, and nothing elsewhere."""
+    keys = [f"rail.profile={profile}", f"rail.inclination={inclination}", "rail.extent=head"]
+    scene = rh.find("uic54_22t5_axle").replace(keys)
+    surface = boundary_elements.develop(solid.locate(scene))
+    centre = float(np.interp(5.0, surface.y, surface.s))
+    laid = passes_of_scene.groove_on_profile(surface, centre, inclination)
+    across = np.linspace(-60.0, 60.0, 121)
+    shape = -0.02 * np.exp(-((across / 4) ** 2))
+    np.savetxt(
+        tmp_path / "rail.csv",
+        laid(groove(across, shape)),
+        "%.6f",
+        ",",
+        header="y [mm],z [mm]",
+        comments="",
+    )
+    worn = solid.rail_profile(scene.replace([f"rail.profile={tmp_path / 'rail.csv'}"]))
+    y = np.linspace(-30.0, 30.0, 400)
+    new = solid.rail_profile(scene)
+    normal = np.cos(np.arctan(new.slope(y)))
+    expected = np.interp(np.interp(y, surface.y, surface.s) - centre, across, shape)
+    assert (worn.height(y) - new.height(y)) * normal == pytest.approx(expected, abs=1e-3)
 
 
 @pytest.mark.slow
@@ -22,5 +61,9 @@ def test_a_real_pair_rolls_with_and_without_friction():
     first, other = (each.summary["result"]["passes"][0] for each in (free, rubs))
     assert first["strain_increment_max"] == pytest.approx(0.0068, rel=0.2)
     assert first["groove_mm"] == pytest.approx(0.016, rel=0.15)
+    profile = free.solved.passes.profile
+    assert profile is not None and np.ptp(profile[:, 0]) > 60
+    assert "no tractions act" in free.summary["result"]["passes_words"]
+    assert "one way: yield does not change them" in rubs.summary["result"]["passes_words"]
     assert first["traction_work_N"] == 0 < other["traction_work_N"]
     assert other["forward_mm"] > 1.1 * first["forward_mm"]  # dragged along
