@@ -71,7 +71,9 @@ def at_cells(
         load_steps=np.zeros((0, 4)),
         dissipated_energy=0.0,
         coupling_iterations=0,
-        rigid_slip=in_space([np.tensordot(motion.motion, each.modes, axes=1) for each in found]),
+        rigid_slip=in_space(
+            [np.einsum("m,mdij->dij", motion.motion, each.modes) for each in found]
+        ),
         newton_steps=0,
     )
 

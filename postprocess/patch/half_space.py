@@ -64,12 +64,13 @@ def of_hertz(
         max_pressure=hertz.p0,
         share=1.0,
     )
-    depth = np.linspace(0, DEEP * min(contacts.half_lengths(hertz)), DEPTHS)
+    depth: Array = np.linspace(0, DEEP * min(contacts.half_lengths(hertz)), DEPTHS)
 
     def below(body: str, nu: float) -> DepthAxis:
         """Stresses on the axis below the patch in a body with a Poisson's ratio."""
-        normal = contacts.axis_stress(hertz, nu, depth)
-        return DepthAxis(body, depth, np.hstack([normal, 0 * normal]), _line(frame, body))
+        stress = np.zeros((DEPTHS, 6))
+        stress[:, :3] = contacts.axis_stress(hertz, nu, depth)
+        return DepthAxis(body, depth, stress, _line(frame, body))
 
     x, s = np.meshgrid(along, across, indexing="ij")
     local = np.column_stack([x.ravel(), s.ravel()])
@@ -257,7 +258,7 @@ def _below(
     nearest, sign = int(np.argmin(away)), 1.0 if body == "rail" else -1.0
     window, traction = windows[nearest], None if tractions is None else sign * tractions[nearest]
     least = grid_stress.SURFACE * (window.x[1] - window.x[0])
-    depth = np.linspace(0, DEEP * min(patch.half_extents), DEPTHS).clip(least)
+    depth: Array = np.linspace(0, DEEP * min(patch.half_extents), DEPTHS).clip(least)
     places = np.column_stack([np.full(DEPTHS, x), np.full(DEPTHS, s), -depth])
     stress = grid_stress.stress(window, poisson, places, traction)
     stress[:, 4:] *= sign  # the wheel is the mirror image

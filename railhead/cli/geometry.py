@@ -96,7 +96,7 @@ class Location:
         """Lateral shift to the right (mm, rising) and placed wheelset, where both wheels touch."""
         scene, found = self.scene, []
         track = Track(scene.wheelset.back_to_back, scene.rail.gauge)
-        for shift in SHIFTS.tolist():
+        for shift in map(float, SHIFTS):
             with suppress(PlacementError):  # a wheel misses its rail
                 placed = placement.place(self.pair, track, shift, scene.wheelset.yaw, CLEARANCE)
                 found.append((shift, placed))

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from railhead.solver.algebra.problem import Mask
 from railhead.solver.contact_system import ContactSystem, LoadCase
 from railhead.solver.friction.condensation import ContactCompliance, StaticCondensation
 from railhead.solver.friction.coulomb import TINY, CoulombContact, TangentialState
@@ -75,8 +76,9 @@ class FrictionHistory:
         self.free_modes = [index for index, _ in settings.force_controlled]
         self.rest = None if settings.rolling else contact.displacement
         self.nodal: Array = np.zeros(contact.trial_compliance.shape[1])
-        self.tangential = np.zeros(2)
-        self.load_share, self.was_active = 1.0, np.zeros(len(contact.points), dtype=bool)
+        self.tangential: Array = np.zeros(2)
+        self.load_share = 1.0
+        self.was_active: Mask = np.zeros(len(contact.points), dtype=bool)
         self.full_force_reached = False
         self.dissipated_energy, self.coupling_iterations = 0.0, 0
         self.step_results: list[Array] = []
@@ -255,7 +257,7 @@ class FrictionHistory:
             load_steps=np.array(self.step_results),
             dissipated_energy=self.dissipated_energy,
             coupling_iterations=self.coupling_iterations,
-            rigid_slip=contact.in_space(np.tensordot(motion, self.rigid_slip, axes=1)),
+            rigid_slip=contact.in_space(np.einsum("m,mnk->nk", motion, self.rigid_slip)),
             newton_steps=self.newton_steps,
         )
 

@@ -23,7 +23,7 @@ from railhead.solver.passes import block as blocks
 from railhead.solver.passes.block import Block
 from railhead.solver.passes.mixing import Anderson
 from railhead.solver.passes.streams import Streams, follow
-from railhead.solver.space.cells import Array
+from railhead.solver.space.cells import Array, Index
 
 TOLERANCE = 1e-4  # change of the stress in an iteration over the yield stress in shear
 ITERATIONS = 250
@@ -195,12 +195,12 @@ class RollingBlock:
         return out
 
     @cached_property
-    def _surface_nodes(self) -> tuple[Array, Array, Array]:
+    def _surface_nodes(self) -> tuple[Array, Array, Index]:
         """x (nx,), y (ny,) of the nodes of the surface z = 0, mm, and their numbers (nx, ny)."""
         return _grid(self.block)
 
     @cached_property
-    def _section_surface(self) -> tuple[Array, Array]:
+    def _section_surface(self) -> tuple[Array, Index]:
         """y (ny,) of the nodes of the section's surface, mm, and their numbers (ny,) in one plane
         of the slab.
         """
@@ -208,7 +208,7 @@ class RollingBlock:
         return y, numbers[0]
 
     @property
-    def surface_numbers(self) -> Array:
+    def surface_numbers(self) -> Index:
         """Numbers (nx, ny) of the nodes of the surface, in the order of `SurfaceMotion`."""
         return self._surface_nodes[2]
 
@@ -252,7 +252,7 @@ class RollingBlock:
         mu = block.material.lame[1]
         mus = np.full(self.places.shape[1], mu)
         incoming = state.history
-        u = np.zeros(block.nodes.size)
+        u: Array = np.zeros(block.nodes.size)
         if state.displacement is not None and state.count > 1:  # the first pass is unlike the rest
             u = state.displacement
         strain = streams.gathered(block.strains(u))
@@ -306,7 +306,7 @@ class RollingBlock:
         return np.asarray(out)
 
 
-def _grid(block: Block) -> tuple[Array, Array, Array]:
+def _grid(block: Block) -> tuple[Array, Array, Index]:
     """x (nx,), y (ny,) of the nodes at z = 0, mm, and their numbers (nx, ny); in plane strain y is
     a single zero.
     """

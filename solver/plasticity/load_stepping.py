@@ -122,7 +122,7 @@ class LoadStepping:
         self.results: list[NewtonResult] = []
         self.state: State = problem.bulk.history, problem.surface.history
         self.share, self.earlier = share, (share, self.state)
-        self.yielded = np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
+        self.yielded: tuple[Index, Index] = (np.zeros(0, np.int64), np.zeros(0, np.int64))
         self.y, self.y_share = first.newton.y, first_share
         self.active: Mask = first.newton.pressure > 0
 

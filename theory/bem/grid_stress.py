@@ -99,7 +99,7 @@ def _below_traction(patch: PatchSolution, poisson: float, points: Array) -> Arra
         np.arctan(X * Y / (z * R)) + X * F_xzz,  # the shears on horizontal planes change sign
         z / R,
     )
-    return np.column_stack([each @ strength for each in columns]) / (2 * np.pi)
+    return np.column_stack([each @ (strength / (2 * np.pi)) for each in columns])
 
 
 def largest_von_mises(patch: PatchSolution, poisson: float) -> float:

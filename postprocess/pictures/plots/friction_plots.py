@@ -61,7 +61,7 @@ def draw_tractions(
     with new_figure(target, 7 if flat else 12, 5.4, findings) as figure:
         panels = figure.subplots(1, 1 if flat else 2, squeeze=False)[0]
         axes = panels[-1]
-        values = np.column_stack([traction, coefficient * pressure, sticks])
+        values: Array = np.column_stack([traction, coefficient * pressure, sticks])
         order = np.argsort(local[:, line])
         x, values = local[order, line], values[order]
         if not flat:
