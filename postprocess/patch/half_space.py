@@ -64,7 +64,7 @@ def of_hertz(
         max_pressure=hertz.p0,
         share=1.0,
     )
-    depth: Array = np.linspace(0, DEEP * min(contacts.half_lengths(hertz)), DEPTHS)
+    depth = np.linspace(0, DEEP * min(contacts.half_lengths(hertz)), DEPTHS, dtype=np.float64)
 
     def below(body: str, nu: float) -> DepthAxis:
         """Stresses on the axis below the patch in a body with a Poisson's ratio."""
