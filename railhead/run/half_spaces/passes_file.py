@@ -32,10 +32,9 @@ def save(passes: Passes, scene: Scene, path: Path) -> None:
         residual=state.residual,
         surface=np.stack([state.profile.along, state.profile.up]),
         displacement=state.displacement,
-        **{
-            f"each_{name}": np.stack([getattr(each, name) for each in passes.sections])
-            for name in ("stress", "strain", "up")
-        },
+        each_stress=np.stack([each.stress for each in passes.sections]),
+        each_strain=np.stack([each.strain for each in passes.sections]),
+        each_up=np.stack([each.up for each in passes.sections]),
     )
 
 
