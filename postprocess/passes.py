@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +25,7 @@ class RailState:
 
     y: from the middle of the patch across (ny,), ascending, mm.
     depth: below the surface (nz,), ascending, mm.
-    stress: residual stress xx, yy, zz, yz (ny, nz, 4), MPa.
+    stress: residual stress xx, yy, zz, xy, xz, yz (ny, nz, 6), MPa.
     strain: equivalent plastic strain (ny, nz).
     across: nodes of the surface (n,), ascending, mm.
     up: displacement of the surface out of the rail (n,), mm.
@@ -38,7 +39,7 @@ class RailState:
     up: Array
 
     def below(self) -> tuple[Array, Array]:
-        """Residual stress (nz, 4), MPa, and plastic strain (nz,) below the middle: means of the
+        """Residual stress (nz, 6), MPa, and plastic strain (nz,) below the middle: means of the
         points nearest to it on both sides.
         """
         distance = np.abs(self.y)
@@ -64,6 +65,8 @@ class Passes:
         stays, over both; None under a kept pressure, and where nothing yields.
     rim: largest plastic increment at the rim of the region where yield is followed, over the
         largest.
+    errors: estimated relative errors after the last pass by key of its row: change on a coarser and
+        shorter block; empty without an accuracy.
     unknowns: of the block. seconds: of all passes.
     reason: why there are none; empty where there are.
     """
@@ -79,6 +82,7 @@ class Passes:
     converged: bool = False
     energy_error: float | None = None
     rim: float = 0.0
+    errors: Mapping[str, float] = field(default_factory=dict)
     unknowns: int = 0
     seconds: float = 0.0
     reason: str = ""
@@ -112,11 +116,12 @@ class Passes:
                 "depth_mm": last.depth.tolist(),
                 **{
                     f"residual_{name}_MPa": column.tolist()
-                    for name, column in zip(names, stress.T, strict=True)
+                    for name, column in zip(names, stress.T[[0, 1, 2, 5]], strict=True)
                 },
                 "strain": strain.tolist(),
                 "surface_across_mm": last.across.tolist(),
                 "surface_up_mm": last.up.tolist(),
+                "estimate": dict(self.errors),
                 "unknowns": self.unknowns,
                 "seconds": self.seconds,
             },
@@ -125,18 +130,18 @@ class Passes:
 
 def rail_state(rolling: RollingBlock, state: SectionState) -> RailState:
     """Section of a state, mirrored to the whole where half of it was solved."""
-    residual, shear = state.residual, np.zeros(len(state.residual))
+    residual, stress = state.residual, np.zeros((len(state.residual), 6))
     if rolling.block.dim == 3:
-        stress = np.column_stack([residual[:, :3], residual[:, 3] / math.sqrt(2)])
+        stress[:, :3], stress[:, 3:] = residual[:, :3], residual[:, :2:-1] / math.sqrt(2)
     else:
-        stress = np.column_stack([residual[:, [0, 2, 1]], shear])
+        stress[:, [0, 2, 1]], stress[:, 4] = residual[:, :3], residual[:, 3] / math.sqrt(2)
     y, z = (np.unique(np.round(axis, 9)) for axis in rolling.streams.places.T)
-    stress = stress.reshape(len(y), len(z), 4)[:, ::-1]
+    stress = stress.reshape(len(y), len(z), 6)[:, ::-1]
     strain = state.history.equivalent.reshape(len(y), len(z))[:, ::-1]
     across, up = state.profile.y, state.profile.up
     if rolling.block.half:
         y, strain = np.concatenate([-y[::-1], y]), np.concatenate([strain[::-1], strain])
-        stress = np.concatenate([stress[::-1] * [1.0, 1.0, 1.0, -1.0], stress])
+        stress = np.concatenate([stress[::-1] * [1.0, 1.0, 1.0, -1.0, 1.0, -1.0], stress])
         across, up = np.concatenate([-across[:0:-1], across]), np.concatenate([up[:0:-1], up])
     return RailState(y=y, depth=-z[::-1], stress=stress, strain=strain, across=across, up=up)
 

@@ -177,8 +177,7 @@ def section_grid(left: RailState) -> meshio.Mesh:
     """Section of a rail after passes: quadrilaterals, or of plane strain lines, between its points
     (0, y, z), y from the middle of the patch and z out of the surface, mm.
 
-    Point data: residual_stress (n, 9), MPa, the tensor row by row, xy and xz left at zero;
-    equivalent_plastic_strain (n,).
+    Point data: residual_stress (n, 9), MPa, the tensor row by row; equivalent_plastic_strain (n,).
     """
     number = np.arange(left.strain.size).reshape(left.strain.shape)
     if len(left.y) > 1:
@@ -187,13 +186,12 @@ def section_grid(left: RailState) -> meshio.Mesh:
     else:
         corners, kind = [number[:, :-1], number[:, 1:]], "line"
     y, depth = np.meshgrid(left.y, left.depth, indexing="ij")
-    xx, yy, zz, yz = left.stress.reshape(-1, 4).T
-    zero = np.zeros_like(xx)
+    stress = left.stress.reshape(-1, 6)
     return meshio.Mesh(
-        np.column_stack([zero, y.ravel(), -depth.ravel()]),
+        np.column_stack([0 * y.ravel(), y.ravel(), -depth.ravel()]),
         [(kind, np.stack([each.ravel() for each in corners], axis=1))],
         point_data={
-            "residual_stress": np.column_stack([xx, zero, zero, zero, yy, yz, zero, yz, zz]),
+            "residual_stress": stress[:, [0, 3, 4, 3, 1, 5, 4, 5, 2]],
             "equivalent_plastic_strain": left.strain.ravel(),
         },
     )

@@ -13,7 +13,7 @@ from railhead.solver.passes.rolling import RollingBlock
 
 
 def test_below_the_middle_are_means_of_the_nearest_points():
-    stress, strain = np.arange(24.0).reshape(3, 2, 4), np.arange(6.0).reshape(3, 2)
+    stress, strain = np.arange(36.0).reshape(3, 2, 6), np.arange(6.0).reshape(3, 2)
     state = RailState(
         y=np.array([-0.1, 0.1, 0.3]),
         depth=np.array([1.0, 3.0]),
@@ -38,6 +38,7 @@ def test_the_section_is_read_at_its_points(half):
     state, places = rolling.start, rolling.streams.places
     residual = np.zeros_like(state.residual)
     residual[:, 1], residual[:, 2], residual[:, 3] = *places.T, np.sqrt(2) * places[:, 0]
+    residual[:, 4], residual[:, 5] = np.sqrt(2) * places[:, 1], np.sqrt(2) * places[:, 0]
     history = replace(state.history, equivalent=-places[:, 1])
     left = rail_state(rolling, replace(state, residual=residual, history=history))
     assert (np.diff(left.y) > 0).all() and (np.diff(left.depth) > 0).all() and left.depth[0] > 0
@@ -45,7 +46,9 @@ def test_the_section_is_read_at_its_points(half):
     assert left.stress[:, 0, 2] == pytest.approx(-np.full(len(left.y), left.depth[0]))
     expected = np.abs(left.y) if half else left.y
     assert left.stress[:, 0, 1] == pytest.approx(expected)
-    assert left.stress[:, 0, 3] == pytest.approx(left.y)
+    assert left.stress[:, 0, 3] == pytest.approx(left.y)  # xy and yz are odd
+    assert left.stress[:, 0, 5] == pytest.approx(left.y)
+    assert left.stress[0, :, 4] == pytest.approx(-left.depth)
     assert len(left.y) == (12 if half else 6)
 
 

@@ -54,8 +54,9 @@ def test_summary_has_a_row_for_each_pass(result):
     assert result.summary["effects_after"]["plasticity"]["why"] == "simulated in the passes"
 
 
-def test_passes_carry_no_estimate(result):
+def test_passes_carry_no_estimate_without_an_accuracy(result):
     assert not any("pass" in key for key in result.summary["accuracy"]["bound"])
+    assert result.summary["result"]["passes_after"]["estimate"] == {}
 
 
 def test_the_files_hold_the_passes(result, tmp_path, monkeypatch):
@@ -127,7 +128,7 @@ def test_the_section_of_a_solid_is_drawn(result, tmp_path):
     left = RailState(
         y=np.sort(rng.normal(size=6)),
         depth=np.sort(rng.uniform(size=5)),
-        stress=rng.normal(size=(*shape, 4)),
+        stress=rng.normal(size=(*shape, 6)),
         strain=rng.uniform(size=shape),
         across=np.zeros(1),
         up=np.zeros(1),
@@ -137,9 +138,9 @@ def test_the_section_of_a_solid_is_drawn(result, tmp_path):
     first, second = corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]
     area = np.abs(first[:, 1] * second[:, 2] - first[:, 2] * second[:, 1]).sum() / 2
     assert area == pytest.approx(np.ptp(left.y) * np.ptp(left.depth))
-    assert grid.point_data["residual_stress"][7].tolist() == pytest.approx(
-        [left.stress[1, 2, 0], 0, 0, 0, *left.stress[1, 2, [1, 3]], 0, *left.stress[1, 2, [3, 2]]]
-    )
+    tensor = grid.point_data["residual_stress"][7].reshape(3, 3)
+    assert tensor[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]] == pytest.approx(left.stress[1, 2])
+    assert (tensor == tensor.T).all()
     passes = replace(result.solved.passes, sections=[left])
     passes_plots.draw_section(passes, result.solved.findings, tmp_path / "section.png")
     assert matplotlib.image.imread(tmp_path / "section.png").std() > 0.02
@@ -153,9 +154,20 @@ def test_the_table_shows_passes_and_verdict(result):
 
 
 def test_half_spaces_in_the_place_of_bodies_have_the_same_passes(result):
-    fast = pipeline.run(
-        scene_of("long_roller", *KEYS[:-1], "rolling.passes=1", "effects.finite_bodies=off")
-    )
+    """With an accuracy groove and residual stress have estimates, which hold beside the coarser
+    block of the other run.
+    """
+    keys = *KEYS[:-1], "rolling.passes=1", "effects.finite_bodies=off", "accuracy=0.01"
+    fast = pipeline.run(scene_of("long_roller", *keys))
+    estimate = fast.summary["result"]["passes_after"]["estimate"]
+    row, coarse = (each.summary["result"]["passes"][0] for each in (fast, result))
+    assert set(estimate) == {"groove_mm", "residual_along_MPa", "residual_across_MPa"}
+    for key, error in estimate.items():
+        assert 0 < error < 0.03
+        assert coarse[key] == pytest.approx(row[key], rel=6 * error)  # on half the elements
+    console = Console(file=io.StringIO(), width=100)
+    fast.show(console)
+    assert "passes (estimate after the last: groove" in console.file.getvalue()
     one = fast.summary["result"]["passes"][0]
     other = result.summary["result"]["passes"][0]
     assert one["strain_increment_max"] == pytest.approx(other["strain_increment_max"], rel=0.1)

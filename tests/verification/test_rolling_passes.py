@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -139,6 +140,47 @@ def test_a_longer_block_changes_nothing():
         ("strain_increment_max", 0.005), ("forward_mm", 0.01), ("residual_along_MPa", 0.01),
     ):  # fmt: skip
         assert found[1][key] == pytest.approx(found[0][key], rel=share)
+
+
+def test_half_the_tolerance_changes_nothing():
+    found = []
+    for tolerance in (1e-4, 5e-5):
+        block = passes.block(rail(0.0), (1.0, 1.0), line=True, half=False, per_length=4, reach=20)
+        block = replace(block, tolerance=tolerance)
+        found.append(passes.roll(block, line(4.5, keeps=False), (1.0, 1.0), 2).rows)
+    for one, other in zip(*found, strict=True):
+        assert one["iterations"] < other["iterations"]
+        for key in ("strain_increment_max", "forward_mm", "groove_mm", "residual_along_MPa"):
+            assert other[key] == pytest.approx(one[key], rel=5e-3), key
+
+
+@pytest.mark.slow
+def test_a_mirrored_load_leaves_a_mirrored_state():
+    """Tractions across the rail, and the same to the other side, on a solid solved as a whole."""
+    exact = ellipse()
+    half_lengths = exact.a, exact.b
+    plain = pass_contact.ellipse_contact(exact, keeps=False)
+    block = passes.block(rail(10e3), half_lengths, line=False, half=False, per_length=1.5, reach=4)
+    across = 0.2 * plain.pressure
+    one, other = (
+        passes.roll(
+            block,
+            replace(plain, traction=np.stack([np.zeros_like(across), sign * across])),
+            half_lengths,
+            2,
+        )
+        for sign in (1, -1)
+    )
+    odd = {"iterations", "change", "place_mm", "traction_work_N", "resistance_N", "lean_mm"}
+    for row, mirrored in zip(one.rows, other.rows, strict=True):
+        for key in row.keys() - odd:
+            assert mirrored[key] == pytest.approx(row[key], rel=1e-3, abs=1e-7), key
+    left, right = one.sections[-1], other.sections[-1]
+    signs = np.array([1.0, 1.0, 1.0, -1.0, 1.0, -1.0])
+    scale = np.abs(left.stress).max()
+    assert right.stress[::-1] * signs == pytest.approx(left.stress, abs=1e-3 * scale)
+    assert right.up[::-1] == pytest.approx(left.up, abs=1e-3 * np.abs(left.up).max())
+    assert np.abs(left.stress[::-1] * signs - left.stress).max() > 0.05 * scale  # no mirror itself
 
 
 def test_half_of_a_symmetric_solid_is_the_whole():

@@ -26,6 +26,11 @@ BORDER = 10.0  # times first yield beyond which load steps move the largest resi
 PAIRED = 30.0  # times first yield beyond which the pairing of the surfaces is felt
 
 
+PASS_ERRORS = {
+    "groove_mm": "groove",
+    "residual_along_MPa": "residual along",
+    "residual_across_MPa": "across",
+}
 PASSES_SHOWN = 10  # rows of the table of passes, and the last one
 
 
@@ -298,8 +303,14 @@ def _show_passes(
     """Print a table of the passes and their verdict. result: "result" of summary.json; passes: its
     entry of that name.
     """
+    errors = result["passes_after"]["estimate"]
+    told = ", ".join(
+        f"{name} {errors[key]:.1%}" for key, name in PASS_ERRORS.items() if key in errors
+    )
     table = Table(
-        title="passes (without an estimate)",
+        title=f"passes (estimate after the last: {told})"
+        if told
+        else "passes (without an estimate)",
         title_justify="left",
         box=box.SIMPLE_HEAD,
         padding=0,

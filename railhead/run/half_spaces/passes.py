@@ -23,13 +23,19 @@ if TYPE_CHECKING:
     from railhead.solver.passes.rolling import RollingBlock
 
 Array = NDArray[np.float64]
-PER_LENGTH = {"line": 8.0, "solid": 3.0}  # elements on a half length
+PER_LENGTH = {"line": 8.0, "solid": 4.0}  # elements on a half length
 GROWTH = {"line": 1.35, "solid": 1.6}  # of the elements beside the patch
 REACH = {"line": 50.0, "solid": 12.0}  # of the block over the half length of the patch
 DEEP, ASIDE = {"line": 3.4, "solid": 2.6}, 2.2  # plastic strain is followed, over half lengths
 INNER, BELOW = 1.5, {"line": 2.2, "solid": 1.4}  # where the elements are small
 TOLD = 5e-4  # strain of the first pass from which its energy is compared
 SETTLED = 2e-3  # of the first plastic work: less is no longer compared with the resistance
+
+
+ESTIMATED = "groove_mm", "residual_along_MPa", "residual_across_MPa"
+COARSER = (
+    0.75  # elements and reach of the block that errors are estimated by, over those of the other
+)
 
 
 def block(
@@ -40,6 +46,7 @@ def block(
     half: bool,
     per_length: float | None = None,
     reach: float | None = None,
+    coarser: float = 1.0,
 ) -> RollingBlock:
     """Block of a rail below a patch.
 
@@ -48,15 +55,15 @@ def block(
         width.
     half: whether y = 0 is a symmetry plane.
     per_length: elements on a half length; None: PER_LENGTH. reach: of the block over the half
-        length; None: REACH.
+        length; None: REACH. coarser: factor on both.
     """
     from railhead.solver.passes.block import Block, graded, mirrored
     from railhead.solver.passes.rolling import RollingBlock
 
     kind = "line" if line else "solid"
-    count, growth = per_length or PER_LENGTH[kind], GROWTH[kind]
+    count, growth = coarser * (per_length or PER_LENGTH[kind]), GROWTH[kind]
     a, b = half_lengths
-    least, far = min(a, b), (reach or REACH[kind]) * max(a, b)
+    least, far = min(a, b), coarser * (reach or REACH[kind]) * max(a, b)
     x = mirrored(graded(INNER * a, a / count, far, growth))
     z = -graded(BELOW[kind] * least, least / count, far, growth)[::-1]
     depth = DEEP[kind] * least

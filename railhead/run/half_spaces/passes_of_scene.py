@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ from railhead.postprocess.passes import Passes, RailState
 from railhead.run.half_spaces import pass_contact, passes_file
 from railhead.run.half_spaces.answer import Solved
 from railhead.run.half_spaces.pass_contact import RollingContact
-from railhead.run.half_spaces.passes import block, roll
+from railhead.run.half_spaces.passes import COARSER, ESTIMATED, block, roll
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.progress import Progress
 from railhead.solver.solution import FrictionSolution
@@ -42,26 +43,30 @@ def solve(solved: Solved, progress: Progress) -> Passes:
     try:
         contact, half_lengths, half, laid = _of_scene(solved)
         size, (fewest, most) = scene.mesh.patch_size, ELEMENTS[contact.line]
-        rolling = block(
-            material,
-            half_lengths,
-            line=contact.line,
-            half=half,
-            per_length=None if size is None else min(max(min(half_lengths) / size, fewest), most),
+        per_length = None if size is None else min(max(min(half_lengths) / size, fewest), most)
+        alone = partial(
+            block, material, half_lengths, line=contact.line, half=half, per_length=per_length
         )
-        path = scene.rolling.passes_from
+        path, count, errors = scene.rolling.passes_from, scene.rolling.passes or 1, {}
+        rolling = alone()
         found = roll(
             rolling,
             contact,
             half_lengths,
-            scene.rolling.passes or 1,
+            count,
             before=None if path is None else passes_file.load(path, rolling),
             stage=progress.stage,
         )
+        if scene.accuracy is not None and path is None:
+            progress.stage("passes on a coarser block")
+            other = roll(alone(coarser=COARSER), contact, half_lengths, count)
+            pairs = {key: (found.rows[-1][key], other.rows[-1][key]) for key in ESTIMATED}
+            errors = {key: abs(one - two) / abs(one) for key, (one, two) in pairs.items() if one}
     except ValueError as error:
         return Passes(rows=[], verdict="", reason=" ".join(str(error).split()))
     profile = None if laid is None else laid(found.sections[-1])
-    return replace(found, profile=profile, seconds=time.perf_counter() - start)
+    seconds = time.perf_counter() - start
+    return replace(found, profile=profile, errors=errors, seconds=seconds)
 
 
 def groove_on_profile(surface: Developed, centre: float, inclination: float) -> Laid:
