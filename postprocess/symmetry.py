@@ -8,13 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
-import meshio
 import numpy as np
 from numpy.typing import NDArray
 
 from railhead.postprocess.findings import COLUMN, ROW, Array, Surface
+
+if TYPE_CHECKING:
+    import meshio
 
 Normal = tuple[float, float, float]
 Planes = Sequence[Normal]
@@ -101,6 +103,8 @@ def _with_image(part: meshio.Mesh, normal: Normal) -> meshio.Mesh:
     """A grid joined with its image in the plane through the origin with this unit normal, as in
     `grid`.
     """
+    import meshio
+
     flip, across = _signs(normal), part.points @ np.array(normal)
     beside = np.abs(across) > ON_PLANE * np.ptp(across)
     count = len(part.points)

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 HEAVY = ("numpy", "scipy", "mpi4py", "petsc4py", "dolfinx", "gmsh", "meshio", "pyvista",
          "matplotlib", "pint", "jinja2")  # fmt: skip
@@ -34,6 +35,11 @@ def test_a_plan_imports_no_solver() -> None:
     """Of a solid of half-spaces, one of real bodies, and a section."""
     plans = [command("plan", case) for case in ("hertz_ellipse", "uic54_thesis", "two_cylinders")]
     assert loaded("\n".join(plans)) == {"numpy", "scipy"}
+
+
+def test_half_spaces_import_no_solver_and_no_mesh(tmp_path: Path) -> None:
+    fast = command("run", "s1002_60e1", "--fast", "--quiet", "--no-pictures", f"--out={tmp_path}")
+    assert not {"petsc4py", "dolfinx", "meshio"} & loaded(fast)
 
 
 def test_the_solver_is_imported_while_gmsh_works() -> None:

@@ -9,7 +9,7 @@ import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,10 +29,12 @@ from railhead.run.half_spaces.normal_contact import CELLS, PressedPatch
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.progress import Progress
 from railhead.run.quantities import numeric_values
-from railhead.solver.solution import FrictionSolution
 from railhead.theory.bem.boundary_element import BoundaryElementSolution
 from railhead.theory.elastic.contacts import Hertz
 from railhead.theory.friction.rolling import TangentialSolution
+
+if TYPE_CHECKING:
+    from railhead.solver.solution import FrictionSolution
 
 TURNS, BALANCE = 12, 1e-6  # between pressing and shearing; of the load
 CURVED = 0.3  # relative error of stresses over half width times curvature of a body: 0.26 measured

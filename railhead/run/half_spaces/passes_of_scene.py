@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +22,10 @@ from railhead.run.half_spaces.pass_contact import RollingContact
 from railhead.run.half_spaces.passes import COARSER, ESTIMATED, block, roll
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.progress import Progress
-from railhead.solver.solution import FrictionSolution
 from railhead.theory.elastic.line import LineContact
+
+if TYPE_CHECKING:
+    from railhead.solver.solution import FrictionSolution
 
 Array = NDArray[np.float64]
 SPACING = 0.2  # mm, of the points of the profile with its groove

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,6 @@ from railhead.planning.references import closed_forms
 from railhead.run.half_spaces import normal_contact
 from railhead.run.half_spaces.normal_contact import PressedPatch
 from railhead.run.mesh_solution import MeshSolution
-from railhead.solver.solution import FrictionSolution
 from railhead.theory.bem.boundary_element import BoundaryElementSolution
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.line import LineContact
@@ -32,6 +31,9 @@ from railhead.theory.friction.rolling import (
     solve_for_forces,
 )
 from railhead.theory.friction.tangential import MaterialPair
+
+if TYPE_CHECKING:
+    from railhead.solver.solution import FrictionSolution
 
 Array = NDArray[np.float64]
 CELLS, STRIP_CELLS = (32, 64), (128, 256)  # of boundary elements, coarse and fine
