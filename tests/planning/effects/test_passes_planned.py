@@ -64,6 +64,8 @@ def test_a_wheel_that_yields_too_is_left_out_by_its_name():
         (["effects.deformable_wheel=off"], "give wheel.young_modulus=inf"),
         (["rail.yield_stress=none"], "rolling.passes: 3 .*the rail has no yield stress"),
         (["load=3000kN"], "rolling.passes: 3 .*no steady answer above 6;"),
+        (["load=3000kN", "rail.hardening_modulus=0.001"], "p0/k is 6.94.*answer above 6;"),
+        (["load=3000kN", "rail.hardening_modulus=1500"], "p0/k is 6.94.*answer above 6.56;"),
         (["load=2100kN", "rolling.pressure=hertz"], "rolling.passes: 3 .*answer above 5.5;"),
         (["rail.young_modulus=inf"], "rolling.passes: 3 .*the rail is rigid"),
         (["friction.coefficient=0.3", "friction.force_along=9kN"],
