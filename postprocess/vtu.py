@@ -216,54 +216,30 @@ def _with_unit(tag: re.Match[bytes]) -> bytes:
     return tag[0] + (key % unit).encode()
 
 
-def write_result(
+def grids(
     fields: Fields,
     stress: Array,
     found: Findings,
     residual: Fields | None,
     rubbing: FrictionSolution | None,
-    folder: Path,
     *,
     whole: bool = False,
-) -> None:
-    """Write the .vtu files of one result into a folder.
-
-    solution.vtu holds the cells, contact.vtu the contact surfaces. With friction there is
-    traction.vtu. With a state after the load there are residual.vtu, and solution.pvd, which steps
-    from the loaded state to it.
+) -> Iterator[tuple[str, meshio.Mesh]]:
+    """File names without suffix and grids of one result: "contact" (contact surfaces), "solution"
+    (cells), and, if given, "residual" (cells) and "traction" (contact points).
 
     fields: under the load. stress (n, 6): at their nodes, MPa, as `nodal_stress` computes it.
         found: gives the contact surfaces, of the modelled part. residual: fields after the load, or
         None. rubbing: solution with friction, or None. whole: whether mirror images of a cut model
-        are added to all grids. OSError: a file cannot be written.
-    """
-    for name, grid in _grids(fields, stress, found, residual, rubbing):
-        shown = symmetry.grid(grid, fields.mirrors) if whole else grid
-        write(shown, folder / f"{name}.vtu")
-    if residual is not None:
-        names = {0.0: "solution.vtu", 1.0: "residual.vtu"}
-        series(names, folder / "solution.pvd")
-
-
-def _grids(
-    fields: Fields,
-    stress: Array,
-    found: Findings,
-    residual: Fields | None,
-    rubbing: FrictionSolution | None,
-) -> Iterator[tuple[str, meshio.Mesh]]:
-    """File names without suffix and grids of one result: "contact", "solution", and, if given,
-    "residual" and "traction".
-
-    stress (n, 6): at the nodes of the fields, MPa. residual: fields after the load, or None.
-        rubbing: solution with friction, or None.
+        are added to all grids.
     """
     surfaces = {fields.slave: found.surface}
     if found.opposite is not None:
         surfaces[other(fields.slave)] = found.opposite
-    yield "contact", contact_grid(surfaces)
-    yield "solution", volume_grid(fields, stress)
+    planes = fields.mirrors if whole else ()
+    yield "contact", symmetry.grid(contact_grid(surfaces), planes)
+    yield "solution", symmetry.grid(volume_grid(fields, stress), planes)
     if residual is not None:
-        yield "residual", volume_grid(residual, nodal_stress(residual))
+        yield "residual", symmetry.grid(volume_grid(residual, nodal_stress(residual)), planes)
     if rubbing is not None:
-        yield "traction", traction_points(rubbing)
+        yield "traction", symmetry.grid(traction_points(rubbing), planes)

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from railhead.results.result import Result
+    from railhead.run.progress import Tell
     from railhead.sweeps.sweep import Sweep
 
 __all__ = ["Planned", "find", "load", "plan", "solve", "steels"]
@@ -75,6 +76,7 @@ def solve(
     accuracy: str | float | None = None,
     budget: str | float | None = None,
     quiet: bool = False,
+    progress: Tell | None = None,
 ) -> Result:
     """Solve a scene by finite elements, or by half-spaces where effects.finite_bodies is off, and
     return the result. Under MPI, call this on all ranks. Nothing is written.
@@ -84,6 +86,9 @@ def solve(
     budget: computing time for the best accuracy, s or e.g. "30 s", None keeps the scene's. With
         neither, one mesh is solved.
     quiet: whether no progress is shown on standard error.
+    progress: function that is called in the place of showing progress, on rank 0, with the seconds
+        since the start and what is done now, e.g. (1.3, "solving 9000 unknowns"). What it raises
+        ends the call.
     Raises SceneError for a scene that makes no contact problem or needs more memory than there is,
     MeshError where gmsh fails. A result that fails a check is returned, too: see `Result.passed`.
     """
@@ -92,8 +97,8 @@ def solve(
 
     scene = with_accuracy(scene, accuracy, budget)
     warn_of_units(scene)
-    with refinement.show_progress(quiet=quiet) as progress:
-        return pipeline.run(scene, progress)
+    with refinement.show_progress(quiet=quiet, tell=progress) as shown:
+        return pipeline.run(scene, shown)
 
 
 def load(folder: str | Path) -> Result | Sweep:

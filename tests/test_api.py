@@ -7,10 +7,12 @@ import subprocess
 import sys
 from importlib import metadata
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pages
 import pytest
+import pyvista
 from matplotlib.figure import Figure
 from solved import solved
 
@@ -179,6 +181,78 @@ def test_a_result_can_be_pickled_and_loaded(tmp_path) -> None:
     ):
         with pytest.raises(rh.SceneError, match="3 is no path; give text or a pathlib.Path"):
             wrong()
+
+
+def test_half_spaces_and_sweeps_can_be_pickled() -> None:
+    result = solved("hertz_ellipse", "friction.coefficient=0.3", "friction.force_along=1kN",
+                    "effects.finite_bodies=off")  # fmt: skip
+    copy = pickle.loads(pickle.dumps(result))
+    assert copy.as_dict() == result.as_dict()
+    assert np.array_equal(copy.surface.pressure, result.surface.pressure)
+    assert np.array_equal(copy.tractions.traction, result.tractions.traction)
+    table = rh.sweep(rh.find("sphere_on_plane"), {"effects.finite_bodies": ["off"]}, quiet=True)
+    again = pickle.loads(pickle.dumps(table))
+    assert again.rows() == table.rows() and again.keys == table.keys
+    assert np.array_equal(again[0].surface.pressure, table[0].surface.pressure)
+
+
+def test_grids_are_those_of_the_files(tmp_path) -> None:
+    result = solved("sphere_on_plane", "wheel.yield_stress=20")
+    grids = result.to_pyvista()
+    assert set(grids.keys()) == {"contact", "solution", "residual"}
+    result.save(tmp_path / "out", pictures=False)
+    for name in sorted(grids.keys()):
+        written = pyvista.read(tmp_path / "out" / f"{name}.vtu")
+        assert written.n_cells == grids[name].n_cells > 10
+        for array in grids[name].array_names:
+            assert np.array_equal(written[array], grids[name][array])
+    whole = result.to_pyvista(whole=True)["solution"]
+    assert whole.bounds[0] == pytest.approx(-whole.bounds[1]) and grids["solution"].bounds[0] > -0.1
+    with pytest.raises(ValueError, match="no grids: half-spaces answered"):
+        solved("sphere_on_plane", "effects.finite_bodies=off").to_pyvista()
+
+
+def test_a_dataset_has_units_and_its_own_points(monkeypatch) -> None:
+    """xarray need not be installed here: its constructor's arguments are looked at."""
+    with monkeypatch.context() as without:
+        without.setitem(sys.modules, "xarray", None)
+        with pytest.raises(ImportError, match="xarray"):
+            solved("sphere_on_plane").to_xarray()
+    stand_in = SimpleNamespace(Dataset=lambda *arguments: arguments)
+    monkeypatch.setitem(sys.modules, "xarray", stand_in)
+    result = solved("hertz_ellipse", "friction.coefficient=0.3", "friction.force_along=1kN",
+                    "effects.finite_bodies=off")  # fmt: skip
+    values, coords, attrs = result.to_xarray()
+    assert attrs["load_N"] == result.load and attrs["case"] == "hertz_ellipse"
+    sizes = {"node": len(result.surface.points), "point": len(result.tractions.points),
+             "component": 3}  # fmt: skip
+    for over, array, *_ in (*values.values(), *coords.values()):
+        over = (over,) if isinstance(over, str) else over
+        assert np.shape(array) == tuple(sizes[each] for each in over)
+    units = {name: each[2]["units"] for name, each in values.items()}
+    assert units == {"pressure": "MPa", "gap": "mm", "traction": "MPa", "slip": "mm",
+                     "sticks": "1", "point_pressure": "MPa"}  # fmt: skip
+    assert np.array_equal(values["traction"][1], result.tractions.traction)
+    assert np.array_equal(coords["point_y"][1], result.tractions.points[:, 1])
+
+
+def test_progress_is_told_to_a_function(capfd) -> None:
+    told: list[tuple[float, str]] = []
+    case = rh.find("sphere_on_plane")
+    rh.solve(case, progress=lambda *each: told.append(each))
+    assert [text for _, text in told if "Newton step 1" in text] and told[-1][0] > told[0][0] >= 0
+    assert told[-1][1] == "reading the result"
+
+    def enough(seconds: float, text: str) -> None:
+        raise TimeoutError(text)
+
+    with pytest.raises(TimeoutError, match="meshing"):
+        rh.solve(case, progress=enough)
+    told.clear()
+    fast = case.replace(effects={"finite_bodies": "off"})
+    rh.sweep(fast, load=[100, 200], progress=lambda *each: told.append(each))
+    assert told[-1][1] == "2 of 2 done"
+    assert capfd.readouterr().err == ""
 
 
 def test_arrays_are_public() -> None:

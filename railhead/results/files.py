@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -134,20 +134,32 @@ def write_grids(
 
     stresses (n, 6): as of `nodal_stress`. whole: with the mirror images of what symmetry left out.
     """
-    passes = solved.passes if solved.passes is not None and solved.passes.rows else None
-    if stresses is None and passes is None:
-        return
     from railhead.postprocess import vtu
 
-    if passes is not None:
-        vtu.write(vtu.section_grid(passes.sections[-1]), folder / "passes_section.vtu")
+    for name, grid in paraview_grids(solved, stresses, whole=whole):
+        vtu.write(grid, folder / f"{name}.vtu")
+    if stresses is not None and isinstance(solved, MeshSolution) and solved.unloaded_fields:
+        names = {0.0: "solution.vtu", 1.0: "residual.vtu"}
+        vtu.series(names, folder / "solution.pvd")
+
+
+def paraview_grids(
+    solved: Solved, stresses: Array | None, *, whole: bool
+) -> Iterator[tuple[str, meshio.Mesh]]:
+    """Names and grids of the files for ParaView, as `vtu.grids`; with passes "passes_section". None
+    of the former without stresses.
+
+    stresses (n, 6): as of `nodal_stress`. whole: with the mirror images of what symmetry left out.
+    """
+    from railhead.postprocess import vtu
+
+    if solved.passes is not None and solved.passes.rows:
+        yield "passes_section", vtu.section_grid(solved.passes.sections[-1])
     if stresses is None:
         return
     assert isinstance(solved, MeshSolution) and solved.fields and solved.findings
     friction, residual = solved.solution.friction, solved.unloaded_fields
-    vtu.write_result(
-        solved.fields, stresses, solved.findings, residual, friction, folder, whole=whole
-    )
+    yield from vtu.grids(solved.fields, stresses, solved.findings, residual, friction, whole=whole)
 
 
 def _grids(solved: Solved, found: Findings, stresses: Array | None) -> Grids | None:

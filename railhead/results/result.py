@@ -213,12 +213,13 @@ class Result:
 
     @property
     def tractions(self) -> FrictionSolution | None:
-        """Friction at the n contact points of all ranks, in the meshed part: `points` (n, 3) in
-        space, mm; `pressure` (n,), MPa; `traction` (n, 3) of the wheel on the rail, MPa; `slip` (n,
-        3) of the wheel over the rail, mm, rolling without dimension; `sticks` (n,). None without
-        friction. ValueError: half-spaces answered, or the result was loaded.
+        """Friction at the n contact points of all ranks, in the meshed part, of half-spaces at the
+        cells that touch: `points` (n, 3) in space, mm; `pressure` (n,), MPa; `traction` (n, 3) of
+        the wheel on the rail, MPa; `slip` (n, 3) of the wheel over the rail, mm, rolling without
+        dimension; `sticks` (n,). None without friction. ValueError: the result was loaded.
         """
-        return self.mesh_solution.solution.friction
+        solved = self.solved
+        return solved.solution.friction if isinstance(solved, MeshSolution) else solved.friction
 
     def stress_at(self, points: Array, body: str | None = None) -> Array:
         """Smooth stress (n, 6), components xx, yy, zz, xy, xz, yz in global axes, MPa, tension
@@ -235,6 +236,55 @@ class Result:
         if self.fields is None:
             raise ValueError("no fields: half-spaces answered, or this is not rank 0")
         return recovery.stress_at(self.fields, points, body)
+
+    def to_pyvista(self, *, whole: bool = False) -> Any:
+        """The grids of the .vtu files (docs/files.md) as a pyvista.MultiBlock, in mm and MPa: the
+        blocks "solution" (cells), "contact" (contact surfaces), with friction "traction" (contact
+        points), where steel yields "residual" (cells after the load), with passes "passes_section".
+
+        whole: whether the mirror images of what symmetry left out are added.
+        ValueError: nothing touches, off rank 0, half-spaces, or a loaded result.
+        """
+        from railhead.postprocess.pictures.views.camera import load_pyvista
+        from railhead.results import files
+
+        pv, stresses = load_pyvista(), files.nodal_stress(self.solved)
+        grids = dict(files.paraview_grids(self.solved, stresses, whole=whole))
+        if not grids:
+            raise ValueError("no grids: half-spaces answered, nothing touches, or not rank 0")
+        return pv.MultiBlock({name: pv.from_meshio(grid) for name, grid in grids.items()})
+
+    def to_xarray(self) -> Any:
+        """`surface` and, with friction, `tractions` as an xarray.Dataset with units in `attrs`:
+        pressure and gap over "node" with the coordinates x, y, z; traction and slip (along
+        "component": x, y, z), sticks and point_pressure over "point" with point_x, point_y and
+        point_z. ImportError: xarray is not installed. ValueError: as of `surface`.
+        """
+        import xarray as xr  # type: ignore[import-not-found]
+
+        surface, friction = self.surface, self.tractions
+        coords: dict[str, Any] = {}
+        values: dict[str, Any] = {
+            "pressure": ("node", surface.pressure, {"units": "MPa"}),
+            "gap": ("node", surface.gap, {"units": "mm"}),
+        }
+        places = {"node": ("", surface.points)}
+        if friction is not None:
+            slip = "1" if self.plan.scene.rolling.prescribed else "mm"
+            vector = ("point", "component")
+            places["point"] = ("point_", friction.points)
+            coords["component"] = ("component", ["x", "y", "z"])
+            values |= {
+                "traction": (vector, friction.traction, {"units": "MPa"}),
+                "slip": (vector, friction.slip, {"units": slip}),
+                "sticks": ("point", friction.sticks, {"units": "1"}),
+                "point_pressure": ("point", friction.pressure, {"units": "MPa"}),
+            }
+        for over, (prefix, points) in places.items():
+            for axis, column in zip("xyz", points.T, strict=True):
+                coords[prefix + axis] = (over, column, {"units": "mm"})
+        origin = {key: self.summary[key] for key in ("case", "railhead", "date")}
+        return xr.Dataset(values, coords, {**origin, "load_N": self.load})
 
     def save(
         self,

@@ -1,12 +1,16 @@
-"""The progress of a run on standard error: a line on a terminal, plain lines elsewhere."""
+"""The progress of a run: on standard error, or told to a function."""
 
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from datetime import timedelta
 from typing import Self
 
 from rich.console import Console
+
+Tell = Callable[[float, str], object]
+"""Takes the seconds since the start and what is done now."""
 
 
 class Progress:
@@ -16,10 +20,14 @@ class Progress:
     On a terminal one line is updated; elsewhere each message is a line.
     """
 
-    def __init__(self, *, quiet: bool, since: float | None = None) -> None:
+    def __init__(
+        self, *, quiet: bool, since: float | None = None, tell: Tell | None = None
+    ) -> None:
         """quiet: whether nothing is printed; since: start of the clock (time.perf_counter), None:
-        now.
+        now; tell: is called in the place of printing.
         """
+        self._tell = tell
+        quiet = quiet or tell is not None
         self._console = Console(stderr=True, quiet=quiet, highlight=False)
         self._live = self._console.is_terminal and not quiet
         self._status = self._console.status("")
@@ -41,6 +49,8 @@ class Progress:
     def _say(self, text: str) -> None:
         """Show a text with the elapsed seconds."""
         elapsed = time.perf_counter() - self._start
+        if self._tell is not None:
+            self._tell(elapsed, text)
         if self._live:
             self._status.update(f"{text}  ({elapsed:.1f} s)")
         else:

@@ -13,7 +13,7 @@ from railhead.planning.sizing import LINEAR_REFINEMENT
 from railhead.run import estimates, quantities
 from railhead.run.estimates import STEP_ORDER
 from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
-from railhead.run.progress import Progress
+from railhead.run.progress import Progress, Tell
 
 MAX_LEVELS = 5
 ONE_MESH = "one mesh"
@@ -66,11 +66,11 @@ def unplanned_yield(solved: MeshSolution, comm: MPI.Intracomm) -> str:
     return comm.bcast(after.why)
 
 
-def show_progress(*, quiet: bool, since: float | None = None) -> Progress:
-    """Progress display of a run, on the first MPI rank only. quiet: whether nothing is printed;
-    since: start of the clock (time.perf_counter), None: now.
-    """
-    return Progress(quiet=quiet or MPI.COMM_WORLD.rank > 0, since=since)
+def show_progress(*, quiet: bool, since: float | None = None, tell: Tell | None = None) -> Progress:
+    """Progress display of a run, on the first MPI rank only; arguments as those of `Progress`."""
+    if MPI.COMM_WORLD.rank:
+        return Progress(quiet=True)
+    return Progress(quiet=quiet, since=since, tell=tell)
 
 
 def _refine(

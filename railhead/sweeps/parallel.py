@@ -20,7 +20,7 @@ from railhead.results import files, result_folder
 from railhead.results.result import Result
 from railhead.results.subject import shared_y
 from railhead.run import process, refinement
-from railhead.run.progress import Progress
+from railhead.run.progress import Progress, Tell
 from railhead.scene.catalogue import copy_files, places, portable
 from railhead.scene.scene import Scene, SceneError
 from railhead.sweeps import runner, store, sweep_report, sweep_table, worker_pool
@@ -111,14 +111,19 @@ class Outcome:
 
 
 def run(
-    sweep: ParallelSweep, *, pictures: bool, quiet: bool, other: store.Other = "refuse"
+    sweep: ParallelSweep,
+    *,
+    pictures: bool,
+    quiet: bool,
+    other: store.Other = "refuse",
+    tell: Tell | None = None,
 ) -> Outcome | None:
     """Solve the scenes of a sweep that have no record yet, side by side, and write table and
     pictures; under MPI called on all ranks.
 
     other: what happens to another result in the folder (`store.begin`).
     pictures: whether PNG files and report.html are written.
-    quiet: whether no progress is shown.
+    quiet: whether no progress is shown. tell: as of `Progress`.
     Returns None on all MPI ranks but the first, which solve scenes. Raises SceneError before
     anything is solved, OSError where nothing can be written.
     """
@@ -131,7 +136,7 @@ def run(
     with ExitStack() as claim:
         if comm.rank == 0:
             try:
-                with refinement.show_progress(quiet=quiet) as progress:
+                with refinement.show_progress(quiet=quiet, tell=tell) as progress:
                     plans = runner.plan_all(sweep.grid, progress)
                 groups, y_label = runner.group_by_mesh(plans), shared_y(plans)
                 store.begin(sweep.folder, sweep.request, other)
@@ -146,7 +151,7 @@ def run(
             if submit is None:
                 return None
             workers = worker_pool.workers(comm.size)
-            with Progress(quiet=quiet) as progress:
+            with Progress(quiet=quiet, tell=tell) as progress:
                 solve = partial(_solve_all, sweep, rows, results, workers, submit, progress)
                 faults = solve(groups)
                 # A crash takes the rest of its group with it: these again, each alone.

@@ -17,6 +17,7 @@ from railhead.postprocess.findings import Units
 from railhead.results import result_folder
 from railhead.results.report import terminal
 from railhead.results.result import Result
+from railhead.run.progress import Tell
 from railhead.scene.catalogue import as_path
 from railhead.scene.scene import Scene, SceneError, warn_of_units
 from railhead.sweeps import parallel, store, sweep_report, sweep_table
@@ -95,6 +96,7 @@ def sweep(
     *,
     out: str | Path | None = None,
     quiet: bool = False,
+    progress: Tell | None = None,
     **values: Sequence[object],
 ) -> Sweep:
     """Solve a scene for every combination of values, a process a core, as `railhead sweep`.
@@ -103,6 +105,7 @@ def sweep(
     out: folder for the files of `railhead sweep`, which a repeated call goes on with; None: no
         files.
     quiet: whether no progress is shown on standard error.
+    progress: as of `railhead.solve`, e.g. (8.1, "3 of 50 done, 0:02:10 left").
     values: lists of values by key: ``load=["25 kN", "50 kN"]``.
     Results that this call solved have arrays, but no dolfinx mesh; those that were in the folder
     have numbers. Under MPI, call this on all ranks. Raises SceneError for a wrong scene or folder,
@@ -116,7 +119,7 @@ def sweep(
         folder = as_path(comm.bcast(temporary) if out is None else out, "out")
         result_folder.check_folder(folder)
         task = parallel.ParallelSweep(grid=grid, folder=folder, fields=True)
-        outcome = parallel.run(task, pictures=out is not None, quiet=quiet)
+        outcome = parallel.run(task, pictures=out is not None, quiet=quiet, tell=progress)
         found = comm.bcast(outcome and Sweep(folder, outcome.results))
     if outcome and outcome.failures:
         raise OSError("\n".join(outcome.failures))

@@ -152,7 +152,7 @@ def test_a_vtu_file_that_fails_takes_no_picture(tmp_path: Path, monkeypatch) -> 
     def full(*_, **__) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(vtu, "write_result", full)
+    monkeypatch.setattr(vtu, "write", full)
     with pytest.raises(OSError, match="No space left") as caught:
         solved("sphere_on_plane").save(tmp_path / "out", report=False)
     assert len(str(caught.value).splitlines()) == 1
