@@ -31,7 +31,14 @@ if TYPE_CHECKING:
 SOLVED, CHECK_FAILED, WRONG_INPUT = 0, 1, 2  # exit statuses
 PROCESSES = click.IntRange(1)
 PROCESSES.name = "number of processes; give a whole number from 1 on"
-SERIAL = ("list", "plan", "show", "locate", "profile")  # commands of which MPI prints one copy
+SERIAL = (
+    "list",
+    "plan",
+    "show",
+    "diff",
+    "locate",
+    "profile",
+)  # commands of which MPI prints one copy
 
 
 def _completing(words: Callable[[], Iterable[str]]) -> Callable[..., list[str]]:
@@ -406,6 +413,32 @@ def show(folder: Path, unit_names: str | None, as_json: bool) -> None:
         click.echo(result_folder.to_json(found.as_dict()), nl=False)
     else:
         found.show(terminal.standard(), units)
+
+
+@railhead.command()
+@click.argument("a", type=click.Path(path_type=Path))
+@click.argument("b", type=click.Path(path_type=Path))
+@click.option("--units", "unit_names", help="Of the table, e.g. mm,kN,MPa.")
+@click.option("--json", "as_json", is_flag=True, help="Print the comparison as JSON.")
+def diff(a: Path, b: Path, unit_names: str | None, as_json: bool) -> None:
+    """Compare the results of two runs that lie in folders, and their scenes; solve nothing."""
+    from railhead import api
+    from railhead.results import quantity_rows, result_folder
+    from railhead.results.report import output_units, terminal
+    from railhead.results.result import Result
+
+    units, summaries = output_units.parse(unit_names), []
+    for folder in (a, b):
+        result = api.load(folder)
+        if not isinstance(result, Result):
+            raise SceneError("diff", f"{str(folder)!r} holds a sweep; give the folders of two runs")
+        summaries.append(result.summary)
+    found = quantity_rows.difference(*summaries)
+    if as_json:
+        found = {"A": str(a), "B": str(b), **found}
+        click.echo(result_folder.to_json(found), nl=False)
+    else:
+        terminal.show_difference(found, terminal.standard(), units)
 
 
 @railhead.command()

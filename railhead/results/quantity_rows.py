@@ -16,9 +16,16 @@ words "below resolution"."""
 
 ROUNDING = 1e-9  # of friction times load: a force below it is 0
 FIRST = ("quantity", "unit")
+MADE = ("program", "date")
 ANSWERS = ("FE", "half-spaces")
 REFERENCES = ("elastic", "frictionless")
-RELATIVE = ("estimate", *(f"{name} - Hertz" for name in ANSWERS))
+RELATIVE = (
+    "estimate",
+    *(f"{name} - Hertz" for name in ANSWERS),
+    "estimate A",
+    "estimate B",
+    "B - A",
+)
 """Columns of relative numbers."""
 
 
@@ -100,6 +107,48 @@ def everything(summary: Mapping[str, Any]) -> Iterator[Row]:
             yield {**named, "quantity": name}
     yield {"quantity": "program", "value": f"railhead {summary['railhead']}"}
     yield {"quantity": "date", "value": summary["date"]}
+
+
+def difference(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, Any]:
+    """Two results beside each other. first, second: summary.json of A and of B.
+
+    "made": program and date of each; "scene": pairs of values by dotted key that differ, None where
+    a key is not given; "quantities": a row for each quantity of either, with "B - A" relative to A;
+    "beyond": names of those that differ by more than the sum of their estimates.
+    """
+    keys = [dict(_leaves(each.get("scene", {}))) for each in (first, second)]
+    pairs = {key: [of.get(key) for of in keys] for key in dict.fromkeys([*keys[0], *keys[1]])}
+    cells = [{str(row["quantity"]): row for row in everything(each)} for each in (first, second)]
+    found, beyond = [], []
+    for name in dict.fromkeys(name for of in cells for name in of if name not in MADE):
+        a, b = (of.get(name, {}) for of in cells)
+        change = _relative(b.get("value"), a.get("value"))
+        row: Row = {
+            "quantity": name,
+            "unit": a.get("unit", b.get("unit")),
+            "A": a.get("value"),
+            "B": b.get("value"),
+            "B - A": change,
+            "estimate A": a.get("estimate"),
+            "estimate B": b.get("estimate"),
+        }
+        bounds = [row["estimate A"], row["estimate B"]]
+        known = [bound for bound in bounds if isinstance(bound, float)]
+        if change is not None and len(known) == 2 and abs(change) > sum(known):
+            beyond.append(name)
+        found.append(row)
+    differing = {key: pair for key, pair in pairs.items() if pair[0] != pair[1]}
+    made = [[of[name]["value"] for name in MADE] for of in cells]
+    return {"made": made, "scene": differing, "quantities": found, "beyond": beyond}
+
+
+def _leaves(table: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
+    """Dotted keys and values of nested tables."""
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from _leaves(value, f"{above}{key}.")
+        else:
+            yield f"{above}{key}", value
 
 
 def _cell(value: Any, least: float) -> Cell:

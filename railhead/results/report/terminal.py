@@ -338,6 +338,25 @@ def _show_passes(
     console.print(f"Passes: {result['passes_words']}.", markup=False, highlight=False)
 
 
+def show_difference(found: Mapping[str, Any], console: Console, units: Units = BASE_UNITS) -> None:
+    """Print quantities of two results side by side, and the scene keys that differ. found: as of
+    `quantity_rows.difference`.
+    """
+    rows = []
+    for row in found["quantities"]:
+        above, _, part = row["quantity"].partition(": ")
+        rows.append({**row, "quantity": f"  {part}" if part else above})
+    title = "A: {}, {}; B: {}, {}".format(*found["made"][0], *found["made"][1])
+    _show_rows(title, rows, console, units)
+    for key, (a, b) in found["scene"].items():
+        said = ("not given" if value is None else value for value in (a, b))
+        labelled(console, "scene      {}: {} and {}".format(key, *said))
+    if not found["scene"]:
+        console.print("scene      the same in both", highlight=False)
+    if found["beyond"]:
+        labelled(console, f"differ by more than their estimates: {', '.join(found['beyond'])}")
+
+
 def _show_rows(title: str, rows: Sequence[Row], console: Console, units: Units) -> None:
     """Print rows with as many columns as fit, and further columns in tables below. Empty columns
     are left out.
@@ -416,5 +435,5 @@ def cell(name: str, value: Cell, unit: str, units: Units) -> str:
     if value is None or isinstance(value, str):
         return value or ""
     if name in quantity_rows.RELATIVE:
-        return f"{value:.2%}" if name == "estimate" else f"{rounded(value, 4):+.2%}"
+        return f"{value:.2%}" if name.startswith("estimate") else f"{rounded(value, 4):+.2%}"
     return f"{units.value(value, unit):.5g}"
