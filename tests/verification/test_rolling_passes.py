@@ -64,6 +64,9 @@ def test_two_passes_of_a_line_are_those_of_another_program(number):
             other["dq"], rel=0.10 if high else 0.05, abs=1e-9
         )
         assert row["forward_mm"] == pytest.approx(other["forward"], rel=wide, abs=1e-4)
+        assert row["shear_increment_max"] == pytest.approx(other["dgamma"], rel=wide)
+        if row["place_mm"]:
+            assert -row["place_mm"][1] == pytest.approx(other["z_dq"], abs=0.07)
     for column, name in enumerate(("sxx_min", "syy_min")):
         least = [state.stress[..., column].min() for state in found.sections]
         expected = [other[name] for other in case["passes"][:2]]
