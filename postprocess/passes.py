@@ -65,7 +65,7 @@ class Passes:
         stays, over both; None under a kept pressure, and where nothing yields.
     rim: largest plastic increment at the rim of the region where yield is followed, over the
         largest.
-    errors: estimated relative errors after the last pass by key of its row: change on a coarser and
+    errors: estimated relative errors after the last pass by key of its row, from a coarser and
         shorter block; empty without an accuracy.
     unknowns: of the block. seconds: of all passes.
     reason: why there are none; empty where there are.

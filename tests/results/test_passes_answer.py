@@ -163,8 +163,8 @@ def test_half_spaces_in_the_place_of_bodies_have_the_same_passes(result):
     row, coarse = (each.summary["result"]["passes"][0] for each in (fast, result))
     assert set(estimate) == {"groove_mm", "residual_along_MPa", "residual_across_MPa"}
     for key, error in estimate.items():
-        assert 0 < error < 0.03
-        assert coarse[key] == pytest.approx(row[key], rel=6 * error)  # on half the elements
+        assert 0 < error < 0.09
+        assert coarse[key] == pytest.approx(row[key], rel=2 * error)  # on half the elements
     console = Console(file=io.StringIO(), width=100)
     fast.show(console)
     assert "passes (estimate after the last: groove" in console.file.getvalue()

@@ -64,7 +64,8 @@ def solve(solved: Solved, progress: Progress) -> Passes:
             progress.stage("passes on a coarser block")
             other = roll(alone(coarser=COARSER), contact, half_lengths, count)
             pairs = {key: (found.rows[-1][key], other.rows[-1][key]) for key in ESTIMATED}
-            errors = {key: abs(one - two) / abs(one) for key, (one, two) in pairs.items() if one}
+            factor = COARSER / (1 - COARSER)  # Richardson: errors fall with the size at least
+            errors = {key: factor * abs(1 - two / one) for key, (one, two) in pairs.items() if one}
     except ValueError as error:
         return Passes(rows=[], verdict="", reason=" ".join(str(error).split()))
     profile = None if laid is None else laid(found.sections[-1])
