@@ -50,7 +50,7 @@ def test_a_budget_and_an_accuracy_are_keys_of_the_scene() -> None:
         rh.solve(rh.find("hertz_ellipse"), budget="soon", quiet=True)
 
 
-def test_keys_that_are_left_to_the_program_have_rows_too(tmp_path) -> None:
+def test_keys_that_are_left_to_the_program_have_rows_too(in_this_process) -> None:
     table = rh.sweep(rh.find("sphere_on_plane"), {"solver.theta": [None, 1]}, quiet=True)
     assert [row["solver.theta"] for row in table.rows()] == [None, 1]
 

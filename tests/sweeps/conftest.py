@@ -8,12 +8,6 @@ from sweep_command import ROLLER, SIX, one_after_the_other, sweep
 from railhead.sweeps import worker_pool
 
 
-@pytest.fixture
-def in_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Scenes of sweeps are solved in this process, one after the other."""
-    monkeypatch.setattr(worker_pool, "submitting", one_after_the_other)
-
-
 @pytest.fixture(scope="session")
 def swept(tmp_path_factory) -> Path:
     """Six combinations, two meshes, with pictures."""

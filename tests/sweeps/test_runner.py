@@ -41,7 +41,7 @@ def test_loads_share_a_mesh(swept: Path) -> None:
     assert unknowns[0::2] == unknowns[:1] * 3 and unknowns[1::2] == unknowns[1:2] * 3
 
 
-def test_the_mesh_of_several_loads_is_no_coarser_than_their_own() -> None:
+def test_the_mesh_of_several_loads_is_no_coarser_than_their_own(in_this_process) -> None:
     """So numbers differ from those of single runs by what the meshes differ: within the estimates
     of both."""
     table = rh.sweep(rh.find("long_roller"), load=["25kN", "110kN"], quiet=True)

@@ -17,7 +17,7 @@ from railhead.results import pipeline
 FAST = rh.find("hertz_ellipse").replace(["effects.finite_bodies=off"])
 
 
-def test_the_public_sweep_gives_the_same(swept: Path) -> None:
+def test_the_public_sweep_gives_the_same(swept: Path, in_this_process) -> None:
     scene = rh.find("long_roller").replace(["mesh.patch_size=0.4"])
     table = rh.sweep(scene, {"load": ["50kN", "80kN", "110kN"]}, quiet=True)
     for row, result in zip(rows(swept)[::2], table, strict=True):

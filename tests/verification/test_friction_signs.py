@@ -24,11 +24,11 @@ MOTION = (1.2e-3, 3e-4, 6e-4)  # creepage along and across, spin
 
 @functools.cache
 def rolled(along: float, across: float, spin: float, wheel: float) -> dict:
-    """With a wheel of that Young's modulus."""
+    """With a wheel of that Young's modulus: the summary."""
     scene = rh.find("hertz_ellipse").replace(friction={"coefficient": MU}, mesh=COARSE)
     motion = {"creepage_along": along, "creepage_across": across, "spin": spin}
     scene = scene.replace(rolling=motion, wheel={"young_modulus": wheel})
-    return friction(solved(scene))
+    return solved(scene).as_dict()
 
 
 def forces(found: dict) -> list[float]:
@@ -37,16 +37,30 @@ def forces(found: dict) -> list[float]:
     return [found[name] / found["limit_N"] / length for name, length in scale.items()]
 
 
+def test_forces_and_moment_of_a_rigid_wheel_have_the_signs_of_boundary_elements() -> None:
+    found = rolled(*MOTION, RIGID)
+    one = forces(found["result"]["friction"])
+    second = found["half_space_friction"]["boundary elements"]
+    other = forces(second | {"limit_N": found["result"]["friction"]["limit_N"]})
+    assert min(one) > OFF and other == pytest.approx(one, abs=OFF)
+
+
+@pytest.mark.slow
 def test_a_mirror_at_the_rail_s_middle_turns_force_across_and_moment() -> None:
     along, across, spin = MOTION
-    one, other = forces(rolled(*MOTION, RIGID)), forces(rolled(along, -across, -spin, RIGID))
-    assert min(one) > OFF
+    one, other = (
+        forces(rolled(*motion, RIGID)["result"]["friction"])
+        for motion in (MOTION, (along, -across, -spin))
+    )
     assert other == pytest.approx([one[0], -one[1], -one[2]], abs=OFF)
 
 
 @pytest.mark.slow
 def test_the_other_motion_makes_the_other_forces() -> None:
-    one, other = forces(rolled(*MOTION, STEEL)), forces(rolled(*(-each for each in MOTION), STEEL))
+    one, other = (
+        forces(rolled(*(sign * each for each in MOTION), STEEL)["result"]["friction"])
+        for sign in (1, -1)
+    )
     assert other == pytest.approx([-each for each in one], abs=OFF)
 
 

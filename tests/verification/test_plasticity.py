@@ -306,7 +306,7 @@ def test_the_files_show_the_load_and_what_it_leaves(five: rh.Result, tmp_path) -
     assert left.point_data["von_mises"].max() < 0.5 * loaded.point_data["von_mises"].max()
 
 
-def test_the_picture_of_yield_is_drawn(five: rh.Result, tmp_path, monkeypatch) -> None:
+def test_the_picture_of_yield_is_drawn(five: rh.Result, tmp_path, monkeypatch, sharp) -> None:
     monkeypatch.setattr(gallery, "drawings", lambda *_: {})  # the other pictures
     five.save(tmp_path / "out", report=False)
     picture = matplotlib.image.imread(tmp_path / "out" / "plastic.png")

@@ -69,10 +69,13 @@ class SmoothTractions:
         in the cells of another grid x (nx,), y (ny,), mm: of P, by component; in the unit of the
         traction.
         """
+        return np.asarray(self._weights(x, y) @ traction.reshape(2, -1).T)
+
+    def _weights(self, x: Array, y: Array) -> Array:
+        """Matrix (3, nx ny) from a traction in the cells x, y to its coefficients, by component."""
         cell = (x[1] - x[0]) * (y[1] - y[0])
-        linear = self._basis(x, y)[:LINEAR]
-        moments = cell * np.einsum("iab,kab->ik", linear, traction)
-        return np.asarray(np.linalg.solve(self._gram[:LINEAR, :LINEAR], moments))
+        linear = self._basis(x, y)[:LINEAR].reshape(LINEAR, -1)
+        return np.asarray(cell * np.linalg.solve(self._gram[:LINEAR, :LINEAR], linear))
 
     def read(self, field: Array, *, derivative: bool) -> Array:
         """Coefficients (10, 2) of e in span Q, by component, read from a field d (2, nx, ny) in the
@@ -90,10 +93,12 @@ class SmoothTractions:
             to those of the field (10, 2), both flattened.
         """
 
+        weights, basis = self._weights(x, y), self._basis(x, y).reshape(len(POWERS), -1)
+
         def field(traction: Array) -> Array:
             """The field (2, nx, ny) of a traction (2, nx, ny)."""
-            known = matrix @ self.coefficients(x, y, traction).ravel()
-            return self.values(known.reshape(-1, 2), x, y)
+            known = matrix @ (weights @ traction.reshape(2, -1).T).ravel()
+            return np.asarray((known.reshape(-1, 2).T @ basis).reshape(traction.shape))
 
         return field
 

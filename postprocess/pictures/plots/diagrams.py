@@ -35,6 +35,7 @@ Drawing = Callable[["Target"], Any]
 """Draws a picture on a target and returns its figure, or None where there is nothing to draw."""
 
 FE, HERTZ, GREY = "#1f4e79", "#c8502d", "#7a7a7a"
+DPI = 160  # of every PNG file
 BANDS = 10
 CENTRED = 0.01  # of a half length: that near to the first contact is at it
 OFF_AXIS = 0.01  # of the largest shear stress on the axis: one higher by that is named beside it
@@ -138,9 +139,9 @@ def new_figure(
     rows = 0.2 * len(over) + 0.06, height, 0.16 * len(below) + 0.06
     with matplotlib.rc_context(STYLE):
         if not (over or below):
-            sheet = figure = Figure(figsize=(width, height), dpi=160, layout="constrained")
+            sheet = figure = Figure(figsize=(width, height), dpi=DPI, layout="constrained")
         else:
-            sheet = Figure(figsize=(width, sum(rows)), dpi=160, layout="constrained")
+            sheet = Figure(figsize=(width, sum(rows)), dpi=DPI, layout="constrained")
             top, figure, bottom = sheet.subfigures(3, 1, height_ratios=rows, hspace=0)
             top.text(0.012, 0.5, "\n".join(over), va="center", parse_math=False)
             look: dict[str, Any] = {"fontsize": 9, "color": HERTZ, "ha": "center", "va": "center"}

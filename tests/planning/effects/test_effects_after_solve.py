@@ -13,6 +13,7 @@ from solved import solved
 from railhead.planning import effects
 from railhead.planning import plan as planning
 from railhead.planning.effects import assumptions, interface
+from railhead.postprocess.pictures.plots import diagrams
 from railhead.postprocess.pictures.views import gallery
 from railhead.results import pipeline
 from railhead.results.report import terminal
@@ -50,7 +51,8 @@ def test_needed_effects_are_named_in_table_summary_and_pictures(
         assert f"{name}: {found[name]['why'][:20]}" in printed
     assert "overstates the pressure" in found["plasticity"]["why"]
     assert summary["plan"]["effects"]["true_profile"]["override"] is True
-    assert matplotlib.image.imread(folder / "pressure.png").shape[0] > 4.8 * 160  # four lines more
+    tall = matplotlib.image.imread(folder / "pressure.png").shape[0]
+    assert tall > 4.8 * diagrams.DPI  # four lines more
 
 
 @pytest.fixture(scope="module")

@@ -55,23 +55,23 @@ def test_whole_surface_has_four_times_the_quarter(blocks: Callable[..., Any]) ->
 
 
 def test_pressure_and_patch_show_hertz_only_when_there_is_one(
-    blocks: Callable[..., Any], tmp_path: Path
+    blocks: Callable[..., Any], tmp_path: Path, sharp: None
 ) -> None:
-    case = blocks(cut=False)
-    for name, draw in (("pressure", diagrams.pressure), ("depth", None)):
-        with_it, without = tmp_path / f"{name}.png", tmp_path / f"{name}_alone.png"
-        if draw is None:
-            diagrams.depth(case.findings, case.ellipse, 0.3, with_it)
-            diagrams.depth(case.findings, None, 0.3, without)
-        else:
-            draw(case.findings, case.ellipse, with_it)
-            draw(case.findings, None, without)
-        assert count(with_it, diagrams.HERTZ) > 500
-        assert count(without, diagrams.HERTZ) == 0
-        assert count(without, diagrams.FE) > 500
-    diagrams.patch(case.findings, case.ellipse, tmp_path / "patch.png")
-    diagrams.patch(case.findings, None, tmp_path / "alone.png")
-    assert count(tmp_path / "patch.png", "black") > count(tmp_path / "alone.png", "black") + 1000
+    case, seen = blocks(cut=False), []
+    for number, ellipse in enumerate((case.ellipse, None)):
+        path = tmp_path / f"{number}.png"
+        diagrams.patch(case.findings, ellipse, path)
+        figures = (
+            diagrams.pressure(case.findings, ellipse),
+            diagrams.depth(case.findings, ellipse, 0.3),
+        )
+        seen.append([{line.get_color() for axes in each.axes for line in axes.lines}
+                     for each in figures])  # fmt: skip
+        seen[-1].append(count(path, "black"))
+    for with_it, without in zip(*(each[:2] for each in seen), strict=True):
+        assert {diagrams.HERTZ, diagrams.FE} <= with_it
+        assert diagrams.FE in without and diagrams.HERTZ not in without
+    assert seen[0][2] > seen[1][2] + 1000
 
 
 def test_depth_of_the_wheel_when_the_rail_has_none(blocks: Callable[..., Any]) -> None:

@@ -25,12 +25,11 @@ TITLE = "a case of many words: 110.3 kN, wheel R 420 mm, tread cone20, on rail 5
 
 @pytest.fixture()
 def sheets(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
-    """Every figure that is written, laid out."""
+    """Every figure that would be written, laid out."""
     seen: list[Figure] = []
-    own = Figure.savefig
 
-    def spy(self: Figure, *args: Any, **options: Any) -> None:
-        own(self, *args, **options)
+    def spy(self: Figure, *_: Any, **__: Any) -> None:
+        self.draw_without_rendering()
         seen.append(self)
 
     monkeypatch.setattr(Figure, "savefig", spy)

@@ -16,6 +16,7 @@ from matplotlib.image import imread
 
 from railhead.postprocess import vtu
 from railhead.postprocess.findings import Findings, Frame
+from railhead.postprocess.pictures.plots import diagrams
 from railhead.postprocess.pictures.views import render, turning
 from railhead.postprocess.pictures.views.camera import Camera, load_pyvista
 from railhead.solver.fields import Fields
@@ -91,7 +92,7 @@ def test_quarter_and_full_model_give_the_same_pictures(
     full = draw(blocks(cell, degree, cut=False), tmp_path / "full")
     assert set(full) == {"wheel_rail", "stress_cut", "patch_on_rail"}
     for name, picture in full.items():
-        assert picture.shape[1] == 1600
+        assert picture.shape[1] == 10 * diagrams.DPI
         assert picture.std() > 0.05
         assert quarter[name].shape == picture.shape
         # Tetrahedra and their diagonals differ on the two sides of the plane.
@@ -130,7 +131,9 @@ def test_a_whole_model_is_opened_between_its_cells(blocks: Callable[..., Any]) -
             assert opened or area.min() > 1e-3 * area.max()
 
 
-def test_pressure_has_the_colours_of_the_bar(blocks: Callable[..., Any], tmp_path: Path) -> None:
+def test_pressure_has_the_colours_of_the_bar(
+    blocks: Callable[..., Any], tmp_path: Path, sharp: None
+) -> None:
     case = blocks(cut=False)
     contact = vtu.contact_grid({1: case.findings.surface})
     render.patch_on_rail(contact, case.findings, case.ellipse, tmp_path / "with.png")
