@@ -208,7 +208,7 @@ def _plastic(solved: Solved) -> dict[str, Any]:
     scene, left, elastic = solved.plan.scene, solved.residual_state, solved.elastic_reference
     assert left is not None and elastic is not None and elastic.result is not None
     part = scene.rail if left.zone.body == "rail" else scene.wheel
-    shear = material.first_yield(part) / math.sqrt(3)
+    shear = part.first_yield / math.sqrt(3)
     return left.summary(elastic.result["pressure"]["max_MPa"], shear)
 
 

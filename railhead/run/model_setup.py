@@ -93,14 +93,10 @@ def materials(plan: Plan) -> dict[int, Material]:
 
 
 def hardening(part: BodySection) -> Hardening:
-    """Hardening curve of a body that yields, MPa: from its yield stress and hardening modulus, or
-    else from its curve.
-    """
-    share = part.kinematic_fraction or 0.0
-    if part.yield_stress is not None:
-        return Hardening.linear(part.yield_stress, part.hardening_modulus or 0.0, share)
+    """Flow curve of a body that yields, MPa."""
     strain, stress = zip(*part.curve, strict=True)
-    return Hardening(strain, stress, share)
+    share, slope = part.kinematic_fraction or 0.0, part.hardening_modulus or 0.0
+    return Hardening(strain, stress, share, slope)
 
 
 def _friction(plan: Plan) -> FrictionSettings:

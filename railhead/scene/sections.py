@@ -261,17 +261,27 @@ class BodySection(Section):
 
     @property
     def curve(self) -> tuple[tuple[float, float], ...]:
-        """Points (plastic strain, true stress in MPa) of the stress-strain curve of `steel` or of
-        the file `stress_strain`.
-
-        The stress is constant after the last point. Empty where the body has neither key, as with
-        yield_stress.
+        """Points (plastic strain, true stress in MPa) of the flow curve: of `steel`, of the file
+        `stress_strain`, or `yield_stress` at zero strain. After the last point the slope is
+        `hardening_modulus`, or zero without it. Empty for a body that stays elastic.
         """
+        if self.yield_stress is not None:
+            return ((0.0, self.yield_stress),)
         if self.steel is not None:
             return ((0.0, steels.by_name()[self.steel].yield_stress),)
         if self.stress_strain is not None:
             return tuple(steels.read_curve(self.stress_strain))
         return ()
+
+    @property
+    def first_yield(self) -> float:
+        """Yield stress of a body that yields, before any hardening, MPa."""
+        return float(self.curve[0][1])
+
+    @property
+    def hardens(self) -> bool:
+        """Whether the flow curve of a body that yields grows anywhere."""
+        return bool(self.hardening_modulus or self.curve[-1][1] > self.curve[0][1])
 
 
 class Rail(BodySection):

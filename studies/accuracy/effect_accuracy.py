@@ -129,9 +129,9 @@ def exact_values(scene: Scene) -> dict[str, float]:
     exact = {"max_MPa": hertz.p0, "area_mm2": hertz.area}
     if friction and isinstance(hertz, LineContact):
         creepage = float(scene.rolling.creepage_along or 0.0)
-        exact["force"] = partial_slip.Carter.from_creepage(
+        exact["force"] = partial_slip.carter_share(
             hertz.strip, scene.friction.coefficient, creepage
-        ).share
+        )
     return exact
 
 

@@ -299,12 +299,10 @@ def friction(scene: Scene, reference: str) -> Measured:
         "cattaneo": ("stick_share", lambda: partial_slip.strip_stick_ratio(0.5), STICK),
         "carter": (
             "force_along_N",
-            lambda: (
-                partial_slip.Carter.from_creepage(
-                    line.strip,  # type: ignore[union-attr]
-                    given.coefficient,
-                    creepage,
-                ).share
+            lambda: partial_slip.carter_share(
+                line.strip,  # type: ignore[union-attr]
+                given.coefficient,
+                creepage,
             ),
             FORCE,
         ),

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,7 +24,7 @@ from railhead.planning.references import closed_forms
 from railhead.scene.scene import Scene
 from railhead.theory.bem import boundary_element
 from railhead.theory.elastic import subsurface
-from railhead.theory.elastic.hertz import Ellipse, general_orientation, point_contact
+from railhead.theory.elastic.hertz import Ellipse, point_contact
 
 LOAD, P0, A = 25000.0, 794.9, 4.34  # N, MPa, mm as printed; P0 and A go into eqs 5.2 and 5.3
 WHEEL = 22.5e3 * 9.80665 / 2  # N, of half a 22.5 t axle, as on a UIC54 main line
@@ -36,6 +37,48 @@ TABLE_5_3 = np.loadtxt(
     Path(__file__).parent / "data" / "table_5_3.csv", delimiter=",", skiprows=1, unpack=True
 )
 """Rows theta_deg, m, n of the printed table as (3, 23)."""
+
+
+class RelativeCurvature(NamedTuple):
+    """Relative principal curvatures of two bodies. Here x is the direction of the smaller one, not
+    the rail's.
+
+    curvature_x: the smaller one, along x, 1/mm.
+    curvature_y: the larger one, along y, 1/mm.
+    angle: from the first principal direction of body 1 to the x axis, rad, in (-pi/2, pi/2].
+    """
+
+    curvature_x: float
+    curvature_y: float
+    angle: float
+
+
+def general_orientation(
+    curvatures_1: tuple[float, float], curvatures_2: tuple[float, float], angle: float
+) -> RelativeCurvature:
+    """Relative principal curvatures of two bodies whose principal planes are turned by `angle`.
+
+    Each pair holds a body's principal curvatures in 1/mm (negative where concave); the first
+    principal direction of body 2 lies at `angle` radians from that of body 1. The sum of the two
+    curvature tensors has the mean curvature m and the deviator (d, s) (Johnson, Contact Mechanics,
+    4.1); its smaller eigenvalue is taken as determinant over larger one, which is free of
+    cancellation. ValueError: the bodies do not touch in a single point (an eigenvalue is not > 0).
+    """
+    (k1, l1), (k2, l2) = curvatures_1, curvatures_2
+    mean = (k1 + l1 + k2 + l2) / 2
+    d = ((k1 - l1) + (k2 - l2) * math.cos(2 * angle)) / 2
+    s = (k2 - l2) * math.sin(2 * angle) / 2
+    larger = mean + math.hypot(d, s)
+    aligned, crossed = k1 * l2 + l1 * k2, k1 * k2 + l1 * l2
+    determinant = (
+        k1 * l1 + k2 * l2 + aligned * math.cos(angle) ** 2 + crossed * math.sin(angle) ** 2
+    )
+    if not (larger > 0 and determinant > 0 and math.isfinite(larger)):
+        raise ValueError(
+            f"no point contact: principal curvatures {curvatures_1} and {curvatures_2} "
+            f"at {angle} rad do not add up to two positive relative curvatures"
+        )
+    return RelativeCurvature(determinant / larger, larger, math.atan2(0 - s, 0 - d) / 2)
 
 
 @dataclass(frozen=True)

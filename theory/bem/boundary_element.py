@@ -122,7 +122,7 @@ def solve(
     depends on the cells. ValueError: an argument or gap out of range, no contact, no bounded patch,
     no convergence.
     """
-    found = _search(
+    found = solve_developed(
         gap,
         contact_modulus,
         [(centre, half_size)],
@@ -146,6 +146,7 @@ def solve_developed(
     approach: float | None = None,
     cells: int = 128,
     tolerance: float = 1e-8,
+    split: bool = True,
 ) -> BoundaryElementSolution:
     """Normal contact on a developed (unrolled) curved surface, of patches that may lie far apart.
 
@@ -160,43 +161,10 @@ def solve_developed(
     load: component of the contact force along the load's direction, N; None: approach is given.
     approach: along the load, mm; None: load is given.
     tolerance: of the gap in the patch, over the largest displacement.
-    ValueError: an argument or gap out of range, no contact, no bounded patch, no convergence.
-    """
-    return _search(
-        gap,
-        contact_modulus,
-        windows,
-        angle,
-        load=load,
-        approach=approach,
-        cells=cells,
-        tolerance=tolerance,
-        split=True,
-    )
-
-
-def flat(s: Array) -> Array:
-    """Tilt (n,) of the normal of a plane surface at places s (n,): zero."""
-    return np.zeros_like(s)
-
-
-def _search(
-    gap: Gap,
-    contact_modulus: float,
-    windows: Sequence[Window],
-    angle: Angle,
-    *,
-    load: float | None,
-    approach: float | None,
-    cells: int,
-    tolerance: float,
-    split: bool,
-) -> BoundaryElementSolution:
-    """Solve on domains that are adapted until each suits its patch, first coarse, then with `cells`
-    cells along each axis.
-
-    split: whether separate patches get domains of their own. Other arguments and errors are those
-        of `solve_developed`.
+    split: whether separate patches get domains of their own.
+    The domains are adapted until each suits its patch, first coarse, then with `cells` cells along
+    each axis. ValueError: an argument or gap out of range, no contact, no bounded patch, no
+    convergence.
     """
     if (load is None) == (approach is None):
         raise ValueError("give exactly one of load and approach")
@@ -239,6 +207,11 @@ def _search(
         f"no bounded contact found, the last domain was {last} mm: the gap "
         f"must fall below the approach (if given, here {approach}) and grow around the patch"
     )
+
+
+def flat(s: Array) -> Array:
+    """Tilt (n,) of the normal of a plane surface at places s (n,): zero."""
+    return np.zeros_like(s)
 
 
 def _sample(gap: Gap, grid: Grid) -> Array:

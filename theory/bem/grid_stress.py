@@ -53,8 +53,8 @@ def _corners(patch: PatchSolution, points: Array) -> tuple[Array, Array, Array, 
     """
     jumps = np.diff(np.diff(np.pad(patch.pressure, 1), axis=0), axis=1)
     i, j = np.nonzero(jumps)
-    X = points[:, :1] - _edges(patch.x)[i]
-    Y = points[:, 1:2] - _edges(patch.s)[j]
+    along, across = patch.edges
+    X, Y = points[:, :1] - along[i], points[:, 1:2] - across[j]
     z = -points[:, 2:]
     return X, Y, z, np.sqrt(X**2 + Y**2 + z**2), jumps[i, j]
 
@@ -176,12 +176,6 @@ def peaks(
             start, top = moved(best.x), -float(best.fun)
         found.append((start, top))
     return found
-
-
-def _edges(centres: Array) -> Array:
-    """Borders (n + 1,) between evenly spaced cells with centres (n,), mm."""
-    step = centres[1] - centres[0]
-    return np.append(centres - step / 2, centres[-1] + step / 2)
 
 
 def _share(R: Array, side: Array, rest: Array) -> Array:

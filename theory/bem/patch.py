@@ -154,11 +154,6 @@ class PatchSolution(Grid):
         return math.sqrt(top)
 
     @property
-    def mean_pressure(self) -> float:
-        """Integral of the pressure over the area of the patch, MPa."""
-        return self.force / self.area
-
-    @property
     def centroid(self) -> tuple[float, float]:
         """Centre of pressure (x, s) in mm."""
         along, across = self.pressure.sum(axis=1), self.pressure.sum(axis=0)

@@ -8,7 +8,6 @@ digits near the circle and need no case distinction between a > b and a < b.
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -89,20 +88,6 @@ class Strip:
     def pressure(self, y: ArrayLike) -> NDArray[np.float64]:
         """Contact pressure p0 sqrt(1 - (y/b)^2), MPa, zero outside; y in mm."""
         return np.asarray(self.p0 * np.sqrt(np.maximum(1 - (np.asarray(y) / self.b) ** 2, 0)))
-
-
-class RelativeCurvature(NamedTuple):
-    """Relative principal curvatures of two bodies. Here x is the direction of the smaller one, not
-    the rail's.
-
-    curvature_x: the smaller one, along x, 1/mm.
-    curvature_y: the larger one, along y, 1/mm.
-    angle: from the first principal direction of body 1 to the x axis, rad, in (-pi/2, pi/2].
-    """
-
-    curvature_x: float
-    curvature_y: float
-    angle: float
 
 
 def contact_modulus(young_1: float, poisson_1: float, young_2: float, poisson_2: float) -> float:
@@ -189,34 +174,6 @@ def line_contact(curvature: float, contact_modulus: float, load_per_length: floa
     b = math.sqrt(4 * load_per_length / (math.pi * contact_modulus * curvature))
     p0 = 2 * load_per_length / (math.pi * b)
     return Strip(b, p0, load_per_length, contact_modulus, curvature)
-
-
-def general_orientation(
-    curvatures_1: tuple[float, float], curvatures_2: tuple[float, float], angle: float
-) -> RelativeCurvature:
-    """Relative principal curvatures of two bodies whose principal planes are turned by `angle`.
-
-    Each pair holds a body's principal curvatures in 1/mm (negative where concave); the first
-    principal direction of body 2 lies at `angle` radians from that of body 1. The sum of the two
-    curvature tensors has the mean curvature m and the deviator (d, s) (Johnson, Contact Mechanics,
-    4.1); its smaller eigenvalue is taken as determinant over larger one, which is free of
-    cancellation. ValueError: the bodies do not touch in a single point (an eigenvalue is not > 0).
-    """
-    (k1, l1), (k2, l2) = curvatures_1, curvatures_2
-    mean = (k1 + l1 + k2 + l2) / 2
-    d = ((k1 - l1) + (k2 - l2) * math.cos(2 * angle)) / 2
-    s = (k2 - l2) * math.sin(2 * angle) / 2
-    larger = mean + math.hypot(d, s)
-    aligned, crossed = k1 * l2 + l1 * k2, k1 * k2 + l1 * l2
-    determinant = (
-        k1 * l1 + k2 * l2 + aligned * math.cos(angle) ** 2 + crossed * math.sin(angle) ** 2
-    )
-    if not (larger > 0 and determinant > 0 and math.isfinite(larger)):
-        raise ValueError(
-            f"no point contact: principal curvatures {curvatures_1} and {curvatures_2} "
-            f"at {angle} rad do not add up to two positive relative curvatures"
-        )
-    return RelativeCurvature(determinant / larger, larger, math.atan2(0 - s, 0 - d) / 2)
 
 
 def _axis_ratio(curvature_x: float, curvature_y: float) -> float:

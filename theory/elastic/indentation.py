@@ -60,41 +60,11 @@ def jackson_green(load: float, nu: float, strain: float) -> Indentation:
         elastic = math.exp(-(w ** (5 / 12)) / 4) * w**1.5
         return elastic + 4 * hardness / c * (1 - math.exp(-(w ** (5 / 9)) / 25)) * w
 
-    w = _solve(force, load)
+    w = approach_under(force, load)
     return Indentation(w, math.sqrt(area(w)), 2 / 3 * c * load / area(w))
 
 
-def kogut_etsion(load: float, nu: float) -> Indentation:
-    """Approach, radius and mean pressure of an elastic-plastic sphere; Hertz's up to first yield.
-
-    load: over the load of first yield; nu: Poisson's ratio.
-
-    Kogut and Etsion, J. Appl. Mech. 69 (2002) 657, table 1; their yield pressure is K H with K =
-    0.454 + 0.41 nu and H = 2.8 times the yield stress. Valid up to 110 times the approach of first
-    yield, which is not checked.
-    """
-
-    def force(w: float) -> float:
-        """Load over that of first yield, at an approach over that of first yield."""
-        if w <= 1:
-            return w**1.5
-        return 1.03 * w**1.425 if w <= 6 else 1.40 * w**1.263
-
-    w = _solve(force, load)
-    area = w if w <= 1 else 0.93 * w**1.136 if w <= 6 else 0.94 * w**1.146
-    return Indentation(w, math.sqrt(area), 2 / 3 * 2.8 * (0.454 + 0.41 * nu) * load / area)
-
-
-def residual_depth(approach: float) -> float:
-    """Depth of the imprint after unloading from an approach; both over the approach of first yield.
-    Zero up to first yield (Etsion, Kligerman and Kadin, Int. J. Solids Struct. 42 (2005) 3716).
-    """
-    if approach <= 1:
-        return 0.0
-    return approach * (1 - approach**-0.28) * (1 - approach**-0.69)
-
-
-def _solve(force: Callable[[float], float], load: float) -> float:
+def approach_under(force: Callable[[float], float], load: float) -> float:
     """Approach at which a force law reaches a load; approach, force and load over their values at
     first yield.
     """

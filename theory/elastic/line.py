@@ -136,25 +136,6 @@ def contact(
     return under(math.exp(log_load))
 
 
-def stress(strip: Strip, poisson: float, t: ArrayLike, depth: ArrayLike) -> Array:
-    """Stresses (n, 4), MPa, tension positive, in the half-plane under a strip: across the line
-    (tt), normal to the surface (nn), shear (tn, n upwards) and out of plane.
-
-    t: distances across the line from its middle, mm; depth: depths, mm, broadcast to (n,). With psi
-        the logarithmic potential of the pressure: nn = (psi_d - d psi_dd)/pi, tt = (psi_d + d
-        psi_dd)/pi, tn = d psi_td/pi, psi_t - i psi_d = -F(zeta), F as in the module's text
-        (Johnson, 2.23).
-    """
-    t, depth = np.broadcast_arrays(np.asarray(t, float), np.asarray(depth, float))
-    zeta, root = _coordinates(strip, t, depth)
-    F = np.pi * strip.p0 * strip.b / (zeta + root)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        slope = np.where(depth > 0, -F / root, 0.0)  # dF/dzeta
-    psi_d, psi_dd, psi_td = F.imag, slope.real, slope.imag
-    nn, tt = (psi_d - depth * psi_dd) / np.pi, (psi_d + depth * psi_dd) / np.pi
-    return np.column_stack([tt, nn, depth * psi_td / np.pi, poisson * (tt + nn)])
-
-
 def displacement(
     strip: Strip, t: ArrayLike, depth: ArrayLike, young: float, poisson: float, datum: float
 ) -> Array:
@@ -231,3 +212,44 @@ def cylinder_approach(strip: Strip, radius: float, young: float, poisson: float)
     """
     scale = strip.load_per_length * (1 - poisson**2) / (math.pi * young)
     return scale * (2 * math.log(4 * radius / strip.b) - 1)
+
+
+class Strips:
+    """Stresses of the half-plane at n points below m strips side by side, each with a constant
+    pressure and traction. With F as in the module's text, and G the same of the traction, the
+    stresses are (Johnson, Contact Mechanics, 2.5)
+
+        xx = (Im F + d Re F' - 2 Re G + d Im G')/pi      zz = (Im F - d Re F' - d Im G')/pi
+        xz = (d Im F' - Im G - d Re G')/pi               yy = nu (xx + zz)
+
+    at x across the strips and the depth d.
+
+    poisson: Poisson's ratio.
+    """
+
+    def __init__(self, edges: Array, x: Array, depth: Array, poisson: float) -> None:
+        """edges: ends of the strips (m + 1,), ascending, mm; x, depth: of the points (n,), mm, at a
+        depth above 0.
+        """
+        self.poisson, self._depth = poisson, depth
+        zeta = (x + 1j * depth)[:, None] - edges
+        self._log, self._slope = np.log(zeta), 1 / zeta
+
+    def stress(self, pressure: Array, traction: Array | None = None) -> Array:
+        """Stress (n, 4), columns xx, yy, zz, xz (z upwards), MPa, tension positive. pressure:
+        (m,), MPa. traction: (m,) on the half-plane along +x, MPa; None: zero.
+        """
+        F, slope = self._potential(pressure)
+        d = self._depth
+        xx, zz, xz = F.imag + d * slope.real, F.imag - d * slope.real, d * slope.imag
+        if traction is not None:
+            G, bent = self._potential(traction)
+            xx += -2 * G.real + d * bent.imag
+            zz += -d * bent.imag
+            xz += -G.imag - d * bent.real
+        return np.column_stack([xx, self.poisson * (xx + zz), zz, xz]) / np.pi
+
+    def _potential(self, values: Array) -> tuple[NDArray, NDArray]:
+        """F and its derivative (n,) for values (m,) on the strips."""
+        jumps = np.diff(values, prepend=0.0, append=0.0)
+        return self._log @ jumps, self._slope @ jumps

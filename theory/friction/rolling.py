@@ -26,7 +26,6 @@ from numpy.typing import NDArray
 from railhead.theory.bem.boundary_element import equilibrium
 from railhead.theory.bem.influence import Influence
 from railhead.theory.bem.patch import PatchSolution
-from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.friction.coulomb_solver import CoulombSolver
 from railhead.theory.friction.tangential import MaterialPair, TractionInfluence
 
@@ -120,12 +119,6 @@ class TangentialSolution:
         return self.cell * float(self.sticks.sum()), self.cell * float((self.bound > 0).sum())
 
     @property
-    def stick_share(self) -> float:
-        """Share of the patch's area that sticks, 0 to 1."""
-        sticks, touches = self.areas
-        return sticks / touches
-
-    @property
     def t_gamma(self) -> float:
         """Energy dissipated per rolled length (N), of bodies of the same material that roll: the
         work of the tractions on the rigid slip. Bodies of different materials also slip without
@@ -178,24 +171,6 @@ class HalfSpaceFriction:
         if pair.mismatch:
             changed = pressure if settled is None else pressure - settled
             self._drawn = self._drawn + inside * self._influence.of_pressure(changed)
-
-    @classmethod
-    def hertz(
-        cls,
-        ellipse: Ellipse,
-        friction: float,
-        pair: MaterialPair,
-        *,
-        rolling: bool,
-        cells: int = 64,
-    ) -> HalfSpaceFriction:
-        """Tangential contact under Hertz's pressure on an ellipse. friction: coefficient; pair:
-        materials; rolling: steady rolling, else one shift; cells: number along each axis.
-        """
-        t = (np.arange(cells) + 0.5) / cells * 2 - 1
-        inside = 1 - t[:, None] ** 2 - t**2
-        pressure = ellipse.p0 * np.sqrt(np.maximum(inside, 0.0))
-        return cls(ellipse.a * t, ellipse.b * t, pressure, friction, pair, rolling=rolling)
 
     def solve(
         self, creepage: Creepage, start: TangentialSolution | None = None

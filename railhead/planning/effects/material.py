@@ -14,7 +14,6 @@ from railhead.planning.effects import interface
 from railhead.postprocess.findings import Findings
 from railhead.scene import steels
 from railhead.scene.scene import Rail, Scene, SceneError, Wheel
-from railhead.scene.sections import BodySection
 from railhead.theory.elastic import indentation
 from railhead.theory.friction import sliding
 
@@ -149,13 +148,8 @@ def shear_yield(context: Context) -> float | None:
     """Yield stress in shear, yield / sqrt(3), of the weaker body that deforms, MPa; None where no
     body that deforms has a yield stress.
     """
-    limits = [first_yield(part) / math.sqrt(3) for part in _yielding(context).values()]
+    limits = [part.first_yield / math.sqrt(3) for part in _yielding(context).values()]
     return min(limits, default=None)
-
-
-def first_yield(part: BodySection) -> float:
-    """Yield stress of a body that yields, before any hardening, MPa."""
-    return float(part.curve[0][1] if part.yield_stress is None else part.yield_stress)
 
 
 def _yielding(context: Context) -> dict[str, Rail | Wheel]:
@@ -174,8 +168,8 @@ def _expected(context: Context, over: float) -> str:
     """
     text = f", {over:.3g} times the load of first yield"
     if not context.contact.line:
-        weakest = min(_yielding(context).values(), key=first_yield)
-        strain = first_yield(weakest) / context.hertz.contact_modulus
+        weakest = min(_yielding(context).values(), key=lambda part: part.first_yield)
+        strain = weakest.first_yield / context.hertz.contact_modulus
         sphere = indentation.jackson_green(over, weakest.poisson_ratio, strain)
         text += f": a patch about {sphere.radius / over ** (1 / 3) - 1:.0%} wider"
     return text
@@ -202,7 +196,7 @@ def steps(context: Context) -> int:
     if context.contact.line:
         return LINE_STEPS
     ratios = [
-        context.von_mises(part.poisson_ratio) / first_yield(part)
+        context.von_mises(part.poisson_ratio) / part.first_yield
         for part in _yielding(context).values()
     ]
     least = 1 if context.scene.accuracy is None else 2
@@ -235,9 +229,9 @@ def _over_yield(scene: Scene, stresses: dict[str, float]) -> tuple[float, str]:
     """Largest ratio of von Mises stress (MPa, by body) to initial yield stress, and a sentence that
     says whether the stress passes it.
     """
-    ratios = {name: stress / first_yield(scene.bodies[name]) for name, stress in stresses.items()}
+    ratios = {name: stress / scene.bodies[name].first_yield for name, stress in stresses.items()}
     worst = max(ratios, key=ratios.__getitem__)
-    limit, steel = first_yield(scene.bodies[worst]), scene.bodies[worst].steel
+    limit, steel = scene.bodies[worst].first_yield, scene.bodies[worst].steel
     verb = "passes" if ratios[worst] > 1 else "stays below"
     return (
         float(ratios[worst]),

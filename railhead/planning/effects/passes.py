@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 
 from railhead.planning.context import Context, Effect
-from railhead.planning.effects import interface, material
+from railhead.planning.effects import interface
 from railhead.scene.catalogue import portable
 from railhead.scene.scene import Rail, Scene, SceneError
 from railhead.scene.sections import refuse_first
 from railhead.theory.elastic.line import LineContact
 from railhead.theory.friction import shakedown
+from railhead.theory.friction.partial_slip import carter_share
 
 STEADY = {"hertz": 5.5, "contact": 6.0}  # largest p0/k that perfect plasticity has an answer for
 # Plastic strain at which hardening must carry a load beyond that: strains are taken as small. Of a
@@ -52,7 +53,7 @@ def decide_passes(context: Context) -> Effect:
     given, key = f"{count} is not allowed: ", "rolling.passes"
     _refuse_bodies(context, given)
     _refuse_other(scene)
-    hardened = _flow_stress(scene.rail, LARGEST_STRAIN) / material.first_yield(scene.rail)
+    hardened = _flow_stress(scene.rail, LARGEST_STRAIN) / scene.rail.first_yield
     steady = STEADY[scene.rolling.pressure] * hardened
     refuse_first(
         (
@@ -138,7 +139,7 @@ def decide_plasticity_wheel(context: Context) -> Effect:
     wheel = context.scene.wheel
     if not context.decided["passes"].on or "wheel" not in context.deformable or not wheel.yields:
         return Effect(False, False, "no passes, or a wheel without a yield stress", refused)
-    stress, limit = context.von_mises(wheel.poisson_ratio), material.first_yield(wheel)
+    stress, limit = context.von_mises(wheel.poisson_ratio), wheel.first_yield
     called = stress > limit
     verb = "passes" if called else "stays below"
     why = f"von Mises {stress:.4g} MPa {verb} the yield {limit:.4g} MPa of the wheel"
@@ -157,24 +158,23 @@ def traction(context: Context) -> float:
     _, along, across = scene.tangential_forces
     if along or across:
         return min(math.hypot(along, across) / hertz.load, coefficient)
-    creepage = abs(interface.creepage(context).along)
     if not isinstance(hertz, LineContact):
         return coefficient
-    full = coefficient * hertz.strip.b * hertz.strip.curvature
-    return coefficient * (1 - (1 - min(creepage / full, 1.0)) ** 2)
+    creepage = abs(interface.creepage(context).along)
+    return coefficient * carter_share(hertz.strip, coefficient, creepage)
 
 
 def _indicator(context: Context) -> tuple[float, float, str]:
     """p0/k of the elastic pressure, the shakedown limit of p0/k, and both in a sentence."""
     scene, hertz, elastic = context.scene, context.hertz, context.elastic
     poisson = scene.rail.poisson_ratio
-    shear = material.first_yield(scene.rail) / math.sqrt(3)
+    shear = scene.rail.first_yield / math.sqrt(3)
     p0 = hertz.p0 if isinstance(elastic, str) else elastic.max_pressure
     ratio, share = p0 / shear, traction(context)
     first = math.sqrt(3) * p0 / context.von_mises(poisson)
     if isinstance(hertz, LineContact):
         # The back stress of linear kinematic hardening balances what tractions add.
-        balanced = _hardens(context) and scene.rail.kinematic_fraction == 1
+        balanced = scene.rail.hardens and scene.rail.kinematic_fraction == 1
         friction = 0.0 if balanced or not share else scene.friction.coefficient
         limit = shakedown.shakedown_limit(friction, poisson, share)
     else:
@@ -188,15 +188,5 @@ def _indicator(context: Context) -> tuple[float, float, str]:
 
 def _flow_stress(rail: Rail, strain: float) -> float:
     """Stress of the flow curve of a rail that yields at a plastic strain, MPa."""
-    if rail.yield_stress is not None:
-        return rail.yield_stress + (rail.hardening_modulus or 0.0) * strain
     strains, stresses = zip(*rail.curve, strict=True)
-    return float(np.interp(strain, strains, stresses))
-
-
-def _hardens(context: Context) -> bool:
-    """Whether the flow curve of the rail grows anywhere."""
-    rail = context.scene.rail
-    if rail.yield_stress is not None:
-        return bool(rail.hardening_modulus)
-    return rail.curve[-1][1] > rail.curve[0][1]
+    return float(np.interp(strain, strains, stresses)) + (rail.hardening_modulus or 0.0) * strain

@@ -108,7 +108,6 @@ def solve(
     """
     surface, cosine = develop(contact), math.cos(contact.touch.angle)
     rigid = ellipse.approach / cosine
-    given = {"load": load} if load is not None else {"approach": rigid}
     x, s, height = surface.locus()
     windows = _around(contact, surface, FIRST_REACH * rigid)
     windows += _boxes(contact, x, s, np.maximum(FIRST_REACH * rigid - height, 0))
@@ -119,8 +118,9 @@ def solve(
             windows,
             surface.angle,
             cells=cells,
+            load=load,
+            approach=rigid if load is None else None,
             tolerance=TOLERANCE,
-            **given,
         )
         missed = _boxes(contact, x, s, _inside(surface, found, x, s, height))
         if not missed:

@@ -19,7 +19,7 @@ from railhead.run.half_spaces.normal_contact import LENGTH, strip_grid
 from railhead.theory.bem.boundary_element import BoundaryElementSolution, equilibrium
 from railhead.theory.bem.patch import Grid, PatchSolution
 from railhead.theory.elastic.hertz import Ellipse
-from railhead.theory.elastic.strips import Strips
+from railhead.theory.elastic.line import Strips
 
 if TYPE_CHECKING:
     from railhead.solver.passes.rolling import ProfileChange, RollingBlock, SurfaceMotion

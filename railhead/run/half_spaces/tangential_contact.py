@@ -144,8 +144,8 @@ def _strip(case: FrictionCase, line: LineContact, patches: Patches) -> NumbersBy
         return {"Cattaneo": {"stick_share": partial_slip.strip_stick_ratio(min(share, 1.0))}}
     if line.across:
         return {}
-    rolled = partial_slip.Carter.from_creepage(strip, case.coefficient, found.rigid_motion[0])
-    stick, force = rolled.stick_half_width / strip.b, rolled.share * found.friction_limit
+    share = partial_slip.carter_share(strip, case.coefficient, found.rigid_motion[0])
+    stick, force = partial_slip.strip_stick_ratio(abs(share)), share * found.friction_limit
     wear = force * found.rigid_motion[0]
     return {"Carter": {"force_along_N": force, "stick_share": stick, "t_gamma_N": wear}}
 

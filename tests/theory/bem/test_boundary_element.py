@@ -62,7 +62,7 @@ def test_hertz_ellipse(axis_ratio: float) -> None:
     assert max(errors["a"], errors["b"]) < 1e-4
     assert errors["area"] < 2e-3
     assert max(errors["along"], errors["across"]) < 4e-3
-    assert patch.mean_pressure == pytest.approx(exact.p_mean, rel=2e-3)
+    assert patch.force / patch.area == pytest.approx(exact.p_mean, rel=2e-3)
     assert patch.centroid == pytest.approx((0.3, -0.2), abs=1e-4 * exact.b)
     error = patch.pressure - exact.pressure(patch.x[:, None] - 0.3, patch.s + 0.2)
     assert np.sqrt(np.sum(error**2) / np.sum(patch.pressure**2)) < 1e-2

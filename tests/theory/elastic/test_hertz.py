@@ -10,11 +10,11 @@ from scipy.special import elliprd, roots_legendre
 from railhead.theory.elastic.hertz import (
     Ellipse,
     contact_modulus,
-    general_orientation,
     line_contact,
     point_contact,
     point_contact_from_approach,
 )
+from studies.thesis.facts import general_orientation
 
 RATIOS = [1e-9, 1e-6, 1e-3, 0.3, 0.999999, 1.0, 1.0000001, 4.0, 1e6]
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from railhead.theory.elastic import indentation
+from studies.mechanics.plasticity import kogut_etsion, residual_depth
 
 FILE = Path(__file__).parents[1] / "data" / "plasticity.json"
 DATA = json.loads(FILE.read_text())["literature"]
@@ -16,7 +17,7 @@ STRAIN = 480 / (207e3 / (1 - 0.3**2))
 def test_formulas_of_a_sphere(load: str) -> None:
     """The mean pressures differ by the yield pressure that the reference takes for both."""
     jackson = indentation.jackson_green(float(load), 0.3, STRAIN)
-    kogut = indentation.kogut_etsion(float(load), 0.3)
+    kogut = kogut_etsion(float(load), 0.3)
     for found, name in ((jackson, "jackson_green_2005"), (kogut, "kogut_etsion_2002")):
         exact = DATA[name]["at_load_over_first_yield"][load]
         assert (found.approach, found.radius) == pytest.approx(
@@ -24,10 +25,10 @@ def test_formulas_of_a_sphere(load: str) -> None:
         )
         assert found.pressure == pytest.approx(exact["mean_pressure_over_yield"], rel=6e-3)
     left = DATA["etsion_2005_residual"]["residual_over_omega_c_at_load_over_first_yield"][load]
-    assert indentation.residual_depth(kogut.approach) == pytest.approx(left, rel=0.02)
+    assert residual_depth(kogut.approach) == pytest.approx(left, rel=0.02)
 
 
 def test_below_first_yield_all_is_hertz() -> None:
-    for found in (indentation.jackson_green(0.5, 0.3, STRAIN), indentation.kogut_etsion(0.5, 0.3)):
+    for found in (indentation.jackson_green(0.5, 0.3, STRAIN), kogut_etsion(0.5, 0.3)):
         assert (found.approach, found.radius) == pytest.approx((0.5 ** (2 / 3), 0.5 ** (1 / 3)))
-    assert indentation.residual_depth(0.8) == 0
+    assert residual_depth(0.8) == 0

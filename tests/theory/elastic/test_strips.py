@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from railhead.theory.elastic import line
-from railhead.theory.elastic.strips import Strips
+from railhead.theory.elastic.line import Strips
 from railhead.theory.friction import sliding
 
 STRIP = line.contact(0.01, (207e3, 207e3), (0.3, 0.3), length=1.0, across=False, load=500.0)
