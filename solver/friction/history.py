@@ -162,9 +162,12 @@ class FrictionHistory:
 
         Points that come into contact on the way are at rest with respect to the displacement at
         that moment, interpolated between the two shares of the load. The length of the patch is
-        taken to grow evenly: where p = p0 sqrt(1 - r^2), its border passes a point at r.
+        taken to grow evenly: where p = p0 sqrt(1 - r^2), its border passes a point at r. The first
+        change starts from bodies without load, whose only displacement is the prescribed slip.
         """
-        before, self.load_share = self._relative_displacement(), share
+        loaded = self.was_active.any()
+        before = self._relative_displacement() if loaded else self.prescribed_slip
+        self.load_share = share
         solution = self._press_again(solution)
         pressure, active = self.contact.pressure, self.contact.active
         if self.rest is not None:

@@ -19,6 +19,8 @@ from railhead.postprocess.friction import quantities
 from railhead.postprocess.pictures.views import gallery
 from railhead.run import mesh_solution, model_setup
 from railhead.solver.contact import ContactModel
+from railhead.solver.contact_system import LoadCase
+from railhead.solver.friction.history import FrictionHistory
 from railhead.solver.friction.surface_response import surface_tangents
 from railhead.solver.plasticity.load_stepping import ElasticResponse, PlasticResponse
 from railhead.solver.solution import Solution
@@ -111,6 +113,28 @@ def test_unlike_bodies_slip_where_spence_says(coefficient: float) -> None:
         return ellipk(1 - c**2) / ellipk(c**2) - 0.4 / 1.4 / coefficient
 
     assert friction(found)["stick_share"] == pytest.approx(brentq(excess, 0.01, 0.99), abs=0.07)
+
+
+def test_unlike_bodies_rest_where_spence_says() -> None:
+    """While a patch grows all is similar, so that what sticks rests at C x |x|. In the first of the
+    eight steps this was 20 times as much: the place under the full load was mixed in."""
+    plan = planning.make(
+        roller(load=20e3, wheel={"young_modulus": math.inf}, rail={"extent": "half-space"})
+    )
+    model = mesh_solution.assemble(
+        plan, mesh_solution.generate(plan, plan.grading(), MPI.COMM_SELF)
+    )
+    response, settings = model.response(), model.setup.friction
+    points = model.setup.kinematics.lift(model.interface.points)
+    case = LoadCase(load=20e3, active=plan.forecast.touching(points))
+    history = FrictionHistory(model, response, settings, case, response.press(case))
+    assert settings is not None and history.solve().newton.converged
+    x = history.contact.points[:, 0] / np.abs(history.contact.points[history.was_active, 0]).max()
+    factor = history.rest[:, 0] / (x * np.abs(x))
+    sticks = (np.abs(x) > 0.25) & (np.abs(x) < 0.4)
+    first = (np.abs(x) > 0.02) & (np.abs(x) < 1 / 8)
+    ratio = factor[first] / np.median(factor[sticks])
+    assert len(ratio) > 6 and ratio.min() > 0.9 and ratio.max() < 1.7
 
 
 STEEL = {"yield_stress": 300.0, "hardening_modulus": 5e3}
