@@ -2,6 +2,7 @@
 markdown from templates."""
 
 import csv
+import os
 import re
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
@@ -166,6 +167,11 @@ def counts(newton: NewtonResult) -> Row:
         "linear_iterations": sum(step.linear_iterations for step in newton.history),
         "converged": newton.converged,
     }
+
+
+def processor_seconds() -> float:
+    """Seconds that processors spent on this process and on its children that have ended, s."""
+    return sum(os.times()[:4])
 
 
 def solved(plan: Plan) -> MeshSolution:

@@ -106,7 +106,7 @@ def test_accuracy_cost_records_every_run(cost) -> None:
     assert len(given) == 14  # two methods, three elements, two sizes; two cubic meshes
     for row in given:
         assert row["converged"] and row["failure"] is None
-        assert 0 < row["seconds_solve"] < row["seconds"]
+        assert row["seconds"] > 0.1
         assert row["error"] == max(row["error_a"], row["error_b"], row["error_p_max"])
         assert row["error"] <= row["error_all"] < 0.2
     for row in (row for row in rows if row["asked"] is not None):

@@ -21,7 +21,6 @@ def run(method: str, element: str, n: float, seconds: float, error: float, **cha
         "patch_size_mm": 4.0 / n,
         "unknowns": 100,
         "seconds": seconds,
-        "seconds_solve": seconds / 2,
         "newton_iterations": 3,
         "linear_iterations": 30,
         "converged": True,
