@@ -26,6 +26,7 @@ from railhead.geometry.measured.standards import LaidStandard
 from railhead.geometry.placement import ContactPoint, Placed, PlacementError, ProfilePair, Track
 from railhead.results import result_folder
 from railhead.results.report import terminal
+from railhead.scene.arrays import is_array
 from railhead.scene.catalogue import as_path, portable
 from railhead.scene.scene import Scene, SceneError, checked
 
@@ -333,23 +334,24 @@ class ExaminedProfile:
 
 
 def profile(
-    path: str | Path, body: str | None = None, assignments: Sequence[str] = ()
+    path: object, body: str | None = None, assignments: Sequence[str] = ()
 ) -> ExaminedProfile:
-    """Read and smooth the profile of a file and compare it with a standard profile.
+    """Read and smooth a measured profile and compare it with a standard profile.
 
+    path: of its file, or an array (n, 2) of y and z, mm.
     body: "rail" or "wheel"; None takes the body of the extension or of the first assignment, else
         the first of both whose standard profiles fit.
     assignments: keys of that body as in a scene, e.g. "rail.profile_unit=inch".
     Raises SceneError for a profile that cannot be read.
     """
-    path = as_path(path, "path")
+    suffix = "" if is_array(path) else as_path(path, "path").suffix.lower()
     names = (assignment.partition(".")[0] for assignment in assignments)
     of_key = next((name for name in names if name in ("rail", "wheel")), None)
-    kind = body or BODY_BY_EXTENSION.get(path.suffix.lower()) or of_key
+    kind = body or BODY_BY_EXTENSION.get(suffix) or of_key
     problems = []
     for each in (kind,) if kind else ("rail", "wheel"):
         try:
-            data = {"load": 1.0, each: {"profile": str(path)}}
+            data = {"load": 1.0, each: {"profile": path}}
             scene = Scene.from_mapping(data).replace(assignments)
             found = solid.from_file(scene, each)
             worn = standards.nearest(found.resampled(standards.STEP), each)

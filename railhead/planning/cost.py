@@ -7,13 +7,14 @@ One shipped number for each kind of model; what finished runs took on this machi
 from __future__ import annotations
 
 import json
-import os
 import platform
 import statistics
 from dataclasses import dataclass
 from pathlib import Path
 
 import psutil
+
+from railhead.scene import arrays
 
 RUNS = 9  # number of the latest runs that are kept; the first one of them may compile
 LEAST_RUNS = 3  # least number of runs by which predictions are corrected
@@ -46,8 +47,7 @@ BOUNDARY_ELEMENTS = {False: 0.5, True: 2.0}  # seconds of half-spaces, without a
 
 def cache_file() -> Path:
     """Path of the file that holds the ratios of finished runs, in the cache folder of the user."""
-    root = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
-    return Path(root) / "railhead" / "speed.json"
+    return arrays.cache_folder() / "speed.json"
 
 
 def correction() -> float:

@@ -342,7 +342,7 @@ class Scene(Section):
         drops = [
             _DROPS[key][0]
             for key, value in given.items()
-            if key in _DROPS and value not in _DROPS[key][1]
+            if key in _DROPS and not (isinstance(value, str | None) and value in _DROPS[key][1])
         ]
         data: dict[str, object] = self.model_dump()
         for key, value in (dict.fromkeys(drops) | given).items():

@@ -6,13 +6,12 @@ as well. A key that may be None leaves the choice to the plan.
 
 import os
 from difflib import get_close_matches
-from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, model_validator
 
 from railhead.geometry.measured import BODY_BY_EXTENSION, EXTENSIONS
-from railhead.scene import steels, units
+from railhead.scene import arrays, steels, units
 from railhead.scene.units import show
 
 ALIASES = {"UIC54": "54E1", "UIC60": "60E1"}
@@ -112,8 +111,8 @@ def _profile(body: str, *names: str) -> BeforeValidator:
     """A pydantic validator of the key `profile` of a body ("rail" or "wheel").
 
     names: names of the allowed standard profiles. The validator returns one of them (UIC54 and
-        UIC60 become 54E1 and 60E1) or the absolute path of a readable profile file. It raises
-        ValueError (one line) for anything else.
+        UIC60 become 54E1 and 60E1) or the absolute path of a readable profile file, also of one
+        that it makes of an array. It raises ValueError (one line) for anything else.
     """
     suffixes = [suffix for suffix in EXTENSIONS
                 if BODY_BY_EXTENSION.get(suffix, body) == body]  # fmt: skip
@@ -121,7 +120,9 @@ def _profile(body: str, *names: str) -> BeforeValidator:
 
     def validate(value: object) -> str:
         """The name of a standard profile or the absolute path of a file. Raises ValueError."""
-        text = str(value) if isinstance(value, str | Path) else ""
+        text = str(value)
+        if arrays.is_array(value):
+            text = arrays.file_of(value, "profile", {"y_mm": "mm", "z_mm": "mm"})
         text = ALIASES.get(text, text)
         if text in names:
             return text
@@ -142,9 +143,12 @@ def is_profile_file(profile: str) -> bool:
 
 
 def _curve(value: object) -> str:
-    """The absolute path of a .csv file with a stress-strain curve. Raises ValueError (one line) for
-    a file that cannot be read or that holds no valid curve (`steels.read_curve`).
+    """The absolute path of a .csv file with a stress-strain curve, also of one that is made of an
+    array. Raises ValueError (one line) for a file that cannot be read or that holds no valid curve
+    (`steels.read_curve`).
     """
+    if arrays.is_array(value):
+        value = arrays.file_of(value, "curve", {"plastic_strain": "", "stress_MPa": "MPa"})
     path = os.path.abspath(str(value))
     if not path.lower().endswith(".csv") or not _readable(path):
         raise ValueError(f"{show(value)} is not a readable .csv file; give one that exists")
@@ -184,8 +188,8 @@ class BodySection(Section):
         None: no hardening. Only beside yield_stress.
     kinematic_fraction: share of the hardening that moves the yield surface, 0 to 1; the rest widens
         the surface. None: not given. Only in a body that yields.
-    stress_strain: path of a .csv file, a row of plastic strain and true stress (MPa) a line; None:
-        no curve.
+    stress_strain: path of a .csv file, a row of plastic strain and true stress (MPa) a line, or an
+        array (n, 2) of them; None: no curve.
     profile_unit: unit of the file's numbers: "auto", "mm", "m" or "inch".
     profile_mirror: "on": left and right of the file are exchanged, "off": they are not, or "auto".
     profile_flip: "on": up and down of the file are exchanged, "off": they are not, or "auto".
@@ -291,7 +295,8 @@ class Rail(BodySection):
     hardening_modulus (MPa), kinematic_fraction, stress_strain (a file), and for a profile's file
     profile_unit, profile_mirror, profile_flip, profile_origin and smoothing (mm).
 
-    profile: 54E1 (UIC54), 60E1 (UIC60), arc, or the path of a file of points.
+    profile: 54E1 (UIC54), 60E1 (UIC60), arc, the path of a file of points, or an array (n, 2) of y
+        and z, mm.
     crown_radius: mm, radius of an arc; inf is flat. Required for arc, not allowed otherwise.
     inclination: tangent of the angle by which the rail leans towards the track's middle (y < 0),
         e.g. 1/20; negative: away from it.
@@ -326,7 +331,8 @@ class Wheel(BodySection):
     hardening_modulus (MPa), kinematic_fraction, stress_strain (a file), and for a profile's file
     profile_unit, profile_mirror, profile_flip, profile_origin and smoothing (mm).
 
-    profile: cylinder, cone20, cone40, arc, S1002, or the path of a file of points.
+    profile: cylinder, cone20, cone40, arc, S1002, the path of a file of points, or an array (n, 2)
+        of y and z, mm.
     rolling_radius: mm, nominal, at the tape circle; inf is a straight bar with the profile of the
         tread, solved in a section across the rail.
     transverse_radius: mm, radius of an arc across the rail; negative is concave, inf is straight.
