@@ -242,6 +242,7 @@ def plan(
 @click.option("--no-pictures", is_flag=True, help="Write no PNG files and no report.html.")
 @_format
 @click.option("--no-report", is_flag=True, help="Write no report.html.")
+@click.option("--brief", is_flag=True, help="Write report.html on one page.")
 @click.option("--whole", is_flag=True, help="Write .vtu files of the whole model, mirrored.")
 @click.option("--units", "unit_names", help="Of table, pictures and report: mm,kN,MPa.")
 @click.option("--ranks", type=PROCESSES, help="Processes [as many as pay].")
@@ -257,6 +258,7 @@ def run(
     force: bool,
     no_pictures: bool,
     no_report: bool,
+    brief: bool,
     whole: bool,
     unit_names: str | None,
     ranks: int | None,
@@ -303,7 +305,7 @@ def run(
             result.save(
                 folder,
                 pictures=not no_pictures,
-                report=not no_report,
+                report="brief" if brief and not no_report else not no_report,
                 whole=whole,
                 units=units,
                 force=True,

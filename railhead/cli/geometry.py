@@ -38,6 +38,7 @@ if TYPE_CHECKING:
 CLEARANCE = 0.05  # mm, largest gap of a contact, of the size of elastic approaches
 SHIFTS = np.linspace(-10.0, 10.0, 81)  # mm, of pictures and positions.csv
 ROW_STEP = 0.25  # mm between the rows of profile.csv
+NOTHING = 1e-9  # mm, 1/mm or degrees: rounding, printed as 0
 
 CONTACT_ROWS = (
     ("rail: y from the crown centre", "mm", "rail_y_mm"),
@@ -187,7 +188,9 @@ class Location:
         for label, unit, key in CONTACT_ROWS:
             factor = math.degrees(1) if unit == "deg" else 1.0
             values = (factor * contact[key] for _, contact in columns)
-            table.add_row(label, unit, *(f"{round(each, 12) + 0.0:.6g}" for each in values))
+            table.add_row(
+                label, unit, *(f"{each if abs(each) > NOTHING else 0.0:.6g}" for each in values)
+            )
         console.print(table)
         console.print(
             f"shift {scene.wheelset.shift:g} mm, yaw {1e3 * scene.wheelset.yaw:g} mrad: roll "

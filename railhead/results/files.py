@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from railhead.postprocess import symmetry
 from railhead.postprocess.findings import BASE_UNITS, Array, Findings, Units
@@ -37,7 +37,7 @@ def write(
     folder: Path,
     *,
     pictures: bool = True,
-    report: bool = True,
+    report: bool | Literal["brief"] = True,
     whole: bool = False,
     units: Units = BASE_UNITS,
 ) -> None:
@@ -45,8 +45,9 @@ def write(
     replace those of an earlier result in the folder.
 
     summary: content of summary.json. pictures: whether PNG files are written; none where nothing
-        touches. report: whether report.html is written. whole: whether the files for ParaView hold
-        the mirror images of what symmetry left out. units: of pictures and report.
+        touches. report: whether report.html is written; "brief": on one page. whole:
+        whether the files for ParaView hold the mirror images of what symmetry left out. units: of
+        pictures and report.
     OSError: the numbers cannot be written; or, a line for each, other files that could not be
         written, after all the others are.
     """
@@ -70,7 +71,8 @@ def write(
             with attempt("report.html"):
                 from railhead.results.report import html
 
-                html.write(solved, summary, units, work, found, grids)
+                brief = report == "brief"
+                html.write(solved, summary, units, work, found, grids, brief=brief)
 
 
 def _write_passes(passes: Passes, scene: Scene, work: Path) -> None:

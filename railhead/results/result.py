@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from mpi4py import MPI
 
@@ -291,7 +291,7 @@ class Result:
         folder: str | Path,
         *,
         pictures: bool = True,
-        report: bool = True,
+        report: bool | Literal["brief"] = True,
         whole: bool = False,
         units: Units | None = None,
         force: bool = False,
@@ -300,7 +300,7 @@ class Result:
         rank 0 writes, errors are raised on all.
 
         pictures: whether PNG files are written.
-        report: whether report.html is written; needs pictures.
+        report: whether report.html is written, "brief" on one page; needs pictures.
         whole: whether .vtu files contain the mirror images of what symmetry left out.
         units: of pictures and report.html; None: mm, N, MPa.
         force: whether a result of another command or scene in the folder is replaced.
@@ -321,7 +321,7 @@ class Result:
                     self.summary,
                     out,
                     pictures=pictures,
-                    report=report and pictures,
+                    report=report if pictures else False,
                     whole=whole,
                     units=units or BASE_UNITS,
                 )

@@ -50,7 +50,8 @@ STYLE = {
     "axes.spines.right": False,
     "lines.linewidth": 1.8,
     "lines.markersize": 4.5,
-    "legend.frameon": False,
+    "legend.framealpha": 0.85,
+    "legend.edgecolor": "none",
 }
 
 
@@ -171,7 +172,8 @@ def in_units(panels: Sequence[Axes], units: Units) -> None:
     """Give those axes that have mm, um or MPa in their labels the units of a reader: labels and
     numbers of the ticks. What is drawn stays in mm, um and MPa.
     """
-    for axis in (axis for axes in panels for axis in (axes.xaxis, axes.yaxis)):
+    every = [each for axes in panels for each in (axes, *axes.child_axes)]
+    for axis in (axis for axes in every for axis in (axes.xaxis, axes.yaxis)):
         label = axis.get_label_text()
         factor = units.value(1.0, label)
         if factor != 1.0:

@@ -31,11 +31,10 @@ if TYPE_CHECKING:
 
     from railhead.postprocess.pictures.plots.diagrams import Target
 
-THIN = 0.12  # of the half length: nodes nearer than this to a line are shown on it
 THICK = 0.5  # of the smaller half length: points nearer than this to a plane tell the values on it
 CELLS = 150  # of a cut, along each side
-ROUNDING = 1e-6  # of the largest height: what stays of a body that did not yield
-SPAN = 2.2  # half lengths of the patch that are shown
+ROUNDING = 1e-3  # of the largest height: a body that moved less is not seen, and did not yield
+SPAN = 2.2  # half lengths of what is shown: of the patch, or of the region that yields if less
 
 
 def draw(
@@ -54,9 +53,7 @@ def draw(
         contact, or None.
     """
     assert pressed.plastic_strain is not None
-    patch = found.patch
     axis = 1 if pressed.kinematics.dim == 3 else coordinate(pressed)
-    half = (patch.a, patch.b)[axis]
     with new_figure(target, 11, 8.6, found) as figure:
         (strain, stress), (pressure, depth) = figure.subplots(2, 2)
         every = np.arange(len(pressed.cells))
@@ -65,15 +62,31 @@ def draw(
         body = np.repeat(pressed.body, len(points) // len(every))
         body = symmetry.repeated(body, pressed.mirrors)
         _, left = stress_at_gauss_points(residual, every)
+        yields = symmetry.repeated(pressed.plastic_strain.equivalent.ravel() > 0, pressed.mirrors)
+        window = _window(found, local[yields], axis)
         for axes, values, label in (
             (strain, 100 * pressed.plastic_strain.equivalent, "equivalent plastic strain, %"),
             (stress, von_mises(left), "residual von Mises stress, MPa"),
         ):
             values = symmetry.repeated(values.ravel(), pressed.mirrors)
-            _cut(figure, axes, found, (local, values, body), axis, label)
+            _cut(figure, axes, found, (local, values, body), axis, window, label)
         _pressures(pressure, found, elastic, exact, axis)
-        _residual_heights(depth, residual, pressed, found, half)
+        _residual_heights(depth, residual, pressed, found, window[1])
     return figure
+
+
+def _window(found: Findings, yields: Array, axis: int) -> tuple[float, float]:
+    """Middle, x (axis 0) or s (axis 1), and half the side, mm, of the square that is shown: around
+    the points (n, 3) that yield, in the contact frame, but not larger than around all patches.
+    """
+    low, high = (each[axis] for each in found.patch.box)
+    middle, half = (low + high) / 2, (high - low) / 2
+    if len(yields):
+        ends = yields[:, axis].min(), yields[:, axis].max()
+        reach = max(float(np.ptp(ends)) / 2, float(np.abs(yields[:, 2]).max()))
+        if reach < half:
+            middle, half = float(np.mean(ends)), reach
+    return middle, SPAN * half
 
 
 def _cut(
@@ -82,6 +95,7 @@ def _cut(
     found: Findings,
     samples: tuple[Array, Array, NDArray[np.integer]],
     across: int,
+    window: tuple[float, float],
     label: str,
 ) -> None:
     """Draw bands of values at Gauss points, interpolated linearly within each body, in the plane
@@ -89,12 +103,10 @@ def _cut(
     What lies outside of a body's Gauss points stays white.
 
     samples: coordinates (n, 3) in the contact frame, mm, values (n,) and body tags (n,), images
-        included. across: 0 where the horizontal axis is x, 1 where it is s. label: of the colour
-        bar.
+        included. across: 0 where the horizontal axis is x, 1 where it is s. window: middle and half
+        the side of what is shown, mm. label: of the colour bar.
     """
-    local, values, body = samples
-    low, high = (each[across] for each in found.patch.box)
-    middle, half = (low + high) / 2, SPAN * (high - low) / 2
+    (local, values, body), (middle, half) = samples, window
     near = np.abs(local[:, 1 - across]) < THICK * min(found.patch.a, found.patch.b)
     near &= np.abs(local[:, across] - middle) < 1.2 * half
     near &= np.abs(local[:, 2]) < 1.2 * half
@@ -140,11 +152,11 @@ def _residual_heights(
     axes: Axes, residual: Fields, pressed: Fields, found: Findings, half: float
 ) -> None:
     """Draw the displacement along the rail's outward normal (um) of the contact surfaces after the
-    load, on lines along x and along s (mm) through the origin of the frame. A body that was not
-    displaced has no line.
+    load, on lines along x and along s (mm) through the largest pressure, interpolated linearly
+    between nodes. A body that was not displaced has no line.
 
     residual: fields after the load. pressed: fields under the load, which give the nodes of the
-        contact surfaces. half: half length of the patch, mm, which sets the range that is shown.
+        contact surfaces. half: half the length that is shown, mm.
     """
     frame, subject = found.frame, found.subject
     surfaces = {pressed.slave: np.unique(pressed.contact.facet_nodes)}
@@ -154,22 +166,26 @@ def _residual_heights(
         tag: 1e3 * residual.displacement[nodes] @ frame.axes[2] for tag, nodes in surfaces.items()
     }
     least = ROUNDING * max(float(np.abs(rise).max()) for rise in rises.values())
+    through, t = (found.across.at, found.along.at), np.linspace(-half, half, CELLS)
     for tag, rise in rises.items():
         if np.abs(rise).max() <= least:
             continue
         local = symmetry.vectors(frame.local(residual.points[surfaces[tag]]), pressed.mirrors)
-        rise = symmetry.repeated(rise, pressed.mirrors)
-        style = ".-" if tag == pressed.slave else ".--"
+        local, rise = local[:, :2] - through, symmetry.repeated(rise, pressed.mirrors)
         for axis, name, colour in ((0, subject.along, FE), (1, subject.across, HERTZ)):
-            off, along = np.abs(local[:, 1 - axis]), np.abs(local[:, axis])
-            near = (off < THIN * half) & (along < SPAN * half)
-            t, height = local[near, axis], rise[near]
-            order = np.argsort(t)
-            if len(order) > 1 and np.ptp(t) > 0:  # a section has one of them
-                label = f"{subject.names[BODY_NAMES[tag]]}, {name}"
-                axes.plot(t[order], height[order], style, lw=0.8, color=colour, label=label)
+            order = np.argsort(local[:, axis])
+            if np.ptp(local, axis=0).min() > 0:
+                line = np.zeros((CELLS, 2))
+                line[:, axis] = t
+                height = LinearNDInterpolator(local, rise)(line)
+            elif np.ptp(local[:, axis]) > 0:  # a section, which has one of them
+                height = np.interp(t, local[order, axis], rise[order])
+            else:
+                continue
+            style, label = "-" if tag == pressed.slave else "--", subject.names[BODY_NAMES[tag]]
+            axes.plot(t, height, style, color=colour, label=f"{label}, {name}")
     axes.set(
-        xlabel="x or s, distance from the contact, mm",
+        xlabel="x or s, distance from the largest pressure, mm",
         ylabel="height of the surface after the load, um",
     )
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)

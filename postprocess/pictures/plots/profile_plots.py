@@ -119,7 +119,7 @@ def positions(
             "(gauge side < 0 < field side)"
         )
         ax.set_ylabel("z, mm (wheel lifted)")
-        ax.set_aspect("equal")
+        ax.set_aspect("equal", adjustable="datalim")  # else its label leaves the sheet
         ax.set_xlim(min(-50.0, pair.rail.domain[0] - 5), 45)
     return figure
 

@@ -33,18 +33,19 @@ NAME = "report.html"
 LARGE = 300_000  # bytes
 CAPTIONS = {
     "patch": "Contact pressure over the patch, seen from above.",
-    "patch_on_rail": "The patch on the running surface, with its mesh.",
     "pressure": "Contact pressure along both axes; where each cut lies is said over it.",
-    "depth": "Stresses below the contact.",
-    "stress_cut": "Stresses in a cut through the contact.",
-    "stress_cut_along": "Stresses in a cut along the rail, through the largest pressure.",
-    "wheel_rail": "The bodies that were solved, cut open, and their mesh at the contact.",
-    "plastic": "What yields, what stays after the load, and the pressure with and without yield.",
     "friction": "Where the patch sticks and slips, and the tractions.",
     "passes": "Residual stress below the patch by pass, increments by pass, and the groove.",
     "passes_section": "Plastic strain and residual stress across the rail after the last pass.",
+    "plastic": "What yields, what stays after the load, and the pressure with and without yield.",
+    "stress_cut": "Stresses in a cut through the contact.",
+    "stress_cut_along": "Stresses in a cut along the rail, through the largest pressure.",
+    "depth": "Stresses below the contact.",
+    "patch_on_rail": "The patch on the running surface, with its mesh.",
+    "wheel_rail": "The bodies that were solved, cut open, and their mesh at the contact.",
     "shakedown": "Pressure and traction against the limits of repeated rolling.",
 }
+"""By picture; those of a report of one page are the first two that there are."""
 CHECKS = {
     "effects_left_out": "effects that are called for are simulated",
     "converged": "the solver converged",
@@ -99,12 +100,14 @@ def write(
     folder: Path,
     found: Findings | None,
     grids: tuple[meshio.Mesh, meshio.Mesh] | None,
+    *,
+    brief: bool = False,
 ) -> None:
     """Write report.html into a result folder that already contains the pictures and scene.toml.
-    Raises OSError only; any other error is described in the file. found, grids: as of `render`.
+    Raises OSError only; any other error is described in the file. Arguments: as of `render`.
     """
     try:
-        text = render(solved, summary, units, folder, found, grids)
+        text = render(solved, summary, units, folder, found, grids, brief=brief)
     except OSError:
         raise
     except Exception as error:
@@ -120,14 +123,19 @@ def render(
     folder: Path,
     found: Findings | None,
     grids: tuple[meshio.Mesh, meshio.Mesh] | None,
+    *,
+    brief: bool = False,
 ) -> str:
     """HTML text of the report, with those pictures of the folder in it that have a caption
     (CAPTIONS), and its scene.toml, which must be there. found: findings with titles; None where
-    nothing touches. grids: of the cells and of the contact surface; None without views. Raises
-    OSError for a file that cannot be read.
+    nothing touches. grids: of the cells and of the contact surface; None without views. brief:
+        whether it is one page: verdict, answer, two pictures, failed checks, what was asked. Raises
+        OSError for a file that cannot be read.
     """
     scene = solved.plan.scene
-    views, viewer, missing = _views(solved, found, grids)
+    views, viewer, missing = ([], "", "") if brief else _views(solved, found, grids)
+    passes = (summary["result"] or {}).get("passes")
+    drawn = [name for name in CAPTIONS if (folder / f"{name}.png").exists()]
     effects = summary["plan"]["effects"]
     return template("report.html.j2").render(
         summary=summary,
@@ -146,11 +154,12 @@ def render(
         files=[path.name for path in scene.files],
         left_out={name: each for name, each in effects.items() if not each["on"]},
         check_rows=_checks(summary["checks"]),
+        passes=terminal.passes_table(passes, units) if passes else None,
         pictures=[
             (CAPTIONS[name], picture((folder / f"{name}.png").read_bytes()))
-            for name in CAPTIONS
-            if (folder / f"{name}.png").exists()
+            for name in (drawn[:2] if brief else drawn)
         ],
+        brief=brief,
         versions=versions(),
     )
 

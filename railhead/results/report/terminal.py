@@ -15,7 +15,7 @@ from rich.table import Table
 
 from railhead.planning.context import Effect
 from railhead.planning.plan import Plan
-from railhead.postprocess.findings import BASE_UNITS, Units
+from railhead.postprocess.findings import BASE_UNITS, Units, brief
 from railhead.results import quantity_rows
 from railhead.results.quantity_rows import Cell, Row
 
@@ -316,6 +316,19 @@ def _show_passes(
         padding=0,
         show_edge=False,
     )
+    header, *rows = passes_table(passes, units)
+    for name in header:
+        table.add_column(name, justify="right")
+    for row in rows:
+        table.add_row(*row)
+    console.print(table)
+    console.print(f"Passes: {result['passes_words']}.", markup=False, highlight=False)
+
+
+def passes_table(passes: Sequence[Mapping[str, Any]], units: Units) -> list[list[str]]:
+    """Cells of the table of passes, its header first: the first ten (PASSES_SHOWN) and the last.
+    passes: "passes" of "result" in summary.json.
+    """
     columns = {
         "strain_increment_max": ("strain", ""),
         "forward_mm": ("forward", "mm"),
@@ -325,17 +338,14 @@ def _show_passes(
         "residual_along_MPa": ("residual along", "MPa"),
         "residual_across_MPa": ("across", "MPa"),
     }
-    table.add_column("pass", justify="right")
-    for name, unit in columns.values():
-        shown = f"{name}, {units.unit(unit)}" if unit else name
-        table.add_column(shown, justify="right")
-    shown_passes = sorted({*range(min(PASSES_SHOWN, len(passes))), len(passes) - 1})
-    for number in shown_passes:
+    table = [
+        ["pass", *(f"{name}, {units.unit(unit)}".strip(", ") for name, unit in columns.values())]
+    ]
+    for number in sorted({*range(min(PASSES_SHOWN, len(passes))), len(passes) - 1}):
         row = passes[number]
-        cells = (f"{units.value(row[key], unit):.4g}" for key, (_, unit) in columns.items())
-        table.add_row(str(number + 1), *cells)
-    console.print(table)
-    console.print(f"Passes: {result['passes_words']}.", markup=False, highlight=False)
+        cells = (brief(units.value(row[key], unit)) for key, (_, unit) in columns.items())
+        table.append([str(number + 1), *cells])
+    return table
 
 
 def show_difference(found: Mapping[str, Any], console: Console, units: Units = BASE_UNITS) -> None:

@@ -6,6 +6,7 @@ import json
 import re
 import shutil
 import subprocess
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ from railhead.postprocess.findings import Units
 from railhead.postprocess.pictures.views import gallery, turning
 from railhead.results import quantity_rows, result_folder
 from railhead.results.report import html, output_units
+from railhead.results.subject import subject
 from railhead.run import quantities
 from railhead.scene.sections import SceneError
 
@@ -126,6 +128,35 @@ def test_a_view_that_cannot_be_built_is_said(
     assert "<iframe" not in text
     monkeypatch.setattr(html, "render", fail)
     assert "could not be made" in written()
+
+
+def brief_of(result: Any, folder: Path) -> str:
+    found = replace(result.findings, subject=subject(result.plan, result.load))
+    return html.render(result.mesh_solution, result.summary, UNITS, folder, found, None, brief=True)
+
+
+def test_a_brief_report_is_the_answer_and_what_was_asked(result: Any, folder: Path) -> None:
+    text = brief_of(result, folder)
+    cells = Cells(text)
+    assert cells.tables == ["answer", "friction"]
+    assert len(cells.addresses) == 2 and "checks hold" in text
+    assert result.summary["date"] in text
+    failed = result.summary["checks"] | {"failed": ["converged"], "passed": False}
+    worse = replace(result, summary=result.summary | {"checks": failed})
+    assert "FAILS" in brief_of(worse, folder) and "holds</td>" not in brief_of(worse, folder)
+
+
+def test_passes_are_a_table(result: Any, folder: Path) -> None:
+    columns = ("strain_increment_max", "forward_mm", "groove_mm", "lean_mm")
+    columns += ("pressure_max_MPa", "residual_along_MPa", "residual_across_MPa")
+    rows = [dict.fromkeys(columns, 1e-3 * number) for number in range(30)]
+    more = result.summary["result"] | {"passes": rows, "passes_words": "it shakes down"}
+    rolled = replace(result, summary=result.summary | {"result": more})
+    table = re.search(r'<table id="passes">.*?</table>', brief_of(rolled, folder), re.S)
+    assert table is not None
+    numbers = [int(each) for each in re.findall(r'<tr><td class="n">([0-9]+)</td>', table[0])]
+    assert numbers == [*range(1, 11), 30]  # the first ten and the last
+    assert "groove, um" in table[0] and ">29<" in table[0] and "-0<" not in table[0]
 
 
 def test_left_out_when_asked(result: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -234,6 +265,15 @@ def test_a_browser_draws_it(folder: Path, tmp_path: Path) -> None:
     browse(f"--print-to-pdf={paper}", file=folder / html.NAME)
     assert paper.read_bytes().startswith(b"%PDF")
     assert paper.stat().st_size > 100_000
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(CHROMIUM is None, reason="no chromium")
+def test_a_brief_report_is_one_page(result: Any, folder: Path, tmp_path: Path) -> None:
+    page, paper = tmp_path / html.NAME, tmp_path / "report.pdf"
+    page.write_text(brief_of(result, folder), encoding="utf-8")
+    browse(f"--print-to-pdf={paper}", file=page)
+    assert len(re.findall(rb"/Type /Page\b", paper.read_bytes())) == 1
 
 
 @pytest.mark.slow

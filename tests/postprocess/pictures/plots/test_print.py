@@ -215,7 +215,10 @@ def test_no_yield_is_said_and_coloured_as_none(blocks: Callable[..., Any]) -> No
     zero, body = np.zeros(len(points)), np.where(points[:, 2] < 0, 1, 2)
     with diagrams.new_figure(None, 5, 5) as figure:
         axes = figure.add_subplot()
-        plastic_plots._cut(figure, axes, two_patches(case), (points, zero, body), 1, "strain")
+        window = plastic_plots._window(two_patches(case), points[:0], 1)
+        plastic_plots._cut(
+            figure, axes, two_patches(case), (points, zero, body), 1, window, "strain"
+        )
         assert axes.collections[0].get_clim()[0] == 0.0
         assert axes.get_title() == "none here"
         assert [each.get_text() for each in axes.texts] == ["rail", "wheel"]
