@@ -183,11 +183,11 @@ def in_units(panels: Sequence[Axes], units: Units) -> None:
             axis.set_major_formatter(lambda value, _, by=factor: minus(brief(by * value, 6)))
 
 
-def levels(units: Units, low: float, high: float, count: int = BANDS) -> Array:
-    """Limits (k,) of colour bands, MPa, from `low` to `high` at least: round numbers of the
-    reader's unit.
+def levels(units: Units, label: str, low: float, high: float, count: int = BANDS) -> Array:
+    """Limits (k,) of colour bands from `low` to `high` at least, in the unit of the label, MPa or
+    none: round numbers of the reader's unit.
     """
-    factor = units.value(1.0, "MPa")
+    factor = units.value(1.0, label)
     return np.array(MaxNLocator(count).tick_values(factor * low, factor * high)) / factor
 
 
@@ -495,7 +495,7 @@ def patch(findings: Findings, ellipse: Ellipse | None, target: Target = None) ->
     size = max(width * scale, 4) + 2.2, max(height * scale, 2) + 1.5
     with new_figure(target, *size, findings) as figure:
         axes = figure.add_subplot(axisbelow=True)
-        limits = levels(findings.subject.units, 0.0, float(surface.pressure.max()))
+        limits = levels(findings.subject.units, "MPa", 0.0, float(surface.pressure.max()))
         bands = axes.tricontourf(
             *surface.local.T, surface.triangles, surface.pressure, limits, cmap="YlOrRd"
         )

@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib import colormaps
-from matplotlib.ticker import MaxNLocator
 
-from railhead.postprocess.findings import Findings
+from railhead.postprocess.findings import Findings, Units
 from railhead.postprocess.passes import Passes
-from railhead.postprocess.pictures.plots.diagrams import new_figure
+from railhead.postprocess.pictures.plots.diagrams import levels, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -53,7 +52,7 @@ def draw(passes: Passes, found: Findings, target: Target = None) -> Figure:
         for axes in (stress, strain):
             axes.set(ylabel="depth below the middle of the patch, mm", ylim=(deep, 0.0))
             axes.legend()
-        _increments(growth, rows)
+        _increments(growth, rows, found.subject.units)
         if len(passes.sections[0].across) > 1:
             for number, colour in zip(shown, colours, strict=True):
                 section = passes.sections[number - 1]
@@ -81,16 +80,16 @@ def draw_section(passes: Passes, found: Findings, target: Target = None) -> Figu
         ):
             size = np.abs(each).max() or 1.0
             least = 0.0 if each is values[0] else -size
-            levels = MaxNLocator(LEVELS).tick_values(least, size)
-            filled = axes.contourf(left.y, -left.depth, each.T, levels, cmap=colours)
+            limits = levels(found.subject.units, label, least, size, LEVELS)
+            filled = axes.contourf(left.y, -left.depth, each.T, limits, cmap=colours)
             axes.figure.colorbar(filled, ax=axes, label=label)
             axes.set(xlabel="across, from the middle of the patch, mm", ylabel="height, mm")
             axes.set_aspect("equal")
     return figure
 
 
-def _increments(axes: Axes, rows: list[dict[str, Any]]) -> None:
-    """Draw the largest plastic increment and the forward displacement (um) over the passes, on
+def _increments(axes: Axes, rows: list[dict[str, Any]], units: Units) -> None:
+    """Draw the largest plastic increment and the forward displacement over the passes, on
     logarithmic axes where they are not zero.
     """
     number = np.arange(1, len(rows) + 1)
@@ -98,6 +97,7 @@ def _increments(axes: Axes, rows: list[dict[str, Any]]) -> None:
         ("strain_increment_max", 100.0, "largest strain increment, %"),
         ("forward_mm", 1e3, "forward displacement of the surface (size), um"),
     ):
+        factor, label = units.value(factor, label), units.unit(label)
         values = np.array([factor * abs(row[key]) for row in rows])
         axes.plot(number[values > 0], values[values > 0], "o-", label=label)
     if any(row["strain_increment_max"] for row in rows):

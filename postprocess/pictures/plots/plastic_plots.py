@@ -10,7 +10,7 @@ from scipy.interpolate import LinearNDInterpolator
 
 from railhead.meshing.bodies import BODY_NAMES, RAIL, WHEEL, other
 from railhead.postprocess import symmetry
-from railhead.postprocess.findings import Array, Findings, Units
+from railhead.postprocess.findings import Array, Findings
 from railhead.postprocess.patch.moments import coordinate
 from railhead.postprocess.pictures.plots.diagrams import (
     FE,
@@ -114,8 +114,7 @@ def _cut(
     used = [across, 2] if flat else [across, 2, 1 - across]
     t, z = middle + half * np.linspace(-1, 1, CELLS), half * np.linspace(-1, 1, CELLS)
     at = np.stack([*np.meshgrid(t, z), np.zeros((CELLS, CELLS))], axis=-1)[..., : len(used)]
-    units = found.subject.units if label.endswith("MPa") else Units()
-    limits = levels(units, 0.0, float(values[near].max()) or 1.0)
+    limits = levels(found.subject.units, label, 0.0, float(values[near].max()) or 1.0)
     for tag, height in ((RAIL, 0.04), (WHEEL, 0.96)):
         own = near & (body == tag)
         if own.any():

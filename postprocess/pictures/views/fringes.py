@@ -113,5 +113,5 @@ def bands(values: Array, units: Units, *, below: bool) -> Array:
     to zero; otherwise they cover the positive ones, from zero to the largest.
     """
     if below:
-        return levels(units, min(float(values.min()), 0.0) or -1.0, 0.0, BANDS + 2)
-    return levels(units, 0.0, max(float(values.max()), 0.0) or 1.0, BANDS + 2)
+        return levels(units, "MPa", min(float(values.min()), 0.0) or -1.0, 0.0, BANDS + 2)
+    return levels(units, "MPa", 0.0, max(float(values.max()), 0.0) or 1.0, BANDS + 2)

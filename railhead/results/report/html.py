@@ -33,7 +33,8 @@ NAME = "report.html"
 LARGE = 300_000  # bytes
 CAPTIONS = {
     "patch": "Contact pressure over the patch, seen from above.",
-    "pressure": "Contact pressure along both axes; where each cut lies is said over it.",
+    "pressure": "Contact pressure along both axes; where each cut lies is said over it. "
+    "Of finite elements, waves that are two elements long come from the mesh.",
     "friction": "Where the patch sticks and slips, and the tractions.",
     "passes": "Residual stress below the patch by pass, increments by pass, and the groove.",
     "passes_section": "Plastic strain and residual stress across the rail after the last pass.",
@@ -155,6 +156,7 @@ def render(
         left_out={name: each for name, each in effects.items() if not each["on"]},
         check_rows=_checks(summary["checks"]),
         passes=terminal.passes_table(passes, units) if passes else None,
+        passes_title=terminal.passes_title(summary["result"]) if passes else "",
         pictures=[
             (CAPTIONS[name], picture((folder / f"{name}.png").read_bytes()))
             for name in (drawn[:2] if brief else drawn)

@@ -31,6 +31,7 @@ PASS_ERRORS = {
     "residual_along_MPa": "residual along",
     "residual_across_MPa": "across",
 }
+NO_ESTIMATE = "passes (without an estimate)"
 PASSES_SHOWN = 10  # rows of the table of passes, and the last one
 
 
@@ -303,14 +304,8 @@ def _show_passes(
     """Print a table of the passes and their verdict. result: "result" of summary.json; passes: its
     entry of that name.
     """
-    errors = result["passes_after"]["estimate"]
-    told = ", ".join(
-        f"{name} {errors[key]:.1%}" for key, name in PASS_ERRORS.items() if key in errors
-    )
     table = Table(
-        title=f"passes (estimate after the last: {told})"
-        if told
-        else "passes (without an estimate)",
+        title=passes_title(result),
         title_justify="left",
         box=box.SIMPLE_HEAD,
         padding=0,
@@ -323,6 +318,15 @@ def _show_passes(
         table.add_row(*row)
     console.print(table)
     console.print(f"Passes: {result['passes_words']}.", markup=False, highlight=False)
+
+
+def passes_title(result: Mapping[str, Any]) -> str:
+    """Title of the table of passes, with the estimates after the last one. result: "result" of
+    summary.json.
+    """
+    errors = result["passes_after"]["estimate"]
+    told = [f"{name} {errors[key]:.1%}" for key, name in PASS_ERRORS.items() if key in errors]
+    return f"passes (estimate after the last: {', '.join(told)})" if told else NO_ESTIMATE
 
 
 def passes_table(passes: Sequence[Mapping[str, Any]], units: Units) -> list[list[str]]:

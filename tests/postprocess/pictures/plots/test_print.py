@@ -336,7 +336,7 @@ def test_axes_and_numbers_are_in_the_readers_units(blocks: Callable[..., Any]) -
     assert float(text) == pytest.approx(place * 0.1450377377, rel=1e-6) and len(text) < 5
     label = other.get_legend_handles_labels()[1][1]
     assert f"largest pressure {case.ellipse.p0 * 0.1450377377:.4g} ksi" in label
-    limits = diagrams.levels(units, 0.0, 1000.0) * 0.1450377377
+    limits = diagrams.levels(units, "MPa", 0.0, 1000.0) * 0.1450377377
     assert limits == pytest.approx(np.round(limits, 6))
 
 
