@@ -89,17 +89,17 @@ def draw_fringes(
                 edges = np.array([line[:, axis].min(), line[:, axis].max()])
                 axes.plot(edges, [0, 0], "|", color="black", ms=14, mew=1.6, gid="contact patch")
         panels[0].set_ylabel("height over the contact, mm")
-        edges = "edges of the patch (drawn undeformed)"
+        marked = "edges of the patch (drawn undeformed)"
         if cut is not None:
             units, half = findings.subject.units, (findings.patch.b, findings.patch.a)[axis]
-            edges += f", cut at {'sx'[axis]} = {rounded(units, cut, half)} {units.unit('mm')}"
+            marked += f", cut at {'sx'[axis]} = {rounded(units, cut, half)} {units.unit('mm')}"
         mark_largest(panels[1], findings, axis, cut or 0.0)
         handles, labels = panels[1].get_legend_handles_labels()
         mark = Line2D([], [], color="black", marker="|", ms=12, mew=1.6, ls="none")
-        long = max(map(len, [*labels, edges])) > LONG
+        long = max(map(len, [*labels, marked])) > LONG
         figure.legend(
             [*handles, mark],
-            [*labels, edges],
+            [*labels, marked],
             loc="outside upper center",
             ncols=1 if long else 2,
             fontsize=10,
