@@ -32,6 +32,7 @@ def test_make_targets_exist(target: str) -> None:
     assert "./setup.sh" in done.stdout
 
 
+@pytest.mark.slow
 def test_setup_installs_nothing_the_second_time() -> None:
     done = subprocess.run(
         ["./setup.sh"], cwd=ROOT, capture_output=True, text=True, check=False, timeout=120

@@ -256,7 +256,8 @@ def test_positions_are_a_table_and_without_pictures_the_same(tmp_path, capsys, m
     assert at[8.0]["equivalent conicity"] == at[-8.0]["equivalent conicity"]
 
 
-def test_measured_profiles_come_with_their_curvature(tmp_path, capsys) -> None:
+def test_measured_profiles_come_with_their_curvature(tmp_path, capsys, monkeypatch) -> None:
+    monkeypatch.setattr(geometry, "SHIFTS", np.array([0.0]))
     rows = "\n".join(f"{y},{-(y**2) / 600}" for y in range(-26, 27, 2))
     (tmp_path / "rail.csv").write_text(rows)
     key = f"rail.profile={tmp_path / 'rail.csv'}"

@@ -95,13 +95,10 @@ SCENES = {
 }
 
 
-SHORT = "axis ratio 1/6", "penalty"
-
-
 @pytest.mark.parametrize(
     "assignments",
     [
-        pytest.param(keys, id=name, marks=[] if name in SHORT else [pytest.mark.slow])
+        pytest.param(keys, id=name, marks=[] if name == "axis ratio 1/6" else [pytest.mark.slow])
         for name, keys in SCENES.items()
     ],
 )

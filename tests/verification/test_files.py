@@ -30,6 +30,7 @@ def off(found: Any, expected: Any) -> Any:
     return np.linalg.norm(found - expected, axis=0) / np.maximum(size, 1e-300)
 
 
+@pytest.mark.slow
 def test_mirrored_fields_are_those_of_a_whole_model(tmp_path: Path) -> None:
     """At points of three quarters that were not solved, in both bodies: all components."""
     quarter = pv.read(saved(coarse(), tmp_path / "quarter") / "solution.vtu")

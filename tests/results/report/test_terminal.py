@@ -1,7 +1,10 @@
 """The terminal report fits 80 columns where there is no terminal."""
 
 import command
+import numpy as np
 import pytest
+
+from railhead.cli import geometry
 
 COMMANDS = {
     "list": ["list"],
@@ -13,6 +16,7 @@ COMMANDS = {
 @pytest.mark.parametrize("arguments", COMMANDS.values(), ids=COMMANDS)
 def test_lines_fit_eighty_columns(arguments: list[str], capsys, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(geometry, "SHIFTS", np.linspace(-3.0, 3.0, 3))
     command.status(*arguments)
     lines = capsys.readouterr().out.splitlines()
     assert len(lines) > 5 and max(map(len, lines)) <= 80

@@ -215,7 +215,11 @@ def test_signorini_conditions_and_equilibrium(gap: Gap, control: str) -> None:
 
 @pytest.mark.parametrize(
     ("centre", "half_size"),
-    [((0, 0), (1e-4, 1e-4)), ((60, -25), (1, 3)), ((0.1, 0), (1e5, 0.1))],
+    [
+        pytest.param((0, 0), (1e-4, 1e-4), marks=pytest.mark.slow),
+        ((60, -25), (1, 3)),
+        ((0.1, 0), (1e5, 0.1)),
+    ],
 )
 def test_domain_is_found_from_a_poor_guess(
     centre: tuple[float, float], half_size: tuple[float, float]
