@@ -213,22 +213,6 @@ def test_a_cone_towards_its_flange_runs_on_a_larger_radius() -> None:
     assert stands(simple())["creepage_along"] == 0
 
 
-def test_a_cone_spins_by_its_angle_and_a_cylinder_not_at_all() -> None:
-    cone, cylinder = stands(simple()), stands(simple(wheel="cylinder"))
-    assert cone["spin_per_mm"] == pytest.approx(-0.05 / 420, rel=0.01)
-    assert [cylinder[key] for key in ("creepage_along", "creepage_across", "spin_per_mm")] == [
-        0
-    ] * 3
-
-
-def test_yaw_pushes_the_surface_aside() -> None:
-    """An axle turned from x to y rolls towards y; the track holds it, so its surface goes to -y."""
-    for yaw in (2e-3, -2e-3):
-        found = stands(simple(wheel="cylinder", yaw=yaw))
-        assert found["creepage_across"] == pytest.approx(-yaw, rel=1e-3)
-        assert found["creepage_along"] == pytest.approx(0.0, abs=1e-5)
-
-
 def test_the_plan_says_the_numbers_and_the_axle() -> None:
     """On an axle that turns by R, to first order in yaw: along 1 - r/R, across
     -(r/R) yaw/cos(angle), spin -sin(angle - roll)/R."""

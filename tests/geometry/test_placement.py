@@ -248,15 +248,6 @@ def test_a_curve_of_150_m_moves_no_contact(seed: int) -> None:
     assert gap < 1e-3
 
 
-def test_left_and_right_change_places_with_the_sign_of_the_position() -> None:
-    one, other = place(PAIR, TRACK, 3.0, 0.01), place(PAIR, TRACK, -3.0, -0.01)
-    assert one.roll == pytest.approx(-other.roll, abs=1e-12)
-    assert one.right.touches[0].y == pytest.approx(other.left.touches[0].y, abs=1e-8)
-    assert one.rolling_radius_difference == pytest.approx(
-        -other.rolling_radius_difference, abs=1e-9
-    )
-
-
 def test_cones_on_crowned_rails_have_their_known_conicity() -> None:
     """Difference 2 slope shift / (1 - slope (R_rail + r) / b): the roll moves the contact, too."""
     cone = ProfilePair(

@@ -21,33 +21,6 @@ KINDS = [("tetrahedron", 1), ("tetrahedron", 2), ("hexahedron", 1), ("hexahedron
 
 
 @pytest.mark.parametrize(("cell", "degree"), KINDS)
-def test_cells_are_upright_and_fill_the_blocks(
-    blocks: Callable[..., Any], cell: str, degree: int
-) -> None:
-    case = blocks(cell, degree)
-    grid = pv.from_meshio(vtu.volume_grid(case.fields, case.stress))
-    volume = grid.compute_cell_sizes(length=False, area=False)["Volume"]
-    assert volume.min() > 0
-    size = np.ptp(case.fields.points, axis=0)
-    assert volume.sum() == pytest.approx(size.prod(), rel=1e-12)
-    assert volume[grid["body"] == 1].sum() == pytest.approx(size.prod() / 2, rel=1e-12)
-
-
-@pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
-def test_edge_and_face_nodes_lie_amid_their_vertices(blocks: Callable[..., Any], cell: str) -> None:
-    case = blocks(cell, 2)
-    grid = pv.from_meshio(vtu.volume_grid(case.fields, case.stress))
-    for number in (0, 17, grid.n_cells - 1):
-        found = grid.get_cell(number)
-        for edge in found.edges:
-            assert edge.points[2] == pytest.approx(edge.points[:2].mean(0), abs=1e-12)
-        if cell == "hexahedron":
-            for face in found.faces:
-                assert face.points[8] == pytest.approx(face.points[:4].mean(0), abs=1e-12)
-            assert found.points[26] == pytest.approx(found.points[:8].mean(0), abs=1e-12)
-
-
-@pytest.mark.parametrize(("cell", "degree"), KINDS)
 def test_volume_file_holds_the_arrays(
     blocks: Callable[..., Any], cell: str, degree: int, tmp_path: Path
 ) -> None:

@@ -11,7 +11,6 @@ import pytest
 from matplotlib.colors import to_rgb
 from matplotlib.image import imread
 
-from railhead.postprocess import symmetry
 from railhead.postprocess.findings import OnePatch
 from railhead.postprocess.pictures.plots import diagrams
 
@@ -33,27 +32,6 @@ def test_ellipse_is_closed_and_exact(blocks: Callable[..., Any]) -> None:
     assert np.hypot(line[:, 0] / ellipse.a, line[:, 1] / ellipse.b) == pytest.approx(1.0, abs=1e-14)
 
 
-def test_whole_surface_has_four_times_the_quarter(blocks: Callable[..., Any]) -> None:
-    case = blocks()
-    quarter = case.surface
-
-    def areas(surface: Any) -> Any:
-        corners = surface.local[surface.triangles]
-        edges = corners[:, 1:] - corners[:, :1]
-        return (edges[:, 0, 0] * edges[:, 1, 1] - edges[:, 0, 1] * edges[:, 1, 0]) / 2
-
-    mirrored = symmetry.surface(quarter, case.fields.mirrors)
-    assert np.array_equal(mirrored.local, mirrored.points[:, :2])
-    sign = np.sign(areas(quarter)[0])
-    assert np.all(sign * areas(mirrored) > 0)
-    assert areas(mirrored).sum() == pytest.approx(4 * areas(quarter).sum(), rel=1e-12)
-    force = [
-        abs(areas(surface)) @ surface.pressure[surface.triangles].mean(axis=1)
-        for surface in (quarter, mirrored)
-    ]
-    assert force[1] == pytest.approx(4 * force[0], rel=1e-12)
-
-
 def test_pressure_and_patch_show_hertz_only_when_there_is_one(
     blocks: Callable[..., Any], tmp_path: Path, sharp: None
 ) -> None:
@@ -72,22 +50,6 @@ def test_pressure_and_patch_show_hertz_only_when_there_is_one(
         assert {diagrams.HERTZ, diagrams.FE} <= with_it
         assert diagrams.FE in without and diagrams.HERTZ not in without
     assert seen[0][2] > seen[1][2] + 1000
-
-
-def test_depth_of_the_wheel_when_the_rail_has_none(blocks: Callable[..., Any]) -> None:
-    findings = blocks().findings
-    assert findings.axis.body == "rail"
-    only = replace(findings, depth={"wheel": findings.depth["wheel"]})
-    assert only.axis.body == "wheel"
-
-
-def test_quarter_and_full_give_the_same_patch(blocks: Callable[..., Any], tmp_path: Path) -> None:
-    for cut in (True, False):
-        case = blocks(cut=cut)
-        diagrams.patch(case.findings, case.ellipse, tmp_path / f"{cut}.png")
-    one, other = image(tmp_path / "True.png"), image(tmp_path / "False.png")
-    assert one.shape == other.shape
-    assert np.abs(one - other).mean() < 0.01
 
 
 @pytest.mark.parametrize(("radii", "wide"), [((420.0, 33.0), True), ((33.0, 420.0), False)])

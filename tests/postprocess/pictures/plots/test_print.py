@@ -301,10 +301,6 @@ def test_a_strip_of_patches_holds_the_key_with_more_values(
     assert [axes.get_title(loc="left") for axes in sheets[0].axes] == ["load: 1", "load: 2"]
 
 
-def test_signs_are_those_of_the_axes() -> None:
-    assert diagrams.minus("y = -12.67 mm") == "y = \N{MINUS SIGN}12.67 mm"
-
-
 def test_of_several_patches_the_depth_is_below_the_most_loaded_one() -> None:
     """Its frame begins there, which need not be the plan's first contact."""
     patch = SimpleNamespace(centre=(0.0, 0.0), a=2.0, b=1.0)
