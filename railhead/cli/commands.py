@@ -334,13 +334,11 @@ def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: b
     from railhead.results import result_folder
 
     folder = out if out is not None else Path("results") / name
-    result_folder.check_folder(folder)
+    result_folder.check_free(folder, command, scene, force=force or out is None)
     read = [file.name for file in scene.files if folder.resolve() in file.resolve().parents]
     if read and out is None and result_folder.other_result(folder, command, scene):
         text = f"{str(folder)!r} holds {read[0]}, which the scene reads; give another folder"
         raise SceneError("--out", text)
-    if out is not None and not force:
-        result_folder.refuse_other(folder, command, scene)
     return folder
 
 

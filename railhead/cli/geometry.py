@@ -142,7 +142,8 @@ class Location:
         Raises SceneError for a folder with other files and, without `force`, with another result;
         OSError where it cannot be written.
         """
-        folder = _checked(folder, "locate", self.scene, force)
+        folder = as_path(folder, "folder")
+        result_folder.check_free(folder, "locate", self.scene, force=force)
         with result_folder.result(folder, "locate", self.scene, self.summary()) as (work, attempt):
             rows = result_folder.signed(self.positions())
             (work / "positions.csv").write_bytes(result_folder.encoded(rows))
@@ -217,15 +218,6 @@ def locate(scene: Scene) -> Location:
             "rail.extent", "half-space has no profiles to locate; give head or section"
         )
     return Location(scene, *solid.place(scene, CLEARANCE))
-
-
-def _checked(folder: str | Path, command: str, scene: Scene, force: bool) -> Path:
-    """The folder, if the result of a command for a scene may be written there, else SceneError."""
-    folder = as_path(folder, "folder")
-    result_folder.check_folder(folder)
-    if not force:
-        result_folder.refuse_other(folder, command, scene)
-    return folder
 
 
 def _contact(touch: ContactPoint, crest: float) -> dict[str, float | bool]:
@@ -304,7 +296,8 @@ class ExaminedProfile:
             {name: f"{values[index]:.9g}" for name, values in columns.items()}
             for index in range(len(y))
         ]
-        folder = _checked(folder, "profile", self.scene, force)
+        folder = as_path(folder, "folder")
+        result_folder.check_free(folder, "profile", self.scene, force=force)
         with result_folder.result(folder, "profile", self.scene, self.summary()) as (work, attempt):
             (work / "profile.csv").write_bytes(result_folder.encoded(result_folder.signed(rows)))
             for name, draw in self._drawings().items() if pictures else ():

@@ -313,9 +313,7 @@ class Result:
         comm, out = self.comm, as_path(folder, "folder")
         if comm.rank == 0:
             try:
-                result_folder.check_folder(out)
-                if not force:
-                    result_folder.refuse_other(out, "run", self.plan.scene)
+                result_folder.check_free(out, "run", self.plan.scene, force=force)
                 files.write(
                     self.solved,
                     self.summary,

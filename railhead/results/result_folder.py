@@ -111,9 +111,12 @@ def other_result(folder: Path, command: str, scene: Scene) -> str:
     return "" if same else "a result of another scene, version, or an edited scene.toml"
 
 
-def refuse_other(folder: Path, command: str, scene: Scene) -> None:
-    """Raise SceneError for a folder with another result than that of `command` for this scene."""
-    if words := other_result(folder, command, scene):
+def check_free(folder: Path, command: str, scene: Scene, *, force: bool) -> None:
+    """Raise SceneError if the result of `command` for this scene cannot be written to a folder, or
+    would replace another one there without `force`.
+    """
+    check_folder(folder)
+    if not force and (words := other_result(folder, command, scene)):
         text = f"{str(folder)!r} holds {words}; give another folder, or --force to replace it"
         raise SceneError("--out", text)
 

@@ -15,8 +15,6 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-import tomli_w
-
 from railhead.geometry.measured import EXTENSIONS
 from railhead.scene.scene import MAX_NAME_BYTES, Scene, SceneError
 from railhead.scene.units import show
@@ -107,13 +105,6 @@ def read_scene(path: str | Path) -> Scene:
             if is_path or (isinstance(file, str) and key == "passes_from"):
                 section[key] = str(path.parent / file)
     return Scene.from_mapping(data)
-
-
-def to_toml(scene: Scene) -> str:
-    """TOML text of a scene with every key that has a value, in N, mm and MPa. Reading the text
-    gives an equal scene.
-    """
-    return tomli_w.dumps(scene.model_dump(exclude_none=True))
 
 
 def places(files: Iterable[Path]) -> dict[str, str]:

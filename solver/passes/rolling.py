@@ -262,7 +262,7 @@ class RollingBlock:
             elastic = pressing(self.surface(u), state.profile)
             trial = deviator((state.residual + elastic).reshape(-1, elastic.shape[-1]))
             trial = trial.reshape(elastic.shape) / (2 * mu) + strain + incoming.plastic
-            plastic, growth, after = follow(trial, mus, incoming, self.hardening)
+            plastic, after = follow(trial, mus, incoming, self.hardening)
             pushed, profile, residual = self.outgoing(plastic[-1] - incoming.plastic)
             force = block.plastic_force(streams.scattered(plastic - incoming.plastic))
             value = block.solve(force, pushed)

@@ -66,7 +66,7 @@ class Streams:
 
 def follow(
     strain: Array, mu: Array, incoming: History, hardening: Hardening
-) -> tuple[Array, Array, History]:
+) -> tuple[Array, History]:
     """Radial return from column to column.
 
     strain: (columns, lines, m) in Mandel's notation: the deviator of the elastic trial stress over
@@ -74,11 +74,9 @@ def follow(
     mu: shear modulus (lines,), MPa.
     incoming: state of the lines upstream.
     hardening: flow curve.
-    Returns the plastic strain (columns, lines, m), the growth of the equivalent plastic strain
-    (columns, lines) from the column before, and the outgoing state.
+    Returns the plastic strain (columns, lines, m) and the outgoing state.
     """
-    plastic, growth = np.empty_like(strain), np.zeros(strain.shape[:2])
-    state, column = incoming, 0
+    plastic, state, column = np.empty_like(strain), incoming, 0
     while column < len(strain):
         elastic = _elastic_columns(strain[column:], mu, state, hardening)
         plastic[column : column + elastic] = state.plastic
@@ -86,11 +84,11 @@ def follow(
         while column < len(strain):
             after, _ = radial_return(strain[column], mu, state, hardening)
             plastic[column] = after.plastic
-            growth[column] = after.equivalent - state.equivalent
+            grows = (after.equivalent != state.equivalent).any()
             state, column = after, column + 1
-            if not growth[column - 1].any():
+            if not grows:
                 break
-    return plastic, growth, state
+    return plastic, state
 
 
 def _elastic_columns(strain: Array, mu: Array, state: History, hardening: Hardening) -> int:

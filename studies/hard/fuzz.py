@@ -14,10 +14,12 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
+import tomli_w
+
 from railhead.results.checks import DEFAULT_TOLERANCE
 from railhead.results.quantity_rows import reference_name
 from railhead.run import quantities
-from railhead.scene.catalogue import read_scene, to_toml
+from railhead.scene.catalogue import read_scene
 from railhead.scene.scene import SceneError
 from railhead.sweeps.worker_pool import attempts
 from studies import tables
@@ -57,7 +59,8 @@ def valid(seed: int) -> str:
             share = source.choice([FINE, FINE, FINE, FINE, source.number(0.05, 1.5)])
             made = made.at_resolution(share * made.sizing.default_resolution)
             if made.unknowns <= MOST:
-                return to_toml(given.replace([f"mesh.patch_size={made.patch_size!r}"]))
+                scene = given.replace([f"mesh.patch_size={made.patch_size!r}"])
+                return tomli_w.dumps(scene.model_dump(exclude_none=True))
     raise AssertionError
 
 

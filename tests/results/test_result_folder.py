@@ -175,7 +175,7 @@ def test_another_result_is_never_replaced_unasked(tmp_path: Path, monkeypatch, c
     kept = (out / "scene.toml").read_text()
     assert kept.startswith(f"# railhead run {rh.__version__}, 20") and "N, mm, MPa" in kept
     with pytest.raises(SceneError, match="another kind of result"):
-        result_folder.refuse_other(out, "locate", result.plan.scene)
+        result_folder.check_free(out, "locate", result.plan.scene, force=False)
     assert run("sphere_on_plane", "--out", "out") == 2  # another size of the elements
     (line,) = capsys.readouterr().err.splitlines()
     assert "--out: 'out' holds a result of another scene" in line and "--force" in line

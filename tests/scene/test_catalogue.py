@@ -6,11 +6,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import tomli_w
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from one_line import refusal
 
-from railhead.scene.catalogue import read_scene, to_toml
+from railhead.scene.catalogue import portable, read_scene
 from railhead.scene.scene import HALF_SPACE, Effects, Scene, SceneError, drop_keys
 
 reusing_the_folder = settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -106,7 +107,7 @@ scenes = (
 @reusing_the_folder
 def test_scene_survives_its_file(tmp_path: Path, scene: Scene) -> None:
     path = tmp_path / "scene.toml"
-    path.write_text(to_toml(scene), encoding="utf-8")
+    path.write_text(tomli_w.dumps(portable(scene)), encoding="utf-8")
     assert read_scene(path) == scene
 
 
@@ -119,7 +120,7 @@ def test_concave_wheel_and_rigid_rail_survive(tmp_path: Path) -> None:
         }
     )
     path = tmp_path / "scene.toml"
-    path.write_text(to_toml(scene), encoding="utf-8")
+    path.write_text(tomli_w.dumps(portable(scene)), encoding="utf-8")
     assert read_scene(path) == scene
     assert "young_modulus = inf" in path.read_text()
 
@@ -214,7 +215,7 @@ def test_profile_path_starts_at_the_file(tmp_path: Path, monkeypatch: pytest.Mon
     assert scene.rail.profile == str(tmp_path / "rail.csv")
     assert scene.wheel.profile == str(tmp_path / "cases" / "wheel.csv")
     monkeypatch.chdir("/")
-    path.write_text(to_toml(scene))
+    path.write_text(tomli_w.dumps(portable(scene)))
     assert read_scene(path) == scene
 
 

@@ -38,12 +38,12 @@ def test_following_skips_elastic_columns_but_changes_nothing(hardening):
     wave[[4, 5, 11, 12, 13, 25]] = 1.0  # columns that yield, with elastic ones between
     strain = wave[:, None, None] * rng.normal(0.0, 6e-3, (30, 7, 4))
     mu = np.full(7, MU)
-    plastic, growth, after = follow(strain, mu, History.virgin(7, 4), hardening)
-    state = History.virgin(7, 4)
+    plastic, after = follow(strain, mu, History.virgin(7, 4), hardening)
+    state, growing = History.virgin(7, 4), 0
     for column, each in enumerate(strain):
         step, _ = radial_return(each, mu, state, hardening)
         assert plastic[column] == pytest.approx(step.plastic, abs=1e-15)
-        assert growth[column] == pytest.approx(step.equivalent - state.equivalent, abs=1e-15)
+        growing += bool((step.equivalent > state.equivalent).any())
         state = step
     assert after.equivalent == pytest.approx(state.equivalent)
-    assert growth.any(axis=1).sum() >= 6
+    assert growing >= 6
