@@ -11,7 +11,9 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import TimeoutError as LimitExceededError
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -66,6 +68,49 @@ def measured(module: str, argument: float, ranks: int = 1) -> dict[str, Any]:
     done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
     found: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
     return found
+
+
+@dataclass(frozen=True)
+class Timed:
+    """Outcome of a job.
+
+    value: return value of the job; None where it raised, crashed or took longer than its limit.
+    seconds: duration of the job; 0 where it raised or crashed, the limit where it took longer.
+    fault: reason why there is no value, in one line; else empty.
+    """
+
+    value: Any
+    seconds: float
+    fault: str = ""
+
+
+def attempts(
+    work: Callable[..., Any],
+    jobs: Sequence[tuple[Any, ...]],
+    limits: Sequence[float | None] | None = None,
+) -> Iterator[Timed]:
+    """Call work(*job) for each job in other processes, side by side; yields the outcomes in the
+    order of jobs. limits: longest duration of each job in s; None for no limit."""
+    from railhead.sweeps import worker_pool
+
+    limits = limits or [None] * len(jobs)
+    with worker_pool.processes() as pool:
+        futures = [
+            pool.schedule(worker_pool.attempt, args=(_timed, work, *job), timeout=limit)
+            for job, limit in zip(jobs, limits, strict=True)
+        ]
+        for future, limit in zip(futures, limits, strict=True):
+            try:
+                done = worker_pool.outcome(future)
+                yield Timed(*(done.value or (None, 0.0)), done.fault)
+            except LimitExceededError:
+                yield Timed(None, limit or 0.0, f"not back after {limit:g} s")
+
+
+def _timed(work: Callable[..., Any], *job: Any) -> tuple[Any, float]:
+    """Value of work(*job), and the seconds that it takes."""
+    start = time.perf_counter()
+    return work(*job), time.perf_counter() - start
 
 
 def answer(measure: Callable[[float], dict[str, Any] | None]) -> None:

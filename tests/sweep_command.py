@@ -28,7 +28,7 @@ def one_after_the_other(ranks: int) -> Iterator[worker_pool.Submit]:
 
     def submit(*job) -> Future:
         future: Future = Future()
-        future.set_result(worker_pool._attempt(*job))
+        future.set_result(worker_pool.attempt(*job))
         return future
 
     yield submit

@@ -1,6 +1,6 @@
 """Jobs side by side: one process for each core, each with one thread.
 
-A job that hangs, raises or crashes ends alone. Under mpirun all ranks but the first do the jobs, on
+A job that raises or crashes ends alone. Under mpirun all ranks but the first do the jobs, on
 as many machines as mpirun uses.
 """
 
@@ -8,10 +8,8 @@ from __future__ import annotations
 
 import os
 import sys
-import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future
-from concurrent.futures import TimeoutError as LimitExceededError
 from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing.context import SpawnContext, SpawnProcess
@@ -31,38 +29,16 @@ JOBS_PER_PROCESS = 8  # jobs of a process before it ends and its memory is freed
 class Attempt(Generic[T]):
     """Outcome of a job.
 
-    value: return value of the job; None where it raised, crashed or took longer than its limit.
-    seconds: duration of the job; 0 where its process crashed, the limit where it took longer.
+    value: return value of the job; None where it raised or crashed.
     fault: reason why there is no value, in one line; else empty.
     """
 
     value: T | None
-    seconds: float
     fault: str = ""
 
 
 Submit = Callable[..., "Future[Attempt[Any]]"]
 """Starts work(*arguments) in another process, called with `work` and its arguments."""
-
-
-def attempts(
-    work: Callable[..., T],
-    jobs: Sequence[tuple[Any, ...]],
-    limits: Sequence[float | None] | None = None,
-) -> Iterator[Attempt[T]]:
-    """Call work(*job) for each job in other processes, side by side; yields the outcomes in the
-    order of jobs.
-
-    limits: longest duration of each job in s; None for no limit. `work`, its arguments and its
-        return value are pickled.
-    """
-    limits = limits or [None] * len(jobs)
-    with _processes() as pool:
-        futures = [
-            pool.schedule(_attempt, args=(work, *job), timeout=limit)
-            for job, limit in zip(jobs, limits, strict=True)
-        ]
-        yield from map(outcome, futures, limits)
 
 
 @contextmanager
@@ -76,10 +52,10 @@ def submitting(ranks: int) -> Iterator[Submit | None]:
         from mpi4py.futures import MPICommExecutor
 
         with MPICommExecutor() as executor:
-            yield executor and (lambda *job: executor.submit(_attempt, *job))
+            yield executor and (lambda *job: executor.submit(attempt, *job))
         return
-    with _processes() as pool:
-        yield lambda *job: pool.schedule(_attempt, args=job)
+    with processes() as pool:
+        yield lambda *job: pool.schedule(attempt, args=job)
 
 
 def workers(ranks: int) -> int:
@@ -89,20 +65,16 @@ def workers(ranks: int) -> int:
     return ranks - 1 if ranks > 1 else os.cpu_count() or 1
 
 
-def outcome(future: Future[Attempt[T]], limit: float | None = None) -> Attempt[T]:
-    """Wait for a submitted job and return its outcome. limit: longest duration of the job in s, or
-    None.
-    """
+def outcome(future: Future[Attempt[T]]) -> Attempt[T]:
+    """Wait for a submitted job and return its outcome."""
     try:
         return future.result()
-    except LimitExceededError:
-        return Attempt(None, limit or 0.0, f"not back after {limit:g} s")
     except ProcessExpired:
-        return Attempt(None, 0.0, "the process crashed")
+        return Attempt(None, "the process crashed")
 
 
 @contextmanager
-def _processes() -> Iterator[ProcessPool]:
+def processes() -> Iterator[ProcessPool]:
     """Pool of processes, one for each core; stopped at the end of the block."""
     with ProcessPool(
         os.cpu_count() or 1, max_tasks=JOBS_PER_PROCESS, initializer=_single, context=_Context()
@@ -143,11 +115,9 @@ def _single() -> None:
     prepare()
 
 
-def _attempt(work: Callable[..., T], *job: Any) -> Attempt[T]:
+def attempt(work: Callable[..., T], *job: Any) -> Attempt[T]:
     """Outcome of work(*job) in this process; an exception becomes its text."""
-    start = time.perf_counter()
     try:
-        return Attempt(work(*job), time.perf_counter() - start)
+        return Attempt(work(*job))
     except Exception as error:
-        line = " ".join(f"{type(error).__name__}: {error}".split())
-        return Attempt(None, time.perf_counter() - start, line)
+        return Attempt(None, " ".join(f"{type(error).__name__}: {error}".split()))

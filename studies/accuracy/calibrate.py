@@ -32,9 +32,9 @@ from railhead.run.mesh_solution import MeshSolution
 from railhead.run.quantities import ESTIMATED
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene
-from railhead.sweeps.worker_pool import attempts
 from studies import tables
 from studies.accuracy import families
+from studies.processes import attempts
 from studies.tables import Row, groups
 
 SEED = 1

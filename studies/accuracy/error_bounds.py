@@ -14,9 +14,9 @@ from railhead.results import pipeline
 from railhead.run import quantities
 from railhead.run.quantities import ESTIMATED
 from railhead.scene.scene import Scene
-from railhead.sweeps.worker_pool import attempts
 from studies import tables
 from studies.accuracy import families
+from studies.processes import attempts
 from studies.tables import Row, groups
 
 SEED = 2028

@@ -21,11 +21,11 @@ from railhead.results.quantity_rows import reference_name
 from railhead.run import quantities
 from railhead.scene.catalogue import read_scene
 from railhead.scene.scene import SceneError
-from railhead.sweeps.worker_pool import attempts
 from studies import tables
 from studies.hard.case import Deviation
 from studies.hard.fuzz_scenes import FINE, Seeded, plans, wild, write
 from studies.hard.references import PATCH, against_boundary_elements, deviations
+from studies.processes import attempts
 
 MOST = 15_000  # predicted unknowns that are solved
 

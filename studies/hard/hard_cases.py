@@ -20,10 +20,10 @@ from matplotlib.ticker import FuncFormatter
 from railhead.postprocess.pictures.plots.diagrams import new_figure
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene
-from railhead.sweeps.worker_pool import attempts
 from studies import tables
 from studies.hard import blocks, references
 from studies.hard.case import Case, Measured, Outcome
+from studies.processes import attempts
 from studies.tables import percent, render
 
 STEEL = 207e3  # MPa, what a stiffness ratio refers to

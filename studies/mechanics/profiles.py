@@ -21,9 +21,9 @@ from railhead.geometry.profiles import Array, Piece, Profile
 from railhead.planning import error_envelopes
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.scene.scene import Scene, SceneError
-from railhead.sweeps import worker_pool
 from railhead.theory.bem.boundary_element import BoundaryElementSolution
 from studies import tables
+from studies.processes import attempts
 
 NOISES: tuple[float, ...] = (0.0, 2.0, 10.0, 20.0)  # um
 SPACINGS: tuple[float, ...] = (0.1, 0.25, 0.5)  # mm
@@ -216,7 +216,7 @@ def main(out: Path, *, quick: bool) -> None:
         cases, spacings, noises, seeds = CASES[:1], SPACINGS[1:2], NOISES[1:3], 2
     jobs = list(itertools.product(cases, spacings, noises, [seeds]))
     rows: list[Row] = []
-    for job, attempt in zip(jobs, worker_pool.attempts(compared, jobs), strict=True):
+    for job, attempt in zip(jobs, attempts(compared, jobs), strict=True):
         print(job[0].name, *job[1:], attempt.fault or "", file=sys.stderr)
         rows += [attempt.value] if attempt.value else []
     tables.publish(out, page(rows), UNITS, profiles=rows)

@@ -213,7 +213,7 @@ def test_what_a_crash_takes_with_it_is_solved_by_itself(tmp_path: Path, monkeypa
                 record = {"over": {"load": group[first].load}, "fault": "none of a test"}
                 store.write(folder, first, record)
             lost = "the process crashed" if 1 in group else ""
-            future.set_result(worker_pool.Attempt(None, 0.0, lost))
+            future.set_result(worker_pool.Attempt(None, lost))
             return future
 
         yield submit

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from railhead.sweeps.worker_pool import attempts
+from studies.processes import attempts
 
 pytestmark = pytest.mark.system
 
@@ -41,11 +41,11 @@ def mark(file: str) -> None:
 
 def test_jobs_end_with_the_process_that_asked_for_them(tmp_path: Path) -> None:
     file = tmp_path / "pid"
-    script = "import sys; sys.path.insert(0, sys.argv[1])\nimport test_worker_pool\n"
-    script += "from railhead.sweeps.worker_pool import attempts\n"
+    script = "import sys; sys.path[:0] = sys.argv[1].split(chr(58))\nimport test_worker_pool\n"
+    script += "from studies.processes import attempts\n"
     script += "if __name__ == '__main__': list(attempts(test_worker_pool.mark, [(sys.argv[2],)]))"
     (tmp_path / "ask.py").write_text(script)
-    here = str(Path(__file__).parent)
+    here = ":".join(str(Path(__file__).parents[up]) for up in (0, 2))
     asking = subprocess.Popen([sys.executable, str(tmp_path / "ask.py"), here, str(file)])
     while not (file.exists() and file.read_text()):
         assert asking.poll() is None
