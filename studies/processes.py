@@ -15,8 +15,9 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import TimeoutError as LimitExceededError
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic, TypeVar
 
+T = TypeVar("T")
 LIMIT = 900.0  # seconds
 THREADS = 1
 LAST = 300  # characters of what a failing command said last
@@ -71,7 +72,7 @@ def measured(module: str, argument: float, ranks: int = 1) -> dict[str, Any]:
 
 
 @dataclass(frozen=True)
-class Timed:
+class Timed(Generic[T]):
     """Outcome of a job.
 
     value: return value of the job; None where it raised, crashed or took longer than its limit.
@@ -79,16 +80,16 @@ class Timed:
     fault: reason why there is no value, in one line; else empty.
     """
 
-    value: Any
+    value: T | None
     seconds: float
     fault: str = ""
 
 
 def attempts(
-    work: Callable[..., Any],
+    work: Callable[..., T],
     jobs: Sequence[tuple[Any, ...]],
     limits: Sequence[float | None] | None = None,
-) -> Iterator[Timed]:
+) -> Iterator[Timed[T]]:
     """Call work(*job) for each job in other processes, side by side; yields the outcomes in the
     order of jobs. limits: longest duration of each job in s; None for no limit."""
     from railhead.sweeps import worker_pool
@@ -102,12 +103,13 @@ def attempts(
         for future, limit in zip(futures, limits, strict=True):
             try:
                 done = worker_pool.outcome(future)
-                yield Timed(*(done.value or (None, 0.0)), done.fault)
+                value, seconds = done.value or (None, 0.0)
+                yield Timed(value, seconds, done.fault)
             except LimitExceededError:
                 yield Timed(None, limit or 0.0, f"not back after {limit:g} s")
 
 
-def _timed(work: Callable[..., Any], *job: Any) -> tuple[Any, float]:
+def _timed(work: Callable[..., T], *job: Any) -> tuple[T, float]:
     """Value of work(*job), and the seconds that it takes."""
     start = time.perf_counter()
     return work(*job), time.perf_counter() - start
