@@ -401,18 +401,31 @@ def sweep(
 @railhead.command()
 @click.argument("folder", type=click.Path(path_type=Path))
 @click.option("--units", "unit_names", help="Of the table of a run, e.g. mm,kN,MPa.")
+@click.option("--pictures", is_flag=True, help="Draw the pictures of a sweep again.")
 @click.option("--json", "as_json", is_flag=True, help="Print the numbers as JSON.")
-def show(folder: Path, unit_names: str | None, as_json: bool) -> None:
+def show(folder: Path, unit_names: str | None, pictures: bool, as_json: bool) -> None:
     """Print the result of a run or a sweep that lies in a folder; solve nothing."""
     from railhead import api
     from railhead.results import result_folder
     from railhead.results.report import output_units, terminal
 
     units, found = output_units.parse(unit_names), api.load(folder)
+    drawn = []
+    if pictures:
+        from railhead.sweeps.sweep import Sweep
+
+        if not isinstance(found, Sweep):
+            scene = folder / result_folder.SCENE
+            text = f"need fields, which the folder of a run does not hold; railhead run {scene}"
+            raise SceneError("--pictures", f"{text} makes them again")
+        drawn = found.draw(folder)
     if as_json:
         click.echo(result_folder.to_json(found.as_dict()), nl=False)
     else:
         found.show(terminal.standard(), units)
+        if pictures:
+            none = "nothing: all combinations of three or more keys have no pictures"
+            click.echo(f"drawn: {', '.join(drawn) or none}")
 
 
 @railhead.command()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, wait
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
@@ -276,7 +276,7 @@ def _write(
             store.write(folder, number, again, again=True)
     _write_table(sweep, rows)
     outcome = Outcome([row for _, row in sorted(rows.items())], failures, results)
-    table, status = outcome.rows, outcome.status
+    status = outcome.status
     for name in store.SERIES if sweep.vtu else ():
         files = {
             sweep.times[number]: f"{store.vtu_folder(Path(), number)}/{name}.vtu"
@@ -287,25 +287,20 @@ def _write(
     for name in (*store.PICTURES, sweep_report.NAME):
         for suffix in (Path(name).suffix, *store.BESIDE):
             (folder / name).with_suffix(suffix).unlink(missing_ok=True)
-    columns = [column(key) for key in grid.keys]
-    if grid.listed and len(columns) > 1:
-        columns = ["combination"]
-        table = [{**row, "combination": number} for number, row in enumerate(table, 1)]
+    keys = [column(key) for key in grid.keys]
     title = f"sweep of {grid.scenes[0].name} over {' and '.join(grid.keys)}"
-    if pictures and 1 <= len(columns) <= 2:
-        outlines: list[Any] = [
+    if pictures:
+        outlines = [
             store.read(folder, number).get("outlines", []) if number in done else []
             for number in status
         ]
-        drawings: list[Callable[..., object]]
-        drawings = [plots.curves, partial(plots.patches, outlines=outlines)]
-        for name, draw in zip(store.PICTURES, drawings, strict=True):
+        drawings = plots.drawings(keys, outcome.rows, outlines, y_label, title)
+        for name, draw in drawings.items():
             with result_folder.attempt(failures, folder / name, folder):
-                draw(columns, table, target=folder / name, y=y_label, title=title)
+                draw(folder / name)
     with result_folder.attempt(failures, folder, folder):
         result_folder.stamp(folder)
     if pictures:
-        keys = [column(key) for key in grid.keys]
         with result_folder.attempt(failures, folder / sweep_report.NAME, folder):
             sweep_report.write(title, grid.scenes, keys, outcome.rows, folder, store.PICTURES)
     return outcome

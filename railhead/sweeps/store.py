@@ -153,11 +153,15 @@ def records(folder: Path) -> dict[int, dict[str, Any]]:
     return found
 
 
-def keys(folder: Path) -> list[str]:
-    """Dotted keys whose values change in the sweep of a folder. Raises SceneError for a broken
-    file.
+def request(folder: Path) -> tuple[str, list[str]]:
+    """Name of the scene of the sweep in a folder, and dotted keys whose values change. Raises
+    SceneError for a broken file.
     """
-    return list(_load(folder / REQUEST).get("over", ()))
+    found = _load(folder / REQUEST)
+    try:
+        return str(found["scene"]["name"]), list(found["over"])
+    except (LookupError, TypeError):
+        raise _broken(folder / REQUEST) from None
 
 
 def check(folder: Path, values: Callable[[int], Mapping[str, object]]) -> None:

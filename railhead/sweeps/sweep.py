@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mpi4py import MPI
 from rich import box
@@ -22,6 +22,11 @@ from railhead.scene.catalogue import as_path
 from railhead.scene.scene import Scene, SceneError, warn_of_units
 from railhead.sweeps import parallel, store, sweep_report, sweep_table
 from railhead.sweeps.grid import ParameterGrid, column
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from railhead.postprocess.pictures.plots.diagrams import Drawing
 
 Row = dict[str, Any]
 
@@ -46,8 +51,9 @@ class Sweep(list[Result]):
             if not record["fault"]
         }
         super().__init__((found | dict(solved or {})).values())
-        self.keys = store.keys(folder)
+        self._name, self.keys = store.request(folder)
         self._rows = [sweep_table.row(each) for each in records.values()]
+        self._outlines = [each.get("outlines", []) for each in records.values()]
 
     def _repr_html_(self) -> str:
         """The table of `railhead show` as HTML, for notebooks."""
@@ -66,6 +72,36 @@ class Sweep(list[Result]):
         console.print(table)
         for line in sweep_table.verdict(self._rows):
             console.print(line, markup=False, highlight=False)
+
+    def plot(self, picture: str, ax: object = None) -> Figure:
+        """Draw "sweep" or "patches", as `Result.plot`. There is none of all
+        combinations of three or more keys.
+        """
+        from railhead.postprocess.pictures.plots import diagrams
+
+        return diagrams.draw_one(self._drawings(), picture, ax)
+
+    def draw(self, folder: Path) -> list[str]:
+        """Draw the pictures again into the folder of the sweep; returns their names. Raises
+        OSError.
+        """
+        with tempfile.TemporaryDirectory() as temporary:
+            work = Path(temporary)
+            for name, draw in self._drawings().items():
+                draw(work / name)
+            result_folder.stamp(work)
+            drawn = sorted(work.iterdir())
+            for path in drawn:
+                store.write_whole(folder, folder / path.name, path.read_bytes())
+            return [path.name for path in drawn]
+
+    def _drawings(self) -> dict[str, Drawing]:
+        """The pictures by name of their PNG file."""
+        from railhead.postprocess.pictures.plots import sweep as plots
+
+        columns = [column(key) for key in self.keys]
+        title = f"sweep of {self._name} over {' and '.join(self.keys)}"
+        return plots.drawings(columns, self._rows, self._outlines, "y, mm", title)
 
     def as_dict(self) -> dict[str, Any]:
         """The rows as plain data."""

@@ -2,12 +2,16 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import command
+import matplotlib.image
 import pytest
+from matplotlib.figure import Figure
+from solved import solved
 from sweep_command import rows
 
 import railhead as rh
@@ -73,3 +77,27 @@ def test_a_script_needs_no_guard(tmp_path: Path) -> None:
     )
     done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=True)
     assert done.stdout == "begins\n[10000.0, 20000.0]\n", done.stderr
+
+
+def test_pictures_are_drawn_again_from_the_folder(swept, tmp_path, capsys) -> None:
+    """On axes, and as files, which are those of the command but for the title."""
+    table = rh.load(swept)
+    own = Figure()
+    assert table.plot("sweep", ax=own.subplots(2, 2)) is own
+    curve = own.axes[0].lines[0]
+    assert max(curve.get_ydata()) in [row["p_max [MPa]"] for row in table.rows()]
+    out = tmp_path / "copy"
+    shutil.copytree(swept, out)
+    before = {name: (out / name).read_bytes() for name in ("sweep.png", "sweep.csv")}
+    for name in ("sweep.png", "patches.png"):
+        (out / name).unlink()
+    assert command.status("show", str(out), "--pictures") == 0
+    assert "drawn: patches.png, sweep.png" in capsys.readouterr().out
+    shape = matplotlib.image.imread(out / "patches.png").shape
+    assert shape[0] > 200 and shape == matplotlib.image.imread(swept / "patches.png").shape
+    assert (out / "sweep.csv").read_bytes() == before["sweep.csv"]
+    assert b"railhead" in (out / "sweep.png").read_bytes()[:200]
+    solved("sphere_on_plane").save(tmp_path / "run", pictures=False)
+    assert "scene.toml makes them again" in command.refused(
+        capsys, "show", str(tmp_path / "run"), "--pictures"
+    )

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from railhead.postprocess.findings import Array
-from railhead.postprocess.pictures.plots.diagrams import FE, HERTZ, new_figure
+from railhead.postprocess.pictures.plots.diagrams import FE, HERTZ, Drawing, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,6 +34,25 @@ PANELS = {
 LABELS = 24  # patches of a strip whose values are written, at most
 GAP = 0.15  # between patches, of the longest
 LETTER = 0.11  # in: width of one of a value
+
+
+def drawings(
+    columns: Sequence[str], rows: Rows, outlines: Sequence[Sequence[Any]], y: str, title: str
+) -> dict[str, Drawing]:
+    """The pictures of a sweep, `curves` and `patches`, by name of their PNG file; arguments as of
+    these, with any number of columns. Rows that are not all combinations of the values of their
+    columns are numbered; of all combinations of three or more columns there are no pictures.
+    """
+    if len(columns) > 1 and math.prod(len(_values(name, rows)) for name in columns) != len(rows):
+        columns = ["combination"]
+        rows = [{**row, "combination": number} for number, row in enumerate(rows, 1)]
+    if not rows or not 1 <= len(columns) <= 2:
+        return {}
+    over = {"y": y, "title": title}
+    return {
+        "sweep.png": partial(curves, columns, rows, **over),
+        "patches.png": partial(patches, columns, rows, outlines, **over),
+    }
 
 
 def curves(columns: Sequence[str], rows: Rows, target: Target, y: str, title: str = "") -> Figure:
