@@ -6,6 +6,9 @@
 
 This proves nothing about the truth of a number: `tests/verification` does. Two runs of one checkout
 agree to every digit on one machine; another machine or another dolfinx needs a record of its own.
+On several processes they agree to fewer digits: mesh and partition are the same to the bit, but
+messages arrive in changing order, so that sums of forces round differently. What Newton's method
+and half-spaces then end at differs within their tolerances.
 """
 
 from __future__ import annotations
@@ -21,7 +24,8 @@ from pathlib import Path
 from typing import Any
 
 RECORD = Path(__file__).with_name("record.json")
-TOLERANCE = 1e-9  # relative to the larger value
+TOLERANCE = 1e-9, 1e-10  # relative to the larger value, and absolute
+ON_RANKS = 1e-7, 1e-5  # on several processes, where two runs differ by 1e-8, and by 4e-6 around 0
 SKIPPED = (
     "cost",
     "seconds",
@@ -57,10 +61,15 @@ def main(arguments: list[str]) -> int:
     differences = [
         f"{name}: {line}"
         for name in names
-        for line in _differences(known.get(name, {}), found[name])
+        for line in _differences(known.get(name, {}), found[name], _tolerance(name))
     ]
     print("\n".join(differences) or f"{len(names)} scenes as recorded")
     return 1 if differences else 0
+
+
+def _tolerance(name: str) -> tuple[float, float]:
+    """Relative and absolute tolerance of the values of a scene."""
+    return ON_RANKS if "--ranks" in SCENES[name].split() else TOLERANCE
 
 
 def _answer(name: str) -> dict[str, Any]:
@@ -107,20 +116,22 @@ def _flatten(value: Any, path: str, out: dict[str, Any]) -> None:
         out[path] = float(f"{value:.12g}") if isinstance(value, float) else value
 
 
-def _differences(known: dict[str, Any], found: dict[str, Any]) -> list[str]:
+def _differences(
+    known: dict[str, Any], found: dict[str, Any], tolerance: tuple[float, float]
+) -> list[str]:
     """A line for each key that is new, gone or of another value."""
     out = []
     for key in sorted(known.keys() | found.keys()):
         if key not in found or key not in known:
             out.append(f"{key} {'is gone' if key in known else 'is new'}")
-        elif not _equal(known[key], found[key]):
+        elif not _equal(known[key], found[key], tolerance):
             out.append(f"{key}: {known[key]} -> {found[key]}")
     return out
 
 
-def _equal(one: Any, other: Any) -> bool:
+def _equal(one: Any, other: Any, tolerance: tuple[float, float]) -> bool:
     if isinstance(one, float) and isinstance(other, float | int):
-        return math.isclose(one, other, rel_tol=TOLERANCE, abs_tol=1e-10)
+        return math.isclose(one, other, rel_tol=tolerance[0], abs_tol=tolerance[1])
     return bool(one == other)
 
 
