@@ -1,5 +1,5 @@
 .PHONY: run test test-all setup lint docs peers deb site
-STUDIES = accuracy-cost effect-accuracy error-bounds load-sweep scaling ranks thesis effects plasticity creep profiles hard-cases fuzz
+STUDIES = accuracy-cost effect-accuracy error-bounds load-sweep scaling ranks thesis effects plasticity passes creep profiles hard-cases fuzz
 ROOMS = cases meshing postprocess solver theory
 
 run: setup
@@ -18,7 +18,8 @@ setup:
 docs: setup
 	set -e; for study in $(STUDIES); do \
 	    .venv/bin/railhead study $$study --out results/$$study; \
-	    cp results/$$study/page.md docs/$$study.md; \
+	    page=$$study; [ $$study != passes ] || page=passes-study; \
+	    cp results/$$study/page.md docs/$$page.md; \
 	    cp results/$$study/*.csv docs/; \
 	    cp results/$$study/*.png docs/ 2>/dev/null || true; \
 	done

@@ -42,6 +42,10 @@ STUDIES = {
         "studies.mechanics.load_sweep",
         "loads from 1 to 150 kN on one mesh against Hertz's power laws (thesis, figures 6.8-6.10)",
     ),
+    "passes": (
+        "studies.mechanics.passes",
+        "the thesis's rail run in over 20 passes under 22.5 t, and the map of shakedown verdicts",
+    ),
     "peers": (
         "studies.peers.study",
         "hertz_ellipse by other codes, measured beside this one (--install gets them)",

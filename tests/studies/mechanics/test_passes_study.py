@@ -1,0 +1,90 @@
+"""The study of passes: a place of the map, and the page on made-up rows."""
+
+from pathlib import Path
+
+import matplotlib.image
+import pytest
+
+from studies.mechanics import passes
+
+
+def rolled(traction: str) -> list[dict]:
+    """Three passes of a made-up axle."""
+    keys = "strain", "strain_max", "forward", "groove", "pressure", "along", "across"
+    return [
+        {"traction": traction, "pass": n, **dict.fromkeys(keys, 0.5**n), "groove": 15.0 + n}
+        for n in (1, 2, 3)
+    ]
+
+
+def after(what: str, **changes: object) -> dict:
+    """What stays after a made-up run."""
+    row = {
+        "what": what,
+        "pressure": 1000.0,
+        "strain": 0.01,
+        "groove": 20.0,
+        "von_mises": 300.0,
+        "seconds": 100.0,
+        "verdict": "shakes down",
+        "words": "shakes down: made up",
+        "unknowns": 1234,
+        "passed": True,
+    }
+    return row | changes
+
+
+def place(share: float, law: str, verdict: str) -> dict:
+    """A made-up place of the map."""
+    return {
+        "traction": 0.1,
+        "law": law,
+        "limit": 3.564,
+        "ratio": 3.564 * share,
+        "share": share,
+        "strain": 1e-4,
+        "forward_over_width": 2e-3,
+        "verdict": verdict,
+    }
+
+
+def test_the_page_says_what_leaving_out_costs_and_which_verdicts_are_wrong():
+    others = [after("elastic", pressure=1200.0), after("pressed once", strain=0.005, groove=40.0)]
+    points = [
+        place(0.9, "perfect", "shakes down"),
+        place(0.9, "kinematic", "shakes down"),
+        place(1.1, "perfect", "undecided"),
+        place(1.1, "kinematic", "closed cycles"),
+    ]
+    ends = [after("20 passes, free"), after("20 passes, driven", passed=False)]
+    text = passes.page(rolled("free"), ends, others, points)
+    assert "the elastic pressure is 20 % above" in text
+    assert "0.50 of the plastic strain and a pit of 2.00 times" in text
+    assert "on the right side of the limit at all 2 places" in text
+    assert text.count("A check did not pass") == 1
+    points[2]["verdict"] = "shakes down"
+    text = passes.page(rolled("free"), ends, others, points)
+    assert "at 1 of 2 places: Q/P 0.1, 1.1 of the limit (shakes down)" in text
+
+
+def test_a_picture_shows_both_tractions(tmp_path: Path):
+    path = tmp_path / "passes.png"
+    points = [place(0.9, "perfect", "shakes down"), place(1.1, "perfect", "ratchets")]
+    passes.draw([*rolled("free"), *rolled("driven")], points, path)
+    assert matplotlib.image.imread(path).std() > 0.02
+
+
+@pytest.mark.slow
+def test_places_beside_the_limit_have_their_verdicts():
+    assert passes.mapped(0.2, 0.97, "perfect")["verdict"] == "shakes down"
+    above = passes.mapped(0.2, 1.2, "perfect")
+    assert above["verdict"] == "ratchets" and above["ratio"] == pytest.approx(3.84, abs=0.01)
+
+
+@pytest.mark.slow
+def test_the_quick_study_writes_its_files(tmp_path: Path):
+    passes.main(tmp_path, quick=True)
+    assert {file.name for file in tmp_path.iterdir()} == {
+        "page.md", "passes_axle.csv", "passes_map.csv", "passes_study.png",
+    }  # fmt: skip
+    assert "0.9 of the limit" not in (tmp_path / "page.md").read_text()
