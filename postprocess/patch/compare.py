@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,6 @@ from railhead.postprocess.findings import (
 )
 from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.theory.bem.boundary_element import BoundaryElementSolution
-from railhead.theory.bem.patch import PatchSolution
 from railhead.theory.elastic import contacts
 from railhead.theory.elastic.contacts import Hertz
 
@@ -58,10 +57,11 @@ def from_findings(found: Findings, load: float, approach: float) -> Quantities:
     }
 
 
-def _one(patch: OnePatch, axis: DepthAxis) -> Quantities:
+def _one(patch: OnePatch, axis: DepthAxis | None = None) -> Quantities:
     """Quantities of one separate patch: centre, contact angle, half lengths, area, largest
-    pressure, share of the load, and the largest stresses on the axis below the patch.
+    pressure, share of the load, and the largest stresses on the axis below the patch, if given.
     """
+    stress = {} if axis is None else {"stress": _largest_in(axis.body, axis.largest)}
     return {
         "centre_mm": list(patch.centre),
         "contact_angle_rad": patch.angle,
@@ -70,7 +70,7 @@ def _one(patch: OnePatch, axis: DepthAxis) -> Quantities:
         "area_mm2": patch.area,
         "max_MPa": patch.max_pressure,
         "load_share": patch.share,
-        "stress": _largest_in(axis.body, axis.largest),
+        **stress,
     }
 
 
@@ -124,11 +124,7 @@ def from_half_space(
         "load_N": solution.load,
         "approach_mm": solution.approach,
         "patch": {"a_mm": a, "b_mm": b, "area_mm2": area},
-        "patches": [
-            _half_space_patch(patch, surface, solution.force)
-            for patch in patches
-            if patch.force > SMALLEST * solution.force
-        ],
+        "patches": [_one(each) for each in half_space_patches(solution, surface)],
         "pressure": {"max_MPa": solution.max_pressure, "mean_MPa": solution.force / area},
     }
     if coarse := solution.coarse:
@@ -149,25 +145,25 @@ def _areas(solution: BoundaryElementSolution, plane: float) -> float:
     return patches[0].area_on(plane) if len(patches) == 1 else solution.area
 
 
-def _half_space_patch(
-    patch: PatchSolution, surface: Callable[[Array, Array], Array], force: float
-) -> Quantities:
-    """Quantities of one separate patch of boundary elements: centre, contact angle, half extents,
-    area, largest pressure, share of the load.
-
-    surface: maps x, s (n,) to points (n, 3), mm. force: normal force on all patches, N.
+def half_space_patches(
+    solution: BoundaryElementSolution, surface: Callable[[Array, Array], Array]
+) -> Iterator[OnePatch]:
+    """The separate patches of boundary elements with more than 0.2 % (SMALLEST) of the force, most
+    loaded first; half lengths are half extents. surface: maps x, s (n,) to points (n, 3), mm.
     """
-    x, s = patch.centroid
-    a, b = patch.half_extents_on(patch.plane)
-    return {
-        "centre_mm": [float(v) for v in surface(np.array([x]), np.array([s]))[0]],
-        "contact_angle_rad": patch.plane,
-        "a_mm": a,
-        "b_mm": b,
-        "area_mm2": patch.area,
-        "max_MPa": patch.max_pressure,
-        "load_share": patch.force / force,
-    }
+    for patch in solution.patches:
+        if patch.force > SMALLEST * solution.force:
+            ((x, y, z),) = surface(*np.array(patch.centroid)[:, None])
+            a, b = patch.half_extents_on(patch.plane)
+            yield OnePatch(
+                centre=(float(x), float(y), float(z)),
+                angle=patch.plane,
+                a=a,
+                b=b,
+                area=patch.area,
+                max_pressure=patch.max_pressure,
+                share=patch.force / solution.force,
+            )
 
 
 def difference(result: Any, exact: Any) -> Any:

@@ -117,18 +117,7 @@ def of_boundary_elements(
         points (n, 3) on the surface, mm. frame: axes at the first contact; of several patches that
         of the most loaded one is used instead. poisson: Poisson's ratio by body.
     """
-    each = tuple(
-        OnePatch(
-            centre=tuple(one["centre_mm"]),
-            angle=one["contact_angle_rad"],
-            a=one["a_mm"],
-            b=one["b_mm"],
-            area=one["area_mm2"],
-            max_pressure=one["max_MPa"],
-            share=one["load_share"],
-        )
-        for one in values["patches"]
-    )
+    each = tuple(compare.half_space_patches(solution, points))
     main = solution.patches[0]
     if len(each) > 1:
         frame = Frame(each[0].centre, each[0].angle)

@@ -48,12 +48,9 @@ def _completing(words: Callable[[], Iterable[str]]) -> Callable[..., list[str]]:
 
 def _keys() -> list[str]:
     """Beginnings of assignments, "load=", "rail.profile=", of all keys of a scene."""
-    sections = Scene(load=1.0).model_dump()
-    inner = ((name, of) for name, of in sections.items() if isinstance(of, dict))
-    return [
-        *(f"{name}=" for name, of in sections.items() if not isinstance(of, dict)),
-        *(f"{name}.{key}=" for name, of in inner for key in of),
-    ]
+    from railhead.results.result_folder import dotted
+
+    return [f"{key}=" for key, _ in dotted(Scene(load=1.0).model_dump())]
 
 
 _over = click.option(

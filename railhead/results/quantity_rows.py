@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from railhead.postprocess.findings import NO_DEPTH
+from railhead.results.result_folder import dotted
 from railhead.run import quantities
 
 Cell = float | str | None
@@ -116,7 +117,7 @@ def difference(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str,
     a key is not given; "quantities": a row for each quantity of either, with "B - A" relative to A;
     "beyond": names of those that differ by more than the sum of their estimates.
     """
-    keys = [dict(_leaves(each.get("scene", {}))) for each in (first, second)]
+    keys = [dict(dotted(each.get("scene", {}))) for each in (first, second)]
     pairs = {key: [of.get(key) for of in keys] for key in dict.fromkeys([*keys[0], *keys[1]])}
     cells = [{str(row["quantity"]): row for row in everything(each)} for each in (first, second)]
     found, beyond = [], []
@@ -140,15 +141,6 @@ def difference(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str,
     differing = {key: pair for key, pair in pairs.items() if pair[0] != pair[1]}
     made = [[of[name]["value"] for name in MADE] for of in cells]
     return {"made": made, "scene": differing, "quantities": found, "beyond": beyond}
-
-
-def _leaves(table: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
-    """Dotted keys and values of nested tables."""
-    for key, value in table.items():
-        if isinstance(value, Mapping):
-            yield from _leaves(value, f"{above}{key}.")
-        else:
-            yield f"{above}{key}", value
 
 
 def _cell(value: Any, least: float) -> Cell:

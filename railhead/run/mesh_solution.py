@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from railhead.postprocess.stress.plastic import ResidualState
     from railhead.solver.contact import ContactModel
     from railhead.solver.fields import Fields
-    from railhead.solver.solution import Solution
+    from railhead.solver.solution import FrictionSolution, Solution
 
 # largest ratio of solved and expected patch, either way, for which a mesh is kept:
 REMESH_RATIO = 1.25
@@ -116,12 +116,9 @@ class MeshSolution:
 
     @property
     def after(self) -> dict[str, PostSolveVerdict]:
-        """Verdicts of the solution by name of the effect or assumption: whether an effect is needed
-        or an assumption does not hold, and why. Those that do not apply are missing. Empty off rank
-        0 and where nothing touches.
+        """Verdicts by name of the effect or assumption (`effects.check`); empty off rank 0 and
+        where nothing touches.
         """
-        if self.findings is None:
-            return {}
         return effects.check(self.plan.context, self.plan.effects, self.findings)
 
     @property
@@ -290,17 +287,24 @@ def _read(solved: MeshSolution) -> MeshSolution:
     findings = read.findings(fields, frame, solution.friction, parabolic=parabolic)
     result = compare.from_findings(findings, solution.load, solution.approach)
     if solution.friction is not None:
-        rolling = plan.scene.rolling
-        result["friction"] = friction.quantities(
-            solution.friction,
-            rolling=rolling.prescribed,
-            like=not unlike,
-            speed=rolling.speed,
-            cycle=plan.scene.friction.cycle,
-            patches=np.array([each.centre for each in findings.patch.each] or [frame.origin]),
-        )
-        findings = replace(findings, dissipated=result["friction"].get("t_gamma_N", math.nan))
+        findings, result["friction"] = read_friction(plan, findings, solution.friction)
     return replace(solved, findings=findings, result=result)
+
+
+def read_friction(
+    plan: Plan, found: Findings, solution: FrictionSolution
+) -> tuple[Findings, dict[str, Any]]:
+    """Findings with what friction dissipates, and entry "friction" of "result" in summary.json."""
+    rolling = plan.scene.rolling
+    quantities = friction.quantities(
+        solution,
+        rolling=rolling.prescribed,
+        like=not interface.unlike(plan.scene),
+        speed=rolling.speed,
+        cycle=plan.scene.friction.cycle,
+        patches=np.array([each.centre for each in found.patch.each] or [found.frame.origin]),
+    )
+    return replace(found, dissipated=quantities.get("t_gamma_N", math.nan)), quantities
 
 
 def _elastic_reference(solution: Solution) -> Solution:

@@ -84,7 +84,8 @@ def _check_request(folder: Path, request: dict[str, Any]) -> None:
     name = repr(str(folder))
     if not (folder / REQUEST).is_file():
         raise SceneError("--out", f"{name} holds another kind of result; {ADVICE}")
-    here, other = _flat(request), _flat(_load(folder / REQUEST))
+    tables = request, _load(folder / REQUEST)
+    here, other = (dict(result_folder.dotted(table)) for table in tables)
     for key in {**here, **other}:
         if here.get(key) != other.get(key):
             raise SceneError(
@@ -94,15 +95,6 @@ def _check_request(folder: Path, request: dict[str, Any]) -> None:
             )
     if list(here) != list(other):  # the numbers of the scenes differ, too
         raise SceneError("--out", f"{name} holds this sweep with --over in another order; {ADVICE}")
-
-
-def _flat(table: Mapping[str, Any], above: str = "") -> dict[str, Any]:
-    """Values of nested tables by dotted key. above: prefix of the keys with its dot, 'mesh.'."""
-    values: dict[str, Any] = {}
-    for key, value in table.items():
-        nested = isinstance(value, Mapping)
-        values |= _flat(value, f"{above}{key}.") if nested else {above + key: value}
-    return values
 
 
 def done(folder: Path) -> set[int]:
@@ -137,17 +129,18 @@ def read(folder: Path, number: int) -> dict[str, Any]:
     return _load(_record(folder, number))
 
 
-def records(folder: Path) -> dict[int, dict[str, Any]]:
-    """Records by number of the scene, in that order, also of scenes that are to be tried again.
-    Raises SceneError for a broken file, and for one that is no record.
+def records(folder: Path) -> dict[int, tuple[dict[str, Any], dict[str, Any]]]:
+    """Record and row of the table (`sweep_table.row`) by number of the scene, in that order, also
+    of scenes that are to be tried again. Raises SceneError for a broken file, and for one that is
+    no record.
     """
     found = {}
     for path in sorted((folder / RECORDS).glob("[0-9]*.json")):
         number = path.name.partition(".")[0]
         if number.isdecimal():
-            found[int(number)] = _load(path)
+            record = _load(path)
             try:
-                sweep_table.row(found[int(number)])
+                found[int(number)] = record, sweep_table.row(record)
             except (LookupError, TypeError, ValueError, AttributeError):
                 raise _broken(path) from None
     return found
@@ -173,7 +166,7 @@ def check(folder: Path, values: Callable[[int], Mapping[str, object]]) -> None:
     """
     for part in (*(folder / RECORDS).glob(".*"), *(folder / RECORDS).glob(f"*{AGAIN}")):
         part.unlink()
-    for number, record in records(folder).items():
+    for number, (record, _) in records(folder).items():
         good = False
         with suppress(LookupError):
             good = record["over"] == json.loads(result_folder.to_json(dict(values(number))))

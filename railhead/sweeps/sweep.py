@@ -47,13 +47,13 @@ class Sweep(list[Result]):
         records = store.records(folder)
         found = {
             number: Result(None, record["summary"])
-            for number, record in records.items()
+            for number, (record, _) in records.items()
             if not record["fault"]
         }
         super().__init__((found | dict(solved or {})).values())
         self._name, self.keys = store.request(folder)
-        self._rows = [sweep_table.row(each) for each in records.values()]
-        self._outlines = [each.get("outlines", []) for each in records.values()]
+        self._rows = [row for _, row in records.values()]
+        self._outlines = [each.get("outlines", []) for each, _ in records.values()]
 
     def _repr_html_(self) -> str:
         """The table of `railhead show` as HTML, for notebooks."""

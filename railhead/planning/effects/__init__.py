@@ -221,11 +221,14 @@ def left_out(
 
 
 def check(
-    context: Context, effects: Mapping[str, Effect], findings: Findings
+    context: Context, effects: Mapping[str, Effect], findings: Findings | None
 ) -> dict[str, PostSolveVerdict]:
-    """Verdicts by name of all effects and assumptions, evaluated on the findings of a solution;
-    those that do not apply are missing. Effects without a rule for the solution never appear.
+    """Verdicts of a solution by name of the effect or assumption: whether an effect is needed or an
+    assumption does not hold, and why. Those that do not apply are missing, effects without a rule
+    for the solution among them; all of them without findings.
     """
+    if findings is None:
+        return {}
     after = {name: each.check(context, effects[name], findings) for name, each in EFFECTS.items()}
     after |= {name: weigh(context, findings) for name, (_, weigh) in ASSUMPTIONS.items()}
     return {name: each for name, each in after.items() if each is not None}

@@ -26,7 +26,7 @@ from railhead.postprocess.passes import Passes
 from railhead.postprocess.patch import compare, half_space
 from railhead.run.half_spaces import normal_contact, tangential_contact
 from railhead.run.half_spaces.normal_contact import CELLS, PressedPatch
-from railhead.run.mesh_solution import MeshSolution
+from railhead.run.mesh_solution import MeshSolution, read_friction
 from railhead.run.progress import Progress
 from railhead.run.quantities import numeric_values
 from railhead.theory.bem.boundary_element import BoundaryElementSolution
@@ -89,11 +89,9 @@ class HalfSpaceSolution:
 
     @property
     def after(self) -> dict[str, PostSolveVerdict]:
-        """Verdicts of the solution by name of the effect or assumption, as of `MeshSolution.after`;
-        empty without a solution.
+        """Verdicts by name of the effect or assumption (`effects.check`); empty without a
+        solution.
         """
-        if self.findings is None:
-            return {}
         return effects.check(self.plan.context, self.plan.effects, self.findings)
 
 
@@ -238,14 +236,6 @@ def _with_friction(plain: HalfSpaceSolution, sheared: PatchTractions) -> HalfSpa
     points = normal_contact.surface(plan.contact)
     solution = _at_cells(plan, sheared, points)
     rolls, unlike = scene.rolling.prescribed, interface.unlike(scene)
-    tractions = friction.quantities(
-        solution,
-        rolling=rolls,
-        like=not unlike,
-        speed=scene.rolling.speed,
-        cycle=False,
-        patches=np.array([each.centre for each in found.patch.each] or [found.frame.origin]),
-    )
     found = half_space.with_tractions(
         found,
         [each.pressed for each in sheared.patches],
@@ -254,7 +244,7 @@ def _with_friction(plain: HalfSpaceSolution, sheared: PatchTractions) -> HalfSpa
         [each.traction for each in sheared.found],
         solution,
     )
-    found = replace(found, dissipated=tractions.get("t_gamma_N", math.nan))
+    found, tractions = read_friction(plan, found, solution)
     parts = dict(plain.error_parts)
     for key in STRESSES:
         parts[key] = {**parts[key], "border of stick": found.unread_peak}
