@@ -41,7 +41,8 @@ CENTRED = 0.01  # of a half length: that near to the first contact is at it
 OFF_AXIS = 0.01  # of the largest shear stress on the axis: one higher by that is named beside it
 SURFACE = 1e-3  # of the smaller half length: a depth below it is none
 SEEN = 0.98  # of the largest pressure: a cut that reaches it goes through the peak
-OFF_CUT = 0.2  # of its depth: from there on a point is said to lie off the cut
+OFF_CUT = 0.2  # of its depth (at least that share of the smaller half length): a point farther off
+# a cut is said to be so
 STYLE = {
     "font.size": 11,
     "axes.grid": True,
@@ -183,12 +184,14 @@ def in_units(panels: Sequence[Axes], units: Units) -> None:
             axis.set_major_formatter(lambda value, _, by=factor: minus(brief(by * value, 6)))
 
 
-def levels(units: Units, label: str, low: float, high: float, count: int = BANDS) -> Array:
-    """Limits (k,) of colour bands from `low` to `high` at least, in the unit of the label, MPa or
-    none: round numbers of the reader's unit.
+def levels(units: Units, label: str, values: Array, count: int = BANDS) -> Array:
+    """Limits (k,) of colour bands that hold zero and values (n,), in the unit of the label, MPa or
+    none: round numbers of the reader's unit, zero among them.
     """
     factor = units.value(1.0, label)
-    return np.array(MaxNLocator(count).tick_values(factor * low, factor * high)) / factor
+    low, high = factor * min(values.min(), 0.0), factor * max(values.max(), 0.0)
+    ends = MaxNLocator(count).tick_values(low, high if low < high else 1.0)
+    return np.asarray(ends, dtype=np.float64) / factor
 
 
 def draw_one(drawings: Mapping[str, Drawing], picture: str, ax: object = None) -> Figure:
@@ -451,7 +454,7 @@ def mark_largest(axes: Axes, findings: Findings, across: int, cut: float) -> Non
         deep = "at the surface" if peak.depth < SURFACE * half else f"{depth} deep"
         value = subject.units.text(peak.value, "MPa")
         label = rf"$\tau_{{max}}$ in the {subject.names[body]}: {value}, {deep}"
-        if abs(off := local[1 - across] - cut) > OFF_CUT * peak.depth:
+        if abs(off := local[1 - across] - cut) > OFF_CUT * max(peak.depth, OFF_CUT * half):
             sign, way = "+" if off > 0 else "", (subject.across, subject.along)[across]
             label += minus(f", {sign}{subject.units.text(off, 'mm', 2)} {way}")
         marker = "v" if body == "rail" else "^"
@@ -495,7 +498,7 @@ def patch(findings: Findings, ellipse: Ellipse | None, target: Target = None) ->
     size = max(width * scale, 4) + 2.2, max(height * scale, 2) + 1.5
     with new_figure(target, *size, findings) as figure:
         axes = figure.add_subplot(axisbelow=True)
-        limits = levels(findings.subject.units, "MPa", 0.0, float(surface.pressure.max()))
+        limits = levels(findings.subject.units, "MPa", surface.pressure)
         bands = axes.tricontourf(
             *surface.local.T, surface.triangles, surface.pressure, limits, cmap="YlOrRd"
         )

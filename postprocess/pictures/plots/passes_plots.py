@@ -78,9 +78,8 @@ def draw_section(passes: Passes, found: Findings, target: Target = None) -> Figu
         for axes, each, (label, colours) in zip(
             figure.subplots(2, 2).ravel(), values, PANELS, strict=True
         ):
-            size = np.abs(each).max() or 1.0
-            least = 0.0 if each is values[0] else -size
-            limits = levels(found.subject.units, label, least, size, LEVELS)
+            both = each if each is values[0] else np.array([-each, each])
+            limits = levels(found.subject.units, label, both, LEVELS)
             filled = axes.contourf(left.y, -left.depth, each.T, limits, cmap=colours)
             axes.figure.colorbar(filled, ax=axes, label=label)
             axes.set(xlabel="across, from the middle of the patch, mm", ylabel="height, mm")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import LinearNDInterpolator
+from scipy.interpolate import LinearNDInterpolator, griddata
 
 from railhead.meshing.bodies import BODY_NAMES, RAIL, WHEEL, other
 from railhead.postprocess import symmetry
@@ -114,7 +114,7 @@ def _cut(
     used = [across, 2] if flat else [across, 2, 1 - across]
     t, z = middle + half * np.linspace(-1, 1, CELLS), half * np.linspace(-1, 1, CELLS)
     at = np.stack([*np.meshgrid(t, z), np.zeros((CELLS, CELLS))], axis=-1)[..., : len(used)]
-    limits = levels(found.subject.units, label, 0.0, float(values[near].max()) or 1.0)
+    limits = levels(found.subject.units, label, values[near])
     for tag, height in ((RAIL, 0.04), (WHEEL, 0.96)):
         own = near & (body == tag)
         if own.any():
@@ -171,18 +171,15 @@ def _residual_heights(
             continue
         local = symmetry.vectors(frame.local(residual.points[surfaces[tag]]), pressed.mirrors)
         local, rise = local[:, :2] - through, symmetry.repeated(rise, pressed.mirrors)
+        wide = np.ptp(local, axis=0) > 0
         for axis, name, colour in ((0, subject.along, FE), (1, subject.across, HERTZ)):
-            order = np.argsort(local[:, axis])
-            if np.ptp(local, axis=0).min() > 0:
+            if wide[axis]:  # a section has one of them
                 line = np.zeros((CELLS, 2))
                 line[:, axis] = t
-                height = LinearNDInterpolator(local, rise)(line)
-            elif np.ptp(local[:, axis]) > 0:  # a section, which has one of them
-                height = np.interp(t, local[order, axis], rise[order])
-            else:
-                continue
-            style, label = "-" if tag == pressed.slave else "--", subject.names[BODY_NAMES[tag]]
-            axes.plot(t, height, style, color=colour, label=f"{label}, {name}")
+                height = griddata(local[:, wide], rise, line[:, wide]).ravel()
+                style, label = "-" if tag == pressed.slave else "--", subject.names[BODY_NAMES[tag]]
+                label += "" if subject.revolved else f", {name}"
+                axes.plot(t, height, style, color=colour, label=label)
     axes.set(
         xlabel="x or s, distance from the largest pressure, mm",
         ylabel="height of the surface after the load, um",

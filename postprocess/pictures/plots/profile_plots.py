@@ -36,40 +36,35 @@ def profiles(pair: ProfilePair, placed: Placed, target: Target = None, title: st
     towards the field side as those of the right panel do. pair: profiles of rail and wheel. placed:
     the wheelset's position. title: above the picture.
     """
-    from matplotlib.ticker import FuncFormatter
-
     with new_figure(target, 12, 4.2, title) as figure:
         axes = figure.subplots(1, 2, sharey=True)
-        for ax, side, flip, name in (
-            (axes[0], placed.left, -1, "left"),
-            (axes[1], placed.right, 1, "right"),
+        axes[0].invert_xaxis()
+        for ax, side, name in zip(
+            axes, (placed.left, placed.right), ("left", "right"), strict=True
         ):
             y = np.linspace(*pair.rail.domain, SAMPLES)
-            ax.plot(flip * y, pair.rail.height(y), color=RAIL, label="rail")
+            ax.plot(y, pair.rail.height(y), color=RAIL, label="rail")
             tread = np.linspace(*pair.wheel.domain, SAMPLES)
             outline = pair.outline(side.pose, tread).points
-            ax.plot(flip * outline[:, 1], outline[:, 2], color=WHEEL, label="wheel")
+            ax.plot(*outline[:, 1:].T, color=WHEEL, label="wheel")
             for number, touch in enumerate(side.touches):
                 colour = FURTHER if number else MARK
-                ax.plot(flip * touch.y, touch.z, "o", color=colour)
+                ax.plot(touch.y, touch.z, "o", color=colour)
                 ax.annotate(
                     minus(
                         f"{'further' if number else 'first'} contact: y = {touch.y:.2f} mm, "
                         f"{np.degrees(touch.angle):.2f}°"
                     ),
-                    (flip * touch.y, touch.z),
+                    (touch.y, touch.z),
                     (0.5, 0.2 - 0.1 * number),
                     textcoords="axes fraction",
                     ha="center",
                     color=colour,
                     arrowprops={"arrowstyle": "-", "color": colour},
                 )
-            ax.xaxis.set_major_formatter(
-                FuncFormatter(lambda v, _, flip=flip: minus(f"{flip * v + 0.0:g}"))
-            )
-            for place, align, text in ((0.01, "left", -flip), (0.99, "right", flip)):
-                word = "field side" if text > 0 else "gauge side"
-                ax.text(place, 0.65, word, transform=ax.transAxes, ha=align, color=RAIL)
+            left, right = ("field", "gauge") if name == "left" else ("gauge", "field")
+            ax.text(0.01, 0.65, f"{left} side", transform=ax.transAxes, color=RAIL)
+            ax.text(0.99, 0.65, f"{right} side", transform=ax.transAxes, ha="right", color=RAIL)
             ax.set_title(f"{name} rail")
             ax.set_xlabel("y from the crown centre to the field side, mm")
             ax.set_aspect("equal")
@@ -120,7 +115,7 @@ def positions(
         )
         ax.set_ylabel("z, mm (wheel lifted)")
         ax.set_aspect("equal", adjustable="datalim")  # else its label leaves the sheet
-        ax.set_xlim(min(-50.0, pair.rail.domain[0] - 5), 45)
+        ax.set_xlim(min(-50.0, pair.rail.domain[0] - 5), 45, auto=True)
     return figure
 
 

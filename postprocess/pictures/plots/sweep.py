@@ -66,6 +66,7 @@ def curves(columns: Sequence[str], rows: Rows, target: Target, y: str, title: st
     """
     over, *others = _by_values(columns, rows)
     lines = _values(others[0], rows) if others else [None]
+    numbers = _numbers(over, rows)
     with new_figure(target, 11, 7.6, title) as figure:
         import matplotlib
 
@@ -75,9 +76,9 @@ def curves(columns: Sequence[str], rows: Rows, target: Target, y: str, title: st
         for axes, (name, label) in zip(panels.ravel(), PANELS.items(), strict=True):
             for value, colour in zip(lines, colours, strict=True):
                 own = [row for row in rows if not others or row[others[0]] == value]
-                x = _places(over, own, rows)
+                x = np.array([row[over] if numbers else _word(row[over]) for row in own])
                 found = np.array([row.get(name, math.nan) for row in own], dtype=float)
-                order = np.argsort(x)
+                order = np.argsort(x) if numbers else slice(None)
                 known = f"{name.partition(' [')[0]} estimate"  # relative
                 error = found * np.array([row.get(known, math.nan) for row in own], dtype=float)
                 look: dict[str, Any] = {"color": colour, "label": _word(value), "capsize": 3}
@@ -93,9 +94,6 @@ def curves(columns: Sequence[str], rows: Rows, target: Target, y: str, title: st
         figure.suptitle("; ".join(notes), fontsize=10)
         for axes in panels[1]:
             axes.set_xlabel(over)
-            if not _numbers(over, rows):
-                words = _values(over, rows)
-                axes.set_xticks(range(len(words)), [_word(each) for each in words])
         if others:
             handles, labels = panels[0, 0].get_legend_handles_labels()
             figure.legend(handles, labels, title=others[0], loc="outside right upper", fontsize=9)
@@ -191,16 +189,6 @@ def _numbers(column: str, rows: Rows) -> bool:
         and math.isfinite(row[column])
         for row in rows
     )
-
-
-def _places(column: str, own: Rows, rows: Rows) -> Array:
-    """Horizontal positions (n,) of the rows `own`: the column's values if they all are numbers in
-    `rows`; otherwise 0, 1, 2 ... in the order in which the values first stand in `rows`.
-    """
-    if _numbers(column, rows):
-        return np.array([float(row[column]) for row in own])
-    order = {value: float(place) for place, value in enumerate(_values(column, rows))}
-    return np.array([order[row[column]] for row in own])
 
 
 def _word(value: object) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from railhead.meshing.bodies import BODY_NAMES
-from railhead.postprocess.findings import Array, Findings, Units
+from railhead.postprocess.findings import Array, Findings
 from railhead.postprocess.pictures.plots.diagrams import (
     BANDS,
     levels,
@@ -60,7 +60,9 @@ def draw_fringes(
         panels = figure.subplots(1, 2, sharey=True)
         for number, axes in enumerate(panels):
             seen = [own[shown] for own, shown in zip(stresses[number], inside, strict=True)]
-            ticks = bands(np.concatenate(seen), findings.subject.units, below=number == 0)
+            every = np.concatenate(seen)
+            every = every if number else np.minimum(every, 0.0)
+            ticks = levels(findings.subject.units, "MPa", every, BANDS + 2)
             look = {"cmap": MAPS[number], "extend": "neither" if number else "max"}
             for each, at, own in zip(sections, places, stresses[number], strict=True):
                 drawn = axes.tricontourf(*at.T, each.regular_faces, own, ticks, **look)
@@ -105,13 +107,3 @@ def draw_fringes(
             fontsize=10,
         )
     return figure
-
-
-def bands(values: Array, units: Units, *, below: bool) -> Array:
-    """Limits (k,) of the colour bands, MPa, for values (n,); round numbers of the reader's unit.
-    Zero is one of the limits. below: whether the bands cover the negative values, from the smallest
-    to zero; otherwise they cover the positive ones, from zero to the largest.
-    """
-    if below:
-        return levels(units, "MPa", min(float(values.min()), 0.0) or -1.0, 0.0, BANDS + 2)
-    return levels(units, "MPa", 0.0, max(float(values.max()), 0.0) or 1.0, BANDS + 2)

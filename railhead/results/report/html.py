@@ -33,15 +33,15 @@ NAME = "report.html"
 LARGE = 300_000  # bytes
 CAPTIONS = {
     "patch": "Contact pressure over the patch, seen from above.",
-    "pressure": "Contact pressure along both axes; where each cut lies is said over it. "
-    "Of finite elements, waves that are two elements long come from the mesh.",
     "friction": "Where the patch sticks and slips, and the tractions.",
     "passes": "Residual stress below the patch by pass, increments by pass, and the groove.",
-    "passes_section": "Plastic strain and residual stress across the rail after the last pass.",
     "plastic": "What yields, what stays after the load, and the pressure with and without yield.",
+    "pressure": "Contact pressure along both axes; where each cut lies is said over it. "
+    "Of finite elements, waves that are two elements long come from the mesh.",
     "stress_cut": "Stresses in a cut through the contact.",
     "stress_cut_along": "Stresses in a cut along the rail, through the largest pressure.",
     "depth": "Stresses below the contact.",
+    "passes_section": "Plastic strain and residual stress across the rail after the last pass.",
     "patch_on_rail": "The patch on the running surface, with its mesh.",
     "wheel_rail": "The bodies that were solved, cut open, and their mesh at the contact.",
     "shakedown": "Pressure and traction against the limits of repeated rolling.",
@@ -155,7 +155,7 @@ def render(
         files=[path.name for path in scene.files],
         left_out={name: each for name, each in effects.items() if not each["on"]},
         check_rows=_checks(summary["checks"]),
-        passes=terminal.passes_table(passes, units) if passes else None,
+        passes=terminal.passes_table(passes, units, 3 if brief else 10) if passes else None,
         passes_title=terminal.passes_title(summary["result"]) if passes else "",
         pictures=[
             (CAPTIONS[name], picture((folder / f"{name}.png").read_bytes()))
@@ -231,7 +231,7 @@ def scene_rows(scene: Scene, units: Units) -> Iterator[tuple[str, str]]:
                 base = scene_unit(key)
                 if base == "rad":
                     value, base = 1e3 * value, "mrad"
-                text = f"{units.value(value, base):.6g} {units.unit(base)}".strip()
+                text = units.text(value, base, 6).strip()
             words = key.replace("effects.", "effect.").replace(".", ": ").replace("_", " ")
             yield words, text
 

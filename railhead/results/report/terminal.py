@@ -329,9 +329,11 @@ def passes_title(result: Mapping[str, Any]) -> str:
     return f"passes (estimate after the last: {', '.join(told)})" if told else NO_ESTIMATE
 
 
-def passes_table(passes: Sequence[Mapping[str, Any]], units: Units) -> list[list[str]]:
-    """Cells of the table of passes, its header first: the first ten (PASSES_SHOWN) and the last.
-    passes: "passes" of "result" in summary.json.
+def passes_table(
+    passes: Sequence[Mapping[str, Any]], units: Units, shown: int = PASSES_SHOWN
+) -> list[list[str]]:
+    """Cells of the table of passes, its header first: the first `shown` and the last. passes:
+    "passes" of "result" in summary.json.
     """
     columns = {
         "strain_increment_max": ("strain", ""),
@@ -345,7 +347,7 @@ def passes_table(passes: Sequence[Mapping[str, Any]], units: Units) -> list[list
     table = [
         ["pass", *(f"{name}, {units.unit(unit)}".strip(", ") for name, unit in columns.values())]
     ]
-    for number in sorted({*range(min(PASSES_SHOWN, len(passes))), len(passes) - 1}):
+    for number in sorted({*range(min(shown, len(passes))), len(passes) - 1}):
         row = passes[number]
         cells = (brief(units.value(row[key], unit)) for key, (_, unit) in columns.items())
         table.append([str(number + 1), *cells])

@@ -21,7 +21,7 @@ from railhead.planning.effects import in_words
 from railhead.postprocess.findings import Units
 from railhead.postprocess.pictures.views import gallery, turning
 from railhead.results import quantity_rows, result_folder
-from railhead.results.report import html, output_units
+from railhead.results.report import html, output_units, terminal
 from railhead.results.subject import subject
 from railhead.run import quantities
 from railhead.scene.sections import SceneError
@@ -146,17 +146,23 @@ def test_a_brief_report_is_the_answer_and_what_was_asked(result: Any, folder: Pa
     assert "FAILS" in brief_of(worse, folder) and "holds</td>" not in brief_of(worse, folder)
 
 
-def test_passes_are_a_table(result: Any, folder: Path) -> None:
+def with_passes(result: Any) -> Any:
     columns = ("strain_increment_max", "forward_mm", "groove_mm", "lean_mm")
     columns += ("pressure_max_MPa", "residual_along_MPa", "residual_across_MPa")
     rows = [dict.fromkeys(columns, 1e-3 * number) for number in range(30)]
     more = result.summary["result"] | {"passes": rows, "passes_words": "it shakes down"}
     more["passes_after"] = {"estimate": {}}
-    rolled = replace(result, summary=result.summary | {"result": more})
-    table = re.search(r'<table id="passes">.*?</table>', brief_of(rolled, folder), re.S)
+    return replace(result, summary=result.summary | {"result": more})
+
+
+def test_passes_are_a_table(result: Any, folder: Path) -> None:
+    text = brief_of(with_passes(result), folder)
+    table = re.search(r'<table id="passes">.*?</table>', text, re.S)
     assert table is not None
     numbers = [int(each) for each in re.findall(r'<tr><td class="n">([0-9]+)</td>', table[0])]
-    assert numbers == [*range(1, 11), 30]  # the first ten and the last
+    assert numbers == [1, 2, 3, 30]
+    rows = terminal.passes_table(with_passes(result).summary["result"]["passes"], UNITS)
+    assert [row[0] for row in rows[1:]] == [str(each) for each in (*range(1, 11), 30)]
     assert "groove, um" in table[0] and ">29<" in table[0] and "-0<" not in table[0]
 
 
@@ -272,7 +278,7 @@ def test_a_browser_draws_it(folder: Path, tmp_path: Path) -> None:
 @pytest.mark.skipif(CHROMIUM is None, reason="no chromium")
 def test_a_brief_report_is_one_page(result: Any, folder: Path, tmp_path: Path) -> None:
     page, paper = tmp_path / html.NAME, tmp_path / "report.pdf"
-    page.write_text(brief_of(result, folder), encoding="utf-8")
+    page.write_text(brief_of(with_passes(result), folder), encoding="utf-8")
     browse(f"--print-to-pdf={paper}", file=page)
     assert len(re.findall(rb"/Type /Page\b", paper.read_bytes())) == 1
 
