@@ -128,23 +128,24 @@ def test_command_draws_a_profile_and_says_its_wear(tmp_path, monkeypatch, capsys
     np.testing.assert_allclose(middle, 1 / 300, rtol=0.1)
 
 
-def test_command_tells_a_wheel_by_its_width(tmp_path, capsys) -> None:
-    np.savetxt(tmp_path / "wheel.txt", solid.from_file(Scene.from_mapping(
-        {"load": 1, "wheel": {"profile": PRW}}), "wheel").points)  # fmt: skip
-    assert command.status("profile", str(tmp_path / "wheel.txt"), "--json", *quickly(tmp_path)) == 0
+@pytest.mark.parametrize(
+    ("left", "right", "header", "keys"),
+    [
+        pytest.param(-100, 100, "", (), id="by its width"),
+        pytest.param(-70, 24, "", (), id="by its flange", marks=pytest.mark.slow),
+        pytest.param(-35, 59, "", (), id="by its tread"),
+        pytest.param(-100, 100, "y (yd),z (yd)", ("--set", "wheel.profile_unit=mm"), id="by a key"),
+    ],
+)
+def test_command_tells_a_wheel(left, right, header, keys, tmp_path, capsys) -> None:
+    """Also 95 mm of it, and where the width in the unit of the file tells nothing."""
+    wheel = solid.from_file(Scene.from_mapping({"load": 1, "wheel": {"profile": PRW}}), "wheel")
+    y, file = wheel.points[:, 0], tmp_path / "wheel.csv"
+    points = wheel.points[(y > left) & (y < right)]
+    np.savetxt(file, points, delimiter=",", header=header, comments="")
+    assert command.status("profile", str(file), "--json", *quickly(tmp_path), *keys) == 0
     summary = json.loads(capsys.readouterr().out)
     assert (summary["body"], summary["standard"]) == ("wheel", "S1002")
-
-
-@pytest.mark.parametrize("start", [pytest.param(-70.0, marks=pytest.mark.slow), -35.0])
-def test_a_narrow_wheel_is_told_by_its_shape(start: float, tmp_path, capsys) -> None:
-    """95 mm wide with the flange, or without."""
-    points = solid.from_file(Scene.from_mapping(
-        {"load": 1, "wheel": {"profile": PRW}}), "wheel").points  # fmt: skip
-    y = points[:, 0]
-    np.savetxt(tmp_path / "wheel.txt", points[(y > start) & (y < start + 94)])
-    assert command.status("profile", str(tmp_path / "wheel.txt"), "--json", *quickly(tmp_path)) == 0
-    assert json.loads(capsys.readouterr().out)["body"] == "wheel"
 
 
 @pytest.mark.parametrize(
@@ -190,20 +191,6 @@ def test_command_takes_the_unit_that_is_typed(worn: Scene, tmp_path, capsys) -> 
         == 0
     )
     assert "in mm as given (the file says yd)" in " ".join(capsys.readouterr().out.split())
-
-
-def test_a_key_of_the_command_tells_the_body(tmp_path, capsys) -> None:
-    """Of a file whose width in its own unit tells none."""
-    wheel = solid.from_file(Scene.from_mapping({"load": 1, "wheel": {"profile": PRW}}), "wheel")
-    file = tmp_path / "yards.csv"
-    np.savetxt(file, wheel.points, delimiter=",", header="y (yd),z (yd)", comments="")
-    assert (
-        command.status(
-            "profile", str(file), "--json", *quickly(tmp_path), "--set", "wheel.profile_unit=mm"
-        )
-        == 0
-    )
-    assert json.loads(capsys.readouterr().out)["standard"] == "S1002"
 
 
 def located(*assignments: str) -> dict:

@@ -124,16 +124,34 @@ def _laid(name: str, points: Array, turns: bool, iterations: int = ITERATIONS) -
         fewer than 100 (ITERATIONS) only a rough fit.
     """
     outline, normal, tree = _outline(name)
+    places: dict[bytes, NDArray[np.int64]] = {}
+
+    def place(move: Array) -> tuple[Array, NDArray[np.int64], NDArray[np.bool_]]:
+        """Points (n, 2) displaced by move, indices (n,) of the nearest ones of the outline, and
+        whether (n,) they lie within its ends and on the head. Those of the last move are kept.
+        """
+        moved, key = _moved(points, move), move.tobytes()
+        if key not in places:
+            places.clear()
+            places[key] = tree.query(moved)[1]
+        index = places[key]
+        return moved, index, (index > 0) & (index < len(outline) - 1) & (normal[index, 1] > 0)
 
     def loss(move: Array, beyond: float = 0.0) -> Array:
         """Depth (n,) in mm of the points, displaced by move, below the standard; `beyond` outside
         of its ends or below the head.
         """
-        moved = _moved(points, move)
-        _, index = tree.query(moved)
+        moved, index, inside = place(move)
         depth = -np.einsum("nd,nd->n", moved - outline[index], normal[index])
-        inside = (index > 0) & (index < len(outline) - 1) & (normal[index, 1] > 0)
         return np.where(inside, depth, beyond)
+
+    def slopes(move: Array) -> Array:
+        """Derivatives (n, 2 or 3) of `loss` by the move; the nearest points stay, to first order."""
+        moved, index, inside = place(move)
+        inwards = np.where(inside[:, None], -normal[index], 0.0)
+        x, y = (moved - move[:2]).T
+        by_turn = [-y * inwards[:, 0] + x * inwards[:, 1]] if turns else []
+        return np.column_stack([inwards, *by_turn])
 
     def asymmetric(move: Array) -> Array:
         """Residuals (n,) in which losses count less and parts outside count more."""
@@ -151,7 +169,7 @@ def _laid(name: str, points: Array, turns: bool, iterations: int = ITERATIONS) -
         tips = outline[np.argmax(outline[:, 1]), 0] - points[np.argmax(points[:, 1]), 0]
         starts = [[starts[0][0], up], [tips, up]]
     rough = (
-        least_squares(loss, start, loss="soft_l1", f_scale=SOFT, max_nfev=iterations).x
+        least_squares(loss, start, slopes, loss="soft_l1", f_scale=SOFT, max_nfev=iterations).x
         for start in starts
     )
     move = min(rough, key=distance)

@@ -221,15 +221,17 @@ def test_line_search_stops_an_overshoot_and_lets_good_steps_pass(models) -> None
     assert newton.line_search(problem, start, far) == pytest.approx(1 / 8, rel=0.2)
 
 
-def test_direct_and_multigrid_give_the_same_solution(models) -> None:
-    states = []
-    for choice in ("direct", "multigrid"):
-        model = models(linear=choice)
-        _, solution = loaded(model)
-        assert solution.newton.converged
-        states.append((solution.approach, solution.displacement.array.copy()))
-    assert states[0][0] == pytest.approx(states[1][0], rel=1e-8)
-    np.testing.assert_allclose(states[0][1], states[1][1], atol=1e-8 * abs(states[0][1]).max())
+@pytest.mark.parametrize("degree, below", [(2, None), (2, 0), (1, None)],
+                         ids=["p-multigrid", "GAMG below", "linear elements"])  # fmt: skip
+def test_direct_and_multigrid_give_the_same_solution(models, monkeypatch, degree, below) -> None:
+    reference = loaded(models(degree=degree, linear="direct"))[1]
+    if below is not None:
+        monkeypatch.setattr(multigrid, "COARSE_DIRECT_BELOW", below)
+    found = loaded(models(degree=degree, linear="multigrid"))[1]
+    assert reference.newton.converged and found.newton.converged
+    assert found.approach == pytest.approx(reference.approach, rel=1e-8)
+    one, other = (each.displacement.array for each in (found, reference))
+    np.testing.assert_allclose(one, other, atol=1e-8 * abs(other).max())
 
 
 def test_prolongation_carries_rigid_motion_and_the_approach(models) -> None:
@@ -244,21 +246,6 @@ def test_prolongation_carries_rigid_motion_and_the_approach(models) -> None:
     direct = full * (reduction.matrix * y)
     reduced = model.reduction.matrix * (q * y)
     assert (direct - reduced).norm() < 1e-12 * direct.norm()
-
-
-def test_algebraic_multigrid_serves_linear_elements(models) -> None:
-    reference = loaded(models(degree=1, linear="direct"))[1].approach
-    found = loaded(models(degree=1, linear="multigrid"))[1]
-    assert found.newton.converged
-    assert found.approach == pytest.approx(reference, rel=1e-8)
-
-
-def test_gamg_below_p_multigrid_gives_the_same_answer(models, monkeypatch) -> None:
-    reference = loaded(models(linear="direct"))[1].approach
-    monkeypatch.setattr(multigrid, "COARSE_DIRECT_BELOW", 0)
-    found = loaded(models(linear="multigrid"))[1]
-    assert found.newton.converged
-    assert found.approach == pytest.approx(reference, rel=1e-8)
 
 
 def test_bodies_that_never_touch_are_named_not_solved(models) -> None:
