@@ -71,6 +71,8 @@ def test_two_passes_of_a_line_are_those_of_another_program(number):
         least = [state.stress[..., column].min() for state in found.sections]
         expected = [other[name] for other in case["passes"][:2]]
         assert least == pytest.approx(expected, rel=0.08 if high else 0.05)
+        shown = [row[("residual_along_MPa", "residual_across_MPa")[column]] for row in found.rows]
+        assert case["traction"] or shown == pytest.approx(least)  # with traction, a tension
     assert found.rows[0]["groove_mm"] == pytest.approx(case["passes"][0]["settle"], rel=0.05)
 
 
@@ -86,6 +88,9 @@ def test_in_contact_the_resistance_is_what_yield_takes():
     strain = [each.rows[0]["strain_increment_max"] for each in (found, given)]
     assert strain[0] < 0.9 * strain[1]  # the groove carries
     assert found.rows[0]["lean_mm"] > 0.05
+    p0 = 4.5 * SHEAR  # the load, pi p0/2, and its moment, over the radius
+    moment = math.pi * p0 / 2 * found.rows[0]["lean_mm"] * 2 * p0 / MODULUS
+    assert found.rows[0]["resistance_N"] == pytest.approx(moment, rel=0.02)
     assert given.rows[0]["lean_mm"] == pytest.approx(0.0, abs=1e-9)
 
 
