@@ -146,7 +146,7 @@ def _laid(name: str, points: Array, turns: bool, iterations: int = ITERATIONS) -
         return np.where(inside, depth, beyond)
 
     def slopes(move: Array) -> Array:
-        """Derivatives (n, 2 or 3) of `loss` by the move; the nearest points stay, to first order."""
+        """Derivatives (n, 2 or 3) of `loss` by the move; to first order the nearest points stay."""
         moved, index, inside = place(move)
         inwards = np.where(inside[:, None], -normal[index], 0.0)
         x, y = (moved - move[:2]).T
