@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from railhead.planning import plan as planning
 from railhead.planning.plan import Plan
+from railhead.results import quantity_rows
 from railhead.results.report import terminal
 from railhead.scene.catalogue import as_path, find
 from railhead.scene.scene import Scene, SceneError, checked, warn_of_units
@@ -112,17 +113,19 @@ def load(folder: str | Path) -> Result | Sweep:
     from railhead.sweeps.sweep import Sweep
 
     folder = as_path(folder, "folder")
-    if (folder / store.REQUEST).is_file():
-        return Sweep(folder)
     try:
-        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        summary = {}
-    if not isinstance(summary, dict) or not {"checks", "result", "hertz"} <= summary.keys():
-        raise SceneError(
-            "load", f"{str(folder)!r} holds no result of a run or a sweep; give its folder"
-        )
-    return Result(None, summary)
+        if (folder / store.REQUEST).is_file():
+            return Sweep(folder)
+        found = Result(None, json.loads((folder / "summary.json").read_text(encoding="utf-8")))
+        terminal.recorded(found.show)
+        for _ in quantity_rows.everything(found.summary):
+            pass  # every number is read once: what is broken shows here
+    except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
+        if isinstance(error, SceneError):
+            raise
+        text = f"{str(folder)!r} holds no result of a run or a sweep, or a broken one"
+        raise SceneError("load", f"{text}; give its folder") from None
+    return found
 
 
 def with_accuracy(scene: Scene, accuracy: str | float | None, budget: str | float | None) -> Scene:

@@ -1,6 +1,7 @@
 """What a script sees: the public names, their examples, and a host that is left alone."""
 
 import csv
+import json
 import pickle
 import re
 import subprocess
@@ -169,8 +170,17 @@ def test_a_result_can_be_pickled_and_loaded(tmp_path) -> None:
     assert "largest pressure" in loaded._repr_html_() and "<style>" not in loaded._repr_html_()
     with pytest.raises(ValueError, match="numbers only"):
         print(loaded.surface)
-    (tmp_path / "summary.json").write_text('{"checks": {}}')
-    for folder in (tmp_path, tmp_path / "none"):
+    broken = json.loads((tmp_path / "out" / "summary.json").read_text())
+    broken["result"]["patch"]["a_mm"] = {"a": 1}
+    for name, text in (
+        ("a", '{"checks": {}}'),
+        ("b", '{"checks": {}, "result": null, "hertz": {}}'),
+        ("c", 5000 * "["),
+        ("d", json.dumps(broken)),
+    ):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "summary.json").write_text(text)
+    for folder in (*(tmp_path / name for name in "abcd"), tmp_path / "none", "n" * 5000):
         with pytest.raises(rh.SceneError, match="holds no result of a run or a sweep"):
             rh.load(folder)
     for wrong in (
@@ -248,6 +258,9 @@ def test_progress_is_told_to_a_function(capfd) -> None:
 
     with pytest.raises(TimeoutError, match="meshing"):
         rh.solve(case, progress=enough)
+    for call in (rh.solve, lambda *_, **given: rh.sweep(case, load=[100], **given)):
+        with pytest.raises(rh.SceneError, match="progress: 5 is no function; give one"):
+            call(case, progress=5)
     told.clear()
     fast = case.replace(effects={"finite_bodies": "off"})
     rh.sweep(fast, load=[100, 200], progress=lambda *each: told.append(each))

@@ -14,6 +14,8 @@ from railhead.run import estimates, quantities
 from railhead.run.estimates import STEP_ORDER
 from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
 from railhead.run.progress import Progress, Tell
+from railhead.scene.scene import SceneError
+from railhead.scene.units import show
 
 MAX_LEVELS = 5
 ONE_MESH = "one mesh"
@@ -67,7 +69,11 @@ def unplanned_yield(solved: MeshSolution, comm: MPI.Intracomm) -> str:
 
 
 def show_progress(*, quiet: bool, since: float | None = None, tell: Tell | None = None) -> Progress:
-    """Progress display of a run, on the first MPI rank only; arguments as those of `Progress`."""
+    """Progress display of a run, on the first MPI rank only; arguments as those of `Progress`.
+    Raises SceneError for a `tell` that is no function.
+    """
+    if tell is not None and not callable(tell):
+        raise SceneError("progress", f"{show(tell)} is no function; give one of seconds and text")
     if MPI.COMM_WORLD.rank:
         return Progress(quiet=True)
     return Progress(quiet=quiet, since=since, tell=tell)

@@ -188,7 +188,7 @@ def _load(path: Path) -> dict[str, Any]:
     """The table of a JSON file. Raises SceneError for anything else."""
     try:
         table = json.loads(path.read_text(encoding="utf-8"))
-    except ValueError:
+    except (ValueError, RecursionError):
         table = None
     if not isinstance(table, dict):
         raise _broken(path)

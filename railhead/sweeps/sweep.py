@@ -53,6 +53,8 @@ class Sweep(list[Result]):
         super().__init__((found | dict(solved or {})).values())
         self._name, self.keys = store.request(folder)
         self._rows = [row for _, row in records.values()]
+        if any(column(key) not in row for key in self.keys for row in self._rows):
+            raise SceneError("load", f"{str(folder)!r} holds records of another sweep")
         self._outlines = [each.get("outlines", []) for each, _ in records.values()]
 
     def _repr_html_(self) -> str:
@@ -83,17 +85,21 @@ class Sweep(list[Result]):
 
     def draw(self, folder: Path) -> list[str]:
         """Draw the pictures again into the folder of the sweep; returns their names. Raises
-        OSError.
+        OSError, with a line for each that could not be drawn, after the others are.
         """
+        failures: list[str] = []
         with tempfile.TemporaryDirectory() as temporary:
             work = Path(temporary)
             for name, draw in self._drawings().items():
-                draw(work / name)
+                with result_folder.attempt(failures, folder / name, work):
+                    draw(work / name)
             result_folder.stamp(work)
             drawn = sorted(work.iterdir())
             for path in drawn:
                 store.write_whole(folder, folder / path.name, path.read_bytes())
-            return [path.name for path in drawn]
+        if failures:
+            raise OSError("\n".join(failures))
+        return [path.name for path in drawn]
 
     def _drawings(self) -> dict[str, Drawing]:
         """The pictures by name of their PNG file."""

@@ -206,7 +206,8 @@ def draw_one(drawings: Mapping[str, Drawing], picture: str, ax: object = None) -
     draw = drawings.get(f"{picture}.png")
     if draw is None:
         names = ", ".join(name.removesuffix(".png") for name in drawings)
-        raise ValueError(f"picture: {picture!r} is none of this result; give {names}")
+        text = f"give {names}" if names else "it has none"
+        raise ValueError(f"picture: {picture!r} is none of this result; {text}")
     if ax is None:
         target: Target = None
     else:
