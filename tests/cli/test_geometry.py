@@ -7,6 +7,7 @@ import os
 from pathlib import Path
 
 import command
+import matplotlib
 import numpy as np
 import pytest
 from one_line import refusal
@@ -126,6 +127,16 @@ def test_command_draws_a_profile_and_says_its_wear(tmp_path, monkeypatch, capsys
     assert {row["program"] for row in rows} == {f"railhead {rh.__version__}"}
     middle = [float(row["curvature_per_mm"]) for row in rows if -12 < float(row["y_mm"]) < 0]
     np.testing.assert_allclose(middle, 1 / 300, rtol=0.1)
+
+
+@pytest.mark.parametrize("kind", ["svg", "pdf"])
+def test_a_picture_has_another_format_beside_png(kind: str, tmp_path, capsys) -> None:
+    with matplotlib.rc_context():
+        assert command.status("profile", BAN, "--format", kind, "--out", str(tmp_path / "o")) == 0
+    text = (tmp_path / "o" / f"profile.{kind}").read_bytes()
+    assert text.startswith(b"<?xml" if kind == "svg" else b"%PDF")
+    assert (b"railhead " in text) is (kind == "svg")  # stamped
+    assert (tmp_path / "o" / "profile.png").is_file()
 
 
 @pytest.mark.parametrize(
