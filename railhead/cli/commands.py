@@ -399,6 +399,7 @@ def sweep(
 @click.argument("folder", type=click.Path(path_type=Path))
 @click.option("--units", "unit_names", help="Of the table of a run, e.g. mm,kN,MPa.")
 @click.option("--pictures", is_flag=True, help="Draw the pictures of a sweep again.")
+@_format
 @click.option("--json", "as_json", is_flag=True, help="Print the numbers as JSON.")
 def show(folder: Path, unit_names: str | None, pictures: bool, as_json: bool) -> None:
     """Print the result of a run or a sweep that lies in a folder; solve nothing."""
