@@ -222,6 +222,12 @@ RECIPES = {
     "shallow": Recipe(
         lambda rng: ellipse(rng) + shallow(rng), {"least_poisson": [0.0, SHALLOW]}, scenes=32
     ),
+    "usual penalty": Recipe(
+        lambda rng: [*ellipse(rng), *materials(rng), "solver.method=penalty"],
+        {"method": ["penalty"], "theta": [None]},
+        (3.0, 3.75, 5.0, 8.0),
+        scenes=32,
+    ),
     "penalty": Recipe(
         law("penalty", [None]),
         {"method": ["penalty"], "theta": [None], "gamma_factor": [0.1, 10.0]},
