@@ -97,11 +97,6 @@ class GivenAxes:
             return every
         return every.item() if every.size == 1 else every.squeeze()
 
-    def add_subplot(self, **_: Any) -> Axes:
-        """The one axes of a picture with one panel. ValueError: there are more."""
-        found: Axes = self.subplots()
-        return found
-
     def legend(self, *handles: Any, loc: str = "", ncols: int = 1, **look: Any) -> None:
         """Draw the legend of the figure above the first axes."""
         place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.08), "borderaxespad": 0.0}
@@ -498,7 +493,7 @@ def patch(findings: Findings, ellipse: Ellipse | None, target: Target = None) ->
     scale = 6.5 / max(width, height)
     size = max(width * scale, 4) + 2.2, max(height * scale, 2) + 1.5
     with new_figure(target, *size, findings) as figure:
-        axes = figure.add_subplot(axisbelow=True)
+        axes = figure.subplots(subplot_kw={"axisbelow": True})
         limits = levels(findings.subject.units, "MPa", surface.pressure)
         bands = axes.tricontourf(
             *surface.local.T, surface.triangles, surface.pressure, limits, cmap="YlOrRd"

@@ -125,7 +125,7 @@ def patch_on_rail(
     lines = {"style": "wireframe", "color": EDGE, "opacity": 0.3, "line_width": 0.8}
     camera = camera_over(findings)
     with new_figure(target, 10, 6.8, findings) as figure:
-        axes = figure.add_subplot()
+        axes = figure.subplots()
         nearer = surface.translate(1e-3 * camera.half_width * frame.axes[2])
         image = camera.shoot([(free, plain), (pressed, look), (nearer, lines)])
         camera.show(axes, image)
