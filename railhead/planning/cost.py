@@ -37,9 +37,8 @@ CONDENSING, CONDENSING_AT = 5.5, 46_000
 CONDENSING_BYTES = 26_000  # more bytes per unknown with it: 13 000 to 24 000 were measured
 
 # Seconds before passes and of each, and bytes that they take, by whether the contact is a line:
-# measured on blocks of the 22.5 t axle of three elements on a half length (165 000 unknowns) and
-# scaled to four (210 000) by what the halved block takes more, and of a line (17 000).
-PASSES = {False: (48.0, 8.0), True: (1.0, 2.5)}
+# measured on the block of the 22.5 t axle (210 000 unknowns) and of a line (17 000).
+PASSES = {False: (80.0, 10.0), True: (1.0, 2.5)}
 PASS_BYTES = {False: 6_000_000_000, True: 300_000_000}
 
 BOUNDARY_ELEMENTS = {False: 0.5, True: 2.0}  # seconds of half-spaces, without and with friction
