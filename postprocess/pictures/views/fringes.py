@@ -87,7 +87,8 @@ def draw_fringes(
                 height, side = (0.03, "bottom") if body == "rail" else (0.97, "top")
                 text = names[body] + ("" if body in findings.depth else ": rigid")
                 axes.text(0.02, height, text, transform=axes.transAxes, va=side, fontsize=13)
-            for line in findings.patch.outlines:  # the bodies are drawn undeformed
+            along = cut is not None and axis == 0  # which cuts the most loaded patch alone
+            for line in [findings.patch.main] if along else findings.patch.outlines:
                 edges = np.array([line[:, axis].min(), line[:, axis].max()])
                 axes.plot(edges, [0, 0], "|", color="black", ms=14, mew=1.6, gid="contact patch")
         panels[0].set_ylabel("height over the contact, mm")

@@ -82,9 +82,9 @@ def wheel_rail(grid: meshio.Mesh, findings: Findings, target: Target = None) -> 
 
 
 def stress_cut(grid: meshio.Mesh, axis: int, findings: Findings, target: Target = None) -> Figure:
-    """The smallest principal stress and the largest shear stress in a plane cut
-    through the contact: across the rail, at the x of the frame's origin, or along it and normal to
-    the patch, at the s of the largest pressure.
+    """The smallest principal stress and the largest shear stress in a plane cut through the
+    contact: across the rail, at the x of the frame's origin, or along it and normal to the patch,
+    at the s of the largest pressure.
 
     grid: cells with nodal stresses, as `vtu.volume_grid` makes them. axis: 1 across, 0 along.
         findings: frame, patch and largest stresses.

@@ -100,6 +100,22 @@ def test_all_patches_are_in_every_picture(
         assert not cut_off(figure)
 
 
+def test_a_cut_along_the_rail_says_where_it_is(
+    blocks: Callable[..., Any], sheets: list[Figure], tmp_path: Path
+) -> None:
+    case = blocks(cut=False)
+    found = two_patches(case)
+    found = replace(found, along=replace(found.along, at=0.5))
+    render.stress_cut(case.volume, 0, found, tmp_path / "s.png")
+    (figure,) = sheets
+    assert figure.axes[0].get_xlabel() == found.subject.label(0)
+    edges = [line for line in figure.axes[0].lines if line.get_gid() == "contact patch"]
+    assert len(edges) == 1  # of the patch that is cut
+    legend = figure.subfigs[1].legends[0] if figure.subfigs else figure.legends[0]
+    assert legend.get_texts()[-1].get_text().endswith("cut at s = 0.5 mm")
+    assert not cut_off(figure)
+
+
 def test_the_cut_says_whose_pressure_it_shows(blocks: Callable[..., Any]) -> None:
     found = two_patches(blocks(cut=False))
     label = diagrams.pressure(found, None).axes[0].get_legend_handles_labels()[1][0]
