@@ -564,7 +564,7 @@ def _decided(scene: Scene) -> Plan:
         effects=decided,
         order=order,
         patch_size=size,
-        reach=sizing.reach(contact, predicted, expected),
+        reach=sizing.reach(contact, predicted, expected, friction=decided["friction"].on),
         forecast=expected,
         load_steps=material.steps(context),
     )

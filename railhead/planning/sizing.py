@@ -25,19 +25,22 @@ STRETCHES = 9  # stretches that are tried where patches share a mesh
 COARSEST = 0.25  # largest element over the half length of the bodies
 COARSEST_ACROSS = 1 / 3  # largest element over the width of a profile, for the sake of fillets
 HALF_SPACE_REACH = 8.0  # half the edge of the blocks over the major semi-axis
+# The same of sections with friction, whose supports do not follow tangential forces: with 8 the
+# creepage of a force is 1.3 % below Carter's on any mesh, with 24 it is 0.1 % off.
+RUBBING_REACH = 24.0
 BODY_REACH = 12.0  # least half length of real bodies over the major semi-axis
 MIN_BODY_REACH = 80.0  # mm, least half length of real bodies
 
 
-def reach(contact: Contact, hertz: Hertz, forecast: Forecast) -> float:
+def reach(contact: Contact, hertz: Hertz, forecast: Forecast, *, friction: bool) -> float:
     """Half length of the bodies along the rail, mm, whatever the scene says: a multiple of the
     largest half length of the forecast patches and Hertz's patch, and at least 80 mm
-    (MIN_BODY_REACH) for real bodies.
+    (MIN_BODY_REACH) for real bodies. friction: whether it is simulated.
     """
     sizes = [size for zone in forecast.zones for size in (zone.a, zone.b)]
     major = max(*sizes, *contacts.half_lengths(hertz))
     if contact.half_space:
-        return HALF_SPACE_REACH * major
+        return (RUBBING_REACH if friction and contact.plane else HALF_SPACE_REACH) * major
     return max(MIN_BODY_REACH, BODY_REACH * major)
 
 
