@@ -68,7 +68,7 @@ class Fields:
     plastic_strain: plastic strain in all m cells, zero where it is not followed; None where no body
         yields.
     master_surface: gap at the nodes of the other contact surface that face the slave; None where
-        that body is rigid.
+        that body is rigid, and where `gather` leaves it out.
     """
 
     points: Array
@@ -86,9 +86,9 @@ class Fields:
     master_surface: MasterSurface | None = None
 
 
-def gather(model: ContactModel, solution: Solution) -> Fields | None:
+def gather(model: ContactModel, solution: Solution, *, facing: bool = True) -> Fields | None:
     """Collect the fields of a solution from all ranks on rank 0; returns None on the other ranks
-    (collective).
+    (collective). facing: whether `master_surface` is computed.
     """
     comm, space = model.comm, model.bulk.space
     topology = space.mesh.topology
@@ -132,15 +132,15 @@ def gather(model: ContactModel, solution: Solution) -> Fields | None:
     plastic = solution.plastic_strain
     if plastic is not None:
         plastic = PlasticStrain(**collected(strain=plastic.strain, equivalent=plastic.equivalent))
-    slave, master = interface.slave.gathered(comm), interface.master
-    master = None if master is None else master.gathered(comm)
+    surface = None
+    if facing and interface.master is not None:
+        slave, master = interface.slave.gathered(comm), interface.master.gathered(comm)
+        if comm.rank == 0:
+            surface = master_surface(
+                slave, master, model.setup.gap, nodal["points"], nodal["displacement"]
+            )
     if comm.rank:
         return None
-    facing = None
-    if master is not None:
-        facing = master_surface(
-            slave, master, model.setup.gap, nodal["points"], nodal["displacement"]
-        )
     return Fields(
         **nodal,
         cell=compat.cell_type(space.mesh),
@@ -150,7 +150,7 @@ def gather(model: ContactModel, solution: Solution) -> Fields | None:
         contact=ContactFields(**contact),
         kinematics=kinematics,
         plastic_strain=plastic,
-        master_surface=facing,
+        master_surface=surface,
     )
 
 

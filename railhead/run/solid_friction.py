@@ -288,7 +288,7 @@ class SolidFriction:
         far = far_displacement(self.response.far_field, self.settings.axes[:2] @ total)
         solution = self.model.press(replace(case, force=force, support_displacement=far))
         if solution.newton.converged:
-            fields = gather(self.model, solution)
+            fields = gather(self.model, solution, facing=False)
             smooth = shared_patches(self.model, fields, parabolic=self._parabolic)
             if len(smooth) < len(self.patches):  # two have become one
                 return self._failed(solution)
@@ -413,7 +413,7 @@ def apply(
     """
     if model.setup.kinematics.dim == 2:
         return condensed_friction(model, response, case, pressed)
-    fields = gather(model, pressed)
+    fields = gather(model, pressed, facing=False)
     if model.comm.bcast(fields is not None and misplaced(fields)):
         return pressed
     if model.setup.load_path is not None:

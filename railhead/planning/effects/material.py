@@ -181,9 +181,9 @@ def _slipping(context: Context) -> str:
     """
     friction = context.scene.friction.coefficient
     most = max(
-        hardest(context.hertz, friction, part.poisson_ratio).von_mises
+        hardest(context.hertz, friction, ratio).von_mises
         for hardest in (sliding.peak_below_surface, sliding.peak_at_surface)
-        for part in _yielding(context).values()
+        for ratio in {part.poisson_ratio for part in _yielding(context).values()}
     )
     return f": up to {most:.4g} MPa where all slips"
 
