@@ -81,7 +81,9 @@ def draw_section(passes: Passes, found: Findings, target: Target = None) -> Figu
             both = each if each is values[0] else np.array([-each, each])
             limits = levels(found.subject.units, label, both, LEVELS)
             filled = axes.contourf(left.y, -left.depth, each.T, limits, cmap=colours)
-            axes.figure.colorbar(filled, ax=axes, label=label)
+            # An inset stays beside the axes, whose shape follows from their equal scales.
+            axes.figure.colorbar(filled, cax=axes.inset_axes((1.03, 0.0, 0.03, 1.0)), label=label)
+            axes.grid(False)
             axes.set(xlabel="across, from the middle of the patch, mm", ylabel="height, mm")
             axes.set_aspect("equal")
     return figure
@@ -94,7 +96,7 @@ def _increments(axes: Axes, rows: list[dict[str, Any]], units: Units) -> None:
     number = np.arange(1, len(rows) + 1)
     for key, factor, label in (
         ("strain_increment_max", 100.0, "largest strain increment, %"),
-        ("forward_mm", 1e3, "forward displacement of the surface (size), um"),
+        ("forward_mm", 1e3, "forward displacement (size), um"),
     ):
         factor, label = units.value(factor, label), units.unit(label)
         values = np.array([factor * abs(row[key]) for row in rows])
@@ -102,4 +104,5 @@ def _increments(axes: Axes, rows: list[dict[str, Any]], units: Units) -> None:
     if any(row["strain_increment_max"] for row in rows):
         axes.set_yscale("log")
     axes.set(xlabel="pass", ylabel="of each pass")
-    axes.legend()
+    axes.xaxis.get_major_locator().set_params(integer=True)
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), fontsize=10, ncols=2)
