@@ -246,7 +246,8 @@ class SmoothPatch:
     frame: tangent plane, with its origin at the centre of pressure.
     centre, half: (x, s) in the frame of the middle between the ends of the patch, and its half
         lengths along x and s, mm.
-    force: integral of the pressure over the patch, images in `mirrors` included, N.
+    force: integral of the computed pressure, not of `square`, over the patch, images in `mirrors`
+        included, N.
     mirrors: unit normals (3,) of the symmetry planes that the patch meets.
     square: smooth p^2.
     """

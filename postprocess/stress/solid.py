@@ -50,10 +50,10 @@ class Solid:
 
     def near(self, point: Array, reach: float) -> NDArray[np.int64]:
         """Rows (0 to m - 1) of the cells of which some point may lie within `reach` (mm) of a point
-        (3,); all that do are among them.
+        (3,); all that do are among them, with nodes as far away as `reach` up to rounding.
         """
         square = ((self.middles - point) ** 2).sum(axis=1)
-        return np.flatnonzero(square < (self.sizes + reach) ** 2)
+        return np.flatnonzero(square < ((1 + ROUNDING) * (self.sizes + reach)) ** 2)
 
     def holds(self, point: Array) -> bool:
         """Whether a point (3,) in space, mm, lies in a cell of the body or on its border."""

@@ -80,7 +80,9 @@ def claimed(folder: Path) -> Iterator[None]:
 
 
 def _check_request(folder: Path, request: dict[str, Any]) -> None:
-    """Raise SceneError where the sweep in the folder differs from the requested one."""
+    """Raise SceneError unless the folder holds the requested sweep with its keys in the same
+    order; also for another kind of result and a file that cannot be read.
+    """
     name = repr(str(folder))
     if not (folder / REQUEST).is_file():
         raise SceneError("--out", f"{name} holds another kind of result; {ADVICE}")

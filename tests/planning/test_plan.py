@@ -197,6 +197,15 @@ def test_a_choice_that_cannot_be_had_is_refused_in_one_line(case, name, state) -
     assert line.startswith(f"effects.{name}: '{state}' is not allowed")
 
 
+def test_a_section_along_the_rail_has_no_whole_rail() -> None:
+    """The load would call for it in a solid: the stress at the cut is above what is allowed."""
+    along = ["wheel.width=8", "load=50kN", "effects.plane_strain=on"]
+    section = planned("uic54_thesis", *along).effects["rail_section"]
+    assert not section.on and not section.called_for
+    line = refusal(lambda: planned("uic54_thesis", *along, "rail.extent=section"))
+    assert line.startswith("rail.extent: section needs a whole rail")
+
+
 def test_a_tangential_load_that_slides_is_refused() -> None:
     with pytest.raises(SceneError, match="friction.force_along: 5000 N would slide"):
         planned("hertz_ellipse", "load=10kN", "friction.coefficient=0.3",

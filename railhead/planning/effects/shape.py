@@ -136,17 +136,24 @@ def _twist(context: Context) -> float:
 def decide_rail_section(context: Context) -> Effect:
     """A rail with web, held at its foot, is called for by rail.extent = section. It is also called
     for where the cut of the head changes the stress, or where the twist of the rail brings another
-    part of the profiles into contact. Raises SceneError for extent section without a standard rail.
+    part of the profiles into contact. Raises SceneError for extent section without a standard rail,
+    and in a section along the rail.
     """
     rail, hertz = context.scene.rail, context.hertz
     extent, name = rail.extent, rail.profile
+    without = ""
     if context.contact.half_space:
-        why = "a half-space has neither web nor foot"
-        return Effect(False, False, why, {"on": why})
-    if name not in STANDARD_RAILS:
+        without = "a half-space"
+    elif name not in STANDARD_RAILS:
+        without = f"rail.profile {name}"
+    elif context.contact.plane == "xz":
+        without = "a section along the rail"
+    if without:
+        why = f"{without} has neither web nor foot"
         if extent == "section":
-            raise SceneError("rail.extent", "section needs rail.profile 54E1 or 60E1; give head")
-        why = f"rail.profile {name} has neither web nor foot"
+            raise SceneError(
+                "rail.extent", f"section needs a whole rail 54E1 or 60E1, but {why}; give head"
+            )
         return Effect(False, False, why, {"on": why})
     if extent == "section":
         return Effect(True, True, "rail.extent = section")
@@ -174,7 +181,8 @@ def check_rail_section(
 def _cut_matters(context: Context, a: float, b: float) -> tuple[bool, str]:
     """Whether the stress at the cut of a rail head, over p0, exceeds what the accuracy allows, and
     a sentence that says so.
-    a, b: semi-axes of the patch, mm.
+    a, b: semi-axes of the patch, mm; of a line b is its half width.
+    It allows a ratio of the accuracy over 0.25 (STRESS_CHANGE).
     The stress is Boussinesq's 3F/(2 pi H^2) below a point load over p0 = 3F/(2 pi a b), or
     Flamant's 2F'/(pi H) below a line load over p0 = 2F'/(pi b), with H the depth of the cut
     (Johnson, Contact Mechanics, 3.19, 4.26, 2.19 and 4.43).
