@@ -100,12 +100,12 @@ def _highest(
     low, high = np.array([-1.2 * a, depths[0]]), np.array([1.2 * a, depths[1]])
     lowest, highest = low, high
     for _ in range(ZOOMS):
-        x, depth = (np.unique(np.linspace(*ends, 25)) for ends in zip(low, high, strict=True))
+        x, depth = (np.unique(np.linspace(*ends, 13)) for ends in zip(low, high, strict=True))
         grid = np.stack(np.meshgrid(x, depth, indexing="ij"), axis=-1).reshape(-1, 2)
         points = np.column_stack((grid[:, 0], np.zeros(len(grid)), -grid[:, 1]))
         values = von_mises(stress(contact, friction, poisson, points))
         best = grid[np.argmax(values)]
-        reach = (high - low) / 12
+        reach = (high - low) / 6
         low, high = np.maximum(best - reach, lowest), np.minimum(best + reach, highest)
     return PeakStress(float(values.max()), float(best[0]), float(best[1]))
 
