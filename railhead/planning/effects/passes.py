@@ -121,7 +121,7 @@ def _refuse_other(scene: Scene) -> None:
     try:
         with np.load(path) as file:
             held = json.loads(str(file["scene"]))
-    except (OSError, ValueError, KeyError, zipfile.BadZipFile):
+    except (OSError, EOFError, ValueError, KeyError, zipfile.BadZipFile):
         text = f"{path!r} holds no passes; give the folder of a result with rolling.passes"
         raise SceneError(key, text) from None
     own = alike(scene)
