@@ -36,12 +36,15 @@ def prepare() -> None:
     if under_mpi():
         # Launchers of MPI give the first process a terminal of its own, whatever they write to.
         os.environ.setdefault("TTY_COMPATIBLE", "0")
+    libc = ctypes.CDLL(None)
+    if under_mpi() and hasattr(libc, "prctl"):
+        # Ranks of Open MPI 5 live on where mpirun is killed; Linux ends them (PR_SET_PDEATHSIG).
+        libc.prctl(1, signal.SIGKILL)
     # What is alive at the end dies with the process: no search for cycles among it.
     atexit.register(gc.freeze)
     # Keep freed memory instead of returning it to the system for every temporary array: a fifth of
     # the time of a run otherwise goes into fresh pages (mallopt(3): M_TRIM_THRESHOLD,
     # M_MMAP_THRESHOLD).
-    libc = ctypes.CDLL(None)
     if hasattr(libc, "mallopt"):
         libc.mallopt(-1, 2**31 - 1)
         libc.mallopt(-3, 2**30)
