@@ -9,12 +9,13 @@ ROOT = Path(__file__).parents[1]
 site.addsitedir(str(next(ROOT.glob(".venv/lib/python*/site-packages"))))
 
 project = html_title = "railhead"
-extensions = ["myst_parser", "sphinx.ext.autodoc"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax"]
 exclude_patterns = ["README.md"]  # index.md includes it
 html_theme = "furo"
 html_copy_source = html_show_copyright = False
 myst_heading_anchors = 4
-myst_enable_extensions = ["html_image"]
+myst_enable_extensions = ["html_image", "dollarmath"]
+smartquotes = False  # options keep their two hyphens
 default_role = "code"
 autodoc_preserve_defaults = True
 autodoc_member_order = "bysource"

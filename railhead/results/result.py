@@ -16,6 +16,7 @@ from railhead.run import quantities
 from railhead.run.half_spaces.answer import Solved
 from railhead.run.mesh_solution import MeshSolution
 from railhead.scene.catalogue import as_path
+from railhead.scene.scene import SceneError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -304,11 +305,16 @@ class Result:
         whole: whether .vtu files contain the mirror images of what symmetry left out.
         units: of pictures and report.html; None: mm, N, MPa.
         force: whether a result of another command or scene in the folder is replaced.
-        Raises SceneError for a folder with other files and, without `force`, with another result;
-        OSError where it cannot be written, ValueError for a loaded result.
+        Raises SceneError for a folder with other files and, without `force`, with another result,
+        and for a report or units that are none; OSError where it cannot be written, ValueError for
+        a loaded result.
         """
         from railhead.results import files, result_folder
 
+        if report not in (True, False, "brief"):
+            raise SceneError("report", f"{report!r} is not allowed; give True, False or 'brief'")
+        if not isinstance(units, Units | None):
+            raise SceneError("units", f"{units!r} is no `Units`; give output_units.parse of a text")
         problem: Exception | None = None
         comm, out = self.comm, as_path(folder, "folder")
         if comm.rank == 0:

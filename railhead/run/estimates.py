@@ -33,6 +33,7 @@ from railhead.theory.elastic.subsurface import max_shear
 
 # Error over the change between two meshes a step apart; first order leaves 1/(STEP - 1) = 1.67.
 SCATTER_FACTOR = 2.0
+APART = 1 + 1 / SCATTER_FACTOR  # ratio of two meshes whose change times that factor is first order
 # Relative error of any quantity over the residual of Newton's method: 1.13 at most, measured at a
 # tolerance of 1e-3 (tests/solver/algebra/test_tolerance.py).
 RESIDUAL_FACTOR = 2.0
@@ -231,13 +232,13 @@ def mesh_errors(
 
 
 def _steps(n: float, before: Sequence[tuple[float, Numbers, Numbers]]) -> list[Numbers]:
-    """Values of the earlier meshes that are each coarser than the next one by at least 0.95 STEP,
-    the finest first. n: elements per semi-axis of the finest mesh; before: n, values and reading
+    """Values of the earlier meshes that are each coarser than the next one by at least APART, the
+    finest first. n: elements per semi-axis of the finest mesh; before: n, values and reading
     errors of the others, the finest first.
     """
     apart = []
     for m, values, _ in before:
-        if n >= 0.95 * STEP * m:
+        if n >= APART * m:
             apart.append(values)
             n = m
     return apart

@@ -97,6 +97,11 @@ def test_passes_go_on_from_a_result(result, tmp_path, monkeypatch):
     again = rh.find(tmp_path / "three" / "scene.toml")
     assert again.rolling.passes_from == str(next((tmp_path / "three" / "input").glob("*/*.npz")))
     planning.make(again)
+    braked = scene_of("long_roller", *more, "friction.coefficient=0.1", "rolling.creepage_along=1%")
+    with pytest.raises(
+        rh.SceneError, match="passes of another scene .friction.coefficient differs"
+    ):
+        planning.make(braked)
     with pytest.raises(rh.SceneError, match="rolling.passes_from: .*another scene .load differs"):
         planning.make(again.replace(load="1160 kN"))
 

@@ -265,3 +265,9 @@ def test_a_finished_run_is_recorded(tmp_path, monkeypatch) -> None:
 def test_patch_size_and_accuracy_exclude_each_other(other: str) -> None:
     with pytest.raises(SceneError, match="mesh.patch_size"):
         catalogue.find("hertz_ellipse").replace(["mesh.patch_size=1", other])
+
+
+def test_a_mesh_half_as_fine_again_is_compared() -> None:
+    """Refined by 1.6, the number of elements of a found patch is often a little less."""
+    before = [(8.0, {"max_MPa": 2.0}, {}), (6.0, {"max_MPa": 3.0}, {}), (5.0, {"max_MPa": 4.0}, {})]
+    assert estimates._steps(12.1, before) == [{"max_MPa": 2.0}, {"max_MPa": 4.0}]

@@ -104,5 +104,5 @@ def _increments(axes: Axes, rows: list[dict[str, Any]], units: Units) -> None:
     if any(row["strain_increment_max"] for row in rows):
         axes.set_yscale("log")
     axes.set(xlabel="pass", ylabel="of each pass")
-    axes.xaxis.get_major_locator().set_params(integer=True)
+    axes.xaxis.get_major_locator().set_params(integer=True, min_n_ticks=1)
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), fontsize=10, ncols=2)

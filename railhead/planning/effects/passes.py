@@ -101,14 +101,18 @@ def _refuse_bodies(context: Context, given: str) -> None:
 
 
 def alike(scene: Scene) -> dict[str, Any]:
-    """Values by dotted key that a scene must share with the one whose passes it goes on from;
-    files by their content. Plain data as JSON gives it.
+    """Values by dotted key that a scene must share with the one whose passes it goes on from:
+    bodies, load, and all that makes tractions, as the verdict needs passes of one kind. Files by
+    their content. Plain data as JSON gives it.
     """
-    held: dict[str, Any] = {"symmetric across the rail": not scene.asymmetric_friction[1]}
+    held: dict[str, Any] = {}
     for table, values in portable(scene).items():
-        if table in ("rail", "wheel", "wheelset"):
+        if table in ("rail", "wheel", "wheelset", "friction", "rolling"):
             held |= {f"{table}.{key}": value for key, value in values.items()}
+    for key in ("rolling.passes", "rolling.passes_from", "rolling.speed"):
+        held.pop(key, None)
     held |= {"load": scene.load, "approach": scene.approach}
+    held |= {"effects.friction": scene.effects.friction}
     held |= {"mesh.patch_size": scene.mesh.patch_size}
     return held
 

@@ -26,3 +26,5 @@ def test_the_triangles_of_a_facet_cover_it_once(cell: str, degree: int) -> None:
     areas = np.cross(second - first, third - first) / 2
     whole = 0.5 if cell == "tetrahedron" else 1.0
     assert np.abs(areas) == pytest.approx(whole / len(areas))
+    middle = (first + second + third).mean(axis=0) / 3
+    assert middle == pytest.approx(np.full(2, 1 / 3 if cell == "tetrahedron" else 1 / 2))
