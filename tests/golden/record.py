@@ -25,7 +25,7 @@ from typing import Any
 
 RECORD = Path(__file__).with_name("record.json")
 TOLERANCE = 1e-9, 1e-10  # relative to the larger value, and absolute
-ON_RANKS = 1e-7, 1e-5  # on several processes, where two runs differ by 1e-8, and by 4e-6 around 0
+ON_RANKS = 1e-6, 1e-5  # on several processes, where two runs differ by 3e-7, and by 4e-6 around 0
 SKIPPED = (
     "cost",
     "seconds",
