@@ -57,7 +57,7 @@ def oriented(points: Array, body: str, given: Orientation) -> tuple[Array, list[
     With mirror and flip given, points that fit no standard are not moved, and a remark warns.
     """
     signs = _signs(points, body, given)
-    done = ["turned upside down"] * (signs[1] < 0)
+    done = ["turned upside down"] if signs[1] < 0 else []
     even = _even(points * signs, body, standards.STEP)
     laid = standards.all_laid(even, body)
     nearest = min(laid, key=lambda each: each.misfit)
@@ -67,7 +67,7 @@ def oriented(points: Array, body: str, given: Orientation) -> tuple[Array, list[
         if "auto" in (given.flip, given.mirror):
             keys = "profile_unit, profile_flip and profile_mirror"
             raise PointError(f"{text}; check its columns, or give its {keys}", points[0])
-        mirrored = ["mirrored"] * (signs[0] < 0)
+        mirrored = ["mirrored"] if signs[0] < 0 else []
         return points * signs, [*done, *mirrored, f"WARNING: {text}"]
     if body == "rail":
         _refuse_half_head(even, signs)
