@@ -17,6 +17,12 @@ if TYPE_CHECKING:
     from railhead.solver.passes.rolling import RollingBlock, RollingPass, SectionState
 
 Array = NDArray[np.float64]
+PASS_ERRORS = {
+    "groove_mm": "groove",
+    "residual_along_MPa": "residual along",
+    "residual_across_MPa": "across",
+}
+"""What has an estimated error after the last pass: words by key of its row."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -198,8 +204,9 @@ def words(
         "undecided": f"strain grows by {last['strain_increment_max']:.2g} in the last pass; more "
         "passes tell",
     }[verdict]
-    act = "the tractions of elastic bodies act, one way: yield does not change them"
-    law = f"; {act}" if tractions else "; no tractions act"
+    law = "; no tractions act"
+    if tractions:
+        law = "; the tractions of elastic bodies act, one way: yield does not change them"
     if verdict == "elastic":
         return f"{verdict}: {rest}{law}"
     if not _hardens(curve):

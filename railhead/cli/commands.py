@@ -31,14 +31,8 @@ if TYPE_CHECKING:
 SOLVED, CHECK_FAILED, WRONG_INPUT = 0, 1, 2  # exit statuses
 PROCESSES = click.IntRange(1)
 PROCESSES.name = "number of processes; give a whole number from 1 on"
-SERIAL = (
-    "list",
-    "plan",
-    "show",
-    "diff",
-    "locate",
-    "profile",
-)  # commands of which MPI prints one copy
+# Commands of which MPI prints one copy.
+SERIAL = ("list", "plan", "show", "diff", "locate", "profile")
 
 
 def _completing(words: Callable[[], Iterable[str]]) -> Callable[..., list[str]]:

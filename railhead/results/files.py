@@ -82,9 +82,8 @@ def _write_passes(passes: Passes, scene: Scene, work: Path) -> None:
     (work / PASSES).write_bytes(result_folder.encoded(result_folder.signed(passes.table())))
     passes_file.save(passes, scene, work / STATE)
     if passes.profile is not None:
-        holds = (
-            f"the groove is followed {passes.sections[-1].y[-1]:.3g} mm to each side of the patch"
-        )
+        reach = passes.sections[-1].y[-1]
+        holds = f"the groove is followed {reach:.3g} mm to each side of the patch"
         text = f"# {len(passes.rows)} passes, railhead {result_folder.VERSION}; {holds}\n"
         lines = [f"{y:.6f},{z:.6f}\n" for y, z in passes.profile]
         (work / PROFILE).write_text("".join([text, "y [mm],z [mm]\n", *lines]))

@@ -113,8 +113,8 @@ class GridPatch:
         """Pressure (nx, ny), MPa, of a state of the patch in the cells, scaled to the normal force
         of that state; zero where the surfaces end.
         """
-        at = patch.pressure(self.patch.frame, _places(self.x, self.y)).reshape(CELLS, CELLS)
-        pressure = np.where(self.tangents.any(axis=(2, 3)), at, 0.0)
+        smooth = patch.pressure(self.patch.frame, _places(self.x, self.y)).reshape(CELLS, CELLS)
+        pressure = np.where(self.tangents.any(axis=(2, 3)), smooth, 0.0)
         return np.asarray(pressure * (patch.force / (self.cell * pressure.sum())))
 
     def forces(self, traction: Array) -> Array:

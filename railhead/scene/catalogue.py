@@ -101,8 +101,9 @@ def read_scene(path: str | Path) -> Scene:
     for section in filter(lambda table: isinstance(table, dict), data.values()):
         for key in FILES:
             file = section.get(key)
-            is_path = isinstance(file, str) and file.lower().endswith(EXTENSIONS)
-            if is_path or (isinstance(file, str) and key == "passes_from"):
+            if not isinstance(file, str):
+                continue
+            if key == "passes_from" or file.lower().endswith(EXTENSIONS):
                 section[key] = str(path.parent / file)
     return Scene.from_mapping(data)
 

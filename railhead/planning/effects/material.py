@@ -78,9 +78,7 @@ def decide_plasticity(context: Context) -> Effect:
     yields and plasticity is not 'off'.
     """
     scene = context.scene
-    stresses = {
-        name: context.von_mises(part.poisson_ratio) for name, part in _yielding(context).items()
-    }
+    stresses = _stresses(context)
     if stresses:
         over, why = _over_yield(scene, stresses)
     else:
@@ -152,6 +150,12 @@ def shear_yield(context: Context) -> float | None:
     return min(limits, default=None)
 
 
+def _stresses(context: Context) -> dict[str, float]:
+    """Largest elastic, frictionless von Mises stress of the bodies of `_yielding`, MPa, by name."""
+    parts = _yielding(context).items()
+    return {name: context.von_mises(part.poisson_ratio) for name, part in parts}
+
+
 def _yielding(context: Context) -> dict[str, Rail | Wheel]:
     """Bodies that deform and have a yield stress, whether or not they reach it, by 'rail' and
     'wheel'.
@@ -195,12 +199,9 @@ def steps(context: Context) -> int:
     """
     if context.contact.line:
         return LINE_STEPS
-    ratios = [
-        context.von_mises(part.poisson_ratio) / part.first_yield
-        for part in _yielding(context).values()
-    ]
-    least = 1 if context.scene.accuracy is None else 2
-    return min(max(round(max(ratios, default=1.0) ** 3), least), STEPS)
+    stresses, least = _stresses(context), 1 if context.scene.accuracy is None else 2
+    over = _over_yield(context.scene, stresses)[0] if stresses else 1.0
+    return min(max(round(over**3), least), STEPS)
 
 
 def _steel_yields(context: Context, stresses: Mapping[str, float]) -> tuple[str, bool]:

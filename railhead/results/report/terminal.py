@@ -16,6 +16,7 @@ from rich.table import Table
 from railhead.planning.context import Effect
 from railhead.planning.plan import Plan
 from railhead.postprocess.findings import BASE_UNITS, Units, brief
+from railhead.postprocess.passes import PASS_ERRORS
 from railhead.results import quantity_rows
 from railhead.results.quantity_rows import Cell, Row
 
@@ -24,13 +25,6 @@ WIDEST = 80  # characters of a table of numbers, which are never cut: it goes on
 ROUNDING = 1e-6  # of the deeper one: less deep is the surface of a body that did not yield
 BORDER = 10.0  # times first yield beyond which load steps move the largest residual stress
 PAIRED = 30.0  # times first yield beyond which the pairing of the surfaces is felt
-
-
-PASS_ERRORS = {
-    "groove_mm": "groove",
-    "residual_along_MPa": "residual along",
-    "residual_across_MPa": "across",
-}
 NO_ESTIMATE = "passes (without an estimate)"
 PASSES_SHOWN = 10  # rows of the table of passes, and the last one
 

@@ -30,12 +30,7 @@ DEEP, ASIDE = {"line": 3.4, "solid": 2.6}, 2.2  # plastic strain is followed, ov
 INNER, BELOW = 1.5, {"line": 2.2, "solid": 1.4}  # where the elements are small
 TOLD = 5e-4  # strain of the first pass from which its energy is compared
 SETTLED = 2e-3  # of the first plastic work: less is no longer compared with the resistance
-
-
-ESTIMATED = "groove_mm", "residual_along_MPa", "residual_across_MPa"
-COARSER = (
-    0.75  # elements and reach of the block that errors are estimated by, over those of the other
-)
+COARSER = 0.75  # size of the block by which errors are estimated: elements and reach, relative
 
 
 def block(

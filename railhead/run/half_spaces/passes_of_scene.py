@@ -15,11 +15,11 @@ from scipy.interpolate import CubicSpline, LinearNDInterpolator
 
 from railhead.planning.references import boundary_elements
 from railhead.planning.references.boundary_elements import Developed
-from railhead.postprocess.passes import Passes, RailState
+from railhead.postprocess.passes import PASS_ERRORS, Passes, RailState
 from railhead.run.half_spaces import pass_contact, passes_file
 from railhead.run.half_spaces.answer import Solved
 from railhead.run.half_spaces.pass_contact import RollingContact
-from railhead.run.half_spaces.passes import COARSER, ESTIMATED, block, roll
+from railhead.run.half_spaces.passes import COARSER, block, roll
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.progress import Progress
 from railhead.theory.elastic.line import LineContact
@@ -63,7 +63,7 @@ def solve(solved: Solved, progress: Progress) -> Passes:
         if scene.accuracy is not None and path is None:
             progress.stage("passes on a coarser block")
             other = roll(alone(coarser=COARSER), contact, half_lengths, count)
-            pairs = {key: (found.rows[-1][key], other.rows[-1][key]) for key in ESTIMATED}
+            pairs = {key: (found.rows[-1][key], other.rows[-1][key]) for key in PASS_ERRORS}
             factor = COARSER / (1 - COARSER)  # Richardson: errors fall with the size at least
             errors = {key: factor * abs(1 - two / one) for key, (one, two) in pairs.items() if one}
     except ValueError as error:
