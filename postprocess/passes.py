@@ -17,12 +17,18 @@ if TYPE_CHECKING:
     from railhead.solver.passes.rolling import RollingBlock, RollingPass, SectionState
 
 Array = NDArray[np.float64]
-PASS_ERRORS = {
-    "groove_mm": "groove",
-    "residual_along_MPa": "residual along",
-    "residual_across_MPa": "across",
+PASS_COLUMNS = {
+    "strain_increment_max": ("strain", ""),
+    "forward_mm": ("forward", "mm"),
+    "groove_mm": ("groove", "mm"),
+    "pressure_max_MPa": ("pressure", "MPa"),
+    "lean_mm": ("lean", "mm"),
+    "residual_along_MPa": ("residual along", "MPa"),
+    "residual_across_MPa": ("residual across", "MPa"),
 }
-"""What has an estimated error after the last pass: words by key of its row."""
+"""What people read of each pass: words and base unit by key of its row."""
+PASS_ERRORS = ("groove_mm", "residual_along_MPa", "residual_across_MPa")
+"""Keys of what has an estimated error after the last pass."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -84,7 +84,8 @@ def _write_passes(passes: Passes, scene: Scene, work: Path) -> None:
     if passes.profile is not None:
         reach = passes.sections[-1].y[-1]
         holds = f"the groove is followed {reach:.3g} mm to each side of the patch"
-        text = f"# {len(passes.rows)} passes, railhead {result_folder.VERSION}; {holds}\n"
+        made = f"railhead {result_folder.VERSION}, {result_folder.now()}"
+        text = f"# {len(passes.rows)} passes, {made}; {holds}\n"
         lines = [f"{y:.6f},{z:.6f}\n" for y, z in passes.profile]
         (work / PROFILE).write_text("".join([text, "y [mm],z [mm]\n", *lines]))
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from railhead.postprocess.findings import NO_DEPTH
+from railhead.postprocess.passes import PASS_COLUMNS
 from railhead.results.result_folder import dotted
 from railhead.run import quantities
 
@@ -106,8 +107,24 @@ def everything(summary: Mapping[str, Any]) -> Iterator[Row]:
             above = above if label.startswith(" ") else label
             named: Row = {"value" if key in ANSWERS else key: value for key, value in row.items()}
             yield {**named, "quantity": name}
+    yield from _passes(summary["result"] or {})
     yield {"quantity": "program", "value": f"railhead {summary['railhead']}"}
     yield {"quantity": "date", "value": summary["date"]}
+
+
+def _passes(result: Mapping[str, Any]) -> Iterator[Row]:
+    """Rows of passes: their number, the verdict, and what the last one left with its estimates. No
+    rows where `result`, "result" of summary.json, has none.
+    """
+    if not result.get("passes"):
+        return
+    errors = result["passes_after"]["estimate"]
+    yield {"quantity": "passes", "unit": "", "value": float(len(result["passes"]))}
+    yield {"quantity": "passes: verdict", "unit": "", "value": result["passes_verdict"]}
+    for key, (name, unit) in PASS_COLUMNS.items():
+        value = result["passes"][-1][key]
+        row: Row = {"quantity": f"passes: {name} of the last", "unit": unit, "value": value}
+        yield row | {"estimate": errors.get(key)}
 
 
 def difference(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, Any]:

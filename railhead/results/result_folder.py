@@ -12,6 +12,7 @@ import os
 import shutil
 import sys
 import tempfile
+import zipfile
 import zlib
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, suppress
@@ -184,8 +185,8 @@ def signed(rows: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def stamp(folder: Path) -> None:
-    """Write version, date and units into the .png, .svg, .vtu and .pvd files of a folder, as text
-    that viewers skip. OSError: a file cannot be written; it is unchanged then.
+    """Write version, date and units into the .png, .svg, .vtu, .pvd and .npz files of a folder, as
+    text that viewers skip. OSError: a file cannot be written; it is unchanged then.
     """
     note, part = f"railhead {VERSION}, {now()}; {UNITS}".encode(), folder / ".stamp"
     for path in folder.iterdir():
@@ -197,6 +198,10 @@ def stamp(folder: Path) -> None:
         elif path.suffix in (".vtu", ".pvd", ".svg"):
             head, end, rest = path.read_bytes().partition(b"?>")
             part.write_bytes(head + end + b"\n<!-- " + note + b" -->" + rest)
+        elif path.suffix == ".npz":
+            shutil.copyfile(path, part)
+            with zipfile.ZipFile(part, "a") as file:
+                file.comment = note
         else:
             continue
         part.replace(path)

@@ -6,11 +6,14 @@ it is read, and copied into the result folder, as any other file.
 
 import os
 import tempfile
+import time
 from hashlib import sha256
 from numbers import Real
 from pathlib import Path
 
 from railhead.scene.units import show
+
+KEPT = 90 * 24 * 3600.0  # s: an array that no scene was given for so long is removed
 
 
 def cache_folder() -> Path:
@@ -52,10 +55,14 @@ def file_of(value: object, kind: str, columns: dict[str, str]) -> str:
     try:
         if not path.is_file() or path.read_bytes() != content:
             path.parent.mkdir(parents=True, exist_ok=True)
+            for old in path.parent.iterdir():
+                if old.stat().st_mtime < time.time() - KEPT:
+                    old.unlink(missing_ok=True)
             part, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
             with open(part, "wb") as file:
                 file.write(content)
             Path(name).replace(path)
+        path.touch()
     except OSError as error:
         raise ValueError(f"the array cannot be kept in {path}: {error.strerror}") from None
     return str(path)

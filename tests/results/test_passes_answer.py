@@ -19,7 +19,8 @@ from railhead.postprocess import vtu
 from railhead.postprocess.passes import RailState
 from railhead.postprocess.pictures.plots import passes_plots
 from railhead.postprocess.pictures.views import gallery
-from railhead.results import pipeline
+from railhead.results import pipeline, quantity_rows
+from railhead.run.half_spaces import passes_file
 
 KEYS = [
     "load=1150kN",
@@ -115,15 +116,22 @@ def test_a_folder_that_is_gone_on_from_is_not_set_aside(result, tmp_path, monkey
     assert [each.name for each in (tmp_path / "results").iterdir()] == ["long_roller"]
 
 
-@pytest.mark.parametrize("content", [b"", b"no archive", None])
-def test_what_holds_no_passes_is_refused_in_one_line(content, tmp_path):
-    path = tmp_path / "passes.npz"
-    if content is None:
+@pytest.mark.parametrize("kind", ["empty", "no archive", "of others", "truncated", "damaged"])
+def test_what_holds_no_passes_is_refused_in_one_line(kind, result, tmp_path):
+    path, content = tmp_path / "passes.npz", kind.replace("empty", "").encode()
+    passes_file.save(result.solved.passes, result.plan.scene, path)
+    kept = path.read_bytes()
+    if kind == "truncated":
+        content = kept[:-2000]
+    if kind == "damaged":
+        middle = len(kept) // 2
+        content = kept[:middle] + bytes(255 - each for each in kept[middle:][:20])
+        content += kept[middle + 20 :]
+    path.write_bytes(content)
+    if kind == "of others":
         np.savez(path, other=np.zeros(2))
-    else:
-        path.write_bytes(content)
     scene = scene_of("long_roller", *KEYS, "rolling.passes=1", f"rolling.passes_from={tmp_path}")
-    with pytest.raises(rh.SceneError, match="rolling.passes_from: .*holds no passes; give"):
+    with pytest.raises(rh.SceneError, match="rolling.passes_from: .*holds no passes, or is dama"):
         planning.make(scene)
 
 
@@ -149,6 +157,20 @@ def test_the_section_of_a_solid_is_drawn(result, tmp_path):
     passes = replace(result.solved.passes, sections=[left])
     passes_plots.draw_section(passes, result.solved.findings, tmp_path / "section.png")
     assert matplotlib.image.imread(tmp_path / "section.png").std() > 0.02
+
+
+def test_passes_of_two_results_are_compared(result):
+    other = json.loads(json.dumps(result.summary))
+    last = other["result"]["passes"].pop()
+    other["result"]["passes"][0]["groove_mm"] = 2 * last["groove_mm"]
+    other["result"]["passes_after"]["estimate"] = {"groove_mm": 0.07}
+    found = quantity_rows.difference(result.summary, other)
+    rows = {row["quantity"]: row for row in found["quantities"]}
+    assert (rows["passes"]["A"], rows["passes"]["B"]) == (2, 1)
+    assert rows["passes: verdict"]["B"] == "undecided"
+    groove = rows["passes: groove of the last"]
+    assert groove["A"] == last["groove_mm"] and groove["B - A"] == 1.0 and groove["unit"] == "mm"
+    assert (groove["estimate A"], groove["estimate B"]) == (None, 0.07)
 
 
 def test_the_table_shows_passes_and_verdict(result):

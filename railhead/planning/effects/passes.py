@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import zipfile
 from typing import Any
 
 import numpy as np
@@ -25,6 +24,8 @@ STEADY = {"hertz": 5.5, "contact": 6.0}  # largest p0/k that perfect plasticity 
 LARGEST_STRAIN = 0.03
 FEW, MANY = 3, 10  # passes that tell all below and above the shakedown limit
 OFF = "rolling.passes is not given"
+ARRAYS = ("rows", "axes", "plastic", "back", "equivalent", "residual", "surface", "displacement")
+ARRAYS += ("each_stress", "each_strain", "each_up")  # of a file of passes
 
 
 def decide_passes(context: Context) -> Effect:
@@ -117,18 +118,26 @@ def alike(scene: Scene) -> dict[str, Any]:
     return held
 
 
+def read(path: str) -> tuple[dict[str, Any], dict[str, Any]]:
+    """What a file of passes holds: `alike` of its scene, and its arrays by name. Raises SceneError
+    for a file without passes, and for a damaged one.
+    """
+    try:
+        with np.load(path) as file:
+            arrays = {name: file[name] for name in ("scene", *ARRAYS)}
+        held = dict(json.loads(str(arrays.pop("scene"))))
+    except Exception:  # a damaged archive raises what its part that is damaged calls for
+        text = f"{path!r} holds no passes, or is damaged; give the folder of a result with passes"
+        raise SceneError("rolling.passes_from", text) from None
+    return held, arrays
+
+
 def _refuse_other(scene: Scene) -> None:
     """Raise SceneError where rolling.passes_from holds no passes of this scene."""
     path, key = scene.rolling.passes_from, "rolling.passes_from"
     if path is None:
         return
-    try:
-        with np.load(path) as file:
-            held = json.loads(str(file["scene"]))
-    except (OSError, EOFError, ValueError, KeyError, zipfile.BadZipFile):
-        text = f"{path!r} holds no passes; give the folder of a result with rolling.passes"
-        raise SceneError(key, text) from None
-    own = alike(scene)
+    held, own = read(path)[0], alike(scene)
     other = [name for name in {**held, **own} if held.get(name) != own.get(name)]
     if other:
         text = f"{path!r} holds passes of another scene ({other[0]} differs); give one alike"

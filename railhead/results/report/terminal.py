@@ -16,7 +16,7 @@ from rich.table import Table
 from railhead.planning.context import Effect
 from railhead.planning.plan import Plan
 from railhead.postprocess.findings import BASE_UNITS, Units, brief
-from railhead.postprocess.passes import PASS_ERRORS
+from railhead.postprocess.passes import PASS_COLUMNS, PASS_ERRORS
 from railhead.results import quantity_rows
 from railhead.results.quantity_rows import Cell, Row
 
@@ -319,7 +319,7 @@ def passes_title(result: Mapping[str, Any]) -> str:
     summary.json.
     """
     errors = result["passes_after"]["estimate"]
-    told = [f"{name} {errors[key]:.1%}" for key, name in PASS_ERRORS.items() if key in errors]
+    told = [f"{PASS_COLUMNS[key][0]} {errors[key]:.1%}" for key in PASS_ERRORS if key in errors]
     return f"passes (estimate after the last: {', '.join(told)})" if told else NO_ESTIMATE
 
 
@@ -329,21 +329,11 @@ def passes_table(
     """Cells of the table of passes, its header first: the first `shown` and the last. passes:
     "passes" of "result" in summary.json.
     """
-    columns = {
-        "strain_increment_max": ("strain", ""),
-        "forward_mm": ("forward", "mm"),
-        "groove_mm": ("groove", "mm"),
-        "pressure_max_MPa": ("pressure", "MPa"),
-        "lean_mm": ("lean", "mm"),
-        "residual_along_MPa": ("residual along", "MPa"),
-        "residual_across_MPa": ("across", "MPa"),
-    }
-    table = [
-        ["pass", *(f"{name}, {units.unit(unit)}".strip(", ") for name, unit in columns.values())]
-    ]
+    names = (f"{name}, {units.unit(unit)}".strip(", ") for name, unit in PASS_COLUMNS.values())
+    table = [["pass", *names]]
     for number in sorted({*range(min(shown, len(passes))), len(passes) - 1}):
         row = passes[number]
-        cells = (brief(units.value(row[key], unit)) for key, (_, unit) in columns.items())
+        cells = (brief(units.value(row[key], unit)) for key, (_, unit) in PASS_COLUMNS.items())
         table.append([str(number + 1), *cells])
     return table
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from railhead.planning.effects.passes import alike
+from railhead.planning.effects.passes import alike, read
 from railhead.postprocess.passes import Passes, rail_state
 from railhead.scene.scene import Scene
 
@@ -44,8 +44,7 @@ def load(path: str, rolling: RollingBlock) -> Passes:
     """
     from railhead.solver.material.hardening import History
 
-    with np.load(path) as file:
-        held = dict(file)
+    held = read(path)[1]
     axes, start = np.concatenate(rolling.block.axes), rolling.start
     apart = np.inf
     if held["axes"].shape == axes.shape:
