@@ -24,8 +24,11 @@ STEADY = {"hertz": 5.5, "contact": 6.0}  # largest p0/k that perfect plasticity 
 LARGEST_STRAIN = 0.03
 FEW, MANY = 3, 10  # passes that tell all below and above the shakedown limit
 OFF = "rolling.passes is not given"
-ARRAYS = ("rows", "axes", "plastic", "back", "equivalent", "residual", "surface", "displacement")
-ARRAYS += ("each_stress", "each_strain", "each_up")  # of a file of passes
+ARRAYS = (
+    *("rows", "axes", "plastic", "back", "equivalent", "residual", "surface", "displacement"),
+    *("each_stress", "each_strain", "each_up"),
+)
+"""Names in a file of passes, beside the scene."""
 
 
 def decide_passes(context: Context) -> Effect:
