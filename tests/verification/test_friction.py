@@ -3,14 +3,13 @@
 import math
 from dataclasses import replace
 
+import coupled_punch
 import meshio
 import numpy as np
 import pytest
 from friction_data import ENTRIES
 from mpi4py import MPI
 from one_line import refusal
-from scipy.optimize import brentq
-from scipy.special import ellipk
 from solved import friction, passed, solved
 
 import railhead as rh
@@ -113,17 +112,21 @@ def test_a_shift_across_is_mindlin_s_too() -> None:
     assert friction(found)["shift_across_mm"] == pytest.approx(exact.approach(force), rel=0.02)
 
 
-@pytest.mark.parametrize("coefficient", [pytest.param(0.15, marks=SLOW), 0.3])
-def test_unlike_bodies_slip_where_spence_says(coefficient: float) -> None:
-    """A patch that grows under its load sticks up to c: K(sqrt(1 - c^2)) / K(c) = beta/mu (Spence
-    1973; Johnson, Contact Mechanics, 5.4), a rigid roller's beta being (1 - 2 nu)/(2 - 2 nu)."""
-    scene = roller(friction={"coefficient": coefficient}, load=20e3)
+@pytest.mark.parametrize(
+    ("poisson", "coefficient", "extent"),
+    [(0.3, 0.3, "head"), (0.09, 0.52, "half-space"), pytest.param(0.3, 0.15, "head", marks=SLOW)],
+)
+def test_unlike_bodies_stick_where_a_growing_punch_does(
+    poisson: float, coefficient: float, extent: str
+) -> None:
+    """A rigid roller, whose tractions raise the pressure in the middle. Spence's formula, which
+    leaves that out, has 0.74, 0.81 and 0.20."""
+    rail = {"poisson_ratio": poisson, "extent": extent}
+    scene = roller(friction={"coefficient": coefficient}, load=20e3, rail=rail)
     found = passed(scene.replace(wheel={"young_modulus": math.inf}))
-
-    def excess(c: float) -> float:
-        return ellipk(1 - c**2) / ellipk(c**2) - 0.4 / 1.4 / coefficient
-
-    assert friction(found)["stick_share"] == pytest.approx(brentq(excess, 0.01, 0.99), abs=0.07)
+    beta = (1 - 2 * poisson) / (2 - 2 * poisson)
+    expected = coupled_punch.stick_half_width(coefficient, beta)
+    assert friction(found)["stick_share"] == pytest.approx(expected, abs=0.015)
 
 
 def test_unlike_bodies_rest_where_spence_says() -> None:
