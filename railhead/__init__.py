@@ -27,10 +27,28 @@ if TYPE_CHECKING:
 
 __version__ = "0.3.0"
 __all__ = [
-    "Effects", "Friction", "Mesh", "MeshError", "Rail", "Result", "Rolling", "Scene", "SceneError",
-    "Solver", "Sweep", "Wheel", "Wheelset", "find", "load", "locate",
-    "plan", "profile", "solve", "steels", "sweep",
-]  # fmt: skip
+    "Effects",
+    "Friction",
+    "Mesh",
+    "MeshError",
+    "Rail",
+    "Result",
+    "Rolling",
+    "Scene",
+    "SceneError",
+    "Solver",
+    "Sweep",
+    "Wheel",
+    "Wheelset",
+    "find",
+    "load",
+    "locate",
+    "plan",
+    "profile",
+    "solve",
+    "steels",
+    "sweep",
+]
 _HOMES = dict.fromkeys(__all__, "railhead.scene.scene") | {
     "MeshError": "railhead.meshing.mesh",
     **dict.fromkeys(("find", "load", "plan", "solve", "steels"), "railhead.api"),

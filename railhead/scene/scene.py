@@ -35,9 +35,17 @@ from railhead.scene.sections import (
 from railhead.scene.units import show
 
 __all__ = [
-    "Effects", "Friction", "Mesh", "Rail", "Rolling", "Scene", "SceneError", "Solver", "Wheel",
+    "Effects",
+    "Friction",
+    "Mesh",
+    "Rail",
+    "Rolling",
+    "Scene",
+    "SceneError",
+    "Solver",
+    "Wheel",
     "Wheelset",
-]  # fmt: skip
+]
 
 #: Transverse radius in mm of what touches: the crowns of EN 13674-1, straight wheel treads.
 NOMINAL_RADIUS = {"54E1": 300.0, "60E1": 300.0} | dict.fromkeys(
@@ -59,15 +67,24 @@ OTHER_NAMES = {"friction.tangential_load": "friction.force_along"}
 _WHEELSET = {"rail.gauge", "wheelset.yaw", "wheelset.back_to_back"}
 _LINE = {"rail.width", "wheel.width", "wheelset.shift"}
 #: Keys that a half-space in point contact cannot use.
-HALF_SPACE = _WHEELSET | _LINE | {
-    "rail.inclination", "rail.length", "rail.depth", "wheel.rim_depth", "wheel.segment_length",
-}  # fmt: skip
+HALF_SPACE = (
+    _WHEELSET
+    | _LINE
+    | {
+        "rail.inclination",
+        "rail.length",
+        "rail.depth",
+        "wheel.rim_depth",
+        "wheel.segment_length",
+    }
+)
 #: By kind of scene: its name in a sentence and its keys. Solids use every key.
 UNUSED_KEYS: dict[str, tuple[str, frozenset[str]]] = {
     "half_space": ("point contact of half-spaces", frozenset(HALF_SPACE)),
     "half_space_along": ("line contact of half-spaces", frozenset(HALF_SPACE - _LINE)),
     "half_space_across": (
-        "line contact of half-spaces along the rail", frozenset(HALF_SPACE - {"rail.length"}),
+        "line contact of half-spaces along the rail",
+        frozenset(HALF_SPACE - {"rail.length"}),
     ),
     "plane_along": ("section along the rail", frozenset(_WHEELSET | {"rail.inclination"})),
     "plane_across": ("section across the rail", frozenset(_WHEELSET | {"wheel.segment_length"})),
@@ -75,7 +92,7 @@ UNUSED_KEYS: dict[str, tuple[str, frozenset[str]]] = {
         "meridian section",
         frozenset(_WHEELSET | {"rail.inclination", "rail.length", "wheel.width", "wheelset.shift"}),
     ),
-}  # fmt: skip
+}
 USUAL = {
     "rail.young_modulus": (190e3, 220e3),
     "wheel.young_modulus": (190e3, 220e3),

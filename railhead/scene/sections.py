@@ -67,9 +67,10 @@ class Section(BaseModel):
         if not isinstance(data, dict):
             return data
         return {
-            key: value for key, value in data.items()
+            key: value
+            for key, value in data.items()
             if not (key in cls.model_fields and isinstance(value, str) and value == "none")
-        }  # fmt: skip
+        }
 
     @classmethod
     def _first_problem(cls, error: ValidationError) -> SceneError:
@@ -114,8 +115,7 @@ def _profile(body: str, *names: str) -> BeforeValidator:
         UIC60 become 54E1 and 60E1) or the absolute path of a readable profile file, also of one
         that it makes of an array. It raises ValueError (one line) for anything else.
     """
-    suffixes = [suffix for suffix in EXTENSIONS
-                if BODY_BY_EXTENSION.get(suffix, body) == body]  # fmt: skip
+    suffixes = [suffix for suffix in EXTENSIONS if BODY_BY_EXTENSION.get(suffix, body) == body]
     kinds = f"a {', '.join(suffixes[:-1])} or {suffixes[-1]} file"
 
     def validate(value: object) -> str:

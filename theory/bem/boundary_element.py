@@ -193,9 +193,7 @@ def solve_developed(
             if above[lowest].min() >= 0:
                 where = [domains.towards(above[lowest], where[lowest], grids[lowest])]
                 continue
-        patches = equilibrium(
-            grids, undeformed, contact_modulus, load, approach, tolerance, found
-        )  # fmt: skip
+        patches = equilibrium(grids, undeformed, contact_modulus, load, approach, tolerance, found)
         found = BoundaryElementSolution(tuple(patches), contact_modulus, coarse if fine else None)
         better = domains.suited(patches, where, fine=fine, split=split)
         settled = len(better) == len(where) and all(map(np.array_equal, better, where))
@@ -257,9 +255,7 @@ def equilibrium(
     weight = np.concatenate(
         [np.full(h.size, g.cell) for g, h in zip(grids, undeformed, strict=True)]
     )
-    c = np.concatenate(
-        [np.tile(g.normals[0, 0], len(g.x)) for g in grids]
-    )  # fmt: skip
+    c = np.concatenate([np.tile(g.normals[0, 0], len(g.x)) for g in grids])
     initial = np.concatenate([h.ravel() for h in undeformed])
     facing = np.isfinite(initial)
     gap = np.where(facing, initial, 0)
@@ -307,7 +303,9 @@ def _interpolated(guess: BoundaryElementSolution, grid: Grid) -> Array:
     outside.
     """
     places = tuple(np.meshgrid(grid.x, grid.s, indexing="ij"))
-    return np.asarray(sum(
-        RegularGridInterpolator((old.x, old.s), old.pressure, "linear", False, 0.0)(places)
-        for old in guess.windows
-    ))  # fmt: skip
+    return np.asarray(
+        sum(
+            RegularGridInterpolator((old.x, old.s), old.pressure, "linear", False, 0.0)(places)
+            for old in guess.windows
+        )
+    )

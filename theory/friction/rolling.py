@@ -246,9 +246,15 @@ def solve_dissimilar(
     now, before = patch, np.zeros((2, *patch.pressure.shape))
     for _ in range(TURNS):
         body = HalfSpaceFriction(
-            now.x, now.s, now.pressure, friction, pair,
-            rolling=rolling, modes=modes, settled=None if rolling else patch.pressure,
-        )  # fmt: skip
+            now.x,
+            now.s,
+            now.pressure,
+            friction,
+            pair,
+            rolling=rolling,
+            modes=modes,
+            settled=None if rolling else patch.pressure,
+        )
         found = shear(body)
         changed = np.linalg.norm(found.traction - before, axis=0).sum() * found.cell
         if not pair.mismatch or changed <= TRACTION_CHANGE * found.limit:

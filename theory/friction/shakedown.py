@@ -117,9 +117,13 @@ def _balanced(stress: Array) -> float:
         return np.column_stack((other / 3 - half, -2 * other / 3, np.ones_like(xz)))
 
     found = minimize(
-        lambda v: v[2], [0.0, 0.0, 10.0], jac=lambda v: [0.0, 0.0, 1.0], method="SLSQP",
-        constraints={"type": "ineq", "fun": room, "jac": slope}, options={"ftol": 1e-10},
-    )  # fmt: skip
+        lambda v: v[2],
+        [0.0, 0.0, 10.0],
+        jac=lambda v: [0.0, 0.0, 1.0],
+        method="SLSQP",
+        constraints={"type": "ineq", "fun": room, "jac": slope},
+        options={"ftol": 1e-10},
+    )
     return float(STRIP.p0 * math.sqrt(-room(np.append(found.x[:2], 0.0)).min()))
 
 

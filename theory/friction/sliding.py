@@ -152,11 +152,13 @@ def _plane_wave(
     sd = (1j * i_1 - along * (i_0 - i_1)).real
     tt, td, st = poisson * (ss + dd), (-across * i_0).real, (1j * across * i_0).real
     c, s = e
-    return np.column_stack((
-        c * c * ss - 2 * c * s * st + s * s * tt,
-        s * s * ss + 2 * c * s * st + c * c * tt,
-        dd,
-        c * s * (ss - tt) + (c * c - s * s) * st,
-        s * td - c * sd,  # z points up
-        -s * sd - c * td,
-    ))  # fmt: skip
+    return np.column_stack(
+        (
+            c * c * ss - 2 * c * s * st + s * s * tt,
+            s * s * ss + 2 * c * s * st + c * c * tt,
+            dd,
+            c * s * (ss - tt) + (c * c - s * s) * st,
+            s * td - c * sd,  # z points up
+            -s * sd - c * td,
+        )
+    )
