@@ -34,9 +34,10 @@ def verdict(
     Elastic: nothing yields in the first pass. Shakedown: nothing yields in the last two; or the
     last two increments each fall below 0.9 of the one before, and all that a geometric series adds
     to them is below a tenth of their sum. Closed cycles: the increments are steady and the forward
-    displacement falls to zero. Ratchetting: both are steady. In between, increments fall slowly,
-    at the limit of shakedown. Fewer than three passes are undecided, before the fourth only
-    shakedown is told, and a forward displacement that still grows or turns round is undecided.
+    displacement is zero or, of a curve that rises without end, falls. Ratchetting: both are steady.
+    In between, increments fall slowly, at the limit of shakedown. Fewer than three passes are
+    undecided, before the fourth only shakedown is told, and a forward displacement that still grows
+    or turns round is undecided.
     """
     small = [value <= noise for value in increments]
     if small and small[0] and all(small):
@@ -55,7 +56,7 @@ def verdict(
     steady = all(FALLS <= each <= 1 / FALLS for each in _ratios(forward))
     if falls < STEADY:
         return LIMIT if (still or steady) and not hardens else UNDECIDED
-    if still or _ratio(forward) < FALLS:
+    if still or (hardens and _ratio(forward) < FALLS):
         return CYCLES
     return RATCHETS if steady and not hardens else UNDECIDED
 

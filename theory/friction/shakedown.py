@@ -38,18 +38,23 @@ def _strip(share: float) -> line.LineContact:
 STRIP = _strip(1.0)  # the limits are the same for all
 
 
-def shakedown_limit(friction: float, poisson: float, used: float | None = None) -> float:
+def shakedown_limit(
+    friction: float, poisson: float, used: float | None = None, *, kinematic: bool = False
+) -> float:
     """Largest p0/k (largest pressure over yield stress in shear) at which a line contact shakes
     down, to 1e-3.
 
     friction: coefficient; poisson: Poisson's ratio; used: tangential over normal force, not
         negative, in steady rolling with Carter's tractions; None: the whole patch slips.
+    kinematic: whether the steel hardens kinematically without end: its back stress shifts the
+        shear stress xz, of which half the range of a passage is left.
     """
     share = 1.0 if used is None or not friction else min(used / friction, 1.0)
     stick = math.sqrt(1 - share)
     x, depth = np.meshgrid(np.linspace(-1.2, 1.2, PLACES), np.linspace(0.0, 1.0, DEPTHS))
-    below = _stress(friction, stick, poisson, x.ravel(), depth.ravel())[:, 4]
-    return min(float(STRIP.p0 / np.abs(below).max()), surface_limit(friction, poisson, stick))
+    below = _stress(friction, stick, poisson, x.ravel(), depth.ravel())[:, 4].reshape(x.shape)
+    largest = np.ptp(below, axis=1).max() / 2 if kinematic else np.abs(below).max()
+    return min(float(STRIP.p0 / largest), surface_limit(friction, poisson, stick, kinematic))
 
 
 def ellipse_limit(ratio: float) -> float:
@@ -64,15 +69,17 @@ def ellipse_limit(ratio: float) -> float:
     return 2 * t * (t + 1) / math.sqrt(2 * t - 1)
 
 
-def surface_limit(friction: float, poisson: float, stick: float = 0.0) -> float:
+def surface_limit(
+    friction: float, poisson: float, stick: float = 0.0, kinematic: bool = False
+) -> float:
     """Largest p0/k for which the surface of a line contact alone shakes down (Melan, von Mises).
     friction: coefficient; poisson: Poisson's ratio; stick: half width that sticks over half width
-    of the patch in steady rolling; 0 is full slip.
+    of the patch in steady rolling; 0 is full slip. kinematic: as of `shakedown_limit`.
     """
     wave = -np.cos(np.linspace(0.0, math.pi, PLACES))
     beside = np.linspace(1.0, 3.0, PLACES)
     x = np.concatenate([-beside, wave, 1 - stick + stick * wave, beside])
-    return STRIP.p0 / _balanced(_stress(friction, stick, poisson, x, np.zeros_like(x)))
+    return STRIP.p0 / _balanced(_stress(friction, stick, poisson, x, np.zeros_like(x)), kinematic)
 
 
 def _stress(friction: float, stick: float, poisson: float, x: Array, depth: Array) -> Array:
@@ -93,38 +100,42 @@ def _stress(friction: float, stick: float, poisson: float, x: Array, depth: Arra
     return total
 
 
-def _balanced(stress: Array) -> float:
+def _balanced(stress: Array, kinematic: bool) -> float:
     """Smallest yield stress in shear k (MPa) for which one residual stress rho_xx and one rho_yy
-    keep all stresses (n, 6), columns xx, yy, zz, xy, xz, yz, within von Mises' limit.
+    keep all stresses (n, 6), columns xx, yy, zz, xy, xz, yz, within von Mises' limit; kinematic:
+    with them one shift of xz, by a back stress.
 
     k^2 = d^2/4 + (e - d/2)^2/3 + xz^2, d = xx - zz, e = yy - zz, residual stresses included.
     """
     xx, yy, zz, _, xz, _ = stress.T / STRIP.p0
 
-    def parts(v: Array) -> tuple[Array, Array]:
-        """d/2 and e - d/2, each (n,), with the residual stresses v[0] and v[1], over p0."""
+    def parts(v: Array) -> tuple[Array, Array, Array]:
+        """d/2, e - d/2 and xz, each (n,), with the residual stresses v[0] and v[1] and the shift
+        v[2], over p0.
+        """
         half = (xx - zz + v[0]) / 2
-        return half, yy - zz + v[1] - half
+        return half, yy - zz + v[1] - half, xz + kinematic * v[2]
 
     def room(v: Array) -> Array:
-        """k^2 - J_2 (n,) with residual stresses v[0], v[1] and k^2 = v[2], over p0^2."""
-        half, other = parts(v)
-        return np.asarray(v[2] - half**2 - other**2 / 3 - xz**2)
+        """k^2 - J_2 (n,) with what `parts` takes and k^2 = v[3], over p0^2."""
+        half, other, shear = parts(v)
+        return np.asarray(v[3] - half**2 - other**2 / 3 - shear**2)
 
     def slope(v: Array) -> Array:
-        """Derivatives (n, 3) of `room` by the three components of v."""
-        half, other = parts(v)
-        return np.column_stack((other / 3 - half, -2 * other / 3, np.ones_like(xz)))
+        """Derivatives (n, 4) of `room` by the components of v."""
+        half, other, shear = parts(v)
+        one = np.ones_like(xz)
+        return np.column_stack((other / 3 - half, -2 * other / 3, -2 * kinematic * shear, one))
 
     found = minimize(
-        lambda v: v[2],
-        [0.0, 0.0, 10.0],
-        jac=lambda v: [0.0, 0.0, 1.0],
+        lambda v: v[3],
+        [0.0, 0.0, 0.0, 10.0],
+        jac=lambda v: [0.0, 0.0, 0.0, 1.0],
         method="SLSQP",
         constraints={"type": "ineq", "fun": room, "jac": slope},
         options={"ftol": 1e-10},
     )
-    return float(STRIP.p0 * math.sqrt(-room(np.append(found.x[:2], 0.0)).min()))
+    return float(STRIP.p0 * math.sqrt(-room(np.append(found.x[:3], 0.0)).min()))
 
 
 def elastic_limit(friction: float, poisson: float) -> float:

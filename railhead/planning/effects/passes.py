@@ -189,10 +189,9 @@ def _indicator(context: Context) -> tuple[float, float, str]:
     ratio, share = p0 / shear, traction(context)
     first = math.sqrt(3) * p0 / context.von_mises(poisson)
     if isinstance(hertz, LineContact):
-        # The back stress of linear kinematic hardening balances what tractions add.
-        balanced = scene.rail.hardens and scene.rail.kinematic_fraction == 1
-        friction = 0.0 if balanced or not share else scene.friction.coefficient
-        limit = shakedown.shakedown_limit(friction, poisson, share)
+        kinematic = scene.rail.hardens and scene.rail.kinematic_fraction == 1
+        friction = scene.friction.coefficient if share else 0.0
+        limit = shakedown.shakedown_limit(friction, poisson, share, kinematic=kinematic)
     else:
         limit = min(shakedown.ellipse_limit(hertz.a / hertz.b), 2 * first)
     beside = f" at Q/P = {share:.2g}" if share else ""

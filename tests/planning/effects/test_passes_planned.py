@@ -47,7 +47,11 @@ def test_the_indicator_is_held_against_yield_and_shakedown():
     assert "shakedown limit 3.6" in rolls.effects["passes"].why
     hard = ["rolling.passes=3", "rail.hardening_modulus=6210", "rail.kinematic_fraction=1"]
     kinematic = planning.make(LINE.replace(**ROLLS).replace(hard))
-    assert "shakedown limit 4 at" in kinematic.effects["passes"].why
+    assert "shakedown limit 4.01 at" in kinematic.effects["passes"].why
+    slips = planning.make(LINE.replace(hard).replace(
+        ["friction.coefficient=0.5", "rolling.creepage_along=10%", "load=800kN"]
+    ))  # fmt: skip
+    assert "shakedown limit 1.94 at Q/P = 0.5; about 10" in slips.effects["passes"].why
 
 
 def test_a_wheel_that_yields_too_is_left_out_by_its_name():

@@ -59,3 +59,12 @@ def test_what_hardens_without_end_neither_ratchets_nor_is_at_a_limit(last, perfe
     increments, forward = [0.011, 0.0105, 0.0102, last], [0.02, 0.011, 0.0108, 0.0106]
     assert verdict(increments, forward, 1.0, 1e-7, hardens=False) == perfect
     assert verdict(increments, forward, 1.0, 1e-7, hardens=True) == "undecided"
+
+
+def test_a_surface_that_still_moves_is_no_closed_cycle_of_perfect_plasticity():
+    """At 1.03 of the limit with traction 0.3 p, which ratchets from the sixth pass on."""
+    increments = [0.000728, 0.000713, 0.000733, 0.000767]
+    forward = [0.000685, 0.000553, 0.000465, 0.000406]
+    assert verdict(increments, forward, 1.0, 1e-7, hardens=False) == "undecided"
+    assert verdict(increments, forward, 1.0, 1e-7, hardens=True) == "closed cycles"
+    assert verdict(increments, [*forward[:3], 1e-6], 1.0, 1e-7, hardens=False) == "closed cycles"

@@ -24,6 +24,29 @@ def test_a_surface_that_cannot_be_compressed_bears_a_traction_of_k() -> None:
         assert limit * 0.975 < found < limit < 0.97 / friction  # those are of a grid in depth
 
 
+@pytest.mark.parametrize("mu", [0.3, 0.4, 0.6])
+def test_a_back_stress_leaves_the_smallest_ball_around_the_stresses_of_the_surface(mu) -> None:
+    """Its radius by Badoiu and Clarkson's steps to the farthest stress, of closed forms."""
+    x = np.linspace(-3.0, 3.0, 1201)
+    p, beside = np.sqrt(np.maximum(1 - x**2, 0.0)), np.sqrt(np.maximum(x**2 - 1, 0.0))
+    xx = -p - 2 * mu * (x - np.sign(x) * beside)
+    half = (xx + p) / 2
+    path = np.column_stack([half, (0.3 * (xx - p) + p - half) / math.sqrt(3), mu * p])
+    centre = path.mean(axis=0)
+    for step in range(1, 20_000):
+        centre += (path[np.argmax(np.linalg.norm(path - centre, axis=1))] - centre) / (step + 1)
+    radius = np.linalg.norm(path - centre, axis=1).max()
+    found = shakedown.shakedown_limit(mu, 0.3, kinematic=True)
+    assert found == pytest.approx(1 / radius, rel=1e-3)
+    assert shakedown.shakedown_limit(mu, 0.3) < 0.99 * found
+
+
+def test_below_the_surface_kinematic_hardening_bears_any_traction() -> None:
+    for friction in (0.0, 0.1, 0.2):
+        limit = shakedown.shakedown_limit(friction, 0.3, kinematic=True)
+        assert limit == pytest.approx(4.0, rel=1e-3)
+
+
 @pytest.mark.parametrize("share", [0.36, 0.84])
 def test_partial_slip_lowers_the_limit_of_the_surface(share: float) -> None:
     """A grid of residual stresses, with Carter's stresses at the surface in closed form."""
