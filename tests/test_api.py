@@ -299,4 +299,6 @@ def test_pictures_are_drawn_on_given_axes() -> None:
     three = Figure().subplots(1, 3)
     placed = rh.locate(rh.find("s1002_60e1"))
     assert placed.plot("profiles", ax=three[:2]) is three[0].figure
+    two = Figure().subplots(2, 1)
+    assert placed.plot("rolling_radius", ax=two) is two[0].figure
     assert len(three[0].lines) >= 3 and not three[2].lines

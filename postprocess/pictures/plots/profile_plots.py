@@ -33,8 +33,12 @@ def profiles(pair: ProfilePair, placed: Placed, target: Target = None, title: st
     track, with all contact points.
 
     The left panel is mirrored, so that it stands as the left side does; its labels of y grow
-    towards the field side as those of the right panel do. pair: profiles of rail and wheel. placed:
-    the wheelset's position. title: above the picture.
+    towards the field side as those of the right panel do.
+
+    pair: profiles of rail and wheel.
+    placed: the wheelset's position.
+    target: PNG file, two axes, or None (`new_figure`).
+    title: above the picture.
     """
     with new_figure(target, 12, 4.2, title) as figure:
         axes = figure.subplots(1, 2, sharey=True)
@@ -83,8 +87,10 @@ def positions(
     """The right wheel, lifted above the right rail. Lines join each contact on
     the rail with the same contact on the wheel, coloured by the lateral shift.
 
-    pair: profiles of rail and wheel. swept: lateral shift to the right, mm, and placed wheelset.
-        title: above the picture.
+    pair: profiles of rail and wheel.
+    swept: lateral shift to the right, mm, and placed wheelset, at least one.
+    target: PNG file, one axes, or None (`new_figure`).
+    title: above the picture.
     """
     from matplotlib.collections import LineCollection
     from matplotlib.colors import LinearSegmentedColormap
@@ -126,6 +132,8 @@ def rolling_radius(
     less left, and the places y of the contacts on both rails, all in mm.
 
     swept: lateral shift to the right, mm, and placed wheelset, in ascending order of shift.
+    target: PNG file, two axes, or None (`new_figure`).
+    title: above the picture.
     """
     shifts = np.array([shift for shift, _ in swept])
     with new_figure(target, 9, 7, title) as figure:
@@ -146,6 +154,7 @@ def rolling_radius(
         lower.set_ylabel("contact on the rail, y, mm\n(gauge side < 0 < field side)")
         lower.set_xlabel("lateral shift to the right, mm")
         lower.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
+    return figure
 
 
 def _side(placed: Placed, name: str) -> Side:
@@ -165,7 +174,9 @@ def _jump(swept: Sequence[tuple[float, Placed]], name: str) -> np.ndarray:
 def _broken(
     ax: Axes, x: Array, y: Array, breaks: np.ndarray, colour: str, label: str | None
 ) -> None:
-    """Draw y (n,) over x (n,), interrupted after each point at which `breaks` (n - 1,) is true."""
+    """Draw y (n,) over x (n,), interrupted after each point at which `breaks` (n - 1,) is true;
+    label: in the legend, None: not there.
+    """
     at = np.flatnonzero(breaks) + 1
     ax.plot(
         np.insert(x, at, np.nan),
@@ -181,8 +192,9 @@ def draw_profile(found: Measured, worn: LaidStandard, target: Target = None) -> 
     """Four panels over y: the profile, the difference of measured and
     smoothed heights, the curvature, and the material lost to wear.
 
-    found: measured and smoothed profile. worn: the nearest standard profile, laid on the measured
-        one.
+    found: measured and smoothed profile.
+    worn: the nearest standard profile, laid on the measured one.
+    target: PNG file, four axes, or None (`new_figure`).
     """
     smoothed, profile = found.smoothed, found.profile
     y = np.linspace(*inner(profile), 3000)

@@ -140,7 +140,7 @@ def _state(effect: Effect) -> str:
     """State of an effect in words: 'on', 'off', or 'off, though called for' where the scene needs
     the effect and the program cannot simulate it here. What a person switched off is 'off'.
     """
-    if effect.called_for and "on" in effect.refused:
+    if effect.called_for and "on" in effect.refused and not effect.override:
         return "off, though called for"
     return "on" if effect.on else "off"
 

@@ -34,6 +34,16 @@ def test_effects_that_have_no_part_in_a_scene_are_one_line(capsys) -> None:
     assert "Poisson's ratio 0.3" in capsys.readouterr().out
 
 
+def test_what_a_person_switched_off_is_no_failing(capsys) -> None:
+    """Yield is called for, and half-spaces cannot have it; whoever switched it off knows."""
+    plan = "plan", "uic54_22t5_axle", "--without", "finite_bodies"
+    command.status(*plan)
+    assert "though" in capsys.readouterr().out
+    command.status(*plan, "--without", "plasticity")
+    out = capsys.readouterr().out
+    assert "│ plasticity " in out and "though" not in out
+
+
 def test_a_profile_is_told_in_eighty_columns(tmp_path, capsys, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     file = tmp_path / "a_long_name_of_a_file_of_points_on_a_rail_head.csv"
