@@ -3,9 +3,10 @@ pictures share.
 
 The contact frame: x along the rail, s along the common tangent across it, height along the outward
 normal n of the rail. Its origin is the first contact of the undeformed bodies; of several patches
-the frame is that of the most loaded one, with its origin at the centre of pressure. Depth is the
-distance into the body, positive in rail and wheel. Stress components of depth axes are in this
-frame, in the order (xx, ss, nn, xs, xn, sn); tension is positive.
+the frame is that of the most loaded one, on which the integral of the pressure is largest, with its
+origin at the centre of pressure. Depth is the distance into the body, positive in rail and wheel.
+Stress components of depth axes are in this frame, in the order (xx, ss, nn, xs, xn, sn); tension is
+positive.
 """
 
 from __future__ import annotations
@@ -446,7 +447,7 @@ class Findings:
 
     @property
     def axis(self) -> DepthAxis:
-        """Stresses on the axis below the most loaded patch in the rail, or in the wheel of a rigid
-        rail.
+        """Stresses on the axis from the centre of pressure of the most loaded patch into the rail,
+        or into the wheel where the rail is rigid.
         """
         return self.depth.get("rail") or next(iter(self.depth.values()))

@@ -39,9 +39,11 @@ class LoadCase:
 
     load: N, of the whole model, along the direction of the setup: applied under load control; it
         also scales the far field.
-    approach: mm, under approach control; without effect under load control.
+    approach: of the moving body along the direction of the setup, mm, under approach control;
+        without effect under load control.
     active: (n,) contact points of this rank that touch at the start.
-    max_steps: largest number of Newton's steps in each solve of the pressure.
+    max_steps: largest number of Newton's steps in each solve of the pressure; what has not
+        converged by then is returned as not converged.
     progress: called with the number and the relative residual of each of Newton's steps.
     force: further forces on the meshed part, on all owned dofs, N; None: zero.
     support_displacement: displacement prescribed at the supported faces beside far field and
@@ -215,8 +217,9 @@ class ContactSystem:
         return self.solution(self.problem, self._newton(case), prescribed, case)
 
     def apply(self, problem: ContactProblem, case: LoadCase) -> PETSc.Vec:
-        """Set the forces, gap and stress of a load case in a contact problem; nothing is solved.
-        Returns the prescribed displacement u0 on all dofs, mm (collective).
+        """Write a load case into a contact problem: its forces, and the gap and normal stress where
+        the free unknowns are zero; nothing is solved. Returns the prescribed displacement u0 on all
+        dofs, mm (collective).
         """
         setup, prescribed = self.setup, self.prescribed(case)
         force = self.reactions.forces(prescribed)

@@ -81,7 +81,7 @@ class FrictionSettings:
     force_controlled: (index, force) of each motion that follows from a prescribed force of the
         wheel on the rail, N; index 0 is along, 1 across.
     load_steps: (share of the load, share of the prescribed tangential forces) at the end of each
-        load step.
+        load step; the second is negative where the forces are reversed.
     far_field: (0 along or 1 across, body tag, points (n, 3) mm) -> displacement (n, 3) mm of the
         supported faces under a force of 1 N of the wheel on the rail; None: tangential forces do
         not move the supported faces.
@@ -110,7 +110,8 @@ class Setup:
     degree: polynomial degree of the displacement, 1 or 2.
     law: contact law, Nitsche's method or a penalty.
     direction: unit vector of the approach, from the moving body towards the fixed one.
-    planes: (facet tag, unit normal) of each symmetry plane.
+    planes: (facet tag, unit normal, of either sense) of each symmetry plane, in which the
+        displacement along the normal is zero.
     far_field: (load N of the whole model, body tag, points (n, 3) mm) -> displacement (n, 3), mm,
         of both supports beside the rigid motion; None: zero, and a load cannot be given with an
         approach.

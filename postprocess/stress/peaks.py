@@ -76,9 +76,9 @@ class Search:
         return tabulate(fields.cell, fields.degree, points)[0]
 
     def _is_sound(self, points: Array, sizes: Array) -> Array:
-        """(n,) whether points (n, 3) in cells of sizes (n,), mm, are far enough from every sharp
-        edge: two elements (EDGE_ELEMENTS), and 0.3 (EDGE_OF_PATCH) of the smaller semi-axis of the
-        patch.
+        """(n,) whether points (n, 3), mm, are far enough from every sharp edge: farther than two
+        elements (EDGE_ELEMENTS) and than 0.3 (EDGE_OF_PATCH) of the smaller semi-axis of the patch.
+        sizes (n,): half sizes of the cells that hold them, as `Solid.sizes`, mm.
         """
         if self._edges is None:
             return np.ones(len(points), dtype=bool)
@@ -86,8 +86,8 @@ class Search:
         return self._edges.query(points, distance_upper_bound=least.max(initial=0.0))[0] > least
 
     def _element(self, place: Array) -> float:
-        """Largest size of the cells that may hold a place (3,), mm: distance of a cell's farthest
-        corner from its middle; 0 if there is none.
+        """Largest half size of the cells that may hold a place (3,), mm: distance of a cell's
+        farthest corner from its middle; 0 if there is none.
         """
         return float(self._solid.sizes[self._solid.near(place, 0.0)].max(initial=0.0))
 

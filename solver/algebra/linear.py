@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from petsc4py import PETSc
@@ -111,7 +112,8 @@ class Algebraic(Preconditioner):
     """Preconditioner by smoothed aggregation multigrid (PETSc's GAMG). The other fields are those
     of `Preconditioner`.
 
-    rigid_modes: orthonormal rigid motions in the free unknowns, which are the near-nullspace.
+    rigid_modes: list of orthonormal vectors, the rigid motions of the bodies in the free unknowns;
+        they are the near-nullspace.
     """
 
     def __init__(self, problem: ContactProblem, rigid_modes: list[PETSc.Vec]) -> None:
@@ -158,6 +160,7 @@ def krylov(problem: ContactProblem, preconditioner: Preconditioner) -> PETSc.KSP
     return ksp
 
 
+@dataclass(frozen=True)
 class ForcingTermTest:
     """Convergence test of conjugate gradients, which have the solution x in every iteration. All
     residuals are norms, N.
@@ -165,11 +168,12 @@ class ForcingTermTest:
     least: residual at or below which the solve ends in any case.
     most: residual above which the solve goes on.
     enough: x -> residual that suffices at x; between `least` and `most` the solve ends at or below
-        it.
+        it, but not before the first iteration.
     """
 
-    def __init__(self, least: float, most: float, enough: Callable[[PETSc.Vec], float]) -> None:
-        self.least, self.most, self.enough = least, most, enough
+    least: float
+    most: float
+    enough: Callable[[PETSc.Vec], float]
 
     def __call__(self, ksp: PETSc.KSP, iteration: int, residual: float) -> int:
         """PETSc's convergence reason, as an integer, for this iteration and residual norm (N)."""
@@ -199,12 +203,13 @@ def solve(
     preconditioner: set up again where it is outdated or where the solve does not converge; marked
         as outdated where it has become slow.
     rhs: right-hand side in the free unknowns, N.
-    out: vector for the solution.
+    out: vector that the solution is written into; the iterations start from zero.
     rtol: tolerance of the residual, relative to the norm of the right-hand side.
-    enough: x -> norm of the residual (N) that suffices at x, up to LARGEST_RESIDUAL of the right-
-        hand side. Without effect where the tangent is not symmetric; None: `rtol` alone decides.
-    Raises StalledError where the tangent is not positive definite, or where even a preconditioner
-    for exactly these points does not converge.
+    enough: x -> norm of the residual (N) that suffices at x. At most the share LARGEST_RESIDUAL of
+        the right-hand side counts. Without effect where the tangent is not symmetric; None: `rtol`
+        alone decides.
+    Raises StalledError where conjugate gradients meet a tangent that is not positive definite, or
+    where even a preconditioner for exactly these points does not converge.
     """
     fresh = preconditioner.update_if_outdated(active)
     operator = problem.tangent(active)

@@ -343,10 +343,10 @@ class StaticCondensation:
         return change
 
     def _jump(self, shift: float) -> PETSc.Mat:
-        """Matrix of the tangential jump t . (u_wheel - u_rail) at this rank's points, on all dofs.
-        The k rows of a point stand together.
+        """Matrix on all dofs of the tangential jump t . (u_wheel - u_rail) at this rank's points: k
+        rows a point, one for each of its tangents, which follow each other.
 
-        shift: distance by which the points are moved along their first tangent, mm. Raises
+        shift: distance by which the points are first moved along their first tangent, mm. Raises
             ValueError where a moved point finds no facet.
         """
         at = self.x + shift * self.tangents[:, 0]

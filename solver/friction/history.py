@@ -45,14 +45,14 @@ class FrictionHistory:
     nodal: tractions at the nodes (m,), MPa, that the bodies are pressed under.
     tangential: force (2,) of the wheel on the rail along and across, whole model, N, of the solve
         for the tractions before the last pressing.
-    load_share: share of the load that acts.
+    load_share: share of the load that acts, 0 to 1.
     was_active: (n,) points in contact after the last change of the load; none before the first.
     full_force_reached: whether a step with the full tangential force has ended.
-    dissipated_energy: work of friction since then, N mm.
+    dissipated_energy: work of friction in the steps after that one, N mm; 0 when rolling.
     coupling_iterations: number of solves for the tractions so far.
     step_results: force along and across (N) and rigid motion along and across, (4,) for each step.
-    newton_steps: largest number of steps of Newton's method on the tractions.
-    tangential_state: tractions and slip of the last solve.
+    newton_steps: largest number of steps of Newton's method in one solve for the tractions.
+    tangential_state: tractions and slip of the last solve for them; missing before the first.
     Raises ValueError when rolling and a surface ends upstream of the patch.
     """
 
@@ -146,7 +146,8 @@ class FrictionHistory:
 
     def _end_step(self, force_share: float) -> None:
         """Record the results of a step that converged: displacement at rest, work of friction,
-        force and motion; force_share: share of the prescribed tangential forces in it.
+        force and motion; force_share: share of the prescribed tangential forces at its end, from -1
+        (reversed) to 1.
         """
         state = self.tangential_state
         if self.rest is not None:

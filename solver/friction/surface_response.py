@@ -92,8 +92,9 @@ class SurfacePoints:
     images: int
 
     def jumps(self, displacement: PETSc.Vec) -> Array:
-        """Tangential jump (n, 2), wheel less rail, mm, of a displacement on all dofs; zero at
-        places without a point (collective).
+        """Tangential jump (n, 2) along the tangents at the given places, wheel less rail, mm, of a
+        displacement on all dofs; zero where a place met no surface. All ranks get all of it
+        (collective).
         """
         values = np.concatenate(self.comm.allgather((self.jump * displacement).array))
         return self.spread(values.reshape(-1, 2))

@@ -49,15 +49,15 @@ class SeparatedProblem(PlasticProblem):
     """Equilibrium of bodies that yield, without contact. Nothing resists the approach then; a
     spring in `stiffness` holds it. The other fields are those of `PlasticProblem`.
 
-    reference_force: force that the residual is divided by, N.
+    reference_force: force that the norm of Newton's residual is divided by, N.
     """
 
     reference_force: float = 1.0
 
     @classmethod
     def of(cls, problem: PlasticProblem, reference_force: float) -> SeparatedProblem:
-        """The problem without contact; matrices and histories are shared with the given problem;
-        reference_force: N.
+        """The problem without contact; matrices and histories are shared with the given problem.
+        reference_force: as the field.
         """
         stiffness = problem.stiffness.pinned(problem.stiffness.typical)
         return cls(**problem.shared() | {"stiffness": stiffness}, reference_force=reference_force)
@@ -152,8 +152,8 @@ class LoadStepping:
     def separate(self, reference_force: float, start: PETSc.Vec) -> None:
         """Remove the contact from all further steps; nothing is solved.
 
-        reference_force: force that the residual is then divided by, N.
-        start: free unknowns from which the next step starts.
+        reference_force: force that the norm of Newton's residual is then divided by, N.
+        start: free unknowns from which the next step starts; not copied, and not changed.
         """
         self.problem, self.y = SeparatedProblem.of(self.problem, reference_force), start
         self.active = np.zeros(len(self.problem.area), dtype=bool)

@@ -91,9 +91,9 @@ def _groups(boxes: Sequence[Array], factor: float) -> list[list[Array]]:
 
 
 def _near(group: list[Array], other: list[Array], factor: float) -> bool:
-    """Whether two groups overlap after their half sizes are multiplied by `factor`. A group is a
-    list of boxes (2, 2), centre and half sizes in mm, and counts as the smallest box around it.
-    Boxes that only touch do not overlap.
+    """Whether the smallest boxes around two groups overlap after the half sizes of both are
+    multiplied by `factor`; boxes that only touch do not. A group is a list of boxes (2, 2), centre
+    and half sizes in mm.
     """
     one, two = _around(np.array(group)), _around(np.array(other))
     return bool(np.all(np.abs(one[0] - two[0]) < factor * (one[1] + two[1])))

@@ -32,7 +32,8 @@ def curvature(contact: Hertz) -> float:
 
 def axis_stress(contact: Hertz, poisson: float, depth: ArrayLike) -> Array:
     """Normal stresses (n, 3) along x (the rail), y (across it) and z, MPa, tension positive, at
-    depths (n,), mm, below the centre of the patch. ValueError: a negative depth.
+    depths (n,), mm, below the centre of the patch; a single depth has one row. ValueError: a
+    negative depth.
     """
     room = line if isinstance(contact, LineContact) else subsurface
     return room.axis_stress(contact, poisson, depth)

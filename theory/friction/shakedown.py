@@ -102,8 +102,10 @@ def _stress(friction: float, stick: float, poisson: float, x: Array, depth: Arra
 
 def _balanced(stress: Array, kinematic: bool) -> float:
     """Smallest yield stress in shear k (MPa) for which one residual stress rho_xx and one rho_yy
-    keep all stresses (n, 6), columns xx, yy, zz, xy, xz, yz, within von Mises' limit; kinematic:
-    with them one shift of xz, by a back stress.
+    keep the stresses at n places of one depth within von Mises' limit.
+
+    stress: (n, 6), columns xx, yy, zz, xy, xz, yz, MPa, of plane strain, where xy and yz are zero.
+    kinematic: with them one shift of xz, by a back stress.
 
     k^2 = d^2/4 + (e - d/2)^2/3 + xz^2, d = xx - zz, e = yy - zz, residual stresses included.
     """

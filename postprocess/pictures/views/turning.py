@@ -118,12 +118,13 @@ def _bare(surface: Any, *keep: str) -> Any:
 
 
 def _hill(findings: Findings, contact: meshio.Mesh) -> tuple[Any, list[Any]]:
-    """The patch with each point raised along the rail's normal in proportion to its pressure, and
-    the contact surface around the patch in a list. contact: grid of the contact surface.
+    """Pyvista surface of all patches, its points raised along the rail's normal in proportion to
+    the pressure. The largest is raised by 0.35 (HILL) times the longer side of the most loaded
+    patch, or the shorter one if that is less than a sixth. Then, in a list of one, the contact
+    surface around them. contact: grid of the contact surface, with its pressure.
     """
     frame, patch = findings.frame, findings.patch
-    surface = outer(load_pyvista().from_meshio(contact))
-    pressed, free = split(surface, frame, patch)
+    pressed, free = split(outer(load_pyvista().from_meshio(contact)), frame, patch)
     rim = np.abs(pressed["outside"]) < 1e-6 * np.ptp(patch.main)
     pressed["pressure"] = np.where(rim, 0.0, pressed["pressure"])
     long, wide = sorted(np.ptp(patch.main, axis=0), reverse=True)
@@ -169,9 +170,9 @@ def _along(fields: Fields, findings: Findings) -> Array:
 
 
 def _swept_hill(fields: Fields, findings: Findings) -> tuple[Any, list[Any]]:
-    """Surface whose height is the pressure along a section: a ridge extruded along the contact
-    line, or half a turn about the axis for a meridian section. The second entry, the surface
-    around it, is empty.
+    """Pyvista surface whose height is the pressure along a section: a ridge extruded along the
+    contact line, or half a turn about the axis for a meridian section. Then an empty list: there is
+    no surface around it.
     """
     frame, axis = findings.frame, coordinate(fields)
     line = (findings.along, findings.across)[axis]
