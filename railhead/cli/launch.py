@@ -24,9 +24,9 @@ QUIET_LAUNCHER = {"OMPI_MCA_orte_execute_quiet": "1"}
 
 
 def number_of_processes(plan: Plan) -> int:
-    """Number of MPI processes that are worth it for the mesh of a plan: one for each 100 000
-    unknowns, at most the physical cores that this process may use. 1 without mpirun, or without
-    disk space for its files.
+    """Number of MPI processes that are worth it for the mesh of a plan: one for each full 100 000
+    unknowns, at least one, at most the physical cores that this process may use. 1 without mpirun,
+    or where the temporary folder lacks space for mpirun's own files.
     """
     cores = min(psutil.cpu_count(logical=False) or 1, len(os.sched_getaffinity(0)))
     if cores == 1 or shutil.which("mpirun") is None or not _has_space():
@@ -55,7 +55,7 @@ def restart(ranks: int, arguments: Sequence[str]) -> NoReturn:
     """Replace this process by mpirun, which runs the same command in `ranks` processes.
 
     No child process is made: a signal ends both or neither, and the exit status is that of the
-    ranks.
+    ranks. arguments: those of the command, without its name.
 
     Raises SceneError for more ranks than processors, without mpirun, and without free disk space
     for the files of mpirun.

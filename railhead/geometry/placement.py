@@ -333,7 +333,7 @@ class Side:
     """One wheel on its rail, in the axes of its side: origin at the crown centre, y to the field
     side, z up; x = 0 in the plane of the wheelset's centre.
     pose: position of the wheel, touching its rail.
-    touches: contact points, smallest gap first.
+    touches: contact points, smallest gap first, at least one.
     """
 
     pose: Pose
@@ -356,7 +356,9 @@ class Placed:
 
     @property
     def rolling_radius_difference(self) -> float:
-        """Radius of the wheel at its first contact, right minus left, mm."""
+        """Rolling radius of the right wheel less that of the left one, mm, each at its contact with
+        the smallest gap.
+        """
         return self.right.touches[0].radius - self.left.touches[0].radius
 
 

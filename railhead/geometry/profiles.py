@@ -180,8 +180,8 @@ def single_radius(radius: float, half_width: float, name: str = "arc") -> Profil
 
 
 def cone(slope: float, half_width: float, name: str) -> Profile:
-    """Conical tread z = -slope * y for |y| <= half_width (mm): the wheel is larger on its flange
-    side, y < 0.
+    """Conical tread z = -slope * y for |y| <= half_width, in mm, z outwards from the axle: with a
+    positive slope the wheel is larger on its flange side, y < 0.
     """
     return Profile(name, (Polynomial(-half_width, half_width, (0.0, -slope)),))
 
@@ -201,10 +201,10 @@ def s1002() -> Profile:
 
 
 def rail_head(name: str, inclination: float = 0.0) -> Profile:
-    """Crown of 54E1 or 60E1 with three arcs on each side (R300, R80, R13), turned about the crown
-    centre, which is at y = z = 0.
+    """Crown of a standard rail: an arc of R300 in the middle, then R80 and R13 on each side, turned
+    about the crown centre, which is at y = z = 0. Ends that no longer face upwards are cut.
+    name: "54E1" or "60E1" (STANDARD_RAILS); KeyError for another.
     inclination: slope by which the rail leans towards the track's centre (y < 0), as 1/20.
-    Ends that no longer face upwards are cut.
     """
     segments = data("rails.json")[name]["half_section"][:3]
     top = np.array(segments[0]["start"])

@@ -34,17 +34,20 @@ BOUND_NAMES = {each.key: each.bound for each in quantities.QUANTITIES}
 
 @dataclass(frozen=True, repr=False)
 class Result:
-    """A solved scene. `summary` and the numbers made from it are the same on all MPI ranks;
-    `fields`, `findings`, `surface`, `stress_at` and `plot` are on rank 0 only (findings of
-    half-spaces on every rank), and the dolfinx mesh is distributed.
+    """A solved scene. `summary` and the numbers made from it are the same on all MPI ranks.
+    `fields`, `findings`, `surface`, `stress_at` and `plot` are on rank 0 only (findings and surface
+    of half-spaces on every rank). On others the first two are None, the rest raises ValueError. The
+    dolfinx mesh is distributed.
 
     solution: on the finest mesh, or by half-spaces; None of a result that was loaded.
     summary: content of summary.json.
 
     The properties `patch`, `pressure`, `stress`, `friction`, `plastic`, `load` and `approach` hold
     numbers of that solution, `hertz` the same of exact Hertz, `estimate` bounds of relative errors.
-    `railhead.run.quantities` describes each number. Where nothing touches, the former raise
-    ValueError. They are of the whole model, images in symmetry planes included.
+    `railhead.run.quantities` describes each number. Where nothing touches, all of them but `hertz`
+    and `estimate` raise ValueError. They are of the whole model, images in symmetry planes
+    included. A loaded result has `summary` and these numbers; all that needs the solution raises
+    ValueError.
     """
 
     solution: Solved | None

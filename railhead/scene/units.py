@@ -196,9 +196,9 @@ class Range:
     high: largest allowed value, in the base unit.
     note: added to the description of the range in messages.
     words: replaces that description.
-    excluded: values between low and high that are not allowed; with either_sign sizes.
+    excluded: single values between low and high that are not allowed.
     infinite: whether inf is allowed, too.
-    either_sign: whether low and high bound the absolute value, so that negative numbers are
+    either_sign: whether all of these hold for the absolute value, so that negative numbers are
         allowed.
     whole: whether only whole numbers are allowed.
     """

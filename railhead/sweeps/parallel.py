@@ -38,14 +38,14 @@ class ParallelSweep:
     grid: the scenes.
     folder: folder of records, table and pictures.
     vtu: whether files for ParaView are written for each scene; not for half-spaces.
-    fields: whether `Outcome.results` is filled with the results that are solved now, with their
-        fields.
+    keep_results: whether `Outcome.results` holds the results, with their fields, of the scenes that
+        are solved now; those that had a record are not solved again. Else it is empty.
     """
 
     grid: ParameterGrid
     folder: Path
     vtu: bool = False
-    fields: bool = False
+    keep_results: bool = False
 
     @cached_property
     def files(self) -> dict[str, str]:
@@ -97,7 +97,7 @@ class Outcome:
     rows: of sweep.csv, in the order of the scenes, cells by column header.
     failures: a line for each picture that could not be drawn or file that could not be stamped.
     results: by number of the scene those that were solved now; empty without
-        `ParallelSweep.fields`.
+        `ParallelSweep.keep_results`.
     """
 
     rows: list[Row]
@@ -173,7 +173,7 @@ def _solve_all(
     by number for scenes that still have none.
 
     rows: of sweep.csv by number; they grow with the records.
-    results: by number; they grow with the solved scenes (with `ParallelSweep.fields`).
+    results: by number; they grow with the solved scenes (with `ParallelSweep.keep_results`).
     workers: number of processes.
     submit: starts a job.
     """
@@ -186,7 +186,7 @@ def _solve_all(
         scenes = {number: sweep.grid.scenes[number] for number in group}
         for part in share(wanted, busy, workers):
             over = {number: sweep.values(number) for number in part}
-            job = submit(_solve, sweep.folder, over, scenes, sweep.vtu, sweep.fields)
+            job = submit(_solve, sweep.folder, over, scenes, sweep.vtu, sweep.keep_results)
             numbers_of[job] = part
     faults: dict[int, str] = {}
     pending = set(numbers_of)
@@ -206,8 +206,8 @@ def _solve_all(
 
 def share(numbers: Sequence[int], groups: int, workers: int) -> list[Sequence[int]]:
     """The numbers of one of `groups` groups, split into as many parts as there are processes for
-    each group. Each process makes the mesh of the whole group again, as it would otherwise wait for
-    that mesh.
+    each group; workers: number of processes. Each process makes the mesh of the whole group again,
+    as it would otherwise wait for that mesh.
     """
     parts = min(len(numbers), max(1, workers // max(1, groups)))
     return [numbers[first::parts] for first in range(parts)]
@@ -218,14 +218,14 @@ def _solve(
     over: Mapping[int, Mapping[str, object]],
     group: Mapping[int, Scene],
     vtu: bool,
-    fields: bool,
+    keep_results: bool,
 ) -> tuple[dict[int, Result], dict[int, str]]:
     """Solve scenes of a group in this process, and write for each its .vtu files (with `vtu`) and
     then its record.
 
     over: of the scenes that are solved, values of the changing keys by number. Returns results by
-        number (with `fields`), and reasons by number for scenes without a record: not enough free
-        memory now.
+        number (with `keep_results`), and reasons by number for scenes without a record: not enough
+        free memory now.
     """
     results: dict[int, Result] = {}
     faults: dict[int, str] = {}
@@ -240,7 +240,7 @@ def _solve(
             grids.mkdir(parents=True, exist_ok=True)
             files.write_grids(result.solved, files.nodal_stress(result.solved), grids)
             result_folder.stamp(grids)
-        if fields and not isinstance(result, Exception):
+        if keep_results and not isinstance(result, Exception):
             results[number] = result
         store.write(folder, number, sweep_table.record(over[number], result))
     process.release_memory()

@@ -160,7 +160,7 @@ def sweep(
     with tempfile.TemporaryDirectory() as temporary:
         folder = as_path(comm.bcast(temporary) if out is None else out, "out")
         result_folder.check_folder(folder)
-        task = parallel.ParallelSweep(grid=grid, folder=folder, fields=True)
+        task = parallel.ParallelSweep(grid=grid, folder=folder, keep_results=True)
         outcome = parallel.run(task, pictures=out is not None, quiet=quiet, tell=progress)
         found = comm.bcast(outcome and Sweep(folder, outcome.results))
     if outcome and outcome.failures:

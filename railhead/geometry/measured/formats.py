@@ -70,7 +70,8 @@ class Table:
     """Points of a file, before they are turned into the axes of the project.
     points: (n, 2) of y, and z up or down, in the order and the unit of the file; of a Simpack file
         after the shifts and mirrors of its header.
-    unit: unit that the file states; '' where it states none.
+    unit: unit that the file states, a key of UNIT_NAMES; '' where it states none. Where the user
+        gives the unit, also another one, or two joined by ' and '.
     body: 'rail', 'wheel', or '' where the file does not say.
     format: name of the format.
     remarks: what was left out or computed while reading.
@@ -142,7 +143,9 @@ def _rows(
 ) -> tuple[list[list[float]], tuple[int, ...], tuple[str, ...]]:
     """Numbers in the lines with indices in a span, the line number of each row (n,), and a remark
     on rows that are commented out, if any.
-    layout: separator (regular expression) and decimal mark; comment: what begins a comment line.
+    name: file name, for messages.
+    layout: separator (regular expression) and decimal mark.
+    comment: what begins a comment line.
     Raises FormatError for a line that is no row, and where there is none.
     """
     rows, where, out = [], [], 0
@@ -167,7 +170,10 @@ def _rows(
 def _points(
     name: str, rows: Sequence[Sequence[float]], at_lines: Sequence[int], columns: Sequence[int]
 ) -> Array:
-    """Points (n, 2) in two columns of the rows. Raises FormatError for a row that is too short."""
+    """Points (n, 2) in two columns of the rows. Raises FormatError for a row that is too short.
+    name, at_lines: file name, and line number of each row, for messages.
+    columns: indices of both columns.
+    """
     for line, row in zip(at_lines, rows, strict=True):
         if len(row) <= max(columns):
             text = f"has no number in column {max(columns) + 1}; give as many as in other lines"
@@ -177,7 +183,7 @@ def _points(
 
 def _miniprof(name: str, lines: Sequence[str], body: str) -> Table:
     """Table of a MiniProf file. Lines that begin with a quotation mark are commented out. Raises
-    FormatError.
+    FormatError. name: file name, for messages; body: 'rail' or 'wheel', by the extension.
     """
     empty = next((i for i, line in enumerate(lines) if not line.strip()), len(lines))
     header = dict(line.split("=", 1) for line in lines[:empty] if "=" in line)
@@ -200,7 +206,9 @@ def _miniprof(name: str, lines: Sequence[str], body: str) -> Table:
 
 def _simpack(name: str, lines: Sequence[str], body: str) -> Table:
     """Table of a Simpack file. Shifts, rotation, bounds and mirrors of the header are applied in
-    order, as Simpack does; its type stands over the body of the extension. Raises FormatError.
+    order, as Simpack does. Raises FormatError.
+    name: file name, for messages.
+    body: 'rail' or 'wheel', by the extension; the header's type, if it has one, counts instead.
     """
     bare = [line.split("!")[0].strip() for line in lines]
     if "point.begin" not in bare:
@@ -286,11 +294,14 @@ def _table(name: str, lines: Sequence[str], unit_is_given: bool) -> Table:
 def _columns(
     name: str, header: Sequence[tuple[int, str]], separator: str, count: int
 ) -> tuple[int, tuple[int, int], list[str]] | None:
-    """Line number of the last header line that names y and z, indices of these two columns, and the
-    units that stand over them; None where no line names them.
-    A column x stands for y where the line names no y, or no z: y is then the height.
-    header: (line number, text) before the points; count: columns of the points.
-    Raises FormatError where a header names several such columns, or fewer columns than there are.
+    """Number of the last header line that names the columns across and up; the indices of both; and
+    their different units (none, one or two). None where no line names both.
+    Columns y and z are these two. Without z they are x and y, without y they are x and z.
+    name: file name, for messages.
+    header: (line number, text) of each line before the points.
+    separator: regular expression between cells.
+    count: number of columns of the points.
+    Raises FormatError where the line names one of them twice, or fewer than `count` columns.
     """
     below: list[str] = []
     for at_line, line in reversed(header):

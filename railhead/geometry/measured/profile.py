@@ -239,9 +239,10 @@ def _line(table: Table, points: Array, place: Array) -> int:
 
 
 def wave(smoothed: Smoothed, start: float, end: float) -> tuple[float, Array] | None:
-    """Largest angle (deg) by which the curve bends one way and back within 4 mm (WAVE), between y =
-    start and y = end (mm), and its place (2,); in the axes of the curve; None where no angle is
-    larger than 10 deg (BENT).
+    """Largest angle (deg) by which the curve bends one way and back within 4 mm (WAVE) of its
+    length, and the middle (y, z) of these 4 mm, mm; None where none is above 10 deg (BENT). Of two
+    opposite bends the smaller one is the angle: range of the tangent's angle less its net change.
+    start, end: smallest and largest y of the middle, mm.
     """
     s = np.arange(0.0, smoothed.length, STRIDE)
     dy, dz = smoothed.curve(s, 1).T

@@ -27,9 +27,10 @@ class EffectRules:
     check: function of context, decision and findings that evaluates the indicator of the effect on
         the solution; gives None where it does not apply.
     numerical_only: the exact answer is the same with and without the effect.
-    beyond_half_spaces: half-space references beside the result lack the effect too.
-    of_bodies: the effect is one of meshed bodies. Where half-spaces answer it is off, and the
-        estimate of the answer covers it.
+    beyond_half_spaces: half-spaces that a result of finite bodies is compared with lack the effect,
+        too.
+    of_bodies: only meshed bodies have the effect. Where half-spaces answer it is off; what it would
+        change is a part of their error estimate.
     in_half_spaces: half-spaces always have the effect; where they answer it cannot be off.
     beyond_envelopes: the error envelopes were calibrated without the effect, and do not hold where
         it is on.
@@ -164,8 +165,8 @@ def decide(
 
 
 def _without_bodies(name: str, effect: Effect) -> Effect:
-    """The named effect where finite bodies are off: off if it is one of bodies, else unchanged.
-    Raises SceneError for an effect of bodies that a person switched on, and for one that
+    """The named effect where finite bodies are off: off if only meshed bodies have it, else
+    unchanged. Raises SceneError for an effect of bodies that a person switched on, and for one that
     half-spaces always have where it is switched off.
     """
     if EFFECTS[name].in_half_spaces and effect.override and not effect.on:

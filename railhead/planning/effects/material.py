@@ -208,13 +208,13 @@ def _steel_yields(context: Context, stresses: Mapping[str, float]) -> tuple[str,
     """Sentence on whether the usual rail steel (R260) would yield in a scene without a yield
     stress, and whether it would.
     stresses: largest von Mises stress (MPa) by body that deforms ('rail', 'wheel'); bodies without
-        the modulus of a steel do not count.
+        the modulus of a steel do not count. If none is left, the sentence says that no yield stress
+        is given, and it would not.
     """
-    parts = context.scene.bodies
     steel = {
         name: stress
         for name, stress in stresses.items()
-        if steels.is_steel(parts[name].young_modulus)
+        if steels.is_steel(context.scene.bodies[name].young_modulus)
     }
     if not steel:
         return "no yield stress is given", False
@@ -227,8 +227,9 @@ def _steel_yields(context: Context, stresses: Mapping[str, float]) -> tuple[str,
 
 
 def _over_yield(scene: Scene, stresses: dict[str, float]) -> tuple[float, str]:
-    """Largest ratio of von Mises stress (MPa, by body) to initial yield stress, and a sentence that
-    says whether the stress passes it.
+    """Largest ratio of von Mises stress to initial yield stress, and a sentence that says whether
+    the stress passes it. stresses: von Mises stress, MPa, by body that has a yield stress; not
+    empty.
     """
     ratios = {name: stress / scene.bodies[name].first_yield for name, stress in stresses.items()}
     worst = max(ratios, key=ratios.__getitem__)

@@ -154,7 +154,9 @@ def _inside(
 
 
 def _window(x: Array, s: Array) -> Window:
-    """Rectangle around places x (n,) and s (m,) in mm: centre (x, s) and half sizes (x, s)."""
+    """Smallest rectangle that holds places x (n,) and s (m,), in mm: centre (x, s) and half sizes
+    (x, s).
+    """
     (x0, x1), (s0, s1) = ((float(each.min()), float(each.max())) for each in (x, s))
     return ((x0 + x1) / 2, (s0 + s1) / 2), ((x1 - x0) / 2, (s1 - s0) / 2)
 

@@ -35,7 +35,7 @@ CELLS = 128  # of a patch each way
 LENGTH, WIDER = 1e4, 1.25  # of a strip over its half width; its grid over it, as tractions widen it
 TOLERANCE = 1e-8  # of the displacement of a strip
 PLANE = np.array([[0.0] * 3, [0.0] * 3, [0.0, 0.0, 1.0], [0.0] * 3])
-"""Angular velocity vectors of the modes of rigid slip on a plane, 1/mm."""
+"""`PressedPatch.angular` on the plane z = 0: about z for unit spin, zero for the other modes."""
 
 
 def solve(solved: MeshSolution) -> BoundaryElementSolution | str | None:
@@ -113,8 +113,8 @@ class PressedPatch:
     modes: rigid slip along the rail and along its profile at the cells, (4, 2, nx, ns): of unit
         creepage along, unit creepage across, unit spin, and the fixed mode: the wheel's own turning
         about axes in the tangent plane (`wheelset_kinematics.RigidSlip`).
-    angular: angular velocity vector of each mode, (4, 3), 1/mm, in the axes of space, in which the
-        patch's angles are tilts from z towards -y.
+    angular: (4, 3) angular velocity vector of each mode over the rolling speed, 1/mm, in the axes
+        of space. In these the normal at an angle of `pressed` is (0, -sin, cos).
     """
 
     pressed: PatchSolution

@@ -40,7 +40,7 @@ class RollingContact:
     load: force of the pressure, N, along the load.
     modulus: contact modulus E*, MPa.
     line: whether it is a line contact, in plane strain.
-    keeps: whether the pressure stays as it is.
+    keeps: whether the pressure stays as it is, however the passes move the surface.
     traction: of the wheel on the rail, MPa; None: none. Of a line contact along x (nx,), else along
         x and across (2, nx, ns).
     width: of a line contact, mm.
@@ -75,7 +75,9 @@ class RollingContact:
         return found
 
     def resistance(self, patch: PatchSolution) -> float:
-        """Force against the rolling by the lean of a pressure, N: int p d gap/dx dA."""
+        """Force against the rolling, N, of a pressure on the slope of the undeformed gap along x:
+        int p d gap/dx dA.
+        """
         pressed = patch.pressure > 0
         with np.errstate(invalid="ignore"):
             slope = np.gradient(self.gap, self.grid.x, axis=0)
@@ -110,8 +112,11 @@ class Pressing:
         self._kept: Array | None = None
 
     def __call__(self, surface: SurfaceMotion, profile: ProfileChange) -> Array:
-        """Elastic stress (columns, lines, m), MPa, in Mandel's notation, where this pass moves the
-        surface beside what the passes before left.
+        """Elastic stress (columns, lines, m), MPa, in Mandel's notation, at the Gauss points of the
+        block; m is 4 of a line contact, 6 of a solid.
+
+        surface: displacement of the surface by this pass.
+        profile: displacement that the passes before left.
         """
         if self._contact.traction is not None:
             self.traction_work = self._work(surface)
@@ -126,7 +131,7 @@ class Pressing:
             if self._rolling.block.half:
                 moved = np.hstack([moved[:, ::-1], moved])
         self.patch = contact.patch(moved, self.patch)
-        stress = self._line() if contact.line else self._solid()
+        stress = self._exact_stress() if contact.line else self._block_stress()
         self._kept = stress if contact.keeps else None
         return stress
 
@@ -147,21 +152,25 @@ class Pressing:
         return -total * contact.grid.cell * (2 if rolled.half else 1)
 
     def _meshed(self, values: Array) -> Array:
-        """Values at the cells (nx, ns) of a solid that lie over the block, whose half may be left
-        out.
+        """Those of the values (nx, ns) at the cells that lie over the block: the columns at s > 0
+        where only this half of it is meshed, else all.
         """
         return values[:, values.shape[1] // 2 :] if self._rolling.block.half else values
 
-    def _line(self) -> Array:
-        """Exact stress below the pressure of a line contact and its tractions."""
+    def _exact_stress(self) -> Array:
+        """Exact elastic stress (columns, lines, 4), MPa, in Mandel's notation, at the Gauss points
+        of the block, below the pressure and the tractions of a line contact.
+        """
         assert self.patch is not None
         places = self._rolling.places
         found = self._strips.stress(self.patch.pressure[:, 0], self._contact.traction)
         mandel = found[:, [0, 2, 1, 3]] * [1.0, 1.0, 1.0, math.sqrt(2)]
         return np.asarray(mandel.reshape(*places.shape[:2], 4))
 
-    def _solid(self) -> Array:
-        """Stress of the block below the pressure and the tractions of a solid."""
+    def _block_stress(self) -> Array:
+        """Elastic stress (columns, lines, 6), MPa, in Mandel's notation, at the Gauss points of a
+        solid block, by finite elements: pressure and tractions are forces on its surface nodes.
+        """
         assert self.patch is not None
         rolling, pressure = self._rolling, self.patch.pressure
         block, traction = rolling.block, self._contact.traction
