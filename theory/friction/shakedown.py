@@ -105,9 +105,10 @@ def _balanced(stress: Array, kinematic: bool) -> float:
     keep the stresses at n places of one depth within von Mises' limit.
 
     stress: (n, 6), columns xx, yy, zz, xy, xz, yz, MPa, of plane strain, where xy and yz are zero.
-    kinematic: with them one shift of xz, by a back stress.
+    kinematic: whether a back stress may shift xz, by the same at all places.
 
-    k^2 = d^2/4 + (e - d/2)^2/3 + xz^2, d = xx - zz, e = yy - zz, residual stresses included.
+    k^2 = d^2/4 + (e - d/2)^2/3 + xz^2, d = xx - zz, e = yy - zz, residual stresses and shift
+    included.
     """
     xx, yy, zz, _, xz, _ = stress.T / STRIP.p0
 
