@@ -102,7 +102,7 @@ def parabolic_contact(curvature_x: float, curvature_y: float) -> ContactPoint:
 @dataclass(frozen=True)
 class ProfilePair:
     """The profiles of a wheel and of the rail under the wheel.
-    rail: z(y) with the origin at the crown centre, mm.
+    rail: z(y) as it stands, inclined, with the origin at the crown centre, mm.
     wheel: height over the nominal rolling radius, outwards, as a function of y, mm; y = 0 at the
         tape circle.
     rolling_radius: nominal rolling radius of the wheel, mm.

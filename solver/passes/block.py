@@ -96,7 +96,7 @@ class Block:
 
     @cached_property
     def mesh(self) -> Any:
-        """dolfinx mesh of the block."""
+        """dolfinx mesh with straight hexahedra, in plane strain quadrilaterals, mm."""
         sizes = [len(axis) for axis in self.axes]
         points = np.stack(np.meshgrid(*self.axes, indexing="ij"), axis=-1).reshape(-1, self.dim)
         number = np.arange(len(points)).reshape(sizes)

@@ -60,7 +60,9 @@ class BoundaryElementSolution:
 
     @property
     def force(self) -> float:
-        """Integral of the pressure over all windows, N: the normal force, at least the load."""
+        """Integral of the pressure over all windows, N. It is the normal force, larger than the
+        vertical load where the surface is inclined.
+        """
         return sum(window.force for window in self.windows)
 
     @property

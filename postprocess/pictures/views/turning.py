@@ -162,7 +162,7 @@ def _swept_bodies(fields: Fields, findings: Findings, volume: meshio.Mesh) -> li
 
 def _along(fields: Fields, findings: Findings) -> Array:
     """Vector (3,) in space, mm, along which a plane section is extruded, away from the eye. Its
-    length is the thickness, at most three half widths (LONGEST).
+    length is the thickness, at most three half widths of the patch (LONGEST).
     """
     patch, axis = findings.patch, coordinate(fields)
     length = min(fields.kinematics.thickness, LONGEST * (patch.a, patch.b)[axis])
