@@ -49,7 +49,7 @@ def test_the_indicator_is_held_against_yield_and_shakedown():
     kinematic = planning.make(LINE.replace(**ROLLS).replace(hard))
     assert "shakedown limit 4.01 at" in kinematic.effects["passes"].why
     slips = planning.make(LINE.replace(hard).replace(
-        ["friction.coefficient=0.5", "rolling.creepage_along=10%", "load=800kN"]
+        ["friction.coefficient=0.5", "rolling.creepage_along=10%", "load=500kN"]
     ))  # fmt: skip
     assert "shakedown limit 1.94 at Q/P = 0.5; about 10" in slips.effects["passes"].why
 
@@ -71,6 +71,8 @@ def test_a_wheel_that_yields_too_is_left_out_by_its_name():
         (["load=3000kN", "rail.hardening_modulus=0.001"], "p0/k is 6.94.*answer above 6;"),
         (["load=3000kN", "rail.hardening_modulus=1500"], "p0/k is 6.94.*answer above 6.56;"),
         (["load=2100kN", "rolling.pressure=hertz"], "rolling.passes: 3 .*answer above 5.5;"),
+        (["load=800kN", "friction.coefficient=0.5", "rolling.creepage_along=10%"],
+         "p0/k is 3.58, .*no steady answer above 2.2 at Q/P = 0.5; give"),
         (["rail.young_modulus=inf"], "rolling.passes: 3 .*the rail is rigid"),
         (["friction.coefficient=0.3", "friction.force_along=9kN"],
          "rolling.passes: 3 .*a force of .friction. shifts a wheel that rests"),
