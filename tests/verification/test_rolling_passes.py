@@ -192,16 +192,20 @@ def test_a_mirrored_load_leaves_a_mirrored_state():
 
 
 def test_half_of_a_symmetric_solid_is_the_whole():
+    """With tractions along the rail."""
     exact = ellipse()
     half_lengths = exact.a, exact.b
-    contact = pass_contact.ellipse_contact(exact, keeps=False)
+    plain = pass_contact.ellipse_contact(exact, keeps=False)
+    along = 0.1 * plain.pressure
+    contact = replace(plain, traction=np.stack([along, np.zeros_like(along)]))
     found = []
     for half in (True, False):
         block = passes.block(
             rail(10e3), half_lengths, line=False, half=half, per_length=1.5, reach=3
         )
         found.append(passes.roll(block, contact, half_lengths, 1).rows[0])
-    for key in ("strain_increment_max", "forward_mm", "groove_mm", "residual_along_MPa", "work_N"):
+    keys = "strain_increment_max", "forward_mm", "groove_mm", "residual_along_MPa", "work_N"
+    for key in (*keys, "traction_work_N"):
         assert found[1][key] == pytest.approx(found[0][key], rel=2e-3), key
     assert abs(found[1]["place_mm"][0]) == pytest.approx(found[0]["place_mm"][0], abs=0.1)
     assert found[0]["strain_increment_max"] > 3e-3

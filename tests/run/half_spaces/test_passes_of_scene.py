@@ -1,5 +1,7 @@
 """Passes of shipped scenes on real profiles, with and without friction."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from solved import scene_of
@@ -9,7 +11,8 @@ from railhead.contact import solid
 from railhead.planning.references import boundary_elements
 from railhead.postprocess.passes import RailState
 from railhead.results import pipeline
-from railhead.run.half_spaces import passes_of_scene
+from railhead.run.half_spaces import pass_contact, passes_of_scene
+from railhead.theory.elastic import hertz
 
 FAST = ("effects.finite_bodies=off", "wheel.steel=none", "mesh.patch_size=4", "rolling.passes=1")
 
@@ -67,3 +70,20 @@ def test_a_real_pair_rolls_with_and_without_friction():
     assert "one way: yield does not change them" in rubs.summary["result"]["passes_words"]
     assert first["traction_work_N"] == 0 < other["traction_work_N"]
     assert other["forward_mm"] > 1.1 * first["forward_mm"]  # dragged along
+
+
+def test_tractions_found_on_half_of_a_patch_are_mirrored_and_bounded():
+    """Those along are even, those across odd, and none is above friction times pressure."""
+    plain = pass_contact.ellipse_contact(hertz.point_contact(0.01, 0.02, 1e5, 1e3), keeps=True)
+    places = np.meshgrid(plain.grid.x, plain.grid.s[plain.grid.s > 0], indexing="ij")
+    x, s = (each.ravel() for each in places)
+    found = np.column_stack([np.full(len(x), 50.0), 20 * s / s.max()])
+    friction = SimpleNamespace(coefficient=0.3)
+    plan = SimpleNamespace(half_y=True, scene=SimpleNamespace(friction=friction))
+    contact = passes_of_scene._with_tractions(SimpleNamespace(plan=plan), plain, x, s, found)
+    along, across = contact.traction
+    assert along == pytest.approx(along[:, ::-1]) and across == pytest.approx(-across[:, ::-1])
+    size, bound = np.hypot(along, across), 0.3 * plain.pressure
+    assert (size <= bound * (1 + 1e-9)).all() and across.max() > 5
+    free = bound > 55
+    assert free.any() and along[free] == pytest.approx(50.0)
