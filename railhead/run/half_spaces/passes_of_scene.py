@@ -172,7 +172,9 @@ def _with_tractions(
         x, s = np.concatenate([x, x]), np.concatenate([s, -s])
         traction = np.vstack([traction, traction * [1.0, -1.0]])
     places = np.stack(np.meshgrid(contact.grid.x, contact.grid.s, indexing="ij"), axis=-1)
-    found = LinearNDInterpolator(np.column_stack([x, s]), traction, fill_value=0.0)(places)
+    # Four points on a circle have two triangulations: that of sorted points is the same each time.
+    points, order = np.unique(np.column_stack([x, s]).round(5), axis=0, return_index=True)
+    found = LinearNDInterpolator(points, traction[order], fill_value=0.0)(places)
     bound = solved.plan.scene.friction.coefficient * contact.pressure
     size = np.hypot(found[..., 0], found[..., 1])
     found *= np.minimum(1.0, bound / np.maximum(size, 1e-300))[..., None]

@@ -72,18 +72,38 @@ def test_a_real_pair_rolls_with_and_without_friction():
     assert other["forward_mm"] > 1.1 * first["forward_mm"]  # dragged along
 
 
+PLAIN = pass_contact.ellipse_contact(hertz.point_contact(0.01, 0.02, 1e5, 1e3), keeps=True)
+
+
+def tractions(x: np.ndarray, s: np.ndarray, found: np.ndarray, *, half: bool) -> np.ndarray:
+    """Tractions (2, nx, ns) on the grid of PLAIN of those found (n, 2) at x, s (n,)."""
+    friction = SimpleNamespace(coefficient=0.3)
+    plan = SimpleNamespace(half_y=half, scene=SimpleNamespace(friction=friction))
+    solved = SimpleNamespace(plan=plan)
+    return passes_of_scene._with_tractions(solved, PLAIN, x, s, found).traction
+
+
+def test_tractions_do_not_depend_on_the_order_of_points():
+    """On a grid, whose squares have two triangulations, and as far off as on two ranks."""
+    rng = np.random.default_rng(1)
+    ticks = 1.3 * np.linspace(PLAIN.grid.x[0], PLAIN.grid.x[-1], 31)
+    x, s = (each.ravel() for each in np.meshgrid(ticks, ticks))
+    found = 50 * np.column_stack([np.cos(9 * x * s), np.sin(9 * x * s)])
+    mixed = rng.permutation(len(x))
+    noise = rng.uniform(-1e-9, 1e-9, (2, len(x)))
+    one = tractions(x, s, found, half=False)
+    other = tractions((x + noise[0])[mixed], (s + noise[1])[mixed], found[mixed], half=False)
+    assert other == pytest.approx(one, abs=1e-4)
+
+
 def test_tractions_found_on_half_of_a_patch_are_mirrored_and_bounded():
     """Those along are even, those across odd, and none is above friction times pressure."""
-    plain = pass_contact.ellipse_contact(hertz.point_contact(0.01, 0.02, 1e5, 1e3), keeps=True)
-    places = np.meshgrid(plain.grid.x, plain.grid.s[plain.grid.s > 0], indexing="ij")
+    places = np.meshgrid(PLAIN.grid.x, PLAIN.grid.s[PLAIN.grid.s > 0], indexing="ij")
     x, s = (each.ravel() for each in places)
     found = np.column_stack([np.full(len(x), 50.0), 20 * s / s.max()])
-    friction = SimpleNamespace(coefficient=0.3)
-    plan = SimpleNamespace(half_y=True, scene=SimpleNamespace(friction=friction))
-    contact = passes_of_scene._with_tractions(SimpleNamespace(plan=plan), plain, x, s, found)
-    along, across = contact.traction
+    along, across = tractions(x, s, found, half=True)
     assert along == pytest.approx(along[:, ::-1]) and across == pytest.approx(-across[:, ::-1])
-    size, bound = np.hypot(along, across), 0.3 * plain.pressure
+    size, bound = np.hypot(along, across), 0.3 * PLAIN.pressure
     assert (size <= bound * (1 + 1e-9)).all() and across.max() > 5
     free = bound > 55
     assert free.any() and along[free] == pytest.approx(50.0)
