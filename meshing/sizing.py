@@ -117,14 +117,15 @@ class Grading:
         section: whether the size is that of the plane x = centre, so that x does not enter.
         coordinates: gmsh's names of y and z.
         """
-        y, z = coordinates
         cx, cy, cz = self.centre
-        c, s = f"({np.cos(self.angle):.15g})", f"({np.sin(self.angle):.15g})"
-        dx = "0" if section else f"(x-({cx / self.stretch:.15g}))"
-        dy, dz = f"({y}-({cy:.15g}))", f"({z}-({cz:.15g}))"
-        across = f"({c}*{dy}+{s}*{dz})"
-        normal = f"({c}*{dz}-{s}*{dy})"
-        terms = list(zip((dx, across, normal), self._fine, strict=True))
+        y, z = (_offset(*each) for each in zip(coordinates, (cy, cz), strict=True))
+        across, normal = y, z
+        if self.angle:
+            c, s = f"({np.cos(self.angle):.15g})", f"({np.sin(self.angle):.15g})"
+            across, normal = f"({c}*{y}+{s}*{z})", f"({c}*{z}-{s}*{y})"
+        terms = list(zip((across, normal), self._fine[1:], strict=True))
+        if not section:
+            terms.insert(0, (_offset("x", cx / self.stretch), self._fine[0]))
 
         def norm(power: int) -> str:
             """Formula of the norm of the offset from the centre, each component divided by its
@@ -134,7 +135,7 @@ class Grading:
             return f"Sqrt({squares}+{1e-12 / min(self._fine) ** (2 * power - 2):.15g})"
 
         ellipsoid = f"{norm(1)}*({norm(1)}-1)/{norm(2)}"
-        beyond = [f"Max(0,Sqrt({x}*{x}+1e-300)-({e:.15g}))" for x, e in terms]
+        beyond = [f"Max(0,Abs({x})-({e:.15g}))" for x, e in terms]
         box = f"Sqrt({'+'.join(f'{d}*{d}' for d in beyond)}+1e-300)"
         distance = f"Max({box},{ellipsoid})"
         lines = [f"{size:.15g}+{growth:.15g}*{distance}" for size, growth in self._lines]
@@ -211,3 +212,10 @@ class Grading:
         along = np.minimum(along, reach / self.stretch)
         volume = 2 * np.pi / 3 * along * across * down
         return 4.4 * float(volume[0] / size[0] ** 3 + trapezoid(1 / size**3, volume))
+
+
+def _offset(name: str, origin: float) -> str:
+    """Formula of a coordinate less its value at an origin; of an origin at zero the name alone, as
+    each term costs time wherever gmsh asks for a size.
+    """
+    return f"({name}-({origin:.15g}))" if origin else name

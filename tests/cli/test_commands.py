@@ -10,9 +10,11 @@ from pathlib import Path
 import command
 import pytest
 import pyvista
+from click.shell_completion import BashComplete
 from solved import solved
 
 import railhead as rh
+from railhead.cli.commands import railhead
 from railhead.scene import catalogue
 
 ROOT = Path(__file__).parents[2]
@@ -232,16 +234,9 @@ def test_non_convergence_is_status_1_with_its_history(tmp_path, monkeypatch, cap
      ("sweep x --over loa", ["load="]), ("plan x --without plane", ["plane_strain"])],
 )  # fmt: skip
 def test_a_shell_completes_cases_keys_and_effects(words: str, found: list[str]) -> None:
-    given = ["railhead", *words.split()]
-    asked = {
-        "_RAILHEAD_COMPLETE": "bash_complete",
-        "COMP_WORDS": " ".join(given),
-        "COMP_CWORD": str(len(given) - 1),
-    }
-    done = subprocess.run(
-        command.START, env=command.environment() | asked, capture_output=True, text=True, check=True
-    )
-    assert done.stdout.splitlines() == [f"plain,{each}" for each in found]
+    *before, begun = words.split()
+    completion = BashComplete(railhead, {}, "railhead", "_RAILHEAD_COMPLETE")
+    assert [each.value for each in completion.get_completions(before, begun)] == found
 
 
 def test_two_results_are_compared(tmp_path, capsys) -> None:

@@ -129,20 +129,17 @@ def test_command_draws_a_profile_and_says_its_wear(tmp_path, monkeypatch, capsys
     np.testing.assert_allclose(middle, 1 / 300, rtol=0.1)
 
 
-@pytest.mark.parametrize("kind", ["svg", "pdf"])
-def test_a_picture_has_another_format_beside_png(kind: str, tmp_path, capsys) -> None:
+def test_a_picture_has_another_format_beside_png(tmp_path, capsys) -> None:
     with matplotlib.rc_context():
-        assert command.status("profile", BAN, "--format", kind, "--out", str(tmp_path / "o")) == 0
-    text = (tmp_path / "o" / f"profile.{kind}").read_bytes()
-    assert text.startswith(b"<?xml" if kind == "svg" else b"%PDF")
-    assert (b"railhead " in text) is (kind == "svg")  # stamped
+        assert command.status("profile", BAN, "--format", "svg", "--out", str(tmp_path / "o")) == 0
+    text = (tmp_path / "o" / "profile.svg").read_bytes()
+    assert text.startswith(b"<?xml") and b"railhead " in text  # stamped
     assert (tmp_path / "o" / "profile.png").is_file()
 
 
 @pytest.mark.parametrize(
     ("left", "right", "header", "keys"),
     [
-        pytest.param(-100, 100, "", (), id="by its width"),
         pytest.param(-70, 24, "", (), id="by its flange", marks=pytest.mark.slow),
         pytest.param(-35, 59, "", (), id="by its tread"),
         pytest.param(-100, 100, "y (yd),z (yd)", ("--set", "wheel.profile_unit=mm"), id="by a key"),
@@ -218,7 +215,7 @@ def test_manchester_case_touches_left_and_right_alike() -> None:
 
 
 def test_command_prints_json_and_writes_pictures(tmp_path, capsys, monkeypatch) -> None:
-    monkeypatch.setattr(geometry, "SHIFTS", np.linspace(-10.0, 10.0, 9))
+    monkeypatch.setattr(geometry, "SHIFTS", np.linspace(-10.0, 10.0, 3))
     folder = tmp_path / "located"
     given = f"s1002_60e1 --shift 3mm --yaw 2mrad --json --out {folder}"
     assert command.status("locate", *given.split()) == 0
@@ -233,7 +230,7 @@ def test_command_prints_json_and_writes_pictures(tmp_path, capsys, monkeypatch) 
 
 def test_positions_are_a_table_and_without_pictures_the_same(tmp_path, capsys, monkeypatch) -> None:
     """--no-pictures leaves out pictures alone; the flange turns a wheelset back harder."""
-    monkeypatch.setattr(geometry, "SHIFTS", np.linspace(-8.0, 8.0, 17))
+    monkeypatch.setattr(geometry, "SHIFTS", np.array([-8.0, -3.0, 0.0, 3.0, 8.0]))
     assert command.status("locate", "s1002_60e1", "--quiet", *quickly(tmp_path)) == 0
     assert capsys.readouterr().out == ""
     assert {path.name for path in (tmp_path / "out").iterdir()} == {

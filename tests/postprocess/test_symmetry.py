@@ -40,6 +40,18 @@ def test_images_are_upright_and_fill_the_blocks(
                 assert face.points[8] == pytest.approx(face.points[:4].mean(0), abs=1e-12)
 
 
+def test_images_of_quadratic_quadrilaterals_keep_their_middles() -> None:
+    corners = np.array([[0.0, 0.0], [3.0, 0.0], [4.0, 2.0], [0.0, 1.0]])
+    after = np.roll(corners, -1, axis=0)
+    cell = np.vstack([corners, (corners + after) / 2, [corners.mean(axis=0)]])
+    image = (cell * [-1.0, 1.0])[symmetry._TURNED["quad9"]]
+    first, following = image[:4], np.roll(image[:4], -1, axis=0)
+    np.testing.assert_allclose(image[4:8], (first + following) / 2)
+    np.testing.assert_allclose(image[8], first.mean(axis=0))
+    x, y = first.T
+    assert (x * np.roll(y, -1) - y * np.roll(x, -1)).sum() / 2 == pytest.approx(5.0)  # upright
+
+
 @pytest.mark.parametrize("degree", [1, 2])
 def test_images_hold_the_exact_fields(blocks: Callable[..., Any], degree: int) -> None:
     """Every component at every node inside the rail's block is that of the closed form there."""

@@ -46,9 +46,7 @@ def half_spaces() -> SolidFriction:
     return sampled("hertz_ellipse", *keys)[0]
 
 
-@pytest.mark.parametrize(
-    "motion", [Creepage(0.0, 1e-3), Creepage(0.0, 0.0, 2e-4), Creepage(5e-4, -5e-4, 1e-4)]
-)
+@pytest.mark.parametrize("motion", [Creepage(0.0, 1e-3), Creepage(5e-4, -5e-4, 1e-4)])
 def test_like_half_spaces_roll_as_under_hertz_s_pressure(half_spaces, motion) -> None:
     """Boundary elements under the exact pressure; condensation was 0.03 of mu N off here."""
     plan = rh.plan(rh.find("hertz_ellipse"), quiet=True).plan

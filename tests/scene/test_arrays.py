@@ -44,7 +44,9 @@ def test_an_array_is_read_as_a_file_of_the_same_points(tmp_path: Path) -> None:
     assert rh.Wheel(stress_strain=CURVE).curve == ((0.0, 600.0), (0.1, 800.0))
 
 
-def test_a_result_folder_holds_the_arrays_and_runs_again(tmp_path: Path, cache: Path) -> None:
+def test_a_result_folder_holds_the_arrays_and_runs_again(
+    tmp_path: Path, cache: Path, in_this_process: None
+) -> None:
     scene = rh.Scene(
         load="10 kN",
         rail=rh.Rail(profile=crown(300.0), stress_strain=CURVE),

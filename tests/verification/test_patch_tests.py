@@ -63,10 +63,11 @@ def test_bulk_constant_stress(two_blocks, cell: str, degree: int) -> None:
     )
 
 
-@pytest.mark.parametrize("degree, tolerance", [(1, 0.03), (2, 0.01)])
-@pytest.mark.parametrize("law", [ContactLaw("nitsche", theta) for theta in (1, 0, -1)])
+@pytest.mark.parametrize(
+    "degree, tolerance, theta", [(1, 0.03, 1), (1, 0.03, -1), (2, 0.01, 1), (2, 0.01, 0)]
+)
 def test_contact_patch_test_of_nitsche_on_non_matching_meshes(
-    two_blocks, solve, degree: int, tolerance: float, law: ContactLaw
+    two_blocks, solve, degree: int, tolerance: float, theta: int
 ) -> None:
     """Two blocks pressed flat together, approach 1 %: pressure E * approach / height everywhere.
 
@@ -74,6 +75,7 @@ def test_contact_patch_test_of_nitsche_on_non_matching_meshes(
     integrated at the slave's points, across the master's element edges, so the pressure wavers:
     3 % on P1 and 1 % on P2 tetrahedra.
     """
+    law = ContactLaw("nitsche", theta)
     made, setup = two_blocks(
         materials=(SOFT, SOFT), degree=degree, law=law, gap=FLAT, load_control=False
     )
@@ -149,10 +151,14 @@ def pressed(made: mesh.ContactMesh, setup: Setup, **control: float):
     return model, model.solve(active=np.ones(len(model.interface.points), bool), **control)
 
 
-@pytest.mark.parametrize("kinematics", [PLANE, RING], ids=["plane strain", "revolved"])
 @pytest.mark.parametrize(
-    "cell, degree",
-    [("tetrahedron", 1), ("tetrahedron", 2), ("hexahedron", 1), ("hexahedron", 2)],
+    "cell, degree, kinematics",
+    [
+        ("tetrahedron", 1, PLANE),
+        ("hexahedron", 2, PLANE),
+        ("tetrahedron", 2, RING),
+        ("hexahedron", 1, RING),
+    ],
 )
 def test_bulk_constant_stress_in_a_section(cell: str, degree: int, kinematics: Kinematics) -> None:
     """K u of a linear displacement vanishes at inner nodes and gives its constant stress, out of
@@ -216,11 +222,16 @@ def test_mean_dilatation_of_a_ring_is_that_of_its_volume() -> None:
     assert energies[0] - energies[1] == pytest.approx(lam * volume @ mean**2, rel=1e-10)
 
 
-@pytest.mark.parametrize("kinematics", [PLANE, RING], ids=["plane strain", "revolved"])
-@pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
 @pytest.mark.parametrize(
-    "law",
-    [ContactLaw(), ContactLaw("nitsche", 0), ContactLaw("nitsche", -1), ContactLaw("penalty")],
+    "kinematics, cell, law",
+    [
+        (PLANE, "tetrahedron", ContactLaw("nitsche", 0)),
+        (PLANE, "tetrahedron", ContactLaw("penalty")),
+        (PLANE, "hexahedron", ContactLaw()),
+        (RING, "tetrahedron", ContactLaw()),
+        (RING, "hexahedron", ContactLaw("nitsche", -1)),
+        (RING, "hexahedron", ContactLaw("penalty")),
+    ],
 )
 def test_contact_patch_test_and_balance(kinematics: Kinematics, cell: str, law: ContactLaw) -> None:
     """Blocks pressed flat together: the whole load arrives. Against a rigid rail the pressure is
@@ -239,8 +250,7 @@ def test_contact_patch_test_and_balance(kinematics: Kinematics, cell: str, law: 
     assert alone.approach - 0.02 == pytest.approx(springs, rel=0.05, abs=1e-8)
 
 
-@pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
-@pytest.mark.parametrize("which", [PLANE, RING], ids=["plane strain", "revolved"])
+@pytest.mark.parametrize("cell, which", [("tetrahedron", PLANE), ("hexahedron", RING)])
 def test_direct_and_multigrid_agree_in_a_section(cell: str, which: Kinematics) -> None:
     gap = ParabolicGap(1 / 200, 0.0, -1)
     states = []
@@ -283,8 +293,9 @@ def test_action_equals_reaction_between_the_bodies(two_blocks, solve) -> None:
     np.testing.assert_allclose(share[RAIL], -share[WHEEL], atol=1e-9)
 
 
-def test_approach_control_and_load_control_meet(two_blocks, solve) -> None:
-    made, setup = two_blocks()
+@pytest.mark.parametrize("wheel", [207000.0, math.inf])
+def test_approach_control_and_load_control_meet(two_blocks, solve, wheel: float) -> None:
+    made, setup = two_blocks(materials=(Material(207000.0, 0.3), Material(wheel, 0.3)))
     _, by_load = solve(made, setup, load=3000.0)
     _, by_approach = solve(made, replace(setup, load_control=False), approach=by_load.approach)
     assert by_approach.load == pytest.approx(3000.0, rel=1e-7)

@@ -50,6 +50,11 @@ def pressed(multiple: float, hardening: float = 0.0, **changes: object) -> rh.Sc
     return rh.Scene(load=multiple * FIRST, rail=rail, wheel=wheel).replace(**changes)
 
 
+def coarse(multiple: float, **changes: object) -> rh.Scene:
+    """The same on five elements across the patch of first yield."""
+    return pressed(multiple, mesh={"patch_size": 0.4 * RADIUS}, **changes)
+
+
 @pytest.fixture(scope="module")
 def five() -> rh.Result:
     return solved(pressed(5.0))
@@ -97,8 +102,9 @@ def test_a_given_approach_is_the_same_point_as_its_load(five: rh.Result) -> None
         assert other[name] == pytest.approx(one[name], rel=0.01)  # meshes differ a little
 
 
-def test_a_load_step_whose_start_stalls_begins_from_the_last_one(five, monkeypatch) -> None:
+def test_a_load_step_whose_start_stalls_begins_from_the_last_one(monkeypatch) -> None:
     """The linear problem that is solved for a start may be singular; the state is not its own."""
+    usual = rh.solve(coarse(5.0), quiet=True)
     stalls, solve = [], linear.solve
 
     def stalling(*given: Any, **named: Any) -> int:
@@ -108,10 +114,10 @@ def test_a_load_step_whose_start_stalls_begins_from_the_last_one(five, monkeypat
         return solve(*given, **named)
 
     monkeypatch.setattr(linear, "solve", stalling)
-    found = rh.solve(pressed(5.0), quiet=True)
-    assert stalls and found.passed, found.failed
-    assert found.approach == pytest.approx(five.approach, rel=1e-5)
-    assert found.pressure.max == pytest.approx(five.pressure.max, rel=1e-4)
+    found = rh.solve(coarse(5.0), quiet=True)
+    assert stalls and found.failed == usual.failed
+    assert found.approach == pytest.approx(usual.approach, rel=1e-5)
+    assert found.pressure.max == pytest.approx(usual.pressure.max, rel=1e-4)
 
 
 @pytest.mark.parametrize("normal, depth", [(-1.0, 3e-3), (1.0, -1e-3)])
@@ -139,9 +145,7 @@ def test_a_surface_that_bulges_everywhere_has_a_negative_depth(normal, depth) ->
 def test_cycles_press_the_spot_as_often_as_asked() -> None:
     """Two steps up and one apart; in between four down and two up."""
     found = [
-        rh.solve(
-            pressed(2.0, cycles=cycles, mesh={"patch_size": 0.4 * RADIUS}), quiet=True
-        ).mesh_solution.solution.plasticity
+        rh.solve(coarse(2.0, cycles=cycles), quiet=True).mesh_solution.solution.plasticity
         for cycles in (1, 3)
     ]
     counts = [len(each.newton_results) for each in found]
@@ -162,8 +166,7 @@ def test_no_cycle_follows_a_lowering_that_failed(monkeypatch) -> None:
         return none
 
     monkeypatch.setattr(load_stepping.LoadStepping, "_step", fails_at_first)
-    scene = pressed(2.0, cycles=3, mesh={"patch_size": 0.4 * RADIUS})
-    found = rh.solve(scene, quiet=True)
+    found = rh.solve(coarse(2.0, cycles=3), quiet=True)
     assert 1 < len(failed) < 10 and "converged" in found.failed
 
 
@@ -173,7 +176,7 @@ def test_twenty_steps_of_unloading_leave_the_same_stress(monkeypatch) -> None:
     left = []
     for steps in (load_stepping.UNLOADING, tuple(np.linspace(0.95, 0.05, 19))):
         monkeypatch.setattr(load_stepping, "UNLOADING", steps)
-        found = rh.solve(pressed(20.0, mesh={"patch_size": 0.4 * RADIUS}), quiet=True)
+        found = rh.solve(coarse(20.0), quiet=True)
         left.append(found.as_dict()["result"]["plastic"]["residual_von_mises_max_MPa"])
     assert left[0] == pytest.approx(left[1], rel=5e-3)
 
@@ -212,16 +215,18 @@ def test_yield_that_was_not_foreseen_is_simulated_all_the_same(monkeypatch) -> N
     """Unless a person wants the elastic answer."""
     blind = replace(EFFECTS["plasticity"], decide=lambda _: Effect(False, False, "none is seen"))
     monkeypatch.setitem(EFFECTS, "plasticity", blind)
-    assert not planning.make(pressed(2.0)).effects["plasticity"].on
-    summary = rh.solve(pressed(2.0), quiet=True).as_dict()
+    assert not planning.make(coarse(2.0)).effects["plasticity"].on
+    summary = rh.solve(coarse(2.0), quiet=True).as_dict()
     assert "plastic" in summary["result"] and summary["plan"]["effects"]["plasticity"]["on"]
-    elastic = solved(pressed(2.0, effects={"plasticity": "off"})).as_dict()
+    elastic = solved(coarse(2.0, effects={"plasticity": "off"})).as_dict()
     assert "plastic" not in elastic["result"] and elastic["effects_after"]["plasticity"]["needed"]
 
 
 def test_below_first_yield_the_elastic_numbers_are_the_same_bits() -> None:
-    elastic = rh.solve(pressed(0.9).replace(effects={"plasticity": "off"}), quiet=True).as_dict()
-    followed = rh.solve(pressed(0.9).replace(effects={"plasticity": "on"}), quiet=True).as_dict()
+    elastic, followed = (
+        rh.solve(coarse(0.9, effects={"plasticity": state}), quiet=True).as_dict()
+        for state in ("off", "on")
+    )
     assert followed["result"] == elastic["result"]
     assert followed["newton"] == elastic["newton"]
 
@@ -280,7 +285,7 @@ def test_an_accuracy_covers_mesh_and_load_steps() -> None:
 
 def test_load_steps_are_of_second_order() -> None:
     """Twice the steps divide the change by 3.9, on a coarse mesh; by backward Euler it is 1.8."""
-    plan, pressure = planning.make(pressed(5.57, mesh={"patch_size": 0.4 * RADIUS})), []
+    plan, pressure = planning.make(coarse(5.57)), []
     for steps in (4, 8, 16):
         finer = replace(plan, load_steps=steps)
         found = mesh_solution.mesh_and_solve(finer, Progress(quiet=True), MPI.COMM_WORLD)

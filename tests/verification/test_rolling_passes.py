@@ -37,7 +37,7 @@ def line(ratio: float, *, keeps: bool, traction: float = 0.0) -> pass_contact.Ro
 
 @cache
 def rolled(
-    ratio: float, hardening: float = 0.0, traction: float = 0.0, *, count: int, keeps: bool = True
+    ratio: float, hardening: float, traction: float, *, count: int, keeps: bool = True
 ) -> Passes:
     """Passes of a line contact, six elements on the half width."""
     block = passes.block(rail(hardening), (1.0, 1.0), line=True, half=False, per_length=6)
@@ -45,9 +45,9 @@ def rolled(
     return passes.roll(block, contact, (1.0, 1.0), count)
 
 
-@pytest.mark.parametrize("ratio", [3.6, 3.9])
-def test_below_the_limit_the_second_pass_does_not_yield_at_all(ratio):
-    found = rolled(ratio, count=3)
+def test_below_the_limit_the_second_pass_does_not_yield_at_all():
+    """By 2.5 %."""
+    found = rolled(3.9, 0.0, 0.0, count=3)
     assert found.rows[0]["strain_increment_max"] > 5e-4
     assert [row["strain_increment_max"] for row in found.rows[1:]] == [0.0, 0.0]
     assert [row["iterations"] for row in found.rows[1:]] == [1, 1]
@@ -77,14 +77,14 @@ def test_two_passes_of_a_line_are_those_of_another_program(number):
 
 
 def test_in_contact_the_resistance_is_what_yield_takes():
-    found = rolled(4.5, count=3, keeps=False)
+    found = rolled(4.5, 0.0, 0.0, count=3, keeps=False)
     assert found.energy_error is not None and found.energy_error < 0.03
     for row in found.rows:
         spent = row["work_N"] + row["stored_N"]
         assert row["resistance_N"] == pytest.approx(spent, rel=0.03)
     assert found.rows[0]["stored_N"] > 0.05 * found.rows[0]["work_N"]  # most of it in the first
     assert found.rows[2]["resistance_N"] == pytest.approx(found.rows[2]["work_N"], rel=0.03)
-    given = rolled(4.5, count=2)
+    given = rolled(4.5, 0.0, 0.0, count=2)
     strain = [each.rows[0]["strain_increment_max"] for each in (found, given)]
     assert strain[0] < 0.9 * strain[1]  # the groove carries
     assert found.rows[0]["lean_mm"] > 0.05
@@ -95,7 +95,7 @@ def test_in_contact_the_resistance_is_what_yield_takes():
 
 
 def test_without_yield_the_contact_is_the_elastic_one():
-    found = rolled(3.0, count=1, keeps=False)
+    found = rolled(3.0, 0.0, 0.0, count=1, keeps=False)
     assert found.verdict == "elastic"
     contact = line(3.0, keeps=False)
     patch = contact.patch(np.zeros_like(contact.gap), None)
@@ -209,6 +209,8 @@ def test_half_of_a_symmetric_solid_is_the_whole():
         assert found[1][key] == pytest.approx(found[0][key], rel=2e-3), key
     assert abs(found[1]["place_mm"][0]) == pytest.approx(found[0]["place_mm"][0], abs=0.1)
     assert found[0]["strain_increment_max"] > 3e-3
+    for each in found:  # the patch is as wide as Hertz's, and wider for the groove
+        assert 1.0 < each["width_mm"] / (2 * exact.b) < 1.4
 
 
 def ellipse() -> hertz.Ellipse:

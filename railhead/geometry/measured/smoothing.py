@@ -13,13 +13,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BSpline, CubicSpline, make_interp_spline
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import cho_solve_banded, cholesky_banded
 from scipy.ndimage import gaussian_filter1d, median_filter
-from scipy.sparse import csr_array, diags
+from scipy.sparse import csr_array
 
 from railhead.geometry.measured.ordering import LARGEST_GAP, PointError, chord_lengths, cross, turns
 
@@ -149,7 +150,8 @@ def smooth(points: Array, wavelength: float | None = None, stretch: float = 1.0)
 class _Fit:
     """Least-squares fit of cubic B-splines with penalised third differences of the coefficients.
     knots: knots of the splines, even except at the ends, mm of arc length.
-    basis: sparse values (n, m) of the m splines at the n points; squares: (m, m) basis^T basis.
+    basis: sparse values (n, m) of the m splines at the n points.
+    squares: lower bands (4, m) of basis^T basis (m, m), as scipy's banded solvers take them.
     differences: sparse matrix (rows, m) of third differences.
     places: (rows,) arc lengths at which the third differences lie, mm.
     step: distance of the knots, mm.
@@ -165,7 +167,7 @@ class _Fit:
         self.knots = self.step * np.arange(-ORDER, pieces + ORDER + 1)
         self.knots[ORDER], self.knots[-ORDER - 1] = 0.0, s[-1]
         self.basis = BSpline.design_matrix(s, self.knots, ORDER)
-        self.squares = (self.basis.T @ self.basis).toarray()
+        self.squares = _bands(self.basis.T @ self.basis)
         self.differences = csr_array(np.diff(np.eye(self.basis.shape[1]), ORDER, axis=0))
         self.places = self.step * (np.arange(self.differences.shape[0]) + 0.5)
         self.unit = self.spacing * self.step ** (2 * ORDER - 1)
@@ -181,7 +183,7 @@ class _Fit:
         """Spline fitted to data (n, ...) at the points, with weights penalty (rows,) of the squared
         third differences; it does not go through them.
         """
-        return BSpline(self.knots, cho_solve(self._factor(penalty), self.basis.T @ data), ORDER)
+        return BSpline(self.knots, self._solved(penalty, self.basis.T @ data), ORDER)
 
     def most_probable(self, heights: Array, sigma: Array) -> Array:
         """Wavelengths (rows,) in mm of the most probable smoothing, times 1.2 (BENDING).
@@ -190,13 +192,14 @@ class _Fit:
         number of them that the points determine, both as means over the neighbourhood.
         """
         d, width = self.differences, NEIGHBOURS / self.step
+        right = np.column_stack([self.basis.T @ heights, d.T.toarray()])
         shortest = SHORTEST * max(self.spacing, self.step)
         least, most = self.penalty(np.array([shortest, LONGEST]))
         penalty = np.full(len(self.places), math.sqrt(most * least))
         for _ in range(UPDATES):
-            factor = self._factor(penalty)
-            found = d @ cho_solve(factor, self.basis.T @ heights)
-            unknown = d.multiply(cho_solve(factor, d.T.toarray()).T).sum(axis=1)
+            solved = self._solved(penalty, right)
+            found = d @ solved[:, 0]
+            unknown = d.multiply(solved[:, 1:].T).sum(axis=1)
             known = gaussian_filter1d(1 - np.minimum(penalty * unknown, 1 - 1e-9), width)
             variance = gaussian_filter1d(found**2, width) / known
             better = np.clip(sigma**2 / np.maximum(variance, 1e-300), least, most)
@@ -208,14 +211,20 @@ class _Fit:
         lengths = 2 * math.pi * (penalty * self.unit) ** (1 / (2 * ORDER))
         return np.asarray(BENDING * lengths)
 
-    def _factor(self, penalty: Array) -> tuple[Array, bool]:
-        """Cholesky factor, as from scipy's `cho_factor`, of the normal matrix (m, m) with weights
-        penalty (rows,) of the squared differences.
+    def _solved(self, penalty: Array, right: Array) -> Array:
+        """Coefficients (m, ...) of the normal equations with weights penalty (rows,) of the squared
+        differences, for right-hand sides (m, ...).
         """
-        d = self.differences
-        roughness = (d.T @ diags(penalty) @ d).toarray()
-        factor: tuple[Array, bool] = cho_factor(self.squares + roughness, check_finite=False)
-        return factor
+        bands = self.squares + _bands(self.differences.T * penalty @ self.differences)
+        factor = cholesky_banded(bands, lower=True, check_finite=False)
+        return np.asarray(cho_solve_banded((factor, True), right, check_finite=False))
+
+
+def _bands(matrix: Any) -> Array:
+    """Main diagonal and the three below it, (4, m), of a sparse symmetric matrix (m, m) without
+    others, padded with zeros at the end.
+    """
+    return np.array([np.pad(matrix.diagonal(-k), (0, k)) for k in range(ORDER + 1)])
 
 
 def _frame(curve: BSpline, s: Array) -> tuple[Array, Array]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from functools import lru_cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -116,6 +117,14 @@ def test_an_ellipse_by_construction_is_read_by_its_moments() -> None:
     )
     outline = np.concatenate(found.outlines)
     assert np.ptp(outline, axis=0) / 2 == pytest.approx([found.a, found.b], rel=1e-12)
+
+
+def test_fourth_moments_tell_the_error_of_half_lengths() -> None:
+    """Those of an ellipsoid grow as the fourth power of its half length."""
+    fourth = (1.02**4 - 1, 0.99**4 - 1)
+    found = SimpleNamespace(a=3.0, b=2.0, fourth=fourth, shape_error=0.0)
+    half, error = patch.nearly_elliptic(found, 0.1, parabolic=True)
+    assert half.tolist() == [3.0, 2.0] and error == pytest.approx([0.02, 0.01])
 
 
 def test_a_patch_that_is_nearly_an_ellipse_is_read_as_it_is() -> None:

@@ -32,7 +32,7 @@ def test_a_loose_tolerance_moves_no_quantity_beyond_its_estimate(scene: tuple[st
 
 
 def test_the_residual_is_a_part_of_the_estimate() -> None:
-    summary = solved("hertz_ellipse", "mesh.patch_size=1.1", "solver.tolerance=1e-3").summary
+    summary = solved("sphere_on_plane", "solver.tolerance=1e-3").summary
     residual = summary["newton"]["history"][-1]["residual"]
     part = summary["accuracy"]["parts"]["a_mm"]["algebraic"]
     assert part == pytest.approx(RESIDUAL_FACTOR * residual)

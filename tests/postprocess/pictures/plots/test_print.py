@@ -343,12 +343,15 @@ def test_axes_and_numbers_are_in_the_readers_units(blocks: Callable[..., Any]) -
     assert limits == pytest.approx(np.round(limits, 6))
 
 
-def test_a_picture_is_written_in_a_second_format_beside_png(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("kind", "begins"), [("svg", b"<?xml"), ("pdf", b"%PDF")])
+def test_a_picture_is_written_in_a_second_format_beside_png(
+    kind: str, begins: bytes, tmp_path: Path
+) -> None:
     path = tmp_path / "a.png"
     with (
-        matplotlib.rc_context({"savefig.format": "svg"}),
+        matplotlib.rc_context({"savefig.format": kind}),
         diagrams.new_figure(path, 4, 3, TITLE) as figure,
     ):
         figure.add_subplot()
-    assert (tmp_path / "a.svg").read_text().startswith("<?xml")
+    assert (tmp_path / f"a.{kind}").read_bytes().startswith(begins)
     assert path.read_bytes().startswith(b"\x89PNG")
