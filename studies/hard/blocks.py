@@ -21,7 +21,7 @@ from railhead.solver.material.elasticity import Material
 from railhead.solver.setup import ContactBody, Setup
 from railhead.solver.solution import Solution
 from railhead.solver.space.interface import ContactLaw, Gap
-from studies.hard.case import Deviation, Measured
+from studies.hard.case import CaseErrors, Deviation
 
 Array = NDArray[np.float64]
 Start = Callable[[ContactModel], NDArray[np.bool_]]
@@ -79,12 +79,12 @@ class Solved:
 
     def measured(
         self, deviation: float, limit: float, name: str, findings: Findings | None = None
-    ) -> Measured:
+    ) -> CaseErrors:
         """The deviation of what is named, its limit, the failed checks and the costs."""
         history = self.solution.newton.history
         noise = None if findings is None else findings.noise
         rough = noise is not None and not noise <= NOISE_LIMIT
-        return Measured(
+        return CaseErrors(
             {name: Deviation(deviation, limit)},
             (*self.failed, *(["pressure_noise"] if rough else [])),
             len(history),
@@ -116,7 +116,7 @@ def offset(distance: float, gap: Gap = block_pairs.GAP) -> Gap:
     return moved
 
 
-def start_from(share: float | None = None, distance: float = 0.0, law: str = "") -> Measured:
+def start_from(share: float | None = None, distance: float = 0.0, law: str = "") -> CaseErrors:
     """From a bad active set, a random share of all points (None: a good one), the bodies
     `distance` mm apart: the answer must be that of a good start. law: of LAWS."""
     made, setup = block_pairs.two_blocks(law=LAWS[law])
@@ -128,7 +128,7 @@ def start_from(share: float | None = None, distance: float = 0.0, law: str = "")
     return bad.measured(deviation, EXACTLY, SOLUTION)
 
 
-def transformed(how: str) -> Measured:
+def transformed(how: str) -> CaseErrors:
     """The scene turned or mirrored, or in other units, see TRANSFORMS: the same answer."""
     matrix, length, stress = TRANSFORMS[how]
     made, setup = block_pairs.two_blocks()
@@ -162,7 +162,7 @@ def transformed(how: str) -> Measured:
     return found.measured(deviation, EXACTLY, SOLUTION)
 
 
-def path(loads: list[float]) -> Measured:
+def path(loads: list[float]) -> CaseErrors:
     """Loads up and down on one mesh, each from the last one's active set; the last load solved
     afresh is the reference."""
     made, setup = block_pairs.two_blocks()
@@ -183,14 +183,14 @@ def path(loads: list[float]) -> Measured:
 
 def against_matched(
     h: float, ratio: float, limit: float, fine: float = 0.7, **changes: Any
-) -> Measured:
+) -> CaseErrors:
     """Meshes of sizes h and ratio * h: approach and largest pressure of a matched mesh of size
     `fine` (mm) are the reference."""
     found = solve(*block_pairs.two_blocks(h=h, ratio=ratio, **changes), near())
     return against(solve(*block_pairs.two_blocks(h=fine), near()), found, limit)
 
 
-def against(good: Solved, found: Solved, limit: float) -> Measured:
+def against(good: Solved, found: Solved, limit: float) -> CaseErrors:
     """Approach and largest pressure of a solution against those of a good one."""
     findings, exact = found.findings(), good.findings()
     deviation = max(
@@ -200,7 +200,7 @@ def against(good: Solved, found: Solved, limit: float) -> Measured:
     return found.measured(deviation, limit, "max_MPa, approach_mm", findings)
 
 
-def slivers(quality: float, count: int, limit: float) -> Measured:
+def slivers(quality: float, count: int, limit: float) -> CaseErrors:
     """`count` cells at the contact face squashed to a scaled Jacobian: the regular mesh is the
     reference for approach and largest pressure."""
     made, setup = block_pairs.two_blocks(h=1.0)
@@ -251,7 +251,7 @@ def scaled_jacobian(corners: Array) -> Array:
     return np.asarray(np.sqrt(2) * np.linalg.det(edges[:, 0]) / product)
 
 
-def two_patches(height: float, h: float, fine: float, limit: float) -> Measured:
+def two_patches(height: float, h: float, fine: float, limit: float) -> CaseErrors:
     """Two bumps at y = -6 and 6 mm, the second lower by `height` mm; a finer mesh is the
     reference for the approach and for the load's share on the first."""
 
@@ -277,7 +277,7 @@ def two_patches(height: float, h: float, fine: float, limit: float) -> Measured:
     return replace(measured, remark=f"{share(one):.0%} on the first")
 
 
-def line_contact(cell: str, h: float, limit: float, radius: float = 500.0) -> Measured:
+def line_contact(cell: str, h: float, limit: float, radius: float = 500.0) -> CaseErrors:
     """A cylinder on a plane, nu = 0 (plane strain and free ends are the same): half-width and mean
     pressure within half of it against Hertz's line contact for each half-width (mm).
 

@@ -27,7 +27,7 @@ class Deviation:
 
 
 @dataclass(frozen=True)
-class Measured:
+class CaseErrors:
     """What solving a case gave.
 
     deviations: by quantity; failed: names of the checks that failed, or the one line of a refusal;
@@ -49,7 +49,7 @@ class Measured:
 
 
 @dataclass(frozen=True)
-class Case:
+class HardCase:
     """One entry of the battery.
 
     reason: what is hard about it; reference: what the result is held against; newton: most steps
@@ -62,7 +62,7 @@ class Case:
     name: str
     reason: str
     reference: str
-    solve: Callable[[], Measured]
+    solve: Callable[[], CaseErrors]
     newton: int = 10
     krylov: float = math.inf
     seconds: float = 120.0
@@ -75,7 +75,7 @@ class Case:
         """Unique in the battery."""
         return f"{self.group}: {self.name}"
 
-    def fault(self, found: Measured) -> str:
+    def fault(self, found: CaseErrors) -> str:
         """Which part of the rule is broken; empty if none is."""
         if self.known:
             if any(each.startswith(self.known) for each in found.failed):
@@ -98,11 +98,11 @@ class Case:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class CaseOutcome:
     """A case with what it gave (None if it ended without), why it fails, and its seconds."""
 
-    case: Case
-    measured: Measured | None
+    case: HardCase
+    measured: CaseErrors | None
     fault: str
     seconds: float
 

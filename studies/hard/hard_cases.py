@@ -22,7 +22,7 @@ from railhead.scene import catalogue
 from railhead.scene.scene import Scene
 from studies import tables
 from studies.hard import blocks, references
-from studies.hard.case import Case, Measured, Outcome
+from studies.hard.case import CaseErrors, CaseOutcome, HardCase
 from studies.processes import attempts
 from studies.tables import percent, render
 
@@ -46,7 +46,7 @@ def base(fields: Mapping[str, Any]) -> Scene:
     return Scene.from_mapping(changes)
 
 
-def expand(row: Mapping[str, Any], scenes: Mapping[str, Scene]) -> Iterator[Case]:
+def expand(row: Mapping[str, Any], scenes: Mapping[str, Scene]) -> Iterator[HardCase]:
     """The cases of a row, see the head of cases.toml."""
     for entry in row.get("cases", [{}]):
         fields = {**row, **entry}
@@ -57,7 +57,9 @@ def expand(row: Mapping[str, Any], scenes: Mapping[str, Scene]) -> Iterator[Case
             yield one(fields, values, scenes)
 
 
-def one(fields: Mapping[str, Any], values: Mapping[str, Any], scenes: Mapping[str, Scene]) -> Case:
+def one(
+    fields: Mapping[str, Any], values: Mapping[str, Any], scenes: Mapping[str, Scene]
+) -> HardCase:
     """The case of a row with values in the places of its templates."""
     name, against = fields["name"].format(**values), fields["against"]
     options = {
@@ -69,7 +71,7 @@ def one(fields: Mapping[str, Any], values: Mapping[str, Any], scenes: Mapping[st
         options["scene"] = scenes[fields["scene"]].replace(keys)
     quick = fields.get("quick", False)
     given = ("newton", "krylov", "seconds", "known")
-    return Case(
+    return HardCase(
         group=fields["group"],
         name=name,
         reason=fields["reason"],
@@ -81,7 +83,7 @@ def one(fields: Mapping[str, Any], values: Mapping[str, Any], scenes: Mapping[st
     )
 
 
-def read() -> Iterator[Case]:
+def read() -> Iterator[HardCase]:
     """All cases of cases.toml."""
     with Path(__file__).with_name("cases.toml").open("rb") as file:
         table = tomllib.load(file)
@@ -90,16 +92,16 @@ def read() -> Iterator[Case]:
         yield from expand(row, scenes)
 
 
-CASES: dict[str, Case] = {case.key: case for case in read()}
+CASES: dict[str, HardCase] = {case.key: case for case in read()}
 QUICK = [case for case in CASES.values() if case.quick]
 
 
-def solve(key: str) -> Measured:
+def solve(key: str) -> CaseErrors:
     """Solve the case of a key."""
     return CASES[key].solve()
 
 
-def row(outcome: Outcome) -> dict[str, Any]:
+def row(outcome: CaseOutcome) -> dict[str, Any]:
     """The columns of a case; None where it ended without a result. quantity: the one nearest to
     what is allowed."""
     case, found = outcome.case, outcome.measured
@@ -125,12 +127,12 @@ def row(outcome: Outcome) -> dict[str, Any]:
 def main(out: Path, *, quick: bool) -> None:
     """Write hard_cases.csv, hard_cases.png and page.md; quick: the cases of the tests."""
     cases = QUICK if quick else list(CASES.values())
-    done: list[Outcome] = []
+    done: list[CaseOutcome] = []
     jobs, limits = [(case.key,) for case in cases], [case.seconds for case in cases]
     for case, attempt in zip(cases, attempts(solve, jobs, limits), strict=True):
         found = attempt.value
         fault = attempt.fault if found is None else case.fault(found)
-        done.append(Outcome(case, found, fault, attempt.seconds))
+        done.append(CaseOutcome(case, found, fault, attempt.seconds))
         print(f"{case.key}: {done[-1].result}", file=sys.stderr)
     draw(done, out / "hard_cases.png")
     tables.publish(out, page(done), hard_cases=[row(outcome) for outcome in done])
@@ -163,7 +165,7 @@ MAPS = (
 """Title, group of the cases, their rows and columns, labels of the columns and of the rows."""
 
 
-def cell(outcome: Outcome | None) -> tuple[float, bool, str]:
+def cell(outcome: CaseOutcome | None) -> tuple[float, bool, str]:
     """A point of a map: relative error (nan: no result), whether it converged, a short note."""
     if outcome is None or outcome.measured is None:
         return math.nan, False, "no end" if outcome and "back" in outcome.fault else "x"
@@ -176,7 +178,7 @@ def cell(outcome: Outcome | None) -> tuple[float, bool, str]:
     return error, True, f"{error:.1%}" + ("\nWRONG" if outcome.fault else "")
 
 
-def _row(outcome: Outcome) -> list[str]:
+def _row(outcome: CaseOutcome) -> list[str]:
     case, found = outcome.case, outcome.measured
     worst = found.worst if found else None
     none = ("-",) * 3
@@ -187,7 +189,7 @@ def _row(outcome: Outcome) -> list[str]:
     return [case.name, reason, case.reference, *nearest, *steps, seconds, outcome.result]
 
 
-def page(outcomes: Sequence[Outcome]) -> str:
+def page(outcomes: Sequence[CaseOutcome]) -> str:
     """The whole page."""
     groups: dict[str, list[list[str]]] = {}
     for outcome in outcomes:
@@ -201,7 +203,7 @@ def page(outcomes: Sequence[Outcome]) -> str:
     )
 
 
-def draw(outcomes: Sequence[Outcome], path: Path) -> None:
+def draw(outcomes: Sequence[CaseOutcome], path: Path) -> None:
     """The two failure maps of a whole run, one panel below the other; colour is the error, a grey
     cell with a cross did not converge."""
     found = {outcome.case.key: outcome for outcome in outcomes}

@@ -40,7 +40,7 @@ from railhead.scene.scene import Scene, SceneError
 from railhead.theory.elastic import indentation
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.friction import partial_slip
-from studies.hard.case import Deviation, Measured
+from studies.hard.case import CaseErrors, Deviation
 from studies.hard.fuzz_scenes import Seeded, plans, runnable, scene
 
 Summary = Mapping[str, Any]
@@ -63,15 +63,15 @@ WORN_RESOLUTION = 5.0  # elements per semi-axis
 RANDOM_SEED = 54
 
 
-def refusable(solve: Callable[..., Measured]) -> Callable[..., Measured]:
+def refusable(solve: Callable[..., CaseErrors]) -> Callable[..., CaseErrors]:
     """The same function, with a refusal of the scene or of its mesh as what failed."""
 
     @functools.wraps(solve)
-    def guarded(*args: Any, **options: Any) -> Measured:
+    def guarded(*args: Any, **options: Any) -> CaseErrors:
         try:
             return solve(*args, **options)
         except (SceneError, MeshError) as error:
-            return Measured(failed=(str(error),))
+            return CaseErrors(failed=(str(error),))
 
     return guarded
 
@@ -125,16 +125,18 @@ def against_boundary_elements(
     return deviations(summary, numeric_values(other), unknown, limit, unknown)
 
 
-def against_fine_mesh(result: pipeline.Result, finer: Summary, limit: float) -> Measured:
+def against_fine_mesh(result: pipeline.Result, finer: Summary, limit: float) -> CaseErrors:
     """The patch of a result against a summary of the same scene on a finer mesh."""
     bound = finer["accuracy"]["bound"]
     return measure(result, deviations(result.summary, quantities(finer), PATCH, limit, bound))
 
 
-def measure(result: pipeline.Result, found: Mapping[str, Deviation], remark: str = "") -> Measured:
+def measure(
+    result: pipeline.Result, found: Mapping[str, Deviation], remark: str = ""
+) -> CaseErrors:
     """The deviations with the failed checks and the cost of a run."""
     summary, findings = result.summary, result.findings
-    return Measured(
+    return CaseErrors(
         deviations=found,
         failed=tuple(summary["checks"]["failed"]),
         newton=summary["cost"]["newton_iterations"],
@@ -145,7 +147,7 @@ def measure(result: pipeline.Result, found: Mapping[str, Deviation], remark: str
 
 
 @refusable
-def against_hertz(scene: Scene, n: float = 4.0, limit: float = LIMIT) -> Measured:
+def against_hertz(scene: Scene, n: float = 4.0, limit: float = LIMIT) -> CaseErrors:
     """Half-spaces at n elements per semi-axis (0: as planned) against exact Hertz."""
     result = pipeline.run(resolved(scene, n))
     exact = numeric_values(result.summary["hertz"])
@@ -169,7 +171,7 @@ def half_space(scene: Scene, solution: MeshSolution) -> Summary:
 
 
 @refusable
-def against_half_space(scene: Scene, n: float = 4.0) -> Measured:
+def against_half_space(scene: Scene, n: float = 4.0) -> CaseErrors:
     """Real bodies at n elements per semi-axis (0: as planned) against boundary elements."""
     result = pipeline.run(resolved(scene, n))
     other = half_space(scene, result.mesh_solution)
@@ -177,7 +179,9 @@ def against_half_space(scene: Scene, n: float = 4.0) -> Measured:
 
 
 @refusable
-def against_finer(scene: Scene, n: float = 3.5, fine: float = 6.0, limit: float = 0.02) -> Measured:
+def against_finer(
+    scene: Scene, n: float = 3.5, fine: float = 6.0, limit: float = 0.02
+) -> CaseErrors:
     """Solve at n elements per semi-axis; the same scene at `fine` is the reference, which must be
     signed itself unless the coarse mesh is refused."""
     result = pipeline.run(resolved(scene, n))
@@ -190,7 +194,7 @@ def against_finer(scene: Scene, n: float = 3.5, fine: float = 6.0, limit: float 
 
 
 @refusable
-def positioned(scene: Scene) -> Measured:
+def positioned(scene: Scene) -> CaseErrors:
     """The largest pressure at default settings against boundary elements, within the limits for
     one patch and for several."""
     result = pipeline.run(scene)
@@ -202,7 +206,7 @@ def positioned(scene: Scene) -> Measured:
     return measure(result, {"max_MPa": allowed}, remark)
 
 
-def outgrown(scene: Scene, meshed: str, fine: float = 0.0) -> Measured:
+def outgrown(scene: Scene, meshed: str, fine: float = 0.0) -> CaseErrors:
     """Solve a scene on a first mesh made for another one (`meshed`: an assignment to it), as if it
     had been mispredicted; boundary elements are the reference, or the scene itself at `fine`
     elements per semi-axis."""
@@ -234,11 +238,11 @@ def plastic(summary: Summary) -> dict[str, float]:
 
 def plastic_measured(
     scene: Scene, reference: Callable[[], Mapping[str, float]], limits: Mapping[str, float]
-) -> Measured:
+) -> CaseErrors:
     """A scene that yields against reference values."""
     result = pipeline.run(scene)
     if not (found := plastic(result.summary)):
-        return Measured(failed=("no plastic answer", *result.summary["checks"]["failed"]))
+        return CaseErrors(failed=("no plastic answer", *result.summary["checks"]["failed"]))
     return measure(
         result,
         {k: Deviation(off(found[k], value), limits[k]) for k, value in reference().items()},
@@ -246,7 +250,7 @@ def plastic_measured(
 
 
 @refusable
-def finer_plastic(scene: Scene, multiple: float = 0.0) -> Measured:
+def finer_plastic(scene: Scene, multiple: float = 0.0) -> CaseErrors:
     """Against a mesh FINE times as fine with twice the load steps; multiple: of the load of first
     yield of a sphere, 0: the scene's own load."""
     if multiple:
@@ -263,7 +267,7 @@ def finer_plastic(scene: Scene, multiple: float = 0.0) -> Measured:
 
 
 @refusable
-def same_plastic(scene: Scene, multiple: float, cycles: int = 1, length: float = 1.0) -> Measured:
+def same_plastic(scene: Scene, multiple: float, cycles: int = 1, length: float = 1.0) -> CaseErrors:
     """A sphere pressed `cycles` times, or `length` times smaller, against itself."""
     scene = scene.replace(load=multiple * first_yield(scene))
     other = scene.replace(
@@ -282,12 +286,12 @@ def same_plastic(scene: Scene, multiple: float, cycles: int = 1, length: float =
 
 
 @refusable
-def friction(scene: Scene, reference: str) -> Measured:
+def friction(scene: Scene, reference: str) -> CaseErrors:
     """Forces (over mu N) or the share of stick against one of the references that are known."""
     result = pipeline.run(scene)
     found = (result.summary["result"] or {}).get("friction")
     if found is None:
-        return Measured(failed=("no friction", *result.summary["checks"]["failed"]))
+        return CaseErrors(failed=("no friction", *result.summary["checks"]["failed"]))
     limit, given = found["limit_N"], scene.friction
     if reference == "boundary elements":
         other, names = result.summary["half_space_friction"][reference], FORCES
@@ -333,7 +337,7 @@ def gauged(scene: Scene, rail: str, wear: Sequence[float], noise: float, folder:
 
 
 @refusable
-def true_profile(scene: Scene, rail: str, wear: Sequence[float], noise: float) -> Measured:
+def true_profile(scene: Scene, rail: str, wear: Sequence[float], noise: float) -> CaseErrors:
     """The measured profile by finite elements, the one without noise by boundary elements; the mesh
     is that for the latter. Where the noise hides the profile, a refusal is an answer."""
     with tempfile.TemporaryDirectory() as folder:
@@ -344,7 +348,7 @@ def true_profile(scene: Scene, rail: str, wear: Sequence[float], noise: float) -
     return measure(result, against_boundary_elements(result.summary, true))
 
 
-def random_plans(count: int) -> Measured:
+def random_plans(count: int) -> CaseErrors:
     """Every valid scene has a plan with finite numbers or a refusal in one line."""
     refused = broken = 0
     for seed in range(count):
@@ -353,10 +357,10 @@ def random_plans(count: int) -> Measured:
         except ValueError:
             broken += 1
     remark = f"{refused} of {count} refused in one line"
-    return Measured({"broken plans": Deviation(broken / count, 0.0)}, remark=remark)
+    return CaseErrors({"broken plans": Deviation(broken / count, 0.0)}, remark=remark)
 
 
-def random_scene(number: int) -> Measured:
+def random_scene(number: int) -> CaseErrors:
     """A random scene that the plan accepts, found by a seed of its own: of odd numbers half-spaces
     against Hertz, of even ones profiles against boundary elements."""
     flat = number % 2 == 1
@@ -381,12 +385,12 @@ def coarse_run(ranks: int, folder: Path) -> dict[str, Any]:
     return found
 
 
-def against_one_rank(ranks: int) -> Measured:
+def against_one_rank(ranks: int) -> CaseErrors:
     """Patch, pressure and approach on several ranks against one."""
     with tempfile.TemporaryDirectory() as folder:
         one, more = (coarse_run(count, Path(folder)) for count in (1, ranks))
     exact, found = quantities(one), quantities(more)
-    return Measured(
+    return CaseErrors(
         deviations={name: Deviation(off(found[name], exact[name]), SAME) for name in HALF_SPACE},
         failed=tuple(more["checks"]["failed"]),
         newton=more["cost"]["newton_iterations"],
@@ -394,7 +398,7 @@ def against_one_rank(ranks: int) -> Measured:
     )
 
 
-METHODS: dict[str, Callable[..., Measured]] = {
+METHODS: dict[str, Callable[..., CaseErrors]] = {
     "hertz": against_hertz,
     "half_space": against_half_space,
     "finer": against_finer,

@@ -45,7 +45,7 @@ PROFILES = (
 
 
 @dataclass(frozen=True)
-class Curve:
+class CreepCurve:
     """Motions of one model; resolution: elements a semi-axis, None as planned; shift of
     the wheelset, mm."""
 
@@ -61,11 +61,11 @@ class Curve:
 
 
 CURVES = (
-    Curve("hertz_ellipse", ALONG, None),
-    Curve("hertz_ellipse", ASIDE, COARSE),
-    Curve("s1002_60e1", PROFILES, COARSER, 4.0),
+    CreepCurve("hertz_ellipse", ALONG, None),
+    CreepCurve("hertz_ellipse", ASIDE, COARSE),
+    CreepCurve("s1002_60e1", PROFILES, COARSER, 4.0),
 )
-QUICK = (Curve("hertz_ellipse", ALONG[2:5:2], COARSE),)
+QUICK = (CreepCurve("hertz_ellipse", ALONG[2:5:2], COARSE),)
 
 
 Point = dict[str, Any]
@@ -77,7 +77,7 @@ pressing without friction, of sampling what finite bodies add and, on the averag
 its own pressing."""
 
 
-def rolled(curve: Curve) -> tuple[list[Point], Cost]:
+def rolled(curve: CreepCurve) -> tuple[list[Point], Cost]:
     """All methods at each motion."""
     plan = _plan(curve)
     clock = [time.process_time()]
@@ -115,7 +115,7 @@ def rolled(curve: Curve) -> tuple[list[Point], Cost]:
 
 
 def _point(
-    curve: Curve,
+    curve: CreepCurve,
     motion: Creepage,
     by: str,
     along: float,
@@ -134,7 +134,7 @@ def _point(
     }
 
 
-def _plan(curve: Curve) -> Plan:
+def _plan(curve: CreepCurve) -> Plan:
     across = any(each.across or each.spin for each in curve.motions)
     scene = catalogue.find(curve.name).replace(
         friction={"coefficient": COEFFICIENT},
@@ -146,7 +146,7 @@ def _plan(curve: Curve) -> Plan:
     return plan if curve.resolution is None else plan.at_resolution(curve.resolution)
 
 
-def _others(plan: Plan, curve: Curve) -> Iterator[Point]:
+def _others(plan: Plan, curve: CreepCurve) -> Iterator[Point]:
     scene, ellipse = plan.scene, plan.estimate
     assert isinstance(ellipse, Ellipse) and scene.load is not None
     pair = closed_forms.tangential_pair(scene)

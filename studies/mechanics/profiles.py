@@ -61,7 +61,7 @@ class Worn:
 
 
 @dataclass(frozen=True)
-class Case:
+class WornCase:
     """What is worn off the rail or the wheel ('worn'), as `Worn`, and the keys of the scene."""
 
     name: str
@@ -99,57 +99,57 @@ class Case:
         return self.scene.replace(keys if self.worn == "rail" else keys[:1])
 
 
-CASES: tuple[Case, ...] = (
-    Case("54E1 crown 1 mm, cylinder", "rail", (1.0, 0.0, 25.0), ()),
-    Case(
+CASES: tuple[WornCase, ...] = (
+    WornCase("54E1 crown 1 mm, cylinder", "rail", (1.0, 0.0, 25.0), ()),
+    WornCase(
         "60E1 crown 3 mm, 1:40",
         "rail",
         (3.0, 0.0, 45.0),
         ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=cone40"),
     ),
-    Case(
+    WornCase(
         "54E1 crown 2 mm, 1:20",
         "rail",
         (2.0, 0.0, 30.0),
         ("rail.inclination=1:20", "wheel.profile=cone20"),
     ),
-    Case(
+    WornCase(
         "54E1 corner 2 mm, S1002",
         "rail",
         (2.0, -30.0, 10.0),
         ("wheel.profile=S1002", "wheelset.shift=4"),
     ),
-    Case(
+    WornCase(
         "60E1 corner 3 mm, S1002",
         "rail",
         (3.0, -31.0, 12.0),
         ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=S1002", "wheelset.shift=4"),
     ),
-    Case(
+    WornCase(
         "60E1 corner 1 mm, in flange contact",
         "rail",
         (1.0, -28.0, 8.0),
         ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=S1002", "wheelset.shift=6"),
     ),
-    Case(
+    WornCase(
         "S1002 root 1 mm, in flange contact",
         "wheel",
         (1.0, -38.0, 8.0),
         ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=S1002", "wheelset.shift=5"),
     ),
-    Case(
+    WornCase(
         "S1002 root 2 mm, 60E1",
         "wheel",
         (2.0, -36.0, 12.0),
         ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=S1002", "wheelset.shift=3"),
     ),
-    Case(
+    WornCase(
         "S1002 tread hollow by 2 mm, 60E1",
         "wheel",
         (2.0, 0.0, 30.0),
         ("rail.profile=60E1", "rail.inclination=1:40", "wheel.profile=S1002"),
     ),
-    Case(
+    WornCase(
         "60E1 crown 1 mm, S1002 (conformal)",
         "rail",
         (1.0, -5.0, 20.0),
@@ -175,7 +175,7 @@ def contacts(found: BoundaryElementSolution) -> int:
     return sum(patch.force > COUNTED * found.force for patch in found.patches)
 
 
-def compared(case: Case, spacing: float, noise: float, seeds: int) -> Row:
+def compared(case: WornCase, spacing: float, noise: float, seeds: int) -> Row:
     """Some seeds of a case against its truth."""
     true = solved(case.scene, case.true())
     pressures, areas, opens, more = [], [], [], 0

@@ -79,7 +79,7 @@ class Claim:
 
 
 @dataclass(frozen=True)
-class Check:
+class ClaimCheck:
     """The thesis's value beside the exact one and ours (finite elements or another computation)."""
 
     what: str
@@ -95,7 +95,7 @@ class Finding:
     """Checks of a claim; a remark; why it cannot be computed; effect: largest relative effect on
     the results, where an error is known to do little."""
 
-    checks: Sequence[Check]
+    checks: Sequence[ClaimCheck]
     note: str = ""
     not_computable: str = ""
     effect: float | None = None
@@ -125,7 +125,7 @@ Rule = Callable[[Facts], Finding]
 
 def number(
     what: str, thesis: float | str, exact: float, unit: str = "", ours: float | None = None
-) -> Check:
+) -> ClaimCheck:
     """A number; given as printed (a string), half a unit of its last digit passes as well. Where
     there are finite elements (ours), both must bear it out: the worse grade counts."""
     value = float(thesis)
@@ -134,7 +134,7 @@ def number(
         grade = Grade.HOLDS
     if ours is not None:
         grade = min(grade, grade_number(value, ours, SOLVED))
-    return Check(what, value, exact, grade, unit, ours)
+    return ClaimCheck(what, value, exact, grade, unit, ours)
 
 
 def grade_number(value: float, exact: float, more: float = 0.0) -> Grade:
@@ -153,13 +153,13 @@ def half_last_digit(printed: str) -> float:
 
 def equation(
     what: str, printed: ArrayLike, exact: ArrayLike, ours: ArrayLike | None = None
-) -> Check:
+) -> ClaimCheck:
     """Two sides of an equation, evaluated; shown is the largest difference of their entries."""
     off = _apart(printed, exact)
     grade = Grade.HOLDS if off < 1e-9 else Grade.FAILS
     text = "equal" if grade == Grade.HOLDS else f"off by {off:.3g}"
     agrees = None if ours is None else f"{_apart(ours, exact):.0e} from exact"
-    return Check(what, text, "-", grade, "", agrees)
+    return ClaimCheck(what, text, "-", grade, "", agrees)
 
 
 def statement(
@@ -169,15 +169,17 @@ def statement(
     holds: bool,
     unit: str = "",
     ours: float | str | None = None,
-) -> Check:
+) -> ClaimCheck:
     """Something that is true or not, with the numbers that show it."""
-    return Check(what, thesis, exact, Grade.HOLDS if holds else Grade.FAILS, unit, ours)
+    return ClaimCheck(what, thesis, exact, Grade.HOLDS if holds else Grade.FAILS, unit, ours)
 
 
-def itself(what: str, printed: str, implied: float, unit: str = "") -> Check:
+def itself(what: str, printed: str, implied: float, unit: str = "") -> ClaimCheck:
     """A printed number against what the thesis's own numbers imply."""
     agrees = abs(float(printed) - implied) <= half_last_digit(printed)
-    return Check(what, float(printed), implied, Grade.HOLDS if agrees else Grade.CONTRADICTS, unit)
+    return ClaimCheck(
+        what, float(printed), implied, Grade.HOLDS if agrees else Grade.CONTRADICTS, unit
+    )
 
 
 def read_claims() -> list[Claim]:

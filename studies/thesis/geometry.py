@@ -17,7 +17,7 @@ from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 from scipy.spatial.transform import Rotation
 
-from studies.thesis.claims import Check, Finding, Rule, equation, number, statement
+from studies.thesis.claims import ClaimCheck, Finding, Rule, equation, number, statement
 from studies.thesis.facts import Facts
 
 Array = NDArray[np.float64]
@@ -210,7 +210,7 @@ def rail(s1: float, s2: float) -> Array:
     return rail_point(crown, s1, s2)
 
 
-def proper(matrix: Array) -> Check:
+def proper(matrix: Array) -> ClaimCheck:
     """Whether a matrix (3, 3) keeps lengths and is right-handed."""
     skew, det = float(np.abs(matrix.T @ matrix - np.eye(3)).max()), float(np.linalg.det(matrix))
     shown = f"det {det:.3g}, A'A - I {skew:.2g}"
@@ -242,7 +242,7 @@ def heading(s: float, exponent: int) -> float:
     return ramp + c0 / 2 * (s1 - s0) ** exponent
 
 
-def off_tangent(name: str, index: int) -> Check:
+def off_tangent(name: str, index: int) -> ClaimCheck:
     """Angle of a tangent of eq 3.21 to the derivative of the rail's surface, degrees."""
     one, other = LEVEL[f"3.21 {name}"], tangents(rail, 0.0, 0.0)[index]
     cosine = abs(one @ other) / np.linalg.norm(one) / np.linalg.norm(other)

@@ -7,7 +7,7 @@ from scipy.integrate import quad
 
 from railhead.theory.elastic.hertz import point_contact
 from studies.thesis.claims import (
-    Check,
+    ClaimCheck,
     Finding,
     Grade,
     Rule,
@@ -58,10 +58,10 @@ def orientation(facts: Facts) -> Finding:
     )
 
 
-def strength(name: str, low: float, high: float, least: float) -> Check:
+def strength(name: str, low: float, high: float, least: float) -> ClaimCheck:
     """A range of tensile strengths beside the least of EN 13674-1, MPa."""
     inside = max(grade_number(low, least), Grade.CLOSE) if low <= least <= high else Grade.FAILS
-    return Check(f"{name} quality", f"{low}-{high}", f">= {least}", inside, "MPa")
+    return ClaimCheck(f"{name} quality", f"{low}-{high}", f">= {least}", inside, "MPa")
 
 
 def curved_change(thesis: float, index: int, unit: str, note: str) -> Rule:

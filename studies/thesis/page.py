@@ -23,7 +23,7 @@ from railhead.theory.elastic import subsurface
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.subsurface import axis_stress, max_shear, principal, stress
 from studies.tables import render
-from studies.thesis.claims import CLOSE, CLOSE_CURVE, EXACT, Check, Claim, Finding, Verdict
+from studies.thesis.claims import CLOSE, CLOSE_CURVE, EXACT, Claim, ClaimCheck, Finding, Verdict
 from studies.thesis.facts import (
     INCLINATIONS,
     LOAD,
@@ -102,7 +102,7 @@ def _chapter(judged: Sequence[Judged]) -> tuple[list[list[str]], list[tuple[int,
     return rows, [remark for remark in remarked if any(remark[1:])]
 
 
-def _cells(check: Check) -> list[str]:
+def _cells(check: ClaimCheck) -> list[str]:
     unit = f", {check.unit}" if check.unit else ""
     ours = "" if check.ours is None else _value(check.ours)
     if isinstance(check.ours, float) and isinstance(check.exact, float) and check.exact:

@@ -10,7 +10,7 @@ from railhead.theory.elastic.hertz import Ellipse
 from studies.thesis.claims import (
     CLOSE_CURVE,
     EXACT,
-    Check,
+    ClaimCheck,
     Finding,
     Grade,
     Rule,
@@ -134,7 +134,7 @@ def stress_with_depth(facts: Facts) -> Finding:
     for name, value in zip(("s_x", "s_y", "s_z"), off / facts.ellipse.p0, strict=True):
         close = Grade.CLOSE if value <= CLOSE_CURVE else Grade.FAILS
         what = f"{name}: largest difference of the curves, of p0"
-        checks.append(Check(what, float(value), 0.0, Grade.HOLDS if value <= EXACT else close))
+        checks.append(ClaimCheck(what, float(value), 0.0, Grade.HOLDS if value <= EXACT else close))
     return Finding(checks, "Judged by the formulas: the picture is missing from the text.")
 
 
@@ -149,7 +149,7 @@ def tensile_load(facts: Facts) -> Finding:
     )
 
 
-def nail(facts: Facts, what: str, size: float, key: str) -> Check:
+def nail(facts: Facts, what: str, size: float, key: str) -> ClaimCheck:
     """A side of the patch in mm; nails of fingers are about 5 to 15 mm wide."""
     ours = 2 * facts.fe[key] if facts.fe else None
     return statement(f"{what} of the patch", "5-15", size, 5 <= size <= 15, "mm", ours)
@@ -167,7 +167,7 @@ def least_shear(facts: Facts) -> Finding:
     )
 
 
-def yields(facts: Facts, contact: Ellipse, key: str) -> Check:
+def yields(facts: Facts, contact: Ellipse, key: str) -> ClaimCheck:
     """The largest von Mises stress of a contact against the yield stress of R260."""
     value = subsurface.axis_extrema(contact, facts.poisson).von_mises_max
     what = f"largest von Mises stress at {contact.load / 1000:.4g} kN"

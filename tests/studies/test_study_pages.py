@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from studies.accuracy import accuracy_cost, calibrate, error_bounds, scaling
 from studies.accuracy import ranks as ranks_study
 from studies.hard import hard_cases as hard_page
-from studies.hard.case import Case, Deviation, Measured, Outcome
+from studies.hard.case import CaseErrors, CaseOutcome, Deviation, HardCase
 from studies.tables import front, power_law, table, wrapped
 
 
@@ -190,17 +190,17 @@ def test_halo_of_bodies_that_are_shared() -> None:
 
 
 def test_hard_cases_page_names_what_fails_and_what_is_refused() -> None:
-    def outcome(name: str, found: Measured | None, fault: str = "") -> Outcome:
-        case = Case("load", name, "made up", "exact Hertz", Measured, refusable=True)
-        return Outcome(case, found, fault or (found and case.fault(found)) or "", 1.0)
+    def outcome(name: str, found: CaseErrors | None, fault: str = "") -> CaseOutcome:
+        case = HardCase("load", name, "made up", "exact Hertz", CaseErrors, refusable=True)
+        return CaseOutcome(case, found, fault or (found and case.fault(found)) or "", 1.0)
 
-    off = Measured({"area_mm2": Deviation(0.03, 0.02)})
-    fine = Measured({"area_mm2": Deviation(0.01, 0.02)})
+    off = CaseErrors({"area_mm2": Deviation(0.03, 0.02)})
+    fine = CaseErrors({"area_mm2": Deviation(0.01, 0.02)})
     done = [
         outcome("off", off),
         outcome("lost", None, "the process crashed"),
         outcome("fine", fine),
-        outcome("refused", Measured(failed=("newton",))),
+        outcome("refused", CaseErrors(failed=("newton",))),
     ]
     text = hard_page.page(done)
     assert "4 cases: 1 are right, 1 are refused by a check as they may be, 2 fail." in text

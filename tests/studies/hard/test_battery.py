@@ -8,7 +8,7 @@ import pytest
 from railhead.results.pipeline import run
 from railhead.run.quantities import numeric_values
 from railhead.scene import catalogue
-from studies.hard.case import Case, Deviation, Measured
+from studies.hard.case import CaseErrors, Deviation, HardCase
 from studies.hard.hard_cases import CASES, QUICK
 from studies.hard.references import HALF_SPACE, against_hertz, deviations, resolved
 
@@ -17,7 +17,7 @@ SCENE = catalogue.find("hertz_ellipse")
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", QUICK, ids=lambda case: case.key)
-def test_hard_case_keeps_its_rule(case: Case) -> None:
+def test_hard_case_keeps_its_rule(case: HardCase) -> None:
     found = case.solve()
     assert case.fault(found) == "", found
 
@@ -25,8 +25,8 @@ def test_hard_case_keeps_its_rule(case: Case) -> None:
 RIGHT = {"max_MPa": Deviation(0.005, 0.01), "area_mm2": Deviation(0.009, 0.01)}
 
 
-def measured(**changes) -> Measured:
-    return Measured(**{"deviations": RIGHT, "newton": 4, "krylov": 40} | changes)
+def measured(**changes) -> CaseErrors:
+    return CaseErrors(**{"deviations": RIGHT, "newton": 4, "krylov": 40} | changes)
 
 
 @pytest.mark.parametrize(
@@ -48,8 +48,8 @@ def measured(**changes) -> Measured:
         ({"known": "load:"}, measured(failed=("load: 5 makes a patch",)), ""),
     ],
 )
-def test_every_part_of_the_rule_can_fail(rule, found: Measured, fault: str) -> None:
-    said = Case("group", "name", "reason", "reference", lambda: found, **rule).fault(found)
+def test_every_part_of_the_rule_can_fail(rule, found: CaseErrors, fault: str) -> None:
+    said = HardCase("group", "name", "reason", "reference", lambda: found, **rule).fault(found)
     assert (fault in said) if fault else not said
 
 
@@ -59,14 +59,14 @@ def test_a_wrong_reference_fails_a_solved_row() -> None:
     exact = numeric_values(summary["hertz"])
     case = CASES["shape: axis ratio 1"]
     for name in HALF_SPACE:
-        right = Measured(deviations(summary, exact, HALF_SPACE))
-        wrong = Measured(deviations(summary, exact | {name: 1.05 * exact[name]}, HALF_SPACE))
+        right = CaseErrors(deviations(summary, exact, HALF_SPACE))
+        wrong = CaseErrors(deviations(summary, exact | {name: 1.05 * exact[name]}, HALF_SPACE))
         assert case.fault(right) == "" and case.fault(wrong).startswith(name)
 
 
 @pytest.mark.slow
 def test_a_known_failure_that_does_not_occur_fails_a_solved_row() -> None:
-    case = Case("group", "name", "", "", partial(against_hertz, SCENE), known="pressure_noise")
+    case = HardCase("group", "name", "", "", partial(against_hertz, SCENE), known="pressure_noise")
     assert case.fault(case.solve()) == "pressure_noise should fail; status 0"
 
 

@@ -3,7 +3,7 @@
 import pytest
 
 from studies.thesis.claims import (
-    Check,
+    ClaimCheck,
     Finding,
     Grade,
     Verdict,
@@ -16,7 +16,7 @@ from studies.thesis.claims import (
 
 
 def finding(*grades: Grade) -> Finding:
-    return Finding([Check("x", 1.0, 1.0, grade) for grade in grades])
+    return Finding([ClaimCheck("x", 1.0, 1.0, grade) for grade in grades])
 
 
 H, C, F, X = Grade.HOLDS, Grade.CLOSE, Grade.FAILS, Grade.CONTRADICTS
