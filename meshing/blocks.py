@@ -21,7 +21,7 @@ from railhead.meshing.bodies import (
     Body,
     Options,
 )
-from railhead.meshing.sizing import Grading
+from railhead.meshing.grading import Grading
 
 Array = NDArray[np.float64]
 REPAIR_BELOW = 0.1  # quality of a curved tetrahedron that is straightened

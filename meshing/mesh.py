@@ -14,7 +14,7 @@ from mpi4py import MPI
 
 from railhead.meshing import blocks, isolated_process
 from railhead.meshing.bodies import Body, Options
-from railhead.meshing.sizing import Grading
+from railhead.meshing.grading import Grading
 
 MIN_QUALITY = 0.01
 RETRIES = (1.0, 0.95, 0.9)  # of the element size, where gmsh leaves a flat element or gives up

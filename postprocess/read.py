@@ -13,7 +13,7 @@ from railhead.postprocess import friction
 from railhead.postprocess.findings import Array, Findings, Frame, Patch
 from railhead.postprocess.patch import patch, section
 from railhead.postprocess.patch.separate_patches import separate_patches
-from railhead.postprocess.stress import bodies
+from railhead.postprocess.stress import body_stresses
 from railhead.solver.fields import Fields
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ def findings(
         reading = patch.read(fields, separate, frame, parabolic=parabolic)
     found, shape = reading.patch, reading.moments
     size = shape.a if flat else min(found.a, found.b)
-    stress = bodies.read(fields, frame, found.centre, size, separate[1:], rubbing)
+    stress = body_stresses.read(fields, frame, found.centre, size, separate[1:], rubbing)
     elements = elements_across(fields, frame, found)
     return Findings(
         frame=frame,

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from railhead.meshing.bodies import RAIL, other
 from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array, Findings, Surface
-from railhead.postprocess.passes import RailState
+from railhead.postprocess.pass_rows import RailState
 from railhead.postprocess.stress.gauss_points import nodal_stress
 from railhead.solver.fields import Fields
 from railhead.solver.solution import FrictionSolution

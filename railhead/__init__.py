@@ -23,7 +23,7 @@ if TYPE_CHECKING:
         Wheel,
         Wheelset,
     )
-    from railhead.sweeps.sweep import Sweep, sweep
+    from railhead.sweeps.sweep_results import Sweep, sweep
 
 __version__ = "0.3.0"
 __all__ = [
@@ -54,7 +54,7 @@ _HOMES = dict.fromkeys(__all__, "railhead.scene.scene") | {
     **dict.fromkeys(("find", "load", "plan", "solve", "steels"), "railhead.api"),
     **dict.fromkeys(("locate", "profile"), "railhead.cli.geometry"),
     "Result": "railhead.results.result",
-    **dict.fromkeys(("Sweep", "sweep"), "railhead.sweeps.sweep"),
+    **dict.fromkeys(("Sweep", "sweep"), "railhead.sweeps.sweep_results"),
 }
 
 

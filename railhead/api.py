@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from railhead.planning import plan as planning
-from railhead.planning.plan import Plan
+from railhead.planning import simulation_plan as planning
+from railhead.planning.simulation_plan import Plan
 from railhead.results import quantity_rows
 from railhead.results.report import terminal
 from railhead.scene.catalogue import as_path, find
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from railhead.results.result import Result
     from railhead.run.progress import Tell
-    from railhead.sweeps.sweep import Sweep
+    from railhead.sweeps.sweep_results import Sweep
 
 __all__ = ["Planned", "find", "load", "plan", "solve", "steels"]
 
@@ -110,7 +110,7 @@ def load(folder: str | Path) -> Result | Sweep:
     """
     from railhead.results.result import Result
     from railhead.sweeps import store
-    from railhead.sweeps.sweep import Sweep
+    from railhead.sweeps.sweep_results import Sweep
 
     folder = as_path(folder, "folder")
     try:

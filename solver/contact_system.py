@@ -22,10 +22,10 @@ from railhead.solver.algebra.reduced_stiffness import Stiffness, SupportReaction
 from railhead.solver.material.elasticity import assemble
 from railhead.solver.setup import Setup
 from railhead.solver.solution import Solution
-from railhead.solver.space import constraints, interface
+from railhead.solver.space import constraints, contact_interface
 from railhead.solver.space.cells import Array, Bulk, quadrature_degree
+from railhead.solver.space.contact_interface import Interface
 from railhead.solver.space.facets import FacetSet
-from railhead.solver.space.interface import Interface
 from railhead.solver.space.operators import vector
 
 STAGE_TOLERANCE = 0.1  # residual over the contact force for the softer laws before a stiff one
@@ -115,7 +115,7 @@ class ContactSystem:
         self.owned: int = self.bulk.space.dofmap.index_map.size_local
         sides.sort(key=lambda side: side.tag != setup.slave)
         slave, *master = (FacetSet.on(self.bulk, facet_tags.find(s.contact)) for s in sides)
-        self.interface: Interface = interface.build(
+        self.interface: Interface = contact_interface.build(
             slave,
             master[0] if master else None,
             setup.gap,

@@ -12,8 +12,8 @@ from railhead.solver import compat
 from railhead.solver.contact import ContactModel
 from railhead.solver.solution import PlasticStrain, Solution
 from railhead.solver.space.cells import Array
+from railhead.solver.space.contact_interface import Gap
 from railhead.solver.space.facets import FacetSet, facet_closure, pair
-from railhead.solver.space.interface import Gap
 from railhead.solver.space.kinematics import SOLID, Kinematics
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from railhead.solver.material.elasticity import Material
 from railhead.solver.space.cells import Array
-from railhead.solver.space.interface import ContactLaw, Gap
+from railhead.solver.space.contact_interface import ContactLaw, Gap
 from railhead.solver.space.kinematics import SOLID, Kinematics
 
 LINEAR_SOLVERS = ("auto", "direct", "multigrid")

@@ -15,7 +15,7 @@ from mpi4py import MPI
 from tabulate import tabulate
 
 from railhead.cli.study import PAGE
-from railhead.planning.plan import Plan
+from railhead.planning.simulation_plan import Plan
 from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
 from railhead.run.progress import Progress
 from railhead.run.quantities import numeric_values

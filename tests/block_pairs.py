@@ -22,7 +22,7 @@ from railhead.meshing.bodies import (
     Body,
     Options,
 )
-from railhead.meshing.sizing import Grading
+from railhead.meshing.grading import Grading
 from railhead.solver.material.elasticity import Material
 from railhead.solver.setup import ContactBody, Setup
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import Any
 
 import railhead as rh
-from railhead.planning import plan as planning
+from railhead.planning import simulation_plan as planning
 
 KEPT = 24  # results; each is some tens of MB
 

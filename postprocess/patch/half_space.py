@@ -26,7 +26,7 @@ from railhead.postprocess.friction import unread_peak
 from railhead.postprocess.patch import compare
 from railhead.theory.bem import grid_stress
 from railhead.theory.bem.boundary_element import BoundaryElementSolution
-from railhead.theory.bem.patch import PatchSolution
+from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.elastic import contacts
 from railhead.theory.elastic.contacts import Hertz
 from railhead.theory.elastic.line import LineContact

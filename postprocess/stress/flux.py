@@ -7,8 +7,8 @@ import numpy as np
 
 from railhead.meshing.bodies import RAIL
 from railhead.postprocess.findings import Array
+from railhead.postprocess.stress.body_geometry import Solid
 from railhead.postprocess.stress.gauss_points import stress_at_reference_point
-from railhead.postprocess.stress.solid import Solid
 from railhead.solver.fields import Fields
 
 QUADRATURE_DEGREE = 6  # in each cell

@@ -17,8 +17,8 @@ import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
 from railhead.postprocess.findings import NO_DEPTH, RIVAL, Array, Peak
+from railhead.postprocess.stress.body_geometry import Solid
 from railhead.postprocess.stress.recovery import Recovery, StressPolynomial
-from railhead.postprocess.stress.solid import Solid
 from railhead.solver.fields import Fields
 from railhead.solver.space.cells import Index, tabulate
 

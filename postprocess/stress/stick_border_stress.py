@@ -15,8 +15,8 @@ from scipy.spatial import cKDTree
 
 from railhead.meshing.bodies import RAIL
 from railhead.postprocess.findings import COLUMN, ROW, Array
+from railhead.postprocess.stress.body_geometry import Solid
 from railhead.postprocess.stress.recovery import Recovery
-from railhead.postprocess.stress.solid import Solid
 from railhead.solver.fields import Fields
 from railhead.solver.solution import FrictionSolution
 

@@ -194,7 +194,7 @@ def plan(
 ) -> None:
     """Say what would be simulated and what it costs, of a sweep in all; solve nothing."""
     from railhead import api
-    from railhead.planning import plan as planning
+    from railhead.planning import simulation_plan as planning
     from railhead.results import result_folder
     from railhead.results.report import terminal
 
@@ -266,7 +266,7 @@ def run(
     from railhead.cli import launch
     from railhead.planning import budget as budgets
     from railhead.planning import cost
-    from railhead.planning import plan as planning
+    from railhead.planning import simulation_plan as planning
 
     start = time.perf_counter()
     _ask(scene)
@@ -404,7 +404,7 @@ def show(folder: Path, unit_names: str | None, pictures: bool, as_json: bool) ->
     units, found = output_units.parse(unit_names), api.load(folder)
     drawn = []
     if pictures:
-        from railhead.sweeps.sweep import Sweep
+        from railhead.sweeps.sweep_results import Sweep
 
         if not isinstance(found, Sweep):
             scene = folder / result_folder.SCENE

@@ -21,7 +21,7 @@ from rich.table import Table
 from railhead.contact import solid
 from railhead.geometry import placement
 from railhead.geometry.measured import BODY_BY_EXTENSION, standards
-from railhead.geometry.measured.profile import Measured, smoothness
+from railhead.geometry.measured.measured_profile import Measured, smoothness
 from railhead.geometry.measured.standards import LaidStandard
 from railhead.geometry.placement import ContactPoint, Placed, PlacementError, ProfilePair, Track
 from railhead.results import result_folder

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from railhead.contact import solid as geometry
-from railhead.contact.bodies import HEAD_DEPTH, RIM_DEPTH
-from railhead.contact.bodies import bodies as solid_bodies
 from railhead.contact.dimension import Dimension
+from railhead.contact.placed_bodies import HEAD_DEPTH, RIM_DEPTH
+from railhead.contact.placed_bodies import bodies as solid_bodies
 from railhead.contact.solid import Contact
 from railhead.geometry import outlines, profiles
 from railhead.geometry.placement import ProfilePair, parabolic_contact, upright

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhead.geometry import placement, profiles
-from railhead.geometry.measured import profile as measured
+from railhead.geometry.measured import measured_profile as measured
+from railhead.geometry.measured.measured_profile import Measured
 from railhead.geometry.measured.orientation import Orientation
-from railhead.geometry.measured.profile import Measured
 from railhead.geometry.placement import (
     ContactPoint,
     Placed,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from railhead.planning import error_envelopes
-from railhead.planning.plan import Plan
+from railhead.planning.simulation_plan import Plan
 from railhead.scene.scene import SceneError
 
 BUDGET_SHARE = 0.85  # largest predicted time over the budget

@@ -25,7 +25,7 @@ from railhead.planning.context import Context
 from railhead.planning.references import boundary_elements
 from railhead.planning.references.boundary_elements import Developed
 from railhead.postprocess.findings import Frame
-from railhead.theory.bem.patch import PatchSolution
+from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.elastic import contacts
 from railhead.theory.elastic.contacts import Hertz
 

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from railhead.contact.solid import Contact
-from railhead.meshing.sizing import Grading, suited_stretch
+from railhead.meshing.grading import Grading, suited_stretch
 from railhead.planning.forecast import Forecast, Zone, ridges
 from railhead.theory.elastic import contacts
 from railhead.theory.elastic.contacts import Hertz

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import meshio
     from matplotlib.figure import Figure
 
-    from railhead.postprocess.passes import Passes
+    from railhead.postprocess.pass_rows import Passes
     from railhead.postprocess.pictures.plots.diagrams import Drawing
     from railhead.scene.scene import Scene
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from mpi4py import MPI
 
 from railhead.planning import cost
-from railhead.planning import plan as planning
-from railhead.planning.plan import Plan
+from railhead.planning import simulation_plan as planning
+from railhead.planning.simulation_plan import Plan
 from railhead.results.result import Result
 from railhead.results.summary import summarise, summarise_half_spaces
 from railhead.run.half_spaces import answer
@@ -19,7 +19,7 @@ from railhead.run.refinement import Ending, refine, unplanned_yield
 from railhead.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from railhead.postprocess.passes import Passes
+    from railhead.postprocess.pass_rows import Passes
     from railhead.run.half_spaces.answer import Solved
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from railhead.postprocess.findings import NO_DEPTH
-from railhead.postprocess.passes import PASS_COLUMNS
+from railhead.postprocess.pass_rows import PASS_COLUMNS
 from railhead.results.result_folder import dotted
 from railhead.run import quantities
 

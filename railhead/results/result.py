@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from rich.console import Console
 
-    from railhead.planning.plan import Plan
+    from railhead.planning.simulation_plan import Plan
     from railhead.postprocess.findings import Array, Findings, Surface
     from railhead.solver.fields import Fields
     from railhead.solver.solution import FrictionSolution

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from pathlib import Path
 
-from railhead.planning.plan import Plan
+from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.findings import BASE_UNITS, Subject, Units, brief
 from railhead.scene.sections import Rail, Wheel, Wheelset
 

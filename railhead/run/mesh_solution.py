@@ -15,15 +15,15 @@ from scipy.spatial import cKDTree
 
 from railhead.geometry.surfaces import ExactGap
 from railhead.meshing import mesh
+from railhead.meshing.grading import Grading
 from railhead.meshing.mesh import ContactMesh
-from railhead.meshing.sizing import Grading
 from railhead.planning import effects, error_envelopes
 from railhead.planning.context import PostSolveVerdict
 from railhead.planning.effects import interface
 from railhead.planning.error_envelopes import Family
 from railhead.planning.forecast import Forecast, Zone, touches_nearby
-from railhead.planning.plan import Plan
 from railhead.planning.references import closed_forms
+from railhead.planning.simulation_plan import Plan
 from railhead.postprocess import friction
 from railhead.postprocess.findings import Findings, Frame
 from railhead.postprocess.patch import compare
@@ -32,7 +32,7 @@ from railhead.run.progress import Progress
 from railhead.theory.elastic.contacts import Hertz
 
 if TYPE_CHECKING:
-    from railhead.postprocess.passes import Passes
+    from railhead.postprocess.pass_rows import Passes
     from railhead.postprocess.patch.moments import PressureMoments
     from railhead.postprocess.stress.plastic import ResidualState
     from railhead.solver.contact import ContactModel

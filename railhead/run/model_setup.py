@@ -16,15 +16,15 @@ from railhead.contact.solid import Contact
 from railhead.meshing.bodies import BODY_NAMES, CONTACT, RAIL, SUPPORT, WHEEL
 from railhead.planning.effects import interface
 from railhead.planning.forecast import Zone
-from railhead.planning.plan import Plan
 from railhead.planning.references import closed_forms
+from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.findings import Frame
 from railhead.scene.scene import Scene
 from railhead.scene.sections import BodySection
 from railhead.solver.material.elasticity import Material
 from railhead.solver.material.hardening import Hardening
 from railhead.solver.setup import ContactBody, FrictionSettings, LoadPath, Setup
-from railhead.solver.space.interface import ContactLaw
+from railhead.solver.space.contact_interface import ContactLaw
 from railhead.theory.elastic import contacts, halfspace
 
 Array = NDArray[np.float64]

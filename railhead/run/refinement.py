@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from mpi4py import MPI
 
 from railhead.planning import budget, cost, error_envelopes
-from railhead.planning.plan import Plan
+from railhead.planning.simulation_plan import Plan
 from railhead.planning.sizing import LINEAR_REFINEMENT
 from railhead.run import estimates, quantities
 from railhead.run.estimates import STEP_ORDER

@@ -15,7 +15,7 @@ import numpy as np
 from mpi4py import MPI
 
 from railhead.planning import budget
-from railhead.planning import plan as planning
+from railhead.planning import simulation_plan as planning
 from railhead.results import files, result_folder
 from railhead.results.result import Result
 from railhead.results.subject import shared_y
@@ -265,7 +265,7 @@ def _write(
         label of y in the pictures.
     """
     from railhead.postprocess import vtu
-    from railhead.postprocess.pictures.plots import sweep as plots
+    from railhead.postprocess.pictures.plots import sweep_plots as plots
 
     grid, folder, failures = sweep.grid, sweep.folder, list[str]()
     done = store.done(folder)

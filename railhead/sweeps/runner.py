@@ -18,8 +18,8 @@ from mpi4py import MPI
 
 from railhead.meshing.mesh import ContactMesh, MeshError
 from railhead.planning import budget, cost
-from railhead.planning import plan as planning
-from railhead.planning.plan import Plan
+from railhead.planning import simulation_plan as planning
+from railhead.planning.simulation_plan import Plan
 from railhead.results import pipeline
 from railhead.results.result import Result
 from railhead.run import mesh_solution, refinement

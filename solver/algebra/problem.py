@@ -23,7 +23,7 @@ from petsc4py import PETSc
 from railhead.solver.algebra.reduced_stiffness import Stiffness
 from railhead.solver.space.cells import Array
 from railhead.solver.space.constraints import Reduction
-from railhead.solver.space.interface import ContactLaw, Interface
+from railhead.solver.space.contact_interface import ContactLaw, Interface
 from railhead.solver.space.operators import add_transposed, petsc_matrix, vector, weighted_product
 
 Mask = NDArray[np.bool_]

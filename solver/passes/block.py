@@ -21,7 +21,7 @@ from railhead.solver import compat
 from railhead.solver.algebra import linear
 from railhead.solver.algebra.reduced_stiffness import Stiffness
 from railhead.solver.material.elasticity import Material, assemble
-from railhead.solver.plasticity.problem import YieldPoints, bulk_points
+from railhead.solver.plasticity.plastic_problem import YieldPoints, bulk_points
 from railhead.solver.space import constraints
 from railhead.solver.space.cells import Array
 from railhead.solver.space.kinematics import SOLID, Kinematics

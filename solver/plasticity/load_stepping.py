@@ -18,7 +18,7 @@ from railhead.solver.algebra.newton import NewtonResult
 from railhead.solver.algebra.problem import Mask
 from railhead.solver.contact_system import ContactSystem, LoadCase
 from railhead.solver.material.hardening import ROOT, History, deviator
-from railhead.solver.plasticity.problem import (
+from railhead.solver.plasticity.plastic_problem import (
     PlasticProblem,
     State,
     bulk_points,

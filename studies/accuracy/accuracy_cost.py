@@ -10,7 +10,7 @@ from matplotlib import patheffects
 from matplotlib.axes import Axes
 
 from railhead.meshing.mesh import MeshError
-from railhead.planning import plan as planning
+from railhead.planning import simulation_plan as planning
 from railhead.postprocess.pictures.plots.diagrams import new_figure
 from railhead.results import pipeline
 from railhead.run.progress import Progress

@@ -24,7 +24,7 @@ import numpy as np
 from mpi4py import MPI
 
 from railhead.planning import cost
-from railhead.planning import plan as planning
+from railhead.planning import simulation_plan as planning
 from railhead.planning.error_envelopes import TURNED, ErrorEnvelope
 from railhead.planning.references.rail_twist import lever
 from railhead.run import estimates, mesh_solution

@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from railhead.planning import plan as planning
+from railhead.planning import simulation_plan as planning
 from railhead.postprocess.pictures.plots.diagrams import new_figure
 from railhead.results import pipeline
 from railhead.run.progress import Progress

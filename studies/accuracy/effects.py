@@ -20,8 +20,8 @@ from railhead.geometry import outlines, profiles
 from railhead.geometry.surfaces import ParabolicGap
 from railhead.meshing import mesh
 from railhead.meshing.bodies import CONTACT, RAIL, SUPPORT, WHEEL, Body, Options
-from railhead.meshing.sizing import Grading
-from railhead.planning import plan as planning
+from railhead.meshing.grading import Grading
+from railhead.planning import simulation_plan as planning
 from railhead.results import pipeline
 from railhead.run import mesh_solution
 from railhead.run.progress import Progress

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from railhead.planning import plan as planning
+from railhead.planning import simulation_plan as planning
 from railhead.results import pipeline
 from railhead.run import quantities
 from railhead.run.quantities import ESTIMATED

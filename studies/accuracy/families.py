@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 
 from railhead.meshing.mesh import MeshError
 from railhead.planning import error_envelopes
-from railhead.planning import plan as planning
+from railhead.planning import simulation_plan as planning
 from railhead.results.summary import exact_quantities
 from railhead.run import quantities
 from railhead.run.mesh_solution import MeshSolution

@@ -9,7 +9,7 @@ from typing import Any
 
 from mpi4py import MPI
 
-from railhead.planning import plan as planning
+from railhead.planning import simulation_plan as planning
 from railhead.postprocess import read
 from railhead.postprocess.findings import Frame
 from railhead.run import mesh_solution

@@ -20,7 +20,7 @@ from railhead.solver.fields import gather
 from railhead.solver.material.elasticity import Material
 from railhead.solver.setup import ContactBody, Setup
 from railhead.solver.solution import Solution
-from railhead.solver.space.interface import ContactLaw, Gap
+from railhead.solver.space.contact_interface import ContactLaw, Gap
 from studies.hard.case import CaseErrors, Deviation
 
 Array = NDArray[np.float64]

@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 import tomli_w
 
-from railhead.planning import plan as planning
+from railhead.planning import simulation_plan as planning
 from railhead.scene.scene import Scene, SceneError
 
 FINE = 2 / 3  # of the default resolution: the cheapest that the checks let pass with some room

@@ -24,7 +24,7 @@ from railhead.cli import launch
 from railhead.contact.solid import Contact
 from railhead.geometry import profiles
 from railhead.meshing.mesh import MeshError
-from railhead.planning import plan as planning
+from railhead.planning import simulation_plan as planning
 from railhead.planning.references import boundary_elements
 from railhead.planning.references.allowance import allowance
 from railhead.postprocess.patch import compare

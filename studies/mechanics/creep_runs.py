@@ -11,9 +11,9 @@ import numpy as np
 from mpi4py import MPI
 
 import railhead as rh
-from railhead.planning import plan as planning
-from railhead.planning.plan import Plan
+from railhead.planning import simulation_plan as planning
 from railhead.planning.references import closed_forms
+from railhead.planning.simulation_plan import Plan
 from railhead.run import mesh_solution
 from railhead.run import solid_friction as friction
 from railhead.run.half_spaces import normal_contact, tangential_contact

@@ -13,10 +13,10 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from mpi4py import MPI
 
-from railhead.meshing.sizing import Grading
-from railhead.planning import plan as planning
-from railhead.planning.plan import Plan
+from railhead.meshing.grading import Grading
+from railhead.planning import simulation_plan as planning
 from railhead.planning.references import closed_forms
+from railhead.planning.simulation_plan import Plan
 from railhead.postprocess import read
 from railhead.postprocess.findings import Array, Frame
 from railhead.postprocess.patch import compare

@@ -8,7 +8,7 @@ import psutil
 import pytest
 
 from railhead.cli import launch
-from railhead.planning import plan
+from railhead.planning import simulation_plan
 from railhead.run import process
 from railhead.scene import catalogue
 
@@ -31,11 +31,11 @@ def eight(monkeypatch) -> None:
 )
 def test_large_meshes_are_worth_more_processes(eight, asked, processes) -> None:
     """100 000 unknowns each."""
-    assert launch.number_of_processes(plan.make(THESIS.replace(asked))) == processes
+    assert launch.number_of_processes(simulation_plan.make(THESIS.replace(asked))) == processes
 
 
 def test_no_more_than_the_process_may_use(eight, monkeypatch) -> None:
-    fine = plan.make(THESIS.replace(["mesh.patch_size=0.1"]))
+    fine = simulation_plan.make(THESIS.replace(["mesh.patch_size=0.1"]))
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: {3, 4, 5})
     assert launch.number_of_processes(fine) == 3
     monkeypatch.setattr(launch.shutil, "which", lambda _: None)
@@ -79,7 +79,10 @@ def test_without_room_for_temporary_files_there_is_one_process(
     monkeypatch.chdir(tmp_path)
     full = shutil.disk_usage(tmp_path)._replace(free=launch.TEMPORARY_BYTES - 1)
     monkeypatch.setattr(launch.shutil, "disk_usage", lambda _: full)
-    assert launch.number_of_processes(plan.make(THESIS.replace(["mesh.patch_size=0.1"]))) == 1
+    assert (
+        launch.number_of_processes(simulation_plan.make(THESIS.replace(["mesh.patch_size=0.1"])))
+        == 1
+    )
     line = command.refused(capsys, "run", "long_roller", "--ranks", "2")
     assert "--ranks: 2 is not allowed with less than 32 MB free in" in line
     assert os.listdir(tmp_path) == []

@@ -7,7 +7,7 @@ from one_line import refusal
 
 from railhead.contact import dimension
 from railhead.meshing.bodies import WHEEL
-from railhead.planning import plan as planning
+from railhead.planning import simulation_plan as planning
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene, SceneError
 

@@ -12,13 +12,13 @@ import railhead as rh
 from railhead.contact import solid as geometry
 from railhead.contact import wheelset_kinematics
 from railhead.contact.solid import Contact, place
-from railhead.planning import plan as planning
+from railhead.planning import simulation_plan as planning
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.run import model_setup
 from railhead.run.half_spaces import normal_contact
 from railhead.run.half_spaces.tangential_contact import solve_by_boundary_elements
 from railhead.theory.bem.boundary_element import BoundaryElementSolution
-from railhead.theory.bem.patch import PatchSolution
+from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction, TangentialSolution
 
 FORCES = "force_along_N", "force_across_N"

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from railhead.contact import bodies
+from railhead.contact import placed_bodies
 from railhead.geometry import outlines, profiles
-from railhead.geometry.measured import profile as measured
+from railhead.geometry.measured import measured_profile as measured
 
 HEIGHT = {"54E1": 159.0, "60E1": 172.0}
 
@@ -52,7 +52,7 @@ def test_section_has_the_published_area_centroid_and_inertia(name: str) -> None:
 @pytest.mark.parametrize("name", ["54E1", "60E1"])
 def test_sharp_corners_leave_the_section_as_stiff(name: str) -> None:
     before = section_properties(polygon(name))
-    after = section_properties(polygon(name, bodies.SHARP_BELOW))
+    after = section_properties(polygon(name, placed_bodies.SHARP_BELOW))
     gain = dict(zip(("area", "centroid", "ix", "iy"), np.divide(after, before) - 1, strict=True))
     corners = ((3, 72.896), (4, 85.91), (2, 90))  # radius and turn of the drawing, on both sides
     turns = [(r, np.radians(t) / 2) for r, t in corners]

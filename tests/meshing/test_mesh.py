@@ -21,7 +21,7 @@ from railhead.meshing.bodies import (
     Body,
     Options,
 )
-from railhead.meshing.sizing import Grading
+from railhead.meshing.grading import Grading
 from railhead.solver import compat
 from railhead.solver.space.facets import reference_facets
 

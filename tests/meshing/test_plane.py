@@ -17,7 +17,7 @@ from railhead.meshing.bodies import (
     Body,
     Options,
 )
-from railhead.meshing.sizing import Grading
+from railhead.meshing.grading import Grading
 
 GRADING = Grading((0.0, 0.0, 0.0), 2.0, 2.0, 0.0, 0.4, coarsest=10.0)
 

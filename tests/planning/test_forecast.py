@@ -8,7 +8,7 @@ import pytest
 from solved import planned
 
 from railhead.cases.s1002_60e1 import SCENE as MANCHESTER
-from railhead.planning import plan as planning
+from railhead.planning import simulation_plan as planning
 from railhead.planning import sizing
 from railhead.planning.forecast import ridges
 from railhead.planning.references import boundary_elements

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from railhead.postprocess.passes import Passes, RailState, rail_state, words
+from railhead.postprocess.pass_rows import Passes, RailState, rail_state, words
 from railhead.solver.material.elasticity import Material
 from railhead.solver.material.hardening import Hardening
 from railhead.solver.passes.block import Block
-from railhead.solver.passes.rolling import RollingBlock
+from railhead.solver.passes.rolling_block import RollingBlock
 
 
 def test_below_the_middle_are_means_of_the_nearest_points():

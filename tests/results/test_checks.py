@@ -10,7 +10,7 @@ import pytest
 from mpi4py import MPI
 from solved import solved
 
-from railhead.planning import plan as planning
+from railhead.planning import simulation_plan as planning
 from railhead.postprocess.stress.recovery import Recovery
 from railhead.results import checks
 from railhead.results.summary import exact_quantities

@@ -14,9 +14,9 @@ from rich.console import Console
 from solved import scene_of
 
 import railhead as rh
-from railhead.planning import plan as planning
+from railhead.planning import simulation_plan as planning
 from railhead.postprocess import vtu
-from railhead.postprocess.passes import RailState
+from railhead.postprocess.pass_rows import RailState
 from railhead.postprocess.pictures.plots import passes_plots
 from railhead.postprocess.pictures.views import gallery
 from railhead.results import pipeline, quantity_rows

@@ -4,14 +4,14 @@ from pathlib import Path
 
 import pytest
 
-from railhead.planning import plan
+from railhead.planning import simulation_plan
 from railhead.results.subject import shared_y, subject
 from railhead.scene.catalogue import find
 
 
 def test_bodies_have_names_of_their_own() -> None:
     found = {
-        name: subject(plan.make(find(name)), 1000.0)
+        name: subject(simulation_plan.make(find(name)), 1000.0)
         for name in ("two_cylinders", "sphere_on_plane", "long_roller")
     }
     assert found["two_cylinders"].names == {"rail": "lower cylinder", "wheel": "upper cylinder"}
@@ -45,7 +45,7 @@ TITLES = {
 def test_a_title_says_bodies_and_where_they_stand(
     case: str, keys: tuple[str, ...], end: str
 ) -> None:
-    found = subject(plan.make(find(case).replace(keys)), 25e3)
+    found = subject(simulation_plan.make(find(case).replace(keys)), 25e3)
     assert found.title.replace("\N{NO-BREAK SPACE}", " ").endswith(end)
     assert found.gauge
     assert (found.rolls and found.rubs) == ("friction" in end)
@@ -53,7 +53,10 @@ def test_a_title_says_bodies_and_where_they_stand(
 
 
 def test_y_is_called_what_all_scenes_of_a_sweep_call_it() -> None:
-    plans = [plan.make(find(name)) for name in ("uic54_thesis", "long_roller", "sphere_on_plane")]
+    plans = [
+        simulation_plan.make(find(name))
+        for name in ("uic54_thesis", "long_roller", "sphere_on_plane")
+    ]
     alone = [shared_y([each]) for each in plans]
     assert alone == ["y, across the rail, mm", "y, along the axis, mm", "y, mm"]
     assert shared_y(plans[:1] * 2) == alone[0] and shared_y(plans) == "y, mm"

@@ -9,7 +9,7 @@ from solved import solved
 
 import railhead as rh
 from railhead.planning import cost, error_envelopes
-from railhead.planning import plan as planning
+from railhead.planning import simulation_plan as planning
 from railhead.planning.error_envelopes import ErrorEnvelope, Setting
 from railhead.results import pipeline, result_folder
 from railhead.run import estimates, quantities

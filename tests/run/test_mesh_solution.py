@@ -11,7 +11,7 @@ from mpi4py import MPI
 from rich.console import Console
 
 from railhead.meshing.isolated_process import M_PERTURB
-from railhead.planning import plan
+from railhead.planning import simulation_plan
 from railhead.results import pipeline, result_folder
 from railhead.results.report import terminal
 from railhead.run import mesh_solution
@@ -88,7 +88,7 @@ def _endless(y):
 
 
 def one(*changes: str) -> mesh_solution.MeshSolution:
-    decided = plan.make(catalogue.find(SPHERE).replace(changes))
+    decided = simulation_plan.make(catalogue.find(SPHERE).replace(changes))
     return mesh_solution.mesh_and_solve(decided, Progress(quiet=True), MPI.COMM_WORLD)
 
 
@@ -118,7 +118,7 @@ def test_an_approach_that_is_not_reached_is_told(monkeypatch) -> None:
 def test_an_approach_between_half_spaces_takes_four_loads(case, more, monkeypatch) -> None:
     monkeypatch.setattr(mesh_solution, "MAX_APPROACH_SOLVES", 4)
     asked = ["approach=0.02", "rail.extent=half-space", *more]
-    decided = plan.make(catalogue.find(case).replace(asked))
+    decided = simulation_plan.make(catalogue.find(case).replace(asked))
     found = mesh_solution.mesh_and_solve(decided, Progress(quiet=True), MPI.COMM_WORLD)
     assert found.approach_error < mesh_solution.APPROACH_TOLERANCE
 
@@ -139,7 +139,7 @@ def unfilled() -> Iterator[None]:
 def test_the_mesh_does_not_depend_on_what_memory_held() -> None:
     """Of these bodies gmsh makes 3041 tetrahedra where it finds zeros, and 3038 where it finds the
     bytes 0xfe or 0xaa."""
-    decided = plan.make(catalogue.find("uic54_thesis").replace(["mesh.patch_size=1.0"]))
+    decided = simulation_plan.make(catalogue.find("uic54_thesis").replace(["mesh.patch_size=1.0"]))
     found = []
     for byte in (0xFF, 0x55):
         LIBC.mallopt(M_PERTURB, byte)

@@ -8,7 +8,7 @@ from mpi4py import MPI
 from one_line import refusal
 
 import railhead as rh
-from railhead.planning import plan as planning
+from railhead.planning import simulation_plan as planning
 from railhead.run import mesh_solution, solid_friction
 from railhead.run.solid_friction import SolidFriction, shared_patches
 from railhead.solver.contact_system import LoadCase

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from railhead import Rail, Scene, find
-from railhead.planning import plan as planning
+from railhead.planning import simulation_plan as planning
 from railhead.run.model_setup import hardening
 from railhead.scene.sections import SceneError
 from railhead.scene.steels import by_name

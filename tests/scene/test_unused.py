@@ -11,7 +11,7 @@ import pytest
 from railhead.contact import dimension
 from railhead.contact.plane_section import SectionContact
 from railhead.meshing.bodies import RAIL
-from railhead.planning import plan
+from railhead.planning import simulation_plan
 from railhead.planning.references.closed_forms import hertz_contact
 from railhead.run import model_setup
 from railhead.scene import catalogue
@@ -67,7 +67,7 @@ def numbers(value: Any) -> list[float]:
     return [float(value)] if isinstance(value, int | float) else []
 
 
-def solved(made: plan.Plan) -> list[float]:
+def solved(made: simulation_plan.Plan) -> list[float]:
     """All numbers that meshing and solver get."""
     flat = isinstance(made.contact, SectionContact)
     bodies = [
@@ -86,7 +86,7 @@ def solved(made: plan.Plan) -> list[float]:
 @lru_cache
 def plain(name: str) -> list[float]:
     """The same of a scene without further keys."""
-    return solved(plan.make(scene(name)))
+    return solved(simulation_plan.make(scene(name)))
 
 
 def kind(given: Scene) -> str:
@@ -107,7 +107,7 @@ def test_a_key_is_used_or_refused(name: str, key: str) -> None:
     if name == "solid" and key == "wheelset.back_to_back":
         pytest.skip("without gauge, shift and yaw the wheels stand upright at any distance")
     try:
-        found = solved(plan.make(scene(name, **{key: KEYS[key]})))
+        found = solved(simulation_plan.make(scene(name, **{key: KEYS[key]})))
     except SceneError as error:
         (line,) = str(error).splitlines()
         if (
@@ -129,7 +129,7 @@ def test_the_table_holds_what_is_refused(name: str) -> None:
             assert kind(scene(name, **{key: KEYS[key]})) == "solid"
             continue
         with pytest.raises(SceneError, match=f"^{key}: "):
-            plan.make(scene(name, **{key: KEYS[key]}))
+            simulation_plan.make(scene(name, **{key: KEYS[key]}))
 
 
 def test_a_long_narrow_contact_with_yaw_is_solid() -> None:
@@ -141,7 +141,7 @@ def test_a_long_narrow_contact_with_yaw_is_solid() -> None:
 @pytest.mark.parametrize("name", catalogue.shipped())
 def test_shipped_cases_stay_valid_between_half_spaces_too(name: str) -> None:
     case = catalogue.find(name)
-    plan.make(case)
+    simulation_plan.make(case)
     if name == "s1002_60e1":
         return
     half = case.replace(["rail.extent=half-space"])

@@ -8,7 +8,7 @@ from sweep_command import refused, rows
 
 import railhead as rh
 from railhead.planning import budget
-from railhead.planning import plan as planning
+from railhead.planning import simulation_plan as planning
 from railhead.results import pipeline
 from railhead.run import mesh_solution, refinement
 from railhead.run.progress import Progress

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 
-from railhead.postprocess.pictures.plots import sweep as plots
+from railhead.postprocess.pictures.plots import sweep_plots as plots
 from railhead.sweeps import store, sweep_table
 
 

@@ -13,7 +13,7 @@ from one_line import refusal
 from solved import friction, passed, solved
 
 import railhead as rh
-from railhead.planning import plan as planning
+from railhead.planning import simulation_plan as planning
 from railhead.postprocess.friction import quantities
 from railhead.postprocess.pictures.views import gallery
 from railhead.run import mesh_solution, model_setup

@@ -17,15 +17,15 @@ from railhead.geometry import outlines, profiles
 from railhead.geometry.surfaces import ParabolicGap
 from railhead.meshing import mesh
 from railhead.meshing.bodies import CONTACT, RAIL, SUPPORT, SYMMETRY_X, WHEEL, Body, Options
+from railhead.meshing.grading import Grading
 from railhead.meshing.mesh import ContactMesh
-from railhead.meshing.sizing import Grading
 from railhead.postprocess.stress import gauss_points
 from railhead.solver import compat
 from railhead.solver.contact import ContactModel
 from railhead.solver.fields import gather
 from railhead.solver.material.elasticity import Material, assemble
 from railhead.solver.setup import Setup
-from railhead.solver.space.interface import ContactLaw
+from railhead.solver.space.contact_interface import ContactLaw
 from railhead.solver.space.kinematics import Kinematics
 
 SOFT = Material(1000.0, 0.0)

@@ -11,7 +11,7 @@ from railhead.geometry import outlines, profiles
 from railhead.geometry.surfaces import ExactGap, RailSurface, StraightTread
 from railhead.meshing import mesh
 from railhead.meshing.bodies import CONTACT, RAIL, SUPPORT, SYMMETRY_X, WHEEL, Body, Options
-from railhead.meshing.sizing import Grading
+from railhead.meshing.grading import Grading
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene
 from railhead.solver.contact import ContactModel

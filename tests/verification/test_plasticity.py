@@ -16,7 +16,7 @@ from solved import solved
 
 import railhead as rh
 from railhead.meshing.bodies import RAIL
-from railhead.planning import plan as planning
+from railhead.planning import simulation_plan as planning
 from railhead.planning.context import Effect
 from railhead.planning.effects import EFFECTS
 from railhead.postprocess.pictures.views import gallery

@@ -15,7 +15,7 @@ from solved import passed, planned
 from railhead.cases.s1002_60e1 import SCENE
 from railhead.meshing import mesh
 from railhead.meshing.bodies import CONTACT, WHEEL
-from railhead.meshing.sizing import MAX_STRETCH
+from railhead.meshing.grading import MAX_STRETCH
 from railhead.postprocess.findings import Frame
 from railhead.postprocess.patch.moments import moments
 from railhead.run import estimates, mesh_solution

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
 from railhead.theory.bem import domains
+from railhead.theory.bem.grid_patch import Grid, PatchSolution
 from railhead.theory.bem.influence import Influence, Nodes, point_force
-from railhead.theory.bem.patch import Grid, PatchSolution
 
 Array = NDArray[np.float64]
 Gap = Callable[[Array, Array], Array]

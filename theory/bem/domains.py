@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import find_objects, label
 
-from railhead.theory.bem.patch import Grid, PatchSolution
+from railhead.theory.bem.grid_patch import Grid, PatchSolution
 
 Array = NDArray[np.float64]
 FILL_RANGE, FILL = (0.6, 0.9), 0.8  # share of the domain's width that the patch takes up

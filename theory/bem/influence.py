@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft2, next_fast_len, rfft2
 
-from railhead.theory.bem.patch import Grid
+from railhead.theory.bem.grid_patch import Grid
 
 Array = NDArray[np.float64]
 NODES = 16  # an axis, to which a grid gathers its pressure for other grids

@@ -24,8 +24,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhead.theory.bem.boundary_element import equilibrium
+from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.bem.influence import Influence
-from railhead.theory.bem.patch import PatchSolution
 from railhead.theory.friction.coulomb_solver import CoulombSolver
 from railhead.theory.friction.tangential import MaterialPair, TractionInfluence
 

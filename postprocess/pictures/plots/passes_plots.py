@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib import colormaps
 
 from railhead.postprocess.findings import Findings, Units
-from railhead.postprocess.passes import Passes
+from railhead.postprocess.pass_rows import Passes
 from railhead.postprocess.pictures.plots.diagrams import levels, new_figure
 
 if TYPE_CHECKING:

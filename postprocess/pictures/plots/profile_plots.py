@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from railhead.geometry.measured.profile import Measured, inner
+from railhead.geometry.measured.measured_profile import Measured, inner
 from railhead.geometry.measured.standards import LaidStandard
 from railhead.geometry.placement import ContactPoint, Placed, ProfilePair, Side
 from railhead.postprocess.findings import Array

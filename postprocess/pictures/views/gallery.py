@@ -9,7 +9,7 @@ import meshio
 from railhead.postprocess.findings import Findings
 from railhead.postprocess.pictures.plots import diagrams
 from railhead.postprocess.pictures.plots.diagrams import Drawing
-from railhead.postprocess.pictures.views import render, section
+from railhead.postprocess.pictures.views import render, section_views
 from railhead.theory.elastic.contacts import Hertz
 from railhead.theory.elastic.line import LineContact
 
@@ -37,8 +37,8 @@ def drawings(
     }
     if axis is not None:
         return every | {
-            "wheel_rail.png": partial(section.bodies, volume, axis, found),
-            "stress_cut.png": partial(section.stress_cut, volume, axis, found),
+            "wheel_rail.png": partial(section_views.bodies, volume, axis, found),
+            "stress_cut.png": partial(section_views.stress_cut, volume, axis, found),
         }
     assert not isinstance(exact, LineContact)
     if found.subject.rolls:

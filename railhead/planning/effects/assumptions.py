@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from railhead.contact import bodies
+from railhead.contact import placed_bodies
 from railhead.geometry.profiles import STANDARD_RAILS
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.planning.context import Context, PostSolveVerdict
@@ -68,7 +68,7 @@ def thick_bodies(context: Context, found: Findings) -> PostSolveVerdict | None:
         if body == "rail" and scene.rail.profile in STANDARD_RAILS:
             continue
         weight = modulus / closed_forms.plane_strain_modulus(scene, tag)
-        deep = bodies.depth(scene, tag)
+        deep = placed_bodies.depth(scene, tag)
         curvature = weight * halfspace.held_below(deep, scene.bodies[body].poisson_ratio)
         changes[body, deep] = halfspace.change(curvature, patch.a, patch.b)
     (body, deep), change = max(changes.items(), key=lambda each: each[1])

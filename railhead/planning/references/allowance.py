@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead.contact import bodies
+from railhead.contact import placed_bodies
 from railhead.contact.solid import Contact
 from railhead.meshing.bodies import BODY_NAMES, RAIL
 from railhead.planning.references import boundary_elements, closed_forms
@@ -170,7 +170,7 @@ def _bodies(contact: Contact, deformable: Sequence[int], surface: Developed) -> 
             low, high = contact.profiles["wheel"][0].domain
             half = (scene.wheel.width or math.inf) / 2
             ends = max(low - touch.wheel_y, -half), min(high - touch.wheel_y, half)
-        found.append(_Body(weight, part.poisson_ratio, bodies.depth(scene, tag), ends))
+        found.append(_Body(weight, part.poisson_ratio, placed_bodies.depth(scene, tag), ends))
     return found
 
 

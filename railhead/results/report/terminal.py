@@ -14,9 +14,9 @@ from rich.console import Console
 from rich.table import Table
 
 from railhead.planning.context import Effect
-from railhead.planning.plan import Plan
+from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.findings import BASE_UNITS, Units, brief
-from railhead.postprocess.passes import PASS_COLUMNS, PASS_ERRORS
+from railhead.postprocess.pass_rows import PASS_COLUMNS, PASS_ERRORS
 from railhead.results import quantity_rows
 from railhead.results.quantity_rows import Cell, Row
 

@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 from railhead.planning import effects
 from railhead.planning.context import PostSolveVerdict
 from railhead.planning.effects import assumptions, interface, shape
-from railhead.planning.plan import Plan
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.planning.references.allowance import added_stress
+from railhead.planning.simulation_plan import Plan
 from railhead.postprocess import friction
 from railhead.postprocess.findings import Findings
-from railhead.postprocess.passes import Passes
+from railhead.postprocess.pass_rows import Passes
 from railhead.postprocess.patch import compare, half_space
 from railhead.run.half_spaces import normal_contact, tangential_contact
 from railhead.run.half_spaces.normal_contact import CELLS, PressedPatch

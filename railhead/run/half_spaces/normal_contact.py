@@ -24,7 +24,7 @@ from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.run.mesh_solution import MeshSolution
 from railhead.theory.bem import boundary_element
 from railhead.theory.bem.boundary_element import BoundaryElementSolution
-from railhead.theory.bem.patch import Grid, PatchSolution
+from railhead.theory.bem.grid_patch import Grid, PatchSolution
 from railhead.theory.elastic.contacts import Hertz
 from railhead.theory.elastic.hertz import Strip
 from railhead.theory.elastic.line import LineContact

@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 
 from railhead.run.half_spaces.normal_contact import LENGTH, strip_grid
 from railhead.theory.bem.boundary_element import BoundaryElementSolution, equilibrium
-from railhead.theory.bem.patch import Grid, PatchSolution
+from railhead.theory.bem.grid_patch import Grid, PatchSolution
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.line import Strips
 
 if TYPE_CHECKING:
-    from railhead.solver.passes.rolling import ProfileChange, RollingBlock, SurfaceMotion
+    from railhead.solver.passes.rolling_block import ProfileChange, RollingBlock, SurfaceMotion
 
 Array = NDArray[np.float64]
 STRIP_CELLS, SOLID_CELLS = 128, 40  # of the grid of the pressure, each way

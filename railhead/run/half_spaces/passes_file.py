@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from railhead.planning.effects.passes import alike, read
-from railhead.postprocess.passes import Passes, rail_state
+from railhead.postprocess.pass_rows import Passes, rail_state
 from railhead.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from railhead.solver.passes.rolling import RollingBlock
+    from railhead.solver.passes.rolling_block import RollingBlock
 
 SAME = 1e-6  # of the largest coordinate: axes of one block
 

@@ -15,11 +15,11 @@ from scipy.interpolate import CubicSpline, LinearNDInterpolator
 
 from railhead.planning.references import boundary_elements
 from railhead.planning.references.boundary_elements import Developed
-from railhead.postprocess.passes import PASS_ERRORS, Passes, RailState
+from railhead.postprocess.pass_rows import PASS_ERRORS, Passes, RailState
 from railhead.run.half_spaces import pass_contact, passes_file
 from railhead.run.half_spaces.answer import Solved
 from railhead.run.half_spaces.pass_contact import RollingContact
-from railhead.run.half_spaces.passes import COARSER, block, roll
+from railhead.run.half_spaces.repeated_rolling import COARSER, block, roll
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.progress import Progress
 from railhead.theory.elastic.line import LineContact

@@ -8,7 +8,7 @@ from one_line import refusal
 
 from railhead.geometry import profiles
 from railhead.geometry.measured import formats
-from railhead.geometry.measured import profile as measured
+from railhead.geometry.measured import measured_profile as measured
 from railhead.geometry.measured.formats import FormatError
 
 DATA = Path(__file__).parents[1] / "data"

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from railhead.geometry import outlines, profiles
-from railhead.geometry.measured import profile as measured
+from railhead.geometry.measured import measured_profile as measured
 from railhead.geometry.measured import standards
 from railhead.geometry.measured.formats import FormatError
-from railhead.geometry.measured.profile import Measured
+from railhead.geometry.measured.measured_profile import Measured
 
 
 def even(points: np.ndarray, spacing: float) -> np.ndarray:

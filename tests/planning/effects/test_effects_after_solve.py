@@ -11,7 +11,7 @@ from rich.console import Console
 from solved import solved
 
 from railhead.planning import effects
-from railhead.planning import plan as planning
+from railhead.planning import simulation_plan as planning
 from railhead.planning.effects import assumptions, interface
 from railhead.postprocess.pictures.plots import diagrams
 from railhead.postprocess.pictures.views import gallery

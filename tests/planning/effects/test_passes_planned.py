@@ -4,7 +4,7 @@ import pytest
 
 import railhead as rh
 from railhead.planning import effects
-from railhead.planning import plan as planning
+from railhead.planning import simulation_plan as planning
 
 LINE = rh.find("long_roller").replace(
     load="1400 kN", rail={"extent": "half-space", "yield_stress": 480.0}

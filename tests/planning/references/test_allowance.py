@@ -3,7 +3,7 @@
 import pytest
 
 from railhead.cases.s1002_60e1 import SCENE as MANCHESTER
-from railhead.planning import plan as planning
+from railhead.planning import simulation_plan as planning
 from railhead.planning.references import boundary_elements
 from railhead.planning.references.allowance import Allowance, allowance
 from railhead.results import pipeline

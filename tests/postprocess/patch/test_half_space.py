@@ -5,7 +5,7 @@ import pytest
 
 from railhead.postprocess.findings import Frame
 from railhead.postprocess.patch import half_space
-from railhead.theory.bem.patch import PatchSolution
+from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.elastic.hertz import Ellipse
 
 

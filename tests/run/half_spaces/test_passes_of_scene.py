@@ -9,7 +9,7 @@ from solved import scene_of
 import railhead as rh
 from railhead.contact import solid
 from railhead.planning.references import boundary_elements
-from railhead.postprocess.passes import RailState
+from railhead.postprocess.pass_rows import RailState
 from railhead.results import pipeline
 from railhead.run.half_spaces import pass_contact, passes_of_scene
 from railhead.theory.elastic import hertz

@@ -10,7 +10,7 @@ from friction_cases import MU, friction_case
 from rich.console import Console
 
 import railhead as rh
-from railhead.planning import plan as planning
+from railhead.planning import simulation_plan as planning
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.results import checks
 from railhead.results.report import terminal

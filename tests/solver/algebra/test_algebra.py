@@ -12,7 +12,7 @@ from railhead.solver import compat
 from railhead.solver.algebra import linear, multigrid, newton
 from railhead.solver.contact import ContactModel
 from railhead.solver.space import constraints
-from railhead.solver.space.interface import ContactLaw
+from railhead.solver.space.contact_interface import ContactLaw
 
 LAWS = [*(ContactLaw("nitsche", theta) for theta in (1, 0, -1)), ContactLaw("penalty")]
 IDS = ["theta=1", "theta=0", "theta=-1", "penalty"]

@@ -10,7 +10,7 @@ from mpi4py import MPI
 from railhead.solver.algebra import linear, newton
 from railhead.solver.contact import ContactModel
 from railhead.solver.material.elasticity import Material
-from railhead.solver.space.interface import ContactLaw
+from railhead.solver.space.contact_interface import ContactLaw
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,7 @@ import pytest
 from solved import solved
 
 import railhead as rh
-from railhead.planning import plan as planning
+from railhead.planning import simulation_plan as planning
 from railhead.run.estimates import RESIDUAL_FACTOR
 from railhead.run.quantities import numeric_values
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from railhead.planning import plan as planning
+from railhead.planning import simulation_plan as planning
 from railhead.run import mesh_solution
 from railhead.scene import catalogue
 from railhead.solver.contact_system import LoadCase

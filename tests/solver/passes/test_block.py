@@ -6,7 +6,7 @@ import pytest
 from railhead.solver.material.elasticity import Material
 from railhead.solver.material.hardening import Hardening
 from railhead.solver.passes.block import Block, graded, mirrored
-from railhead.solver.passes.rolling import RollingBlock
+from railhead.solver.passes.rolling_block import RollingBlock
 
 STEEL = Material(207e3, 0.3, Hardening.linear(480.0))
 

@@ -6,10 +6,10 @@ import pytest
 from railhead.geometry.surfaces import ParabolicGap
 from railhead.meshing.bodies import CONTACT, RAIL, WHEEL
 from railhead.solver.contact import ContactModel
-from railhead.solver.space import interface
+from railhead.solver.space import contact_interface
 from railhead.solver.space.cells import tabulate
+from railhead.solver.space.contact_interface import ContactLaw
 from railhead.solver.space.facets import FacetSet, facet_closure, pair, reference_facets
-from railhead.solver.space.interface import ContactLaw
 
 
 @pytest.fixture(scope="module", params=["tetrahedron", "hexahedron"])
@@ -90,7 +90,7 @@ def test_trace_bound_is_the_warburton_hesthaven_constant(two_blocks, degree) -> 
     made, setup = two_blocks(degree=degree)
     model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
     facets = surface(model, RAIL)
-    bound = interface.trace_bound(facets, ParabolicGap(0, 0, 1), 2 * degree)
+    bound = contact_interface.trace_bound(facets, ParabolicGap(0, 0, 1), 2 * degree)
     _, _, volumes = facets.quadrature_points(1)
     _, weights = facets.quadrature(1)
     k = degree - 1

@@ -5,7 +5,7 @@ from itertools import islice
 import pytest
 
 from railhead.planning import error_envelopes
-from railhead.planning import plan as planning
+from railhead.planning import simulation_plan as planning
 from railhead.planning.references import rail_twist
 from studies.accuracy import calibrate as measured
 from studies.accuracy import error_bounds, families

@@ -6,7 +6,7 @@ import command
 import pytest
 from solved import passed, solved
 
-from railhead.planning import plan
+from railhead.planning import simulation_plan
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene, SceneError
 
@@ -45,7 +45,7 @@ CASES = [
 def test_a_plan_is_finite_or_refused_in_one_line(case: str, key: str) -> None:
     for value in EXTREMES:
         try:
-            made = plan.make(catalogue.find(case).replace([f"{key}={value!r}"]))
+            made = simulation_plan.make(catalogue.find(case).replace([f"{key}={value!r}"]))
         except SceneError as error:
             assert len(str(error).splitlines()) == 1
             continue

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from railhead.theory.bem import boundary_element, grid_stress
-from railhead.theory.bem.patch import PatchSolution
+from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.elastic import subsurface
 from railhead.theory.elastic.hertz import Ellipse, point_contact
 from railhead.theory.friction import sliding

@@ -16,7 +16,7 @@ from matplotlib.text import Text
 
 from railhead.postprocess import vtu
 from railhead.postprocess.findings import AxisPressure, OnePatch, Subject, Units
-from railhead.postprocess.pictures.plots import diagrams, friction_plots, plastic_plots, sweep
+from railhead.postprocess.pictures.plots import diagrams, friction_plots, plastic_plots, sweep_plots
 from railhead.postprocess.pictures.views import render
 from railhead.solver.fields import ContactFields, MasterSurface
 
@@ -262,11 +262,12 @@ def test_sweeps_and_the_shakedown_map_say_what_they_are_of(
     sheets: list[Figure], tmp_path: Path
 ) -> None:
     rows = [
-        {"load [N]": n, "checks": "passed"} | dict.fromkeys(sweep.PANELS, float(n)) for n in (1, 2)
+        {"load [N]": n, "checks": "passed"} | dict.fromkeys(sweep_plots.PANELS, float(n))
+        for n in (1, 2)
     ]
     circle = [[[np.cos(t), np.sin(t)] for t in np.linspace(0, 6, 20)]]
-    sweep.curves(["load [N]"], rows, tmp_path / "c.png", "y, mm", TITLE)
-    sweep.patches(["load [N]"], rows, [circle, circle], tmp_path / "p.png", "y, mm", TITLE)
+    sweep_plots.curves(["load [N]"], rows, tmp_path / "c.png", "y, mm", TITLE)
+    sweep_plots.patches(["load [N]"], rows, [circle, circle], tmp_path / "p.png", "y, mm", TITLE)
     friction = {
         "traction_coefficient": 0.1,
         "p0_over_k": 3.0,
@@ -288,7 +289,7 @@ def test_values_beside_narrow_patches_do_not_run_into_each_other(
     """Two strips of a roller, 70 mm long and 4 mm wide, of which either load is five letters."""
     rows = [{"load [N]": load, "checks": "passed"} for load in (50000, 110000)]
     strip = [[[-2.0, -35.0], [2.0, -35.0], [2.0, 35.0], [-2.0, 35.0]]]
-    sweep.patches(["load [N]"], rows, [strip, strip], tmp_path / "p.png", "y, mm")
+    sweep_plots.patches(["load [N]"], rows, [strip, strip], tmp_path / "p.png", "y, mm")
     (figure,) = sheets
     first, second = (text.get_window_extent() for text in figure.axes[0].get_xticklabels())
     assert first.x1 < second.x0
@@ -304,7 +305,7 @@ def test_a_strip_of_patches_holds_the_key_with_more_values(
         for shift in (0.0, 1.0, 2.0)
         for load in (1.0, 2.0)
     ]
-    sweep.patches(["shift", "load"], rows, [circle] * 6, tmp_path / "p.png", "y, mm")
+    sweep_plots.patches(["shift", "load"], rows, [circle] * 6, tmp_path / "p.png", "y, mm")
     assert [axes.get_title(loc="left") for axes in sheets[0].axes] == ["load: 1", "load: 2"]
 
 
@@ -321,7 +322,7 @@ def test_dollars_in_a_title_are_no_formula(tmp_path) -> None:
     with diagrams.new_figure(tmp_path / "a.png", 4, 3, "r$_$2.csv on a rail"):
         pass
     assert (tmp_path / "a.png").is_file()
-    assert sweep._word("r$_$.csv") == r"r\$_\$.csv"
+    assert sweep_plots._word("r$_$.csv") == r"r\$_\$.csv"
 
 
 def test_axes_and_numbers_are_in_the_readers_units(blocks: Callable[..., Any]) -> None:

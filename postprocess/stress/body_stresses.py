@@ -10,9 +10,9 @@ from railhead.meshing.bodies import BODY_NAMES
 from railhead.postprocess.findings import COLUMN, ROW, Array, DepthAxis, Frame, Largest, Peak
 from railhead.postprocess.patch.separate_patches import SeparatePatch
 from railhead.postprocess.stress import stick_border_stress
+from railhead.postprocess.stress.body_geometry import Solid
 from railhead.postprocess.stress.peaks import Search
 from railhead.postprocess.stress.recovery import Recovery
-from railhead.postprocess.stress.solid import Solid
 from railhead.solver.fields import Fields
 from railhead.solver.solution import FrictionSolution
 from railhead.theory.elastic.subsurface import max_shear, von_mises

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from railhead.contact import bodies, dimension, plane_section
+from railhead.contact import dimension, placed_bodies, plane_section
 from railhead.contact import solid as geometry
 from railhead.contact.plane_section import SectionContact
 from railhead.contact.solid import Contact
@@ -21,7 +21,7 @@ from railhead.meshing.bodies import (
     Body,
     Options,
 )
-from railhead.meshing.sizing import Grading
+from railhead.meshing.grading import Grading
 from railhead.planning import cost, effects, error_envelopes, sizing
 from railhead.planning.context import Context, Effect
 from railhead.planning.effects import interface, material
@@ -300,7 +300,9 @@ class Plan:
         whole = self.effects["rail_section"].on
         if isinstance(contact, SectionContact):
             return contact.bodies(self.reach, self.deformable, whole_section=whole, half=half)
-        return bodies.bodies(contact, self.reach, self.deformable, whole_section=whole, half=half)
+        return placed_bodies.bodies(
+            contact, self.reach, self.deformable, whole_section=whole, half=half
+        )
 
     @property
     def with_foot(self) -> bool:
@@ -342,7 +344,7 @@ class Plan:
         cells = self.grading().predicted_cells(self.reach, hexahedra=cell == "hexahedron")
         cells *= len(self.deformable)
         if self.with_foot:
-            half = bodies.rail_reach(self.contact, self.reach, whole_section=True)
+            half = placed_bodies.rail_reach(self.contact, self.reach, whole_section=True)
             cells += SECTION_CELLS * 2 * half
         return int(share * cells * cost.unknowns_per_cell("solid", cell, self.order))
 

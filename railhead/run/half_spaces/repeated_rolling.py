@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead.postprocess.passes import Passes, rail_state, row, words
+from railhead.postprocess.pass_rows import Passes, rail_state, row, words
 from railhead.run.half_spaces import pass_contact
 from railhead.run.half_spaces.pass_contact import RollingContact
 
 if TYPE_CHECKING:
     from railhead.solver.material.elasticity import Material
-    from railhead.solver.passes.rolling import RollingBlock
+    from railhead.solver.passes.rolling_block import RollingBlock
 
 Array = NDArray[np.float64]
 PER_LENGTH = {"line": 8.0, "solid": 4.0}  # elements on a half length
@@ -53,7 +53,7 @@ def block(
         length; None: REACH. coarser: factor on both.
     """
     from railhead.solver.passes.block import Block, graded, mirrored
-    from railhead.solver.passes.rolling import RollingBlock
+    from railhead.solver.passes.rolling_block import RollingBlock
 
     kind = "line" if line else "solid"
     count, growth = coarser * (per_length or PER_LENGTH[kind]), GROWTH[kind]

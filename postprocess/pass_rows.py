@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead.theory.bem.patch import PatchSolution
+from railhead.theory.bem.grid_patch import PatchSolution
 
 if TYPE_CHECKING:
     from railhead.solver.material.hardening import Hardening
-    from railhead.solver.passes.rolling import RollingBlock, RollingPass, SectionState
+    from railhead.solver.passes.rolling_block import RollingBlock, RollingPass, SectionState
 
 Array = NDArray[np.float64]
 PASS_COLUMNS = {

@@ -24,7 +24,7 @@ from railhead.solver.material.elasticity import Material
 from railhead.solver.material.hardening import Hardening, History, TangentReduction, radial_return
 from railhead.solver.space.cells import Array, Bulk, CellSet, Index, quadrature_degree
 from railhead.solver.space.constraints import Reduction
-from railhead.solver.space.interface import Interface
+from railhead.solver.space.contact_interface import Interface
 from railhead.solver.space.operators import add_transposed, assemble_strains, select_rows
 
 State = tuple[History, History]

@@ -103,7 +103,7 @@ class Sweep(list[Result]):
 
     def _drawings(self) -> dict[str, Drawing]:
         """The pictures by name of their PNG file."""
-        from railhead.postprocess.pictures.plots import sweep as plots
+        from railhead.postprocess.pictures.plots import sweep_plots as plots
 
         columns = [column(key) for key in self.keys]
         title = f"sweep of {self._name} over {' and '.join(self.keys)}"

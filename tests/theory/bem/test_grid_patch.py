@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from railhead.theory.bem.patch import PatchSolution
+from railhead.theory.bem.grid_patch import PatchSolution
 
 
 def patch(pressure: np.ndarray) -> PatchSolution:

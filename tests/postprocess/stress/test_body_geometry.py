@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from railhead.postprocess.stress.solid import Solid
+from railhead.postprocess.stress.body_geometry import Solid
 
 KINDS = [("hexahedron", 1), ("tetrahedron", 2)]
 

@@ -8,11 +8,11 @@ import pytest
 from one_line import refusal
 
 from railhead.geometry import outlines, profiles
-from railhead.geometry.measured import profile as measured
+from railhead.geometry.measured import measured_profile as measured
 from railhead.geometry.measured import smoothing, standards
 from railhead.geometry.measured.formats import FormatError
+from railhead.geometry.measured.measured_profile import Measured
 from railhead.geometry.measured.orientation import Orientation
-from railhead.geometry.measured.profile import Measured
 
 
 def arc(radius: float, angle: float, spacing: float) -> np.ndarray:
