@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -105,14 +106,17 @@ def solve(
 def load(folder: str | Path) -> Result | Sweep:
     """The result in a folder that `railhead run` or `Result.save` wrote: its numbers, checks and
     tables, without fields; infinite numbers in `summary` are the words "inf" and "-inf". In that of
-    a sweep, finished or not, a `Sweep` of such results. Raises SceneError for a folder without one,
-    and for what is no path.
+    a sweep, finished or not, a `Sweep` of such results. An exchange of folders that was killed is
+    finished first. Raises SceneError for a folder without one, and for what is no path.
     """
+    from railhead.results import result_folder
     from railhead.results.result import Result
     from railhead.sweeps import store
     from railhead.sweeps.sweep_results import Sweep
 
     folder = as_path(folder, "folder")
+    with suppress(OSError, ValueError):
+        result_folder.settle(folder.resolve())
     try:
         if (folder / store.REQUEST).is_file():
             return Sweep(folder)

@@ -164,6 +164,7 @@ def test_a_result_can_be_pickled_and_loaded(tmp_path) -> None:
         with pytest.raises(ValueError, match="pickled result has no dolfinx mesh"):
             getattr(copy, name)
     copy.save(tmp_path / "out", pictures=False)
+    (tmp_path / "out").rename(tmp_path / ".out.earlier")  # as a killed exchange leaves it
     loaded = rh.load(tmp_path / "out")
     assert loaded.pressure == result.pressure and loaded.friction == result.friction
     assert loaded.passed == result.passed and repr(loaded) == repr(result)

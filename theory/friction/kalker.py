@@ -173,7 +173,6 @@ def fastsim(
     shear_modulus: float,
     linear: Coefficients,
     creepage: Creepage,
-    strips: int = STRIPS,
 ) -> FastsimForces:
     """Forces of a rolling ellipse at a creepage by Kalker's simplified theory.
 
@@ -182,7 +181,6 @@ def fastsim(
     shear_modulus: G of the pair, MPa.
     linear: Kalker's linear coefficients of the ellipse.
     creepage: creepages and spin (1/mm).
-    strips: number of strips across, and of steps along each.
 
     Each strip is followed from its leading edge. A step adds the rigid slip over the flexibility L
     to the traction, which is scaled back to its bound where it exceeds that. L_1 = 8 a/(3 G C11),
@@ -192,11 +190,11 @@ def fastsim(
     """
     L1, L2 = (8 * a / (3 * shear_modulus * c) for c in (linear.c11, linear.c22))
     L3 = math.pi * a * math.sqrt(a / b) / (4 * shear_modulus * linear.c23)
-    y = b * ((2 * np.arange(strips) + 1) / strips - 1)
+    y = b * ((2 * np.arange(STRIPS) + 1) / STRIPS - 1)
     half = a * np.sqrt(1 - (y / b) ** 2)
-    step = 2 * half / strips
-    traction, forces, stuck = np.zeros((2, strips)), np.zeros(3), 0.0
-    for k in range(strips):
+    step = 2 * half / STRIPS
+    traction, forces, stuck = np.zeros((2, STRIPS)), np.zeros(3), 0.0
+    for k in range(STRIPS):
         x = half - (k + 0.5) * step
         slip_x = creepage.along / L1 - creepage.spin * y / L3
         slip_y = creepage.across / L2 + creepage.spin * x / L3
@@ -204,9 +202,9 @@ def fastsim(
         traction = traction + step * np.array([slip_x, slip_y])
         scale = np.minimum(1, bound / np.maximum(np.hypot(*traction), 1e-300))
         traction *= scale
-        cell = step * 2 * b / strips
+        cell = step * 2 * b / STRIPS
         along, across = traction
         forces += [along @ cell, across @ cell, (x * across - y * along) @ cell]
         stuck += float(cell[scale == 1].sum())
-    area = float(2 * half.sum() * 2 * b / strips)
+    area = float(2 * half.sum() * 2 * b / STRIPS)
     return FastsimForces(float(forces[0]), float(forces[1]), float(forces[2]), stuck / area)

@@ -35,15 +35,12 @@ def standard() -> Console:
     return console if console.is_terminal else Console(width=WIDTH)
 
 
-def labelled(console: Console, line: str, indent: int = 11) -> None:
-    """Print a line that begins with a label; continuation lines are indented by `indent`
-    characters.
-    """
-    below = " " * indent
+def labelled(console: Console, line: str) -> None:
+    """Print a line that begins with a label; continuation lines are indented by 11 characters."""
     said = textwrap.fill(
         line,
         console.width,
-        subsequent_indent=below,
+        subsequent_indent=11 * " ",
         break_long_words=False,
         break_on_hyphens=False,
     )
