@@ -341,5 +341,5 @@ def _panel(axes: Axes, rows: Sequence[Row]) -> None:
 
 
 def _curve(rows: Sequence[Row]) -> tuple[list[float], list[float]]:
-    """Seconds and errors in %."""
+    """Seconds and errors in % of the rows, in their order."""
     return [row["seconds"] for row in rows], [100 * row["error"] for row in rows]

@@ -167,7 +167,7 @@ def _write(path: Path, found: dict[str, Any], indent: int) -> None:
 
 
 def page(laws: dict[str, Any]) -> str:
-    """The laws as a table."""
+    """Text of the page of the study: the error laws as a table."""
     rows = [
         [name, entry["scenes"], key, tables.percent(value), f"{order:.2f}"]
         for name, entry in laws["families"].items()

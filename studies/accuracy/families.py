@@ -37,10 +37,17 @@ FINE = 1.6  # times the finest calibrated resolution: the truth of real profiles
 
 @dataclass(frozen=True)
 class Recipe:
-    """make: random assignments on `base`; where: see `laws.Family`, what is left out is that
-    of DEFAULT; resolutions to calibrate at, ascending, none for scenes outside all laws; scenes:
-    how many of them; exact: whether Hertz is the truth; split: families with laws of their own, by
-    what narrows `where`, where the whole would be too unlike: all its scenes lie in one."""
+    """Random scenes of one family, and at which resolutions they are solved.
+
+    make: function that draws assignments to keys of `base`.
+    where: conditions of the family, as `error_envelopes.Family`; those left out are in DEFAULT.
+    resolutions: elements on a semi-axis at which errors are calibrated, ascending; empty for scenes
+        outside all families.
+    scenes: number of scenes.
+    exact: whether exact Hertz is the truth; else it is a finer mesh.
+    split: by name of a family with error laws of its own, the conditions that narrow `where`; all
+        scenes of the recipe lie in one of these families.
+    """
 
     make: Make
     where: Mapping[str, Sequence[Any]]
@@ -89,7 +96,7 @@ def poisson(ratios: Sequence[float]) -> list[str]:
 
 
 def shallow(rng: np.random.Generator) -> list[str]:
-    """The same with one body, or both, of a low Poisson's ratio."""
+    """Assignments of random materials; one body, or both, with a Poisson's ratio below SHALLOW."""
     keys = [key for key in materials(rng) if "poisson" not in key]
     ratios = [rng.uniform(0.0, SHALLOW), rng.uniform(0.0, 0.4)]
     rng.shuffle(ratios)
@@ -158,7 +165,7 @@ def lines(rng: np.random.Generator) -> list[str]:
 
 
 def one(rng: np.random.Generator, *values: str) -> str:
-    """One of the values."""
+    """One of the values, drawn at random."""
     return values[rng.integers(len(values))]
 
 
@@ -304,7 +311,7 @@ RECIPES = {
 
 
 def bounds(where: Mapping[str, Sequence[Any]]) -> error_envelopes.Family:
-    """A family without laws."""
+    """A family of scenes that fulfil the conditions `where`, without error laws."""
     return error_envelopes.Family("", where, (0, 0), {}, {}, {})
 
 

@@ -57,14 +57,19 @@ def random(share: float) -> Start:
 
 @dataclass(frozen=True)
 class Solved:
-    """A model with one solution."""
+    """A contact model with one solution.
+
+    model: the model.
+    solution: its solution.
+    load: load that was prescribed, N.
+    """
 
     model: ContactModel
     solution: Solution
     load: float
 
     def findings(self) -> Findings:
-        """What is read out of it."""
+        """Patch, pressure and stresses read from the solution."""
         fields = gather(self.model, self.solution)
         assert fields is not None
         return read.findings(fields, Frame((0.0, 0.0, 0.0), 0.0))
@@ -94,7 +99,7 @@ class Solved:
 
 
 def solve(made: ContactMesh, setup: Setup, start: Start, load: float = LOAD) -> Solved:
-    """Assemble and solve."""
+    """Model of a mesh, solved under a load (N) from the active points that `start` gives."""
     model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
     return Solved(model, model.solve(load=load, active=start(model)), load)
 
@@ -107,7 +112,7 @@ def differ(one: Solution, other: Solution, approach: float) -> float:
 
 
 def offset(distance: float, gap: Gap = block_pairs.GAP) -> Gap:
-    """The same surfaces, further apart by `distance` mm."""
+    """The gap function `gap` with `distance` mm added to the gaps."""
 
     def moved(points: Array) -> tuple[Array, Array]:
         gaps, normals = gap(points)

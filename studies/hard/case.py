@@ -13,14 +13,18 @@ KRYLOV = 27  # iterations a step: a good preconditioner halves the residual, and
 
 @dataclass(frozen=True)
 class Deviation:
-    """Relative deviation of a quantity from its reference, and the most that is allowed."""
+    """Relative deviation of a quantity from its reference.
+
+    value: the deviation; NaN where there is no number.
+    allowed: largest deviation that is allowed.
+    """
 
     value: float
     allowed: float
 
     @property
     def share(self) -> float:
-        """Of what is allowed; inf where the deviation is not a number."""
+        """Deviation over the allowed one; infinite where the deviation is not a number."""
         if not math.isfinite(self.value):
             return math.inf
         return self.value / self.allowed if self.allowed else (math.inf if self.value else 0.0)
@@ -28,11 +32,14 @@ class Deviation:
 
 @dataclass(frozen=True)
 class CaseErrors:
-    """What solving a case gave.
+    """Deviations, failed checks and cost of one solved case.
 
-    deviations: by quantity; failed: names of the checks that failed, or the one line of a refusal;
-    newton, krylov: steps and iterations in all; noise: L2 distance of the raw pressure from its
-    recovered field, relative; remark: what else is worth a line.
+    deviations: deviation by name of the quantity.
+    failed: names of the checks that failed, or the one line of a refusal.
+    newton: steps of Newton's method, of all solutions together.
+    krylov: iterations of the linear solver, of all solutions together.
+    noise: L2 distance of the raw pressure from its recovered field, relative; None: not read.
+    remark: further words for the row of the case.
     """
 
     deviations: Mapping[str, Deviation] = field(default_factory=dict)
@@ -44,18 +51,27 @@ class CaseErrors:
 
     @property
     def worst(self) -> tuple[str, Deviation] | None:
-        """The quantity nearest to, or furthest above, what is allowed."""
+        """Name and deviation of the quantity with the largest share of what is allowed; None where
+        no quantity was compared.
+        """
         return max(self.deviations.items(), key=lambda item: item[1].share, default=None)
 
 
 @dataclass(frozen=True)
 class HardCase:
-    """One entry of the battery.
+    """A case of the battery: what is solved, and when it counts as right.
 
-    reason: what is hard about it; reference: what the result is held against; newton: most steps
-    allowed; krylov: most iterations a step, on average; seconds: time limit; quick: part of the
-    tests; known: the check that fails, or the first words of the refusal; refusable: a result
-    may be refused by any named check, as long as none that is wrong is signed.
+    group: group of cases that share a table.
+    name: name within the group.
+    reason: what is hard about the case.
+    reference: what the result is compared with.
+    solve: function that solves the case.
+    newton: most steps of Newton's method allowed.
+    krylov: most iterations of the linear solver a step allowed, on average.
+    seconds: time limit, s.
+    quick: whether the tests run the case.
+    known: check that must fail, or the first words of a refusal; empty: nothing may fail.
+    refusable: whether any named check may fail, as the result is then not signed.
     """
 
     group: str
@@ -72,11 +88,11 @@ class HardCase:
 
     @property
     def key(self) -> str:
-        """Unique in the battery."""
+        """Group and name of the case, unique in the battery."""
         return f"{self.group}: {self.name}"
 
     def fault(self, found: CaseErrors) -> str:
-        """Which part of the rule is broken; empty if none is."""
+        """The part of the rule that errors of this case break, in words; empty if none is."""
         if self.known:
             if any(each.startswith(self.known) for each in found.failed):
                 return ""
@@ -99,7 +115,13 @@ class HardCase:
 
 @dataclass(frozen=True)
 class CaseOutcome:
-    """A case with what it gave (None if it ended without), why it fails, and its seconds."""
+    """A case of the battery after it was run.
+
+    case: the case.
+    measured: its errors; None if the run ended without a result.
+    fault: part of the rule that is broken, in words; empty if none is.
+    seconds: wall time of the run, s.
+    """
 
     case: HardCase
     measured: CaseErrors | None
@@ -113,6 +135,6 @@ class CaseOutcome:
 
     @property
     def result(self) -> str:
-        """In words."""
+        """'FAILS: ' and the fault, 'refused: ' and the failed checks, or 'right'."""
         failed = ", ".join(self.measured.failed) if self.measured else ""
         return f"FAILS: {self.fault}" if self.fault else f"refused: {failed}" if failed else "right"

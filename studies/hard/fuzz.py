@@ -65,7 +65,7 @@ def valid(seed: int) -> str:
 
 
 def fuzz(seed: int, broken: bool) -> Fuzzed:
-    """Make a scene, run it, judge."""
+    """Run the command with a random scene, valid or broken, and judge how it ends."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "scene.toml"
         if broken:

@@ -18,14 +18,14 @@ MOST = 40_000  # predicted unknowns
 
 
 class Source(Protocol):
-    """Where choices come from."""
+    """Source of the random choices of which a scene is made."""
 
     def number(self, low: float, high: float) -> float:
-        """A number between the two."""
+        """A number from low to high."""
         ...
 
     def choice(self, options: Sequence[Any]) -> Any:
-        """One of them."""
+        """One of the options."""
         ...
 
 

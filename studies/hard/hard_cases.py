@@ -97,7 +97,7 @@ QUICK = [case for case in CASES.values() if case.quick]
 
 
 def solve(key: str) -> CaseErrors:
-    """Solve the case of a key."""
+    """Errors of the case with a key of CASES, solved here."""
     return CASES[key].solve()
 
 
@@ -190,7 +190,7 @@ def _row(outcome: CaseOutcome) -> list[str]:
 
 
 def page(outcomes: Sequence[CaseOutcome]) -> str:
-    """The whole page."""
+    """Text of docs/hard-cases.md."""
     groups: dict[str, list[list[str]]] = {}
     for outcome in outcomes:
         groups.setdefault(outcome.case.group, []).append(_row(outcome))

@@ -64,7 +64,9 @@ RANDOM_SEED = 54
 
 
 def refusable(solve: Callable[..., CaseErrors]) -> Callable[..., CaseErrors]:
-    """The same function, with a refusal of the scene or of its mesh as what failed."""
+    """The function `solve`, which then returns a refusal of the scene or of its mesh as a failed
+    check instead of raising it.
+    """
 
     @functools.wraps(solve)
     def guarded(*args: Any, **options: Any) -> CaseErrors:
@@ -89,7 +91,7 @@ def quantities(summary: Summary) -> dict[str, float]:
 
 
 def off(value: float, reference: float) -> float:
-    """Relative deviation."""
+    """Relative deviation of a value from a reference."""
     return abs(value / reference - 1)
 
 
@@ -100,7 +102,10 @@ def deviations(
     limit: float = LIMIT,
     unknown: Mapping[str, float] | None = None,
 ) -> dict[str, Deviation]:
-    """Of the named quantities that the reference has; unknown: the reference's own error."""
+    """Deviations of a summary from a reference, of the named quantities that the reference has.
+
+    unknown: relative error of the reference, by quantity.
+    """
     found, bound = quantities(summary), summary["accuracy"]["bound"]
     return {
         name: Deviation(

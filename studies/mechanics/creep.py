@@ -118,7 +118,9 @@ def page(
 
 
 def _forces(points: Sequence[Row]) -> tuple[list[tuple], dict[str, float]]:
-    """Of a case side by side, and the largest distances from each other method."""
+    """Rows of the creep forces of all methods side by side, a row a motion, and largest distances
+    of ours from each other method; both over mu N.
+    """
     rows, worst = [], dict.fromkeys(METHODS, 0.0)
     for motion, own in groups(points, "along", "across", "spin").items():
         each = {p["by"]: (p["force_along"], p["force_across"]) for p in own}

@@ -46,8 +46,13 @@ PROFILES = (
 
 @dataclass(frozen=True)
 class CreepCurve:
-    """Motions of one model; resolution: elements a semi-axis, None as planned; shift of
-    the wheelset, mm."""
+    """Motions for which one shipped scene is solved.
+
+    name: name of the scene.
+    motions: creepages and spins (1/mm).
+    resolution: elements on a semi-axis; None: as planned.
+    shift: lateral shift of the wheelset, mm.
+    """
 
     name: str
     motions: Sequence[Creepage]
@@ -56,7 +61,7 @@ class CreepCurve:
 
     @property
     def case(self) -> str:
-        """What tables call it."""
+        """Name of the scene in tables, with the shift if there is one."""
         return f"{self.name}, {self.shift:g} mm" if self.shift else self.name
 
 
@@ -78,7 +83,7 @@ its own pressing."""
 
 
 def rolled(curve: CreepCurve) -> tuple[list[Point], Cost]:
-    """All methods at each motion."""
+    """Forces by all methods at each motion of a curve, and the cost of the curve."""
     plan = _plan(curve)
     clock = [time.process_time()]
     model = mesh_solution.assemble(

@@ -144,7 +144,7 @@ def _row(
 
 
 def page(rows: Sequence[Row]) -> str:
-    """The whole page."""
+    """Text of docs/load-sweep.md."""
     return tables.render("load_sweep", cases=[_case(own) for own in groups(rows, "case").values()])
 
 

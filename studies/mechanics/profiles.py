@@ -37,19 +37,23 @@ UNITS = {"spacing": "mm", "noise": "um", "true_pressure": "MPa"}
 
 @dataclass(frozen=True)
 class Worn:
-    """A piece less depth exp(-((y - centre) / width)^2 / 2); wear: depth, centre, width in mm."""
+    """A piece of a profile from which depth exp(-((y - centre) / width)^2 / 2) is worn off.
+
+    base: the piece before wear.
+    wear: depth, centre and width, mm.
+    """
 
     base: Piece
     wear: tuple[float, float, float]
 
     @property
     def start(self) -> float:
-        """First y, mm."""
+        """y at which the piece starts, mm."""
         return self.base.start
 
     @property
     def end(self) -> float:
-        """Last y, mm."""
+        """y at which the piece ends, mm."""
         return self.base.end
 
     def derivative(self, y: Array, order: int) -> Array:
@@ -62,7 +66,13 @@ class Worn:
 
 @dataclass(frozen=True)
 class WornCase:
-    """What is worn off the rail or the wheel ('worn'), as `Worn`, and the keys of the scene."""
+    """A pair of wheel and rail of which one profile is worn.
+
+    name: name of the pair in tables.
+    worn: the worn body, 'rail' or 'wheel'.
+    wear: depth, centre and width of what is worn off, mm, as `Worn.wear`.
+    keys: assignments to keys of the scene.
+    """
 
     name: str
     worn: str
@@ -71,12 +81,12 @@ class WornCase:
 
     @property
     def scene(self) -> Scene:
-        """Of the unworn pair."""
+        """The scene of the pair before wear."""
         base = {"name": "worn", "load": 1e5, "wheel": {"rolling_radius": 460}}
         return Scene.from_mapping(base).replace(self.keys)
 
     def true(self) -> ProfilePair:
-        """The worn pair without noise."""
+        """The pair with what is worn off, and without noise."""
         pair = solid.pair(self.scene)
         new: Profile = getattr(pair, self.worn)
         pieces = tuple(Worn(piece, self.wear) for piece in new.pieces)
@@ -171,7 +181,7 @@ def solved(scene: Scene, pair: ProfilePair | None = None) -> BoundaryElementSolu
 
 
 def contacts(found: BoundaryElementSolution) -> int:
-    """That carry a part of the load."""
+    """Number of patches that carry more than 2 % (COUNTED) of the load."""
     return sum(patch.force > COUNTED * found.force for patch in found.patches)
 
 

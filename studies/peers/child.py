@@ -10,7 +10,9 @@ from pathlib import Path
 
 
 def version(module) -> str:  # type: ignore[no-untyped-def]
-    """Of a code's first package. Raises where that, or a module of MODULES, is not there."""
+    """Version of the first package of a code. Raises ImportError where it, or
+    a module of MODULES, is not there.
+    """
     for name in module.MODULES:
         importlib.import_module(name)
     if not module.DEBIAN:

@@ -77,7 +77,7 @@ def read(case: Mapping[str, float], found: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def read_own(summary: Mapping[str, Any]) -> dict[str, Any]:
-    """The same from summary.json."""
+    """Unknowns, iterations, force and errors beside Hertz of our own run, from summary.json."""
     result, exact = (numeric_values(summary[key]) for key in ("result", "hertz"))
     return {
         "unknowns": summary["cost"]["dofs"],
@@ -108,7 +108,7 @@ def page(
     versions: Mapping[str, str],
     absent: Mapping[str, str],
 ) -> str:
-    """The whole page."""
+    """Text of docs/peers.md."""
     seen, done = medians(runs), [run for run in runs if not run["failure"]]
     own = groups((run for run in done if run["code"] == OURS), "setting").values()
     repeated = [[run["cpu_seconds"] for run in each] for each in own]

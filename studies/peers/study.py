@@ -54,7 +54,7 @@ def install() -> None:
 
 
 def python(peer: Peer) -> str:
-    """In which a code runs."""
+    """Path of the Python in which a code runs."""
     return DEBIAN_PYTHON if peer.DEBIAN else str(VENV.absolute() / "bin" / "python")
 
 
@@ -131,7 +131,7 @@ def measured(
 
 
 def version(peer: Peer, work: Path) -> str:
-    """Of a code as it is installed; FailedError says why there is none."""
+    """Version of an installed code. Raises FailedError, with the reason, where there is none."""
     try:
         if not Path(python(peer)).exists():
             raise FailedError("not installed")

@@ -59,7 +59,14 @@ class Grade(IntEnum):
 
 @dataclass(frozen=True)
 class Claim:
-    """One statement; printed: its number or formula; expected: verdict of the reference."""
+    """One statement of the thesis.
+
+    id: its number in the table of claims.
+    where: chapters in which it appears.
+    claim: the statement in words.
+    printed: its number or formula as printed.
+    expected: verdict of the reference table.
+    """
 
     id: int
     where: str
@@ -80,7 +87,15 @@ class Claim:
 
 @dataclass(frozen=True)
 class ClaimCheck:
-    """The thesis's value beside the exact one and ours (finite elements or another computation)."""
+    """A value of the thesis beside the exact one.
+
+    what: name of the quantity.
+    thesis: value of the thesis.
+    exact: exact value.
+    grade: how near both are.
+    unit: unit of the values.
+    ours: value of finite elements or of another computation; None: there is none.
+    """
 
     what: str
     thesis: float | str
@@ -92,8 +107,13 @@ class ClaimCheck:
 
 @dataclass(frozen=True)
 class Finding:
-    """Checks of a claim; a remark; why it cannot be computed; effect: largest relative effect on
-    the results, where an error is known to do little."""
+    """What was computed about a claim.
+
+    checks: its values beside the exact ones.
+    note: a remark.
+    not_computable: why it cannot be computed; empty if it can.
+    effect: largest relative effect of an error on the results; None: not known.
+    """
 
     checks: Sequence[ClaimCheck]
     note: str = ""

@@ -83,8 +83,18 @@ def general_orientation(
 
 @dataclass(frozen=True)
 class ThesisContact:
-    """Semi-axes a (along x) and b (along y) in mm, peak pressure p0 in MPa, and the intermediate
-    values k3, k4 in 1/mm, theta_deg, m, n; the thesis gives no approach."""
+    """Contact ellipse by the formulas of the thesis.
+
+    a: semi-axis along x, mm.
+    b: semi-axis along y, mm.
+    p0: largest pressure, MPa.
+    k3: half the sum of the relative curvatures, 1/mm.
+    k4: half their difference, 1/mm.
+    theta_deg: angle with cosine k4 / k3, degrees.
+    m: coefficient of the semi-axis a.
+    n: coefficient of the semi-axis b.
+    approach: None, as the thesis gives none.
+    """
 
     a: float
     b: float
@@ -166,6 +176,9 @@ def thesis_axis_stress(p0: float, a: float, poisson: float, depth: ArrayLike) ->
 class Facts:
     """Exact Hertz contact and the thesis's route for its case, and what follows from them.
 
+    ellipse: exact Hertz contact.
+    poisson: Poisson's ratio.
+    route: contact by the formulas of the thesis.
     profiles: numbers of the rail and wheel profiles, see `profile_facts`.
     boundary_element_p0: largest pressure in MPa on the profiles, by boundary elements.
     fe: finite-element results by name (empty: none were made).
@@ -185,7 +198,7 @@ class Facts:
 
     @cached_property
     def real(self) -> Ellipse:
-        """The contact under WHEEL."""
+        """Exact Hertz contact under the load WHEEL."""
         return self.under(WHEEL)
 
     @cached_property
@@ -241,7 +254,7 @@ class Facts:
 
 
 def facts(scene: Scene) -> Facts:
-    """Those of a scene, without finite elements."""
+    """Exact and printed contact of a scene, without finite elements."""
     contact = solid.locate(scene)
     ellipse = closed_forms.ellipse(scene, contact)
     curvatures = (ellipse.curvature_x, 0.0), (0.0, ellipse.curvature_y)

@@ -67,7 +67,7 @@ def wheel_tangents_printed(g: Curve, s1: float, s2: float) -> tuple[Array, Array
 
 
 def wheel_normal_printed(g: Curve, s1: float, s2: float) -> Array:
-    """n of eq 4.26."""
+    """Normal (3,) of the wheel by eq 4.26, as printed."""
     c, s = _pair(s2)
     return g(s1) * np.array([s, -derivative(g, s1), -c])
 
@@ -104,8 +104,10 @@ class Reduced(NamedTuple):
     """The two equations to which the thesis reduces its contact conditions once cos(s2w) = 0:
     b2 s1w + b3 s2r = p2 and a2 s1w + a3 s2r = p1, where p1 = L a2 and p2 = L b2.
 
-    numerator: of s2r in eq 4.31; s1w: solved from the two equations;
-    s1w_printed: by eq 4.33, nan where that is 0/0.
+    a2, a3, b2, b3: their coefficients.
+    numerator: numerator of s2r in eq 4.31.
+    s1w: s1w solved from the two equations.
+    s1w_printed: s1w by eq 4.33, NaN where that is 0/0.
     """
 
     a2: float
@@ -201,7 +203,7 @@ def cone(s1: float) -> float:
 
 
 def wheel(s1: float, s2: float) -> Array:
-    """Point (3,) of the wheel, mm."""
+    """Point (3,) of the wheel by the printed equations, mm, at its parameters s1 and s2."""
     return wheel_point_printed(cone, HALF_AXLE, s1, s2)
 
 

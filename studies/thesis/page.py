@@ -179,8 +179,14 @@ ROUTES = (
 
 @dataclass(frozen=True)
 class Sampled:
-    """Finite-element stresses: principal ones on the patch (a Surface for each), nodal ones (k, 6)
-    along the radius (k,) mm on the surface, those on the axis; the pressure along x."""
+    """Finite-element stresses that the pictures show.
+
+    patch: the three principal stresses on the patch, a surface for each.
+    radius: x (k,) of nodes on the surface, from the centre of the patch, mm.
+    along: nodal stresses (k, 6) at these distances, MPa.
+    axis: stresses on the axis below the patch.
+    pressure: pressure along x.
+    """
 
     patch: tuple[Surface, Surface, Surface]
     radius: Array

@@ -22,6 +22,6 @@ Peer = ModuleType
 
 
 def peers() -> list[Peer]:
-    """Every module here, by name."""
+    """Modules of this folder, one for each code, sorted by name."""
     names = sorted(module.name for module in pkgutil.iter_modules(__path__))
     return [importlib.import_module(f"{__name__}.{name}") for name in names]
