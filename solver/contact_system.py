@@ -176,7 +176,9 @@ class ContactSystem:
             (self.nodes_on_facets(space, tag), flatten(np.array(normal)))
             for tag, normal in setup.planes
         ]
-        return constraints.Supports(fixed, planes, hub, setup.push, setup.load_control)
+        return constraints.Supports(
+            fixed=fixed, planes=planes, hub=hub, direction=setup.push, hub_free=setup.load_control
+        )
 
     def prescribed(self, case: LoadCase) -> PETSc.Vec:
         """Prescribed displacement u0 on all dofs, mm: far field of the load, support displacement

@@ -64,7 +64,7 @@ class Effect:
         return {key: getattr(self, key) for key in keys}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Context:
     """Data from which effects are decided.
     scene: the scene.

@@ -52,7 +52,7 @@ def drop_beside_maximum(beside: float) -> float:
     return FLAT * beside**2
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Setting:
     """Properties of a planned model, besides the resolution, on which its errors depend.
     shape: 'half-spaces' (meshed blocks), 'bodies' (solids that end), 'plane strain' or 'meridian';

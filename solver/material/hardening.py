@@ -96,7 +96,7 @@ class History:
         return History(*values)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class TangentReduction:
     """Difference between the elastic tangent C and the consistent tangent C_ep, at the k points
     that yield:
@@ -120,7 +120,8 @@ class TangentReduction:
     def none(cls, size: int) -> TangentReduction:
         """Reduction at no point; size: number m of components."""
         empty = np.zeros(0)
-        return cls(np.zeros(0, dtype=np.int64), empty, empty, np.zeros((0, size)), empty)
+        points, normal = np.zeros(0, dtype=np.int64), np.zeros((0, size))
+        return cls(points=points, shear=empty, along=empty, normal=normal, mu=empty)
 
     def renumbered(self, members: NDArray[np.int64]) -> TangentReduction:
         """The same reduction with point numbers members[points]; members: for each point of a
@@ -201,4 +202,6 @@ def radial_return(
     equivalent[yielding] += growth
     shear = 2 * mu * step / size
     along = 1 / (1 + slope / (3 * mu)) - shear
-    return History(plastic, back, equivalent), TangentReduction(yielding, shear, along, normal, mu)
+    return History(plastic, back, equivalent), TangentReduction(
+        points=yielding, shear=shear, along=along, normal=normal, mu=mu
+    )

@@ -144,7 +144,11 @@ class Block:
         if self.dim == 3:
             planes += [(self.at(1, self.axes[1][side]), unit[1]) for side in (0, -1)]
         supports = constraints.Supports(
-            self.at(self.dim - 1, self.axes[-1][0]), planes, None, unit[-1], hub_free=False
+            fixed=self.at(self.dim - 1, self.axes[-1][0]),
+            planes=planes,
+            hub=None,
+            direction=unit[-1],
+            hub_free=False,
         )
         return constraints.reduce(supports, MPI.COMM_SELF)
 

@@ -22,7 +22,7 @@ from railhead.solver.space.kinematics import SOLID, Kinematics
 from railhead.solver.space.operators import petsc_matrix, vector
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Supports:
     """Supports of a displacement space, as masks over its n owned block dofs, and directions in the
     c coordinates of the mesh.
@@ -46,7 +46,7 @@ class Supports:
         return self.fixed if self.hub is None else self.fixed | self.hub
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Reduction:
     """Linear map P from the free unknowns to displacements. Each of n nodes keeps its c places in
     both.
@@ -137,12 +137,12 @@ def reduce(supports: Supports, comm: MPI.Intracomm) -> Reduction:
     keep = values != 0.0
     table = sp.csr_matrix((values[keep], (rows[keep], columns[keep])), shape=(dim * count, total))
     return Reduction(
-        petsc_matrix(table, dim * count, comm),
-        free.ravel(),
-        not comm.allreduce(int(np.any(row != column))),
-        approach,
-        place,
-        supports.hub_free and not comm.allreduce(int(hub.sum())),
+        matrix=petsc_matrix(table, dim * count, comm),
+        free=free.ravel(),
+        aligned=not comm.allreduce(int(np.any(row != column))),
+        approach=approach,
+        column=place,
+        rigid_approach=supports.hub_free and not comm.allreduce(int(hub.sum())),
     )
 
 

@@ -17,7 +17,18 @@ from railhead.scene import catalogue
 from railhead.scene.scene import Scene, SceneError
 
 SETTING = Setting(
-    "half-spaces", False, "tetrahedron", 2, "nitsche", None, 1.0, 0.3, 0.3, True, 2.0, 1.0
+    shape="half-spaces",
+    turned=False,
+    cell="tetrahedron",
+    order=2,
+    method="nitsche",
+    theta=None,
+    gamma_factor=1.0,
+    poisson=0.3,
+    least_poisson=0.3,
+    ellipse=True,
+    axis_ratio=2.0,
+    stiffness=1.0,
 )
 HALF_SPACES = Scene.from_mapping(
     {"load": 1e4, "rail": {"profile": "arc", "crown_radius": 300, "extent": "half-space"}}

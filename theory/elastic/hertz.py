@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from scipy.special import elliprd, elliprf
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Ellipse:
     """Hertz point contact of two elastic bodies.
 
@@ -62,7 +62,7 @@ class Ellipse:
         return np.asarray(self.p0 * np.sqrt(np.maximum(inside, 0)))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Strip:
     """Hertz line contact of two elastic bodies. y is the distance across the line from its middle,
     whichever way the line lies on the rail.
@@ -139,7 +139,16 @@ def point_contact(
     a = math.cbrt(load * elliprd(0, k * k, 1) / (math.pi * contact_modulus * curvature_x))
     approach = 3 * load * elliprf(0, 1, k * k) / (2 * math.pi * contact_modulus * a)
     p0 = 3 * load / (2 * math.pi * a * a * k)
-    return Ellipse(a, k * a, p0, approach, load, contact_modulus, curvature_x, curvature_y)
+    return Ellipse(
+        a=a,
+        b=k * a,
+        p0=p0,
+        approach=approach,
+        load=load,
+        contact_modulus=contact_modulus,
+        curvature_x=curvature_x,
+        curvature_y=curvature_y,
+    )
 
 
 def point_contact_from_approach(
@@ -157,7 +166,16 @@ def point_contact_from_approach(
     a = math.sqrt(2 * approach * flatness / (3 * curvature_x * elliprf(0, 1, k * k)))
     load = math.pi * contact_modulus * curvature_x * a**3 / flatness
     p0 = 3 * load / (2 * math.pi * a * a * k)
-    return Ellipse(a, k * a, p0, approach, load, contact_modulus, curvature_x, curvature_y)
+    return Ellipse(
+        a=a,
+        b=k * a,
+        p0=p0,
+        approach=approach,
+        load=load,
+        contact_modulus=contact_modulus,
+        curvature_x=curvature_x,
+        curvature_y=curvature_y,
+    )
 
 
 def line_contact(curvature: float, contact_modulus: float, load_per_length: float) -> Strip:
@@ -173,7 +191,13 @@ def line_contact(curvature: float, contact_modulus: float, load_per_length: floa
     )
     b = math.sqrt(4 * load_per_length / (math.pi * contact_modulus * curvature))
     p0 = 2 * load_per_length / (math.pi * b)
-    return Strip(b, p0, load_per_length, contact_modulus, curvature)
+    return Strip(
+        b=b,
+        p0=p0,
+        load_per_length=load_per_length,
+        contact_modulus=contact_modulus,
+        curvature=curvature,
+    )
 
 
 def _axis_ratio(curvature_x: float, curvature_y: float) -> float:

@@ -21,7 +21,7 @@ from railhead.theory.elastic.subsurface import AxisExtrema, extrema, line_axis_s
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class LineContact:
     """Hertz line contact over a finite length, with the attributes of
     `theory.elastic.hertz.Ellipse`.
@@ -125,7 +125,7 @@ def contact(
             float(displacement(strip, centre, centre, e, nu, datum)[0, 1])
             for e, nu in zip(moduli, poisson, strict=True)
         )
-        return LineContact(strip, length, across, datum, sunk)
+        return LineContact(strip=strip, length=length, across=across, datum=datum, approach=sunk)
 
     if load is not None:
         return under(load)

@@ -58,7 +58,7 @@ class Creepage:
         return np.array([self.along, self.across, self.spin, 1.0])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class TangentialSolution:
     """Tangential tractions of a patch under a rigid motion, cell by cell.
 
@@ -185,14 +185,14 @@ class HalfSpaceFriction:
         traction = self._tractions.solve(slip, TOLERANCE, guess)
         left = np.where(self._bound > 0, slip - self._influence(traction), 0)
         return TangentialSolution(
-            self._x,
-            self._y,
-            self._modes,
-            self._bound,
-            creepage,
-            traction,
-            left,
-            self._tractions.steps,
+            x=self._x,
+            y=self._y,
+            modes=self._modes,
+            bound=self._bound,
+            creepage=creepage,
+            traction=traction,
+            slip=left,
+            steps=self._tractions.steps,
         )
 
     def stiffness(self, found: TangentialSolution) -> Array:

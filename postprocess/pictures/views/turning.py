@@ -34,7 +34,7 @@ LONGEST = 3.0  # half widths of a line contact that are drawn of its length
 PIXELS = 900
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class View:
     """A scene in three dimensions that turns in a browser.
 
@@ -221,7 +221,7 @@ def _view(
     scene = packed(plotter)
     plotter.close()
     colours = [to_hex(c) for c in matplotlib.colormaps[COLOURS](np.linspace(0, 1, 9))]
-    return View(name, text, top, colours, scene, still.getvalue())
+    return View(name=name, text=text, top=top, colours=colours, scene=scene, still=still.getvalue())
 
 
 def packed(plotter: Any) -> bytes:

@@ -43,7 +43,7 @@ UPDATES, SETTLED = 60, 0.02
 FINE, MOST = 20, 100_000  # samples a point, and in all, where a curve is measured or bent open
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Smoothed:
     """Smooth curve through the points of a measured profile.
     curve: spline of the arc length s (mm) with values (y, z), mm.
@@ -144,7 +144,15 @@ def smooth(points: Array, wavelength: float | None = None, stretch: float = 1.0)
         s = _lengths(curve, s, points)
         fit = _Fit(s)
     off, typical = _off(curve, s, points), float(np.median(sigma))
-    return Smoothed(curve, points, s, off, typical, fit.places, lengths)
+    return Smoothed(
+        curve=curve,
+        points=points,
+        s=s,
+        residual=off,
+        noise=typical,
+        places=fit.places,
+        wavelength=lengths,
+    )
 
 
 class _Fit:

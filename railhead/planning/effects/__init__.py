@@ -150,7 +150,7 @@ def decide(
     context's `decided` is the same dictionary.
     """
     found: dict[str, Effect] = {}
-    context = Context(scene, dimension, contact, hertz, found)
+    context = Context(scene=scene, dimension=dimension, contact=contact, hertz=hertz, decided=found)
     for name, effect in EFFECTS.items():
         found[name] = effect.decide(context).forced(name, scene.effects.state(name))
     if not found["finite_bodies"].on:

@@ -41,8 +41,8 @@ def test_planes_in_general_position_leave_the_right_freedom() -> None:
     normals = [np.array([1.0, 1.0, 0.0]) / np.sqrt(2), np.array([0.0, 0.6, 0.8])]
     masks = [np.array([True, False, True, False]), np.array([True, True, False, False])]
     supports = constraints.Supports(
-        np.array([False, False, False, True]),
-        list(zip(masks, normals, strict=True)),
+        fixed=np.array([False, False, False, True]),
+        planes=list(zip(masks, normals, strict=True)),
         hub_free=False,
     )
     reduction = constraints.reduce(supports, MPI.COMM_SELF)

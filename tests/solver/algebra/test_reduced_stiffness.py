@@ -86,5 +86,5 @@ def test_an_approach_needs_a_place(two_blocks) -> None:
     model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
     none = np.zeros_like(model.supports(model.bulk.space).fixed)
     with pytest.raises(ValueError, match="nothing is held"):
-        constraints.reduce(constraints.Supports(none), model.comm)
+        constraints.reduce(constraints.Supports(fixed=none), model.comm)
     assert isinstance(model.materials[setup.slave], Material)
