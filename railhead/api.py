@@ -120,7 +120,7 @@ def load(folder: str | Path) -> Result | Sweep:
     try:
         if (folder / store.REQUEST).is_file():
             return Sweep(folder)
-        found = Result(None, json.loads((folder / "summary.json").read_text(encoding="utf-8")))
+        found = Result(None, json.loads((folder / "summary.json").read_text("utf-8")), folder)
         terminal.recorded(found.show)
         for _ in quantity_rows.everything(found.summary):
             pass  # every number is read once: what is broken shows here

@@ -9,8 +9,11 @@ from copy import deepcopy
 from dataclasses import replace
 from typing import Any
 
+import pytest
+
 import railhead as rh
 from railhead.planning import simulation_plan as planning
+from railhead.postprocess.pictures import gallery
 
 KEPT = 24  # results; each is some tens of MB
 
@@ -41,6 +44,12 @@ def passed(scene: rh.Scene | str, *assignments: str) -> rh.Result:
 def friction(result: rh.Result) -> dict[str, Any]:
     """What the summary says of friction: forces, creepages, share of stick."""
     return result.summary["result"]["friction"]
+
+
+def draw_only(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    """Of the pictures of a run this one alone is drawn (`"patch"`)."""
+    every, file = gallery.drawings, f"{name}.png"
+    monkeypatch.setattr(gallery, "drawings", lambda *given: {file: every(*given)[file]})
 
 
 @functools.lru_cache(maxsize=KEPT)

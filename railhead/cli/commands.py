@@ -100,6 +100,7 @@ _scene_options = (
     _effect("--without", "switched_off", help="Leave this effect out."),
     click.option("--fast", is_flag=True, help="Half-spaces: --without finite_bodies."),
 )
+_units = click.option("--units", "unit_names", help="Of tables, pictures and report: mm,kN,MPa.")
 _report_options = (
     click.option(
         "--out", type=click.Path(path_type=Path), help="Folder [results/<name>_<command>]."
@@ -107,6 +108,7 @@ _report_options = (
     _force,
     click.option("--no-pictures", is_flag=True, help="Write no PNG files."),
     _format,
+    _units,
     click.option("--quiet", is_flag=True, help="Print nothing."),
     click.option("--json", "as_json", is_flag=True, help="Print the summary and nothing else."),
 )
@@ -235,7 +237,7 @@ def plan(
 @click.option("--no-report", is_flag=True, help="Write no report.html.")
 @click.option("--brief", is_flag=True, help="Write report.html on one page.")
 @click.option("--whole", is_flag=True, help="Write .vtu files of the whole model, mirrored.")
-@click.option("--units", "unit_names", help="Of table, pictures and report: mm,kN,MPa.")
+@_units
 @click.option("--ranks", type=PROCESSES, help="Processes [as many as pay].")
 @click.option("--quiet", is_flag=True, help="Print only what fails.")
 @click.option("--json", "as_json", is_flag=True, help="Print summary.json and nothing else.")
@@ -343,6 +345,7 @@ def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: b
 @click.option("--vtu", is_flag=True, help="Write .vtu files of each combination, for ParaView.")
 @click.option("--no-pictures", is_flag=True, help="Write no PNG files and no report.html.")
 @_format
+@_units
 @click.option("--quiet", is_flag=True, help="Print only what fails.")
 @click.option("--json", "as_json", is_flag=True, help="Print the rows and nothing else.")
 def sweep(
@@ -354,12 +357,15 @@ def sweep(
     resume: bool,
     vtu: bool,
     no_pictures: bool,
+    unit_names: str | None,
     quiet: bool,
     as_json: bool,
 ) -> int:
     """Solve a case for every combination of values, side by side."""
     from railhead.results import result_folder
+    from railhead.results.report import output_units
 
+    units = output_units.parse(unit_names)
     grid = _grid(scene, lists, over_file)
     if vtu and any(each.effects.finite_bodies == "off" for each in grid.scenes):
         raise SceneError("--vtu", "half-spaces have no bodies to write; leave out --vtu or --fast")
@@ -368,7 +374,7 @@ def sweep(
 
     from railhead.sweeps import parallel, store, sweep_table
 
-    task = parallel.ParallelSweep(grid=grid, folder=folder, vtu=vtu)
+    task = parallel.ParallelSweep(grid=grid, folder=folder, vtu=vtu, units=units)
     other: store.Other = "replace" if force else "move" if out is None and not resume else "refuse"
     quiet = quiet or as_json
     outcome = parallel.run(task, pictures=not no_pictures, quiet=quiet, other=other)
@@ -381,7 +387,7 @@ def sweep(
     if as_json:
         click.echo(result_folder.to_json({"rows": outcome.rows}), nl=False)
     elif not quiet:
-        for line in sweep_table.verdict(outcome.rows):
+        for line in sweep_table.verdict(outcome.rows, units):
             click.echo(line)
         click.echo(f"written to {folder}/")
     if outcome.failures:
@@ -391,8 +397,8 @@ def sweep(
 
 @railhead.command()
 @click.argument("folder", type=click.Path(path_type=Path))
-@click.option("--units", "unit_names", help="Of the table of a run, e.g. mm,kN,MPa.")
-@click.option("--pictures", is_flag=True, help="Draw the pictures of a sweep again.")
+@_units
+@click.option("--pictures", is_flag=True, help="Draw the pictures again.")
 @_format
 @click.option("--json", "as_json", is_flag=True, help="Print the numbers as JSON.")
 def show(folder: Path, unit_names: str | None, pictures: bool, as_json: bool) -> None:
@@ -401,16 +407,13 @@ def show(folder: Path, unit_names: str | None, pictures: bool, as_json: bool) ->
     from railhead.results import result_folder
     from railhead.results.report import output_units, terminal
 
-    units, found = output_units.parse(unit_names), api.load(folder)
-    drawn = []
+    units, found, drawn = output_units.parse(unit_names), api.load(folder), list[str]()
     if pictures:
-        from railhead.sweeps.sweep_results import Sweep
-
-        if not isinstance(found, Sweep):
-            scene = folder / result_folder.SCENE
-            text = f"need fields, which the folder of a run does not hold; railhead run {scene}"
-            raise SceneError("--pictures", f"{text} makes them again")
-        drawn = found.draw(folder)
+        try:
+            drawings = found.drawings(units)
+        except ValueError as error:
+            raise SceneError("--pictures", str(error)) from None
+        drawn = result_folder.redraw(drawings, folder)
     if as_json:
         click.echo(result_folder.to_json(found.as_dict()), nl=False)
     else:
@@ -423,7 +426,7 @@ def show(folder: Path, unit_names: str | None, pictures: bool, as_json: bool) ->
 @railhead.command()
 @click.argument("a", type=click.Path(path_type=Path))
 @click.argument("b", type=click.Path(path_type=Path))
-@click.option("--units", "unit_names", help="Of the table, e.g. mm,kN,MPa.")
+@_units
 @click.option("--json", "as_json", is_flag=True, help="Print the comparison as JSON.")
 def diff(a: Path, b: Path, unit_names: str | None, as_json: bool) -> None:
     """Compare the results of two runs that lie in folders, and their scenes; solve nothing."""
@@ -489,6 +492,7 @@ def _report(
     out: Path | None,
     force: bool,
     no_pictures: bool,
+    unit_names: str | None,
     quiet: bool,
     as_json: bool,
 ) -> None:
@@ -496,20 +500,22 @@ def _report(
 
     out: the folder; None for results/<name>_<command>.
     force: whether another result in `out` is replaced.
-    no_pictures: whether no PNG files are written. as_json: whether the summary is printed as JSON
-        instead of a table. quiet: whether the table is not printed; no effect on JSON.
+    no_pictures: whether no PNG files are written. unit_names: as of `output_units.parse`.
+    as_json: whether the summary is printed as JSON instead of a table. quiet: whether the table is
+        not printed; no effect on JSON.
     """
     from railhead.results import result_folder
-    from railhead.results.report import terminal
+    from railhead.results.report import output_units, terminal
 
+    units = output_units.parse(unit_names)
     folder = _folder(out, f"{name}_{command}", command, computed.scene, force=force)
     if out is None:
         result_folder.make_room(folder, command, computed.scene)
-    computed.save(folder, pictures=not no_pictures, force=True)
+    computed.save(folder, pictures=not no_pictures, units=units, force=True)
     if as_json:
         click.echo(result_folder.to_json(computed.summary()), nl=False)
     elif not quiet:
-        computed.show(terminal.standard())
+        computed.show(terminal.standard(), units)
         click.echo(f"written to {folder}/")
 
 

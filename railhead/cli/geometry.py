@@ -24,6 +24,7 @@ from railhead.geometry.measured import BODY_BY_EXTENSION, standards
 from railhead.geometry.measured.measured_profile import Measured, smoothness
 from railhead.geometry.measured.standards import LaidStandard
 from railhead.geometry.placement import ContactPoint, Placed, PlacementError, ProfilePair, Track
+from railhead.postprocess.findings import BASE_UNITS, Subject, Units
 from railhead.results import result_folder
 from railhead.results.report import terminal
 from railhead.scene.arrays import is_array
@@ -133,11 +134,19 @@ class Location:
             rows.append(row)
         return rows
 
-    def save(self, folder: str | Path, *, pictures: bool = True, force: bool = False) -> None:
+    def save(
+        self,
+        folder: str | Path,
+        *,
+        pictures: bool = True,
+        units: Units | None = None,
+        force: bool = False,
+    ) -> None:
         """Write the files of `railhead locate` into a folder.
 
         pictures: whether PNG files are written: both wheels on their rails, and contacts and
             rolling radius difference over lateral shifts.
+        units: of pictures; None: mm.
         force: whether another result is replaced.
         Raises SceneError for a folder with other files and, without `force`, with another result;
         OSError where it cannot be written.
@@ -147,34 +156,35 @@ class Location:
         with result_folder.result(folder, "locate", self.scene, self.summary()) as (work, attempt):
             rows = result_folder.signed(self.positions())
             (work / "positions.csv").write_bytes(result_folder.encoded(rows))
-            for name, draw in self._drawings().items() if pictures else ():
-                with attempt(name):
-                    draw(work / name)
+            if pictures:
+                result_folder.draw(self.drawings(units or BASE_UNITS), work, attempt)
 
     def plot(self, picture: str, ax: object = None) -> Figure:
         """Draw "profiles", "positions" or "rolling_radius", as `Result.plot`."""
         from railhead.postprocess.pictures.plots import diagrams
 
-        return diagrams.draw_one(self._drawings(), picture, ax)
+        return diagrams.draw_one(self.drawings(), picture, ax)
 
-    def _drawings(self) -> dict[str, Drawing]:
-        """The pictures by name of their PNG file."""
+    def drawings(self, units: Units = BASE_UNITS) -> dict[str, Drawing]:
+        """Functions that draw the pictures, by name of their PNG file. units: of their numbers."""
         from railhead.postprocess.pictures.plots import profile_plots
 
         scene, pair, swept = self.scene, self.pair, self.swept
         wheel, rail = Path(scene.wheel.profile).name, Path(scene.rail.profile).name
         words = f"{scene.name}: wheelset with wheels {wheel} on rails {rail}"
         yaw = f", yaw {1e3 * scene.wheelset.yaw:g} mrad"
-        title = f"{words}, shifted by {scene.wheelset.shift:g} mm to the right{yaw}"
-        over = {"title": words + yaw}
+        shifted = f", shifted by {units.text(scene.wheelset.shift, 'mm')} to the right"
+        here, over = (Subject(words + more + yaw, units=units) for more in (shifted, ""))
         return {
-            "profiles.png": partial(profile_plots.profiles, pair, self.placed, title=title),
-            "positions.png": partial(profile_plots.positions, pair, swept, **over),
-            "rolling_radius.png": partial(profile_plots.rolling_radius, swept, **over),
+            "profiles.png": partial(profile_plots.profiles, pair, self.placed, here),
+            "positions.png": partial(profile_plots.positions, pair, swept, over),
+            "rolling_radius.png": partial(profile_plots.rolling_radius, swept, over),
         }
 
-    def show(self, console: Console) -> None:
-        """Print a table with a column for each contact, below it the values of the wheelset."""
+    def show(self, console: Console, units: Units = BASE_UNITS) -> None:
+        """Print a table with a column for each contact, below it the values of the wheelset. units:
+        of the numbers.
+        """
         summary, scene = self.summary(), self.scene
         table = Table(title=f"contacts of {scene.name}", title_justify="left")
         table.add_column("quantity")
@@ -189,21 +199,23 @@ class Location:
         for label, unit, key in CONTACT_ROWS:
             factor = math.degrees(1) if unit == "deg" else 1.0
             values = (factor * contact[key] for _, contact in columns)
+            exact = (each if abs(each) > NOTHING else 0.0 for each in values)
             table.add_row(
-                label, unit, *(f"{each if abs(each) > NOTHING else 0.0:.6g}" for each in values)
+                label, units.unit(unit), *(f"{units.value(each, unit):.6g}" for each in exact)
             )
         console.print(table)
         console.print(
-            f"shift {scene.wheelset.shift:g} mm, yaw {1e3 * scene.wheelset.yaw:g} mrad: roll "
-            f"{1e3 * summary['roll_rad']:.4g} mrad, rolling radius difference "
-            f"{summary['rolling_radius_difference_mm']:.4g} mm; contacts: "
+            f"shift {units.text(scene.wheelset.shift, 'mm')}, "
+            f"yaw {1e3 * scene.wheelset.yaw:g} mrad: "
+            f"roll {1e3 * summary['roll_rad']:.4g} mrad, rolling radius difference "
+            f"{units.text(summary['rolling_radius_difference_mm'], 'mm')}; contacts: "
             f"{len(summary['left'])} left, {len(summary['right'])} right "
-            f"(gap below {CLEARANCE:g} mm); y to the field side",
+            f"(gap below {units.text(CLEARANCE, 'mm')}); y to the field side",
             highlight=False,
         )
         for key, smooth in summary["measured"].items():
             console.print(
-                f"{key} profile, smoothed: radius {_radii(smooth['curvatures'])}; "
+                f"{key} profile, smoothed: radius {_radii(smooth['curvatures'], units)}; "
                 f"{smooth['waves']} changes between convex and concave",
                 highlight=False,
             )
@@ -276,12 +288,19 @@ class ExaminedProfile:
             },
         }
 
-    def save(self, folder: str | Path, *, pictures: bool = True, force: bool = False) -> None:
+    def save(
+        self,
+        folder: str | Path,
+        *,
+        pictures: bool = True,
+        units: Units | None = None,
+        force: bool = False,
+    ) -> None:
         """Write the files of `railhead profile` into a folder.
 
-        pictures: whether profile.png is written. force: whether another result is replaced. Raises
-        SceneError for a folder with other files and, without `force`, with another result; OSError
-        where it cannot be written.
+        pictures: whether profile.png is written. units: of the picture; None: mm. force: whether
+        another result is replaced. Raises SceneError for a folder with other files and, without
+        `force`, with another result; OSError where it cannot be written.
         """
         profile = self.measured.profile
         start, end = profile.domain
@@ -300,30 +319,34 @@ class ExaminedProfile:
         result_folder.check_free(folder, "profile", self.scene, force=force)
         with result_folder.result(folder, "profile", self.scene, self.summary()) as (work, attempt):
             (work / "profile.csv").write_bytes(result_folder.encoded(result_folder.signed(rows)))
-            for name, draw in self._drawings().items() if pictures else ():
-                with attempt(name):
-                    draw(work / name)
+            if pictures:
+                result_folder.draw(self.drawings(units or BASE_UNITS), work, attempt)
 
     def plot(self, picture: str = "profile", ax: object = None) -> Figure:
         """Draw "profile", which has four panels, as `Result.plot`."""
         from railhead.postprocess.pictures.plots import diagrams
 
-        return diagrams.draw_one(self._drawings(), picture, ax)
+        return diagrams.draw_one(self.drawings(), picture, ax)
 
-    def _drawings(self) -> dict[str, Drawing]:
-        """The picture by name of its PNG file."""
+    def drawings(self, units: Units = BASE_UNITS) -> dict[str, Drawing]:
+        """Function that draws the picture, by name of its PNG file. units: of its numbers."""
         from railhead.postprocess.pictures.plots import profile_plots
 
-        return {"profile.png": partial(profile_plots.draw_profile, self.measured, self.worn)}
+        subject = Subject(units=units)
+        draw = partial(profile_plots.draw_profile, self.measured, self.worn, subject)
+        return {"profile.png": draw}
 
-    def show(self, console: Console) -> None:
-        """Print reading and smoothing of the file, radii of curvature and wear."""
+    def show(self, console: Console, units: Units = BASE_UNITS) -> None:
+        """Print reading and smoothing of the file, radii of curvature and wear. units: of the
+        numbers.
+        """
         summary, worn = self.summary(), self.worn
         lines = [
-            *terminal.profile_lines({self.measured.body: summary}),
-            f"radius     {_radii(summary['curvatures_per_mm'].values())}",
-            f"wear       against {worn.name}: at most {worn.largest_loss:.3g} mm at y = "
-            f"{worn.y[worn.worst]:.1f} mm, {worn.lost_area:.3g} mm2 of the section",
+            *terminal.profile_lines({self.measured.body: summary}, units),
+            f"radius     {_radii(summary['curvatures_per_mm'].values(), units)}",
+            f"wear       against {worn.name}: at most {units.text(worn.largest_loss, 'mm', 3)} at "
+            f"y = {units.text(worn.y[worn.worst], 'mm', 3)}, "
+            f"{units.text(worn.lost_area, 'mm2', 3)} of the section",
         ]
         for line in lines:
             terminal.labelled(console, line)
@@ -358,9 +381,9 @@ def profile(
     raise first if kind else SceneError(first.key, f"{first.text} {text}")
 
 
-def _radii(curvatures: Iterable[float]) -> str:
-    """Radii (mm, negative where concave) as text for the curvatures (1/mm) below which 5, 50 and 95
-    % of a profile lie.
+def _radii(curvatures: Iterable[float], units: Units) -> str:
+    """Radii (negative where concave) as text for the curvatures (1/mm) below which 5, 50 and 95 %
+    of a profile lie.
     """
-    radii = (f"{1 / value:.4g}" if value else "inf" for value in curvatures)
-    return f"{', '.join(radii)} mm at 5, 50, 95 % of the curvature"
+    radii = (f"{units.value(1 / value, 'mm'):.4g}" if value else "inf" for value in curvatures)
+    return f"{', '.join(radii)} {units.unit('mm')} at 5, 50, 95 % of the curvature"

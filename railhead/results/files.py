@@ -2,33 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from railhead.postprocess import symmetry
-from railhead.postprocess.findings import BASE_UNITS, Array, Findings, Units
+from railhead.postprocess.findings import BASE_UNITS, Array, Units
 from railhead.results import quantity_rows, result_folder
-from railhead.results.result_folder import result
 from railhead.results.subject import subject
 from railhead.run.half_spaces.answer import HalfSpaceSolution, Solved
 from railhead.run.mesh_solution import MeshSolution
-from railhead.theory.elastic.line import LineContact
 
 if TYPE_CHECKING:
     import meshio
-    from matplotlib.figure import Figure
 
     from railhead.postprocess.pass_rows import Passes
+    from railhead.postprocess.pictures.kept import Shown
     from railhead.postprocess.pictures.plots.diagrams import Drawing
     from railhead.scene.scene import Scene
 
-    Grids = tuple[meshio.Mesh, meshio.Mesh]
-
 TABLE, PASSES, STATE = "result.csv", "passes.csv", "passes.npz"
-PROFILE = "rail_profile.csv"
+PROFILE, SHOWN = "rail_profile.csv", "pictures.npz"
 
 
 def write(
@@ -51,28 +47,31 @@ def write(
     OSError: the numbers cannot be written; or, a line for each, other files that could not be
         written, after all the others are.
     """
-    with result(folder, "run", solved.plan.scene, summary) as (work, attempt):
+    with result_folder.result(folder, "run", solved.plan.scene, summary) as (work, attempt):
         (work / TABLE).write_bytes(result_folder.encoded(quantity_rows.everything(summary)))
         if solved.passes is not None and solved.passes.rows:
             _write_passes(solved.passes, solved.plan.scene, work)
         stresses: Array | None = None
-        grids: Grids | None = None
-        found = _titled(solved, units)
         with attempt("*.vtu"):
             stresses = nodal_stress(solved)
             write_grids(solved, stresses, work, whole=whole)
-        if pictures and found is not None:
-            with attempt("*.png"):
-                grids = _grids(solved, found, stresses)
-                for name, draw in _drawings(solved, summary["result"], found, grids).items():
-                    with attempt(name):
-                        draw(work / name)
+        shown = _shown(solved, units, whole=whole)
+        cells = cache(partial(_cells, solved, stresses))
+        if shown is not None:
+            from railhead.postprocess.pictures import gallery, kept
+
+            with attempt(SHOWN):
+                kept.save(shown, work / SHOWN)
+            if pictures:
+                drawn = gallery.drawings(shown, cells, _friction(summary))
+                result_folder.draw(drawn, work, attempt)
         if report:
             with attempt("report.html"):
                 from railhead.results.report import html
 
+                found = None if shown is None else shown.found
                 brief = report == "brief"
-                html.write(solved, summary, units, work, found, grids, brief=brief)
+                html.write(solved, summary, units, work, found, cells, brief=brief)
 
 
 def _write_passes(passes: Passes, scene: Scene, work: Path) -> None:
@@ -90,32 +89,34 @@ def _write_passes(passes: Passes, scene: Scene, work: Path) -> None:
         (work / PROFILE).write_text("".join([text, "y [mm],z [mm]\n", *lines]))
 
 
-def plot(solved: Solved, summary: dict[str, Any], picture: str, ax: object = None) -> Figure:
-    """Draw a picture of a solved scene, as `diagrams.draw_one`. summary: content of summary.json.
-    ValueError: as there, and where nothing touches or off rank 0.
+def drawings(solved: Solved, summary: Mapping[str, Any], units: Units) -> dict[str, Drawing]:
+    """The pictures of a solved scene by name of their PNG file. summary: content of summary.json.
+    ValueError: nothing touches, or off rank 0.
     """
-    from railhead.postprocess.pictures.plots import diagrams
+    from railhead.postprocess.pictures import gallery
 
-    found = _titled(solved, BASE_UNITS)
-    if found is None:
+    shown = _shown(solved, units)
+    if shown is None:
         raise ValueError("there is nothing to draw: nothing touches, or this is not rank 0")
-    grids = _grids(solved, found, nodal_stress(solved))
-    return diagrams.draw_one(_drawings(solved, summary["result"], found, grids), picture, ax)
+    cells = cache(lambda: _cells(solved, nodal_stress(solved)))
+    return gallery.drawings(shown, cells, _friction(summary))
 
 
-def _titled(solved: Solved, units: Units) -> Findings | None:
-    """Findings with the whole contact surface, and the title, the units and the notes of pictures;
-    None where nothing touches and off rank 0.
+def kept_drawings(folder: Path, summary: Mapping[str, Any], units: Units) -> dict[str, Drawing]:
+    """The pictures of the result in a folder by name of their PNG file; titles keep the units of
+    the run. ValueError: the folder does not hold what they show, or nothing touches.
     """
-    if solved.findings is None:
-        return None
-    surface = solved.findings.surface
-    if solved.fields is not None:
-        surface = symmetry.surface(surface, solved.fields.mirrors)
-    after = solved.after.items()
-    needed = tuple(f"{name.replace('_', ' ')}: {each.why}" for name, each in after if each.needed)
-    words = subject(solved.plan, solved.load, units)
-    return replace(solved.findings, surface=surface, notes=needed, subject=words)
+    import meshio
+
+    from railhead.postprocess.pictures import gallery, kept
+
+    if summary["result"] is None:
+        raise ValueError("there is nothing to draw: nothing touches")
+    shown = kept.load(folder / SHOWN)
+    subject = replace(shown.found.subject, units=units)
+    shown = replace(shown, found=replace(shown.found, subject=subject))
+    cells = cache(lambda: symmetry.grid(meshio.read(folder / "solution.vtu"), shown.cut))
+    return gallery.drawings(shown, cells, _friction(summary))
 
 
 def nodal_stress(solved: Solved) -> Array | None:
@@ -166,73 +167,60 @@ def paraview_grids(
     yield from vtu.grids(solved.fields, stresses, solved.findings, residual, friction, whole=whole)
 
 
-def _grids(solved: Solved, found: Findings, stresses: Array | None) -> Grids | None:
-    """Grids of the cells, mirrored to the whole model, and of the slave's contact surface; None
-    without stresses. found: findings with the whole contact surface (`_titled`). stresses (n, 6):
-    as of `nodal_stress`.
+def _friction(summary: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The table "friction" of the result in summary.json, empty where there is none."""
+    return (summary["result"] or {}).get("friction") or {}
+
+
+def _shown(solved: Solved, units: Units, *, whole: bool = False) -> Shown | None:
+    """What the pictures of a solved scene show, but for its cells; None where nothing touches and
+    off rank 0. whole: whether solution.vtu holds images of what symmetry left out.
+    """
+    found, plan = solved.findings, solved.plan
+    if found is None:
+        return None
+    from railhead.postprocess.patch.moments import coordinate
+    from railhead.postprocess.pictures import kept
+    from railhead.postprocess.pictures.plots import plastic_plots
+
+    after = solved.after.items()
+    needed = tuple(f"{name.replace('_', ' ')}: {each.why}" for name, each in after if each.needed)
+    found = replace(found, notes=needed, subject=subject(plan, solved.load, units))
+    passes = solved.passes if solved.passes is not None and solved.passes.rows else None
+    shown = kept.Shown(
+        found=found,
+        # Hertz's ellipse lies at the first contact, which need not be the most loaded of several.
+        exact=solved.ellipse if len(found.patch.each) < 2 else None,
+        poisson=plan.reported_body.poisson_ratio,
+        coefficient=plan.scene.friction.coefficient,
+        passes=passes and replace(passes, state=None),
+    )
+    if isinstance(solved, HalfSpaceSolution):
+        return replace(shown, friction=solved.friction)
+    fields = solved.fields
+    assert fields is not None
+    planes, residual, elastic = fields.mirrors, solved.unloaded_fields, solved.elastic_reference
+    found = replace(found, surface=symmetry.surface(found.surface, planes))
+    yielded = None
+    if residual is not None and elastic is not None and elastic.findings:
+        yielded = plastic_plots.read(fields, residual, found, elastic.findings)
+    return replace(
+        shown,
+        found=found,
+        axis=coordinate(fields) if fields.kinematics.dim == 2 else None,
+        planes=planes,
+        cut=() if whole else planes,
+        friction=solved.solution.friction,
+        yielded=yielded,
+    )
+
+
+def _cells(solved: Solved, stresses: Array | None) -> meshio.Mesh:
+    """Grid of the cells, images of what symmetry left out included. stresses: as of `nodal_stress`.
+    ValueError: there are none.
     """
     from railhead.postprocess import vtu
 
-    fields = solved.fields
-    if stresses is None or fields is None:
-        return None
-    surface = vtu.contact_grid({fields.slave: found.surface})
-    return symmetry.grid(vtu.volume_grid(fields, stresses), fields.mirrors), surface
-
-
-def _drawings(
-    solved: Solved, numbers: Mapping[str, Any], found: Findings, grids: Grids | None
-) -> dict[str, Drawing]:
-    """The pictures of a solved scene by name of their PNG file.
-
-    numbers: "result" of summary.json. found: with the title and the notes of pictures. grids: of
-        the cells and of the slave's contact surface; None where there are none, which leaves only
-        pictures of half-spaces.
-    """
-    from railhead.postprocess.pictures.plots import diagrams, friction_plots
-
-    # Hertz's ellipse lies at the first contact, which need not be the most loaded of several.
-    exact = solved.ellipse if len(found.patch.each) < 2 else None
-    planes: Sequence[tuple[float, float, float]] = ()
-    every: dict[str, Drawing] = {}
-    if isinstance(solved, HalfSpaceSolution):
-        friction = solved.friction
-        if isinstance(exact, LineContact):
-            every["pressure.png"] = partial(diagrams.pressure, found, exact)
-        else:
-            every["patch.png"] = partial(diagrams.patch, found, exact)
-    elif grids is None or solved.fields is None:
-        return {}
-    else:
-        from railhead.postprocess.patch.moments import coordinate
-        from railhead.postprocess.pictures.plots import plastic_plots
-        from railhead.postprocess.pictures.views import gallery
-
-        fields, friction = solved.fields, solved.solution.friction
-        planes, poisson = fields.mirrors, solved.plan.reported_body.poisson_ratio
-        axis = coordinate(fields) if fields.kinematics.dim == 2 else None
-        every = gallery.drawings(grids, axis, found, exact, poisson)
-        residual, elastic = solved.unloaded_fields, solved.elastic_reference
-        if residual is not None and elastic is not None and elastic.findings:
-            every["plastic.png"] = partial(
-                plastic_plots.draw, fields, residual, found, elastic.findings, exact
-            )
-        if "p0_over_k" in numbers.get("friction", {}):
-            every["shakedown.png"] = partial(
-                friction_plots.draw_shakedown,
-                numbers["friction"],
-                poisson,
-                title=found.subject.title,
-            )
-    if solved.passes is not None and solved.passes.rows:
-        from railhead.postprocess.pictures.plots import passes_plots
-
-        every["passes.png"] = partial(passes_plots.draw, solved.passes, found)
-        if len(solved.passes.sections[-1].y) > 1:
-            every["passes_section.png"] = partial(passes_plots.draw_section, solved.passes, found)
-    if friction is not None:
-        coefficient = solved.plan.scene.friction.coefficient
-        every["friction.png"] = partial(
-            friction_plots.draw_tractions, friction, found, coefficient, planes=planes
-        )
-    return every
+    if stresses is None or solved.fields is None:
+        raise ValueError("there are no stresses at nodes")
+    return symmetry.grid(vtu.volume_grid(solved.fields, stresses), solved.fields.mirrors)

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from railhead.planning.simulation_plan import Plan
     from railhead.postprocess.findings import Array, Findings, Surface
+    from railhead.postprocess.pictures.plots.diagrams import Drawing
     from railhead.solver.fields import Fields
     from railhead.solver.solution import FrictionSolution
     from railhead.theory.elastic.contacts import Hertz
@@ -41,6 +42,7 @@ class Result:
 
     solution: on the finest mesh, or by half-spaces; None of a result that was loaded.
     summary: content of summary.json.
+    folder: that the result was loaded from; None of one that was solved.
 
     The properties `patch`, `pressure`, `stress`, `friction`, `plastic`, `load` and `approach` hold
     numbers of that solution, `hertz` the same of exact Hertz, `estimate` bounds of relative errors.
@@ -52,6 +54,7 @@ class Result:
 
     solution: Solved | None
     summary: dict[str, Any]
+    folder: Path | None = None
 
     def __repr__(self) -> str:
         """Scene, load, largest pressure, area and verdict in one line."""
@@ -344,11 +347,21 @@ class Result:
         ax: axes to draw on, as many as the picture has panels, row by row; their figure keeps its
             style and title. None: a new figure.
         ValueError: there is no such picture (the message names those that are), or another number
-            of axes; nothing touches, off rank 0, or the result was loaded.
+            of axes; nothing touches, off rank 0, or a folder without pictures.npz.
+        """
+        from railhead.postprocess.pictures.plots import diagrams
+
+        return diagrams.draw_one(self.drawings(), picture, ax)
+
+    def drawings(self, units: Units = BASE_UNITS) -> dict[str, Drawing]:
+        """Functions that draw the pictures, by name of their PNG file. units: of their numbers;
+        titles of a loaded result keep those of the run. ValueError: as of `plot`.
         """
         from railhead.results import files
 
-        return files.plot(self.solved, self.summary, picture, ax)
+        if self.folder is not None:
+            return files.kept_drawings(self.folder, self.summary, units)
+        return files.drawings(self.solved, self.summary, units)
 
     @property
     def plan(self) -> Plan:

@@ -43,11 +43,13 @@ def foreign(folder: Path) -> list[str]:
     """Sorted names of the files and folders in a folder that no result wrote, after its list of own
     names (MANIFEST).
     """
-    names, own = set(os.listdir(folder)), {MANIFEST}
-    if MANIFEST in names:
-        text = (folder / MANIFEST).read_text(encoding="utf-8", errors="replace")
-        own |= set(text.splitlines())
-    return sorted(names - own)
+    return sorted(set(os.listdir(folder)) - {MANIFEST, *_listed(folder)})
+
+
+def _listed(folder: Path) -> list[str]:
+    """The own names of the result in a folder (MANIFEST), of which some may not be there."""
+    path = folder / MANIFEST
+    return path.read_text("utf-8", errors="replace").splitlines() if path.is_file() else []
 
 
 def check_folder(folder: Path, keeps: Collection[str] = ()) -> None:
@@ -210,6 +212,36 @@ def stamp(folder: Path) -> None:
 def now() -> str:
     """Present date and time, UTC, to the second, as in ISO 8601."""
     return datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+
+
+def draw(drawings: Mapping[str, Callable[[Path], Any]], folder: Path, attempt: Attempt) -> None:
+    """Draw pictures by name of their PNG file into a folder; an error is kept by `attempt`."""
+    for name, drawing in drawings.items():
+        with attempt(name):
+            drawing(folder / name)
+
+
+def redraw(drawings: Mapping[str, Callable[[Path], Any]], folder: Path) -> list[str]:
+    """Draw pictures into a folder that holds a result; returns the names of the files, which
+    belong to the result from now on. Raises OSError, with a line for each that could not be drawn,
+    after the others are.
+    """
+    failures: list[str] = []
+    folder = folder.resolve()
+    work = _temporary(folder)
+    try:
+        draw(drawings, work, lambda name: attempt(failures, folder / name, work))
+        stamp(work)
+        drawn = sorted(os.listdir(work))
+        own = {*_listed(folder), *drawn}
+        (work / MANIFEST).write_text("".join(f"{name}\n" for name in sorted(own)), "utf-8")
+        for name in (MANIFEST, *drawn):
+            (work / name).replace(folder / name)
+    finally:
+        shutil.rmtree(work, ignore_errors=True)
+    if failures:
+        raise OSError("\n".join(failures))
+    return drawn
 
 
 @contextmanager

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, wait
-from contextlib import ExitStack, suppress
+from contextlib import AbstractContextManager, ExitStack, suppress
 from dataclasses import dataclass
 from functools import cached_property, partial
 from importlib.metadata import version
@@ -16,6 +16,7 @@ from mpi4py import MPI
 
 from railhead.planning import budget
 from railhead.planning import simulation_plan as planning
+from railhead.postprocess.findings import BASE_UNITS, Subject, Units
 from railhead.results import files, result_folder
 from railhead.results.result import Result
 from railhead.results.subject import shared_y
@@ -40,12 +41,14 @@ class ParallelSweep:
     vtu: whether files for ParaView are written for each scene; not for half-spaces.
     keep_results: whether `Outcome.results` holds the results, with their fields, of the scenes that
         are solved now; those that had a record are not solved again. Else it is empty.
+    units: of pictures and report.
     """
 
     grid: ParameterGrid
     folder: Path
     vtu: bool = False
     keep_results: bool = False
+    units: Units = BASE_UNITS
 
     @cached_property
     def files(self) -> dict[str, str]:
@@ -268,6 +271,11 @@ def _write(
     from railhead.postprocess.pictures.plots import sweep_plots as plots
 
     grid, folder, failures = sweep.grid, sweep.folder, list[str]()
+
+    def attempt(name: str) -> AbstractContextManager[None]:
+        """Context in which a file is written; it keeps an error as a line."""
+        return result_folder.attempt(failures, folder / name, folder)
+
     done = store.done(folder)
     for number in faults.keys() - done:
         again = sweep_table.record(sweep.values(number), RuntimeError(faults[number]))
@@ -294,15 +302,16 @@ def _write(
             store.read(folder, number).get("outlines", []) if number in done else []
             for number in status
         ]
-        drawings = plots.drawings(keys, outcome.rows, outlines, y_label, title)
-        for name, draw in drawings.items():
-            with result_folder.attempt(failures, folder / name, folder):
-                draw(folder / name)
-    with result_folder.attempt(failures, folder, folder):
+        subject = Subject(title, units=sweep.units)
+        drawings = plots.drawings(keys, outcome.rows, outlines, y_label, subject)
+        result_folder.draw(drawings, folder, attempt)
+    with attempt(""):
         result_folder.stamp(folder)
     if pictures:
-        with result_folder.attempt(failures, folder / sweep_report.NAME, folder):
-            sweep_report.write(title, grid.scenes, keys, outcome.rows, folder, store.PICTURES)
+        with attempt(sweep_report.NAME):
+            sweep_report.write(
+                title, grid.scenes, keys, outcome.rows, folder, store.PICTURES, sweep.units
+            )
     return outcome
 
 

@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from railhead.postprocess.findings import Units
+from railhead.postprocess.findings import BASE_UNITS, Subject, Units
 from railhead.results import result_folder
 from railhead.results.report import terminal
 from railhead.results.result import Result
@@ -62,17 +62,18 @@ class Sweep(list[Result]):
         return terminal.notebook(self.show)
 
     def show(self, console: Console, units: Units | None = None) -> None:
-        """Print a row for each combination, and what they say together, on a console. units: no
-        effect, the table is in mm, N and MPa.
+        """Print a row for each combination, and what they say together, on a console. units: of the
+        numbers; None: mm, N, MPa.
         """
+        units = units or BASE_UNITS
         names = [*map(column, self.keys), *sweep_report.SHORT]
         table = Table(box=box.SIMPLE)
         for name in names:
-            table.add_column(Text(name), overflow="fold")
+            table.add_column(Text(units.unit(name)), overflow="fold")
         for row in self._rows:
-            table.add_row(*(Text(sweep_report.cell(row, name)) for name in names))
+            table.add_row(*(Text(sweep_report.cell(row, name, units)) for name in names))
         console.print(table)
-        for line in sweep_table.verdict(self._rows):
+        for line in sweep_table.verdict(self._rows, units):
             console.print(line, markup=False, highlight=False)
 
     def plot(self, picture: str, ax: object = None) -> Figure:
@@ -81,33 +82,16 @@ class Sweep(list[Result]):
         """
         from railhead.postprocess.pictures.plots import diagrams
 
-        return diagrams.draw_one(self._drawings(), picture, ax)
+        return diagrams.draw_one(self.drawings(), picture, ax)
 
-    def draw(self, folder: Path) -> list[str]:
-        """Draw the pictures again into the folder of the sweep; returns their names. Raises
-        OSError, with a line for each that could not be drawn, after the others are.
-        """
-        failures: list[str] = []
-        with tempfile.TemporaryDirectory() as temporary:
-            work = Path(temporary)
-            for name, draw in self._drawings().items():
-                with result_folder.attempt(failures, folder / name, work):
-                    draw(work / name)
-            result_folder.stamp(work)
-            drawn = sorted(work.iterdir())
-            for path in drawn:
-                store.write_whole(folder, folder / path.name, path.read_bytes())
-        if failures:
-            raise OSError("\n".join(failures))
-        return [path.name for path in drawn]
-
-    def _drawings(self) -> dict[str, Drawing]:
-        """The pictures by name of their PNG file."""
+    def drawings(self, units: Units = BASE_UNITS) -> dict[str, Drawing]:
+        """Functions that draw the pictures, by name of their PNG file. units: of their numbers."""
         from railhead.postprocess.pictures.plots import sweep_plots as plots
 
         columns = [column(key) for key in self.keys]
         title = f"sweep of {self._name} over {' and '.join(self.keys)}"
-        return plots.drawings(columns, self._rows, self._outlines, "y, mm", title)
+        subject = Subject(title, units=units)
+        return plots.drawings(columns, self._rows, self._outlines, "y, mm", subject)
 
     def as_dict(self) -> dict[str, Any]:
         """The rows as plain data."""

@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from railhead.postprocess.findings import BASE_UNITS, Units
 from railhead.results.result import Result
 from railhead.run import quantities
 from railhead.sweeps.grid import column, shown
@@ -81,16 +82,16 @@ def row(record: Mapping[str, Any]) -> dict[str, Any]:
     return cells | {"program": f"railhead {summary['railhead']}", "date": summary["date"]}
 
 
-def verdict(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+def verdict(rows: Sequence[Mapping[str, Any]], units: Units = BASE_UNITS) -> list[str]:
     """Lines that say of all rows what a run says of one: whether the checks hold, largest pressures
-    with their estimates, and warnings, counted by kind.
+    with their estimates, and warnings, counted by kind. units: of the pressures.
     """
     failed = sum(row[CHECKS] != PASSED for row in rows)
     lines = [f"{len(rows)} combinations, {f'{failed} not passed' if failed else 'all passed'}"]
     if solved := [row for row in rows if row.get("p_max [MPa]") is not None]:
-        pressures = [row["p_max [MPa]"] for row in solved]
+        pressures = [units.value(row["p_max [MPa]"], "MPa") for row in solved]
         known = [row["p_max estimate"] for row in solved if row["p_max estimate"] is not None]
-        text = f"largest pressure {min(pressures):.5g} to {max(pressures):.5g} MPa"
+        text = f"largest pressure {min(pressures):.5g} to {max(pressures):.5g} {units.unit('MPa')}"
         if known:
             large = sum(each > FEW for each in known)
             text += f", estimated within {min(known):.2%} to {max(known):.2%}"

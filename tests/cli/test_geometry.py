@@ -4,12 +4,15 @@ import csv
 import json
 import math
 import os
+import re
+from functools import partial
 from pathlib import Path
 
 import command
 import matplotlib
 import numpy as np
 import pytest
+from matplotlib.text import Text
 from one_line import refusal
 
 import railhead as rh
@@ -19,6 +22,7 @@ from railhead.cli import geometry
 from railhead.contact import solid
 from railhead.geometry import profiles
 from railhead.planning.references import boundary_elements, closed_forms
+from railhead.results.report import output_units, terminal
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.bem.boundary_element import BoundaryElementSolution
 
@@ -226,6 +230,27 @@ def test_command_prints_json_and_writes_pictures(tmp_path, capsys, monkeypatch) 
     assert printed["rolling_radius_difference_mm"] == pytest.approx(0.958, abs=0.01)
     pictures = {path.name for path in folder.glob("*.png")}
     assert pictures == {"profiles.png", "positions.png", "rolling_radius.png"}
+
+
+def test_tables_and_pictures_are_in_the_readers_units(tmp_path, capsys, monkeypatch) -> None:
+    """Of the numbers of a wheelset and of a profile; files keep mm."""
+    monkeypatch.setattr(geometry, "SHIFTS", np.linspace(-2.0, 2.0, 3))
+    found = rh.locate(rh.find("s1002_60e1").replace(["wheelset.shift=2.54 mm"]))
+    profile, inches = rh.profile(BAN), output_units.parse("in")
+    tables = [terminal.recorded(partial(each.show, units=inches)) for each in (found, profile)]
+    placed, worn = (" ".join(each.export_text().split()) for each in tables)
+    radius = found.placed.right.touches[0].radius
+    assert f"{radius / 25.4:.6g}"[:6] in placed and "shift 0.1 in" in placed and "1/in" in placed
+    assert " mm" not in placed and worn.count(" mm") == 1  # the unit of the file
+    assert f"at most {profile.worn.largest_loss / 25.4:.3g} in at" in worn
+    for each in (found, profile):
+        for name, draw in each.drawings(inches).items():
+            sheet, plain = draw(None), each.plot(name.removesuffix(".png"))
+            texts = [text.get_text() for text in sheet.figure.findobj(Text)]
+            assert not [text for text in texts if re.search(r"\b[mu]m\b", text)], name
+            lines = [of.axes[0].lines for of in (sheet, plain)]
+            for one, other in zip(*lines, strict=True):
+                assert np.array_equal(one.get_xydata(), other.get_xydata(), equal_nan=True)
 
 
 def test_positions_are_a_table_and_without_pictures_the_same(tmp_path, capsys, monkeypatch) -> None:

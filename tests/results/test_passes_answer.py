@@ -11,14 +11,13 @@ import numpy as np
 import pytest
 from command import refused
 from rich.console import Console
-from solved import scene_of
+from solved import draw_only, scene_of
 
 import railhead as rh
 from railhead.planning import simulation_plan as planning
 from railhead.postprocess import vtu
 from railhead.postprocess.pass_rows import RailState
 from railhead.postprocess.pictures.plots import passes_plots
-from railhead.postprocess.pictures.views import gallery
 from railhead.results import pipeline, quantity_rows
 from railhead.run.half_spaces import passes_file
 
@@ -61,7 +60,7 @@ def test_passes_carry_no_estimate_without_an_accuracy(result):
 
 
 def test_the_files_hold_the_passes(result, tmp_path, monkeypatch):
-    monkeypatch.setattr(gallery, "drawings", lambda *_: {})  # others than passes.png
+    draw_only(monkeypatch, "passes")
     result.save(tmp_path / "out", report=False)
     with open(tmp_path / "out" / "passes.csv", encoding="utf-8-sig", newline="") as file:
         rows = list(csv.DictReader(file))
@@ -84,7 +83,6 @@ def test_the_files_hold_the_passes(result, tmp_path, monkeypatch):
 
 def test_passes_go_on_from_a_result(result, tmp_path, monkeypatch):
     """Two passes, then one more, are three; what is written goes on in the same way."""
-    monkeypatch.setattr(gallery, "drawings", lambda *_: {})
     result.save(tmp_path / "two", report=False, pictures=False)
     more = [*KEYS, "rolling.passes=1", f"rolling.passes_from={tmp_path / 'two'}"]
     found = pipeline.run(scene_of("long_roller", *more))

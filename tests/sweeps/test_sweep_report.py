@@ -7,6 +7,7 @@ from pathlib import Path
 from sweep_command import rows
 
 import railhead as rh
+from railhead.postprocess.findings import Units
 from railhead.sweeps import sweep_report
 
 
@@ -31,7 +32,7 @@ def test_the_report_of_a_sweep_has_all_of_it(swept: Path) -> None:
 def test_what_failed_is_red(tmp_path: Path) -> None:
     table = [{"load [N]": 1.0, "checks": "NOT SOLVED: gmsh <no>"}]
     scenes = [rh.find("sphere_on_plane")]
-    sweep_report.write("a sweep", scenes, ["load [N]"], table, tmp_path, ["none.png"])
+    sweep_report.write("a sweep", scenes, ["load [N]"], table, tmp_path, ["none.png"], Units())
     text = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert 'class="verdict bad"' in text and '<td class="bad">NOT SOLVED: gmsh &lt;no&gt;' in text
 

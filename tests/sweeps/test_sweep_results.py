@@ -11,7 +11,6 @@ import command
 import matplotlib.image
 import pytest
 from matplotlib.figure import Figure
-from solved import solved
 from sweep_command import rows
 
 import railhead as rh
@@ -97,7 +96,3 @@ def test_pictures_are_drawn_again_from_the_folder(swept, tmp_path, capsys) -> No
     assert shape[0] > 200 and shape == matplotlib.image.imread(swept / "patches.png").shape
     assert (out / "sweep.csv").read_bytes() == before["sweep.csv"]
     assert b"railhead" in (out / "sweep.png").read_bytes()[:200]
-    solved("sphere_on_plane").save(tmp_path / "run", pictures=False)
-    assert "scene.toml makes them again" in command.refused(
-        capsys, "show", str(tmp_path / "run"), "--pictures"
-    )

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 
+from railhead.postprocess.findings import Subject, Units
 from railhead.postprocess.pictures.plots import sweep_plots as plots
 from railhead.sweeps import store, sweep_table
 
@@ -83,6 +84,10 @@ def test_a_sweep_says_what_a_run_says() -> None:
          "warnings": "plasticity: R260 would yield"},
         {"checks": "NOT SOLVED: gmsh"},
     ]  # fmt: skip
+    (said,) = [
+        line for line in sweep_table.verdict(rows, Units({"MPa": "GPa"})) if "largest" in line
+    ]
+    assert said.startswith("largest pressure 0.9 to 6.4 GPa, estimated within 0.30%")
     assert sweep_table.verdict(rows) == [
         "4 combinations, 2 not passed",
         "largest pressure 900 to 6400 MPa, estimated within 0.30% to 43.00% (1 of them beyond 5%); "
@@ -99,6 +104,6 @@ def test_bars_are_estimates(tmp_path: Path, monkeypatch) -> None:
         {"load [N]": load, "checks": "passed", "p_max [MPa]": 100.0, "p_max estimate": bound}
         for load, bound in ((1.0, 0.1), (2.0, None))
     ]
-    plots.curves(["load [N]"], rows, tmp_path / "a.png", "y, mm")
+    plots.curves(["load [N]"], rows, "y, mm", Subject(), tmp_path / "a.png")
     assert drawn[0][1][0] == pytest.approx(10.0) and np.isnan(drawn[0][1][1])
     assert np.isnan(drawn[1][1]).all()

@@ -10,12 +10,11 @@ import pytest
 from friction_data import ENTRIES
 from mpi4py import MPI
 from one_line import refusal
-from solved import friction, passed, solved
+from solved import draw_only, friction, passed, solved
 
 import railhead as rh
 from railhead.planning import simulation_plan as planning
 from railhead.postprocess.friction import quantities
-from railhead.postprocess.pictures.views import gallery
 from railhead.run import mesh_solution, model_setup
 from railhead.solver.contact import ContactModel
 from railhead.solver.contact_system import LoadCase
@@ -424,7 +423,7 @@ def test_what_cannot_be_is_one_line(keys, line: str) -> None:
 
 
 def test_the_files_show_stick_slip_and_tractions(tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr(gallery, "drawings", lambda *_: {})  # others than friction.png
+    draw_only(monkeypatch, "friction")
     force = CARTER[1]["Q_over_muP"] * MU * CARTER[1]["load_N"]
     found = solved(roller(rolling={"force_along": force}))
     found.save(tmp_path / "out", report=False)

@@ -6,10 +6,9 @@ import math
 
 import pytest
 from friction_data import ENTRIES
-from solved import friction, solved
+from solved import draw_only, friction, solved
 
 import railhead as rh
-from railhead.postprocess.pictures.views import gallery
 from railhead.results import quantity_rows
 from railhead.results.report import terminal
 from railhead.sweeps import sweep_table
@@ -200,7 +199,7 @@ def test_what_is_not_resolved_is_said(creepage: float) -> None:
 def test_the_patch_stands_in_the_shakedown_map_where_the_steel_is_known(
     tmp_path, monkeypatch
 ) -> None:
-    monkeypatch.setattr(gallery, "drawings", lambda *_: {})  # others than shakedown.png
+    draw_only(monkeypatch, "shakedown")
     steel = {"yield_stress": 500}
     found = solved(plane(0.3, rail=steel))
     answer, k = friction(found), 500 / math.sqrt(3)

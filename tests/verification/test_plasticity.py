@@ -12,14 +12,13 @@ import meshio
 import numpy as np
 import pytest
 from mpi4py import MPI
-from solved import solved
+from solved import draw_only, solved
 
 import railhead as rh
 from railhead.meshing.bodies import RAIL
 from railhead.planning import simulation_plan as planning
 from railhead.planning.context import Effect
 from railhead.planning.effects import EFFECTS
-from railhead.postprocess.pictures.views import gallery
 from railhead.postprocess.stress.flux import contact_force
 from railhead.postprocess.stress.plastic import largest_von_mises
 from railhead.run import mesh_solution, quantities
@@ -309,7 +308,7 @@ def test_the_files_show_the_load_and_what_it_leaves(five: rh.Result, tmp_path) -
 
 
 def test_the_picture_of_yield_is_drawn(five: rh.Result, tmp_path, monkeypatch, sharp) -> None:
-    monkeypatch.setattr(gallery, "drawings", lambda *_: {})  # the other pictures
+    draw_only(monkeypatch, "plastic")
     five.save(tmp_path / "out", report=False)
     picture = matplotlib.image.imread(tmp_path / "out" / "plastic.png")
     assert picture.shape[0] > 1000 and picture[..., :3].std() > 0.05

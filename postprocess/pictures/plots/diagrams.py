@@ -19,7 +19,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.ticker import AutoLocator, FixedLocator, MaxNLocator
 
-from railhead.postprocess.findings import Array, AxisPressure, DepthAxis, Findings, Units, brief
+from railhead.postprocess.findings import (
+    Array,
+    AxisPressure,
+    DepthAxis,
+    Findings,
+    Subject,
+    Units,
+    brief,
+)
 from railhead.theory.elastic import contacts
 from railhead.theory.elastic.contacts import Hertz
 from railhead.theory.elastic.hertz import Ellipse
@@ -34,6 +42,7 @@ if TYPE_CHECKING:
 Drawing = Callable[["Target"], Any]
 """Draws a picture on a target and returns its figure, or None where there is nothing to draw."""
 
+UNTITLED = Subject()
 FE, HERTZ, GREY = "#1f4e79", "#c8502d", "#7a7a7a"
 DPI = 160  # of every PNG file
 BANDS = 10
@@ -112,16 +121,16 @@ class GivenAxes:
 
 @contextmanager
 def new_figure(
-    target: Target, width: float, height: float, of: Findings | str = ""
+    target: Target, width: float, height: float, of: Findings | Subject = UNTITLED
 ) -> Iterator[Figure]:
     """Context manager: a matplotlib figure of width by height inches, to which title and notes are
-    added. The Agg backend draws it; at the end its axes get the units of the findings, and it is
+    added. The Agg backend draws it; at the end its axes get the units of the subject, and it is
     saved if `target` is the path of a PNG file; beside it in the format `savefig.format` of
     matplotlib's settings. If `target` is axes, these are the figure, with the style of their owner,
     and there is no title.
 
-    of: findings, whose title is written above the figure and whose notes below; or a title alone.
-        In both `$` is a plain character.
+    of: findings, whose title is written above the figure and whose notes below; or their subject,
+        without notes. In titles and notes `$` is a plain character.
     ValueError: the picture has another number of panels than there are axes.
     """
     import matplotlib
@@ -130,8 +139,8 @@ def new_figure(
     if target is not None and not isinstance(target, Path):
         yield GivenAxes(target)
         return
-    title, notes = (of, ()) if isinstance(of, str) else (of.subject.title, of.notes)
-    over = textwrap.wrap(title, int(10.5 * width), break_on_hyphens=False)
+    subject, notes = (of, ()) if isinstance(of, Subject) else (of.subject, of.notes)
+    over = textwrap.wrap(subject.title, int(10.5 * width), break_on_hyphens=False)
     below = [line for note in notes for line in textwrap.wrap(note, int(13 * width))]
     rows = 0.2 * len(over) + 0.06, height, 0.16 * len(below) + 0.06
     with matplotlib.rc_context(STYLE):
@@ -144,8 +153,7 @@ def new_figure(
             look: dict[str, Any] = {"fontsize": 9, "color": HERTZ, "ha": "center", "va": "center"}
             bottom.text(0.5, 0.5, "\n".join(below), parse_math=False, **look)
         yield figure
-        if not isinstance(of, str):
-            in_units(figure.axes, of.subject.units)
+        in_units(figure.axes, subject.units)
         if target is not None:
             for kind in {"png", matplotlib.rcParams["savefig.format"]}:
                 sheet.savefig(target.with_suffix(f".{kind}"), format=kind)

@@ -11,7 +11,7 @@ from scipy.interpolate import LinearNDInterpolator
 from scipy.spatial import cKDTree
 
 from railhead.postprocess import symmetry
-from railhead.postprocess.findings import Array, Findings, brief
+from railhead.postprocess.findings import Array, Findings, Subject, brief
 from railhead.postprocess.pictures.plots.diagrams import FE, GREY, HERTZ, new_figure, rounded
 from railhead.solver.solution import FrictionSolution
 from railhead.theory.friction import shakedown
@@ -146,17 +146,17 @@ def thinned(local: Array, cell: float) -> NDArray[np.int64]:
 
 
 def draw_shakedown(
-    friction: Mapping[str, Any], poisson: float, target: Target = None, title: str = ""
+    friction: Mapping[str, Any], poisson: float, subject: Subject, target: Target = None
 ) -> Figure:
     """The shakedown map, p0/k over the traction coefficient, with the point of a result and its
     limits.
 
     friction: "friction" of a result in summary.json, which must hold p0_over_k. poisson: Poisson's
-        ratio, for the limits of a line contact under full slip. title: above the picture.
+        ratio, for the limits of a line contact under full slip. subject: gives the title.
     """
     used, ratio = friction["traction_coefficient"], friction["p0_over_k"]
     shares = np.linspace(0.0, max(WIDE, 1.1 * used), POINTS)
-    with new_figure(target, 7, 4.8, title) as figure:
+    with new_figure(target, 7, 4.8, subject) as figure:
         axes = figure.subplots()
         limits = [shakedown.shakedown_limit(each, poisson) for each in shares]
         elastic = [shakedown.elastic_limit(each, poisson) for each in shares]

@@ -12,7 +12,7 @@ import numpy as np
 from railhead.geometry.measured.measured_profile import Measured, inner
 from railhead.geometry.measured.standards import LaidStandard
 from railhead.geometry.placement import ContactPoint, Placed, ProfilePair, Side
-from railhead.postprocess.findings import Array
+from railhead.postprocess.findings import Array, Subject
 from railhead.postprocess.pictures.plots.diagrams import minus, new_figure
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ LIFT = 25.0  # mm between wheel and rail in the picture of the positions
 RAW, SMOOTH, STANDARD, LOST = "#9a9a9a", "#1f4e79", "#c8502d", "#9a5f00"
 
 
-def profiles(pair: ProfilePair, placed: Placed, target: Target = None, title: str = "") -> Figure:
+def profiles(pair: ProfilePair, placed: Placed, subject: Subject, target: Target = None) -> Figure:
     """Two panels: the left and the right wheel on their rails, seen along the
     track, with all contact points.
 
@@ -37,10 +37,10 @@ def profiles(pair: ProfilePair, placed: Placed, target: Target = None, title: st
 
     pair: profiles of rail and wheel.
     placed: the wheelset's position.
+    subject: title and units.
     target: PNG file, two axes, or None (`new_figure`).
-    title: above the picture.
     """
-    with new_figure(target, 12, 4.2, title) as figure:
+    with new_figure(target, 12, 4.2, subject) as figure:
         axes = figure.subplots(1, 2, sharey=True)
         axes[0].invert_xaxis()
         for ax, side, name in zip(
@@ -56,7 +56,8 @@ def profiles(pair: ProfilePair, placed: Placed, target: Target = None, title: st
                 ax.plot(touch.y, touch.z, "o", color=colour)
                 ax.annotate(
                     minus(
-                        f"{'further' if number else 'first'} contact: y = {touch.y:.2f} mm, "
+                        f"{'further' if number else 'first'} contact: "
+                        f"y = {subject.units.text(touch.y, 'mm')}, "
                         f"{np.degrees(touch.angle):.2f}°"
                     ),
                     (touch.y, touch.z),
@@ -81,22 +82,22 @@ def profiles(pair: ProfilePair, placed: Placed, target: Target = None, title: st
 def positions(
     pair: ProfilePair,
     swept: Sequence[tuple[float, Placed]],
+    subject: Subject,
     target: Target = None,
-    title: str = "",
 ) -> Figure:
     """The right wheel, lifted above the right rail. Lines join each contact on
     the rail with the same contact on the wheel, coloured by the lateral shift.
 
     pair: profiles of rail and wheel.
     swept: lateral shift to the right, mm, and placed wheelset, at least one.
+    subject: title and units.
     target: PNG file, one axes, or None (`new_figure`).
-    title: above the picture.
     """
     from matplotlib.collections import LineCollection
     from matplotlib.colors import LinearSegmentedColormap
 
     dark = LinearSegmentedColormap.from_list("shift", [WHEEL, FURTHER, MARK])
-    with new_figure(target, 9, 4.6, title) as figure:
+    with new_figure(target, 9, 4.6, subject) as figure:
         ax = figure.subplots()
         y = np.linspace(*pair.rail.domain, SAMPLES)
         ax.plot(y, pair.rail.height(y), color=RAIL, label="rail")
@@ -126,23 +127,23 @@ def positions(
 
 
 def rolling_radius(
-    swept: Sequence[tuple[float, Placed]], target: Target = None, title: str = ""
+    swept: Sequence[tuple[float, Placed]], subject: Subject, target: Target = None
 ) -> Figure:
     """Two panels over the lateral shift: the rolling radius difference, right
     less left, and the places y of the contacts on both rails, all in mm.
 
     swept: lateral shift to the right, mm, and placed wheelset, in ascending order of shift.
+    subject: title and units.
     target: PNG file, two axes, or None (`new_figure`).
-    title: above the picture.
     """
     shifts = np.array([shift for shift, _ in swept])
-    with new_figure(target, 9, 7, title) as figure:
+    with new_figure(target, 9, 7, subject) as figure:
         upper, lower = figure.subplots(2, 1, sharex=True)
         difference = np.array([placed.rolling_radius_difference for _, placed in swept])
         breaks = _jump(swept, "right") | _jump(swept, "left")
         _broken(upper, shifts, difference, breaks, MARK, None)
         upper.set_ylabel("rolling radius difference,\nright less left, mm")
-        further: str | None = "further contact, gap below 0.05 mm"
+        further: str | None = "further contact, with a small gap"
         for name, colour in (("right", WHEEL), ("left", RAIL)):
             y = np.array([_side(placed, name).touches[0].y for _, placed in swept])
             _broken(lower, shifts, y, _jump(swept, name), colour, f"{name} rail, first contact")
@@ -188,17 +189,20 @@ def _broken(
     )
 
 
-def draw_profile(found: Measured, worn: LaidStandard, target: Target = None) -> Figure:
+def draw_profile(
+    found: Measured, worn: LaidStandard, subject: Subject, target: Target = None
+) -> Figure:
     """Four panels over y: the profile, the difference of measured and
     smoothed heights, the curvature, and the material lost to wear.
 
     found: measured and smoothed profile.
     worn: the nearest standard profile, laid on the measured one.
+    subject: units.
     target: PNG file, four axes, or None (`new_figure`).
     """
     smoothed, profile = found.smoothed, found.profile
     y = np.linspace(*inner(profile), 3000)
-    with new_figure(target, 9, 11) as figure:
+    with new_figure(target, 9, 11, subject) as figure:
         top, left, bend, lost = figure.subplots(
             4, 1, sharex=True, gridspec_kw={"height_ratios": [1.6, 1, 1.4, 1]}
         )
@@ -236,7 +240,7 @@ def draw_profile(found: Measured, worn: LaidStandard, target: Target = None) -> 
             worn.largest_loss,
             "o",
             color=STANDARD,
-            label=f"largest: {worn.largest_loss:.3g} mm",
+            label=f"largest: {subject.units.text(worn.largest_loss, 'mm', 3)}",
         )
         lost.legend(loc="upper right")
         lost.set_ylabel(f"less than\n{worn.name}, mm")

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from railhead.postprocess.findings import Array
+from railhead.postprocess.findings import Array, Subject, Units
 from railhead.postprocess.pictures.plots.diagrams import FE, HERTZ, Drawing, new_figure
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ Rows = Sequence[Mapping[str, Any]]
 PLACE = "patch y [mm]"
 PANELS = {
     "p_max [MPa]": "largest pressure, MPa",
-    "area [mm2]": "patch area, mm$^2$",
+    "area [mm2]": "patch area, mm2",
     PLACE: "patch centre, ",
     "tau_max [MPa]": "largest shear stress, MPa",
 }
@@ -37,7 +37,7 @@ LETTER = 0.11  # in: width of one of a value
 
 
 def drawings(
-    columns: Sequence[str], rows: Rows, outlines: Sequence[Sequence[Any]], y: str, title: str
+    columns: Sequence[str], rows: Rows, outlines: Sequence[Sequence[Any]], y: str, subject: Subject
 ) -> dict[str, Drawing]:
     """The pictures of a sweep, `curves` and `patches`, by name of their PNG file; arguments as of
     these, with any number of columns. Rows that are not all combinations of the values of their
@@ -48,26 +48,27 @@ def drawings(
         rows = [{**row, "combination": number} for number, row in enumerate(rows, 1)]
     if not rows or not 1 <= len(columns) <= 2:
         return {}
-    over = {"y": y, "title": title}
     return {
-        "sweep.png": partial(curves, columns, rows, **over),
-        "patches.png": partial(patches, columns, rows, outlines, **over),
+        "sweep.png": partial(curves, columns, rows, y, subject),
+        "patches.png": partial(patches, columns, rows, outlines, y, subject),
     }
 
 
-def curves(columns: Sequence[str], rows: Rows, target: Target, y: str, title: str = "") -> Figure:
+def curves(
+    columns: Sequence[str], rows: Rows, y: str, subject: Subject, target: Target = None
+) -> Figure:
     """Panels of the largest pressure, area, place in y and largest shear
     stress over the varied column with the most values; bars are error estimates.
 
     columns: headers of the one or two columns that are varied. rows: of sweep.csv, cells by column
-        header. y: label of the place in y. title: above the picture. There is a line for each value
+        header. y: label of the place in y. subject: title and units. There is a line for each value
         of the other column. Rows whose checks did not pass are ringed; quantities that a row lacks
         are not drawn.
     """
     over, *others = _by_values(columns, rows)
     lines = _values(others[0], rows) if others else [None]
-    numbers = _numbers(over, rows)
-    with new_figure(target, 11, 7.6, title) as figure:
+    numbers, units = _numbers(over, rows), subject.units
+    with new_figure(target, 11, 7.6, subject) as figure:
         import matplotlib
 
         shades = matplotlib.colormaps["viridis"](np.linspace(0, 0.85, len(lines)))
@@ -76,12 +77,13 @@ def curves(columns: Sequence[str], rows: Rows, target: Target, y: str, title: st
         for axes, (name, label) in zip(panels.ravel(), PANELS.items(), strict=True):
             for value, colour in zip(lines, colours, strict=True):
                 own = [row for row in rows if not others or row[others[0]] == value]
-                x = np.array([row[over] if numbers else _word(row[over]) for row in own])
+                x = np.array([row[over] if numbers else _word(row, over, units) for row in own])
                 found = np.array([row.get(name, math.nan) for row in own], dtype=float)
                 order = np.argsort(x) if numbers else slice(None)
                 known = f"{name.partition(' [')[0]} estimate"  # relative
                 error = found * np.array([row.get(known, math.nan) for row in own], dtype=float)
-                look: dict[str, Any] = {"color": colour, "label": _word(value), "capsize": 3}
+                name_of = _word(own[0], others[0], units) if others else ""
+                look: dict[str, Any] = {"color": colour, "label": name_of, "capsize": 3}
                 axes.errorbar(x[order], found[order], error[order], fmt="o-", **look)
                 bad = np.array([row["checks"] != "passed" for row in own])
                 axes.plot(x[bad], found[bad], "o", ms=10, mfc="none", mec=HERTZ, zorder=3)
@@ -93,10 +95,12 @@ def curves(columns: Sequence[str], rows: Rows, target: Target, y: str, title: st
             notes += ["ringed: a check failed", "not drawn: no result"]
         figure.suptitle("; ".join(notes), fontsize=10)
         for axes in panels[1]:
-            axes.set_xlabel(over)
+            axes.set_xlabel(over if numbers else units.unit(over))  # words are in units already
         if others:
             handles, labels = panels[0, 0].get_legend_handles_labels()
-            figure.legend(handles, labels, title=others[0], loc="outside right upper", fontsize=9)
+            figure.legend(
+                handles, labels, title=units.unit(others[0]), loc="outside right upper", fontsize=9
+            )
     return figure
 
 
@@ -104,16 +108,16 @@ def patches(
     columns: Sequence[str],
     rows: Rows,
     outlines: Sequence[Sequence[Any]],
-    target: Target,
     y: str,
-    title: str = "",
+    subject: Subject,
+    target: Target = None,
 ) -> Figure | None:
     """All patch outlines from above, to scale, beside each other at their places in y. None, and
     nothing is drawn, if there is no outline.
 
     columns: headers of the one or two columns that are varied. rows: of sweep.csv, cells by column
         header. outlines: of each row, a list of curves (k, 2) in x and y, mm. y: label of the
-        vertical axis. title: above the picture. There is a strip for each value of the column with
+        vertical axis. subject: title and units. There is a strip for each value of the column with
         fewer values, or one if one column is varied. Patches of rows whose checks did not pass are
         red.
     """
@@ -131,19 +135,22 @@ def patches(
     )
     high, every = float(np.ptp(across)) + 2 * GAP * step, math.ceil(most / LABELS)
     inch = min(max(0.12, 3.4 / (most * step)), 14 / (most * step), 4 / high)  # per mm
-    letters = max(len(_word(row[over])) for row in rows)
+    units = subject.units
+    letters = max(len(_word(row, over, units)) for row in rows)
     step = max(step, (letters + 1) * LETTER / every / inch)  # no value runs into the next
     width, height = max(most * step * inch + 1.6, 5.0), max(high * inch, 1.6) + 0.7
-    with new_figure(target, width, len(strips) * height + 0.2, title) as figure:
+    with new_figure(target, width, len(strips) * height + 0.2, subject) as figure:
         panels = figure.subplots(len(strips), 1, squeeze=False, sharex=True, sharey=True)[:, 0]
         for axes, value in zip(panels, strips, strict=True):
             own = [index for index, row in enumerate(rows) if not split or row[split] == value]
             passed = [rows[index]["checks"] == "passed" for index in own]
             _strip(axes, [lines[index] for index in own], passed, step)
-            said = [_word(rows[index][over]) for index in own]
+            said = [_word(rows[index], over, units) for index in own]
             shown = [text if number % every == 0 else "" for number, text in enumerate(said)]
             axes.set_xticks([number * step for number in range(len(own))], shown)
-            axes.set_title(f"{split}: {_word(value)}" if split else "", fontsize=10, loc="left")
+            if split:
+                name = f"{units.unit(split)}: {_word({split: value}, split, units)}"
+                axes.set_title(name, fontsize=10, loc="left")
             axes.set_aspect("equal")
             middle = (across.min() + across.max()) / 2
             axes.set_ylim(middle - high / 2, middle + high / 2)
@@ -151,7 +158,8 @@ def patches(
             axes.set_ylabel(y, fontsize=9)
         failed = any(row["checks"] != "passed" for row in rows)
         panels[-1].set_xlabel(
-            f"{over}; patches from above, to scale" + ("; red: a check failed" if failed else "")
+            f"{units.unit(over)}; patches from above, to scale"
+            + ("; red: a check failed" if failed else "")
         )
     return figure
 
@@ -191,7 +199,11 @@ def _numbers(column: str, rows: Rows) -> bool:
     )
 
 
-def _word(value: object) -> str:
-    """Text of a value for matplotlib: decimal numbers in their shortest form, of paths
-    the name, no formula."""
-    return f"{value:g}" if isinstance(value, float) else Path(str(value)).name.replace("$", r"\$")
+def _word(row: Mapping[str, Any], column: str, units: Units) -> str:
+    """Text of a cell for matplotlib: decimal numbers in their shortest form and the reader's unit,
+    of paths the name, no formula.
+    """
+    value = row[column]
+    if isinstance(value, float):
+        return f"{units.value(value, column):.6g}"
+    return Path(str(value)).name.replace("$", r"\$")

@@ -11,6 +11,7 @@ from typing import Any
 import meshio
 import numpy as np
 
+from railhead.postprocess import vtu
 from railhead.postprocess.findings import Array, Findings
 from railhead.postprocess.patch.moments import coordinate
 from railhead.postprocess.pictures.views.camera import Camera, load_pyvista
@@ -54,22 +55,20 @@ class View:
     still: bytes
 
 
-def views(
-    fields: Fields, findings: Findings, volume: meshio.Mesh, contact: meshio.Mesh
-) -> list[View]:
+def views(fields: Fields, findings: Findings, volume: meshio.Mesh) -> list[View]:
     """Two views: von Mises stress in the bodies, cut open at the contact, and the contact pressure
     as a hill over the contact surface.
 
     Bodies of a plane section are drawn with a length, those of a meridian section turned about the
-    axis. volume, contact: grids of the whole bodies and surface, images included, as
-    `vtu.volume_grid` and `vtu.contact_grid` make them; of a section `contact` is not used.
+    axis. findings: with the whole contact surface. volume: grid of the whole bodies, images
+    included, as `vtu.volume_grid` makes it.
     """
     if fields.kinematics.dim == 2:
         solids, hill = _swept_bodies(fields, findings, volume), _swept_hill(fields, findings)
         towards = np.array([0.45, -1.0, 0.35] if coordinate(fields) == 0 else [1.0, 0.45, 0.35])
     else:
         solids = [behind(part, findings) for part in bodies_of(volume).values()]
-        hill, towards = _hill(findings, contact), np.array([1.0, 0.5, 0.35])
+        hill, towards = _hill(fields, findings), np.array([1.0, 0.5, 0.35])
     low, high = findings.patch.main.min(axis=0), findings.patch.main.max(axis=0)
     if fields.kinematics.dim == 2 and not fields.kinematics.revolved:
         other = 1 - coordinate(fields)
@@ -117,13 +116,14 @@ def _bare(surface: Any, *keep: str) -> Any:
     return bare
 
 
-def _hill(findings: Findings, contact: meshio.Mesh) -> tuple[Any, list[Any]]:
+def _hill(fields: Fields, findings: Findings) -> tuple[Any, list[Any]]:
     """Pyvista surface of all patches, its points raised along the rail's normal in proportion to
     the pressure. The largest is raised by 0.35 (HILL) times the longer side of the most loaded
     patch, or the shorter one if that is less than a sixth. Then, in a list of one, the contact
-    surface around them. contact: grid of the contact surface, with its pressure.
+    surface around them.
     """
     frame, patch = findings.frame, findings.patch
+    contact = vtu.contact_grid({fields.slave: findings.surface})
     pressed, free = split(outer(load_pyvista().from_meshio(contact)), frame, patch)
     rim = np.abs(pressed["outside"]) < 1e-6 * np.ptp(patch.main)
     pressed["pressure"] = np.where(rim, 0.0, pressed["pressure"])

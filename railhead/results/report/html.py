@@ -6,13 +6,12 @@ import base64
 import io
 import json
 import platform
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import meshio
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from PIL import Image
 
@@ -28,6 +27,9 @@ from railhead.scene.catalogue import FILES
 from railhead.scene.scene import Scene
 from railhead.scene.scene import unit as scene_unit
 from railhead.scene.sections import Section
+
+if TYPE_CHECKING:
+    import meshio
 
 NAME = "report.html"
 LARGE = 300_000  # bytes
@@ -100,7 +102,7 @@ def write(
     units: Units,
     folder: Path,
     found: Findings | None,
-    grids: tuple[meshio.Mesh, meshio.Mesh] | None,
+    cells: Callable[[], meshio.Mesh],
     *,
     brief: bool = False,
 ) -> None:
@@ -108,7 +110,7 @@ def write(
     Raises OSError only; any other error is described in the file. Arguments: as of `render`.
     """
     try:
-        text = render(solved, summary, units, folder, found, grids, brief=brief)
+        text = render(solved, summary, units, folder, found, cells, brief=brief)
     except OSError:
         raise
     except Exception as error:
@@ -123,18 +125,18 @@ def render(
     units: Units,
     folder: Path,
     found: Findings | None,
-    grids: tuple[meshio.Mesh, meshio.Mesh] | None,
+    cells: Callable[[], meshio.Mesh],
     *,
     brief: bool = False,
 ) -> str:
     """HTML text of the report, with those pictures of the folder in it that have a caption
     (CAPTIONS), and its scene.toml, which must be there. found: findings with titles; None where
-    nothing touches. grids: of the cells and of the contact surface; None without views. brief:
-        whether it is one page: verdict, answer, two pictures, failed checks, what was asked. Raises
-        OSError for a file that cannot be read.
+    nothing touches. cells: returns the grid of the whole bodies for the views. brief: whether it is
+        one page: verdict, answer, two pictures, failed checks, what was asked. Raises OSError for
+        a file that cannot be read.
     """
     scene = solved.plan.scene
-    views, viewer, missing = ([], "", "") if brief else _views(solved, found, grids)
+    views, viewer, missing = ([], "", "") if brief else _views(solved, found, cells)
     passes = (summary["result"] or {}).get("passes")
     drawn = [name for name in CAPTIONS if (folder / f"{name}.png").exists()]
     effects = summary["plan"]["effects"]
@@ -259,21 +261,21 @@ def _checks(checks: Mapping[str, Any]) -> list[tuple[str, str, str, bool, str, s
 
 
 def _views(
-    solved: Solved, found: Findings | None, grids: tuple[meshio.Mesh, meshio.Mesh] | None
+    solved: Solved, found: Findings | None, cells: Callable[[], meshio.Mesh]
 ) -> tuple[list[dict[str, Any]], str, str]:
     """Interactive views, the data of their viewer as JSON, and the reason why there are none (else
     empty).
     """
     if isinstance(solved, HalfSpaceSolution):
         return [], "", "half-spaces have no bodies to show"
-    if found is None or grids is None or solved.fields is None:
+    if found is None or solved.fields is None:
         return [], "", "nothing touches"
     try:
         from railhead.postprocess.pictures.views import turning
 
         views = [
             {**vars(view), "scene": _encoded(view.scene), "still": picture(view.still)}
-            for view in turning.views(solved.fields, found, *grids)
+            for view in turning.views(solved.fields, found, cells())
         ]
         return views, json.dumps(turning.viewer()).replace("<", "\\u003c"), ""
     except Exception as error:  # graphics drivers fail in many ways, and the rest is worth having

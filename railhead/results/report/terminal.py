@@ -104,20 +104,26 @@ def show_plan(plan: Plan, console: Console) -> None:
         _show_prices(said["prices"], console)
 
 
-def profile_lines(profiles: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
+def profile_lines(
+    profiles: Mapping[str, Mapping[str, Any]], units: Units = BASE_UNITS
+) -> Iterator[str]:
     """Lines on reading and smoothing of profiles from files. profiles: by body, as in "plan" of
     summary.json. No lines where there are none.
     """
     for body, found in profiles.items():
         yield f"{body:10s} {Path(found['file']).name}: {', '.join(found['read'])}"
         shortest, longest = found["smoothing_mm"]
-        smoothing = f"{shortest:.2g} to {longest:.2g} mm"
+        smoothing = f"{units.value(shortest, 'mm'):.2g} to {units.text(longest, 'mm', 2)}"
         if here := found.get("smoothing_at_contact_mm"):
-            smoothing += f", {here:.3g} at the contact"
-        before, after = (found[f"largest_curvature_{when}_per_mm"] for when in ("before", "after"))
+            smoothing += f", {units.value(here, 'mm'):.3g} at the contact"
+        before, after = (
+            units.text(found[f"largest_curvature_{when}_per_mm"], "1/mm", 3)
+            for when in ("before", "after")
+        )
+        noise = units.text(1e3 * found["noise_mm"], "um", 2)
         yield (
-            f"           noise {1e3 * found['noise_mm']:.2g} um; smoothing length {smoothing}; "
-            f"largest curvature {before:.3g} before, {after:.3g} 1/mm after"
+            f"           noise {noise}; smoothing length {smoothing}; "
+            f"largest curvature {before} before, {after} after"
         )
 
 
@@ -217,7 +223,7 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
                 "where it depends on the mesh.",
                 highlight=False,
             )
-    for line in profile_lines(summary["plan"]["profiles"]):
+    for line in profile_lines(summary["plan"]["profiles"], units):
         labelled(console, line)
     if found := summary["plan"]["profile_uncertainty"]:
         labelled(console, _uncertainty_line(found))

@@ -8,13 +8,12 @@ import command
 import matplotlib.image
 import pytest
 from rich.console import Console
-from solved import solved
+from solved import draw_only, solved
 
 from railhead.planning import effects
 from railhead.planning import simulation_plan as planning
 from railhead.planning.effects import assumptions, interface
 from railhead.postprocess.pictures.plots import diagrams
-from railhead.postprocess.pictures.views import gallery
 from railhead.results import pipeline
 from railhead.results.report import terminal
 from railhead.scene import catalogue
@@ -34,10 +33,7 @@ def test_needed_effects_are_named_in_table_summary_and_pictures(
     choice += [
         f"--without={name}" for name in ("true_profile", "plasticity", "friction", "rail_section")
     ]
-    drawings = gallery.drawings
-    monkeypatch.setattr(
-        gallery, "drawings", lambda *given: {"pressure.png": drawings(*given)["pressure.png"]}
-    )
+    draw_only(monkeypatch, "pressure")
     monkeypatch.chdir(tmp_path)
     status = command.status("run", "uic54_22t5_axle", "--no-report", *choice)
     assert status == 0  # a warning is no failure

@@ -19,7 +19,8 @@ from PIL import Image
 from railhead import api
 from railhead.planning.effects import in_words
 from railhead.postprocess.findings import Units
-from railhead.postprocess.pictures.views import gallery, turning
+from railhead.postprocess.pictures import gallery
+from railhead.postprocess.pictures.views import turning
 from railhead.results import quantity_rows, result_folder
 from railhead.results.report import html, output_units, terminal
 from railhead.results.subject import subject
@@ -117,7 +118,7 @@ def test_a_view_that_cannot_be_built_is_said(
 
     def written() -> str:
         html.write(
-            result.mesh_solution, result.summary, Units(), tmp_path, result.findings, (None, None)
+            result.mesh_solution, result.summary, Units(), tmp_path, result.findings, lambda: None
         )
         return (tmp_path / html.NAME).read_text(encoding="utf-8")
 
@@ -132,7 +133,9 @@ def test_a_view_that_cannot_be_built_is_said(
 
 def brief_of(result: Any, folder: Path) -> str:
     found = replace(result.findings, subject=subject(result.plan, result.load))
-    return html.render(result.mesh_solution, result.summary, UNITS, folder, found, None, brief=True)
+    return html.render(
+        result.mesh_solution, result.summary, UNITS, folder, found, lambda: None, brief=True
+    )
 
 
 def test_a_brief_report_is_the_answer_and_what_was_asked(result: Any, folder: Path) -> None:
@@ -196,7 +199,9 @@ def test_the_verdict_is_of_what_holds(
 
     def said(**changed: Any) -> str:
         shown = {**summary, **changed}
-        return html.render(result.mesh_solution, shown, Units(), folder, result.findings, None)
+        return html.render(
+            result.mesh_solution, shown, Units(), folder, result.findings, lambda: None
+        )
 
     after = {"plasticity": {"needed": True, "why": "it yields <b>here</b>"}}
     told = f"What was left out matters: {in_words('plasticity')}.</b> it yields &lt;b&gt;here"

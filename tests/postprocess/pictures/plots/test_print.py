@@ -17,8 +17,8 @@ from matplotlib.text import Text
 from railhead.postprocess import vtu
 from railhead.postprocess.findings import AxisPressure, OnePatch, Subject, Units
 from railhead.postprocess.pictures.plots import diagrams, friction_plots, plastic_plots, sweep_plots
+from railhead.postprocess.pictures.plots.plastic_plots import Yielded
 from railhead.postprocess.pictures.views import render
-from railhead.solver.fields import ContactFields, MasterSurface
 
 TITLE = "a case of many words: 110.3 kN, wheel R 420 mm, tread cone20, on rail 54E1, half-spaces"
 
@@ -216,16 +216,26 @@ def test_arrows_are_spread_evenly() -> None:
     assert np.abs(few - np.floor(few) - 0.5).max() < 0.4
 
 
+def shown(case: Any, **changes: Any) -> Yielded:
+    """What the picture of yield shows, with some of it changed."""
+    found = case.findings
+    none = np.zeros(0)
+    plain = Yielded(
+        points=np.zeros((0, 3)), body=np.zeros(0, dtype=int), strain=none, residual=none, rises={},
+        carrier="rail", elastic=found.across, axis=1, window=(0.0, case.ellipse.b),
+    )  # fmt: skip
+    return replace(plain, **changes)
+
+
 def test_no_yield_is_said_and_coloured_as_none(blocks: Callable[..., Any]) -> None:
     case = blocks(cut=False)
     points = case.fields.points
     zero, body = np.zeros(len(points)), np.where(points[:, 2] < 0, 1, 2)
+    window = plastic_plots._window(two_patches(case), points[:0], 1)
+    yielded = shown(case, points=points, body=body, strain=zero, residual=zero, window=window)
     with diagrams.new_figure(None, 5, 5) as figure:
         axes = figure.add_subplot()
-        window = plastic_plots._window(two_patches(case), points[:0], 1)
-        plastic_plots._cut(
-            figure, axes, two_patches(case), (points, zero, body), 1, window, "strain"
-        )
+        plastic_plots._cut(figure, axes, two_patches(case), yielded, zero, "strain")
         assert axes.collections[0].get_clim()[0] == 0.0
         assert axes.get_title() == "none here"
         assert [each.get_text() for each in axes.texts] == ["rail", "wheel"]
@@ -241,17 +251,13 @@ def test_the_surface_that_yields_is_drawn_whichever_it_is(
     fields = case.fields
     top = np.flatnonzero(np.abs(fields.points[:, 2]) < 1e-9)
     nodes = {body: np.intersect1d(top, fields.cells[fields.body == body]) for body in (1, 2)}
-    pressed = replace(
-        fields,
-        contact=cast(ContactFields, SimpleNamespace(facet_nodes=nodes[1][None])),
-        master_surface=cast(MasterSurface, SimpleNamespace(nodes=nodes[2])),
-    )
-    moved = np.full(fields.points.shape, 1e-15)
-    moved[nodes[yields], 2] = 2e-3
-    residual = replace(fields, displacement=moved)
+    rises = {}
+    for body, name in ((1, "rail"), (2, "wheel")):
+        up = np.full(len(nodes[body]), 2.0 if body == yields else 1e-12)
+        rises[name] = np.column_stack([fields.points[nodes[body], :2], up])
     with diagrams.new_figure(None, 5, 5) as figure:
         axes = figure.add_subplot()
-        plastic_plots._residual_heights(axes, residual, pressed, case.findings, case.ellipse.b)
+        plastic_plots._heights(axes, shown(case, rises=rises), case.findings)
     name = case.findings.subject.names["rail" if yields == 1 else "wheel"]
     assert [line.get_label().split(",")[0] for line in axes.lines] == [name, name]
     assert all(np.ptp(line.get_ydata()) < 1e-9 for line in axes.lines)
@@ -266,8 +272,9 @@ def test_sweeps_and_the_shakedown_map_say_what_they_are_of(
         for n in (1, 2)
     ]
     circle = [[[np.cos(t), np.sin(t)] for t in np.linspace(0, 6, 20)]]
-    sweep_plots.curves(["load [N]"], rows, tmp_path / "c.png", "y, mm", TITLE)
-    sweep_plots.patches(["load [N]"], rows, [circle, circle], tmp_path / "p.png", "y, mm", TITLE)
+    subject = Subject(TITLE)
+    sweep_plots.curves(["load [N]"], rows, "y, mm", subject, tmp_path / "c.png")
+    sweep_plots.patches(["load [N]"], rows, [circle, circle], "y, mm", subject, tmp_path / "p.png")
     friction = {
         "traction_coefficient": 0.1,
         "p0_over_k": 3.0,
@@ -276,7 +283,7 @@ def test_sweeps_and_the_shakedown_map_say_what_they_are_of(
         "shakedown": "elastic",
         "surface_fatigue_index": -0.2,
     }
-    friction_plots.draw_shakedown(friction, 0.3, tmp_path / "s.png", TITLE)
+    friction_plots.draw_shakedown(friction, 0.3, subject, tmp_path / "s.png")
     for figure in sheets:
         said = " ".join(text.get_text() for part in figure.subfigs for text in part.texts)
         assert " ".join(said.split()) in (TITLE, f"{TITLE} bars: estimated errors")
@@ -289,7 +296,7 @@ def test_values_beside_narrow_patches_do_not_run_into_each_other(
     """Two strips of a roller, 70 mm long and 4 mm wide, of which either load is five letters."""
     rows = [{"load [N]": load, "checks": "passed"} for load in (50000, 110000)]
     strip = [[[-2.0, -35.0], [2.0, -35.0], [2.0, 35.0], [-2.0, 35.0]]]
-    sweep_plots.patches(["load [N]"], rows, [strip, strip], tmp_path / "p.png", "y, mm")
+    sweep_plots.patches(["load [N]"], rows, [strip, strip], "y, mm", Subject(), tmp_path / "p.png")
     (figure,) = sheets
     first, second = (text.get_window_extent() for text in figure.axes[0].get_xticklabels())
     assert first.x1 < second.x0
@@ -305,7 +312,9 @@ def test_a_strip_of_patches_holds_the_key_with_more_values(
         for shift in (0.0, 1.0, 2.0)
         for load in (1.0, 2.0)
     ]
-    sweep_plots.patches(["shift", "load"], rows, [circle] * 6, tmp_path / "p.png", "y, mm")
+    sweep_plots.patches(
+        ["shift", "load"], rows, [circle] * 6, "y, mm", Subject(), tmp_path / "p.png"
+    )
     assert [axes.get_title(loc="left") for axes in sheets[0].axes] == ["load: 1", "load: 2"]
 
 
@@ -319,10 +328,10 @@ def test_of_several_patches_the_depth_is_below_the_most_loaded_one() -> None:
 
 def test_dollars_in_a_title_are_no_formula(tmp_path) -> None:
     """Names of files may have them; as a formula $_$ is an error of matplotlib."""
-    with diagrams.new_figure(tmp_path / "a.png", 4, 3, "r$_$2.csv on a rail"):
+    with diagrams.new_figure(tmp_path / "a.png", 4, 3, Subject("r$_$2.csv on a rail")):
         pass
     assert (tmp_path / "a.png").is_file()
-    assert sweep_plots._word("r$_$.csv") == r"r\$_\$.csv"
+    assert sweep_plots._word({"file": "r$_$.csv"}, "file", Units()) == r"r\$_\$.csv"
 
 
 def test_axes_and_numbers_are_in_the_readers_units(blocks: Callable[..., Any]) -> None:
@@ -351,7 +360,7 @@ def test_a_picture_is_written_in_a_second_format_beside_png(
     path = tmp_path / "a.png"
     with (
         matplotlib.rc_context({"savefig.format": kind}),
-        diagrams.new_figure(path, 4, 3, TITLE) as figure,
+        diagrams.new_figure(path, 4, 3, Subject(TITLE)) as figure,
     ):
         figure.add_subplot()
     assert (tmp_path / f"a.{kind}").read_bytes().startswith(begins)

@@ -1,0 +1,106 @@
+"""What the pictures of one result are drawn from, and the file that keeps it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, is_dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from railhead.postprocess import findings, passes
+from railhead.postprocess.findings import Findings
+from railhead.postprocess.pass_rows import Passes
+from railhead.postprocess.pictures.plots.plastic_plots import Yielded
+from railhead.postprocess.symmetry import Planes
+from railhead.solver.solution import FrictionSolution
+from railhead.theory.elastic.contacts import Hertz
+from railhead.theory.elastic.hertz import Ellipse, Strip
+from railhead.theory.elastic.line import LineContact
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shown:
+    """What the pictures of one result show, but for the cells of the bodies.
+
+    found: findings with the whole contact surface, title, units and notes.
+    exact: exact Hertz contact, or None; a line contact of finite elements only of a section.
+    poisson: Poisson's ratio of the body of `found.axis`.
+    coefficient: of friction.
+    axis: of a section 0 where it runs along x, 1 along s; None of a solid and of half-spaces.
+    planes: unit normals of the symmetry planes at which `friction` was cut.
+    cut: of those at which the cells of solution.vtu were cut.
+    friction: tractions at contact points; None without friction.
+    yielded: what yield left; None where nothing yields.
+    passes: None without them.
+    """
+
+    found: Findings
+    exact: Hertz | None
+    poisson: float
+    coefficient: float
+    axis: int | None = None
+    planes: Planes = ()
+    cut: Planes = ()
+    friction: FrictionSolution | None = None
+    yielded: Yielded | None = None
+    passes: Passes | None = None
+
+
+_KINDS: list[Any] = [Shown, Yielded, FrictionSolution, Ellipse, Strip, LineContact]
+_KINDS += [*vars(findings).values(), *vars(passes).values()]
+_TYPES = {each.__name__: each for each in _KINDS if isinstance(each, type) and is_dataclass(each)}
+"""By name, the dataclasses of which a file may hold objects."""
+
+
+def save(shown: Shown, path: Path) -> None:
+    """Write what pictures show into a .npz file: its arrays, and all else as JSON. OSError: it
+    cannot be written.
+    """
+    arrays: list[Any] = []
+    plain = json.dumps(_plain(shown, arrays), default=lambda value: value.item())  # of numpy
+    np.savez_compressed(path, *arrays, plain=plain)
+
+
+def load(path: Path) -> Shown:
+    """What pictures show, of a file. Raises ValueError (one line) for a file that is missing,
+    damaged, or of another version of the program.
+    """
+    try:
+        with np.load(path) as file:
+            shown = _restored(json.loads(str(file["plain"])), file)
+        if not isinstance(shown, Shown):
+            raise TypeError
+    except Exception:  # a damaged archive raises what its part that is damaged calls for
+        text = "is missing, damaged, or of another version; run the scene again for its pictures"
+        raise ValueError(f"{path.name} {text}") from None
+    return shown
+
+
+def _plain(value: Any, arrays: list[Any]) -> Any:
+    """A value as JSON knows it: an array by its number in `arrays`, to which it is added, an object
+    of a dataclass as a table of its fields and its class.
+    """
+    if isinstance(value, np.ndarray):
+        arrays.append(value)
+        return {"array": f"arr_{len(arrays) - 1}"}
+    if is_dataclass(value):
+        table = {each.name: _plain(getattr(value, each.name), arrays) for each in fields(value)}
+        return {"class": type(value).__name__, **table}
+    if isinstance(value, Mapping):
+        return {key: _plain(each, arrays) for key, each in value.items()}
+    return [_plain(each, arrays) for each in value] if isinstance(value, list | tuple) else value
+
+
+def _restored(value: Any, arrays: Mapping[str, Any]) -> Any:
+    """The value that `_plain` made this of, with tuples as lists."""
+    if isinstance(value, list):
+        return [_restored(each, arrays) for each in value]
+    if not isinstance(value, dict):
+        return value
+    if "array" in value:
+        return arrays[value["array"]]
+    held = {key: _restored(each, arrays) for key, each in value.items() if key != "class"}
+    return _TYPES[value["class"]](**held) if "class" in value else held
