@@ -5,20 +5,30 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, is_dataclass
+from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from railhead.postprocess import findings, passes
-from railhead.postprocess.findings import Findings
-from railhead.postprocess.pass_rows import Passes
-from railhead.postprocess.pictures.plots.plastic_plots import Yielded
-from railhead.postprocess.symmetry import Planes
-from railhead.solver.solution import FrictionSolution
-from railhead.theory.elastic.contacts import Hertz
-from railhead.theory.elastic.hertz import Ellipse, Strip
-from railhead.theory.elastic.line import LineContact
+if TYPE_CHECKING:
+    from railhead.postprocess.findings import Findings
+    from railhead.postprocess.pass_rows import Passes
+    from railhead.postprocess.pictures.plots.plastic_plots import Yielded
+    from railhead.postprocess.symmetry import Planes
+    from railhead.solver.solution import FrictionSolution
+    from railhead.theory.elastic.contacts import Hertz
+
+ROOMS = (
+    "postprocess.findings",
+    "postprocess.pass_rows",
+    "postprocess.pictures.kept",
+    "postprocess.pictures.plots.plastic_plots",
+    "solver.solution",
+    "theory.elastic.hertz",
+    "theory.elastic.line",
+)
+"""Modules whose dataclasses a file may hold."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,12 +59,6 @@ class Shown:
     passes: Passes | None = None
 
 
-_KINDS: list[Any] = [Shown, Yielded, FrictionSolution, Ellipse, Strip, LineContact]
-_KINDS += [*vars(findings).values(), *vars(passes).values()]
-_TYPES = {each.__name__: each for each in _KINDS if isinstance(each, type) and is_dataclass(each)}
-"""By name, the dataclasses of which a file may hold objects."""
-
-
 def save(shown: Shown, path: Path) -> None:
     """Write what pictures show into a .npz file: its arrays, and all else as JSON. OSError: it
     cannot be written.
@@ -68,9 +72,11 @@ def load(path: Path) -> Shown:
     """What pictures show, of a file. Raises ValueError (one line) for a file that is missing,
     damaged, or of another version of the program.
     """
+    modules = [vars(import_module(f"railhead.{name}")) for name in ROOMS]
+    known = {name: value for names in modules for name, value in names.items()}
     try:
         with np.load(path) as file:
-            shown = _restored(json.loads(str(file["plain"])), file)
+            shown = _restored(json.loads(str(file["plain"])), file, known)
         if not isinstance(shown, Shown):
             raise TypeError
     except Exception:  # a damaged archive raises what its part that is damaged calls for
@@ -94,13 +100,18 @@ def _plain(value: Any, arrays: list[Any]) -> Any:
     return [_plain(each, arrays) for each in value] if isinstance(value, list | tuple) else value
 
 
-def _restored(value: Any, arrays: Mapping[str, Any]) -> Any:
-    """The value that `_plain` made this of, with tuples as lists."""
+def _restored(value: Any, arrays: Mapping[str, Any], known: Mapping[str, Any]) -> Any:
+    """The value that `_plain` made this of, with tuples as lists. known: classes by name."""
     if isinstance(value, list):
-        return [_restored(each, arrays) for each in value]
+        return [_restored(each, arrays, known) for each in value]
     if not isinstance(value, dict):
         return value
     if "array" in value:
         return arrays[value["array"]]
-    held = {key: _restored(each, arrays) for key, each in value.items() if key != "class"}
-    return _TYPES[value["class"]](**held) if "class" in value else held
+    held = {key: _restored(each, arrays, known) for key, each in value.items() if key != "class"}
+    if "class" not in value:
+        return held
+    kind = known[value["class"]]
+    if not (isinstance(kind, type) and is_dataclass(kind)):
+        raise TypeError
+    return kind(**held)

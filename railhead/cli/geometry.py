@@ -29,7 +29,7 @@ from railhead.results import result_folder
 from railhead.results.report import terminal
 from railhead.scene.arrays import is_array
 from railhead.scene.catalogue import as_path, portable
-from railhead.scene.scene import Scene, SceneError, checked
+from railhead.scene.scene import Scene, SceneError, assigned, checked
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -364,7 +364,7 @@ def profile(
     Raises SceneError for a profile that cannot be read.
     """
     suffix = "" if is_array(path) else as_path(path, "path").suffix.lower()
-    names = (assignment.partition(".")[0] for assignment in assignments)
+    names = (key.partition(".")[0] for key in assigned(assignments))
     of_key = next((name for name in names if name in ("rail", "wheel")), None)
     kind = body or BODY_BY_EXTENSION.get(suffix) or of_key
     problems = []

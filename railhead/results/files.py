@@ -58,11 +58,13 @@ def write(
         shown = _shown(solved, units, whole=whole)
         cells = cache(partial(_cells, solved, stresses))
         if shown is not None:
-            from railhead.postprocess.pictures import gallery, kept
+            from railhead.postprocess.pictures import kept
 
             with attempt(SHOWN):
                 kept.save(shown, work / SHOWN)
             if pictures:
+                from railhead.postprocess.pictures import gallery
+
                 drawn = gallery.drawings(shown, cells, _friction(summary))
                 result_folder.draw(drawn, work, attempt)
         if report:
@@ -179,9 +181,7 @@ def _shown(solved: Solved, units: Units, *, whole: bool = False) -> Shown | None
     found, plan = solved.findings, solved.plan
     if found is None:
         return None
-    from railhead.postprocess.patch.moments import coordinate
     from railhead.postprocess.pictures import kept
-    from railhead.postprocess.pictures.plots import plastic_plots
 
     after = solved.after.items()
     needed = tuple(f"{name.replace('_', ' ')}: {each.why}" for name, each in after if each.needed)
@@ -197,6 +197,9 @@ def _shown(solved: Solved, units: Units, *, whole: bool = False) -> Shown | None
     )
     if isinstance(solved, HalfSpaceSolution):
         return replace(shown, friction=solved.friction)
+    from railhead.postprocess.patch.moments import coordinate
+    from railhead.postprocess.pictures.plots import plastic_plots
+
     fields = solved.fields
     assert fields is not None
     planes, residual, elastic = fields.mirrors, solved.unloaded_fields, solved.elastic_reference

@@ -140,6 +140,14 @@ def assignment(text: str) -> tuple[str, object]:
     return key, value
 
 
+def assigned(texts: Iterable[str]) -> dict[str, object]:
+    """Values by dotted key of texts "key=value". Raises SceneError for anything else."""
+    if isinstance(texts, str) or not isinstance(texts, Iterable):
+        text = f"{show(texts)} is no list of texts; give one, e.g. ['load=110kN']"
+        raise SceneError("assignments", text)
+    return dict(map(assignment, texts))
+
+
 def _dotted(values: Mapping[str, object]) -> Iterator[tuple[str, object]]:
     """Pairs (dotted key, value) of tables or sections nested one level deep."""
     for key, value in values.items():
@@ -354,7 +362,7 @@ class Scene(Section):
         radius, and the penalty method drops theta. Setting rail.extent to half-space drops the keys
         that half-spaces cannot use, but for those set in the same call. Raises SceneError.
         """
-        given = dict(assignment(text) for text in assignments) | dict(_dotted(values))
+        given = assigned(assignments) | dict(_dotted(values))
         given = {OTHER_NAMES.get(key, key): value for key, value in given.items()}
         drops = [
             _DROPS[key][0]

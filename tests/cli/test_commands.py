@@ -53,8 +53,9 @@ def result(tmp_path_factory) -> Path:
 
 def test_result_folder_is_complete(result) -> None:
     assert files(result) == sorted(
-        [".railhead", "contact.vtu", "depth.png", "patch.png", "patch_on_rail.png", "pressure.png"]
+        [".railhead", "contact.vtu", "depth.png", "patch.png", "patch_on_rail.png", "pictures.npz"]
         + [
+            "pressure.png",
             "report.html",
             "result.csv",
             "scene.toml",
@@ -268,3 +269,9 @@ def test_two_results_are_compared(tmp_path, capsys) -> None:
     assert command.status("diff", a, a) == 0
     assert "the same in both" in capsys.readouterr().out
     assert "holds no result" in command.refused(capsys, "diff", a, str(tmp_path))
+
+
+def test_a_null_character_is_one_line(capsys) -> None:
+    """As Python may hand it over; a shell cannot."""
+    for words in (("show", "a\0b"), ("run", "hertz_ellipse", "--out", "a\0b"), ("plan", "\0")):
+        assert "has a null character" in command.refused(capsys, *words)

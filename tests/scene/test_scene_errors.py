@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from one_line import refusal
 from scene_keys import ARC_RAIL, ARC_WHEEL, HALF, scene
 
+import railhead as rh
 from railhead.scene.scene import Scene, SceneError, Wheel
 
 NAN, INF = math.nan, math.inf
@@ -209,3 +210,10 @@ def test_none_gives_any_key_its_default() -> None:
     assert scene(**{"rail.profile": "none", "wheel.rolling_radius": "none"}) == scene()
     with pytest.raises(SceneError, match="unknown key"):
         scene(**{"rail.gouge": "none"})
+
+
+@pytest.mark.parametrize("texts", [3, "load=1", None])
+def test_assignments_that_are_no_list_are_one_line(texts: object) -> None:
+    for call in (rh.find("hertz_ellipse").replace, lambda keys: rh.profile([[0, 0]], None, keys)):
+        with pytest.raises(rh.SceneError, match="assignments: .* is no list of texts; give one"):
+            call(texts)

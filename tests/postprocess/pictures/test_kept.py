@@ -24,7 +24,11 @@ FLAT = ("s1002_60e1", "effects.finite_bodies=off", "rolling.creepage_along=0.2%"
         "friction.coefficient=0.3")  # fmt: skip
 
 
-@pytest.fixture(scope="module", params=[YIELDS, RUBS, FLAT], ids=["yields", "rubs", "half-spaces"])
+LINE = ("long_roller", "mesh.patch_size=1.2")
+KINDS = {"yields": YIELDS, "rubs": RUBS, "half-spaces": FLAT, "line": LINE}
+
+
+@pytest.fixture(scope="module", params=KINDS.values(), ids=KINDS.keys())
 def kept(request: pytest.FixtureRequest, tmp_path_factory) -> Path:
     """The folder of a result with its pictures."""
     folder = tmp_path_factory.mktemp("kept") / "out"
