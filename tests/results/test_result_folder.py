@@ -13,7 +13,7 @@ from solved import solved
 
 import railhead as rh
 from railhead.postprocess import vtu
-from railhead.postprocess.pictures.views import gallery
+from railhead.postprocess.pictures import gallery
 from railhead.results import result_folder
 from railhead.scene.scene import SceneError
 
