@@ -9,6 +9,7 @@ from sweep_command import refused, rows
 import railhead as rh
 from railhead.planning import budget
 from railhead.planning import simulation_plan as planning
+from railhead.planning.simulation_plan import Plan
 from railhead.results import pipeline
 from railhead.run import mesh_solution, refinement
 from railhead.run.progress import Progress
@@ -76,6 +77,20 @@ def test_loads_that_want_unlike_meshes_share_none(case: str, key: str, given: li
     ]
 
 
+@pytest.fixture
+def two_loads(monkeypatch) -> dict[int, Plan]:
+    """Plans of two loads that suit one mesh, by number; what is solved alone says so."""
+    monkeypatch.setattr(pipeline, "solve", lambda *_: "alone")
+    scene = rh.find("long_roller").replace(["mesh.patch_size=0.4"])
+    loads = {4: "25kN", 2: "50kN"}
+    return {number: planning.make(scene.replace(load=load)) for number, load in loads.items()}
+
+
+def test_what_the_shared_mesh_suits_is_solved_on_it(two_loads) -> None:
+    shared = dict(runner.solve_group(two_loads, [4, 2], Progress(quiet=True)))
+    assert list(shared) == [4, 2] and "alone" not in shared.values()
+
+
 @pytest.mark.parametrize(
     ("module", "name", "found"),
     [(refinement, "unplanned_yield", lambda level, comm: "it yields"),
@@ -84,16 +99,10 @@ def test_loads_that_want_unlike_meshes_share_none(case: str, key: str, given: li
     ids=["it yields", "another patch than the forecast one", "no memory"],
 )  # fmt: skip
 def test_what_the_shared_mesh_does_not_suit_is_solved_alone(
-    module, name: str, found, monkeypatch
+    module, name: str, found, two_loads, monkeypatch
 ) -> None:
-    scene = rh.find("long_roller").replace(["mesh.patch_size=0.4"])
-    loads = {4: "25kN", 2: "50kN"}
-    plans = {number: planning.make(scene.replace(load=load)) for number, load in loads.items()}
-    monkeypatch.setattr(pipeline, "solve", lambda *_: "alone")
-    shared = dict(runner.solve_group(plans, [4, 2], Progress(quiet=True)))
-    assert list(shared) == [4, 2] and "alone" not in shared.values()
     monkeypatch.setattr(module, name, found)
-    alone = runner.solve_group(plans, [4, 2], Progress(quiet=True))
+    alone = runner.solve_group(two_loads, [4, 2], Progress(quiet=True))
     assert [*alone] == [(4, "alone"), (2, "alone")]
 
 

@@ -128,7 +128,7 @@ def test_a_penalty_on_fine_linear_cells_takes_few_steps() -> None:
 def test_nearly_incompressible_bodies_do_not_lock(ratio: float) -> None:
     """Ordinary quadratic cells leave the pressure 75 % wrong at 0.4999."""
     keys = [f"{body}.poisson_ratio={ratio}" for body in ("rail", "wheel")]
-    case = catalogue.find("hertz_ellipse").replace([*keys, "mesh.patch_size=0.75"])
+    case = catalogue.find("hertz_ellipse").replace([*keys, "mesh.patch_size=0.85"])
     summary = passed(case).summary
     assert summary["plan"]["effects"]["mean_dilatation"]["on"]
     assert worst(summary, "a_mm", "b_mm", "max_MPa", "approach_mm") < 0.005
@@ -228,7 +228,7 @@ def test_no_stress_is_read_below_the_foot_of_a_thin_rail() -> None:
         assert found["axis"][name] == pytest.approx(reference["axis"][name], rel=0.03)
 
 
-@pytest.mark.parametrize("size", [0.75, pytest.param(0.5, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("size", [0.9, pytest.param(0.5, marks=pytest.mark.slow)])
 def test_patch_that_is_no_ellipse_has_its_largest_stress_beside_the_axis(size: float) -> None:
     """S1002 on 60E1: within 3 % of boundary elements, so on both meshes the same; nodal averages
     overshoot by a few per cent on the coarser one."""

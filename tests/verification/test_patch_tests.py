@@ -373,13 +373,13 @@ def test_rigid_body_is_the_limit_of_a_stiff_one(two_blocks, solve, rigid: int) -
 
 
 def test_a_solved_scene_gives_its_memory_back() -> None:
-    """The third run of 13 000 unknowns takes no more memory than the second."""
+    """The third run of 9000 unknowns takes no more memory than the second."""
 
     def resident() -> float:
         with open("/proc/self/statm") as file:
             return int(file.read().split()[1]) * 4096 / 1e6
 
-    scene = rh.find("uic54_thesis").replace(["mesh.patch_size=1.2"])
+    scene = rh.find("hertz_ellipse").replace(["mesh.patch_size=1.2"])
     sizes = []
     for _ in range(3):
         rh.solve(scene, quiet=True)
