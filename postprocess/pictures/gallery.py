@@ -32,19 +32,18 @@ def drawings(
         summary.json, empty without friction.
     """
     found, exact = shown.found, shown.exact
-    every: dict[str, Drawing] = {}
-    if found.subject.method == "half-spaces":
-        draw: Any = diagrams.pressure if isinstance(exact, LineContact) else diagrams.patch
-        every["pressure.png" if draw is diagrams.pressure else "patch.png"] = partial(
-            draw, found, exact
-        )
-    else:
+    every: dict[str, Drawing]
+    if found.subject.method != "half-spaces":
         every = _of_bodies(shown, cells)
         if shown.yielded is not None:
             every["plastic.png"] = partial(plastic_plots.draw, shown.yielded, found, exact)
         if "p0_over_k" in steel:
             given = steel, shown.poisson, found.subject
             every["shakedown.png"] = partial(friction_plots.draw_shakedown, *given)
+    elif isinstance(exact, LineContact):
+        every = {"pressure.png": partial(diagrams.pressure, found, exact)}
+    else:
+        every = {"patch.png": partial(diagrams.patch, found, exact)}
     if shown.passes is not None:
         every["passes.png"] = partial(passes_plots.draw, shown.passes, found)
         if len(shown.passes.sections[-1].y) > 1:

@@ -73,7 +73,9 @@ def load(path: Path) -> Shown:
     damaged, or of another version of the program.
     """
     modules = [vars(import_module(f"railhead.{name}")) for name in ROOMS]
-    known = {name: value for names in modules for name, value in names.items()}
+    known = {
+        name: value for names in modules for name, value in names.items() if is_dataclass(value)
+    }
     try:
         with np.load(path) as file:
             shown = _restored(json.loads(str(file["plain"])), file, known)
@@ -109,9 +111,4 @@ def _restored(value: Any, arrays: Mapping[str, Any], known: Mapping[str, Any]) -
     if "array" in value:
         return arrays[value["array"]]
     held = {key: _restored(each, arrays, known) for key, each in value.items() if key != "class"}
-    if "class" not in value:
-        return held
-    kind = known[value["class"]]
-    if not (isinstance(kind, type) and is_dataclass(kind)):
-        raise TypeError
-    return kind(**held)
+    return known[value["class"]](**held) if "class" in value else held

@@ -70,12 +70,14 @@ class GivenAxes:
 
     axes: as many as the picture has panels, row by row.
     figure: the other figure.
+    colorbar: its method that draws a colour bar.
     """
 
     def __init__(self, axes: Sequence[Axes]) -> None:
         """axes: one or more of one figure."""
         self.axes = list(axes)
         self.figure = self.axes[0].figure
+        self.colorbar = self.figure.colorbar
 
     def subplots(
         self,
@@ -102,18 +104,12 @@ class GivenAxes:
                 if sharey:
                     each.sharey(first)
         every = np.array(self.axes, dtype=object).reshape(rows, columns)
-        if not squeeze:
-            return every
-        return every.item() if every.size == 1 else every.squeeze()
+        return every.squeeze()[()] if squeeze else every
 
     def legend(self, *handles: Any, loc: str = "", ncols: int = 1, **look: Any) -> None:
         """Draw the legend of the figure above the first axes."""
         place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.08), "borderaxespad": 0.0}
         self.axes[0].legend(*handles, **place, **look)
-
-    def colorbar(self, bands: Any, **look: Any) -> Any:
-        """Draw a colour bar, as `Figure.colorbar`."""
-        return self.figure.colorbar(bands, **look)
 
     def suptitle(self, *_: Any, **__: Any) -> None:
         """Draw no title: that of the figure is its owner's."""
