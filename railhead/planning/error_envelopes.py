@@ -41,6 +41,8 @@ PLACES = ("tau_max_depth_mm",)
 """Quantities that are places of a maximum: their scale is how flat that is."""
 TURNED = {"a_mm": "b_mm", "b_mm": "a_mm"}
 """Half lengths along and across the rail change places in line contacts across it."""
+USUAL = {"half-spaces": "ellipse", "bodies": "bodies"}
+"""Family of solids by `Setting.shape`, with quadratic tetrahedra and the default contact law."""
 LAWS = Path(__file__).with_name("data") / "laws.json"
 
 
@@ -243,8 +245,16 @@ def families() -> tuple[Family, ...]:
 def family(setting: Setting) -> Family | None:
     """The family that the setting lies in, turned for a width across the rail; None where no family
     was calibrated for the setting, without regard to yield and friction, for which there is none.
+
+    The approach depends on distant elements, whatever the contact law: its envelope is not below
+    that of the family of the same bodies with the default law (USUAL).
     """
     found = next((each for each in families() if each.holds(setting)), None)
+    usual = next((each for each in families() if each.name == USUAL.get(setting.shape)), None)
+    if found and usual:
+        laws = (each.laws["approach_mm"] for each in (found, usual))
+        widest = max(laws, key=lambda law: law.value)
+        found = replace(found, laws={**found.laws, "approach_mm": widest})
     return found.across if found and setting.turned else found
 
 

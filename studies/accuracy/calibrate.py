@@ -25,7 +25,7 @@ from mpi4py import MPI
 
 from railhead.planning import cost
 from railhead.planning import simulation_plan as planning
-from railhead.planning.error_envelopes import TURNED, ErrorEnvelope
+from railhead.planning.error_envelopes import PLACES, TURNED, ErrorEnvelope
 from railhead.planning.references.rail_twist import lever
 from railhead.run import estimates, mesh_solution
 from railhead.run.mesh_solution import MeshSolution
@@ -44,6 +44,19 @@ HEADROOM = 1.1  # the envelope over the largest error that was seen
 ORDERS = (0.5, 6.0)  # of an envelope, which lies above all that was measured whatever its slope
 LEAST = 1e-6  # relative; below it an error is rounding
 CHANCE = 1.5  # times the median error: the least of a law, as a reading may be right by chance
+WIDER = {
+    ("ellipse", "a_mm"): (1.15, 0.49),
+    ("ellipse", "approach_mm"): (1.2, 0.63),
+    ("hard penalty", "a_mm"): (1.2, 0.63),
+    ("incompressible", "von_mises_max_MPa"): (1.4, 0.0),
+    ("bodies", "approach_mm"): (1.6, 0.0),
+    ("profiles", "approach_mm"): (1.55, 0.0),
+}
+"""Factor on the value of a law and addend to its order, by family and quantity, where scenes of
+other seeds passed it (`railhead study error-bounds`). Half-spaces keep their value at n = 8. The
+approach of real bodies depends on distant elements, which are alike up to n = 7."""
+OF_PLACES = (1.45, 0.0)
+"""The same of places of maxima in all families: they scatter most."""
 
 
 def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Row]:
@@ -105,7 +118,7 @@ def middle(n: np.ndarray, values: np.ndarray) -> ErrorEnvelope:
 
 
 def fit(
-    records: Sequence[Row], where: Mapping[str, Any], resolutions: Sequence[float]
+    name: str, records: Sequence[Row], where: Mapping[str, Any], resolutions: Sequence[float]
 ) -> dict[str, Any]:
     """The entry of a family in laws.json."""
     laws, reading, overlap = {}, {}, {}
@@ -119,7 +132,10 @@ def fit(
         rest = np.maximum(error - overlap[key] * over, 0.0)
         usual = middle(n, rest / scale)
         least = np.array([CHANCE * usual(each) for each in n])
-        laws[key] = envelope(n, np.maximum((rest - read) / scale, least))
+        usual = OF_PLACES if key in PLACES else (1.0, 0.0)
+        factor, addend = WIDER.get((name, key), usual)
+        law = envelope(n, np.maximum((rest - read) / scale, least))
+        laws[key] = ErrorEnvelope(factor * law.value, law.order + addend)
         reading[key] = middle(n, read)
     return {
         "where": where,
@@ -155,7 +171,7 @@ def main(out: Path, *, quick: bool) -> None:
         records += found
         own = groups(found, "family")
         for part, where in families.parts(name).items():
-            entry = fit(own.get(part, []), where, families.RECIPES[name].resolutions)
+            entry = fit(part, own.get(part, []), where, families.RECIPES[name].resolutions)
             laws["families"][part] = entry
         _write(out / "laws.json", laws, indent=1)
         tables.publish(out, page(laws), calibrate=records)

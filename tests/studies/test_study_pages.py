@@ -102,7 +102,7 @@ def test_a_law_leaves_out_what_the_overlap_and_the_reading_explain() -> None:
 
     overs = {"a": 0.0, "b": 0.3}
     records = [record(n, k, v) for n in (3, 6) for k, v in overs.items()]
-    entry = calibrate.fit(records, {}, (3.0, 6.0))
+    entry = calibrate.fit("bodies", records, {}, (3.0, 6.0))
     assert entry["scenes"] == 2
     assert entry["overlap"]["max_MPa"] == pytest.approx(5, rel=0.05)
     value, order = entry["laws"]["max_MPa"]
