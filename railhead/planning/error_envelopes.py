@@ -295,6 +295,5 @@ def around(scene: Scene, solution: BoundaryElementSolution) -> Uncertainty:
     for stretch in STRETCHES:
         contact = solid.locate(scene, solid.pair(scene, stretch))
         other = boundary_elements.solve(contact, closed_forms.ellipse(scene, contact), scene.load)
-        changes.append(abs(other.max_pressure / solution.max_pressure - 1))
-        changes.append(abs(other.area / solution.area - 1))
-    return Uncertainty(SAFETY * max(changes))
+        changes += [other.max_pressure / solution.max_pressure - 1, other.area / solution.area - 1]
+    return Uncertainty(SAFETY * max(map(abs, changes)))

@@ -199,12 +199,10 @@ def mesh_errors(
     """
     (n, fine, own), *before = reversed(meshes)
     parts: dict[str, float] = {}
-    denied = 0
     coarser = [m for m, *_ in before]
     if envelopes is not None and envelopes.covers(n, coarser):
-        for name in envelopes.laws:
-            if name not in fine:
-                continue
+        known = [name for name in envelopes.laws if name in fine]
+        for name in known:
             factor, reading = scale.get(name, 1.0), own.get(name, 0.0)
             if all(
                 _change(values, fine, name)
@@ -215,9 +213,7 @@ def mesh_errors(
                 if envelopes.covers(m, coarser) and m < n and name in values
             ):
                 parts[name] = factor * envelopes.mesh(name, n)
-            else:
-                denied += 1
-        if not denied:
+        if len(parts) == len(known):
             return parts, f"law of the family {envelopes.name}"
     apart = _steps(n, before)
     if len(apart) >= 2:
@@ -271,9 +267,8 @@ def estimate(meshes: Sequence[MeshSolution]) -> tuple[dict[str, Estimate], str]:
     envelopes = solved.family
     scale = error_scales(solved.findings, solved.result)
     parts, source = mesh_errors(values, envelopes, scale)
-    overlap = 0.0
-    if solved.plan.scene.solver.method == "penalty":
-        overlap = abs(solved.solution.penetration / solved.solution.approach)
+    soft = solved.plan.scene.solver.method == "penalty"
+    overlap = abs(solved.solution.penetration / solved.solution.approach) if soft else 0.0
     largest = "tau_max_MPa"
     doubt = 2 * (parts.get(largest, 0.0) + values[-1][2].get(largest, 0.0))
     readings = reading_errors(solved.findings, max(RIVAL, doubt))
