@@ -115,7 +115,7 @@ def load(folder: str | Path) -> Result | Sweep:
     from railhead.sweeps.sweep_results import Sweep
 
     folder = as_path(folder, "folder")
-    with suppress(OSError, ValueError):
+    with suppress(OSError, ValueError, RuntimeError):  # a name too long, a loop of links
         result_folder.settle(folder.resolve())
     try:
         if (folder / store.REQUEST).is_file():

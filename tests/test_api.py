@@ -181,7 +181,9 @@ def test_a_result_can_be_pickled_and_loaded(tmp_path) -> None:
     ):
         (tmp_path / name).mkdir()
         (tmp_path / name / "summary.json").write_text(text)
-    for folder in (*(tmp_path / name for name in "abcd"), tmp_path / "none", "n" * 5000):
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    others = tmp_path / "none", "n" * 5000, tmp_path / "loop"
+    for folder in (*(tmp_path / name for name in "abcd"), *others):
         with pytest.raises(rh.SceneError, match="holds no result of a run or a sweep"):
             rh.load(folder)
     for wrong in (

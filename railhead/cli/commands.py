@@ -481,7 +481,7 @@ def profile(file: Path, body: str | None, assignments: Sequence[str], **options:
     """Read and smooth a measured profile, and say what is worn off it; solve nothing."""
     from railhead.cli import geometry
 
-    _report(geometry.profile(file, body, assignments), file.stem, "profile", **options)
+    _report(geometry.profile(str(file), body, assignments), file.stem, "profile", **options)
 
 
 def _report(

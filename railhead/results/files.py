@@ -108,7 +108,7 @@ def kept_drawings(folder: Path, summary: Mapping[str, Any], units: Units) -> dic
     """The pictures of the result in a folder by name of their PNG file; titles keep the units of
     the run. ValueError: the folder does not hold what they show, or nothing touches.
     """
-    import meshio
+    from meshio import vtu
 
     from railhead.postprocess.pictures import gallery, kept
 
@@ -117,7 +117,7 @@ def kept_drawings(folder: Path, summary: Mapping[str, Any], units: Units) -> dic
     shown = kept.load(folder / SHOWN)
     subject = replace(shown.found.subject, units=units)
     shown = replace(shown, found=replace(shown.found, subject=subject))
-    cells = cache(lambda: symmetry.grid(meshio.read(folder / "solution.vtu"), shown.cut))
+    cells = cache(lambda: symmetry.grid(vtu.read(folder / "solution.vtu"), shown.cut))
     return gallery.drawings(shown, cells, _friction(summary))
 
 
