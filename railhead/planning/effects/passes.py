@@ -196,9 +196,7 @@ def _indicator(context: Context) -> tuple[float, float, str]:
     ratio, share = p0 / shear, traction(context)
     first = math.sqrt(3) * p0 / context.von_mises(poisson)
     if isinstance(hertz, LineContact):
-        kinematic = scene.rail.hardens and scene.rail.kinematic_fraction == 1
-        friction = scene.friction.coefficient if share else 0.0
-        limit = shakedown.shakedown_limit(friction, poisson, share, kinematic=kinematic)
+        limit = line_limit(context)
     else:
         limit = min(shakedown.ellipse_limit(hertz.a / hertz.b), 2 * first)
     beside = f" at Q/P = {share:.2g}" if share else ""
@@ -206,6 +204,17 @@ def _indicator(context: Context) -> tuple[float, float, str]:
         beside = f" without tractions, and less with Q/P up to {share:.2g}"
     text = f"p0/k = {ratio:.3g} of the elastic pressure, first yield {first:.3g}, shakedown limit "
     return ratio, limit, f"{text}{limit:.3g}{beside}"
+
+
+def line_limit(context: Context) -> float:
+    """p0/k up to which a line contact of a scene shakes down, k of first yield, by Melan's theorem:
+    of a rail that hardens kinematically alone with its back stress, of others without hardening.
+    """
+    scene, share = context.scene, traction(context)
+    kinematic = scene.rail.hardens and scene.rail.kinematic_fraction == 1
+    friction = scene.friction.coefficient if share else 0.0
+    poisson = scene.rail.poisson_ratio
+    return shakedown.shakedown_limit(friction, poisson, share, kinematic=kinematic)
 
 
 def _flow_stress(rail: Rail, strain: float) -> float:

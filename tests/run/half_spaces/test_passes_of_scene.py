@@ -8,8 +8,9 @@ from solved import scene_of
 
 import railhead as rh
 from railhead.contact import solid
+from railhead.planning import simulation_plan as planning
 from railhead.planning.references import boundary_elements
-from railhead.postprocess.pass_rows import RailState
+from railhead.postprocess.pass_rows import Passes, RailState
 from railhead.results import pipeline
 from railhead.run.half_spaces import pass_contact, passes_of_scene
 from railhead.theory.elastic import hertz
@@ -48,6 +49,33 @@ def test_the_profile_with_its_groove_is_read_as_it_was_laid(profile, inclination
     normal = np.cos(np.arctan(new.slope(y)))
     expected = np.interp(np.interp(y, surface.y, surface.s) - centre, across, shape)
     assert (worn.height(y) - new.height(y)) * normal == pytest.approx(expected, abs=1e-3)
+
+
+LINE = "rail.extent=half-space rail.yield_stress=300 friction.coefficient=0.4 load=110kN"
+ROLLS = "rolling.passes=4 rolling.creepage_along=0.02 effects.finite_bodies=off"
+
+
+@pytest.mark.parametrize(
+    ("keys", "limit"),
+    [
+        ("", 2.316),  # Johnson, Contact Mechanics, 9.2, at Q/P 0.4
+        ("rail.hardening_modulus=5000 rail.kinematic_fraction=1", 2.40),
+        ("rail.hardening_modulus=5000", None),  # isotropic: it shakes down in the end
+    ],
+)
+def test_beyond_melan_s_limit_a_line_does_not_shake_down(keys, limit):
+    """A verdict of a mesh that is too coarse at the surface is undecided."""
+    scene = rh.find("long_roller").replace(f"{LINE} {ROLLS} {keys}".split())
+    context = planning.make(scene).context
+    for share in (0.99, 1.02, 1.04, 1.2):
+        rows = [{"pressure_max_MPa": share * (limit or 2.316) * 300 / 3**0.5}]
+        said = Passes(rows=rows, verdict="shakes down", words="as it was")
+        found = passes_of_scene.within_melan_s_limit(said, context)
+        kept = limit is None or share < 1.03
+        assert found.verdict == ("shakes down" if kept else "undecided")
+        assert ("Melan" in found.words) != kept
+        ratchets = Passes(rows=rows, verdict="ratchets")
+        assert passes_of_scene.within_melan_s_limit(ratchets, context) is ratchets
 
 
 @pytest.mark.slow
