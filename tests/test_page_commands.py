@@ -1,5 +1,5 @@
-"""Commands that stand in pages as lines of their own: all run, on a coarse mesh; sweeps are
-planned, and studies are those of tests/studies/."""
+"""Commands that stand in pages as lines of their own: all run, on a coarse mesh without pictures,
+with two passes in the place of ten; sweeps are planned, studies are those of tests/studies/."""
 
 import re
 import shlex
@@ -13,13 +13,14 @@ from railhead.cli import study
 
 ROOT = Path(__file__).parents[1]
 LINE = re.compile(r"^    (?:\.venv/bin/)?railhead (.+?)(?:\s+#.*)?$", re.MULTILINE)
-COARSE = ("--set", "mesh.patch_size=1.5")
+COARSE = ("--set", "mesh.patch_size=1.5", "--no-pictures")
+FEWER = {"rolling.passes=10": "rolling.passes=2"}
 
 
 def commands(page: Path) -> list[list[str]]:
     """The words of each command of a page."""
     text = page.read_text(encoding="utf-8").replace("\\\n", " ")
-    return [shlex.split(line) for line in LINE.findall(text)]
+    return [[FEWER.get(word, word) for word in shlex.split(line)] for line in LINE.findall(text)]
 
 
 PAGES = [page for page in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
