@@ -131,7 +131,8 @@ def _judged(seed: int, kind: str, file: Path, options: list[str] | None) -> Fuzz
     command = "plan" if options is None else "run"
     options = [] if options is None else [*options, "--no-pictures", "--json", "--out", str(out)]
     status, text, errors = command_line([command, str(file), *options])
-    lines = errors.strip().splitlines()
+    # Beside an error a line may ask about a unit.
+    lines = [line for line in errors.strip().splitlines() if not line.endswith("meant?")]
     said, reference, fault = " ".join(errors.split())[:300], "", ""
     found: dict[str, Deviation] = {}
     if status is None:

@@ -18,7 +18,7 @@ from studies.mechanics import creep_runs as curves
 from studies.tables import Row, cells, groups
 
 METHODS = ("boundary elements", "FASTSIM", "linear theory")
-UNITS = {"spin": "per_mm"} | dict.fromkeys(("built", "pressed", "condensed", "point"), "s")
+UNITS = {"spin": "per_mm"} | dict.fromkeys(("built", "pressed", "sampled", "point"), "s")
 UNITS |= {
     f"{plain}{name}": unit
     for plain in ("", "plain_")

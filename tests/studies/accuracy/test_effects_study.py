@@ -31,6 +31,7 @@ def test_study_writes_its_tables_and_its_page(quick) -> None:
         "symmetry_y",
         "deformable_wheel",
         "far_field",
+        "finite_bodies",
     }
     assert "Unknowns and compiled forms are the same" in page
 
