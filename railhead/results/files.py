@@ -55,18 +55,18 @@ def write(
         with attempt("*.vtu"):
             stresses = nodal_stress(solved)
             write_grids(solved, stresses, work, whole=whole)
-        shown = _shown(solved, units, whole=whole)
+        shown: Shown | None = None
         cells = cache(partial(_cells, solved, stresses))
-        if shown is not None:
-            from railhead.postprocess.pictures import kept
+        with attempt(SHOWN):
+            shown = _shown(solved, units, whole=whole)
+            if shown is not None:
+                from railhead.postprocess.pictures import kept
 
-            with attempt(SHOWN):
                 kept.save(shown, work / SHOWN)
-            if pictures:
-                from railhead.postprocess.pictures import gallery
+        if pictures and shown is not None:
+            from railhead.postprocess.pictures import gallery
 
-                drawn = gallery.drawings(shown, cells, _friction(summary))
-                result_folder.draw(drawn, work, attempt)
+            result_folder.draw(gallery.drawings(shown, cells, _friction(summary)), work, attempt)
         if report:
             with attempt("report.html"):
                 from railhead.results.report import html

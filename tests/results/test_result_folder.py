@@ -14,7 +14,7 @@ from solved import solved
 import railhead as rh
 from railhead.postprocess import vtu
 from railhead.postprocess.pictures import gallery
-from railhead.results import result_folder
+from railhead.results import files, result_folder
 from railhead.scene.scene import SceneError
 
 FAST = ["--set", "mesh.patch_size=1.2", "--no-pictures", "--quiet"]
@@ -166,6 +166,19 @@ def test_a_full_disk_is_named(tmp_path: Path) -> None:
         raise OSError(28, "No space left on device")
     assert caught.value.filename == str(tmp_path / "out")
     assert os.listdir(tmp_path) == []
+
+
+def test_what_pictures_show_takes_no_number_if_it_fails(tmp_path: Path, monkeypatch) -> None:
+    result, out = solved("sphere_on_plane"), tmp_path / "out"
+
+    def broken(*_: object, **__: object) -> None:
+        raise RuntimeError("no title")
+
+    monkeypatch.setattr(files, "subject", broken)
+    with pytest.raises(OSError, match=r"^[^\n]*pictures\.npz: RuntimeError: no title$"):
+        result.save(out, report=False)
+    assert (out / "summary.json").is_file() and (out / "solution.vtu").is_file()
+    assert not (out / "pictures.npz").exists() and not [*out.glob("*.png")]
 
 
 def test_another_result_is_never_replaced_unasked(tmp_path: Path, monkeypatch, capsys) -> None:
