@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -153,11 +153,8 @@ class Location:
         """
         folder = as_path(folder, "folder")
         result_folder.check_free(folder, "locate", self.scene, force=force)
-        with result_folder.result(folder, "locate", self.scene, self.summary()) as (work, attempt):
-            rows = result_folder.signed(self.positions())
-            (work / "positions.csv").write_bytes(result_folder.encoded(rows))
-            if pictures:
-                result_folder.draw(self.drawings(units or BASE_UNITS), work, attempt)
+        drawings = self.drawings(units or BASE_UNITS) if pictures else {}
+        _write(folder, "locate", self, "positions.csv", self.positions(), drawings)
 
     def plot(self, picture: str, ax: object = None) -> Figure:
         """Draw "profiles", "positions" or "rolling_radius", as `Result.plot`."""
@@ -317,10 +314,8 @@ class ExaminedProfile:
         ]
         folder = as_path(folder, "folder")
         result_folder.check_free(folder, "profile", self.scene, force=force)
-        with result_folder.result(folder, "profile", self.scene, self.summary()) as (work, attempt):
-            (work / "profile.csv").write_bytes(result_folder.encoded(result_folder.signed(rows)))
-            if pictures:
-                result_folder.draw(self.drawings(units or BASE_UNITS), work, attempt)
+        drawings = self.drawings(units or BASE_UNITS) if pictures else {}
+        _write(folder, "profile", self, "profile.csv", rows, drawings)
 
     def plot(self, picture: str = "profile", ax: object = None) -> Figure:
         """Draw "profile", which has four panels, as `Result.plot`."""
@@ -379,6 +374,22 @@ def profile(
             problems.append(error)
     first, text = problems[0], "(as a rail; no wheel either: --body says whose it is)"
     raise first if kind else SceneError(first.key, f"{first.text} {text}")
+
+
+def _write(
+    folder: Path,
+    command: str,
+    computed: Location | ExaminedProfile,
+    table: str,
+    rows: list[dict[str, Any]],
+    drawings: Mapping[str, Drawing],
+) -> None:
+    """Write summary, table and pictures of what a command computed into a folder, which they
+    replace. table: name of the file of the rows. OSError: as of `result_folder.result`.
+    """
+    with result_folder.result(folder, command, computed.scene, computed.summary()) as (work, keep):
+        (work / table).write_bytes(result_folder.encoded(result_folder.signed(rows)))
+        result_folder.draw(drawings, work, keep)
 
 
 def _radii(curvatures: Iterable[float], units: Units) -> str:

@@ -52,6 +52,12 @@ def _listed(folder: Path) -> list[str]:
     return path.read_text("utf-8", errors="replace").splitlines() if path.is_file() else []
 
 
+def _list(folder: Path, names: Collection[str]) -> None:
+    """Write the own names of a result into its folder (MANIFEST). OSError: it cannot be written."""
+    text = "".join(f"{name}\n" for name in sorted(names))
+    (folder / MANIFEST).write_text(text, encoding="utf-8")
+
+
 def check_folder(folder: Path, keeps: Collection[str] = ()) -> None:
     """Raise SceneError if results cannot be written to `folder`; called before anything is
     computed. Writes nothing, but finishes an exchange of folders that was killed.
@@ -233,8 +239,7 @@ def redraw(drawings: Mapping[str, Callable[[Path], Any]], folder: Path) -> list[
         draw(drawings, work, lambda name: attempt(failures, folder / name, work))
         stamp(work)
         drawn = sorted(os.listdir(work))
-        own = {*_listed(folder), *drawn}
-        (work / MANIFEST).write_text("".join(f"{name}\n" for name in sorted(own)), "utf-8")
+        _list(work, {*_listed(folder), *drawn})
         for name in (MANIFEST, *drawn):
             (work / name).replace(folder / name)
     finally:
@@ -273,8 +278,7 @@ def replacing(folder: Path, later: Collection[str] = ()) -> Iterator[Path]:
     work = _temporary(folder)
     try:
         yield work
-        names = "".join(f"{name}\n" for name in sorted({*os.listdir(work), *later}))
-        (work / MANIFEST).write_text(names, encoding="utf-8")
+        _list(work, {*os.listdir(work), *later})
         work.chmod(0o755)
         with _locked(folder.parent):
             _settle(folder)
