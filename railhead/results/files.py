@@ -198,7 +198,6 @@ def _shown(solved: Solved, units: Units, *, whole: bool = False) -> Shown | None
     if isinstance(solved, HalfSpaceSolution):
         return replace(shown, friction=solved.friction)
     from railhead.postprocess.patch.moments import coordinate
-    from railhead.postprocess.pictures.plots import plastic_plots
 
     fields = solved.fields
     assert fields is not None
@@ -206,6 +205,8 @@ def _shown(solved: Solved, units: Units, *, whole: bool = False) -> Shown | None
     found = replace(found, surface=symmetry.surface(found.surface, planes))
     yielded = None
     if residual is not None and elastic is not None and elastic.findings:
+        from railhead.postprocess.pictures.plots import plastic_plots
+
         yielded = plastic_plots.read(fields, residual, found, elastic.findings)
     return replace(
         shown,

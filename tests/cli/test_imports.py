@@ -39,7 +39,13 @@ def test_a_plan_imports_no_solver() -> None:
 
 def test_half_spaces_import_no_solver_and_no_mesh(tmp_path: Path) -> None:
     fast = command("run", "s1002_60e1", "--fast", "--quiet", "--no-pictures", f"--out={tmp_path}")
-    assert not {"petsc4py", "dolfinx", "meshio"} & loaded(fast)
+    assert not {"petsc4py", "dolfinx", "meshio", "matplotlib"} & loaded(fast)
+
+
+def test_a_run_without_pictures_imports_nothing_that_draws(tmp_path: Path) -> None:
+    """matplotlib alone takes a fifth of a second."""
+    run = command("run", "long_roller", "--quiet", "--no-pictures", f"--out={tmp_path / 'out'}")
+    assert not {"pyvista", "matplotlib", "jinja2"} & loaded(run)
 
 
 def test_the_solver_is_imported_while_gmsh_works() -> None:
