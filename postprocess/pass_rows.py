@@ -142,7 +142,8 @@ class Passes:
 
 def rail_state(rolling: RollingBlock, state: SectionState) -> RailState:
     """Section of a state, mirrored to the whole where half of it was solved."""
-    residual, stress = state.residual, np.zeros((len(state.residual), 6))
+    residual = state.residual
+    stress: Array = np.zeros((len(residual), 6))
     if rolling.block.dim == 3:
         stress[:, :3], stress[:, 3:] = residual[:, :3], residual[:, :2:-1] / math.sqrt(2)
     else:

@@ -10,6 +10,7 @@ import time
 from hashlib import sha256
 from numbers import Real
 from pathlib import Path
+from typing import Any
 
 from railhead.scene.units import show
 
@@ -41,7 +42,7 @@ def file_of(value: object, kind: str, columns: dict[str, str]) -> str:
     try:
         if hasattr(value, "m_as"):  # of pint
             value = value.m_as(next(iter(columns.values())))
-        given = np.ma.asarray(value)
+        given: Any = np.ma.asarray(value)
         rows = np.ma.filled(given.astype(float), np.nan) if given.dtype.kind in "biuf" else given
     except (TypeError, ValueError, OverflowError):
         rows = np.empty(0)

@@ -190,7 +190,7 @@ def levels(units: Units, label: str, values: Array, count: int = BANDS) -> Array
     factor = units.value(1.0, label)
     low, high = factor * min(values.min(), 0.0), factor * max(values.max(), 0.0)
     ends = MaxNLocator(count).tick_values(low, high if low < high else 1.0)
-    return np.asarray(ends, dtype=np.float64) / factor
+    return np.asarray(ends / factor, dtype=np.float64)
 
 
 def draw_one(drawings: Mapping[str, Drawing], picture: str, ax: object = None) -> Figure:

@@ -79,14 +79,9 @@ def read(pressed: Fields, residual: Fields, found: Findings, elastic: Findings) 
     places, _ = stress_at_gauss_points(pressed, every)
     _, left = stress_at_gauss_points(residual, every)
     local = symmetry.vectors(frame.local(places.reshape(-1, 3)), planes)
-    strain, stress, body = (
-        symmetry.repeated(each.ravel(), planes)
-        for each in (
-            pressed.plastic_strain.equivalent,
-            von_mises(left),
-            np.repeat(pressed.body, places.shape[1]),
-        )
-    )
+    strain = symmetry.repeated(pressed.plastic_strain.equivalent.ravel(), planes)
+    stress = symmetry.repeated(von_mises(left).ravel(), planes)
+    body = symmetry.repeated(np.repeat(pressed.body, places.shape[1]), planes)
     middle, half = window = _window(found, local[strain > 0], axis)
     near = np.abs(local[:, 1 - axis]) < THICK * min(found.patch.a, found.patch.b)
     near &= np.abs(local[:, axis] - middle) < 1.2 * half
