@@ -238,7 +238,7 @@ def plan(
 @click.option("--brief", is_flag=True, help="Write report.html on one page.")
 @click.option("--whole", is_flag=True, help="Write .vtu files of the whole model, mirrored.")
 @_units
-@click.option("--ranks", type=PROCESSES, help="Processes [as many as pay].")
+@click.option("--ranks", type=PROCESSES, metavar="NUMBER", help="Processes [as many as pay].")
 @click.option("--quiet", is_flag=True, help="Print only what fails.")
 @click.option("--json", "as_json", is_flag=True, help="Print summary.json and nothing else.")
 @click.pass_obj
