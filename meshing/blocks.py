@@ -53,8 +53,7 @@ def model(bodies: list[Body], grading: Grading, options: Options) -> Iterator[An
                 _sweep(body, grading, options, groups)
         gmsh_model.occ.synchronize()
         for (dim, tag), entities in sorted(groups.items()):
-            names = BODY_NAMES if dim == options.dim else FACE_NAMES
-            gmsh_model.addPhysicalGroup(dim, entities, tag, names[tag])
+            gmsh_model.addPhysicalGroup(dim, entities, tag, (BODY_NAMES | FACE_NAMES)[tag])
         _mesh(grading, options)
         yield gmsh_model
 
@@ -245,9 +244,8 @@ def _mesh(grading: Grading, options: Options) -> None:
         of the geometry, plane.
     """
     hexahedra = options.cell == "hexahedron"
-    coordinates = ("x", "y") if options.plane else ("y", "z")
     flat = hexahedra or bool(options.plane)
-    expression = grading.expression(section=flat, coordinates=coordinates)
+    expression = grading.expression(section=flat, coordinates="xyz"[options.section_axes])
     field = gmsh.model.mesh.field.add("MathEval")
     gmsh.model.mesh.field.setString(field, "F", expression)
     gmsh.model.mesh.field.setAsBackgroundMesh(field)
@@ -276,14 +274,12 @@ def _at_least_two_elements(curve: int, grading: Grading, options: Options) -> No
     """Divide a curve into two elements where it is shorter than four of the element sizes at its
     middle.
 
-    curve: gmsh tag. grading: element size. options.plane: whether the curve lies in gmsh's plane x,
-        y.
+    curve: gmsh tag. grading: element size.
     Recombination to quadrilaterals alone halves every curve, so that no curve may hold one element.
     """
     low, high = (bound[0] for bound in gmsh.model.getParametrizationBounds(1, curve))
     middle = gmsh.model.getValue(1, curve, [(low + high) / 2])
-    at = middle[:2] if options.plane else middle[1:]
-    if gmsh.model.occ.getMass(1, curve) < 4 * grading.at(*at):
+    if gmsh.model.occ.getMass(1, curve) < 4 * grading.at(*middle[options.section_axes]):
         gmsh.model.mesh.setTransfiniteCurve(curve, 3)
 
 

@@ -67,6 +67,13 @@ class Options:
         """Number of coordinates of the mesh: 2 for sections, 3 for solids."""
         return 2 if self.plane else 3
 
+    @property
+    def section_axes(self) -> slice:
+        """Which of gmsh's x, y, z are the coordinates of a section: x, y of one that is meshed, y,
+        z of one that is swept.
+        """
+        return slice(self.dim - 2, self.dim)
+
 
 def other(tag: int) -> int:
     """Tag of the other body: RAIL for WHEEL, and WHEEL for RAIL."""

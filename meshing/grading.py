@@ -108,9 +108,7 @@ class Grading:
         x, _, z = self.centre
         return replace(self, centre=(0.0, x, z), a=self.b, b=self.a, angle=0.0)
 
-    def expression(
-        self, *, section: bool = False, coordinates: tuple[str, str] = ("y", "z")
-    ) -> str:
+    def expression(self, *, section: bool = False, coordinates: str = "yz") -> str:
         """The element size as a formula for gmsh's MathEval, in mm and in the stretched
         coordinates, without the limit `coarsest`.
 

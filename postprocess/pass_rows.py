@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from railhead.postprocess.findings import COLUMN, ROW
 from railhead.theory.bem.grid_patch import PatchSolution
 
 if TYPE_CHECKING:
@@ -142,12 +142,7 @@ class Passes:
 
 def rail_state(rolling: RollingBlock, state: SectionState) -> RailState:
     """Section of a state, mirrored to the whole where half of it was solved."""
-    residual = state.residual
-    stress: Array = np.zeros((len(residual), 6))
-    if rolling.block.dim == 3:
-        stress[:, :3], stress[:, 3:] = residual[:, :3], residual[:, :2:-1] / math.sqrt(2)
-    else:
-        stress[:, [0, 2, 1]], stress[:, 4] = residual[:, :3], residual[:, 3] / math.sqrt(2)
+    stress = rolling.block.kinematics.tensors(state.residual)[:, ROW, COLUMN]
     y, z = (np.unique(np.round(axis, 9)) for axis in rolling.streams.places.T)
     stress = stress.reshape(len(y), len(z), 6)[:, ::-1]
     strain = state.history.equivalent.reshape(len(y), len(z))[:, ::-1]

@@ -19,6 +19,11 @@ from railhead.solver.fields import Fields
 if TYPE_CHECKING:
     from railhead.solver.solution import FrictionSolution
 BORDER_POINTS = 8  # on each edge of a facet
+FACET_SIDES = {
+    "tetrahedron": [[0, 1], [1, 2], [2, 0]],
+    "hexahedron": [[0, 1], [1, 3], [3, 2], [2, 0]],
+}
+"""By cell of a solid: corners of a facet at the ends of its sides; of a section its own ends."""
 ON_PLANE = 1e-9  # of the surface's extent: nodes that lie on a symmetry plane
 
 
@@ -112,10 +117,7 @@ def edge_distance(fields: Fields, patch: Patch, edges: Array) -> float:
     edge. In plane strain the half length is that in the section.
     """
     contact = fields.contact
-    kinematics = fields.kinematics
-    flat = kinematics.dim == 2
-    count = 1 if flat else {3: 3, 6: 3, 10: 3}.get(contact.facet_nodes.shape[1], 4)
-    ring = {1: [[0], [1]], 3: [[0, 1], [1, 2], [2, 0]], 4: [[0, 1], [1, 3], [3, 2], [2, 0]]}[count]
+    ring = FACET_SIDES.get(fields.cell, [[0], [1]])
     sides = np.concatenate([contact.facet_nodes[:, side] for side in ring])
     unique, number = np.unique(np.sort(sides, axis=1), axis=0, return_counts=True)
     ends = fields.points[unique[number == 1]]
@@ -129,7 +131,5 @@ def edge_distance(fields: Fields, patch: Patch, edges: Array) -> float:
     if not len(border):
         return float("inf")
     distance = cKDTree(border).query(contact.points[contact.pressure > 0])[0]
-    half = min(patch.a, patch.b)
-    if flat and not kinematics.revolved:
-        half = (patch.a, patch.b)[int(np.argmax(np.abs(kinematics.axes[0])))]
+    half = min((patch.a, patch.b)[axis] for axis in fields.kinematics.varying)
     return float(distance.min() / half)

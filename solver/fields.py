@@ -85,6 +85,11 @@ class Fields:
     plastic_strain: PlasticStrain | None = None
     master_surface: MasterSurface | None = None
 
+    @property
+    def copies(self) -> int:
+        """Number of copies of the meshed part, itself included, that make up the whole model."""
+        return self.kinematics.copies(len(self.mirrors))
+
 
 def gather(model: ContactModel, solution: Solution, *, facing: bool = True) -> Fields | None:
     """Collect the fields of a solution from all ranks on rank 0; returns None on the other ranks

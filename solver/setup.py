@@ -161,7 +161,7 @@ class Setup:
         """Number of symmetric images that make up the whole model, the meshed part included: 2 to
         the power of the number of symmetry planes, 1 for a section that is revolved.
         """
-        return 1 if self.kinematics.revolved else int(2 ** len(self.planes))
+        return self.kinematics.copies(len(self.planes))
 
     @property
     def push(self) -> Array:

@@ -37,9 +37,7 @@ class TwoSizes(Grading):
     lift: float = 0.0
     ratio: float = 1.0
 
-    def expression(
-        self, *, section: bool = False, coordinates: tuple[str, str] = ("y", "z")
-    ) -> str:
+    def expression(self, *, section: bool = False, coordinates: str = "yz") -> str:
         """The size as a gmsh MathEval formula."""
         above = f"Max(0,Min(1,1e6*(z-({self.lift / 2:.15g}))))"
         more = f"({(self.ratio - 1) * self.size:.15g})"

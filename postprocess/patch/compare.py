@@ -20,8 +20,7 @@ from railhead.postprocess.findings import (
 )
 from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.theory.bem.boundary_element import BoundaryElementSolution
-from railhead.theory.elastic import contacts
-from railhead.theory.elastic.contacts import Hertz
+from railhead.theory.elastic.line import Hertz
 
 PLACES = ("_point_mm", "_place_mm")  # ends of names of coordinates
 EXTENTS = 4e-3  # relative error of half extents of boundary elements, 128 cells on ellipses
@@ -237,7 +236,7 @@ def _exact_stresses(contact: Hertz, poisson: Mapping[str, float], frame: Frame) 
     """
     bodies = {body: exact_largest(contact, body, nu, frame) for body, nu in poisson.items()}
     shown, nu = next(iter(poisson.items()))
-    surface = contacts.axis_stress(contact, nu, 0.0)[0]
+    surface = contact.axis_stress(nu, 0.0)[0]
     return _largest_stresses(bodies, _largest_in(shown, bodies[shown]), surface)
 
 
@@ -245,7 +244,7 @@ def exact_largest(contact: Hertz, body: str, poisson: float, frame: Frame) -> La
     """Largest shear and von Mises stress of an exact Hertz contact, on the axis in the body with
     this name and Poisson's ratio. frame: axes at the centre of the patch, for places in space.
     """
-    found = contacts.axis_extrema(contact, poisson)
+    found = contact.axis_extrema(poisson)
     tau, mises = (
         Peak(value, depth, frame.below(0.0, 0.0, body, depth))
         for value, depth in (

@@ -27,9 +27,7 @@ from railhead.postprocess.patch import compare
 from railhead.theory.bem import grid_stress
 from railhead.theory.bem.boundary_element import BoundaryElementSolution
 from railhead.theory.bem.grid_patch import PatchSolution
-from railhead.theory.elastic import contacts
-from railhead.theory.elastic.contacts import Hertz
-from railhead.theory.elastic.line import LineContact
+from railhead.theory.elastic.line import Hertz
 
 if TYPE_CHECKING:
     from railhead.solver.solution import FrictionSolution
@@ -49,10 +47,6 @@ def of_hertz(
     one of a section, which has no separate patches.
     """
     a, b = hertz.a, hertz.b
-    turn = np.linspace(0, 2 * np.pi, 181)
-    outline = np.column_stack([a * np.cos(turn), b * np.sin(turn)])
-    if isinstance(hertz, LineContact):
-        outline = np.array([[a, b], [-a, b], [-a, -b], [a, -b], [a, b]])
     ticks = np.linspace(-1.05, 1.05, LINES)
     along, across = ticks * a, ticks * b
     one = OnePatch(
@@ -64,12 +58,12 @@ def of_hertz(
         max_pressure=hertz.p0,
         share=1.0,
     )
-    depth = np.linspace(0, DEEP * min(contacts.half_lengths(hertz)), DEPTHS, dtype=np.float64)
+    depth = np.linspace(0, DEEP * min(hertz.half_lengths), DEPTHS, dtype=np.float64)
 
     def below(body: str, nu: float) -> DepthAxis:
         """Stresses on the axis below the patch in a body with a Poisson's ratio."""
         stress = np.zeros((DEPTHS, 6))
-        stress[:, :3] = contacts.axis_stress(hertz, nu, depth)
+        stress[:, :3] = hertz.axis_stress(nu, depth)
         return DepthAxis(body, depth, stress, _line(frame, body))
 
     x, s = np.meshgrid(along, across, indexing="ij")
@@ -83,7 +77,7 @@ def of_hertz(
             area=hertz.area,
             max_pressure=hertz.p0,
             mean_pressure=hertz.p_mean,
-            outlines=[outline],
+            outlines=[hertz.outline],
             each=() if section else (one,),
         ),
         surface=_surface(

@@ -47,20 +47,6 @@ class PressureMoments:
         return self.shape_error < HERTZIAN
 
 
-def coordinate(fields: Fields) -> int:
-    """Axis of the contact frame in the plane of a section, along which the pressure varies: 0 for
-    x, 1 for s. The coordinate along this axis is called t.
-    """
-    return int(np.argmax(np.abs(fields.kinematics.axes[0])))
-
-
-def varying(fields: Fields) -> list[int]:
-    """Axes of the contact frame along which the pressure varies: 0 for x and 1 for s in space, one
-    of them in a section.
-    """
-    return [coordinate(fields)] if fields.kinematics.dim == 2 else [0, 1]
-
-
 def moments(fields: Fields, frame: Frame) -> PressureMoments:
     """Moments of the contact pressure p at all contact points, with coordinates from the centre of
     pressure, which lies on each symmetry plane.
@@ -69,7 +55,7 @@ def moments(fields: Fields, frame: Frame) -> PressureMoments:
     revolution and 4 for the half width of a line contact: exact for Hertz's pressure. Where all
     points with pressure lie on a line the shape error is infinite.
     """
-    contact, axes = fields.contact, varying(fields)
+    contact, axes = fields.contact, fields.kinematics.varying
     weight = contact.weights * contact.pressure
     total = weight.sum()
     cut = np.abs(np.array(fields.mirrors).reshape(-1, 3)[:, axes]).any(axis=0)
@@ -89,9 +75,8 @@ def moments(fields: Fields, frame: Frame) -> PressureMoments:
     centre = np.zeros(2)
     centre[axes] = mean
     a, b = np.broadcast_to(np.sqrt(factor * square), 2)
-    images = 1 if fields.kinematics.revolved else 2 ** len(fields.mirrors)
     return PressureMoments(
-        force=images * float(total),
+        force=fields.copies * float(total),
         centre=(float(centre[0]), float(centre[1])),
         a=float(a),
         b=float(b),
@@ -109,7 +94,7 @@ def largest_pressure(fields: Fields, frame: Frame, found: PressureMoments) -> fl
         than four points for each coefficient lie there, the largest computed pressure is returned;
         where the polynomial has no maximum there, its largest value at the points.
     """
-    contact, axes = fields.contact, varying(fields)
+    contact, axes = fields.contact, fields.kinematics.varying
     local = symmetry.vectors(frame.local(contact.points)[:, :2], fields.mirrors)
     p = symmetry.repeated(contact.pressure, fields.mirrors)
     weight = symmetry.repeated(contact.weights, fields.mirrors)

@@ -82,8 +82,10 @@ class Samples:
 
     @property
     def degree(self) -> int:
-        """Highest power of x in the polynomial for p^2; higher where bodies yield."""
-        return YIELD_DEGREE if self.yields else DEGREE
+        """Highest power of x in the polynomial for p^2; higher where bodies yield, 0 of a
+        section.
+        """
+        return 0 if self.line else YIELD_DEGREE if self.yields else DEGREE
 
     def measure(self, s: Array) -> Array:
         """Weight at s (n,) by which an integral over (x, s) becomes one over the contact area: 1
@@ -149,8 +151,8 @@ def zero_squared_pressure(samples: Samples) -> SquaredPressure:
     element size apart.
     """
     knots = _knots(samples)
-    most, step = 0 if samples.line else samples.degree, 2 if samples.even else 1
-    powers = np.arange(0, most + 1, step, dtype=np.float64)
+    step = 2 if samples.even else 1
+    powers = np.arange(0, samples.degree + 1, step, dtype=np.float64)
     return SquaredPressure(_box(samples), knots, np.zeros((len(powers), len(knots) - 4)), powers)
 
 
@@ -295,7 +297,7 @@ def _penalty(knots: Array, powers: Array, s: Array, weight: Array, samples: Samp
     weight = weight * (1 + (END_ZONE / distance) ** END_EXPONENT)
     at, share = leggauss(samples.degree + 2)
     x0, x1 = _box(samples)[0]
-    element = 1.0 if samples.line else 2 * float(samples.size.mean()) / (x1 - x0)
+    element = 2 * float(samples.size.mean()) / (x1 - x0)
     units = [1.0, element, element, element] if samples.yields else [1.0, 1.0, NECK * element, 1.0]
     total = np.zeros((len(powers) * (len(knots) - 4),) * 2)
     splines = BSpline(knots, np.eye(len(knots) - 4), 3)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 import numpy as np
 
 from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array, AxisPressure, Frame, Patch, Surface
 from railhead.postprocess.patch.moments import (
     PressureMoments,
-    coordinate,
     largest_pressure,
     moments,
 )
@@ -27,6 +28,7 @@ from railhead.solver.fields import Fields
 ELEMENT_SIZE_FACTOR = 0.03  # of a section, see `patch`
 AXIS_POINTS = 61  # of the pressure along the contact line
 LINE_POINTS = 2000  # at which p^2 is evaluated to find its zeros and its maximum
+Value = TypeVar("Value")
 
 
 def read(fields: Fields, frame: Frame, *, parabolic: bool = False) -> PatchReading:
@@ -37,7 +39,7 @@ def read(fields: Fields, frame: Frame, *, parabolic: bool = False) -> PatchReadi
     parabolic: whether Hertz's theory is exact, that is for elastic half-spaces whose gap is
         quadratic; the second moment then gives the half width.
     """
-    contact, axis = fields.contact, coordinate(fields)
+    contact, (axis,) = fields.contact, fields.kinematics.varying
     revolved, length = fields.kinematics.revolved, fields.kinematics.thickness
     found = moments(fields, frame)
     given = samples(fields, frame)
@@ -84,7 +86,7 @@ def samples(fields: Fields, frame: Frame) -> Samples:
     """Contact points of a section with pressure and their mirror images, projected to the tangent.
     Their s is the coordinate in the section, along x or s, and their x is zero.
     """
-    contact, axis = fields.contact, coordinate(fields)
+    contact, (axis,) = fields.contact, fields.kinematics.varying
     revolved, thickness = fields.kinematics.revolved, fields.kinematics.thickness
     touches = contact.pressure > 0
     ends = frame.local(fields.points[contact.facet_nodes])[..., axis]
@@ -122,7 +124,7 @@ def _shape(square: SquaredPressure, fields: Fields) -> PatchShape:
     """Half lengths along x and s, area and largest pressure of a section's smooth p^2. In plane
     strain the length is the thickness; of a body of revolution the patch is a full circle.
     """
-    spans, axis = _spans(square), coordinate(fields)
+    spans, (axis,) = _spans(square), fields.kinematics.varying
     length = fields.kinematics.thickness
     half = (spans[-1][1] - spans[0][0]) / 2
     peak = _pressure(square, np.linspace(*square.box[1], LINE_POINTS, dtype=np.float64)).max()
@@ -131,8 +133,15 @@ def _shape(square: SquaredPressure, fields: Fields) -> PatchShape:
             outlines=[], area=float(np.pi * half**2), a=half, b=half, max_pressure=float(peak)
         )
     area = float(length * sum(end - begin for begin, end in spans))
-    semi = (half, length / 2) if axis == 0 else (length / 2, half)
-    return PatchShape(outlines=[], area=area, a=semi[0], b=semi[1], max_pressure=float(peak))
+    a, b = _along_across(axis, half, length / 2)
+    return PatchShape(outlines=[], area=area, a=a, b=b, max_pressure=float(peak))
+
+
+def _along_across(axis: int, own: Value, other: Value) -> tuple[Value, Value]:
+    """Values along x and along s, of the one along the section and the other one; axis: as of
+    `Kinematics.varying`.
+    """
+    return (own, other)[axis], (own, other)[1 - axis]
 
 
 def _ellipse(
@@ -154,12 +163,9 @@ def _ellipse(
         mesh=ELEMENT_SIZE_FACTOR,
     )
     unit = 2 / 3 * np.pi * found.a**2 if revolved else np.pi / 2 * found.a * length
-    along, across = (error, error) if revolved else (error, 0.0)
-    if coordinate(fields) == 1:
-        along, across = across, along
-    area = 2 * error if revolved else error
+    along, across = _along_across(fields.kinematics.varying[0], error, error if revolved else 0.0)
     off = abs(found.force / (peak * unit) - 1)
-    return half, {"a": along, "b": across, "area": area, "max_pressure": max(off, error)}
+    return half, {"a": along, "b": across, "area": along + across, "max_pressure": max(off, error)}
 
 
 def _axis_pressures(
@@ -169,7 +175,7 @@ def _axis_pressures(
     In plane strain it is constant in the direction of the thickness; of a body of revolution
     both are equal.
     """
-    axis = coordinate(fields)
+    (axis,) = fields.kinematics.varying
     half, middle = (patch.a, patch.b)[axis], patch.centre[axis]
     t = symmetry.vectors(surface.local, fields.mirrors)[:, axis]
     p = symmetry.repeated(surface.pressure, fields.mirrors)
@@ -180,7 +186,7 @@ def _axis_pressures(
         return found, found
     length = fields.kinematics.thickness
     constant = AxisPressure(length / 2 * np.array([-1.0, 1.0]), np.full(2, patch.max_pressure))
-    return (found, constant) if axis == 0 else (constant, found)
+    return _along_across(axis, found, constant)
 
 
 def _spans(square: SquaredPressure) -> list[tuple[float, float]]:
@@ -209,5 +215,5 @@ def _outlines(spans: list[tuple[float, float]], axis: int, length: float | None)
     for begin, end in spans:
         t = np.array([begin, end, end, begin, begin])
         s = length / 2 * np.array([-1.0, -1.0, 1.0, 1.0, -1.0])
-        curves.append(np.column_stack([t, s] if axis == 0 else [s, t]))
+        curves.append(np.column_stack(_along_across(axis, t, s)))
     return curves

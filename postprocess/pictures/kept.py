@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from railhead.postprocess.pictures.plots.plastic_plots import Yielded
     from railhead.postprocess.symmetry import Planes
     from railhead.solver.solution import FrictionSolution
-    from railhead.theory.elastic.contacts import Hertz
+    from railhead.theory.elastic.line import Hertz
 
 ROOMS = (
     "postprocess.findings",

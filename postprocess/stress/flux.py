@@ -69,10 +69,8 @@ def pressure_force(fields: Fields) -> Array:
 
 def _whole(fields: Fields, force: Array) -> Array:
     """Force (3,) on the whole model, N, from the force on the part that was cut at symmetry planes.
-    Components along the normals of the planes are zero; the others are doubled, but not for a
-    meridian section, which already stands for a whole turn.
+    Components along the normals of the planes are zero; the others are those of all copies.
     """
     for normal in fields.mirrors:
-        double = force if fields.kinematics.revolved else 2 * force
-        force = np.where(np.abs(normal) > 0.5, 0.0, double)
-    return force
+        force = np.where(np.abs(normal) > 0.5, 0.0, force)
+    return fields.copies * force

@@ -111,10 +111,8 @@ def _strain(
     jacobian = (phi[1:] @ nodes).transpose(0, 2, 1)
     inverted, size = inverse(jacobian)
     grad_u = (phi[1:] @ u).transpose(0, 2, 1) @ inverted
-    strain = 0.5 * (grad_u + grad_u.transpose(0, 2, 1))
+    strain = kinematics.axes.T @ (0.5 * (grad_u + grad_u.transpose(0, 2, 1))) @ kinematics.axes
     x = phi[0] @ at
-    if kinematics.dim == 2:
-        strain = kinematics.axes.T @ strain @ kinematics.axes
     if kinematics.revolved:
         r = x[:, 0]
         on_axis = r <= 1e-12 * np.abs(r).max(initial=0.0)  # there u/r is du/dr

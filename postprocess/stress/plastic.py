@@ -118,12 +118,11 @@ def plastic_zone(fields: Fields, frame: Frame) -> PlasticZone:
     yields = strain > TRACE
     depths = np.abs(frame.local(points[yields])[:, 2]) if yields.any() else np.zeros(1)
     x, y, z = (float(value) for value in points[cell, point])
-    parts = 1 if fields.kinematics.revolved else 2 ** len(fields.mirrors)
     return PlasticZone(
         strain=float(strain.max()),
         body=BODY_NAMES[int(fields.body[cell])],
         place=(x, y, z),
-        volume=float(weights[yields].sum()) * parts,
+        volume=float(weights[yields].sum()) * fields.copies,
         depth=float(depths.max()),
         top=float(depths.min()),
     )

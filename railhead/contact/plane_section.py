@@ -22,8 +22,7 @@ from railhead.geometry.surfaces import ExactGap, ParabolicGap, RailSurface, Stra
 from railhead.meshing.bodies import RAIL, WHEEL, Body
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.elastic import line
-from railhead.theory.elastic.contacts import Hertz
-from railhead.theory.elastic.line import LineContact
+from railhead.theory.elastic.line import Hertz, LineContact
 
 if TYPE_CHECKING:
     from railhead.solver.space.kinematics import Kinematics
@@ -102,7 +101,8 @@ class LongitudinalSection(SectionContact):
     """Plane strain in the plane x, z along the rail: a cylinder on a flat crown, or half-planes."""
 
     plane = "xz"
-    line = True
+    slips: ClassVar[tuple[int, ...]] = (0,)
+    load_power = 2
     prescribed_length: ClassVar[str | None] = "b_mm"
     error_family_shape = "plane strain"
 
@@ -181,7 +181,8 @@ class MeridianSection(LongitudinalSection):
     """
 
     revolved = True
-    line = False
+    slips = ()
+    load_power = 3
     prescribed_length = None
     error_family_shape = "meridian"
 
@@ -209,7 +210,8 @@ class TransverseSection(SectionContact):
     """
 
     plane = "yz"
-    line = True
+    slips = (1,)
+    load_power = 2
     prescribed_length = "a_mm"
     error_family_shape = "plane strain"
 

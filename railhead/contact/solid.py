@@ -30,8 +30,7 @@ from railhead.meshing.bodies import RAIL
 from railhead.postprocess.findings import Frame
 from railhead.scene.scene import Rail, Scene, SceneError, Wheel
 from railhead.scene.sections import is_profile_file
-from railhead.theory.elastic.contacts import Hertz
-from railhead.theory.elastic.line import LineContact
+from railhead.theory.elastic.line import Hertz, LineContact
 
 if TYPE_CHECKING:
     from railhead.solver.space.kinematics import Kinematics
@@ -119,7 +118,9 @@ class Contact:
     Class constants, other values in the sections of two dimensions in `plane_section`:
     plane: '' for a solid, 'xz' for a section along the rail, 'yz' for one across it.
     revolved: the section is a meridian.
-    line: the contact is one along a line.
+    slips: directions in which the bodies may slip in the model: 0 along the rail, 1 across it.
+    load_power: power of Hertz's half length, and of his stresses, that the load is proportional to:
+        3, of a line 2.
     prescribed_length: key in summary.json of the half length that is prescribed, not solved for;
         None where there is none.
     error_family_shape: shape of the error envelopes, `Setting.shape`, of bodies that end; solid
@@ -128,7 +129,8 @@ class Contact:
 
     plane: ClassVar[Literal["", "xz", "yz"]] = ""
     revolved: ClassVar[bool] = False
-    line: ClassVar[bool] = False
+    slips: ClassVar[tuple[int, ...]] = (0, 1)
+    load_power: ClassVar[int] = 3
     prescribed_length: ClassVar[str | None] = None
     error_family_shape: ClassVar[str] = "bodies"
 
@@ -181,6 +183,23 @@ class Contact:
         given that only x >= 0 (half_x) or only y >= 0 (half_y) is modelled.
         """
         return half_y
+
+    @property
+    def line(self) -> bool:
+        """Whether the contact is one along a line."""
+        return self.load_power == 2
+
+    @property
+    def solid_half_space(self) -> bool:
+        """Whether both bodies are half-spaces in three dimensions."""
+        return self.half_space and not self.plane
+
+    @property
+    def curved_solid(self) -> bool:
+        """Whether both bodies are solids with profiles of their own: neither half-spaces nor a
+        section.
+        """
+        return not (self.half_space or self.plane)
 
     @property
     def half_space(self) -> bool:

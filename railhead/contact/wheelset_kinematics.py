@@ -165,5 +165,5 @@ def rigid_slip(contact: Contact) -> RigidSlip:
     turns, normal = _angular_velocity(contact), contact.frame.axes[2]
     angular = np.zeros((4, 3))
     angular[2:] = normal, turns - (turns @ normal) * normal
-    flat = contact.pose is None or contact.plane
-    return RigidSlip(contact.frame, angular, None if flat else contact.surfaces()[0])
+    rail = contact.surfaces()[0] if contact.curved_solid else None
+    return RigidSlip(contact.frame, angular, rail)

@@ -13,9 +13,7 @@ from railhead.planning.references import boundary_elements, closed_forms, rail_t
 from railhead.scene.scene import Rail, Scene, SceneError, Wheel
 from railhead.theory.bem import grid_stress
 from railhead.theory.bem.boundary_element import BoundaryElementSolution
-from railhead.theory.elastic import contacts
-from railhead.theory.elastic.contacts import Hertz
-from railhead.theory.elastic.line import LineContact
+from railhead.theory.elastic.line import Hertz
 
 DEFAULT_ACCURACY = 0.01  # accuracy of a scene that prescribes none
 
@@ -112,9 +110,7 @@ class Context:
         and in sections, else where the exact gap over the patch is Hertz's parabola.
         """
         contact, hertz = self.contact, self.hertz
-        if contact.plane or contact.half_space or isinstance(hertz, LineContact):
-            return True
-        return closed_forms.gap_is_quadratic(contact, hertz)
+        return not contact.curved_solid or closed_forms.gap_is_quadratic(contact, hertz)
 
     @cached_property
     def elastic(self) -> BoundaryElementSolution | str:
@@ -135,7 +131,7 @@ class Context:
         these are not used.
         """
         if isinstance(self.elastic, str):
-            return contacts.axis_extrema(self.hertz, poisson).von_mises_max
+            return self.hertz.axis_extrema(poisson).von_mises_max
         if poisson not in self._largest:
             patches = self.elastic.patches
             self._largest[poisson] = max(

@@ -277,7 +277,7 @@ def of_profiles(context: Context) -> Uncertainty | None:
     has.
     """
     scene, contact = context.scene, context.contact
-    if contact.half_space or contact.plane or not solid.measured_bodies(scene):
+    if not contact.curved_solid or not solid.measured_bodies(scene):
         return None
     try:
         return around(scene, context.boundary_elements)

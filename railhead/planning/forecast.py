@@ -26,8 +26,7 @@ from railhead.planning.references import boundary_elements
 from railhead.planning.references.boundary_elements import Developed
 from railhead.postprocess.findings import Frame
 from railhead.theory.bem.grid_patch import PatchSolution
-from railhead.theory.elastic import contacts
-from railhead.theory.elastic.contacts import Hertz
+from railhead.theory.elastic.line import Hertz
 
 Array = NDArray[np.float64]
 MINOR = 0.02  # share of the load below which a patch is left out
@@ -134,7 +133,7 @@ def _hertz(contact: Contact, ellipse: Hertz) -> Forecast:
     """
     touch, frame = contact.touch, contact.frame
     touching = partial(in_ellipse, frame, (ellipse.a, ellipse.b), touch.orientation)
-    a, b = contacts.half_lengths(ellipse)
+    a, b = ellipse.half_lengths
     zone = Zone(contact.origin, a, b, touch.angle)
     return Forecast((zone,), (0.0, 0.0, a, b), touching, True)
 

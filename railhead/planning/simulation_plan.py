@@ -32,7 +32,7 @@ from railhead.planning.references import closed_forms
 from railhead.planning.sizing import Sizing
 from railhead.scene.scene import Scene, SceneError
 from railhead.scene.sections import Rail, Wheel
-from railhead.theory.elastic.contacts import Hertz
+from railhead.theory.elastic.line import Hertz
 
 PRICED_ACCURACIES = (0.05, 0.01, 0.002)  # accuracies whose cost a plan predicts
 SECTION_PER_TURN = 5  # elements on a full turn of a fillet of a whole rail (4: 3 % less twist)
@@ -94,9 +94,8 @@ class Plan:
         scene, zone = self.scene, self.zone
         moduli = [closed_forms.plane_strain_modulus(scene, tag) for tag in BODY_NAMES]
         contact = self.contact
-        solid_half_space = contact.half_space and not self.section
         return Setting(
-            shape="half-spaces" if solid_half_space else contact.error_family_shape,
+            shape="half-spaces" if contact.solid_half_space else contact.error_family_shape,
             turned=contact.prescribed_length == "a_mm",
             cell=scene.mesh.cell,
             order=self.order,
@@ -335,10 +334,9 @@ class Plan:
         if self.by_half_spaces:
             return 0
         cell = self.scene.mesh.cell
-        share = 0.5 ** (self.half_x + self.half_y)
+        share = 0.5 ** len(self.planes)
         if self.section:
-            share *= len(self.deformable) * (0.5 if self.contact.revolved else 1.0)
-            triangles = self.grading().predicted_triangles(self.reach)
+            triangles = len(self.deformable) * self.grading().predicted_triangles(self.reach)
             each = cost.unknowns_per_cell("section", cell, self.order)
             return int(share * triangles * each)
         cells = self.grading().predicted_cells(self.reach, hexahedra=cell == "hexahedron")

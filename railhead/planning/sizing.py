@@ -10,8 +10,7 @@ import numpy as np
 from railhead.contact.solid import Contact
 from railhead.meshing.grading import Grading, suited_stretch
 from railhead.planning.forecast import Forecast, Zone, ridges
-from railhead.theory.elastic import contacts
-from railhead.theory.elastic.contacts import Hertz
+from railhead.theory.elastic.line import Hertz
 
 ELEMENTS_PER_SEMI_AXIS = 6.0  # default resolution of a solid with quadratic cells
 LINEAR_REFINEMENT = 2.0  # factor on the resolution for linear cells
@@ -38,7 +37,7 @@ def reach(contact: Contact, hertz: Hertz, forecast: Forecast, *, friction: bool)
     (MIN_BODY_REACH) for real bodies. friction: whether it is simulated.
     """
     sizes = [size for zone in forecast.zones for size in (zone.a, zone.b)]
-    major = max(*sizes, *contacts.half_lengths(hertz))
+    major = max(*sizes, *hertz.half_lengths)
     if contact.half_space:
         return (RUBBING_REACH if friction and contact.plane else HALF_SPACE_REACH) * major
     return max(MIN_BODY_REACH, BODY_REACH * major)
@@ -103,8 +102,6 @@ class Sizing:
         """Element sizes around the patches of the forecast; smaller patches get smaller elements.
         Elements of a solid are stretched along the rail as far as this saves cells.
         """
-        if self.contact.plane:
-            return self._stretched(1.0)
         most = max(suited_stretch(zone.a, zone.b) for zone in self.forecast.zones)
         if len(self.forecast.zones) == 1:
             return self._stretched(most)

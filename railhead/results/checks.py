@@ -43,12 +43,13 @@ ENERGY_LIMIT = 0.03  # relative: what a coarse block may miss
 STRAIN_LIMIT = 0.2
 """p0/E*, which of a circle is 2/pi a/R and of a line a/(2 R): a sphere's patch then has 0.31 of its
 radius, and Tabor's representative strain 0.2 a/R (from memory) is 6 %. The limit is a choice."""
-STEEL_PRESSURE = {"line": 4000.0, "point": 4200.0}
+STEEL_PRESSURE = {True: 4000.0, False: 4200.0}
 """MPa, largest elastic pressure that leaves 1e-4 of the diameter in hardened bearing steel (ISO
 76:2006, 3.1 to 3.3)."""
-SHAPE_SENSITIVITY = 5.25
-"""What a fourth power in p^2 changes of the largest over the mean pressure, over the shape error,
-to first order: p^2 = (1 - r^2)(1 + c r^2) has c/5 and 4 c/105; a strip has c/8 and c/16."""
+PRESSURE_OVER_MEAN = {False: ("3/2", 1.5, 5.25), True: ("4/pi", 4 / math.pi, 2.0)}
+"""Hertz's largest over mean pressure by whether the contact is a line, as text and number; and what
+a fourth power in p^2 changes of it, over the shape error, to first order: p^2 = (1 - r^2)(1 + c
+r^2) has c/5 and 4 c/105; a strip has c/8 and c/16."""
 BODIES = "simulate finite bodies: leave out --fast, --without finite_bodies"
 SOLVER = (
     "try solver.gamma_factor=1, solver.method=nitsche with solver.theta=1, a smaller "
@@ -379,7 +380,7 @@ def physics(solved: Solved) -> Iterator[Check]:
         yield Check(
             name="pressure_of_steel",
             value=largest,
-            limit=STEEL_PRESSURE["line" if plan.contact.line else "point"],
+            limit=STEEL_PRESSURE[plan.contact.line],
             source="ISO 76: hardened bearing steel yields beyond",
             advice="give a smaller load, or a yield_stress",
         )
@@ -393,17 +394,17 @@ def pressure_over_mean(solved: MeshSolution, estimates: Mapping[str, Estimate]) 
     found, result = solved.findings, solved.result
     if found is None or result is None or not found.hertzian:
         return
-    line = solved.plan.setting.shape == "plane strain"
-    normal = solved.solution.load / math.cos(solved.plan.contact.touch.angle)
-    mean = normal / result["patch"]["area_mm2"]
-    peak = (4 / math.pi if line else 1.5) * mean
+    contact = solved.plan.contact
+    words, ratio, sensitivity = PRESSURE_OVER_MEAN[contact.line]
+    sensitivity = 1.0 if contact.half_space else sensitivity
+    normal = solved.solution.load / math.cos(contact.touch.angle)
+    peak = ratio * normal / result["patch"]["area_mm2"]
     tolerance = sum(allowed(estimates, key) for key in ("max_MPa", "area_mm2"))
-    sensitivity = 1.0 if solved.plan.contact.half_space else 2.0 if line else SHAPE_SENSITIVITY
     yield Check(
         name="pressure_over_mean",
         value=deviation(result["pressure"]["max_MPa"], peak),
         limit=tolerance + sensitivity * found.shape_error,
-        source=f"{'4/pi' if line else '3/2'} of load over area; both estimates "
+        source=f"{words} of load over area; both estimates "
         f"({tolerance:.2g}) and how far the pressure is from that shape",
         advice=FINER,
     )

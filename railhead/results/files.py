@@ -197,8 +197,6 @@ def _shown(solved: Solved, units: Units, *, whole: bool = False) -> Shown | None
     )
     if isinstance(solved, HalfSpaceSolution):
         return replace(shown, friction=solved.friction)
-    from railhead.postprocess.patch.moments import coordinate
-
     fields = solved.fields
     assert fields is not None
     planes, residual, elastic = fields.mirrors, solved.unloaded_fields, solved.elastic_reference
@@ -211,7 +209,7 @@ def _shown(solved: Solved, units: Units, *, whole: bool = False) -> Shown | None
     return replace(
         shown,
         found=found,
-        axis=coordinate(fields) if fields.kinematics.dim == 2 else None,
+        axis=fields.kinematics.varying[0] if fields.kinematics.dim == 2 else None,
         planes=planes,
         cut=() if whole else planes,
         friction=solved.solution.friction,

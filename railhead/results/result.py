@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from railhead.postprocess.pictures.plots.diagrams import Drawing
     from railhead.solver.fields import Fields
     from railhead.solver.solution import FrictionSolution
-    from railhead.theory.elastic.contacts import Hertz
+    from railhead.theory.elastic.line import Hertz
 
 BOUND_NAMES = {each.key: each.bound for each in quantities.QUANTITIES}
 

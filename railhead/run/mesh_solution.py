@@ -29,7 +29,7 @@ from railhead.postprocess.findings import Findings, Frame
 from railhead.postprocess.patch import compare
 from railhead.postprocess.patch.separate_patches import separate_patches
 from railhead.run.progress import Progress
-from railhead.theory.elastic.contacts import Hertz
+from railhead.theory.elastic.line import Hertz
 
 if TYPE_CHECKING:
     from railhead.postprocess.pass_rows import Passes

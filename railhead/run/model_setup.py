@@ -25,7 +25,7 @@ from railhead.solver.material.elasticity import Material
 from railhead.solver.material.hardening import Hardening
 from railhead.solver.setup import ContactBody, FrictionSettings, LoadPath, Setup
 from railhead.solver.space.contact_interface import ContactLaw
-from railhead.theory.elastic import contacts, halfspace
+from railhead.theory.elastic import halfspace
 
 Array = NDArray[np.float64]
 GROWTH_STEPS = 8  # load steps in which the patch of bodies of different materials grows
@@ -114,10 +114,8 @@ def _friction(plan: Plan) -> FrictionSettings:
         if rolling.prescribed and getattr(rolling, f"force_{way}") is None:
             continue
         known[index] = 0.0
-        still = (plan.half_x or contact.plane == "yz", plan.half_y or contact.plane == "xz")
-        if not (still[index] or contact.revolved):
+        if index in contact.slips and not (plan.half_x, plan.half_y)[index]:
             free.append((index, float(getattr(given, f"force_{way}") or 0.0)))
-    tangential = contact.half_space and not contact.plane
     return FrictionSettings(
         coefficient=scene.friction.coefficient,
         rolling=rolling.prescribed,
@@ -126,22 +124,21 @@ def _friction(plan: Plan) -> FrictionSettings:
         rigid_slip=wheelset_kinematics.rigid_slip(contact),
         creepage=(known[0], known[1], known[2]),
         force_controlled=tuple(free),
-        load_steps=friction_steps(scene, line=contact.line, yields=plan.effects["plasticity"].on),
-        far_field=partial(cerruti_far_field, materials(plan)) if tangential else None,
+        load_steps=friction_steps(scene, contact.load_power, yields=plan.effects["plasticity"].on),
+        far_field=partial(cerruti_far_field, materials(plan)) if contact.solid_half_space else None,
     )
 
 
-def friction_steps(scene: Scene, *, line: bool, yields: bool) -> tuple[tuple[float, float], ...]:
+def friction_steps(scene: Scene, power: int, *, yields: bool) -> tuple[tuple[float, float], ...]:
     """Steps of (share of the load, share of the tangential forces). The patch of bodies of
     different materials grows in equal steps of its length, if nothing rolls. Then the force is
     applied, in a cycle also reversed and applied again, in equal steps where bodies yield.
 
-    line: whether the contact is a line; yields: whether bodies yield.
+    power: of the load in the patch's length; yields: whether bodies yield.
     """
     if not interface.grows(scene):
         grown = []
     else:
-        power = 2 if line else 3  # of the load in the patch's length
         grown = [((step / GROWTH_STEPS) ** power, 0.0) for step in range(1, GROWTH_STEPS + 1)]
         if not any(scene.tangential_forces[1:]):
             return tuple(grown)
@@ -185,7 +182,7 @@ def hertz_far_field(
     """
     hertz = closed_forms.hertz_contact(scene, contact, load)
     part, (lower, mirror) = materials[body], _mirrored(body, points)
-    return contacts.displacement(hertz, lower, part.young_modulus, part.poisson_ratio) * mirror
+    return hertz.displacement(lower, part.young_modulus, part.poisson_ratio) * mirror
 
 
 def cerruti_far_field(materials: dict[int, Material], way: int, body: int, points: Array) -> Array:

@@ -28,7 +28,7 @@ from railhead.solver.space.kinematics import SOLID, Kinematics
 
 TAG = 1  # of the cells
 CELLS = {2: "quadrilateral", 3: "hexahedron"}
-SECTION = Kinematics(axes=np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]))
+KINEMATICS = {2: Kinematics(axes=np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])), 3: SOLID}
 NEAR = 1e-9  # of the largest coordinate: nodes on a face
 
 
@@ -92,7 +92,7 @@ class Block:
     @property
     def kinematics(self) -> Kinematics:
         """Meaning of the coordinates."""
-        return SOLID if self.dim == 3 else SECTION
+        return KINEMATICS[self.dim]
 
     @cached_property
     def mesh(self) -> Any:
@@ -138,11 +138,11 @@ class Block:
         those across y, move in their planes. Tied planes leave x free.
         """
         unit = np.eye(self.dim)
-        planes = [(self.at(0, self.axes[0][side]), unit[0]) for side in (0, -1)]
-        if self.tied:
-            planes = []
-        if self.dim == 3:
-            planes += [(self.at(1, self.axes[1][side]), unit[1]) for side in (0, -1)]
+        planes = [
+            (self.at(axis, self.axes[axis][side]), unit[axis])
+            for axis in range(int(self.tied), self.dim - 1)
+            for side in (0, -1)
+        ]
         supports = constraints.Supports(
             fixed=self.at(self.dim - 1, self.axes[-1][0]),
             planes=planes,

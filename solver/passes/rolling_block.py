@@ -312,7 +312,7 @@ def _grid(block: Block) -> tuple[Array, Array, Index]:
     """
     numbers = np.flatnonzero(block.at(block.dim - 1, 0.0))
     at = block.nodes[numbers]
-    y = at[:, 1] if block.dim == 3 else np.zeros(len(at))
+    y = block.kinematics.lift(at)[:, 1]
     order = np.lexsort((np.round(y, 9), np.round(at[:, 0], 9)))
     x = np.unique(np.round(at[:, 0], 9))
     table = numbers[order].reshape(len(x), -1)

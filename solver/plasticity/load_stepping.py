@@ -240,8 +240,8 @@ def predict_active_set(system: ContactSystem, indicator: Array, ratio: float) ->
     order = np.argsort(-every)
     area = np.cumsum(np.concatenate(system.comm.allgather(system.interface.weights))[order])
     touching = area[np.count_nonzero(every > 0) - 1]
-    power = 1 / 2 if system.setup.kinematics.line_contact else 2 / 3
-    last = np.searchsorted(area, touching * ratio**power)
+    power = system.setup.kinematics.load_power
+    last = np.searchsorted(area, touching * ratio ** ((power - 1) / power))
     return np.asarray(indicator >= every[order[min(int(last), len(order) - 1)]])
 
 
@@ -432,8 +432,8 @@ class PlasticResponse(ElasticResponse):
             for members, hardening in points.groups:
                 largest = float(np.max(size[members], initial=0.0))
                 worst = max(worst, largest / hardening.initial_yield_stress)
-        power = 2 if self.system.setup.kinematics.line_contact else 3
-        return float(max(self.system.comm.allgather(worst / ROOT))) ** power
+        over = float(max(self.system.comm.allgather(worst / ROOT)))
+        return over**self.system.setup.kinematics.load_power
 
 
 def plastic_problem(system: ContactSystem, path: LoadPath) -> PlasticProblem:

@@ -8,6 +8,7 @@ whole body of revolution, with the hoop strain u_r/r.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -52,16 +53,31 @@ class Kinematics:
     @property
     def shears(self) -> list[tuple[int, int]]:
         """Pairs of coordinates of the shear components in Mandel's notation, in their order."""
-        return [(1, 2), (0, 2), (0, 1)] if self.dim == 3 else [(0, 1)]
+        return list(combinations(range(self.dim), 2))[::-1]
 
     @property
-    def line_contact(self) -> bool:
-        """Whether bodies touch along a line across the mesh: a section in plane strain."""
-        return self.dim == 2 and not self.revolved
+    def load_power(self) -> int:
+        """Power of Hertz's half length, and of his stresses, that the load is proportional to: 2
+        where bodies touch along a line across the mesh (a section in plane strain), else 3.
+        """
+        return 2 if self.dim == 2 and not self.revolved else 3
+
+    @property
+    def varying(self) -> list[int]:
+        """Axes of space, beside the upward one, along which fields vary: 0 for x and 1 for y of a
+        solid, one of them of a section.
+        """
+        return [int(np.argmax(np.abs(axis))) for axis in self.axes[:-1]]
+
+    def copies(self, planes: int) -> int:
+        """Number of copies of the meshed part, itself included, that make up the whole model, which
+        so many symmetry planes cut; 1 of a meridian section, which stands for the whole turn.
+        """
+        return 1 if self.revolved else int(2**planes)
 
     def lift(self, points: Array) -> Array:
         """Points in space (n, 3), mm, from points in the d coordinates of the mesh (n, d), mm."""
-        return points if self.dim == 3 else points @ self.axes + np.array(self.offset)
+        return self.in_space(points) + np.array(self.offset)
 
     def flatten(self, vectors: Array) -> Array:
         """Components (..., d) along the d coordinates of the mesh, from vectors in space (..., 3);

@@ -20,8 +20,8 @@ from railhead.run.half_spaces import normal_contact, tangential_contact
 from railhead.scene import catalogue
 from railhead.solver.contact_system import LoadCase
 from railhead.solver.fields import gather
-from railhead.theory.elastic.contacts import Hertz, half_lengths
 from railhead.theory.elastic.hertz import Ellipse
+from railhead.theory.elastic.line import Hertz
 from railhead.theory.friction import sliding
 from railhead.theory.friction.rolling import Creepage
 
@@ -236,7 +236,7 @@ def slid(name: str, coefficients: Sequence[float], given: dict[str, Any]) -> Ite
             "coefficient": mu,
             "by": by,
             "von_mises": von_mises / ellipse.p0,
-            "depth": depth / min(half_lengths(ellipse)),
+            "depth": depth / min(ellipse.half_lengths),
         }
 
     for mu in coefficients:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from railhead.postprocess.pictures.plots.diagrams import FE, new_figure
 from railhead.run.quantities import numeric_values
-from railhead.theory.elastic import hertz, subsurface
+from railhead.theory.elastic import hertz
 from studies import processes, tables
 from studies.peers.codes import Peer
 from studies.tables import Row, groups
@@ -60,7 +60,7 @@ def read(case: Mapping[str, float], found: Mapping[str, Any]) -> dict[str, Any]:
     curvatures = 1 / case["wheel_radius"], 1 / case["rail_radius"]
     exact = hertz.point_contact(*curvatures, modulus, found["force"])
     p_fit, a, b = fitted(found["x"], found["y"], found["pressure"])
-    shear = subsurface.axis_extrema(exact, case["poisson"]).tau_max
+    shear = exact.axis_extrema(case["poisson"]).tau_max
     pairs = {
         "p_max": (found["pressure_max"], exact.p0),
         "p_fit": (p_fit, exact.p0),

@@ -224,7 +224,7 @@ class Facts:
 
     def stress(self, depth: float) -> Array:
         """Exact s_x, s_y, s_z (3,) in MPa on the axis at a depth in mm."""
-        return np.asarray(subsurface.axis_stress(self.ellipse, self.poisson, depth)[0])
+        return np.asarray(self.ellipse.axis_stress(self.poisson, depth)[0])
 
     def printed_stress(self, depth: float) -> tuple[float, float]:
         """s_x = s_y and s_z in MPa by eqs 5.2 and 5.3 with the printed p_max and a."""
@@ -234,7 +234,7 @@ class Facts:
     @cached_property
     def extrema(self) -> subsurface.AxisExtrema:
         """Largest shear and von Mises stresses on the axis, with their depths."""
-        return subsurface.axis_extrema(self.ellipse, self.poisson)
+        return self.ellipse.axis_extrema(self.poisson)
 
     @cached_property
     def surface_shear(self) -> float:

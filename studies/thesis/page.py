@@ -16,12 +16,11 @@ from matplotlib.lines import Line2D
 from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array, AxisPressure, DepthAxis, Findings, Surface
 from railhead.postprocess.patch.surface import facing_facets, triangulated
-from railhead.postprocess.pictures.plots.diagrams import FE, GREY, HERTZ, closed_ellipse, new_figure
+from railhead.postprocess.pictures.plots.diagrams import FE, GREY, HERTZ, new_figure
 from railhead.postprocess.stress.gauss_points import nodal_stress
 from railhead.solver.fields import Fields
-from railhead.theory.elastic import subsurface
 from railhead.theory.elastic.hertz import Ellipse
-from railhead.theory.elastic.subsurface import axis_stress, max_shear, principal, stress
+from railhead.theory.elastic.subsurface import max_shear, principal, stress
 from studies.tables import render
 from studies.thesis.claims import CLOSE, CLOSE_CURVE, EXACT, Claim, ClaimCheck, Finding, Verdict
 from studies.thesis.facts import (
@@ -86,7 +85,7 @@ def page(facts: Facts, judged: Sequence[Judged], runs: Sequence[Mapping[str, Any
 
 
 def _mises(contact: Ellipse, facts: Facts) -> float:
-    return subsurface.axis_extrema(contact, facts.poisson).von_mises_max
+    return contact.axis_extrema(facts.poisson).von_mises_max
 
 
 def _chapter(judged: Sequence[Judged]) -> tuple[list[list[str]], list[tuple[int, str, str]]]:
@@ -243,7 +242,7 @@ def patch(facts: Facts, fe: Sampled | None, path: Path) -> None:
             axes.contour(
                 x, y, exact[..., i], levels, colors="black", linewidths=0.7, linestyles="solid"
             )
-            axes.plot(*closed_ellipse(c).T, "--", color="black", lw=1.4)
+            axes.plot(*c.outline.T, "--", color="black", lw=1.4)
             axes.set(
                 xlabel="x, along the rail, mm", aspect="equal", xlim=(-5.6, 5.6), ylim=(-4.5, 4.5)
             )
@@ -274,7 +273,7 @@ def lines(facts: Facts, fe: Sampled | None, path: Path) -> None:
         half = t >= 0
         _four(middle, t[half], surface[half], 1)
         _four(middle, t[half], mistaken[half], 2)
-        _four(right, depth, _diagonal(axis_stress(c, facts.poisson, depth)), 1, True)
+        _four(right, depth, _diagonal(c.axis_stress(facts.poisson, depth)), 1, True)
         _four(right, depth, _diagonal(thesis_axis_stress(P0, A, facts.poisson, depth)), 2)
         if fe is not None:
             _four(middle, fe.radius, fe.along, 0)

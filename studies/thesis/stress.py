@@ -63,7 +63,7 @@ def formula(component: int, names: dict[str, int]) -> Rule:
         c, column = facts.circle, 2 * component
         depths = np.linspace(0, 3 * c.a, 31)
         printed = thesis_axis_stress(c.p0, c.a, facts.poisson, depths)[:, column]
-        exact = subsurface.axis_stress(c, facts.poisson, depths)[:, column]
+        exact = c.axis_stress(facts.poisson, depths)[:, column]
         off = float(np.abs(printed - exact).max()) / c.p0
         checks = [
             number(
@@ -98,14 +98,14 @@ def shear_plane(facts: Facts) -> Finding:
 
 def circle_difference(facts: Facts) -> float:
     """|s_x - s_y| over p0 at the centre of a circular patch of the bodies' mean curvature."""
-    s_x, s_y, _ = subsurface.axis_stress(facts.circle, facts.poisson, 0.0)[0]
+    s_x, s_y, _ = facts.circle.axis_stress(facts.poisson, 0.0)[0]
     return abs(float(s_x - s_y)) / facts.circle.p0
 
 
 def falls_with_depth(facts: Facts) -> bool:
     """Whether |s_z| falls all along the axis, down to five semi-axes."""
     depth = np.linspace(0, 5 * facts.ellipse.a, 101)
-    s_z = subsurface.axis_stress(facts.ellipse, facts.poisson, depth)[:, 2]
+    s_z = facts.ellipse.axis_stress(facts.poisson, depth)[:, 2]
     return bool(np.all(np.diff(np.abs(s_z)) < 0))
 
 
@@ -128,7 +128,7 @@ def highest_in_the_outer_layer(facts: Facts) -> Finding:
 def stress_with_depth(facts: Facts) -> Finding:
     """Fig 6.7: the formulas behind it over three semi-axes of depth."""
     depth = np.linspace(0, 3 * facts.ellipse.a, 61)
-    exact = subsurface.axis_stress(facts.ellipse, facts.poisson, depth)
+    exact = facts.ellipse.axis_stress(facts.poisson, depth)
     off = np.abs(thesis_axis_stress(P0, A, facts.poisson, depth) - exact).max(axis=0)
     checks = []
     for name, value in zip(("s_x", "s_y", "s_z"), off / facts.ellipse.p0, strict=True):
@@ -169,7 +169,7 @@ def least_shear(facts: Facts) -> Finding:
 
 def yields(facts: Facts, contact: Ellipse, key: str) -> ClaimCheck:
     """The largest von Mises stress of a contact against the yield stress of R260."""
-    value = subsurface.axis_extrema(contact, facts.poisson).von_mises_max
+    value = contact.axis_extrema(facts.poisson).von_mises_max
     what = f"largest von Mises stress at {contact.load / 1000:.4g} kN"
     limit, ours = f"< {YIELD[1]:g}", facts.fe.get(key)
     return statement(what, limit, value, value < YIELD[1], "MPa", ours)

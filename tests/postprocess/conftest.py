@@ -21,12 +21,11 @@ from railhead.postprocess.findings import (
     Patch,
     Surface,
 )
-from railhead.postprocess.pictures.plots.diagrams import closed_ellipse
 from railhead.solver import compat
 from railhead.solver.fields import ContactFields, Fields
 from railhead.theory.elastic.halfspace import hertz_displacement
 from railhead.theory.elastic.hertz import Ellipse, contact_modulus, point_contact
-from railhead.theory.elastic.subsurface import axis_stress, stress
+from railhead.theory.elastic.subsurface import stress
 
 YOUNG, POISSON = 207000.0, 0.3
 
@@ -132,7 +131,7 @@ def _findings(ellipse: Ellipse, cut: bool, size: Array) -> Findings:
         displacement=0 * points,
     )
     a, b = ellipse.a, ellipse.b
-    outline = [closed_ellipse(ellipse)]
+    outline = [ellipse.outline]
     patch = Patch(
         a=a,
         b=b,
@@ -143,7 +142,7 @@ def _findings(ellipse: Ellipse, cut: bool, size: Array) -> Findings:
         outlines=outline,
     )
     depth = np.linspace(0, 3 * min(a, b), 61)
-    normal = axis_stress(ellipse, POISSON, depth)
+    normal = ellipse.axis_stress(POISSON, depth)
     below = np.hstack((normal, np.zeros_like(normal)))
     x, s = a * np.linspace(-1.25, 1.25, 61), b * np.linspace(-1.25, 1.25, 61)
     centre = 0.0, 0.0, 0.0

@@ -14,7 +14,6 @@ from vtkmodules.vtkCommonCore import vtkDataArray
 
 from railhead.postprocess import symmetry, vtu
 from railhead.solver.solution import FrictionSolution, PlasticStrain
-from railhead.theory.elastic.subsurface import axis_stress
 
 UNITS_LABEL = vtkDataArray.UNITS_LABEL()
 KINDS = [("tetrahedron", 1), ("tetrahedron", 2), ("hexahedron", 1), ("hexahedron", 2)]
@@ -51,7 +50,7 @@ def test_tensor_rows_and_invariants(blocks: Callable[..., Any]) -> None:
     principal = data["principal_stresses"]
     assert np.all(np.diff(principal, axis=1) <= 0)
     on_axis = (case.fields.points[:, :2] == 0).all(axis=1) & (case.fields.points[:, 2] <= 0)
-    exact = axis_stress(case.ellipse, 0.3, -case.fields.points[on_axis, 2])
+    exact = case.ellipse.axis_stress(0.3, -case.fields.points[on_axis, 2])
     expected = np.sort(exact, axis=1)[:, ::-1]
     assert principal[on_axis] == pytest.approx(expected, abs=1e-9 * case.ellipse.p0)
     for k in range(3):

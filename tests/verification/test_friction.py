@@ -196,12 +196,10 @@ def test_unloaded_half_spaces_are_pulled_by_nothing(
 
 def test_a_shift_is_taken_in_steps_where_bodies_grow_or_yield() -> None:
     unlike = roller(friction={"force_along": 1e3, "cycle": True}, wheel={"young_modulus": 1e5})
-    legs = model_setup.friction_steps(unlike, line=True, yields=False)
+    legs = model_setup.friction_steps(unlike, 2, yields=False)
     assert [load for load, _ in legs[:8]] == [(step / 8) ** 2 for step in range(1, 9)]
     assert legs[8:] == ((1, 1), (1, -1), (1, 1))
-    shares = model_setup.friction_steps(
-        roller(friction={"force_along": 1e3}), line=True, yields=True
-    )
+    shares = model_setup.friction_steps(roller(friction={"force_along": 1e3}), 2, yields=True)
     assert shares == ((1, 0.25), (1, 0.5), (1, 0.75), (1, 1))
 
 

@@ -16,8 +16,11 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import quad
 from scipy.special import elliprd, elliprf
 
-from railhead.theory.elastic.hertz import Ellipse
-from railhead.theory.elastic.subsurface import contact_potential, half_space_points
+from railhead.theory.elastic.subsurface import (
+    EllipsoidalPressure,
+    contact_potential,
+    half_space_points,
+)
 
 Array = NDArray[np.float64]
 
@@ -75,7 +78,9 @@ def _from_origin(points: ArrayLike) -> tuple[Array, Array]:
     return xyz, rho
 
 
-def hertz_displacement(contact: Ellipse, points: ArrayLike, young: float, poisson: float) -> Array:
+def hertz_displacement(
+    contact: EllipsoidalPressure, points: ArrayLike, young: float, poisson: float
+) -> Array:
     """Displacement (n, 3), mm, components x, y, z (z up), at points (n, 3), z <= 0, under the Hertz
     pressure of an ellipse. young: MPa.
 

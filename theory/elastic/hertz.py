@@ -8,37 +8,63 @@ digits near the circle and need no case distinction between a > b and a < b.
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 from scipy.special import elliprd, elliprf
 
+from railhead.theory.elastic import halfspace
+from railhead.theory.elastic.subsurface import EllipsoidalPressure, on_axis
+
+Array = NDArray[np.float64]
+
 
 @dataclass(frozen=True, kw_only=True)
-class Ellipse:
-    """Hertz point contact of two elastic bodies.
+class Ellipse(EllipsoidalPressure):
+    """Hertz point contact of two elastic bodies: their pressure, and the following.
 
-    a: semi-axis along x, along the rail, mm.
-    b: semi-axis along y, across the rail, mm.
-    p0: largest pressure, MPa.
     approach: approach of distant points of the bodies, mm.
     load: normal force, N.
     contact_modulus: E*, MPa; 1/E* is the sum of (1 - nu^2)/E of both bodies.
     curvature_x: relative curvature along x, 1/mm.
     curvature_y: relative curvature along y, 1/mm.
+    middle_over_mean: mean pressure on the longest line of the patch along the rail over that of the
+        patch.
     """
 
-    a: float
-    b: float
-    p0: float
+    middle_over_mean: ClassVar[float] = 3 * math.pi / 8
+
     approach: float
     load: float
     contact_modulus: float
     curvature_x: float
     curvature_y: float
 
-    def gap(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    @property
+    def half_lengths(self) -> tuple[float, float]:
+        """Semi-axes (a, b), mm: half lengths along and across the rail that a mesh must resolve."""
+        return self.a, self.b
+
+    @property
+    def largest_curvature(self) -> float:
+        """Largest relative curvature of the gap between the bodies, 1/mm."""
+        return max(self.curvature_x, self.curvature_y)
+
+    @property
+    def outline(self) -> Array:
+        """(181, 2) points (x, y) of the closed outline of the patch, mm."""
+        angle = np.linspace(0, 2 * np.pi, 181)
+        return np.column_stack((self.a * np.cos(angle), self.b * np.sin(angle)))
+
+    def displacement(self, points: Array, young: float, poisson: float) -> Array:
+        """Displacement (n, 3), mm, components x, y, z (z up), of the half-space z <= 0 under the
+        pressure, at points (n, 3), mm, from the centre of the patch; zero at infinity. young: MPa.
+        """
+        return halfspace.hertz_displacement(self, points, young, poisson)
+
+    def gap(self, x: Array, y: Array) -> Array:
         """Gap of the undeformed surfaces, mm, at x along and y across the rail from the first
         contact (mm, broadcast against each other).
         """
@@ -54,7 +80,7 @@ class Ellipse:
         """Mean pressure load / area in MPa, two thirds of the peak."""
         return self.load / self.area
 
-    def pressure(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+    def pressure(self, x: ArrayLike, y: ArrayLike) -> Array:
         """Contact pressure p0 sqrt(1 - (x/a)^2 - (y/b)^2), MPa, zero outside; x, y in mm from the
         centre, broadcast.
         """
@@ -85,7 +111,21 @@ class Strip:
         """Mean pressure load_per_length / 2b in MPa."""
         return self.load_per_length / (2 * self.b)
 
-    def pressure(self, y: ArrayLike) -> NDArray[np.float64]:
+    def axis_stress(self, poisson: float, depth: ArrayLike) -> Array:
+        """Normal stresses s_x, s_y, s_z (n, 3), MPa, at depths (n,), mm, below the middle of the
+        strip, here along x, in plane strain.
+
+        With b the half width, z the depth and R = sqrt(b^2 + z^2): s_y = -p0 b^3/(R (R + z)^2), s_z
+        = -p0 b/R, s_x = nu (s_y + s_z) (Johnson, Contact Mechanics, 4.46, multiplied out against
+        cancellation). ValueError: a negative depth.
+        """
+        z = -on_axis(depth)[:, 2]
+        R = np.hypot(self.b, z)
+        s_y = -self.p0 * self.b**3 / (R * (R + z) ** 2)
+        s_z = -self.p0 * self.b / R
+        return np.column_stack((poisson * (s_y + s_z), s_y, s_z))
+
+    def pressure(self, y: ArrayLike) -> Array:
         """Contact pressure p0 sqrt(1 - (y/b)^2), MPa, zero outside; y in mm."""
         return np.asarray(self.p0 * np.sqrt(np.maximum(1 - (np.asarray(y) / self.b) ** 2, 0)))
 

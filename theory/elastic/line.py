@@ -10,13 +10,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from railhead.theory.elastic.hertz import Strip, contact_modulus, line_contact
-from railhead.theory.elastic.subsurface import AxisExtrema, extrema, line_axis_stress
+from railhead.theory.elastic.hertz import Ellipse, Strip, contact_modulus, line_contact
+from railhead.theory.elastic.subsurface import AxisExtrema, extrema
 
 Array = NDArray[np.float64]
 
@@ -32,7 +33,11 @@ class LineContact:
     datum: depth of the points between which the approach is measured, mm, in each body.
     approach: approach of those points, mm, which depends on the datum. Points at infinity have no
         finite approach in plane strain.
+    middle_over_mean: mean pressure on the longest line of the patch along the rail over that of the
+        patch.
     """
+
+    middle_over_mean: ClassVar[float] = 1.0
 
     strip: Strip
     length: float
@@ -54,6 +59,23 @@ class LineContact:
     def b(self) -> float:
         """Half extent across the rail, mm."""
         return self.half_width if self.across else self.length / 2
+
+    @property
+    def half_lengths(self) -> tuple[float, float]:
+        """Half lengths along and across the rail that a mesh must resolve, mm: the half width
+        twice, never half the length.
+        """
+        return self.half_width, self.half_width
+
+    @property
+    def largest_curvature(self) -> float:
+        """Relative curvature of the gap between the bodies, 1/mm."""
+        return self.strip.curvature
+
+    @property
+    def outline(self) -> Array:
+        """(5, 2) corners (x, y) of the closed outline of the patch, mm."""
+        return np.array([[1, 1], [-1, 1], [-1, -1], [1, -1], [1, 1]]) * (self.a, self.b)
 
     @property
     def p0(self) -> float:
@@ -87,6 +109,41 @@ class LineContact:
         across, along = (y, x) if self.across else (x, y)
         inside = np.abs(np.asarray(along)) <= self.length / 2
         return np.asarray(self.strip.pressure(across) * inside)
+
+    def axis_stress(self, poisson: float, depth: ArrayLike) -> Array:
+        """Normal stresses along x (along the rail), y (across) and z, (n, 3), MPa, tension
+        positive, at depths (n,), mm, below the middle of the strip. ValueError: a negative depth.
+        """
+        found = self.strip.axis_stress(poisson, depth)
+        return found if self.across else found[:, [1, 0, 2]]
+
+    def axis_extrema(self, poisson: float) -> AxisExtrema:
+        """Largest shear and largest von Mises stress below the middle of the strip, MPa, with their
+        depths, mm. For nu = 0.3 the shear stress is 0.300 p0 at 0.786 half widths.
+        """
+
+        def stress_at(depth: ArrayLike) -> Array:
+            """Stress (n, 6) on the axis at depths (n,), mm; the shears are zero."""
+            normal = self.axis_stress(poisson, depth)
+            return np.hstack([normal, np.zeros_like(normal)])
+
+        return extrema(stress_at, self.half_width)
+
+    def displacement(self, points: Array, young: float, poisson: float) -> Array:
+        """Displacement (n, 3), mm, components x along the rail, y across, z up, of a half-plane
+        under the pressure, at points (n, 3), z <= 0, mm, from the middle of the strip. young: MPa.
+        Zero below the middle at the depth of the datum; nothing depends on the place along the
+        line.
+        """
+        side = int(self.across)
+        flat = displacement(self.strip, points[:, side], -points[:, 2], young, poisson, self.datum)
+        moved = np.zeros_like(points)
+        moved[:, side], moved[:, 2] = flat[:, 0], -flat[:, 1]
+        return moved
+
+
+Hertz = Ellipse | LineContact
+"""Hertz's point contact or line contact, with the same attributes."""
 
 
 def contact(
@@ -159,47 +216,12 @@ def displacement(
     return np.column_stack([u[:-1], down[:-1] - down[-1]])
 
 
-def hertz_displacement(contact: LineContact, points: Array, young: float, poisson: float) -> Array:
-    """Displacement (n, 3), mm, components x along the rail, y across, z up, of a half-plane under a
-    line contact, at points (n, 3), z <= 0, mm, from the middle of the strip. young: MPa. Zero below
-    the middle at the depth of the datum; nothing depends on the place along the line.
-    """
-    side = 1 if contact.across else 0
-    flat = displacement(
-        contact.strip, points[:, side], -points[:, 2], young, poisson, contact.datum
-    )
-    moved = np.zeros_like(points)
-    moved[:, side], moved[:, 2] = flat[:, 0], -flat[:, 1]
-    return moved
-
-
 def _coordinates(strip: Strip, t: Array, depth: Array) -> tuple[NDArray, NDArray]:
     """zeta = t + i depth and the root sqrt(zeta^2 - b^2) that tends to zeta far away; b is the half
     width of the strip. Arrays of complex numbers.
     """
     zeta = t + 1j * (np.maximum(depth, 0.0) + 0.0)
     return zeta, np.sqrt(zeta - strip.b) * np.sqrt(zeta + strip.b)
-
-
-def axis_stress(line: LineContact, poisson: float, depth: ArrayLike) -> Array:
-    """Normal stresses along x (along the rail), y (across) and z, (n, 3), MPa, tension positive, at
-    depths (n,), mm, below the middle of the strip. ValueError: a negative depth.
-    """
-    found = line_axis_stress(line.strip, poisson, depth)
-    return found if line.across else found[:, [1, 0, 2]]
-
-
-def axis_extrema(line: LineContact, poisson: float) -> AxisExtrema:
-    """Largest shear and largest von Mises stress below the middle of the strip, MPa, with their
-    depths, mm. For nu = 0.3 the shear stress is 0.300 p0 at 0.786 half widths.
-    """
-
-    def stress_at(depth: ArrayLike) -> Array:
-        """Stress (n, 6) on the axis at depths (n,), mm; the shears are zero."""
-        normal = axis_stress(line, poisson, depth)
-        return np.hstack([normal, np.zeros_like(normal)])
-
-    return extrema(stress_at, line.half_width)
 
 
 def cylinder_approach(strip: Strip, radius: float, young: float, poisson: float) -> float:

@@ -26,8 +26,6 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize_scalar
 from scipy.special import elliprd, elliprf
 
-from railhead.theory.elastic.hertz import Ellipse, Strip
-
 Array = NDArray[np.float64]
 
 
@@ -47,7 +45,42 @@ class AxisExtrema:
     von_mises_max_depth: float
 
 
-def stress(contact: Ellipse, poisson: float, points: ArrayLike) -> Array:
+@dataclass(frozen=True, kw_only=True)
+class EllipsoidalPressure:
+    """Pressure p0 sqrt(1 - (x/a)^2 - (y/b)^2) on an ellipse, with x along and y across the rail.
+
+    a: semi-axis along x, along the rail, mm.
+    b: semi-axis along y, across the rail, mm.
+    p0: largest pressure, MPa.
+    """
+
+    a: float
+    b: float
+    p0: float
+
+    def axis_stress(self, poisson: float, depth: ArrayLike) -> Array:
+        """Normal stresses s_x, s_y, s_z (n, 3), MPa, on the z axis below the centre of the patch at
+        depths (n,) >= 0, mm. They are principal stresses.
+
+        On the axis the stress reduces to Thomas and Hoersch (Univ. Illinois Bull. 212, 1930).
+        ValueError: a negative depth.
+        """
+        return stress(self, poisson, on_axis(depth))[:, :3]
+
+    def axis_extrema(self, poisson: float) -> AxisExtrema:
+        """Largest shear and largest von Mises stress on the z axis below the patch, MPa, with their
+        depths, mm.
+
+        Slender patches have one maximum below and another near or at the surface, which is larger
+        when Poisson's ratio is small. The axis is sampled first, then the best sample is refined by
+        bounded optimisation, to about 1e-8 of the depth. A maximum at the surface itself is met to
+        1e-6.
+        """
+        smaller = min(self.a, self.b)
+        return extrema(lambda depth: stress(self, poisson, on_axis(depth)), smaller)
+
+
+def stress(contact: EllipsoidalPressure, poisson: float, points: ArrayLike) -> Array:
     """Stress (n, 6), columns xx, yy, zz, xy, xz, yz, MPa, of a half-space under Hertz pressure at
     points (n, 3), z <= 0, mm, below, beside or on the patch, from its centre; z is the height.
 
@@ -86,28 +119,6 @@ def love(
     return np.asarray(np.column_stack(columns) / (2 * np.pi))
 
 
-def axis_stress(contact: Ellipse, poisson: float, depth: ArrayLike) -> Array:
-    """Normal stresses s_x, s_y, s_z (n, 3), MPa, on the z axis below the centre of the patch at
-    depths (n,) >= 0, mm. They are principal stresses.
-
-    On the axis the stress reduces to Thomas and Hoersch (Univ. Illinois Bull. 212, 1930).
-    ValueError: a negative depth.
-    """
-    return stress(contact, poisson, _on_axis(depth))[:, :3]
-
-
-def axis_extrema(contact: Ellipse, poisson: float) -> AxisExtrema:
-    """Largest shear and largest von Mises stress on the z axis below the patch, MPa, with their
-    depths, mm.
-
-    Slender patches have one maximum below and another near or at the surface, which is larger when
-    Poisson's ratio is small. The axis is sampled first, then the best sample is refined by bounded
-    optimisation, to about 1e-8 of the depth. A maximum at the surface itself is met to 1e-6.
-    """
-    smaller = min(contact.a, contact.b)
-    return extrema(lambda depth: stress(contact, poisson, _on_axis(depth)), smaller)
-
-
 def extrema(stress_at: Callable[[ArrayLike], Array], half_width: float) -> AxisExtrema:
     """Largest shear and largest von Mises stress on the normal below the centre of a patch, MPa,
     with their depths, mm, down to twice the smaller half width (mm) of the patch.
@@ -130,21 +141,6 @@ def extrema(stress_at: Callable[[ArrayLike], Array], half_width: float) -> AxisE
         return -float(best.fun), float(best.x)
 
     return AxisExtrema(*highest(max_shear), *highest(von_mises))
-
-
-def line_axis_stress(strip: Strip, poisson: float, depth: ArrayLike) -> Array:
-    """Normal stresses s_x, s_y, s_z (n, 3), MPa, at depths (n,), mm, below the middle of a strip
-    along x, in plane strain.
-
-    With b the half width, z the depth and R = sqrt(b^2 + z^2): s_y = -p0 b^3/(R (R + z)^2), s_z =
-    -p0 b/R, s_x = nu (s_y + s_z) (Johnson, Contact Mechanics, 4.46, multiplied out against
-    cancellation). ValueError: a negative depth.
-    """
-    z = -_on_axis(depth)[:, 2]
-    R = np.hypot(strip.b, z)
-    s_y = -strip.p0 * strip.b**3 / (R * (R + z) ** 2)
-    s_z = -strip.p0 * strip.b / R
-    return np.column_stack((poisson * (s_y + s_z), s_y, s_z))
 
 
 def _tensors(s: Array) -> Array:
@@ -182,7 +178,7 @@ def von_mises(s: Array) -> Array:
     return np.asarray(np.sqrt(normal / 2 + 3 * (xy**2 + xz**2 + yz**2)))
 
 
-def contact_potential(contact: Ellipse, points: ArrayLike) -> EllipsoidPotential:
+def contact_potential(contact: EllipsoidalPressure, points: ArrayLike) -> EllipsoidPotential:
     """Potentials of the Hertz pressure of an ellipse at points (n, 3), z <= 0, mm. A z above 0 by
     up to 1e-9 of the smaller semi-axis counts as 0. ValueError: a point above the surface, or
     another shape.
@@ -201,7 +197,7 @@ def half_space_points(points: ArrayLike, highest: float = 0.0) -> Array:
     return xyz
 
 
-def _on_axis(depth: ArrayLike) -> Array:
+def on_axis(depth: ArrayLike) -> Array:
     """Points (n, 3) on the z axis at depths (n,) >= 0, mm. ValueError: a negative depth."""
     depths = np.atleast_1d(np.asarray(depth, dtype=float))
     if np.any(depths < 0):

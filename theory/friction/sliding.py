@@ -14,9 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from railhead.theory.elastic.contacts import Hertz, half_lengths
 from railhead.theory.elastic.hertz import Ellipse
-from railhead.theory.elastic.line import LineContact
+from railhead.theory.elastic.line import Hertz, LineContact
 from railhead.theory.elastic.subsurface import half_space_points, von_mises
 
 Array = NDArray[np.float64]
@@ -79,7 +78,7 @@ def peak_below_surface(contact: Hertz, friction: float, poisson: float) -> PeakS
     """Largest von Mises stress, to 1e-4, in the plane along x through the middle of the patch,
     between depths of 0.1 and 1.5 times the smaller half length; of a line contact its half width.
     """
-    depth = min(half_lengths(contact))
+    depth = min(contact.half_lengths)
     return _highest(contact, friction, poisson, (0.1 * depth, 1.5 * depth))
 
 
@@ -96,7 +95,7 @@ def _highest(
     """Largest von Mises stress in the plane y = 0 between two depths (mm), on grids that shrink
     around the highest point of the grid before.
     """
-    a, _ = half_lengths(contact)
+    a, _ = contact.half_lengths
     low, high = np.array([-1.2 * a, depths[0]]), np.array([1.2 * a, depths[1]])
     lowest, highest = low, high
     for _ in range(ZOOMS):

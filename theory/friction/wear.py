@@ -16,7 +16,6 @@ REGIMES = ("mild", "severe", "catastrophic")
 CONDUCTIVITY = 50.0  # W/(m K)
 DENSITY = 7850.0  # kg/m3
 SPECIFIC_HEAT = 450.0  # J/(kg K)
-MIDDLE = 3 * math.pi / 8  # of an ellipse: mean flux on its longest line over that of the patch
 
 
 def regime(value: float, limits: tuple[float, float]) -> str:
@@ -28,7 +27,7 @@ def regime(value: float, limits: tuple[float, float]) -> str:
 
 
 def flash_temperature(
-    dissipated: float, area: float, half_length: float, speed: float, *, line: bool
+    dissipated: float, area: float, half_length: float, speed: float, middle_over_mean: float
 ) -> float:
     """Largest rise of the surface temperature, K: 1.13 (q/2) sqrt(2 a/v)/sqrt(k rho c), q the mean
     heat flux on the longest line of the patch along the rail, k rho c the thermal constants of
@@ -38,9 +37,9 @@ def flash_temperature(
     area: of the patch, mm2.
     half_length: a, half length of the patch along the rail, mm.
     speed: v, m/s.
-    line: whether the contact is a line contact; else an ellipse.
+    middle_over_mean: mean pressure on that line over that of the patch, as of `Ellipse`.
     The heat is distributed as the pressure; half of it flows into each body.
     """
-    flux = dissipated * speed / (1e-6 * area) * (1.0 if line else MIDDLE)
+    flux = dissipated * speed / (1e-6 * area) * middle_over_mean
     effusivity = math.sqrt(CONDUCTIVITY * DENSITY * SPECIFIC_HEAT)
     return 1.13 * flux / 2 * math.sqrt(2e-3 * half_length / speed) / effusivity

@@ -28,9 +28,8 @@ from railhead.postprocess.findings import (
     Units,
     brief,
 )
-from railhead.theory.elastic import contacts
-from railhead.theory.elastic.contacts import Hertz
 from railhead.theory.elastic.hertz import Ellipse
+from railhead.theory.elastic.line import Hertz
 from railhead.theory.elastic.subsurface import max_shear, principal
 
 if TYPE_CHECKING:
@@ -220,12 +219,6 @@ def draw_one(drawings: Mapping[str, Drawing], picture: str, ax: object = None) -
     return found
 
 
-def closed_ellipse(ellipse: Ellipse) -> Array:
-    """(181, 2) points (x, s) of the closed outline of the exact patch, mm."""
-    angle = np.linspace(0, 2 * np.pi, 181)
-    return np.column_stack((ellipse.a * np.cos(angle), ellipse.b * np.sin(angle)))
-
-
 def pressure(findings: Findings, ellipse: Hertz | None, target: Target = None) -> Figure:
     """Contact pressure (MPa) along x and along s (mm), on the lines `Findings.along` and `across`
     through the most loaded patch.
@@ -233,9 +226,9 @@ def pressure(findings: Findings, ellipse: Hertz | None, target: Target = None) -
     ellipse: exact Hertz contact, drawn beside the result, or None. Of a meridian section there is
         one panel, over the radius.
     """
-    revolved = findings.subject.revolved  # along and across are the same
-    with new_figure(target, 7 if revolved else 10, 5.1, findings) as figure:
-        left, *others = figure.subplots(1, 1 if revolved else 2, sharey=True, squeeze=False)[0]
+    count = 1 if findings.subject.revolved else 2  # along and across are the same
+    with new_figure(target, 4 + 3 * count, 5.1, findings) as figure:
+        left, *others = figure.subplots(1, count, sharey=True, squeeze=False)[0]
         method, units = findings.subject.method, findings.subject.units
         largest, cut = findings.patch.max_pressure, float(findings.along.pressure.max())
         if len(findings.patch.each) > 1 and cut < SEEN * largest:
@@ -248,9 +241,8 @@ def pressure(findings: Findings, ellipse: Hertz | None, target: Target = None) -
             _pressure(right, findings, ellipse, 1, name)
         left.set_ylabel("contact pressure, MPa")
         left.set_ylim(bottom=0)
-        columns = 1 if revolved else 2
         handles = left.get_legend_handles_labels()
-        figure.legend(*handles, loc="outside upper center", ncols=columns)
+        figure.legend(*handles, loc="outside upper center", ncols=count)
     return figure
 
 
@@ -340,8 +332,8 @@ def depth(
             name = f"exact Hertz, {_kind(ellipse)}"
             name += ", no friction" if findings.subject.rubs else ""
             name += "" if _centred(findings) else ", below its own centre"
-            normal = contacts.axis_stress(ellipse, poisson, fine)
-            exact = contacts.axis_extrema(ellipse, poisson)
+            normal = ellipse.axis_stress(poisson, fine)
+            exact = ellipse.axis_extrema(poisson)
             peak = exact.tau_max_depth, exact.tau_max
             stress = np.hstack((normal, np.zeros_like(normal)))  # no shear
             _stresses(panels, fine, stress, "-", HERTZ, label(name, *peak), peak)
@@ -490,7 +482,7 @@ def patch(findings: Findings, ellipse: Ellipse | None, target: Target = None) ->
     from matplotlib.path import Path as Path2D
 
     surface, outlines = findings.surface, findings.patch.outlines
-    curves = outlines + ([] if ellipse is None else [closed_ellipse(ellipse)])
+    curves = outlines + ([] if ellipse is None else [ellipse.outline])
     low, high = np.min([c.min(0) for c in curves], 0), np.max([c.max(0) for c in curves], 0)
     margin = 0.12 * (high - low).max()
     width, height = high - low + 2 * margin
@@ -508,7 +500,7 @@ def patch(findings: Findings, ellipse: Ellipse | None, target: Target = None) ->
             name = findings.subject.method if number == 0 else None
             axes.plot(*line.T, color=FE, lw=2.2, label=name)
         if ellipse is not None:
-            axes.plot(*closed_ellipse(ellipse).T, "--", color="black", lw=1.2, label="exact Hertz")
+            axes.plot(*ellipse.outline.T, "--", color="black", lw=1.2, label="exact Hertz")
         axes.set(
             xlabel=findings.subject.label(0),
             ylabel=findings.subject.label(1),

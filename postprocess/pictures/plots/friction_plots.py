@@ -58,15 +58,15 @@ def draw_tractions(
     extent = np.ptp(local, axis=0)
     flat = extent.min() < 1e-9
     line = int(flat and extent[1] > extent[0])  # 0: along x, 1: along s
-    with new_figure(target, 7 if flat else 12, 5.4, findings) as figure:
-        panels = figure.subplots(1, 1 if flat else 2, squeeze=False)[0]
-        axes = panels[-1]
+    count = 1 if flat else 2
+    with new_figure(target, 2 + 5 * count, 5.4, findings) as figure:
+        *maps, axes = figure.subplots(1, count, squeeze=False)[0]
         values: Array = np.column_stack([traction, coefficient * pressure, sticks])
         order = np.argsort(local[:, line])
         x, values = local[order, line], values[order]
-        if not flat:
-            _map(panels[0], local, traction, sticks, findings)
-            panels[0].set(xlabel=subject.label(0), ylabel=subject.label(1))
+        for left in maps:
+            _map(left, local, traction, sticks, findings)
+            left.set(xlabel=subject.label(0), ylabel=subject.label(1))
             (middle, s), ends = patch.centre, 1.5 * patch.a
             x = x[np.abs(x - middle) < ends]
             x = np.linspace(x[0], x[-1], CELLS)
@@ -90,7 +90,7 @@ def draw_tractions(
         if subject.names["rail"] != "rail":
             axes.set_ylabel("traction of the upper on the lower body, MPa")
         handles = axes.get_legend_handles_labels()
-        figure.legend(*handles, loc="outside upper right", ncols=2 if flat else 3)
+        figure.legend(*handles, loc="outside upper right", ncols=1 + count)
     return figure
 
 

@@ -20,7 +20,7 @@ from railhead.postprocess.pictures.plots.diagrams import (
     loaded,
     new_figure,
 )
-from railhead.theory.elastic.contacts import Hertz
+from railhead.theory.elastic.line import Hertz
 from railhead.theory.elastic.subsurface import von_mises
 
 if TYPE_CHECKING:
@@ -70,12 +70,11 @@ def read(pressed: Fields, residual: Fields, found: Findings, elastic: Findings) 
     pressed: fields under the load, with plastic strain. residual: fields after it. found: findings
         of the yielding bodies. elastic: findings of the same load without yield.
     """
-    from railhead.postprocess.patch.moments import coordinate
     from railhead.postprocess.stress.gauss_points import stress_at_gauss_points
 
     assert pressed.plastic_strain is not None
     frame, planes, every = found.frame, pressed.mirrors, np.arange(len(pressed.cells))
-    axis = 1 if pressed.kinematics.dim == 3 else coordinate(pressed)
+    axis = pressed.kinematics.varying[-1]
     places, _ = stress_at_gauss_points(pressed, every)
     _, left = stress_at_gauss_points(residual, every)
     local = symmetry.vectors(frame.local(places.reshape(-1, 3)), planes)

@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.postprocess.findings import Array, Findings, Frame, Patch
-from railhead.postprocess.pictures.plots.diagrams import FE, closed_ellipse, new_figure
+from railhead.postprocess.pictures.plots.diagrams import FE, new_figure
 from railhead.postprocess.pictures.views.camera import Camera, load_pyvista
 from railhead.postprocess.pictures.views.fringes import draw_fringes
 from railhead.theory.elastic.hertz import Ellipse
@@ -134,7 +134,7 @@ def patch_on_rail(
             name = findings.subject.method if number == 0 else None
             axes.plot(*camera.project(_on(surface, frame, line)).T, color=FE, lw=2.2, label=name)
         if ellipse is not None:
-            line = camera.project(_on(surface, frame, closed_ellipse(ellipse)))
+            line = camera.project(_on(surface, frame, ellipse.outline))
             axes.plot(*line.T, "--", color="black", lw=1.4, label="exact Hertz")
         _dimensions(axes, camera, findings)
         colours = ScalarMappable(Normalize(*shown), "YlOrRd")

@@ -41,8 +41,7 @@ def bodies(grid: meshio.Mesh, axis: int, findings: Findings, target: Target = No
             axes.set(aspect="equal", xlabel=findings.subject.label(axis))
             axes.grid(False)
         left.autoscale_view()
-        kind = "the meridian section" if findings.subject.revolved else "the section"
-        left.set(title=f"{kind} that is solved", ylabel="height over the contact, mm")
+        left.set(title="the section that is solved", ylabel="height over the contact, mm")
         for line in findings.patch.outlines:
             ends = [line[:, axis].min(), line[:, axis].max()]
             right.plot(ends, [0, 0], color=CONTACT, lw=3, gid="contact patch")

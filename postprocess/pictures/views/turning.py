@@ -13,7 +13,6 @@ import numpy as np
 
 from railhead.postprocess import vtu
 from railhead.postprocess.findings import Array, Findings
-from railhead.postprocess.patch.moments import coordinate
 from railhead.postprocess.pictures.views.camera import Camera, load_pyvista
 from railhead.postprocess.pictures.views.render import (
     EDGE,
@@ -63,16 +62,15 @@ def views(fields: Fields, findings: Findings, volume: meshio.Mesh) -> list[View]
     axis. findings: with the whole contact surface. volume: grid of the whole bodies, images
     included, as `vtu.volume_grid` makes it.
     """
+    low, high = findings.patch.main.min(axis=0), findings.patch.main.max(axis=0)
     if fields.kinematics.dim == 2:
         solids, hill = _swept_bodies(fields, findings, volume), _swept_hill(fields, findings)
-        towards = np.array([0.45, -1.0, 0.35] if coordinate(fields) == 0 else [1.0, 0.45, 0.35])
+        (axis,) = fields.kinematics.varying
+        towards = np.array(([0.45, -1.0, 0.35], [1.0, 0.45, 0.35])[axis])
+        low[1 - axis], high[1 - axis] = 0.0, 0.0  # the length of the contact is not looked at
     else:
         solids = [behind(part, findings) for part in bodies_of(volume).values()]
         hill, towards = _hill(fields, findings), np.array([1.0, 0.5, 0.35])
-    low, high = findings.patch.main.min(axis=0), findings.patch.main.max(axis=0)
-    if fields.kinematics.dim == 2 and not fields.kinematics.revolved:
-        other = 1 - coordinate(fields)
-        low[other], high[other] = -0.1, 0.1  # the length of the contact is not looked at
     reach = float((high - low).max())
     frame, centre = findings.frame, np.array([*(low + high) / 2, 0.0])
     focal = np.array(frame.origin) + centre @ frame.axes
@@ -164,7 +162,7 @@ def _along(fields: Fields, findings: Findings) -> Array:
     """Vector (3,) in space, mm, along which a plane section is extruded, away from the eye. Its
     length is the thickness, at most three half widths of the patch (LONGEST).
     """
-    patch, axis = findings.patch, coordinate(fields)
+    patch, axis = findings.patch, fields.kinematics.varying[0]
     length = min(fields.kinematics.thickness, LONGEST * (patch.a, patch.b)[axis])
     return np.asarray(length * (findings.frame.axes[1] if axis == 0 else -findings.frame.axes[0]))
 
@@ -174,7 +172,7 @@ def _swept_hill(fields: Fields, findings: Findings) -> tuple[Any, list[Any]]:
     contact line, or half a turn about the axis for a meridian section. Then an empty list: there is
     no surface around it.
     """
-    frame, axis = findings.frame, coordinate(fields)
+    frame, axis = findings.frame, fields.kinematics.varying[0]
     line = (findings.along, findings.across)[axis]
     raised = _raised(findings, line.pressure, 2 * (findings.patch.a, findings.patch.b)[axis])
     local = np.zeros((len(raised), 3))

@@ -12,7 +12,7 @@ from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.planning.effects import assumptions, interface, material, passes, shape
 from railhead.postprocess.findings import Findings
 from railhead.scene.scene import Scene, SceneError
-from railhead.theory.elastic.contacts import Hertz
+from railhead.theory.elastic.line import Hertz
 
 Weigh = Callable[[Context, Findings], PostSolveVerdict | None]
 """Evaluates an assumption on the findings of a solution; None where it does not apply."""

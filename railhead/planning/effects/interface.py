@@ -15,9 +15,8 @@ from railhead.postprocess.findings import Findings
 from railhead.scene import steels
 from railhead.scene.scene import Scene, SceneError
 from railhead.scene.sections import refuse_first
-from railhead.theory.elastic import contacts, hertz
+from railhead.theory.elastic import hertz
 from railhead.theory.elastic.hertz import Ellipse
-from railhead.theory.elastic.line import LineContact
 from railhead.theory.friction import kalker
 from railhead.theory.friction.rolling import Creepage
 from railhead.theory.friction.wear import flash_temperature
@@ -57,7 +56,7 @@ def decide_friction(context: Context) -> Effect:
         stands = f" as the wheelset stands, {wheelset.why}" if wheelset else ""
         called, why = True, f"the wheel rolls{stands}{_expected(context, limit)}; {OMITTED}"
     elif force:
-        stick = max(0.0, 1 - force / limit) ** (1 / 2 if context.contact.line else 1 / 3)
+        stick = max(0.0, 1 - force / limit) ** (1 / context.contact.load_power)
         why = (
             f"a tangential force of {force:g} N, {force / limit:.3g} of mu N: Cattaneo and Mindlin"
         )
@@ -99,7 +98,7 @@ def _beyond_half_spaces(context: Context) -> str:
         return "half-spaces do not follow unlike bodies that slip while the patch grows"
     if scene.friction.cycle:
         return "half-spaces do not follow a cycle of forces"
-    if contact.half_space and not contact.plane:
+    if contact.solid_half_space:
         return ""
     return "the shift of bodies that end, or of a line, depends on where they are held"
 
@@ -216,14 +215,13 @@ def decide_heat(context: Context) -> Effect:
     if rolling.force_along or rolling.force_across:
         return Effect(False, False, "the creepage of a given force is known afterwards", refused)
     moves = creepage(context)
-    a, b = contacts.half_lengths(hertz)
-    slip = math.hypot(moves.along, moves.across) + abs(moves.spin) * max(a, b)
+    slip = math.hypot(moves.along, moves.across) + abs(moves.spin) * max(hertz.half_lengths)
     most = flash_temperature(
         scene.friction.coefficient * hertz.load * slip,
         hertz.area,
-        a,
+        hertz.half_lengths[0],
         speed,
-        line=isinstance(hertz, LineContact),
+        hertz.middle_over_mean,
     )
     called = most >= HOT
     side = "above" if called else "below"
@@ -243,8 +241,8 @@ def check_heat(context: Context, effect: Effect, found: Findings) -> PostSolveVe
         return None
     if not _steel(context):
         return PostSolveVerdict(False, UNKNOWN)
-    patch, line = found.patch, isinstance(context.hertz, LineContact)
-    rise = flash_temperature(found.dissipated, patch.area, patch.a, speed, line=line)
+    patch, share = found.patch, context.hertz.middle_over_mean
+    rise = flash_temperature(found.dissipated, patch.area, patch.a, speed, share)
     hot = rise >= HOT
     text = f"flash temperature {rise:.3g} K, {'above' if hot else 'below'} {HOT:g} K"
     return PostSolveVerdict(hot, f"{text}: friction and yield stress fall with it" if hot else text)

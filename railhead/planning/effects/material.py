@@ -18,11 +18,11 @@ from railhead.theory.elastic import indentation
 from railhead.theory.friction import sliding
 
 SHARE = 0.1  # share of the accuracy: compliance of a body that is taken as rigid
-LARGEST_RATIO = 0.45  # Poisson's ratio above which ordinary cells begin to lock
-#: The same in a meridian section: there the largest of the rms errors of pressure, area and shear
+#: Poisson's ratio above which ordinary cells begin to lock, by whether they are those of a meridian
+#: section: there the largest of the rms errors of pressure, area and shear
 #: stress at default settings is 0.11 % without it and 0.14 % with it at 0.48, 0.18 and 0.15 % at
 #: 0.49, 2.1 and 0.16 % at 0.499 (13 meshes of 6 to 24 elements per radius, of them 10 to 14).
-LARGEST_REVOLVED = 0.49
+LARGEST_RATIO = {False: 0.45, True: 0.49}
 # Largest number of load steps after first yield. With one for each multiple of the load of first
 # yield the centre pressure of a sphere is within 1 % of many steps at up to 10 times that load, and
 # within 0.3 % at up to twice.
@@ -60,7 +60,7 @@ def decide_mean_dilatation(context: Context) -> Effect:
     scene = context.scene
     ratios = {name: part.poisson_ratio for name, part in context.deformable.items()}
     name, ratio = max(ratios.items(), key=lambda each: each[1], default=("no body", 0.0))
-    limit = LARGEST_REVOLVED if context.contact.revolved else LARGEST_RATIO
+    limit = LARGEST_RATIO[context.contact.revolved]
     above = ratio > limit
     why = f"Poisson's ratio {ratio:g} of the {name}, {'above' if above else 'below'} {limit}"
     if scene.mesh.cell == "hexahedron" or scene.mesh.linear:
@@ -95,7 +95,7 @@ def decide_plasticity(context: Context) -> Effect:
     if isinstance(context.elastic, str) and context.elastic:
         why += f"; exact Hertz's, as no other is known: {context.elastic}"
     if yields:
-        why += _expected(context, over ** (2 if context.contact.line else 3))
+        why += _expected(context, over**context.contact.load_power)
     rolled = scene.rolling.passes is not None and scene.effects.passes != "off"
     if stresses and rolled:
         why += f"; {IN_PASSES}" if yields else ""

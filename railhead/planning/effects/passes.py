@@ -80,7 +80,7 @@ def decide_passes(context: Context) -> Effect:
 def _refuse_bodies(context: Context, given: str) -> None:
     """Raise SceneError for bodies that passes do not know; given: the beginning of the text."""
     key, friction, wheel = "rolling.passes", context.scene.friction, context.scene.wheel
-    across = context.contact.plane == "yz" or context.contact.revolved
+    across = 0 not in context.contact.slips
     refuse_first(
         (
             "rail" not in context.deformable,
@@ -196,14 +196,12 @@ def _indicator(context: Context) -> tuple[float, float, str]:
     ratio, share = p0 / shear, traction(context)
     first = math.sqrt(3) * p0 / context.von_mises(poisson)
     if isinstance(hertz, LineContact):
-        limit = line_limit(context)
+        limit, beside = line_limit(context), f" at Q/P = {share:.2g}"
     else:
         limit = min(shakedown.ellipse_limit(hertz.a / hertz.b), 2 * first)
-    beside = f" at Q/P = {share:.2g}" if share else ""
-    if share and not isinstance(hertz, LineContact):
         beside = f" without tractions, and less with Q/P up to {share:.2g}"
     text = f"p0/k = {ratio:.3g} of the elastic pressure, first yield {first:.3g}, shakedown limit "
-    return ratio, limit, f"{text}{limit:.3g}{beside}"
+    return ratio, limit, f"{text}{limit:.3g}{beside if share else ''}"
 
 
 def line_limit(context: Context) -> float:

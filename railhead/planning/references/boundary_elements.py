@@ -19,7 +19,7 @@ from railhead.contact.solid import Contact
 from railhead.geometry.surfaces import along
 from railhead.theory.bem import boundary_element
 from railhead.theory.bem.boundary_element import BoundaryElementSolution, Window
-from railhead.theory.elastic.contacts import Hertz
+from railhead.theory.elastic.line import Hertz
 
 Array = NDArray[np.float64]
 SAMPLES = 4001  # points on each profile

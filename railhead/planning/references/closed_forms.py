@@ -9,9 +9,9 @@ import numpy as np
 from railhead.contact.solid import Contact
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.scene.scene import NOMINAL_RADIUS, Scene, SceneError
-from railhead.theory.elastic import contacts, hertz
-from railhead.theory.elastic.contacts import Hertz
+from railhead.theory.elastic import hertz
 from railhead.theory.elastic.hertz import Ellipse
+from railhead.theory.elastic.line import Hertz
 from railhead.theory.friction import tangential
 from railhead.theory.friction.tangential import MaterialPair
 
@@ -79,7 +79,7 @@ def hertz_if_valid(scene: Scene, contact: Contact) -> Hertz:
     except (ArithmeticError, ValueError):  # beyond the numbers there are
         text = f"{value:g} makes no patch with these radii and moduli; give values of real bodies"
         raise SceneError(key, text) from None
-    major, minor = max(contacts.half_lengths(found)), min(contacts.half_lengths(found))
+    major, minor = max(found.half_lengths), min(found.half_lengths)
     least, most = _smallest(scene, contact, found), min(scene.wheel.rolling_radius, LARGEST)
     if found.p0 > 0 and math.isfinite(found.load) and least <= minor and major < most:
         return found
@@ -92,7 +92,7 @@ def hertz_if_valid(scene: Scene, contact: Contact) -> Hertz:
     )
 
 
-def gap_is_quadratic(contact: Contact, ellipse: Ellipse) -> bool:
+def gap_is_quadratic(contact: Contact, ellipse: Hertz) -> bool:
     """Whether the exact gap over the ellipse is Hertz's parabola within 2 % (PARABOLIC) of the
     approach, and no other contact point is within reach of the approach. Raises ValueError for
     half-spaces.
@@ -126,4 +126,4 @@ def _smallest(scene: Scene, contact: Contact, found: Hertz) -> float:
         if math.isfinite(radius)
     ]
     rounding = ROUNDING * np.finfo(float).eps * max(radii, default=0.0)
-    return max(CONTINUUM, math.sqrt(rounding / contacts.curvature(found)))
+    return max(CONTINUUM, math.sqrt(rounding / found.largest_curvature))

@@ -18,7 +18,7 @@ from railhead.geometry import profiles
 from railhead.geometry.placement import PlacementError
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.theory.bem.boundary_element import BoundaryElementSolution
-from railhead.theory.elastic.contacts import Hertz
+from railhead.theory.elastic.line import Hertz
 
 MEASURED = json.loads(
     (Path(__file__).parents[1] / "data" / "twist.json").read_text(encoding="utf-8")

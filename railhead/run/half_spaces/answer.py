@@ -30,7 +30,7 @@ from railhead.run.mesh_solution import MeshSolution, read_friction
 from railhead.run.progress import Progress
 from railhead.run.quantities import numeric_values
 from railhead.theory.bem.boundary_element import BoundaryElementSolution
-from railhead.theory.elastic.contacts import Hertz
+from railhead.theory.elastic.line import Hertz
 from railhead.theory.friction.rolling import TangentialSolution
 
 if TYPE_CHECKING:
@@ -328,7 +328,7 @@ def _tractions(
     """
     scene, contact = plan.scene, plan.contact
     table = scene.rolling if scene.rolling.prescribed else scene.friction
-    few, many = tangential_contact.STRIP_CELLS if contact.line else tangential_contact.CELLS
+    few, many = tangential_contact.CELLS[contact.line]
 
     def on_grid(cells: int, start: Sequence[TangentialSolution] | None) -> PatchTractions:
         """Tractions on a grid of `cells` cells along each axis; start: from which the iterations

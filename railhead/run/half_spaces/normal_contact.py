@@ -25,9 +25,8 @@ from railhead.run.mesh_solution import MeshSolution
 from railhead.theory.bem import boundary_element
 from railhead.theory.bem.boundary_element import BoundaryElementSolution
 from railhead.theory.bem.grid_patch import Grid, PatchSolution
-from railhead.theory.elastic.contacts import Hertz
 from railhead.theory.elastic.hertz import Strip
-from railhead.theory.elastic.line import LineContact
+from railhead.theory.elastic.line import Hertz, LineContact
 from railhead.theory.friction.rolling import plane_modes
 
 Array = NDArray[np.float64]

@@ -41,9 +41,9 @@ class RollingContact:
     modulus: contact modulus E*, MPa.
     line: whether it is a line contact, in plane strain.
     keeps: whether the pressure stays as it is, however the passes move the surface.
-    traction: of the wheel on the rail, MPa; None: none. Of a line contact along x (nx,), else along
-        x and across (2, nx, ns).
+    traction: of the wheel on the rail along x and across (2, nx, ns), MPa; None: none.
     width: of a line contact, mm.
+    share: of the grid that the contact covers: width of a line contact over that of its grid.
     """
 
     grid: Grid
@@ -55,6 +55,7 @@ class RollingContact:
     keeps: bool
     traction: Array | None = None
     width: float = 1.0
+    share: float = 1.0
 
     def patch(self, moved: Array, guess: PatchSolution | None) -> PatchSolution:
         """Pressure where the rail's surface has moved up by `moved` (nx, ns), mm; guess: an earlier
@@ -69,8 +70,8 @@ class RollingContact:
         (found,) = equilibrium(
             [self.grid], [self.gap - moved], self.modulus, self.load, None, TOLERANCE, start
         )
-        edge = np.concatenate([found.pressure[[0, -1]].ravel(), found.pressure[:, [0, -1]].ravel()])
-        if (edge[: 2 * len(self.grid.s)] if self.line else edge).any():
+        ends, sides = found.pressure[[0, -1]], found.pressure[:, [0, -1]]
+        if ends.any() or (sides.any() and not self.line):
             raise ValueError(f"the patch of a pass grows beyond {ROOM:g} times the elastic one")
         return found
 
@@ -81,8 +82,7 @@ class RollingContact:
         pressed = patch.pressure > 0
         with np.errstate(invalid="ignore"):
             slope = np.gradient(self.gap, self.grid.x, axis=0)
-        force = self.grid.cell * float((patch.pressure * slope)[pressed].sum())
-        return force * self.width / float(np.ptp(self.grid.edges[1])) if self.line else force
+        return self.share * self.grid.cell * float((patch.pressure * slope)[pressed].sum())
 
 
 class Pressing:
@@ -106,6 +106,7 @@ class Pressing:
             across = across[across > -1e-9 * across[-1]] if rolling.block.half else across
             self._across = cell_means(surface.y, across)
         else:
+            self._across = np.ones((2, 1))
             points = rolling.places.reshape(-1, 3)
             poisson = rolling.block.material.poisson_ratio
             self._strips = Strips(along, points[:, 0], -points[:, 2], poisson)
@@ -123,13 +124,9 @@ class Pressing:
         if self._kept is not None:
             return self._kept
         contact = self._contact
-        up = surface.up + profile.up
-        if contact.line:
-            moved = np.repeat(self._along @ up, 2, axis=1)
-        else:
-            moved = self._along @ up @ self._across.T
-            if self._rolling.block.half:
-                moved = np.hstack([moved[:, ::-1], moved])
+        moved = self._along @ (surface.up + profile.up) @ self._across.T
+        if self._rolling.block.half:
+            moved = np.hstack([moved[:, ::-1], moved])
         self.patch = contact.patch(moved, self.patch)
         stress = self._exact_stress() if contact.line else self._block_stress()
         self._kept = stress if contact.keeps else None
@@ -137,19 +134,14 @@ class Pressing:
 
     def _work(self, surface: SurfaceMotion) -> float:
         """Work of the tractions q over the way, N: -int q . du/dx dA, as the rail flows to -x."""
-        contact, (x, _) = self._contact, self._contact.grid.edges
+        contact, total = self._contact, 0.0
         assert contact.traction is not None
-        rolled = self._rolling.block
-        if contact.line:
-            slope = np.gradient(self._along @ surface.moved[:, 0, 0], contact.grid.x)
-            return -contact.width * float((contact.traction * slope * np.diff(x)).sum())
-        total = 0.0
         for axis, traction in enumerate(contact.traction):
             moved = self._along @ surface.moved[..., axis] @ self._across.T
             total += float(
                 (self._meshed(traction) * np.gradient(moved, contact.grid.x, axis=0)).sum()
             )
-        return -total * contact.grid.cell * (2 if rolled.half else 1)
+        return -total * contact.share * contact.grid.cell * (2 if self._rolling.block.half else 1)
 
     def _meshed(self, values: Array) -> Array:
         """Those of the values (nx, ns) at the cells that lie over the block: the columns at s > 0
@@ -162,8 +154,9 @@ class Pressing:
         of the block, below the pressure and the tractions of a line contact.
         """
         assert self.patch is not None
-        places = self._rolling.places
-        found = self._strips.stress(self.patch.pressure[:, 0], self._contact.traction)
+        places, traction = self._rolling.places, self._contact.traction
+        along = None if traction is None else traction[0, :, 0]
+        found = self._strips.stress(self.patch.pressure[:, 0], along)
         mandel = found[:, [0, 2, 1, 3]] * [1.0, 1.0, 1.0, math.sqrt(2)]
         return np.asarray(mandel.reshape(*places.shape[:2], 4))
 
@@ -218,6 +211,7 @@ def line_contact(
         traction = slips * pressure
         if sticks:
             traction -= slips * circle(half_width * (1 - sticks), half_width * sticks, p0 * sticks)
+        traction = np.stack([np.column_stack([traction, traction]), np.zeros_like(gap)])
     return RollingContact(
         grid=grid,
         gap=gap,
@@ -228,6 +222,7 @@ def line_contact(
         keeps=keeps,
         traction=traction,
         width=width,
+        share=width / (LENGTH * half_width),
     )
 
 

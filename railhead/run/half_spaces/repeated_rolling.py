@@ -23,11 +23,12 @@ if TYPE_CHECKING:
     from railhead.solver.passes.rolling_block import RollingBlock
 
 Array = NDArray[np.float64]
-PER_LENGTH = {"line": 8.0, "solid": 4.0}  # elements on a half length
-GROWTH = {"line": 1.35, "solid": 1.6}  # of the elements beside the patch
-REACH = {"line": 50.0, "solid": 12.0}  # of the block over the half length of the patch
-DEEP, ASIDE = {"line": 3.4, "solid": 2.6}, 2.2  # plastic strain is followed, over half lengths
-INNER, BELOW = 1.5, {"line": 2.2, "solid": 1.4}  # where the elements are small
+# By whether the contact is a line:
+PER_LENGTH = {True: 8.0, False: 4.0}  # elements on a half length
+GROWTH = {True: 1.35, False: 1.6}  # of the elements beside the patch
+REACH = {True: 50.0, False: 12.0}  # of the block over the half length of the patch
+DEEP, ASIDE = {True: 3.4, False: 2.6}, 2.2  # plastic strain is followed, over half lengths
+INNER, BELOW = 1.5, {True: 2.2, False: 1.4}  # where the elements are small
 TOLD = 5e-4  # strain of the first pass from which its energy is compared
 SETTLED = 2e-3  # of the first plastic work: less is no longer compared with the resistance
 COARSER = 0.75  # size of the block by which errors are estimated: elements and reach, relative
@@ -55,13 +56,12 @@ def block(
     from railhead.solver.passes.block import Block, graded, mirrored
     from railhead.solver.passes.rolling_block import RollingBlock
 
-    kind = "line" if line else "solid"
-    count, growth = coarser * (per_length or PER_LENGTH[kind]), GROWTH[kind]
+    count, growth = coarser * (per_length or PER_LENGTH[line]), GROWTH[line]
     a, b = half_lengths
-    least, far = min(a, b), coarser * (reach or REACH[kind]) * max(a, b)
+    least, far = min(a, b), coarser * (reach or REACH[line]) * max(a, b)
     x = mirrored(graded(INNER * a, a / count, far, growth))
-    z = -graded(BELOW[kind] * least, least / count, far, growth)[::-1]
-    depth = DEEP[kind] * least
+    z = -graded(BELOW[line] * least, least / count, far, growth)[::-1]
+    depth = DEEP[line] * least
     if line:
         return RollingBlock(Block((x, z), material, depth=depth))
     y = graded(INNER * b, b / count, far, growth)

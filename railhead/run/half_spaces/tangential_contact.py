@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from railhead.solver.solution import FrictionSolution
 
 Array = NDArray[np.float64]
-CELLS, STRIP_CELLS = (32, 64), (128, 256)  # of boundary elements, coarse and fine
+CELLS = {False: (32, 64), True: (128, 256)}  # coarse and fine, by whether the contact is a line
 STRIP_KEYS = (
     "force_along_N",
     "stick_share",
@@ -97,7 +97,7 @@ def half_space_friction(
         coefficient=scene.friction.coefficient,
         pair=closed_forms.tangential_pair(scene),
         rolling=scene.rolling.prescribed,
-        half_space_shift=contact.half_space and not solved.plan.section,
+        half_space_shift=contact.solid_half_space,
     )
 
     def patches(cells: int) -> Sequence[PressedPatch]:
@@ -116,12 +116,16 @@ def half_space_friction(
     if isinstance(solved.ellipse, LineContact):
         return _strip(case, solved.ellipse, patches)
     out: NumbersByMethod = {
-        "boundary elements": or_reason(lambda: solve_by_boundary_elements(case, patches, CELLS))
+        "boundary elements": or_reason(
+            lambda: solve_by_boundary_elements(case, patches, CELLS[False])
+        )
     }
     if case.pair.like and case.rolling:
         name = "FASTSIM" if findings.hertzian else "FASTSIM (equal ellipses)"
         out[name] = or_reason(
-            lambda: fastsim(patches(CELLS[1]), found.friction_limit, case.pair, found.rigid_motion)
+            lambda: fastsim(
+                patches(CELLS[False][1]), found.friction_limit, case.pair, found.rigid_motion
+            )
         )
     elif case.pair.like and findings.hertzian:
         out["Cattaneo, Mindlin"] = _mindlin(case, solved.ellipse)
@@ -137,7 +141,7 @@ def _strip(case: FrictionCase, line: LineContact, patches: Patches) -> NumbersBy
     if not case.pair.like:
         if line.across:
             return {"boundary elements": {"reason": STRIP_ACROSS}}
-        numbers = or_reason(lambda: solve_by_boundary_elements(case, patches, STRIP_CELLS))
+        numbers = or_reason(lambda: solve_by_boundary_elements(case, patches, CELLS[True]))
         return {"boundary elements": {key: numbers[key] for key in STRIP_KEYS if key in numbers}}
     if not case.rolling:
         share = float(np.hypot(*found.force) / found.friction_limit)

@@ -13,7 +13,7 @@ from click.testing import CliRunner
 
 from railhead.cli import commands, study
 from railhead.results import result_folder
-from railhead.theory.elastic import hertz, subsurface
+from railhead.theory.elastic import hertz
 from studies import processes
 from studies.peers import blocks, codes, page
 from studies.peers import study as peers_study
@@ -75,7 +75,7 @@ def made_up(folder: Path, title: str, modules: str = "") -> ModuleType:
 
 
 def test_errors_are_against_hertz_at_the_force_that_a_run_carries() -> None:
-    shear = subsurface.axis_extrema(exact(24e3), 0.3).tau_max
+    shear = exact(24e3).axis_extrema(0.3).tau_max
     read = page.read(CASE, found(tau_max=1.02 * shear))
     for name in ("p_max", "p_fit", "a", "b", "area"):
         assert read[f"error_{name}"] == pytest.approx(0, abs=1e-9)

@@ -36,12 +36,12 @@ def test_surface_carries_the_pressure_and_nothing_else(contact) -> None:
 def test_stresses_on_the_axis_are_johnsons(contact) -> None:
     depth = contact.half_width * np.array([0.1, 0.786, 2.5])
     found = stress(contact, 0 * depth, depth)
-    exact = line.axis_stress(contact, POISSON, depth)
+    exact = contact.axis_stress(POISSON, depth)
     np.testing.assert_allclose(found[:, [0, 3, 1]], exact, rtol=1e-12)
     turned = line.contact(
         1 / RADIUS, (YOUNG, YOUNG), (POISSON, POISSON), length=70, across=True, load=110e3
     )
-    np.testing.assert_allclose(line.axis_stress(turned, POISSON, depth), exact[:, [1, 0, 2]])
+    np.testing.assert_allclose(turned.axis_stress(POISSON, depth), exact[:, [1, 0, 2]])
 
 
 @pytest.mark.parametrize("t, depth", [(0.3, 0.7), (1.9, 0.4), (-3.0, 2.0), (0.0, 5.0)])
@@ -95,7 +95,7 @@ def test_load_and_approach_belong_together(contact) -> None:
 
 
 def test_largest_shear_is_0300_p0_at_0786(contact) -> None:
-    extrema = line.axis_extrema(contact, POISSON)
+    extrema = contact.axis_extrema(POISSON)
     assert (
         extrema.tau_max / contact.p0,
         extrema.tau_max_depth / contact.half_width,

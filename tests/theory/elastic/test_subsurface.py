@@ -10,9 +10,6 @@ from finite_differences import Array, jacobian
 from railhead.theory.elastic.hertz import Ellipse, Strip, line_contact, point_contact
 from railhead.theory.elastic.subsurface import (
     EllipsoidPotential,
-    axis_extrema,
-    axis_stress,
-    line_axis_stress,
     max_shear,
     principal,
     stress,
@@ -37,7 +34,7 @@ def test_axis_table(reference: dict[str, Any], thesis_ellipse: Ellipse) -> None:
     rows = reference["axis_table"]
     depth = [row["z_mm"] for row in rows]
     expected = [[row["sigma_x"], row["sigma_y"], row["sigma_z"]] for row in rows]
-    s = axis_stress(thesis_ellipse, 0.3, depth)
+    s = thesis_ellipse.axis_stress(0.3, depth)
     np.testing.assert_allclose(s, expected, rtol=1e-11)
     full = np.column_stack((s, np.zeros_like(s)))
     np.testing.assert_allclose(max_shear(full), [row["tau_max"] for row in rows], rtol=1e-11)
@@ -55,7 +52,7 @@ def test_off_axis_points(reference: dict[str, Any], thesis_ellipse: Ellipse) -> 
 
 def test_axis_extrema(reference: dict[str, Any], thesis_ellipse: Ellipse) -> None:
     exact = reference["axis_extrema"]
-    found = axis_extrema(thesis_ellipse, 0.3)
+    found = thesis_ellipse.axis_extrema(0.3)
     assert (found.tau_max, found.von_mises_max) == pytest.approx(
         (exact["tau_max_MPa"], exact["von_mises_max_MPa"]), rel=1e-12
     )
@@ -67,7 +64,7 @@ def test_axis_extrema(reference: dict[str, Any], thesis_ellipse: Ellipse) -> Non
 def test_extrema_of_the_load_table(reference: dict[str, Any]) -> None:
     for row in reference["load_table"]:
         contact = point_contact(1 / 420, 1 / 300, reference["exact"]["E_star_MPa"], row["F_N"])
-        found = axis_extrema(contact, 0.3)
+        found = contact.axis_extrema(0.3)
         computed = (found.tau_max, found.tau_max_depth, found.von_mises_max)
         expected = [row[key] for key in ("tau_max_MPa", "tau_depth_mm", "vm_max_MPa")]
         np.testing.assert_allclose(computed, expected, rtol=1e-7)
@@ -79,7 +76,7 @@ def test_extrema_are_not_exceeded_on_a_fine_sample(curvature_ratio: float, poiss
     contact = contact_of(curvature_ratio)
     depth = np.concatenate(([0], np.geomspace(1e-5, 6, 3000))) * min(contact.a, contact.b)
     sample = stress(contact, poisson, np.outer(depth, (0, 0, -1)))
-    found = axis_extrema(contact, poisson)
+    found = contact.axis_extrema(poisson)
     assert found.tau_max >= max_shear(sample).max() * (1 - 2e-6)
     assert found.von_mises_max >= von_mises(sample).max() * (1 - 2e-6)
     assert found.tau_max_depth > 0
@@ -109,7 +106,7 @@ def test_depth_zero_is_the_surface_formula(curvature_ratio: float, poisson: floa
     a, b, free = contact.a, contact.b, 1 - 2 * poisson  # Johnson, Contact Mechanics, 4.32
     s_x, s_y = (2 * poisson + free * side / (a + b) for side in (b, a))
     expected = -contact.p0 * np.array([s_x, s_y, 1.0])
-    np.testing.assert_allclose(axis_stress(contact, poisson, 0.0)[0], expected, rtol=1e-12)
+    np.testing.assert_allclose(contact.axis_stress(poisson, 0.0)[0], expected, rtol=1e-12)
 
 
 @pytest.mark.parametrize("plane", ["xz", "yz"])
@@ -169,7 +166,7 @@ def test_circular_limit_on_the_axis() -> None:
     for ratio, tolerance in ((1.0, 1e-13), (1 + 1e-12, 1e-11), (1 - 1e-8, 1e-7)):
         contact = contact_of(ratio)
         expected = thesis_axis_stress(contact.p0, contact.a, 0.3, depth)
-        difference = np.abs(axis_stress(contact, 0.3, depth) - expected).max()
+        difference = np.abs(contact.axis_stress(0.3, depth) - expected).max()
         assert difference < tolerance * contact.p0
 
 
@@ -177,7 +174,7 @@ def test_line_limit_on_the_axis() -> None:
     contact = contact_of(1e-9)
     strip = line_contact(1e-3, 1.1e5, math.pi / 2 * contact.b * contact.p0)
     depth = np.linspace(0, 10, 41) * strip.b
-    difference = axis_stress(contact, 0.3, depth) - line_axis_stress(strip, 0.3, depth)
+    difference = contact.axis_stress(0.3, depth) - strip.axis_stress(0.3, depth)
     assert np.abs(difference).max() < 2 * contact.b / contact.a * contact.p0
 
 
@@ -187,7 +184,7 @@ def test_wrong_points_are_refused(thesis_ellipse: Ellipse) -> None:
     with pytest.raises(ValueError, match=r"must be \(n, 3\)"):
         stress(thesis_ellipse, 0.3, [0, 0, -1])
     with pytest.raises(ValueError, match="depth must not be negative"):
-        axis_stress(thesis_ellipse, 0.3, [1.0, -1.0])
+        thesis_ellipse.axis_stress(0.3, [1.0, -1.0])
     assert np.isfinite(stress(thesis_ellipse, 0.3, [[1, 1, 1e-12]])).all()
 
 
@@ -195,7 +192,7 @@ def test_strip_shear_peaks_at_the_root_of_the_golden_ratio() -> None:
     strip = Strip(b=2.0, p0=1000.0, load_per_length=1.0, contact_modulus=1.0, curvature=1.0)
     t2 = (math.sqrt(5) - 1) / 2
     depth = strip.b * math.sqrt(t2) * np.array([0.999, 1.0, 1.001])
-    s = line_axis_stress(strip, 0.3, depth)
+    s = strip.axis_stress(0.3, depth)
     tau = (s[:, 1] - s[:, 2]) / 2
     assert tau[1] > max(tau[0], tau[2])
     peak = math.sqrt(t2) - t2 / math.sqrt(1 + t2)
@@ -206,7 +203,7 @@ def test_strip_shear_peaks_at_the_root_of_the_golden_ratio() -> None:
 def test_strip_surface_is_hydrostatic_across_the_line() -> None:
     strip = line_contact(1e-3, 1.1e5, 1e3)
     expected = [[-0.6 * strip.p0, -strip.p0, -strip.p0]]
-    np.testing.assert_allclose(line_axis_stress(strip, 0.3, 0.0), expected, rtol=1e-15)
+    np.testing.assert_allclose(strip.axis_stress(0.3, 0.0), expected, rtol=1e-15)
 
 
 def test_invariants_of_simple_states() -> None:

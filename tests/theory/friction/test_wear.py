@@ -5,6 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from railhead.theory.elastic.hertz import Ellipse
+from railhead.theory.elastic.line import LineContact
 from railhead.theory.friction import wear
 
 A, B, FORCE, FRICTION, SLIP, SPEED = 5.88, 10.54, 1e5, 0.3, 1 / 30, 30.0  # mm, N, 1, 1, m/s
@@ -35,7 +37,7 @@ def along_the_middle(flux: np.ndarray, t: np.ndarray) -> float:
 def test_an_ellipse_that_slips_everywhere() -> None:
     """Ertz and Knothe's case: 166.8 K by CONTACT (examples/ertz_temperature.ref_out)."""
     area = math.pi * A * B
-    rise = wear.flash_temperature(FRICTION * FORCE * SLIP, area, A, SPEED, line=False)
+    rise = wear.flash_temperature(FRICTION * FORCE * SLIP, area, A, SPEED, Ellipse.middle_over_mean)
     assert rise == pytest.approx(166.8, rel=0.1)
     t = np.linspace(-1, 1, 2001)
     flux = FRICTION * 1.5 * FORCE / (1e-6 * area) * SLIP * SPEED * np.sqrt(1 - t**2)
@@ -44,6 +46,6 @@ def test_an_ellipse_that_slips_everywhere() -> None:
 
 def test_a_band_of_even_heat() -> None:
     length = 70.0
-    rise = wear.flash_temperature(1000.0, 2 * A * length, A, SPEED, line=True)
+    rise = wear.flash_temperature(1000.0, 2 * A * length, A, SPEED, LineContact.middle_over_mean)
     flux = np.full(3, 1000.0 * SPEED / (2e-6 * A * length))
     assert rise == pytest.approx(along_the_middle(flux, np.array([-1.0, 0.0, 1.0])), rel=0.003)

@@ -27,7 +27,7 @@ def count(path: Path, colour: str) -> int:
 
 def test_ellipse_is_closed_and_exact(blocks: Callable[..., Any]) -> None:
     ellipse = blocks().ellipse
-    line = diagrams.closed_ellipse(ellipse)
+    line = ellipse.outline
     assert line[0] == pytest.approx(line[-1], abs=1e-14)
     assert np.hypot(line[:, 0] / ellipse.a, line[:, 1] / ellipse.b) == pytest.approx(1.0, abs=1e-14)
 
