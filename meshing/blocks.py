@@ -9,7 +9,6 @@ from typing import Any
 
 import gmsh
 import numpy as np
-from numpy.typing import NDArray
 
 from railhead.meshing.bodies import (
     BODY_NAMES,
@@ -22,8 +21,8 @@ from railhead.meshing.bodies import (
     Options,
 )
 from railhead.meshing.grading import Grading
+from railhead.theory.array_types import Array
 
-Array = NDArray[np.float64]
 REPAIR_BELOW = 0.1  # quality of a curved tetrahedron that is straightened
 STRAIGHTENING_PASSES = 5
 EDGES = {  # of simplices, in gmsh's order of the middle nodes

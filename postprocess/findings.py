@@ -17,11 +17,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from railhead.theory.array_types import Array as Array
+from railhead.theory.array_types import Index as Index
 from railhead.theory.elastic.subsurface import max_shear, von_mises
 
-Array = NDArray[np.float64]
 Place = tuple[float, float, float]
 ROW, COLUMN = np.array([0, 1, 2, 0, 0, 1]), np.array([0, 1, 2, 1, 2, 2])  # of six components
 FLAT = 0.01  # relative
@@ -93,7 +93,7 @@ class Surface:
 
     points: Array
     local: Array
-    triangles: NDArray[np.int64]
+    triangles: Index
     pressure: Array
     gap: Array
     displacement: Array

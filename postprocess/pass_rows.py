@@ -7,16 +7,15 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railhead.postprocess.findings import COLUMN, ROW
+from railhead.theory.array_types import Array
 from railhead.theory.bem.grid_patch import PatchSolution
 
 if TYPE_CHECKING:
     from railhead.solver.material.hardening import Hardening
     from railhead.solver.passes.rolling_block import RollingBlock, RollingPass, SectionState
 
-Array = NDArray[np.float64]
 PASS_COLUMNS = {
     "strain_increment_max": ("strain", ""),
     "forward_mm": ("forward", "mm"),

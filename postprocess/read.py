@@ -4,8 +4,6 @@ quality: noise of the pressure, elements over the patch, distance from edges.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from scipy.spatial import cKDTree
 
@@ -15,9 +13,8 @@ from railhead.postprocess.patch import patch, section
 from railhead.postprocess.patch.separate_patches import separate_patches
 from railhead.postprocess.stress import body_stresses
 from railhead.solver.fields import Fields
+from railhead.solver.solution import FrictionSolution
 
-if TYPE_CHECKING:
-    from railhead.solver.solution import FrictionSolution
 BORDER_POINTS = 8  # on each edge of a facet
 FACET_SIDES = {
     "tetrahedron": [[0, 1], [1, 2], [2, 0]],

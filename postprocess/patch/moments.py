@@ -12,6 +12,9 @@ from railhead.postprocess.findings import Frame
 from railhead.solver.fields import Fields
 
 HERTZIAN = 0.02  # shape error below which the semi-axes are those of an ellipse
+HERTZ_MOMENTS = {(2, False): (5.0, 15 / 7), (1, False): (4.0, 2.0), (1, True): (5 / 2, 10 / 7)}
+"""Of Hertz's pressure: semi-axis squared over <t^2>, and <t^4>/<t^2>^2, by the number of axes along
+which it varies and by whether a section is revolved."""
 PEAK_RADIUS = 0.6  # of the semi-axes: where p^2 is fitted for the largest pressure
 PEAK_POINTS = 4  # for each coefficient of that fit, at least
 
@@ -63,9 +66,7 @@ def moments(fields: Fields, frame: Frame) -> PressureMoments:
     mean = np.where(cut, 0.0, weight @ t / total)
     t = t - mean
     square = weight @ t**2 / total
-    factor, fourth = (5.0, 15 / 7) if len(axes) == 2 else (4.0, 2.0)
-    if fields.kinematics.revolved:
-        factor, fourth = 5 / 2, 10 / 7
+    factor, fourth = HERTZ_MOMENTS[len(axes), fields.kinematics.revolved]
     deviations, off = np.array([np.inf]), np.zeros(2)
     if square.min() > 0:
         off = np.broadcast_to(weight @ t**4 / total / square**2 / fourth - 1, 2)

@@ -64,7 +64,7 @@ def _of_bodies(shown: Shown, cells: Callable[[], meshio.Mesh]) -> dict[str, Draw
     from railhead.postprocess import vtu
     from railhead.postprocess.pictures.views import render, section_views
 
-    found, exact, axis = shown.found, shown.exact, shown.axis
+    found, exact = shown.found, shown.exact
 
     def in_cells(draw: Callable[..., Any], *given: Any) -> Drawing:
         """A picture of the cells: draw(cells, *given, target)."""
@@ -74,12 +74,12 @@ def _of_bodies(shown: Shown, cells: Callable[[], meshio.Mesh]) -> dict[str, Draw
         "pressure.png": partial(diagrams.pressure, found, exact),
         "depth.png": partial(diagrams.depth, found, exact, shown.poisson),
     }
-    if axis is not None:
+    if len(shown.axes) == 1:
+        (axis,) = shown.axes
         return every | {
             "wheel_rail.png": in_cells(section_views.bodies, axis, found),
             "stress_cut.png": in_cells(section_views.stress_cut, axis, found),
         }
-    assert not isinstance(exact, LineContact)
     if found.subject.rolls:
         every["stress_cut_along.png"] = in_cells(render.stress_cut, 0, found)
     contact = vtu.contact_grid({RAIL: found.surface})  # whichever body: no light falls on it

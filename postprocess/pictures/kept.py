@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from importlib import import_module
 from pathlib import Path
@@ -39,7 +39,7 @@ class Shown:
     exact: exact Hertz contact, or None; a line contact of finite elements only of a section.
     poisson: Poisson's ratio of the body of `found.axis`.
     coefficient: of friction.
-    axis: of a section 0 where it runs along x, 1 along s; None of a solid and of half-spaces.
+    axes: along which the pressure of finite elements varies: 0 for x, 1 for s, of a section one.
     planes: unit normals of the symmetry planes at which `friction` was cut.
     cut: of those at which the cells of solution.vtu were cut.
     friction: tractions at contact points; None without friction.
@@ -51,7 +51,7 @@ class Shown:
     exact: Hertz | None
     poisson: float
     coefficient: float
-    axis: int | None = None
+    axes: Sequence[int] = (0, 1)
     planes: Planes = ()
     cut: Planes = ()
     friction: FrictionSolution | None = None

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railhead.geometry import placement, profiles
 from railhead.geometry.measured import measured_profile as measured
@@ -30,12 +29,12 @@ from railhead.meshing.bodies import RAIL
 from railhead.postprocess.findings import Frame
 from railhead.scene.scene import Rail, Scene, SceneError, Wheel
 from railhead.scene.sections import is_profile_file
+from railhead.theory.array_types import Array
 from railhead.theory.elastic.line import Hertz, LineContact
 
 if TYPE_CHECKING:
     from railhead.solver.space.kinematics import Kinematics
 
-Array = NDArray[np.float64]
 RAIL_HALF_WIDTH = 35.0  # mm, of a head given by a single radius
 TREAD_HALF_WIDTH = 67.5  # mm, of a cylinder, cone or arc
 

@@ -18,16 +18,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railhead.contact.solid import Contact
 from railhead.geometry.surfaces import RailSurface, nearest
 from railhead.postprocess.findings import Frame
 from railhead.scene.scene import SceneError
+from railhead.theory.array_types import Array
 from railhead.theory.friction.rolling import Creepage
 
 KEY = "rolling.from_wheelset"
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

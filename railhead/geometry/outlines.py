@@ -6,11 +6,10 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railhead.geometry.profiles import Arc, Piece, Polynomial, Profile, data
+from railhead.theory.array_types import Array
 
-Array = NDArray[np.float64]
 SPACING, SAMPLES = 1.0, 20001  # mm between points of splines, and y where their length is taken
 
 

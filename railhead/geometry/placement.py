@@ -15,12 +15,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
 from railhead.geometry.profiles import Profile
+from railhead.theory.array_types import Array, Mask
 
-Array = NDArray[np.float64]
 SAMPLES = 4001
 SAMPLING_ERROR = 1e-2  # mm, of the height at the sample nearest to a minimum, at most
 
@@ -148,9 +148,7 @@ class ProfilePair:
         found.sort(key=lambda touch: touch.gap)
         return [touch for touch in found if touch.gap <= found[0].gap + clearance]
 
-    def _polish(
-        self, pose: Pose, tread: Array, over: NDArray[np.bool_], index: int
-    ) -> ContactPoint:
+    def _polish(self, pose: Pose, tread: Array, over: Mask, index: int) -> ContactPoint:
         """The contact point at the minimum of height near sample `index` of the wheel coordinates
         tread (n,), where wheel and rail have the same slope; the sample itself at an edge, and
         where the slopes do not cross between its neighbours.

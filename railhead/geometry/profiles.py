@@ -15,12 +15,13 @@ from importlib import resources
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.interpolate import make_interp_spline
+
+from railhead.theory.array_types import Array
 
 STANDARD_RAILS = ("54E1", "60E1")  # EN 13674-1
 
-Array = NDArray[np.float64]
 STRAIGHT = 1e-9  # 1/mm, curvature of what counts as straight
 CONES = {"cylinder": 0.0, "cone20": 1 / 20, "cone40": 1 / 40}
 

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railhead.geometry.placement import Pose
 from railhead.geometry.profiles import Profile
+from railhead.theory.array_types import Array
 
-Array = NDArray[np.float64]
 NEWTON_STEPS = 20
 CONVERGED = 1e-9  # mm, of the last step: a line that misses the surface takes long ones for ever
 

@@ -17,7 +17,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from railhead.contact.solid import Contact
@@ -25,10 +24,10 @@ from railhead.planning.context import Context
 from railhead.planning.references import boundary_elements
 from railhead.planning.references.boundary_elements import Developed
 from railhead.postprocess.findings import Frame
+from railhead.theory.array_types import Array, Mask
 from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.elastic.line import Hertz
 
-Array = NDArray[np.float64]
 MINOR = 0.02  # share of the load below which a patch is left out
 JUMP = 0.2  # least jump of the relative curvature, over its larger side, that makes a ridge
 BESIDE = 1e-6  # mm, distance from a joint at which the curvature of each side is taken
@@ -49,9 +48,7 @@ class Zone:
     angle: float
 
 
-def touches_nearby(
-    known: cKDTree, touches: NDArray[np.bool_], reach: float, points: Array
-) -> NDArray[np.bool_]:
+def touches_nearby(known: cKDTree, touches: Mask, reach: float, points: Array) -> Mask:
     """Whether each of the points (n, 3) in space, mm, has a known point closer than `reach` (mm),
     of which the nearest touches: (n,) booleans.
     known: KD tree of the known points (m, 3), mm; touches: (m,) whether each of them touches.
@@ -60,9 +57,7 @@ def touches_nearby(
     return np.asarray(touches[index] & (distance < reach))
 
 
-def in_ellipse(
-    frame: Frame, semi_axes: tuple[float, float], turn: float, points: Array
-) -> NDArray[np.bool_]:
+def in_ellipse(frame: Frame, semi_axes: tuple[float, float], turn: float, points: Array) -> Mask:
     """Whether each of the points (n, 3) in space, mm, lies in an ellipse of the tangent plane,
     closer to the plane than the larger semi-axis: (n,) booleans.
     frame: axes at the contact point. semi_axes: along and across before the ellipse is turned, mm.
@@ -90,7 +85,7 @@ class Forecast:
 
     zones: tuple[Zone, ...]
     moments: tuple[float, float, float, float]
-    touching: Callable[[Array], NDArray[np.bool_]]
+    touching: Callable[[Array], Mask]
     hertzian: bool
     reason: str = ""
 

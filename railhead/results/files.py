@@ -10,18 +10,18 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from railhead.postprocess import symmetry
 from railhead.postprocess.findings import BASE_UNITS, Array, Units
+from railhead.postprocess.pass_rows import Passes
 from railhead.results import quantity_rows, result_folder
 from railhead.results.subject import subject
 from railhead.run.half_spaces.answer import HalfSpaceSolution, Solved
 from railhead.run.mesh_solution import MeshSolution
+from railhead.scene.scene import Scene
 
 if TYPE_CHECKING:
     import meshio
 
-    from railhead.postprocess.pass_rows import Passes
     from railhead.postprocess.pictures.kept import Shown
     from railhead.postprocess.pictures.plots.diagrams import Drawing
-    from railhead.scene.scene import Scene
 
 TABLE, PASSES, STATE = "result.csv", "passes.csv", "passes.npz"
 PROFILE, SHOWN = "rail_profile.csv", "pictures.npz"
@@ -209,7 +209,7 @@ def _shown(solved: Solved, units: Units, *, whole: bool = False) -> Shown | None
     return replace(
         shown,
         found=found,
-        axis=fields.kinematics.varying[0] if fields.kinematics.dim == 2 else None,
+        axes=fields.kinematics.varying,
         planes=planes,
         cut=() if whole else planes,
         friction=solved.solution.friction,

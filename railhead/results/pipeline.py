@@ -3,24 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from mpi4py import MPI
 
 from railhead.planning import cost
 from railhead.planning import simulation_plan as planning
 from railhead.planning.simulation_plan import Plan
+from railhead.postprocess.pass_rows import Passes
 from railhead.results.result import Result
 from railhead.results.summary import summarise, summarise_half_spaces
 from railhead.run.half_spaces import answer
+from railhead.run.half_spaces.answer import Solved
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.progress import Progress
 from railhead.run.refinement import Ending, refine, unplanned_yield
 from railhead.scene.scene import Scene
-
-if TYPE_CHECKING:
-    from railhead.postprocess.pass_rows import Passes
-    from railhead.run.half_spaces.answer import Solved
 
 
 def run(

@@ -9,8 +9,10 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Literal
 
 from mpi4py import MPI
+from rich.console import Console
 
-from railhead.postprocess.findings import BASE_UNITS, Units
+from railhead.planning.simulation_plan import Plan
+from railhead.postprocess.findings import BASE_UNITS, Array, Findings, Surface, Units
 from railhead.results.report import terminal
 from railhead.run import quantities
 from railhead.run.half_spaces.answer import Solved
@@ -21,10 +23,7 @@ from railhead.scene.scene import SceneError
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from rich.console import Console
 
-    from railhead.planning.simulation_plan import Plan
-    from railhead.postprocess.findings import Array, Findings, Surface
     from railhead.postprocess.pictures.plots.diagrams import Drawing
     from railhead.solver.fields import Fields
     from railhead.solver.solution import FrictionSolution

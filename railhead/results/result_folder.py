@@ -19,17 +19,14 @@ from contextlib import AbstractContextManager, contextmanager, suppress
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import psutil
 import tomli_w
 
 from railhead.run import process
 from railhead.scene.catalogue import copy_files, portable
-from railhead.scene.scene import SceneError
-
-if TYPE_CHECKING:
-    from railhead.scene.scene import Scene
+from railhead.scene.scene import Scene, SceneError
 
 SUMMARY, SCENE = "summary.json", "scene.toml"
 VERSION = version("railhead")

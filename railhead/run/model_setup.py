@@ -9,7 +9,6 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railhead.contact import wheelset_kinematics
 from railhead.contact.solid import Contact
@@ -25,9 +24,9 @@ from railhead.solver.material.elasticity import Material
 from railhead.solver.material.hardening import Hardening
 from railhead.solver.setup import ContactBody, FrictionSettings, LoadPath, Setup
 from railhead.solver.space.contact_interface import ContactLaw
+from railhead.theory.array_types import Array, Mask
 from railhead.theory.elastic import halfspace
 
-Array = NDArray[np.float64]
 GROWTH_STEPS = 8  # load steps in which the patch of bodies of different materials grows
 # shares of the tangential force: applied, reversed, applied again:
 FORCE_CYCLE = (0.0, 1.0, -1.0, 1.0)
@@ -152,7 +151,7 @@ def friction_steps(scene: Scene, power: int, *, yields: bool) -> tuple[tuple[flo
     return (*grown, *((1.0, share) for share in shares))
 
 
-def near_patches(zones: Sequence[Zone], points: Array) -> NDArray[np.bool_]:
+def near_patches(zones: Sequence[Zone], points: Array) -> Mask:
     """Mask (n,) of the points (n, 3) in space, mm, near which yield is followed: in ellipsoids
     around the patches (zones), with half axes of YIELD_REACH times the patch's half lengths and, in
     depth, YIELD_REACH times the smaller one.

@@ -19,7 +19,6 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from railhead.postprocess.friction import at_cells
@@ -37,6 +36,7 @@ from railhead.solver.friction.surface_response import (
 )
 from railhead.solver.plasticity.load_stepping import ElasticResponse
 from railhead.solver.solution import FrictionSolution, Solution
+from railhead.theory.array_types import Array
 from railhead.theory.friction.rolling import (
     Creepage,
     HalfSpaceFriction,
@@ -46,7 +46,6 @@ from railhead.theory.friction.rolling import (
 from railhead.theory.friction.smooth_tractions import SmoothTractions
 from railhead.theory.friction.tangential import MaterialPair, TractionInfluence, pair
 
-Array = NDArray[np.float64]
 Stage = Callable[[str], None]
 """Called with what is being done, in words."""
 CELLS = 64  # of a patch, each way

@@ -10,12 +10,8 @@ from decimal import Decimal
 from itertools import product
 from math import prod
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from railhead.scene.scene import SceneError, assignment, checked, unit
-
-if TYPE_CHECKING:
-    from railhead.scene.scene import Scene
+from railhead.scene.scene import Scene, SceneError, assignment, checked, unit
 
 MAX_COMBINATIONS = 10_000
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")

@@ -14,9 +14,9 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from railhead.theory.array_types import Array, Index
+
 ROOT = np.sqrt(2.0 / 3.0)
 
 
@@ -83,7 +83,7 @@ class History:
         """
         return cls(np.zeros((count, size)), np.zeros((count, size)), np.zeros(count))
 
-    def extrapolated(self, earlier: History, factor: float, points: NDArray[np.int64]) -> History:
+    def extrapolated(self, earlier: History, factor: float, points: Index) -> History:
         """This state, moved on by `factor` times its change since an earlier one at the points with
         the given numbers (k,).
         """
@@ -110,7 +110,7 @@ class TangentReduction:
     mu: shear modulus (k,), MPa.
     """
 
-    points: NDArray[np.int64]
+    points: Index
     shear: Array
     along: Array
     normal: Array
@@ -123,7 +123,7 @@ class TangentReduction:
         points, normal = np.zeros(0, dtype=np.int64), np.zeros((0, size))
         return cls(points=points, shear=empty, along=empty, normal=normal, mu=empty)
 
-    def renumbered(self, members: NDArray[np.int64]) -> TangentReduction:
+    def renumbered(self, members: Index) -> TangentReduction:
         """The same reduction with point numbers members[points]; members: for each point of a
         subset, its number among all points.
         """

@@ -8,13 +8,11 @@ from typing import Any
 
 import basix
 import numpy as np
-from numpy.typing import NDArray
 
 from railhead.solver import compat
 from railhead.solver.space.kinematics import SOLID, Kinematics
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from railhead.theory.array_types import Array as Array
+from railhead.theory.array_types import Index as Index
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,8 @@ from typing import Any
 
 import numpy as np
 import ufl
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from railhead.theory.array_types import Array
 
 
 @dataclass(frozen=True)

@@ -13,14 +13,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
+from railhead.theory.array_types import Array
 from railhead.theory.bem import domains
 from railhead.theory.bem.grid_patch import Grid, PatchSolution
 from railhead.theory.bem.influence import Influence, Nodes, point_force
 
-Array = NDArray[np.float64]
 Gap = Callable[[Array, Array], Array]
 """Places x (n,), s (n,), mm -> undeformed gap (n,), mm, +inf where the bodies do not face."""
 Angle = Callable[[Array], Array]

@@ -8,12 +8,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import find_objects, label
 
+from railhead.theory.array_types import Array, Mask
 from railhead.theory.bem.grid_patch import Grid, PatchSolution
 
-Array = NDArray[np.float64]
 FILL_RANGE, FILL = (0.6, 0.9), 0.8  # share of the domain's width that the patch takes up
 APART = 1.6  # times their size: patches that are still apart then get a domain each
 MOST = 8  # domains that one is split into
@@ -60,7 +59,7 @@ def towards(gap: Array, domain: Array, grid: Grid) -> Array:
     return np.array([(grid.x[i], grid.s[j]), factor * domain[1]])
 
 
-def _apart(touching: NDArray[np.bool_], domain: Array) -> list[Array]:
+def _apart(touching: Mask, domain: Array) -> list[Array]:
     """Domains (2, 2) around the separate patches in a domain. touching: cells with pressure (nx,
     ns). Patches closer than APART times their size share a domain; at most MOST domains result.
     """
@@ -107,7 +106,7 @@ def _around(boxes: Array) -> Array:
     return np.array([(low + high) / 2, (high - low) / 2])
 
 
-def _window(used: NDArray[np.bool_], domain: Array, fine: bool) -> tuple[float, float]:
+def _window(used: Mask, domain: Array, fine: bool) -> tuple[float, float]:
     """Middle and half width (mm) of the next domain along one axis; twice as wide, towards the
     border, where the patch meets one. used: cells with pressure (n,); domain: present middle and
     half width; fine: the domain may only grow.

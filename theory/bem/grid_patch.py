@@ -8,10 +8,9 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import label
 
-Array = NDArray[np.float64]
+from railhead.theory.array_types import Array
 
 
 @dataclass(frozen=True)

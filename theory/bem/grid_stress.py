@@ -14,13 +14,12 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from railhead.theory.array_types import Array
 from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.elastic import subsurface
 
-Array = NDArray[np.float64]
 PLACES = 3  # each way over the patch, below which the largest stress is looked for ...
 DEPTHS = 16  # ... from half a cell down to the patch's smaller half length, ...
 Invariant = Callable[[Array], Array]

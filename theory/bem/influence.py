@@ -11,12 +11,11 @@ from collections.abc import Callable, Sequence
 from itertools import permutations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.fft import irfft2, next_fast_len, rfft2
 
+from railhead.theory.array_types import Array
 from railhead.theory.bem.grid_patch import Grid
 
-Array = NDArray[np.float64]
 NODES = 16  # an axis, to which a grid gathers its pressure for other grids
 
 

@@ -12,17 +12,16 @@ alone, and a curvature, which adds to the relative curvature of the bodies.
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.integrate import quad
 from scipy.special import elliprd, elliprf
 
+from railhead.theory.array_types import Array
 from railhead.theory.elastic.subsurface import (
     EllipsoidalPressure,
     contact_potential,
     half_space_points,
 )
-
-Array = NDArray[np.float64]
 
 
 def boussinesq_displacement(points: ArrayLike, load: float, young: float, poisson: float) -> Array:

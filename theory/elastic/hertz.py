@@ -11,14 +11,13 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 from scipy.special import elliprd, elliprf
 
+from railhead.theory.array_types import Array
 from railhead.theory.elastic import halfspace
 from railhead.theory.elastic.subsurface import EllipsoidalPressure, on_axis
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,6 +45,11 @@ class Ellipse(EllipsoidalPressure):
     def half_lengths(self) -> tuple[float, float]:
         """Semi-axes (a, b), mm: half lengths along and across the rail that a mesh must resolve."""
         return self.a, self.b
+
+    @property
+    def shape(self) -> str:
+        """Shape of the patch: 'circular' or 'elliptic'."""
+        return "circular" if math.isclose(self.a, self.b, rel_tol=1e-6) else "elliptic"
 
     @property
     def largest_curvature(self) -> float:
@@ -205,17 +209,7 @@ def point_contact_from_approach(
     flatness = elliprd(0, k * k, 1)
     a = math.sqrt(2 * approach * flatness / (3 * curvature_x * elliprf(0, 1, k * k)))
     load = math.pi * contact_modulus * curvature_x * a**3 / flatness
-    p0 = 3 * load / (2 * math.pi * a * a * k)
-    return Ellipse(
-        a=a,
-        b=k * a,
-        p0=p0,
-        approach=approach,
-        load=load,
-        contact_modulus=contact_modulus,
-        curvature_x=curvature_x,
-        curvature_y=curvature_y,
-    )
+    return point_contact(curvature_x, curvature_y, contact_modulus, load)
 
 
 def line_contact(curvature: float, contact_modulus: float, load_per_length: float) -> Strip:

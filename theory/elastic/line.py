@@ -13,13 +13,12 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
+from railhead.theory.array_types import Array, Complex
 from railhead.theory.elastic.hertz import Ellipse, Strip, contact_modulus, line_contact
 from railhead.theory.elastic.subsurface import AxisExtrema, extrema
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,9 +34,11 @@ class LineContact:
         finite approach in plane strain.
     middle_over_mean: mean pressure on the longest line of the patch along the rail over that of the
         patch.
+    shape: of the contact.
     """
 
     middle_over_mean: ClassVar[float] = 1.0
+    shape: ClassVar[str] = "line"
 
     strip: Strip
     length: float
@@ -216,7 +217,7 @@ def displacement(
     return np.column_stack([u[:-1], down[:-1] - down[-1]])
 
 
-def _coordinates(strip: Strip, t: Array, depth: Array) -> tuple[NDArray, NDArray]:
+def _coordinates(strip: Strip, t: Array, depth: Array) -> tuple[Complex, Complex]:
     """zeta = t + i depth and the root sqrt(zeta^2 - b^2) that tends to zeta far away; b is the half
     width of the strip. Arrays of complex numbers.
     """
@@ -271,7 +272,7 @@ class Strips:
             xz += -G.imag - d * bent.real
         return np.column_stack([xx, self.poisson * (xx + zz), zz, xz]) / np.pi
 
-    def _potential(self, values: Array) -> tuple[NDArray, NDArray]:
+    def _potential(self, values: Array) -> tuple[Complex, Complex]:
         """F and its derivative (n,) for values (m,) on the strips."""
         jumps = np.diff(values, prepend=0.0, append=0.0)
         return self._log @ jumps, self._slope @ jumps

@@ -22,11 +22,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import minimize_scalar
 from scipy.special import elliprd, elliprf
 
-Array = NDArray[np.float64]
+from railhead.theory.array_types import Array
 
 
 @dataclass(frozen=True)

@@ -8,12 +8,11 @@ those of the wheel on the rail, in MPa. Components are along x and y.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse.linalg import LinearOperator, gmres
 
+from railhead.theory.array_types import Array
 from railhead.theory.friction.tangential import TractionInfluence
 
-Array = NDArray[np.float64]
 STEPS = 60  # of Newton's method; 4 to 16 are usual
 KRYLOV = 200  # iterations a step; 20 to 60 are usual
 

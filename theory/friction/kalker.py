@@ -22,11 +22,10 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss, legvander, legvander2d
-from numpy.typing import NDArray
 
+from railhead.theory.array_types import Array
 from railhead.theory.friction.rolling import Creepage
 
-Array = NDArray[np.float64]
 DEGREE = 10  # of the polynomials
 STRIPS = 80  # of FASTSIM across the patch, and steps along each of them
 

@@ -21,15 +21,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import astuple, dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from railhead.theory.array_types import Array, Mask
 from railhead.theory.bem.boundary_element import equilibrium
 from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.bem.influence import Influence
 from railhead.theory.friction.coulomb_solver import CoulombSolver
 from railhead.theory.friction.tangential import MaterialPair, TractionInfluence
 
-Array = NDArray[np.float64]
 TOLERANCE = 1e-8  # of the tractions
 STUCK = 1e-6  # relative: a traction that is that much below its bound sticks
 TURNS, TRACTION_CHANGE = 40, 1e-3  # between pressure and tractions; of the tractions, over mu N
@@ -107,7 +106,7 @@ class TangentialSolution:
         return float(self.bound.sum() * self.cell)
 
     @property
-    def sticks(self) -> NDArray[np.bool_]:
+    def sticks(self) -> Mask:
         """Whether a cell sticks (nx, ny): its traction is below the bound by more than 1e-6 of it;
         False outside of the patch.
         """

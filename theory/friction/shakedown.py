@@ -16,13 +16,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize
 
+from railhead.theory.array_types import Array
 from railhead.theory.elastic import line
 from railhead.theory.friction import sliding
 
-Array = NDArray[np.float64]
 CIRCLE = 4.68  # p0/k without friction
 DEPTHS, PLACES = 81, 161  # where the shear stress of a strip is looked for
 

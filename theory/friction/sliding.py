@@ -12,14 +12,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from railhead.theory.array_types import Array, Complex
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.line import Hertz, LineContact
 from railhead.theory.elastic.subsurface import half_space_points, von_mises
 
-Array = NDArray[np.float64]
-Waves = NDArray[np.complex128]
 DIRECTIONS = 720  # of plane waves
 ZOOMS = 4  # of the search for the largest stress
 SURFACE = 1e-14  # depth over the half width that tells the sides of a cut
@@ -109,7 +108,7 @@ def _highest(
     return PeakStress(float(values.max()), float(best[0]), float(best[1]))
 
 
-def _strip_waves(contact: LineContact, s: Array, depth: Array) -> tuple[Waves, Waves]:
+def _strip_waves(contact: LineContact, s: Array, depth: Array) -> tuple[Complex, Complex]:
     """I_0 and I_1, (n,) complex, MPa: sums of the waves exp(-k depth) and k depth exp(-k depth) of
     a strip at distances s and depths (n,), mm.
     """
@@ -122,7 +121,7 @@ def _strip_waves(contact: LineContact, s: Array, depth: Array) -> tuple[Waves, W
 
 def _ellipse_waves(
     contact: Ellipse, e: tuple[float, float], s: Array, depth: Array
-) -> tuple[Waves, Waves]:
+) -> tuple[Complex, Complex]:
     """I_0 and I_1, (n,) complex, MPa: sums of the waves exp(-k depth) and k depth exp(-k depth)
     of an ellipse in the direction e (unit vector) at s = x e_x + y e_y and depths (n,), mm.
     """
@@ -134,7 +133,7 @@ def _ellipse_waves(
 
 
 def _plane_wave(
-    i_0: Waves, i_1: Waves, e: tuple[float, float], friction: float, poisson: float
+    i_0: Complex, i_1: Complex, e: tuple[float, float], friction: float, poisson: float
 ) -> Array:
     """Stress (n, 6), columns xx, yy, zz, xy, xz, yz, MPa, of waves exp(i k s - k d) of a pressure p
     and a traction friction * p along x: the real part of the sum over all wave numbers k.

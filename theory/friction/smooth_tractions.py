@@ -18,9 +18,9 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from railhead.theory.array_types import Array
+
 WIDTH = 1.5  # w; 2 gives the same forces to 0.001 of mu N, 1 does not
 POWERS = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3)]  # of Q
 LINEAR = 3  # the first of them, P

@@ -11,13 +11,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.fft import irfft2, next_fast_len, rfft2
 
+from railhead.theory.array_types import Array, Complex
 from railhead.theory.bem.influence import logarithms
 from railhead.theory.elastic.hertz import contact_modulus
 
-Array = NDArray[np.float64]
 NO_MISMATCH = 1e-9  # largest |K| that is taken for a rounding error
 Upstream = tuple[tuple[float, float], ...]
 SHIFT: Upstream = ((0.0, 1.0),)  # (distance upstream in cells, weight): the displacement itself
@@ -160,7 +159,7 @@ class TractionInfluence:
         parts = Y * log + quarter - X * angle, X * log + Y * angle
         return self._pair.mismatch * np.array(parts)
 
-    def _within(self, spectrum: NDArray[np.complex128]) -> Array:
+    def _within(self, spectrum: Complex) -> Array:
         """Part (..., nx, ny) inside the grid of the inverse transform of a padded spectrum."""
         nx, ny = self._size
         return np.asarray(irfft2(spectrum, self._padded)[:, :nx, :ny])

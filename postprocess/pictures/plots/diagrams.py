@@ -9,14 +9,15 @@ origin of the contact frame.
 
 from __future__ import annotations
 
-import math
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import AutoLocator, FixedLocator, MaxNLocator
 
 from railhead.postprocess.findings import (
@@ -28,17 +29,12 @@ from railhead.postprocess.findings import (
     Units,
     brief,
 )
-from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.line import Hertz
 from railhead.theory.elastic.subsurface import max_shear, principal
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+Target = Path | Sequence[Axes] | None
 
-    Target = Path | Sequence[Axes] | None
-
-Drawing = Callable[["Target"], Any]
+Drawing = Callable[[Target], Any]
 """Draws a picture on a target and returns its figure, or None where there is nothing to draw."""
 
 UNTITLED = Subject()
@@ -329,7 +325,7 @@ def depth(
         name += _elsewhere(findings)
         _stresses(panels, axis.depth, axis.stress, "o", FE, name, peak)
         if ellipse is not None:
-            name = f"exact Hertz, {_kind(ellipse)}"
+            name = f"exact Hertz, {ellipse.shape}"
             name += ", no friction" if findings.subject.rubs else ""
             name += "" if _centred(findings) else ", below its own centre"
             normal = ellipse.axis_stress(poisson, fine)
@@ -364,13 +360,6 @@ def rounded(units: Units, place: float, size: float) -> str:
     at most 1e-3 of a size (mm).
     """
     return minus(brief(units.value(place if abs(place) > 1e-3 * size else 0.0, "mm"), 3))
-
-
-def _kind(ellipse: Hertz) -> str:
-    """Shape of an exact Hertz contact in words: 'line', 'circular' or 'elliptic'."""
-    if not isinstance(ellipse, Ellipse):
-        return "line"
-    return "circular" if math.isclose(ellipse.a, ellipse.b, rel_tol=1e-6) else "elliptic"
 
 
 def _centred(findings: Findings) -> bool:
@@ -472,7 +461,7 @@ def _name_curves(axes: Axes, axis: DepthAxis) -> None:
         )
 
 
-def patch(findings: Findings, ellipse: Ellipse | None, target: Target = None) -> Figure:
+def patch(findings: Findings, ellipse: Hertz | None, target: Target = None) -> Figure:
     """Pressure in bands over all patches, with axes x and s in the tangent plane, and their
     outlines; not of a section.
 

@@ -3,24 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.interpolate import LinearNDInterpolator
 from scipy.spatial import cKDTree
 
 from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array, Findings, Subject, brief
-from railhead.postprocess.pictures.plots.diagrams import FE, GREY, HERTZ, new_figure, rounded
+from railhead.postprocess.pictures.plots.diagrams import (
+    FE,
+    GREY,
+    HERTZ,
+    Target,
+    new_figure,
+    rounded,
+)
 from railhead.solver.solution import FrictionSolution
 from railhead.theory.friction import shakedown
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from railhead.postprocess.pictures.plots.diagrams import Target
 
 STICK, SLIP, ACROSS = "#d3e4f3", "#e08a4f", "#3f7d54"  # light and dark: told apart in grey, too
 ARROWS = 17  # along the longer side of the patch

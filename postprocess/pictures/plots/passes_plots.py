@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from railhead.postprocess.findings import Findings, Units
 from railhead.postprocess.pass_rows import Passes
-from railhead.postprocess.pictures.plots.diagrams import levels, new_figure
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from railhead.postprocess.pictures.plots.diagrams import Target
+from railhead.postprocess.pictures.plots.diagrams import Target, levels, new_figure
 
 DEEP = 3.0  # shown depth over the smaller half length
 WIDE = 2.5  # shown width over the half length across

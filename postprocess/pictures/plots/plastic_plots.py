@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.interpolate import LinearNDInterpolator, griddata
 
@@ -15,6 +17,7 @@ from railhead.postprocess.findings import Array, AxisPressure, Findings
 from railhead.postprocess.pictures.plots.diagrams import (
     FE,
     HERTZ,
+    Target,
     exact_line,
     levels,
     loaded,
@@ -24,10 +27,6 @@ from railhead.theory.elastic.line import Hertz
 from railhead.theory.elastic.subsurface import von_mises
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from railhead.postprocess.pictures.plots.diagrams import Target
     from railhead.solver.fields import Fields
 
 THICK = 0.5  # of the smaller half length: points nearer than this to a plane tell the values on it

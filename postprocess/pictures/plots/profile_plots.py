@@ -5,21 +5,16 @@ positions, rolling radii), and a measured profile over the nearest standard one.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from railhead.geometry.measured.measured_profile import Measured, inner
 from railhead.geometry.measured.standards import LaidStandard
 from railhead.geometry.placement import ContactPoint, Placed, ProfilePair, Side
 from railhead.postprocess.findings import Array, Subject
-from railhead.postprocess.pictures.plots.diagrams import minus, new_figure
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from railhead.postprocess.pictures.plots.diagrams import Target
+from railhead.postprocess.pictures.plots.diagrams import Target, minus, new_figure
 
 RAIL, WHEEL, MARK, FURTHER = "#555555", "#1f4e79", "#c8502d", "#7b4fa3"
 SAMPLES = 1500

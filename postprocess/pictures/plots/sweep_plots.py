@@ -10,18 +10,14 @@ import math
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from railhead.postprocess.findings import Array, Subject, Units
-from railhead.postprocess.pictures.plots.diagrams import FE, HERTZ, Drawing, new_figure
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from railhead.postprocess.pictures.plots.diagrams import Target
+from railhead.postprocess.pictures.plots.diagrams import FE, HERTZ, Drawing, Target, new_figure
 
 Rows = Sequence[Mapping[str, Any]]
 PLACE = "patch y [mm]"

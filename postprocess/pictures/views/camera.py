@@ -8,15 +8,13 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from railhead.postprocess.findings import Array
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 
 def load_pyvista() -> Any:

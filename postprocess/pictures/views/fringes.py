@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.postprocess.findings import Array, Findings
 from railhead.postprocess.pictures.plots.diagrams import (
     BANDS,
+    Target,
     levels,
     mark_largest,
     new_figure,
     rounded,
 )
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from railhead.postprocess.pictures.plots.diagrams import Target
 
 LABELS = (r"smallest principal stress $\sigma_3$, MPa", r"largest shear stress $\tau$, MPa")
 LONG = 66  # letters of a label: two longer ones do not fit beside each other

@@ -6,26 +6,22 @@ deformed.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import meshio
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 from scipy.interpolate import griddata
 from scipy.spatial import cKDTree
 
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.postprocess.findings import Array, Findings, Frame, Patch
-from railhead.postprocess.pictures.plots.diagrams import FE, new_figure
+from railhead.postprocess.pictures.plots.diagrams import FE, Target, new_figure
 from railhead.postprocess.pictures.views.camera import Camera, load_pyvista
 from railhead.postprocess.pictures.views.fringes import draw_fringes
-from railhead.theory.elastic.hertz import Ellipse
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from railhead.postprocess.pictures.plots.diagrams import Target
+from railhead.theory.elastic.line import Hertz
 
 COLOURS = {"rail": "#b4c3d3", "wheel": "#dcc9a3"}
 FREE_SURFACE, EDGE, CONTACT = "#d9dfe5", "#5a6570", "#b2182b"
@@ -104,7 +100,7 @@ def stress_cut(grid: meshio.Mesh, axis: int, findings: Findings, target: Target 
 
 
 def patch_on_rail(
-    grid: meshio.Mesh, findings: Findings, ellipse: Ellipse | None, target: Target = None
+    grid: meshio.Mesh, findings: Findings, ellipse: Hertz | None, target: Target = None
 ) -> Figure:
     """The pressure on the contact surface, seen obliquely from above, with outlines and dimensions
     of the patch.

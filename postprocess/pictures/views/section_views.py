@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import meshio
 import numpy as np
+from matplotlib.figure import Figure
 
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.postprocess.findings import Findings
-from railhead.postprocess.pictures.plots.diagrams import new_figure
+from railhead.postprocess.pictures.plots.diagrams import Target, new_figure
 from railhead.postprocess.pictures.views.fringes import draw_fringes
 from railhead.postprocess.pictures.views.render import COLOURS, CONTACT, EDGE, bodies_of, outer
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from railhead.postprocess.pictures.plots.diagrams import Target
 
 
 def bodies(grid: meshio.Mesh, axis: int, findings: Findings, target: Target = None) -> Figure:

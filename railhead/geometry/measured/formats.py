@@ -16,12 +16,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railhead.geometry.measured import BODY_BY_EXTENSION
 from railhead.geometry.measured.smoothing import LEAST_POINTS
+from railhead.theory.array_types import Array
 
-Array = NDArray[np.float64]
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 COMMENT = re.compile(r"[#%!;*]|//")
 COMMENTED_OUT = re.compile(r"[#%!\"]")  # by MiniProf and Simpack

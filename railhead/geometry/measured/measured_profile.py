@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
@@ -19,8 +18,8 @@ from railhead.geometry.measured.ordering import PointError
 from railhead.geometry.measured.orientation import Orientation
 from railhead.geometry.measured.smoothing import Smoothed
 from railhead.geometry.profiles import Profile, Spline
+from railhead.theory.array_types import Array
 
-Array = NDArray[np.float64]
 STEEPEST = 0.045  # dy over ds: steeper faces than those of a standard rail's corners are cut off
 SAMPLE = 0.1  # mm between the points of a profile's spline
 LOOSE = 1.0  # mm beyond half a step between points, or two usual ones: no curve through them

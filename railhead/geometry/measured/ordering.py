@@ -6,9 +6,9 @@ Outliers, rounded coordinates and scans there and back are refused.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from railhead.theory.array_types import Array
+
 LARGEST_GAP = 5.0  # mm between neighbours
 HEAD_DEPTH = 45.0  # mm below its top: what is deeper is web or foot
 ROUNDED = 0.01  # mm: stairs of heights that are higher make contacts that do not exist

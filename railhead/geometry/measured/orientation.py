@@ -11,14 +11,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railhead.geometry.measured import ordering, standards
 from railhead.geometry.measured.formats import Table
 from railhead.geometry.measured.ordering import PointError
 from railhead.geometry.measured.standards import LaidStandard
+from railhead.theory.array_types import Array
 
-Array = NDArray[np.float64]
 MM_OF_UNIT = {"mm": 1.0, "m": 1000.0, "inch": 25.4, "cm": 10.0, "um": 1e-3, "ft": 304.8}
 WIDTHS = 7.5, 300.0  # mm of any profile, ...
 USUAL_WIDTHS = {"rail": (25.0, 100.0), "wheel": (60.0, 150.0)}  # ... and where no unit is stated

@@ -16,15 +16,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import BSpline, CubicSpline, make_interp_spline
 from scipy.linalg import cho_solve_banded, cholesky_banded
 from scipy.ndimage import gaussian_filter1d, median_filter
 from scipy.sparse import csr_array
 
 from railhead.geometry.measured.ordering import LARGEST_GAP, PointError, chord_lengths, cross, turns
+from railhead.theory.array_types import Array
 
-Array = NDArray[np.float64]
 LEAST_POINTS = 12
 ORDER = 3  # of the derivative that is penalised, and of the splines
 DIFFERENCE = 5  # order of the differences that show the noise ...
@@ -182,7 +181,7 @@ class _Fit:
 
     def penalty(self, wavelength: Array) -> Array:
         """Weights (k,) of squared third differences, relative to the points, that halve the height
-        of waves of these lengths (k,), mm. Waves of wavenumber omega have a squared third
+        of waves of these lengths (k,), mm. Complex of wavenumber omega have a squared third
         derivative omega^6.
         """
         return np.asarray((wavelength / (2 * math.pi)) ** (2 * ORDER) / self.unit)

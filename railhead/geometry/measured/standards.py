@@ -13,13 +13,12 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.spatial import cKDTree
 
 from railhead.geometry import outlines, profiles
+from railhead.theory.array_types import Array, Index, Mask
 
-Array = NDArray[np.float64]
 STANDARDS = {"rail": profiles.STANDARD_RAILS, "wheel": ("S1002",)}
 STEP = 0.25  # mm between the places that are compared
 OUTLINE_STEP = 0.02  # mm between the points of a standard's outline
@@ -89,7 +88,7 @@ class LaidStandard:
         return upright and float(np.nanmax(np.abs(self.loss))) <= FARTHEST
 
     @property
-    def sides(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    def sides(self) -> tuple[Mask, Mask]:
         """Masks (n,) of the points that have a loss and lie left, and right, of the standard's
         middle.
         """
@@ -124,9 +123,9 @@ def _laid(name: str, points: Array, turns: bool, iterations: int = ITERATIONS) -
         fewer than 100 (ITERATIONS) only a rough fit.
     """
     outline, normal, tree = _outline(name)
-    places: dict[bytes, NDArray[np.int64]] = {}
+    places: dict[bytes, Index] = {}
 
-    def place(move: Array) -> tuple[Array, NDArray[np.int64], NDArray[np.bool_]]:
+    def place(move: Array) -> tuple[Array, Index, Mask]:
         """Points (n, 2) displaced by move, indices (n,) of the nearest ones of the outline, and
         whether (n,) they lie within its ends and on the head. Those of the last move are kept.
         """

@@ -17,7 +17,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railhead.contact import placed_bodies
 from railhead.contact.solid import Contact
@@ -25,12 +24,10 @@ from railhead.meshing.bodies import BODY_NAMES, RAIL
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.planning.references.boundary_elements import Developed
 from railhead.postprocess.patch.separate_patches import SMALLEST
+from railhead.theory.array_types import Array
 from railhead.theory.bem.boundary_element import BoundaryElementSolution
 from railhead.theory.elastic import halfspace
 from railhead.theory.elastic.hertz import Ellipse
-
-Array = NDArray[np.float64]
-
 
 Allowance = dict[str, float]
 """Relative difference allowed between finite elements and half-spaces: parts by name, and their

@@ -12,16 +12,15 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import find_objects, label
 
 from railhead.contact.solid import Contact
 from railhead.geometry.surfaces import along
+from railhead.theory.array_types import Array
 from railhead.theory.bem import boundary_element
 from railhead.theory.bem.boundary_element import BoundaryElementSolution, Window
 from railhead.theory.elastic.line import Hertz
 
-Array = NDArray[np.float64]
 SAMPLES = 4001  # points on each profile
 FIRST_REACH = 1.2  # closure up to which patches are searched at first, over Hertz's approach
 PENETRATION = 1e-3  # least overlap, over the approach, that shows a missed patch

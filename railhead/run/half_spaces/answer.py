@@ -12,7 +12,6 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railhead.planning import effects
 from railhead.planning.context import PostSolveVerdict
@@ -29,6 +28,7 @@ from railhead.run.half_spaces.normal_contact import CELLS, PressedPatch
 from railhead.run.mesh_solution import MeshSolution, read_friction
 from railhead.run.progress import Progress
 from railhead.run.quantities import numeric_values
+from railhead.theory.array_types import Array
 from railhead.theory.bem.boundary_element import BoundaryElementSolution
 from railhead.theory.elastic.line import Hertz
 from railhead.theory.friction.rolling import TangentialSolution
@@ -41,7 +41,6 @@ CURVED = 0.3  # relative error of stresses over half width times curvature of a 
 FORCES = "force_along_N", "force_across_N"
 STRESSES = "tau_max_MPa", "von_mises_max_MPa"
 
-Array = NDArray[np.float64]
 Parts = dict[str, dict[str, float]]
 """Relative error of quantities by their keys in summary.json, in parts that add up."""
 

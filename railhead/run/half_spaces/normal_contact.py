@@ -12,7 +12,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railhead.contact import wheelset_kinematics
 from railhead.contact.solid import Contact
@@ -22,6 +21,7 @@ from railhead.planning.references.allowance import allowance
 from railhead.postprocess.patch import body_motion, compare
 from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.run.mesh_solution import MeshSolution
+from railhead.theory.array_types import Array
 from railhead.theory.bem import boundary_element
 from railhead.theory.bem.boundary_element import BoundaryElementSolution
 from railhead.theory.bem.grid_patch import Grid, PatchSolution
@@ -29,7 +29,6 @@ from railhead.theory.elastic.hertz import Strip
 from railhead.theory.elastic.line import Hertz, LineContact
 from railhead.theory.friction.rolling import plane_modes
 
-Array = NDArray[np.float64]
 CELLS = 128  # of a patch each way
 LENGTH, WIDER = 1e4, 1.25  # of a strip over its half width; its grid over it, as tractions widen it
 TOLERANCE = 1e-8  # of the displacement of a strip

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railhead.run.half_spaces.normal_contact import LENGTH, strip_grid
+from railhead.theory.array_types import Array
 from railhead.theory.bem.boundary_element import BoundaryElementSolution, equilibrium
 from railhead.theory.bem.grid_patch import Grid, PatchSolution
 from railhead.theory.elastic.hertz import Ellipse
@@ -24,7 +24,6 @@ from railhead.theory.elastic.line import Strips
 if TYPE_CHECKING:
     from railhead.solver.passes.rolling_block import ProfileChange, RollingBlock, SurfaceMotion
 
-Array = NDArray[np.float64]
 STRIP_CELLS, SOLID_CELLS = 128, 40  # of the grid of the pressure, each way
 ROOM = 1.4  # half size of that grid over the half length of the elastic patch
 TOLERANCE = 1e-7  # of the gap over the largest displacement

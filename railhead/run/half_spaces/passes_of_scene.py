@@ -10,7 +10,6 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, LinearNDInterpolator
 
 from railhead.planning.context import Context
@@ -24,12 +23,12 @@ from railhead.run.half_spaces.pass_contact import RollingContact
 from railhead.run.half_spaces.repeated_rolling import COARSER, block, roll
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.progress import Progress
+from railhead.theory.array_types import Array
 from railhead.theory.elastic.line import LineContact
 
 if TYPE_CHECKING:
     from railhead.solver.solution import FrictionSolution
 
-Array = NDArray[np.float64]
 BEYOND = 1.03  # p0/k over Melan's limit, from which a line does not shake down
 SPACING = 0.2  # mm, of the points of the profile with its groove
 Laid = Callable[[RailState], Array]

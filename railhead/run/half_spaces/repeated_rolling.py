@@ -12,7 +12,6 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railhead.postprocess.pass_rows import Passes, rail_state, row, words
 from railhead.run.half_spaces import pass_contact
@@ -22,7 +21,6 @@ if TYPE_CHECKING:
     from railhead.solver.material.elasticity import Material
     from railhead.solver.passes.rolling_block import RollingBlock
 
-Array = NDArray[np.float64]
 # By whether the contact is a line:
 PER_LENGTH = {True: 8.0, False: 4.0}  # elements on a half length
 GROWTH = {True: 1.35, False: 1.6}  # of the elements beside the patch

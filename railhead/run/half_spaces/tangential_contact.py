@@ -12,12 +12,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railhead.planning.references import closed_forms
 from railhead.run.half_spaces import normal_contact
 from railhead.run.half_spaces.normal_contact import PressedPatch
 from railhead.run.mesh_solution import MeshSolution
+from railhead.theory.array_types import Array
 from railhead.theory.bem.boundary_element import BoundaryElementSolution
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.line import LineContact
@@ -35,7 +35,6 @@ from railhead.theory.friction.tangential import MaterialPair
 if TYPE_CHECKING:
     from railhead.solver.solution import FrictionSolution
 
-Array = NDArray[np.float64]
 CELLS = {False: (32, 64), True: (128, 256)}  # coarse and fine, by whether the contact is a line
 STRIP_KEYS = (
     "force_along_N",
