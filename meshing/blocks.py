@@ -16,7 +16,6 @@ from railhead.meshing.bodies import (
     FACE_NAMES,
     SUPPORT,
     SYMMETRY_X,
-    SYMMETRY_Y,
     Body,
     Options,
 )
@@ -158,8 +157,8 @@ def _group_faces(
     faces: gmsh tags, one for each curve of the section in its order.
     groups: (dimension, physical tag) -> gmsh entities.
     """
-    symmetry = SYMMETRY_X if options.plane == "xz" else SYMMETRY_Y
-    tags = {"contact": CONTACT + body.tag, "support": SUPPORT + body.tag, "symmetry": symmetry}
+    tags = {"contact": CONTACT + body.tag, "support": SUPPORT + body.tag}
+    tags["symmetry"] = options.symmetry
     for curve, face in zip(body.section, faces, strict=True):
         if curve.role in tags:
             groups.setdefault((options.dim - 1, tags[curve.role]), []).append(face)

@@ -68,6 +68,11 @@ class Options:
         return 2 if self.plane else 3
 
     @property
+    def symmetry(self) -> int:
+        """Facet tag of the symmetry plane at which an outline of a body is cut."""
+        return SYMMETRY_X if self.plane == "xz" else SYMMETRY_Y
+
+    @property
     def section_axes(self) -> slice:
         """Which of gmsh's x, y, z are the coordinates of a section: x, y of one that is meshed, y,
         z of one that is swept.

@@ -40,7 +40,6 @@ def read(fields: Fields, frame: Frame, *, parabolic: bool = False) -> PatchReadi
         quadratic; the second moment then gives the half width.
     """
     contact, (axis,) = fields.contact, fields.kinematics.varying
-    revolved, length = fields.kinematics.revolved, fields.kinematics.thickness
     found = moments(fields, frame)
     given = samples(fields, frame)
 
@@ -54,7 +53,6 @@ def read(fields: Fields, frame: Frame, *, parabolic: bool = False) -> PatchReadi
         given, found.shape_error, elliptic, lambda each: _shape(each, fields)
     )
     shape = _shape(square, fields)
-    outlines = _outlines(_spans(square), axis, None if revolved else length)
     patch = Patch(
         a=shape.a,
         b=shape.b,
@@ -62,7 +60,7 @@ def read(fields: Fields, frame: Frame, *, parabolic: bool = False) -> PatchReadi
         area=shape.area,
         max_pressure=shape.max_pressure,
         mean_pressure=found.force / shape.area,
-        outlines=outlines,
+        outlines=shape.outlines,
         scatter=scatter,
     )
 
@@ -121,20 +119,25 @@ def _pressure(square: SquaredPressure, t: Array) -> Array:
 
 
 def _shape(square: SquaredPressure, fields: Fields) -> PatchShape:
-    """Half lengths along x and s, area and largest pressure of a section's smooth p^2. In plane
-    strain the length is the thickness; of a body of revolution the patch is a full circle.
+    """Outlines, half lengths along x and s, area and largest pressure of a section's smooth p^2. In
+    plane strain the length is the thickness; of a body of revolution the patch is a full circle.
     """
     spans, (axis,) = _spans(square), fields.kinematics.varying
-    length = fields.kinematics.thickness
-    half = (spans[-1][1] - spans[0][0]) / 2
+    half = a = b = (spans[-1][1] - spans[0][0]) / 2
     peak = _pressure(square, np.linspace(*square.box[1], LINE_POINTS, dtype=np.float64)).max()
     if fields.kinematics.revolved:
-        return PatchShape(
-            outlines=[], area=float(np.pi * half**2), a=half, b=half, max_pressure=float(peak)
-        )
-    area = float(length * sum(end - begin for begin, end in spans))
-    a, b = _along_across(axis, half, length / 2)
-    return PatchShape(outlines=[], area=area, a=a, b=b, max_pressure=float(peak))
+        angle, area = np.linspace(0, 2 * np.pi, 181), np.pi * half**2
+        ring = np.column_stack([np.cos(angle), np.sin(angle)])
+        outlines = [radius * ring for _, radius in spans]
+    else:
+        length = fields.kinematics.thickness
+        area, (a, b) = length * sum(np.ptp(spans, axis=1)), _along_across(axis, half, length / 2)
+        other = length / 2 * np.array([-1.0, -1.0, 1.0, 1.0, -1.0])
+        outlines = [
+            np.column_stack(_along_across(axis, np.array([low, high, high, low, low]), other))
+            for low, high in spans
+        ]
+    return PatchShape(outlines=outlines, area=float(area), a=a, b=b, max_pressure=float(peak))
 
 
 def _along_across(axis: int, own: Value, other: Value) -> tuple[Value, Value]:
@@ -198,22 +201,3 @@ def _spans(square: SquaredPressure) -> list[tuple[float, float]]:
     share = values[turn] / (values[turn] - values[turn + 1])
     zeros = [float(zero) for zero in t[turn] + share * (t[turn + 1] - t[turn])]
     return list(zip(zeros[::2], zeros[1::2], strict=True))
-
-
-def _outlines(spans: list[tuple[float, float]], axis: int, length: float | None) -> list[Array]:
-    """Closed outlines (k, 2) of (x, s), mm, of intervals of the coordinate t along x (axis 0) or s
-    (axis 1).
-
-    length: of the contact along the other axis, mm; None for circles about the origin, whose radii
-        are the upper ends of the intervals.
-    """
-    if length is None:
-        angle = np.linspace(0, 2 * np.pi, 181)
-        ring = np.column_stack([np.cos(angle), np.sin(angle)])
-        return [radius * ring for _, radius in spans]
-    curves = []
-    for begin, end in spans:
-        t = np.array([begin, end, end, begin, begin])
-        s = length / 2 * np.array([-1.0, -1.0, 1.0, 1.0, -1.0])
-        curves.append(np.column_stack(_along_across(axis, t, s)))
-    return curves

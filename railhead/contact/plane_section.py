@@ -76,12 +76,6 @@ class SectionContact(Contact, ABC):
             approach=approach,
         )
 
-    def exact_approach(self, hertz: Hertz) -> float | None:
-        """Approach along the vertical, mm, for a closed form between half-spaces: of the datum
-        points of half-planes, or of distant points in a meridian section. None for bodies that end.
-        """
-        return hertz.approach / math.cos(self.touch.angle) if self.half_space else None
-
     @abstractmethod
     def bodies(
         self, reach: float, deformable: Sequence[int], *, whole_section: bool, half: bool
@@ -111,6 +105,10 @@ class LongitudinalSection(SectionContact):
         """Empty: the gap in a section along the rail depends on no profile across the track."""
         return []
 
+    def exact_approach(self, hertz: Hertz) -> float | None:
+        """As of half-spaces; None in plane strain for bodies that end."""
+        return super().exact_approach(hertz) if self.half_space or self.revolved else None
+
     def why_asymmetric_in_x(self) -> str | None:
         """None: a cylinder on a flat crown is symmetric about x = 0."""
         return None
@@ -118,10 +116,6 @@ class LongitudinalSection(SectionContact):
     def why_asymmetric_in_y(self) -> str | None:
         """Why y = 0 is no plane of symmetry of the section: the section has no direction y."""
         return "the section runs along the rail"
-
-    def is_half_outline(self, *, half_x: bool, half_y: bool) -> bool:
-        """Whether the outline is cut at its middle: if only x >= 0 is modelled (half_x)."""
-        return half_x
 
     def bodies(
         self, reach: float, deformable: Sequence[int], *, whole_section: bool, half: bool
@@ -133,7 +127,7 @@ class LongitudinalSection(SectionContact):
             half-spaces half the edge of the blocks; mm.
         whole_section: has no effect here.
         half: whether only x >= 0 is outlined. For a meridian section the caller must pass True
-            (`is_half_outline`).
+            (`Plan.parts`).
         Raises SceneError where the rim is deeper than the radius, or a half disc has a segment
         length.
         """
@@ -195,12 +189,6 @@ class MeridianSection(LongitudinalSection):
         bounds the section.
         """
         return "the axis of revolution bounds the section"
-
-    def is_half_outline(self, *, half_x: bool, half_y: bool) -> bool:
-        """True: the outline of a meridian section always ends at the axis, whatever half_x and
-        half_y say.
-        """
-        return True
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -298,11 +286,13 @@ class TransverseSection(SectionContact):
         return Body(tag, [curve.moved(upwards, place) for curve in section], 0.0)
 
 
-def locate(scene: Scene, dimension: Dimension) -> SectionContact:
-    """First contact of a scene in the section that dimension names, which must not be 'solid'.
+def locate(scene: Scene, dimension: Dimension) -> Contact:
+    """First contact of a scene as a solid or in the section that dimension names.
     Raises SceneError for a profile's file that cannot be used. Across the rail it also does where a
     wheel misses its rail or the pair has no contact with a common tangent.
     """
+    if dimension.kind == "solid":
+        return geometry.locate(scene)
     if dimension.kind == "plane_across":
         solid = geometry.lower(_of_any_radius(scene))
         touch = replace(solid.touch, curvature_x=0.0)

@@ -172,16 +172,10 @@ class Contact:
         return None
 
     def exact_approach(self, hertz: Hertz) -> float | None:
-        """Approach of the supports (mm) along the vertical that belongs to the closed form `hertz`;
-        None where no formula is known, as for every solid.
+        """Approach along the vertical, mm, that belongs to a closed form between half-spaces: of
+        distant points, in plane strain of the datum points. None where no formula is known.
         """
-        return None
-
-    def is_half_outline(self, *, half_x: bool, half_y: bool) -> bool:
-        """Whether outlines of the bodies' sections are cut at their middle (of a solid: at y = 0),
-        given that only x >= 0 (half_x) or only y >= 0 (half_y) is modelled.
-        """
-        return half_y
+        return hertz.approach / math.cos(self.touch.angle)
 
     @property
     def line(self) -> bool:

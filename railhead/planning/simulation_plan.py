@@ -295,7 +295,7 @@ class Plan:
         makes no valid body.
         """
         contact = self.contact
-        half = contact.is_half_outline(half_x=self.half_x, half_y=self.half_y)
+        half = self.options.symmetry in dict(self.planes)
         whole = self.effects["rail_section"].on
         if isinstance(contact, SectionContact):
             return contact.bodies(self.reach, self.deformable, whole_section=whole, half=half)
@@ -553,7 +553,7 @@ def _decided(scene: Scene) -> Plan:
     cannot choose.
     """
     kind = dimension.choose(scene)
-    contact = geometry.locate(scene) if kind.kind == "solid" else plane_section.locate(scene, kind)
+    contact = plane_section.locate(scene, kind)
     predicted = closed_forms.hertz_if_valid(scene, contact)
     context, decided = effects.decide(scene, kind, contact, predicted)
     expected = forecast(context)

@@ -19,7 +19,6 @@ from railhead.run.half_spaces.answer import HalfSpaceSolution, Solved
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.refinement import Ending
 from railhead.scene.catalogue import portable
-from railhead.theory.elastic.hertz import Ellipse
 
 HALF_SPACE_SOURCE = "half-spaces: what finite bodies would change, and the error of the grid"
 NO_SECTION = {"reason": "boundary elements know no section of bodies that end"}
@@ -217,12 +216,7 @@ def exact_quantities(solved: Solved) -> dict[str, Any]:
     "result" of summary.json; load and approach are along the vertical.
     """
     contact, hertz = solved.plan.contact, solved.ellipse
-    angle = contact.touch.angle
-    approach = (
-        hertz.approach / math.cos(angle)
-        if isinstance(hertz, Ellipse)
-        else contact.exact_approach(hertz)
-    )
+    angle, approach = contact.touch.angle, contact.exact_approach(hertz)
     return compare.from_exact(hertz, solved.plan.poisson_ratios, angle, contact.origin, approach)
 
 
