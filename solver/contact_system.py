@@ -29,8 +29,9 @@ from railhead.solver.space.facets import FacetSet
 from railhead.solver.space.operators import vector
 
 STAGE_TOLERANCE = 0.1  # residual over the contact force for the softer laws before a stiff one
-LINEAR_DIRECT_BELOW = 80_000  # unknowns of linear cells; multigrid is slow on stretched ones
-SECTION_DIRECT_BELOW = 200_000  # unknowns of a plane section, whose factors stay sparse
+DIRECT_BELOW = {(3, 2): 12_000, (3, 1): 80_000, (2, 2): 200_000, (2, 1): 200_000}
+"""Unknowns, by number of coordinates and degree, below which a factorisation is the cheapest
+preconditioner: multigrid is slow on stretched linear cells, factors of a section stay sparse."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -409,8 +410,7 @@ class ContactSystem:
         """
         choice = self.setup.linear
         if choice == "auto":
-            limit = linear.DIRECT_BELOW if self.setup.degree > 1 else LINEAR_DIRECT_BELOW
-            limit = SECTION_DIRECT_BELOW if self.setup.kinematics.dim == 2 else limit
+            limit = DIRECT_BELOW[self.setup.kinematics.dim, self.setup.degree]
             choice = "direct" if self.unknowns < limit else "multigrid"
         if choice == "direct":
             return linear.Direct(problem)

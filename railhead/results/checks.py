@@ -279,7 +279,7 @@ def resolution(solved: MeshSolution) -> Iterator[Check]:
     assert found is not None and fields is not None
     linear = LINEAR_REFINEMENT if solved.plan.order == 1 else 1.0
     tolerance = max(DEFAULT_TOLERANCE, solved.plan.scene.accuracy or 0.0)
-    across = (max if solved.plan.section else min)(found.elements_across)
+    across = min(found.elements_across[axis] for axis in fields.kinematics.varying)
     yield Check(
         name="elements_across",
         value=across,

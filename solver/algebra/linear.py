@@ -17,7 +17,6 @@ from petsc4py import PETSc
 from railhead.solver import compat
 from railhead.solver.algebra.problem import ContactProblem, Mask
 
-DIRECT_BELOW = 12_000  # unknowns; below, a factorisation is the cheapest preconditioner
 KRYLOV_LIMIT = 150  # iterations of one linear solve
 LARGEST_RESIDUAL = {"nitsche": 0.1, "penalty": 1e-3}  # of the right-hand side, that any linear
 # solve may leave. The tangent of a penalty is stiffer: with a larger one Newton's method wanders
