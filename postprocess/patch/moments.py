@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from itertools import combinations_with_replacement
 
 import numpy as np
 
 from railhead.postprocess import symmetry
-from railhead.postprocess.findings import Frame
+from railhead.postprocess.findings import Array, Frame
 from railhead.solver.fields import Fields
 
 HERTZIAN = 0.02  # shape error below which the semi-axes are those of an ellipse
@@ -101,19 +102,28 @@ def largest_pressure(fields: Fields, frame: Frame, found: PressureMoments) -> fl
     weight = symmetry.repeated(contact.weights, fields.mirrors)
     scaled = ((local - found.centre) / (found.a, found.b))[:, axes]
     near = (np.linalg.norm(scaled, axis=1) < PEAK_RADIUS) & (p > 0)
-    x = scaled[near].T
-    pairs = list(combinations_with_replacement(range(len(axes)), 2))
-    basis = np.stack([np.ones(x.shape[1]), *x, *(x[i] * x[j] for i, j in pairs)], axis=1)
-    if len(basis) < PEAK_POINTS * basis.shape[1]:
+    x = scaled[near]
+    if len(x) < PEAK_POINTS * math.comb(len(axes) + 2, 2):
         return float(p.max())
-    root = np.sqrt(weight[near])
-    c = np.linalg.lstsq(basis * root[:, None], p[near] ** 2 * root, rcond=None)[0]
-    slope, hessian = c[1 : len(axes) + 1], np.zeros((len(axes), len(axes)))
-    for (i, j), value in zip(pairs, c[len(axes) + 1 :], strict=True):
-        hessian[i, j] += value
-        hessian[j, i] += value
+    middle, slope, hessian = quadratic_fit(x, p[near] ** 2, weight[near])
     if np.linalg.eigvalsh(hessian).max() < 0:
         top = np.linalg.solve(hessian, -slope)
         if np.linalg.norm(top) < PEAK_RADIUS:
-            return float(np.sqrt(c[0] + 0.5 * slope @ top))
-    return float(np.sqrt(np.max(basis @ c)))
+            return float(np.sqrt(middle + 0.5 * slope @ top))
+    return float(np.sqrt(np.max(middle + x @ slope + ((x @ hessian) * x).sum(axis=1) / 2)))
+
+
+def quadratic_fit(points: Array, values: Array, weights: Array) -> tuple[float, Array, Array]:
+    """Constant, slope (d,) and Hessian (d, d) of the quadratic polynomial that fits values (n,) at
+    points (n, d) best, by least squares with weights (n,).
+    """
+    dim, root = points.shape[1], np.sqrt(weights)
+    pairs = list(combinations_with_replacement(range(dim), 2))
+    squares = (points[:, i] * points[:, j] for i, j in pairs)
+    basis = np.column_stack([np.ones(len(points)), points, *squares])
+    c = np.linalg.lstsq(basis * root[:, None], values * root, rcond=None)[0]
+    hessian = np.zeros((dim, dim))
+    for (i, j), value in zip(pairs, c[dim + 1 :], strict=True):
+        hessian[i, j] += value
+        hessian[j, i] += value
+    return float(c[0]), c[1 : dim + 1], hessian

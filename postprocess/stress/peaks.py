@@ -17,6 +17,7 @@ import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
 from railhead.postprocess.findings import NO_DEPTH, RIVAL, Array, Peak
+from railhead.postprocess.patch.moments import quadratic_fit
 from railhead.postprocess.stress.body_geometry import Solid
 from railhead.postprocess.stress.recovery import Recovery, StressPolynomial
 from railhead.solver.fields import Fields
@@ -185,15 +186,8 @@ class Search:
         """
         step, axes = STENCIL * around.radius, self._fields.kinematics.axes
         steps = np.array(list(product((-1.0, 0.0, 1.0), repeat=len(axes))))
-        pairs = [(i, j) for i in range(len(axes)) for j in range(i + 1)]
-        squares = np.stack([steps[:, i] * steps[:, j] for i, j in pairs], axis=1)
-        basis = np.column_stack([np.ones(len(steps)), steps, squares])
         values = invariant(around(place + step * steps @ axes))
-        fitted = np.linalg.lstsq(basis, values, rcond=None)[0][1:]
-        slope, hessian = fitted[: len(axes)], np.zeros((len(axes), len(axes)))
-        for (i, j), value in zip(pairs, fitted[len(axes) :], strict=True):
-            hessian[i, j] += value
-            hessian[j, i] += value
+        _, slope, hessian = quadratic_fit(steps, values, np.ones(len(steps)))
         curvature, directions = np.linalg.eigh(hessian)
         along = slope @ directions
         concave = curvature < 0
