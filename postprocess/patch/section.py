@@ -110,6 +110,7 @@ def samples(fields: Fields, frame: Frame) -> Samples:
         line=True,
         circle=revolved,
         thickness=thickness,
+        yields=fields.plastic_strain is not None,
     )
 
 

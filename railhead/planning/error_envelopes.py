@@ -69,6 +69,7 @@ class Setting:
     ellipse: the forecast patch, or the solved one where it is known, is Hertz's.
     axis_ratio: longer over shorter half length of the most loaded patch; 1 of a line contact.
     stiffness: smaller over larger E/(1 - nu^2) of the two bodies; 0 where one is rigid.
+    overload: load over that of first yield where yield is simulated, else 0.
     """
 
     shape: str
@@ -83,6 +84,7 @@ class Setting:
     ellipse: bool
     axis_ratio: float
     stiffness: float
+    overload: float
 
 
 @dataclass(frozen=True)
@@ -244,7 +246,7 @@ def families() -> tuple[Family, ...]:
 
 def family(setting: Setting) -> Family | None:
     """The family that the setting lies in, turned for a width across the rail; None where no family
-    was calibrated for the setting, without regard to yield and friction, for which there is none.
+    was calibrated for the setting, without regard to friction, for which there is none.
 
     The approach depends on distant elements, whatever the contact law: its envelope is not below
     that of the family of the same bodies with the default law (USUAL).

@@ -88,8 +88,8 @@ class Plan:
 
     @property
     def setting(self) -> Setting:
-        """Properties of the plan that its errors depend on, besides the element size. Yield and
-        friction are not among them.
+        """Properties of the plan that its errors depend on, besides the element size. Friction is
+        not among them.
         """
         scene, zone = self.scene, self.zone
         moduli = [closed_forms.plane_strain_modulus(scene, tag) for tag in BODY_NAMES]
@@ -107,17 +107,21 @@ class Plan:
             ellipse=self.forecast.hertzian,
             axis_ratio=max(zone) / min(zone),
             stiffness=0.0 if math.isinf(max(moduli)) else min(moduli) / max(moduli),
+            overload=material.overload(self.context) if self.effects["plasticity"].on else 0.0,
         )
 
     @property
     def family(self) -> Family | None:
-        """Family of calibrated error envelopes whose laws hold for this plan. None with yield or
-        friction, for which no laws were measured; where half-spaces answer without a mesh; and
-        where no family was calibrated for such a model. Half-spaces that are meshed have a family
-        of their own.
+        """Family of calibrated error envelopes whose laws hold for this plan. None with friction,
+        for which no laws were measured; where half-spaces answer without a mesh; and where no
+        family was calibrated for such a model. Half-spaces that are meshed have a family of their
+        own, and so have bodies that yield.
         """
-        meshed = self.is_elastic_frictionless and not self.by_half_spaces
-        return error_envelopes.family(self.setting) if meshed else None
+        beyond = any(
+            each.on and effects.EFFECTS[name].beyond_envelopes
+            for name, each in self.effects.items()
+        )
+        return None if beyond or self.by_half_spaces else error_envelopes.family(self.setting)
 
     @property
     def by_half_spaces(self) -> bool:
@@ -126,13 +130,8 @@ class Plan:
 
     @property
     def is_elastic_frictionless(self) -> bool:
-        """Whether neither yield nor friction is simulated, nor another effect without which the
-        error envelopes were calibrated.
-        """
-        rules = effects.EFFECTS
-        return not any(
-            each.on and rules[name].beyond_envelopes for name, each in self.effects.items()
-        )
+        """Whether neither yield nor friction is simulated."""
+        return not (self.effects["plasticity"].on or self.effects["friction"].on)
 
     @property
     def section(self) -> bool:
@@ -349,13 +348,14 @@ class Plan:
     @property
     def newton_tolerance(self) -> float:
         """Tolerance of Newton's method, residual over the contact force: that of the scene, else
-        TOLERANCE_SHARE of the smallest error envelope on this mesh or, without envelopes and
-        friction, of an asked accuracy, at most LARGEST_TOLERANCE; UNSIGNED_TOLERANCE otherwise.
+        TOLERANCE_SHARE of the smallest error envelope of elastic bodies on this mesh or, without
+        envelopes and friction, of an asked accuracy, at most LARGEST_TOLERANCE; UNSIGNED_TOLERANCE
+        otherwise.
         """
         family, n = self.family, self.forecast.minor / self.patch_size
         if self.scene.solver.tolerance is not None:
             return self.scene.solver.tolerance
-        if family is not None:
+        if family is not None and self.is_elastic_frictionless:
             smallest = min(family.mesh(name, n) for name in family.laws)
         elif self.scene.accuracy and not self.effects["friction"].on:
             smallest = self.scene.accuracy
@@ -432,10 +432,13 @@ class Plan:
     @property
     def seconds_of_two(self) -> float:
         """Predicted seconds of the whole process with this mesh and a coarser one, whose elements
-        are 1.6 (STEP) times as large; imports are counted once.
+        are 1.6 (STEP) times as large; imports are counted once. Where bodies yield the coarser one
+        is solved a second time, with twice the load steps.
         """
         coarse = replace(self, patch_size=error_envelopes.STEP * self.patch_size)
-        return self.seconds + coarse.solving
+        twice = replace(coarse, load_steps=2 * coarse.load_steps)
+        again = twice.solving if self.effects["plasticity"].on else 0.0
+        return self.seconds + coarse.solving + again
 
     def prices(self) -> list[dict[str, Any]] | None:
         """Predicted cost of several accuracies, coarsest first; None where no family of error laws

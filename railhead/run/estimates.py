@@ -109,11 +109,14 @@ def resolved_values(solved: MeshSolution) -> dict[str, float]:
 
     Forces of rolling are over mu N, and a creepage or shift is there where its force is prescribed
     (`friction_values`). Left out is the depth of the largest shear stress where it is less than one
-    element, or the peak is narrower than NARROWEST_PEAK elements. So is the length of a line
-    contact, which is given.
+    element, the peak is narrower than NARROWEST_PEAK elements, or bodies yield: there the stress is
+    about the same in the whole region that yields. So is the length of a line contact, which is
+    given.
     """
     values = numeric_values(solved.result) | friction_values(solved)
     values.pop(solved.plan.contact.prescribed_length or "", None)
+    if solved.solution.plasticity is not None:
+        values.pop("tau_max_depth_mm", None)
     depth = values.get("tau_max_depth_mm")
     if depth is None or solved.findings is None or solved.result is None:
         return values
@@ -249,16 +252,28 @@ def _change(one: Numbers, other: Numbers, name: str) -> float:
     return abs(one[name] / other[name] - 1) if other[name] else math.inf
 
 
+def load_step_errors(meshes: Sequence[MeshSolution]) -> dict[str, float]:
+    """Relative error of the last mesh by its load steps, by key: that of the usual number, measured
+    on the first mesh, which falls with more steps. Empty where it was not measured.
+    """
+    plan = meshes[-1].plan
+    fewer = (material.steps(plan.context) / plan.load_steps) ** STEP_ORDER
+    return {name: error * fewer for name, error in meshes[0].load_step_errors.items()}
+
+
 def estimate(meshes: Sequence[MeshSolution]) -> tuple[dict[str, Estimate], str]:
     """Error estimates of the last of a scene's meshes by key, and the source of their mesh parts in
     words (rank 0; empty elsewhere). meshes: coarsest first.
 
     A quantity has no estimate without a mesh part or where its readings differ without bound. A run
-    without convergence has no estimates.
+    without convergence has no estimates, nor has one with yield whose load steps were not doubled.
     """
     solved = meshes[-1]
     if solved.result is None or solved.findings is None or not solved.solution.newton.converged:
         return {}, "no solution"
+    steps = load_step_errors(meshes)
+    if solved.solution.plasticity is not None and not steps:
+        return {}, "the error of the load steps is not known"
     values = [
         (each.resolution, resolved_values(each), reading_errors(each.findings))
         for each in meshes
@@ -272,7 +287,6 @@ def estimate(meshes: Sequence[MeshSolution]) -> tuple[dict[str, Estimate], str]:
     largest = "tau_max_MPa"
     doubt = 2 * (parts.get(largest, 0.0) + values[-1][2].get(largest, 0.0))
     readings = reading_errors(solved.findings, max(RIVAL, doubt))
-    fewer = (material.steps(solved.plan.context) / solved.plan.load_steps) ** STEP_ORDER
     estimates = {
         name: Estimate(
             mesh=mesh,
@@ -280,7 +294,7 @@ def estimate(meshes: Sequence[MeshSolution]) -> tuple[dict[str, Estimate], str]:
             contact_law=overlap * (envelopes.overlap[name] if envelopes is not None else 1.0),
             left_out=solved.plan.omission_error,
             geometry=solved.off_surface / min(solved.plan.zone),
-            load_steps=meshes[0].load_step_errors.get(name, 0.0) * fewer,
+            load_steps=steps.get(name, 0.0),
             algebraic=RESIDUAL_FACTOR * (solved.solution.newton.residual or 0.0),
             profile=solved.plan.profile_error,
             flatness=scale.get(name),

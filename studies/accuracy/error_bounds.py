@@ -26,6 +26,7 @@ OTHERS = {
     **dict.fromkeys(CHEAP, 12),
     "linear": 6,
     "bodies": 3,
+    "yield": 3,
     "profiles": 3,
     "hexahedra": 2,
     "outside": 1,
@@ -33,6 +34,7 @@ OTHERS = {
 """Scenes of a family and a seed, where cells cost little or much."""
 ASKED = (None, 0.05, None, 0.02, None, 0.01)  # by scene in turn; None: default settings
 ROUGH_ASKED = (None, 0.1, None, 0.05)  # of linear cells
+YIELD_ASKED = (0.05, 0.02, 0.01)  # without one, load steps and so estimates are not known
 LIMIT = 600.0  # s, of one scene and its truth
 ROUNDING = 1e-7  # relative; errors below it say nothing of an estimate
 MAIN = ("max_MPa", "area_mm2", "tau_max_MPa")  # quantities that must have an estimate
@@ -46,9 +48,9 @@ def signed(row: Row) -> bool:
 
 def asked(name: str, index: int) -> float | None:
     """The accuracy that is asked of a scene."""
-    if name == "outside":
-        return 0.05
-    choice = ROUGH_ASKED if name in ("hexahedra", "linear") else ASKED
+    rough = dict.fromkeys(("hexahedra", "linear"), ROUGH_ASKED)
+    others = {"outside": (0.05,), "yield": YIELD_ASKED, **rough}
+    choice: Sequence[float | None] = others.get(name, ASKED)
     return choice[index % len(choice)]
 
 

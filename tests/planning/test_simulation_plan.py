@@ -116,6 +116,24 @@ def test_whole_section_is_called_for_where_its_twist_changes_the_patch(
     assert effect("rail_section", "uic54_22t5_axle", *assignments).called_for is called
 
 
+@pytest.mark.parametrize(
+    "assignments, family",
+    [
+        ([], "yield"),
+        (["effects.plasticity=off"], "bodies"),
+        (["load=1MN"], None),  # beyond 20 times first yield
+        (["friction.coefficient=0.3", "friction.force_along=1kN"], None),
+        (["wheelset.shift=5mm", "wheel.profile=S1002"], None),  # no ellipse
+    ],
+)
+def test_steel_that_yields_below_an_ellipse_has_error_laws_of_its_own(
+    assignments: list[str], family: str | None
+) -> None:
+    steel = ("load=80kN", "rail.steel=R260", "wheel.steel=ER7")
+    known = planned("uic54_thesis", *steel, *assignments).family
+    assert (known.name if known else None) == family
+
+
 @pytest.mark.parametrize("share, yields", [(1.0001, True), (0.99, False)])
 def test_plasticity_begins_at_the_yield_load_of_the_ellipse(share: float, yields: bool) -> None:
     """p0 = 1.6156 Y for the thesis's ellipse (exact largest von Mises stress 0.61897 p0)."""

@@ -30,6 +30,7 @@ SETTING = Setting(
     ellipse=True,
     axis_ratio=2.0,
     stiffness=1.0,
+    overload=0.0,
 )
 HALF_SPACES = Scene.from_mapping(
     {"load": 1e4, "rail": {"profile": "arc", "crown_radius": 300, "extent": "half-space"}}
@@ -49,7 +50,7 @@ KNOWN = replace(
     [{"method": "penalty"}, {"theta": 0}, {"theta": -1}, {"gamma_factor": 0.9}, {"poisson": 0.46},
      {"least_poisson": 0.6},
      {"cell": "hexahedron"}, {"order": 1}, {"shape": "meridian"}, {"ellipse": False},
-     {"axis_ratio": 10.5}],
+     {"axis_ratio": 10.5}, {"overload": 2.0}],
 )  # fmt: skip
 def test_a_law_holds_inside_its_family_only(change) -> None:
     assert KNOWN.holds(SETTING)

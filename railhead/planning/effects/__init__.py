@@ -115,7 +115,6 @@ EFFECTS = {
         decide=material.decide_plasticity,
         check=material.check_plasticity,
         beyond_half_spaces=True,
-        beyond_envelopes=True,
     ),
     "passes": EffectRules(
         words="a wheel that rolls again and again over a rail that yields",

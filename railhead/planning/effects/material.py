@@ -95,7 +95,7 @@ def decide_plasticity(context: Context) -> Effect:
     if isinstance(context.elastic, str) and context.elastic:
         why += f"; exact Hertz's, as no other is known: {context.elastic}"
     if yields:
-        why += _expected(context, over**context.contact.load_power)
+        why += _expected(context)
     rolled = scene.rolling.passes is not None and scene.effects.passes != "off"
     if stresses and rolled:
         why += f"; {IN_PASSES}" if yields else ""
@@ -163,13 +163,21 @@ def _yielding(context: Context) -> dict[str, Rail | Wheel]:
     return {name: part for name, part in context.deformable.items() if part.yields}
 
 
-def _expected(context: Context, over: float) -> str:
-    """Text on the yield to expect: `over`, the load over that of first yield, and for an ellipse
-    how much wider than Hertz's the patch is. Hertz's stresses grow as the cube root of the load, in
-    a line contact as the square root.
-    The width is that of Jackson and Green's sphere of the weaker body over Hertz's radius
-    (load^(1/3)).
+def overload(context: Context) -> float:
+    """Load over that of first yield; 1 where no body that deforms has a yield stress. Hertz's
+    stresses grow as the cube root of the load, in a line contact as the square root.
     """
+    stresses = _stresses(context)
+    over = _over_yield(context.scene, stresses)[0] if stresses else 1.0
+    return over**context.contact.load_power
+
+
+def _expected(context: Context) -> str:
+    """Text on the yield to expect: the load over that of first yield, and for an ellipse how much
+    wider than Hertz's the patch is. The width is that of Jackson and Green's sphere of the weaker
+    body over Hertz's radius (load^(1/3)).
+    """
+    over = overload(context)
     text = f", {over:.3g} times the load of first yield"
     if not context.contact.line:
         weakest = min(_yielding(context).values(), key=lambda part: part.first_yield)
@@ -199,9 +207,8 @@ def steps(context: Context) -> int:
     """
     if context.contact.line:
         return LINE_STEPS
-    stresses, least = _stresses(context), 1 if context.scene.accuracy is None else 2
-    over = _over_yield(context.scene, stresses)[0] if stresses else 1.0
-    return min(max(round(over**3), least), STEPS)
+    least = 1 if context.scene.accuracy is None else 2
+    return min(max(round(overload(context)), least), STEPS)
 
 
 def _steel_yields(context: Context, stresses: Mapping[str, float]) -> tuple[str, bool]:
