@@ -168,7 +168,7 @@ def main(out: Path, *, quick: bool) -> None:
     for name in names:
         found = measured(name, 3 if quick else families.RECIPES[name].scenes)
         records += found
-        own = groups(found, "family")
+        own = groups(records, "family")
         for part, where in families.parts(name).items():
             entry = fit(part, own.get(part, []), where, families.RECIPES[name].resolutions)
             laws["families"][part] = entry

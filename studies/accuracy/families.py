@@ -47,8 +47,8 @@ class Recipe:
         outside all families.
     scenes: number of scenes.
     exact: whether exact Hertz is the truth; else it is a finer mesh.
-    split: by name of a family with error laws of its own, the conditions that narrow `where`; all
-        scenes of the recipe lie in one of these families.
+    split: by name of a family with error laws of its own, the conditions in the place of those of
+        `where`; all scenes of the recipe lie in one of these families. Recipes may share one.
     """
 
     make: Make
@@ -227,6 +227,14 @@ def profiles(rng: np.random.Generator) -> list[str]:
     return keys + (materials(rng) if rng.random() < 0.3 else [])
 
 
+def yielding_profiles(rng: np.random.Generator) -> list[str]:
+    """Standard rails under standard wheels anywhere across the tread, of steel that yields."""
+    keys = [key for key in profiles(rng) if "poisson" not in key and "modulus" not in key]
+    keys = [key for key in keys if not key.startswith("load")]
+    yields = [f"{body}.yield_stress={rng.uniform(400, 700)!r}" for body in BODIES]
+    return [*keys, f"load={10 ** rng.uniform(4.5, 5.1)!r}", *yields]
+
+
 LINE: dict[str, Sequence[Any]] = {
     "shape": ["plane strain"],
     "turned": [False, True],
@@ -240,6 +248,8 @@ STEEL: dict[str, Sequence[Any]] = {
     "stiffness": [0.8, 1.0],
     "overload": [1.0, 20.0],
 }
+YIELD: dict[str, Mapping[str, Sequence[Any]]] = {"yield": {"ellipse": [True, False]}}
+"""Ellipses and other patches have one law: where bodies yield, both are read in one way."""
 RECIPES = {
     "ellipse": Recipe(
         lambda rng: ellipse(rng) + materials(rng),
@@ -332,7 +342,15 @@ RECIPES = {
         },
         (),
     ),
-    "yield": Recipe(yielding, STEEL, (3.0, 4.5, 7.0), scenes=20, exact=False),
+    "yielding profiles": Recipe(
+        yielding_profiles,
+        {**STEEL, "ellipse": [False]},
+        (3.0, 4.2, 5.8),
+        scenes=4,
+        exact=False,
+        split=YIELD,
+    ),
+    "yield": Recipe(yielding, STEEL, (3.0, 4.5, 7.0), scenes=20, exact=False, split=YIELD),
     "profiles": Recipe(
         profiles, {"shape": ["bodies"], "ellipse": [False]}, (4.5, 7.0), exact=False
     ),
