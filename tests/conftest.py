@@ -5,7 +5,10 @@ from railhead.run import process
 
 process.prepare()  # as the command does: one thread of BLAS, before numpy loads
 
+import hashlib
 import json
+import os
+import pickle
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -17,6 +20,8 @@ from hypothesis import settings
 from sweep_command import one_after_the_other
 
 from railhead.meshing import mesh
+from railhead.meshing.bodies import Body, Options
+from railhead.meshing.grading import Grading
 from railhead.planning import cost
 from railhead.postprocess.pictures.plots import diagrams
 from railhead.solver.contact import ContactModel
@@ -28,6 +33,7 @@ settings.register_profile("default", max_examples=20)
 settings.register_profile("thorough", max_examples=200)
 settings.load_profile("default")
 LONG = {"verification", "studies"}
+MESHED = mesh._meshed
 
 
 @pytest.fixture(autouse=True, scope="session")
@@ -42,6 +48,31 @@ def _own_speed(tmp_path_factory: pytest.TempPathFactory) -> None:
 def _small_pictures() -> None:
     """Pictures are drawn at 64 dots an inch, in a third of the time; see `sharp`."""
     diagrams.DPI = 64
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _meshed_once(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """gmsh meshes equal bodies once, whichever process of the tests asks: its meshes are kept as
+    files of this run. `meshed_anew` is for tests of gmsh itself."""
+    own = tmp_path_factory.getbasetemp()
+    folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "meshes"
+    folder.mkdir(exist_ok=True)
+
+    def meshed(bodies: list[Body], grading: Grading, options: Options, save: Path | None) -> Any:
+        given = pickle.dumps((bodies, grading, options))
+        kept = folder / hashlib.sha256(given).hexdigest()
+        if save or not kept.exists():
+            part = kept.with_suffix(f".{os.getpid()}")
+            part.write_bytes(pickle.dumps(MESHED(bodies, grading, options, save)))
+            part.rename(kept)
+        return pickle.loads(kept.read_bytes())
+
+    mesh._meshed = meshed
+
+
+@pytest.fixture
+def meshed_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(mesh, "_meshed", MESHED)
 
 
 @pytest.fixture

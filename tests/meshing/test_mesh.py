@@ -25,6 +25,7 @@ from railhead.meshing.grading import Grading
 from railhead.solver import compat
 from railhead.solver.space.facets import reference_facets
 
+pytestmark = pytest.mark.usefixtures("meshed_anew")
 GRADING = Grading((0.0, 0.0, 0.0), 4.3, 3.5, 0.0, 1.2, coarsest=20.0)
 CELLS = ["tetrahedron", "hexahedron"]
 

@@ -135,7 +135,7 @@ def unfilled() -> Iterator[None]:
     LIBC.mallopt(M_PERTURB, 0)
 
 
-@pytest.mark.usefixtures("unfilled")
+@pytest.mark.usefixtures("unfilled", "meshed_anew")
 def test_the_mesh_does_not_depend_on_what_memory_held() -> None:
     """Of these bodies gmsh makes 3041 tetrahedra where it finds zeros, and 3038 where it finds the
     bytes 0xfe or 0xaa."""
