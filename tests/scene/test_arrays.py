@@ -25,7 +25,7 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def crown(radius: float) -> np.ndarray:
     """(n, 2) points of a rail head with a crown of this radius, mm."""
-    y = np.linspace(-30.0, 30.0, 241)
+    y = np.linspace(-30.0, 30.0, 121)
     return np.column_stack([y, np.sqrt(radius**2 - y**2) - radius])
 
 

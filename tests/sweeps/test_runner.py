@@ -19,12 +19,12 @@ from railhead.sweeps.grid import ParameterGrid, parse_values
 
 def test_the_manchester_positions_are_one_command() -> None:
     """All scenes make a plan, each with a mesh of its own."""
-    over = parse_values(["wheelset.shift=0:10:2mm"])
+    over = parse_values(["wheelset.shift=0:10:5mm"])
     scenes = ParameterGrid.combine(rh.find("s1002_60e1"), over).scenes
-    assert [scene.wheelset.shift for scene in scenes] == [0, 2, 4, 6, 8, 10]
+    assert [scene.wheelset.shift for scene in scenes] == [0, 5, 10]
     plans = [planning.make(scene) for scene in scenes]
-    assert runner.group_by_mesh(plans) == [[number] for number in range(6)]
-    assert len({round(plan.contact.touch.y, 3) for plan in plans}) == 6
+    assert runner.group_by_mesh(plans) == [[0], [1], [2]]
+    assert len({round(plan.contact.touch.y, 3) for plan in plans}) == 3
 
 
 def test_what_makes_no_contact_is_refused_before_anything_runs(capsys, tmp_path) -> None:
@@ -45,9 +45,9 @@ def test_loads_share_a_mesh(swept: Path) -> None:
 def test_the_mesh_of_several_loads_is_no_coarser_than_their_own(in_this_process) -> None:
     """So numbers differ from those of single runs by what the meshes differ: within the estimates
     of both."""
-    table = rh.sweep(rh.find("long_roller"), load=["25kN", "110kN"], quiet=True)
+    table = rh.sweep(rh.find("sphere_on_plane"), load=["50N", "200N"], quiet=True)
     for result in table:
-        one = solved(rh.find("long_roller").replace(load=result.load))
+        one = solved(rh.find("sphere_on_plane").replace(load=result.load))
         assert result.passed and one.passed
         assert result.as_dict()["cost"]["dofs"] > one.as_dict()["cost"]["dofs"]
         off = abs(result.pressure.max / one.pressure.max - 1)

@@ -148,7 +148,7 @@ ELEMENTS = {
 @pytest.mark.parametrize(
     "assignments, bound",
     [
-        pytest.param(*given, id=name, marks=[pytest.mark.slow] if "quadratic" in name else [])
+        pytest.param(*given, id=name, marks=[pytest.mark.slow] if "hexahedra" in name else [])
         for name, given in ELEMENTS.items()
     ],
 )
@@ -165,8 +165,7 @@ def test_layers_of_hexahedra_are_stable_where_nothing_contracts_sideways(
     keys = [f"mesh.order={order}", f"mesh.patch_size={size}", "mesh.cell=hexahedron"]
     keys += ["rail.poisson_ratio=0.01", "wheel.poisson_ratio=0.01", "effects.symmetry=on"]
     summary = passed("hertz_ellipse", *keys).summary
-    assert worst(summary, "max_MPa") < 0.02
-    assert worst(summary, "tau_max_MPa", "von_mises_max_MPa") < 0.02
+    assert worst(summary, "a_mm", "b_mm", "max_MPa", "tau_max_MPa", "von_mises_max_MPa") < 0.02
 
 
 # The largest stress is that of both bodies, wherever it is, and never one outside them.
@@ -232,8 +231,8 @@ def test_no_stress_is_read_below_the_foot_of_a_thin_rail() -> None:
 def test_patch_that_is_no_ellipse_has_its_largest_stress_beside_the_axis(size: float) -> None:
     """S1002 on 60E1: within 3 % of boundary elements, so on both meshes the same; nodal averages
     overshoot by a few per cent on the coarser one."""
-    scene = catalogue.find("s1002_60e1").replace([f"mesh.patch_size={size}"])
-    result = passed(scene)
+    short = "rail.length=60", "wheel.segment_length=60"
+    result = passed("s1002_60e1", f"mesh.patch_size={size}", *short)
     nodal = gauss_points.nodal_stress(result.fields)
     found = result.summary["result"]["stress"]
     for name, invariant in (
@@ -244,7 +243,7 @@ def test_patch_that_is_no_ellipse_has_its_largest_stress_beside_the_axis(size: f
         overshoot = invariant(nodal).max() / found[name] - 1
         assert -0.03 < overshoot < (0.03 if size == 0.5 else 0.08)
     context = result.mesh_solution.plan.context
-    foreseen = context.von_mises(scene.rail.poisson_ratio)  # by boundary elements
+    foreseen = context.von_mises(context.scene.rail.poisson_ratio)  # by boundary elements
     assert foreseen == pytest.approx(found["von_mises_max_MPa"], rel=0.03)
     assert abs(context.hertz.p0 / result.summary["result"]["pressure"]["max_MPa"] - 1) > 0.03
 
