@@ -196,7 +196,7 @@ def test_a_result_can_be_pickled_and_loaded(tmp_path) -> None:
             wrong()
 
 
-def test_half_spaces_and_sweeps_can_be_pickled() -> None:
+def test_half_spaces_and_sweeps_can_be_pickled(in_this_process) -> None:
     result = solved("hertz_ellipse", "friction.coefficient=0.3", "friction.force_along=1kN",
                     "effects.finite_bodies=off")  # fmt: skip
     copy = pickle.loads(pickle.dumps(result))
@@ -249,7 +249,7 @@ def test_a_dataset_has_units_and_its_own_points(monkeypatch) -> None:
     assert np.array_equal(coords["point_y"][1], result.tractions.points[:, 1])
 
 
-def test_progress_is_told_to_a_function(capfd) -> None:
+def test_progress_is_told_to_a_function(capfd, in_this_process) -> None:
     told: list[tuple[float, str]] = []
     case = rh.find("sphere_on_plane")
     rh.solve(case, progress=lambda *each: told.append(each))
@@ -300,7 +300,7 @@ def test_pictures_are_drawn_on_given_axes() -> None:
     with pytest.raises(ValueError, match="'patch' is none of this result; give pressure, depth"):
         result.plot("patch")
     three = Figure().subplots(1, 3)
-    placed = rh.locate(rh.find("s1002_60e1"))
+    placed = rh.locate(rh.find("uic54_22t5_axle"))
     assert placed.plot("profiles", ax=three[:2]) is three[0].figure
     two = Figure().subplots(2, 1)
     assert placed.plot("rolling_radius", ax=two) is two[0].figure

@@ -1,10 +1,13 @@
 """The command as a person meets it: exit status, one-line errors, the result folder."""
 
+import contextlib
+import io
 import json
 import os
 import subprocess
 import sys
 import tomllib
+from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 
 import command
@@ -44,10 +47,10 @@ def test_plan_solves_and_writes_nothing(tmp_path, monkeypatch, capsys) -> None:
 @pytest.fixture(scope="module")
 def result(tmp_path_factory) -> Path:
     """The thesis case on a coarse mesh, with pictures."""
-    folder = tmp_path_factory.mktemp("run")
-    done = command.process("run", "uic54_thesis", "--set", "mesh.patch_size=1.2", cwd=folder)
-    assert done.returncode == 0, done.stderr
-    assert "FE - Hertz" in done.stdout and "Newton step" in done.stderr
+    folder, told, errors = tmp_path_factory.mktemp("run"), io.StringIO(), io.StringIO()
+    with contextlib.chdir(folder), redirect_stdout(told), redirect_stderr(errors):
+        assert command.status("run", "uic54_thesis", "--set", "mesh.patch_size=1.2") == 0
+    assert "FE - Hertz" in told.getvalue() and "Newton step" in errors.getvalue()
     return folder / "results" / "uic54_thesis"
 
 

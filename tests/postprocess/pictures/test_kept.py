@@ -14,25 +14,18 @@ import railhead as rh
 from railhead.results.report import output_units
 
 YIELDS = ("sphere_on_plane", "wheel.yield_stress=20")  # a meridian section
-RUBS = (
-    "hertz_ellipse",
-    "friction.coefficient=0.3",
-    "friction.force_along=1kN",
-    "mesh.patch_size=2",
-)
-FLAT = ("s1002_60e1", "effects.finite_bodies=off", "rolling.creepage_along=0.2%",
-        "friction.coefficient=0.3")  # fmt: skip
-
-
+SOLID = ("hertz_ellipse", "mesh.patch_size=2")
+FLAT = ("hertz_ellipse", "friction.coefficient=0.3", "friction.force_along=1kN",
+        "effects.finite_bodies=off")  # fmt: skip
 LINE = ("long_roller", "mesh.patch_size=1.2")
-KINDS = {"yields": YIELDS, "rubs": RUBS, "half-spaces": FLAT, "line": LINE}
+KINDS = {"yields": YIELDS, "solid": SOLID, "half-spaces": FLAT, "line": LINE}
 
 
 @pytest.fixture(scope="module", params=KINDS.values(), ids=KINDS.keys())
 def kept(request: pytest.FixtureRequest, tmp_path_factory) -> Path:
     """The folder of a result with its pictures."""
     folder = tmp_path_factory.mktemp("kept") / "out"
-    solved(*request.param).save(folder, report=False, whole=request.param is RUBS)
+    solved(*request.param).save(folder, report=False, whole=request.param is SOLID)
     return folder
 
 
