@@ -24,8 +24,8 @@ def scene_of(scene: rh.Scene | str, *assignments: str) -> rh.Scene:
 
 
 def planned(scene: rh.Scene | str, *assignments: str) -> planning.Plan:
-    """The plan of `scene_of` the same."""
-    return planning.make(scene_of(scene, *assignments))
+    """The plan of `scene_of` the same, made once too."""
+    return _planned(scene_of(scene, *assignments))
 
 
 def solved(scene: rh.Scene | str, *assignments: str) -> rh.Result:
@@ -50,6 +50,11 @@ def draw_only(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     """Of the pictures of a run this one alone is drawn (`"patch"`)."""
     every, file = gallery.drawings, f"{name}.png"
     monkeypatch.setattr(gallery, "drawings", lambda *given: {file: every(*given)[file]})
+
+
+@functools.lru_cache(maxsize=4 * KEPT)
+def _planned(scene: rh.Scene) -> planning.Plan:
+    return planning.make(scene)
 
 
 @functools.lru_cache(maxsize=KEPT)

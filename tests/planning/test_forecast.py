@@ -34,7 +34,7 @@ def test_patch_over_the_joint_of_two_radii_is_not_the_local_ellipse() -> None:
 
 def test_manchester_patch_has_two_lobes_and_the_published_pressure_and_area() -> None:
     """CONTACT (A-2.2, central): 338.3 MPa, 51.64 mm2 counted in cells, approach 0.01596 mm."""
-    plan = planning.make(MANCHESTER)
+    plan = planned(MANCHESTER)
     assert isinstance(plan.estimate, Ellipse)
     patch = boundary_elements.solve(plan.contact, plan.estimate, MANCHESTER.load, 128)
     assert patch.max_pressure == pytest.approx(338.3, rel=0.01)
@@ -44,7 +44,7 @@ def test_manchester_patch_has_two_lobes_and_the_published_pressure_and_area() ->
 
 
 def test_tread_and_gauge_corner_share_the_load() -> None:
-    plan = planning.make(MANCHESTER.replace(["wheelset.shift=5"]))
+    plan = planned(MANCHESTER, "wheelset.shift=5")
     tread, corner = plan.forecast.zones
     assert tread.angle == pytest.approx(0.127, abs=0.002)
     assert corner.angle == pytest.approx(0.300, abs=0.002)
@@ -56,7 +56,7 @@ def test_tread_and_gauge_corner_share_the_load() -> None:
 
 
 def test_plans_travel_between_processes() -> None:
-    for plan in (planned("uic54_thesis"), planning.make(MANCHESTER)):
+    for plan in (planned("uic54_thesis"), planned(MANCHESTER)):
         again = pickle.loads(pickle.dumps(plan))
         points = np.random.default_rng(1).uniform(-8, 8, (200, 3)) * [1, 1, 0]
         np.testing.assert_array_equal(

@@ -5,9 +5,10 @@ import math
 import pytest
 from mpi4py import MPI
 from one_line import refusal
-from solved import planned
+from solved import planned, scene_of
 
 from railhead.meshing.bodies import RAIL, WHEEL
+from railhead.planning import simulation_plan
 from railhead.planning.effects import shape
 from railhead.planning.references import boundary_elements
 from railhead.results import pipeline
@@ -152,7 +153,8 @@ def test_the_plan_says_where_yield_is_decided_by_hertz_for_want_of_a_patch(monke
         raise ValueError("there is no closed patch")
 
     monkeypatch.setattr(boundary_elements, "solve", nothing)
-    found = effect("plasticity", "s1002_60e1", "wheelset.shift=5mm", "rail.steel=R260")
+    scene = scene_of("s1002_60e1", "wheelset.shift=5mm", "rail.steel=R260")
+    found = simulation_plan.make(scene).effects["plasticity"]
     assert "exact Hertz's, as no other is known: there is no closed patch" in found.why
 
 

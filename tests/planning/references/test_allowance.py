@@ -1,6 +1,7 @@
 """What half-spaces cannot know: the named parts, for contacts that have them and others."""
 
 import pytest
+from solved import planned
 
 from railhead.cases.s1002_60e1 import SCENE as MANCHESTER
 from railhead.planning import simulation_plan as planning
@@ -13,7 +14,7 @@ from railhead.theory.elastic.hertz import Ellipse
 
 
 def allowed(scene: Scene, twist: float = 0.0) -> dict[str, Allowance]:
-    plan = planning.make(scene)
+    plan = planned(scene)
     found = boundary_elements.solve(plan.contact, plan.estimate, scene.load, 64)
     return allowance(plan.contact, plan.deformable, found, twist)
 
