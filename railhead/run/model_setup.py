@@ -130,15 +130,18 @@ def _friction(plan: Plan) -> FrictionSettings:
 
 def friction_steps(scene: Scene, power: int, *, yields: bool) -> tuple[tuple[float, float], ...]:
     """Steps of (share of the load, share of the tangential forces). The patch of bodies of
-    different materials grows in equal steps of its length, if nothing rolls. Then the force is
-    applied, in a cycle also reversed and applied again, in equal steps where bodies yield.
+    different materials grows in steps if nothing rolls: after step k of n its length is
+    sin(pi k/2n) of the full one. What sticks in a step is what sticks in its middle, so the last
+    one is short. Then the force is applied, in a cycle also reversed and applied again, in equal
+    steps where bodies yield.
 
     power: of the load in the patch's length; yields: whether bodies yield.
     """
     if not interface.grows(scene):
         grown = []
     else:
-        grown = [((step / GROWTH_STEPS) ** power, 0.0) for step in range(1, GROWTH_STEPS + 1)]
+        angles = np.linspace(0, np.pi / 2, GROWTH_STEPS + 1)[1:]
+        grown = [(float(share), 0.0) for share in np.sin(angles) ** power]
         if not any(scene.tangential_forces[1:]):
             return tuple(grown)
     turns = FORCE_CYCLE if scene.friction.cycle else FORCE_CYCLE[:2]

@@ -46,7 +46,7 @@ class FrictionHistory:
     tangential: force (2,) of the wheel on the rail along and across, whole model, N, of the solve
         for the tractions before the last pressing.
     load_share: share of the load that acts, 0 to 1.
-    was_active: (n,) points in contact after the last change of the load; none before the first.
+    was_active: (n,) points in contact after the last step that changed the load; none before it.
     full_force_reached: whether a step with the full tangential force has ended.
     dissipated_energy: work of friction in the steps after that one, N mm; 0 when rolling.
     coupling_iterations: number of solves for the tractions so far.
@@ -110,8 +110,12 @@ class FrictionHistory:
         force_share: share of the prescribed tangential forces at the end of this step.
         """
         self.response.start_friction_step()
+        held: Array | None = None  # before the load grows
+        loaded = self.was_active.any()
         if load_share != self.load_share:
-            solution = self._change_load(solution, load_share)
+            before = self._relative_displacement() if loaded else self.prescribed_slip
+            held, self.load_share = self.rest, load_share
+            solution = self._press_again(solution)
         forces = [
             [*self.settings.axes[index], force_share * value]
             for index, value in self.settings.force_controlled
@@ -119,6 +123,8 @@ class FrictionHistory:
         state: TangentialState | None = None
         change, tried = np.inf, list[tuple[Array, Array]]()
         for _ in range(COUPLING_ITERATIONS):
+            if held is not None and (loaded or state is None):
+                self.rest = np.where(self.was_active[:, None], held, self._touching(before))
             friction = CoulombContact(self.contact, self.settings.coefficient)
             self.tangential_state = state = friction.solve(
                 self.prescribed_slip,
@@ -141,6 +147,8 @@ class FrictionHistory:
                 return solution
         if not (self.tangential_state.converged and change <= COUPLING_TOLERANCE):
             return replace(solution, newton=replace(solution.newton, reason=NOT_CONVERGED))
+        if held is not None:
+            self.was_active = self.contact.active
         self._end_step(force_share)
         return solution
 
@@ -158,28 +166,24 @@ class FrictionHistory:
         self.full_force_reached = self.full_force_reached or force_share == 1
         self.step_results.append(np.concatenate([self._force(state), self.motion[:2]]))
 
-    def _change_load(self, solution: Solution, share: float) -> Solution:
-        """Solution under another share of the load and the present tractions.
+    def _touching(self, before: Array) -> Array:
+        """Tangential displacement (n, k) of the wheel relative to the rail, mm, at the moment at
+        which points come into contact while the load grows: interpolated between the start of the
+        load step and the present pressure and tractions. In the first step only before there are
+        tractions: what sticks would come to rest where it began.
 
-        Points that come into contact on the way are at rest with respect to the displacement at
-        that moment, interpolated between the two shares of the load. The length of the patch is
-        taken to grow evenly: where p = p0 sqrt(1 - r^2), its border passes a point at r. The first
-        change starts from bodies without load, whose only displacement is the prescribed slip.
+        The length of the patch is taken to grow evenly: where p = p0 sqrt(1 - r^2), its border
+        passes a point at r.
+
+        before: that displacement at the start of the load step. Bodies without load have no other
+            than the prescribed slip.
         """
-        loaded = self.was_active.any()
-        before = self._relative_displacement() if loaded else self.prescribed_slip
-        self.load_share = share
-        solution = self._press_again(solution)
         pressure, active = self.contact.pressure, self.contact.active
-        if self.rest is not None:
-            height = np.clip(pressure / pressure[active].max(), 0.0, 1.0)
-            r = np.where(active, np.sqrt(1 - height**2), 1.0)
-            edge = np.min(r[active & ~self.was_active], initial=1.0)
-            came = np.clip((r - edge) / max(1 - edge, TINY), 0.0, 1.0)[:, None]
-            new = before + came * (self._relative_displacement() - before)
-            self.rest = np.where(self.was_active[:, None], self.rest, new)
-        self.was_active = active
-        return solution
+        height = np.clip(pressure / pressure[active].max(), 0.0, 1.0)
+        r = np.where(active, np.sqrt(1 - height**2), 1.0)
+        edge = np.min(r[active & ~self.was_active], initial=1.0)
+        came = np.clip((r - edge) / max(1 - edge, TINY), 0.0, 1.0)[:, None]
+        return np.asarray(before + came * (self._relative_displacement() - before))
 
     def _press_again(self, solution: Solution) -> Solution:
         """Solution of the bodies under the present share of the load and the present tractions,
