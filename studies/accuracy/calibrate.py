@@ -50,11 +50,13 @@ WIDER = {
     ("hard penalty", "a_mm"): (1.2, 0.63),
     ("incompressible", "von_mises_max_MPa"): (1.4, 0.0),
     ("bodies", "approach_mm"): (1.6, 0.0),
+    ("plane strain", "approach_mm"): (1.3, 0.0),
     ("profiles", "approach_mm"): (1.55, 0.0),
 }
 """Factor on the value of a law and addend to its order, by family and quantity, where scenes of
 other seeds passed it (`railhead study error-bounds`). Half-spaces keep their value at n = 8. The
-approach of real bodies depends on distant elements, which are alike up to n = 7."""
+approach of real bodies depends on distant elements, which are alike up to n = 7. That of lines is
+worst near the family's largest Poisson's ratio, which few of the calibrated scenes have."""
 OF_PLACES = (1.45, 0.0)
 """The same of places of maxima in all families: they scatter most."""
 
