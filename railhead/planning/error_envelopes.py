@@ -89,19 +89,21 @@ class Setting:
 
 @dataclass(frozen=True)
 class ErrorEnvelope:
-    """Bound of a relative error: value * (6/n)^order at n elements per semi-axis.
-    value: bound at n = 6.
+    """Bound of a relative error: value * (6/n)^order + floor at n elements per semi-axis.
+    value: bound at n = 6 above the floor.
     order: power with which the bound falls.
+    floor: part that no finer mesh takes away.
     """
 
     value: float
     order: float
+    floor: float = 0.0
 
     def __call__(self, n: float) -> float:
         """Bound of the relative error at n elements per semi-axis, also beyond the calibrated
         range.
         """
-        return float(self.value * (6.0 / n) ** self.order)
+        return float(self.value * (6.0 / n) ** self.order + self.floor)
 
 
 @dataclass(frozen=True)
@@ -178,12 +180,19 @@ class Family:
             for name, read in self.reading.items()
         )
 
-    def read_no_better(self, n: float, found: Mapping[str, float]) -> Family:
+    def read_no_better(
+        self, n: float, found: Mapping[str, float], steps: Mapping[str, float]
+    ) -> Family:
         """The family with the reading error of each quantity raised to the value found at n
-        elements per semi-axis, where found is larger than the median error.
+        elements per semi-axis, where found is larger than the median error. steps: relative errors
+        by load steps, which are added as floors.
         """
         reading = {
-            name: replace(law, value=law.value * max(1.0, found.get(name, 0.0) / max(law(n), TINY)))
+            name: ErrorEnvelope(
+                law.value * max(1.0, found.get(name, 0.0) / max(law(n), TINY)),
+                law.order,
+                steps.get(name, 0.0),
+            )
             for name, law in self.reading.items()
         }
         return replace(self, reading=reading)

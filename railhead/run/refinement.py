@@ -178,9 +178,8 @@ def _next(meshes: list[MeshSolution], worst: float, wanted: float) -> tuple[floa
     else:
         if asked is not None and solved.plan.scene.budget is None:
             found = estimates.reading_errors(solved.findings) if solved.findings is not None else {}
-            steps = estimates.load_step_errors(meshes).items()
-            left = max((e for name, e in steps if name not in error_envelopes.PLACES), default=0.0)
-            wanted = known.read_no_better(n, found).finest(_accuracy_of_meshes(solved.plan) - left)
+            limited = known.read_no_better(n, found, estimates.load_step_errors(meshes))
+            wanted = limited.finest(_accuracy_of_meshes(solved.plan))
         wanted = max(wanted, 1.25 * n)
     return wanted, known.covers(wanted, [each.resolution for each in meshes])
 

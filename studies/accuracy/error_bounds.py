@@ -27,6 +27,7 @@ OTHERS = {
     "linear": 6,
     "bodies": 3,
     "yield": 3,
+    "yielding profiles": 1,
     "profiles": 3,
     "hexahedra": 2,
     "outside": 1,
@@ -49,7 +50,8 @@ def signed(row: Row) -> bool:
 def asked(name: str, index: int) -> float | None:
     """The accuracy that is asked of a scene."""
     rough = dict.fromkeys(("hexahedra", "linear"), ROUGH_ASKED)
-    others = {"outside": (0.05,), "yield": YIELD_ASKED, **rough}
+    yielding = dict.fromkeys(("yield", "yielding profiles"), YIELD_ASKED)
+    others = {"outside": (0.05,), **rough, **yielding}
     choice: Sequence[float | None] = others.get(name, ASKED)
     return choice[index % len(choice)]
 

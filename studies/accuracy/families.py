@@ -248,7 +248,10 @@ STEEL: dict[str, Sequence[Any]] = {
     "stiffness": [0.8, 1.0],
     "overload": [1.0, 20.0],
 }
-YIELD: dict[str, Mapping[str, Sequence[Any]]] = {"yield": {"ellipse": [True, False]}}
+YIELD: dict[str, Mapping[str, Sequence[Any]]] = {
+    "yield": {"ellipse": [True, False], "overload": [1.0, 8.0]},
+    "far yield": {"ellipse": [True, False], "overload": [8.0, 20.0]},
+}
 """Ellipses and other patches have one law: where bodies yield, both are read in one way."""
 RECIPES = {
     "ellipse": Recipe(

@@ -68,12 +68,15 @@ def test_a_mesh_that_was_read_worse_than_the_middle_asks_for_a_finer_one() -> No
     """Else the finer one misses the accuracy by that, and a third is taken."""
     known = next(each for each in error_envelopes.families() if each.name == "ellipse")
     middle = {name: law(4.0) for name, law in known.reading.items()}
-    assert known.read_no_better(4.0, {}) == known
-    assert known.read_no_better(4.0, middle) == known
-    assert known.read_no_better(4.0, {name: each / 2 for name, each in middle.items()}) == known
-    worse = known.read_no_better(4.0, {name: 3 * each for name, each in middle.items()})
+    assert known.read_no_better(4.0, {}, {}) == known
+    assert known.read_no_better(4.0, middle, {}) == known
+    assert known.read_no_better(4.0, {name: each / 2 for name, each in middle.items()}, {}) == known
+    worse = known.read_no_better(4.0, {name: 3 * each for name, each in middle.items()}, {})
     for name, law in worse.reading.items():
         assert law(8.0) == pytest.approx(3 * known.reading[name](8.0))
+    stepped = known.read_no_better(4.0, {}, {"a_mm": 0.01})
+    assert stepped.reading["a_mm"](60.0) == pytest.approx(0.01, rel=0.05)
+    assert stepped.reading["b_mm"] == known.reading["b_mm"]
     accuracy = known.expected(6.0) / error_envelopes.AIM
     n = worse.finest(accuracy)
     assert n > known.finest(accuracy) == pytest.approx(6.0)
