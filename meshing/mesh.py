@@ -35,8 +35,9 @@ class ContactMesh:
     cell_tags: dolfinx MeshTags of the cells, RAIL or WHEEL.
     facet_tags: dolfinx MeshTags of the contact, support and symmetry facets, numbers as in
         `meshing.bodies`.
-    quality: quality of the worst cell of all ranks before a stretch is undone, 1 ideal, 0 flat, see
-        `blocks.qualities`.
+    quality: quality of the worst cell of all ranks, 1 ideal, 0 flat, see `blocks.qualities`. It is
+        taken as gmsh made the cells, where x is divided by `Grading.stretch`; the final cells are
+        longer along the rail by that factor.
     cells: number of cells of all ranks.
     """
 

@@ -105,7 +105,7 @@ def series(files: Mapping[float, str], path: Path) -> None:
     """Write a .pvd file with which ParaView steps through .vtu files.
 
     files: path of each .vtu file by its time; paths are relative to the folder of the .pvd file.
-        OSError: the .pvd file cannot be written.
+    OSError: the .pvd file cannot be written.
     """
     root = ElementTree.Element("VTKFile", type="Collection", version="0.1")
     collection = ElementTree.SubElement(root, "Collection")

@@ -31,10 +31,11 @@ class PressureMoments:
         the centre: sqrt(5 <x^2>) and sqrt(5 <s^2>) of an ellipse. In a section both are the same:
         the half width sqrt(4 <t^2>) of a strip, or the radius sqrt(5/2 <r^2>) of a meridian
         section.
-    shape_error: largest relative deviation of the normalised third and fourth moments from those of
-        a semi-ellipsoid, <x^3> = 0, <x^4>/<x^2>^2 = 15/7 and <x^2 s^2>/(<x^2> <s^2>) = 5/7, where
-        <f> = int p f / int p. In a section the values are those of Hertz's pressure there. Infinite
-        where all points with pressure lie on a line.
+    shape_error: largest deviation of normalised moments <f> = int p f / int p about the centre from
+        those of a semi-ellipsoid, of x as of s. From <x^4>/<x^2>^2 = 15/7 and
+        <x^2 s^2>/(<x^2> <s^2>) = 5/7 it is relative, from <x^3>/<x^2>^(3/2) = 0 absolute. In a
+        section the values are those of Hertz's pressure there. Infinite where all points with
+        pressure lie on a line.
     fourth: the relative deviations of <x^4> and of <s^4>; in a section both are the same.
     """
 

@@ -56,7 +56,9 @@ class Solid:
         return np.flatnonzero(square < ((1 + ROUNDING) * (self.sizes + reach)) ** 2)
 
     def holds(self, point: Array) -> bool:
-        """Whether a point (3,) in space, mm, lies in a cell of the body or on its border."""
+        """Whether a point (3,) in space, mm, lies in a cell of the modelled part, taken with
+        straight edges, or on its border. In a section only the point's place in its plane counts.
+        """
         found = self._barycentric(self.near(point, ROUNDING * self.sizes.max()), point[None])
         return bool(np.any(found.min(axis=2) > -ROUNDING))
 

@@ -26,8 +26,8 @@ TRACE = 1e-9  # plastic strain below which a point has not yielded: rounding
 
 @dataclass(frozen=True, kw_only=True)
 class PlasticZone:
-    """Where the bodies have yielded, both together. Where nothing has, the strain is at most 1e-9
-    (TRACE), volume, depth and top are zero, and body and place mean nothing.
+    """Where rail and wheel have yielded, taken together. Where neither has, the strain is at most
+    1e-9 (TRACE), volume, depth and top are zero, and body and place mean nothing.
 
     strain: largest equivalent plastic strain.
     body: name of the body that has it, 'rail' or 'wheel'.

@@ -122,14 +122,15 @@ class LongitudinalSection(SectionContact):
     ) -> list[Body]:
         """Bodies of the section, each with its closed outline, for the deformable ones (RAIL,
         WHEEL).
-        reach: half length along x of a rail without `length` (in a meridian section without
-            `width`), and of a wheel without `segment_length`, there at most 1.2 rolling radii; of
-            half-spaces half the edge of the blocks; mm.
+        reach: mm; half length along x of a rail without `length` (in a meridian section without
+            `width`), length of arc to each side of a wheel without `segment_length`, half the edge
+            of the blocks of half-spaces.
         whole_section: has no effect here.
         half: whether only x >= 0 is outlined. For a meridian section the caller must pass True
             (`Plan.parts`).
-        Raises SceneError where the rim is deeper than the radius, or a half disc has a segment
-        length.
+        A wheel ends at 1.2 rolling radii of arc to each side, also with a longer `segment_length`.
+        Raises SceneError for a `rim_depth` above the rolling radius, and for a `segment_length`
+        with a depth equal to the radius, which makes half a disc.
         """
         if self.half_space:
             return solid_bodies(self, reach, deformable, whole_section=False, half=half)

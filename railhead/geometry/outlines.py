@@ -113,7 +113,7 @@ def sharpened(section: list[Curve], radius: float) -> list[Curve]:
 
 def head_depth(name: str) -> float:
     """Vertical distance from the crown of 54E1 or 60E1 to the start of the web, where a head alone
-    is cut, mm.
+    is cut, mm. KeyError: another name.
     """
     segments = data("rails.json")[name]["half_section"]
     web = next(segment for segment in segments if segment["name"].startswith("web"))

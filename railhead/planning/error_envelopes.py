@@ -36,7 +36,7 @@ TINY = 1e-12  # least reading error by which is divided
 STRETCHES = (2.0, 0.5)  # factors on the smoothing lengths
 SAFETY = 2.0  # factor on the change, chosen on six seeds of each pair of the study
 AIM = 0.9  # share of the prescribed accuracy that the mesh may take
-RANGE = (3.0, 60.0)  # elements per semi-axis that are considered
+RANGE = (3.0, 60.0)  # elements per smaller semi-axis that are considered
 PLACES = ("tau_max_depth_mm",)
 """Quantities that are places of a maximum: their scale is how flat that is."""
 TURNED = {"a_mm": "b_mm", "b_mm": "a_mm"}
@@ -89,7 +89,7 @@ class Setting:
 
 @dataclass(frozen=True)
 class ErrorEnvelope:
-    """Bound of a relative error: value * (6/n)^order + floor at n elements per semi-axis.
+    """Bound of a relative error: value * (6/n)^order + floor at n elements per smaller semi-axis.
     value: bound at n = 6 above the floor.
     order: power with which the bound falls.
     floor: part that no finer mesh takes away.
@@ -100,24 +100,26 @@ class ErrorEnvelope:
     floor: float = 0.0
 
     def __call__(self, n: float) -> float:
-        """Bound of the relative error at n elements per semi-axis, also beyond the calibrated
-        range.
+        """Bound of the relative error at n elements per smaller semi-axis, also beyond the
+        calibrated range.
         """
         return float(self.value * (6.0 / n) ** self.order + self.floor)
 
 
 @dataclass(frozen=True)
 class Family:
-    """Scenes whose errors were measured together.
+    """Scenes whose errors were measured together. The error of a quantity has two parts: that of
+    the mesh, and that of reading, the difference of two ways of postprocessing the same solution.
     name: name of the family.
     where: by field of `Setting`, the range of a float (two ends), or all allowed values of a field
         that is a word, a truth value, an integer or None.
     resolution: smallest and largest calibrated n, elements per smaller semi-axis.
     laws: envelope of the mesh error by key of summary.json, over the quantity's scale
         (`estimates.error_scales`).
-    reading: median relative difference of two ways of reading each quantity from the same solution,
-        by key; for the choice of resolutions and for prices.
+    reading: median relative reading error of each quantity over the resolution, by key; for the
+        choice of resolutions and for prices.
     overlap: relative error by key for an overlap of the bodies as large as the approach.
+    Everywhere here n is the number of elements per smaller semi-axis of the patch.
     """
 
     name: str
@@ -149,8 +151,9 @@ class Family:
         )
 
     def mesh(self, name: str, n: float) -> float:
-        """Envelope of the mesh error of the named quantity over its scale, at n elements per semi-
+        """Envelope of the mesh error of a quantity over its scale, at n elements per smaller semi-
         axis; beyond the calibrated range the envelope falls at most as the first power of n.
+        name: key of the quantity in summary.json. KeyError: the family has no law for it.
         """
         law, top = self.laws[name], self.resolution[1]
         if n <= top:
@@ -158,8 +161,8 @@ class Family:
         return law(top) * (top / n) ** min(law.order, 1.0)
 
     def covers(self, n: float, solved: Sequence[float] = ()) -> bool:
-        """Whether n elements per semi-axis lie within the calibrated range, or are finer by at most
-        a factor 1.6 (STEP).
+        """Whether n elements per smaller semi-axis lie within the calibrated range, or are finer by
+        at most a factor 1.6 (STEP).
         solved: n of meshes that were solved; each that is finer than the range by at most that
             factor extends the range.
         """
@@ -169,9 +172,11 @@ class Family:
         return low <= n * (1 + 1e-9) and n <= STEP * high
 
     def expected(self, n: float) -> float:
-        """Largest relative error of all quantities at n elements per semi-axis, of mesh and reading
-        together. For the place of a maximum (PLACES) it is the drop of the quantity there by the
-        mesh's error of the place; the reading error does not count.
+        """Largest relative error, a fraction, that is expected of the calibrated quantities at n
+        elements per smaller semi-axis: the mesh error plus the reading error of a quantity.
+
+        The depth of the largest shear stress (PLACES) has another measure: how much the shear
+        stress falls, relatively, where the mesh error misses its depth. Reading does not count.
         """
         return max(
             drop_beside_maximum(self.mesh(name, n))
@@ -183,9 +188,10 @@ class Family:
     def read_no_better(
         self, n: float, found: Mapping[str, float], steps: Mapping[str, float]
     ) -> Family:
-        """The family with the reading error of each quantity raised to the value found at n
-        elements per semi-axis, where found is larger than the median error. steps: relative errors
-        by load steps, which are added as floors.
+        """The family with larger reading errors, after what a solution showed.
+        found: relative reading errors at n elements per smaller semi-axis, by key; those above the
+            median error raise it in proportion, the others, and missing keys, do not.
+        steps: relative errors by load steps, by key, which become the floors; missing keys: 0.
         """
         reading = {
             name: ErrorEnvelope(
@@ -214,14 +220,14 @@ class Family:
 
     def reaches(self, accuracy: float) -> bool:
         """Whether the finest resolution that the laws cover is expected to meet the relative
-        accuracy, of which the mesh may take 0.9 (AIM).
+        accuracy, of which mesh and reading may take 0.9 (AIM).
         """
         return self.expected(STEP * self.resolution[1]) <= AIM * accuracy
 
     def finest(self, accuracy: float) -> float:
-        """Elements per semi-axis at which all quantities are expected to meet the relative
-        accuracy, of which the mesh may take 0.9 (AIM), within the range that the laws cover: the
-        coarsest one where that is enough, the finest one where none meets it.
+        """Elements per smaller semi-axis at which all quantities are expected to meet the relative
+        accuracy, of which mesh and reading may take 0.9 (AIM), within the range that the laws
+        cover: the coarsest one where that is enough, the finest one where none meets it.
         """
         low, high = self.resolution[0], STEP * self.resolution[1]
         target = AIM * accuracy

@@ -406,8 +406,8 @@ class Plan:
 
     @property
     def cost(self) -> cost.Cost:
-        """Predicted seconds and bytes per unknown of this kind of model, without yield and
-        friction.
+        """Seconds and bytes per unknown of a meshed model of this kind, elastic and frictionless,
+        on the machine of reference (`planning.cost`). Predicted seconds are those of `solving`.
         """
         return cost.cost(
             self.scene.mesh.cell,

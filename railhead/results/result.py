@@ -208,10 +208,14 @@ class Result:
     def surface(self) -> Surface:
         """Contact surface of the body that carries the contact points (the slave, `plan.slave`), at
         its n nodes: `points` (n, 3) in space, undeformed, mm; smooth `pressure` (n,), MPa; `gap`
-        (n,) of the deformed surfaces, mm; `displacement` (n, 3), mm; `triangles` (t, 3), rows of
-        the nodes, of a section lines (t, 2). Of a cut model the part that was meshed. Half-spaces
-        have cells instead of nodes and no displacement (NaN). ValueError: nothing touches, or off
-        rank 0.
+        (n,) of the deformed surfaces, mm, negative where they overlap; `displacement` (n, 3), mm;
+        `triangles` (t, 3), rows of the nodes, of a section lines (t, 2). Of a cut model the part
+        that was meshed.
+
+        Of half-spaces the nodes are centres of cells, and the displacement is NaN. The gap of
+        boundary elements is infinite where the bodies do not face each other, that of exact Hertz
+        is NaN. ValueError: nothing touches; off rank 0, but for half-spaces, which every rank has;
+        or the result was loaded.
         """
         if self.findings is None:
             raise ValueError("there is no contact surface: nothing touches, or this is not rank 0")

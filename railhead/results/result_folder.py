@@ -103,8 +103,11 @@ def _obstacle(folder: Path, keeps: Collection[str]) -> str:
 
 
 def other_result(folder: Path, command: str, scene: Scene) -> str:
-    """What a folder holds, in words, where that is no result of `command` for this scene: another
-    command's, another scene's, or one whose scene.toml was edited; else empty.
+    """What a folder holds, in words, where it holds another result than that of `command` (a word,
+    'run') for this scene; '' where it is missing, empty or no folder, or holds this one.
+
+    Another result is one whose scene.toml is missing, or names another command in its first line,
+    or differs in any line after that: another scene, one of another version, or an edited one.
     """
     if not folder.is_dir() or not os.listdir(folder):
         return ""

@@ -213,7 +213,8 @@ def _plastic(solved: Solved) -> dict[str, Any]:
 
 def exact_quantities(solved: Solved) -> dict[str, Any]:
     """Quantities of exact Hertz for the first contact under the vertical load of the solution, as
-    "result" of summary.json; load and approach are along the vertical.
+    "result" of summary.json; load and approach are along the vertical. Where nothing touches, the
+    load or approach of the scene is taken. "approach_mm" is None where no formula is known for it.
     """
     contact, hertz = solved.plan.contact, solved.ellipse
     angle, approach = contact.touch.angle, contact.exact_approach(hertz)

@@ -548,7 +548,8 @@ class Effects(Section):
     plane_strain: on: a line contact is solved in a plane section. off: as a solid; not allowed
         without curvature along or across the rail. on is not allowed where the contact is no line.
     axisymmetry: on: bodies of revolution about the contact's normal are solved in a meridian
-        section. off: as a solid. on is not allowed for other bodies.
+        section. off: as a solid. on is not allowed for other bodies, nor with a tangential force,
+        creepage or spin.
     symmetry_x: on: only x >= 0 is solved. off: both halves. on is not allowed where x = 0 is no
         plane of symmetry.
     symmetry_y: on: only y >= 0 is solved. off: both halves. on is not allowed where y = 0 is no

@@ -109,8 +109,9 @@ def parse_values(texts: Sequence[str]) -> dict[str, list[object]]:
     """Lists of values by dotted key from texts "key=value,value,...".
 
     Each value is a scalar with or without unit, or a range first:last:step with one unit at its
-    end, "0:10:0.5mm". Raises SceneError for any other text, a key given twice, and a number without
-    a unit beside numbers with units.
+    end, "0:10:0.5mm". Values are int, float, bool or text: a value with a unit stays text ("25kN"),
+    as do all values of keys that take words. Raises SceneError for any other text, a key given
+    twice, and a number without a unit, other than 0, beside numbers with units.
     """
     lists: dict[str, list[object]] = {}
     for text in texts:

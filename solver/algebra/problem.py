@@ -69,7 +69,8 @@ class ContactProblem:
     area: area W of each point in the meshed part (n,), mm2.
     bound: (n,) value that the law's parameter tau is a multiple of, MPa/mm.
     force: force f in the free unknowns, N.
-    start_gap: gap at zero free unknowns, g0 + N u0 (n,), mm.
+    start_gap: gap at zero free unknowns, g0 + N u0 (n,), mm; where a rigid body moves under
+        approach control, less what the approach closes.
     start_stress: normal stress at zero free unknowns, s0 = S u0 (n,), MPa.
     tangent_depends_on_state: whether the tangent changes while the active set stays.
     tangent_context: class of the PETSc shell context that computes the products of the tangent.

@@ -102,7 +102,9 @@ def _below_traction(patch: PatchSolution, poisson: float, points: Array) -> Arra
 
 
 def largest_von_mises(patch: PatchSolution, poisson: float) -> float:
-    """Largest von Mises stress (MPa) below the pressure of a patch, at the places of `lattice`."""
+    """Largest von Mises stress (MPa) below the pressure of a patch, without tractions, at the
+    places of `lattice`. poisson: Poisson's ratio of the half-space.
+    """
     return float(subsurface.von_mises(stress(patch, poisson, lattice(patch))).max())
 
 

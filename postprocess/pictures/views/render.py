@@ -257,8 +257,9 @@ def _global(frame: Frame, local: ArrayLike) -> Array:
 
 
 def _on(surface: Any, frame: Frame, line: Array) -> Array:
-    """Points (n, 3) in space, mm, of a curve (n, 2) of x and s, at the heights of a contact surface
-    there; on the tangent plane where the surface ends. surface: has points (k, 3) in space, mm.
+    """Points (n, 3) in space, mm, of a curve (n, 2) of x and s in the frame, mm, at the heights of
+    a contact surface there, linear between its points; on the tangent plane where it ends.
+    surface: has points (k, 3) in space, mm. frame: axes of the tangent plane.
     """
     local = frame.local(surface.points)
     near = np.abs(local).max(axis=1) < 2 * np.abs(line).max()

@@ -140,8 +140,9 @@ def gauge_side(all_laid: Sequence[LaidStandard]) -> tuple[bool, str]:
     """Whether the gauge side of a rail lies at y > 0, and why.
     all_laid: every standard rail, laid on the profile.
     The gauge side is the one that has lost more, else that to which the head leans; but only where
-    the other side is a standard's. Otherwise, and where wear and lean contradict each other, the
-    answer is False with the reason.
+    the other side is a standard's. False is both the answer y < 0 and the one where nothing tells:
+    no side is a standard's, wear and lean contradict each other, or there is neither. The text
+    says which.
     """
     laid = min(all_laid, key=_less_worn_side)
     if _less_worn_side(laid) > UNWORN or np.nanmin(laid.loss) < -STANDS_OUT:

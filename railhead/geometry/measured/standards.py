@@ -40,8 +40,9 @@ class LaidStandard:
     y: (n,) y of the measured points.
     loss: (n,) depth of the measured points below the standard, normal to it; negative where they
         stand out of it, NaN beyond its ends and below the head.
-    misfit: half the mean of the fit's weighted squares; infinite where at most 20 mm of the width
-        are compared.
+    misfit: half the mean square of the fit's residuals, without dimension. A residual is the depth
+        over 0.05 mm (SOFT), less for large losses and five times as much outside. Infinite where
+        at most 20 mm of the width are compared.
     distance: mean distance of all points to the outline.
     slope: angle (rad) by which the head leans, positive to y > 0; 0 for wheels.
     """
