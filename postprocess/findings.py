@@ -403,8 +403,8 @@ class Findings:
     surface: fields on the contact surface of the slave, the body whose facets carry the pressure.
     depth: stresses on the axis below the most loaded patch, by body name.
     along, across: smooth pressure along x and along s through the most loaded patch.
-    shape_error: largest relative deviation of the third and fourth moments of the most loaded
-        patch's pressure from those of a semi-ellipsoid, or in a section of Hertz's pressure there.
+    shape_error: largest deviation of the third and fourth moments of the most loaded patch's
+        pressure from those of Hertz's pressure, as `PressureMoments.shape_error`.
     hertzian: whether the pressure is nearly Hertz's: there is one patch, and its shape error is
         below 2 %.
     largest: largest stresses anywhere in the body but near sharp edges, by body name.

@@ -156,7 +156,10 @@ def rail_state(rolling: RollingBlock, state: SectionState) -> RailState:
 def row(
     rolling: RollingBlock, each: RollingPass, section: RailState, patch: PatchSolution
 ) -> dict[str, Any]:
-    """Row of a pass; its place is None where nothing yields."""
+    """Row of a pass, an entry of "passes" in summary.json, whose keys end in the unit. "place_mm"
+    is None where nothing yields, "width_mm" of a line contact.
+    rolling: the block. each: the pass. section: whole state after it. patch: its pressure.
+    """
     profile = each.profile
     middle = int(np.argmin(np.abs(profile.y)))
     place = rolling.streams.places[int(np.argmax(each.growth))]
@@ -192,7 +195,7 @@ def words(
     verdict: str, rows: list[dict[str, Any]], rolling: RollingBlock, *, tractions: bool
 ) -> str:
     """The verdict in a sentence, with the hardening law that it stands on, and whether tractions
-    act.
+    act. verdict: a word of `solver.passes.verdict`. rows: of all passes, as of `row`.
     """
     last, curve = rows[-1], rolling.hardening
     rest = {

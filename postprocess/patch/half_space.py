@@ -43,8 +43,8 @@ def of_hertz(
     hertz: Hertz, frame: Frame, poisson: Mapping[str, float], *, section: bool
 ) -> Findings:
     """Findings of exact Hertz. Displacement and gap are NaN. frame: axes at the first contact,
-    below which the patch lies. poisson: Poisson's ratio by body. section: whether the contact is
-    one of a section, which has no separate patches.
+    where the middle of the patch lies. poisson: Poisson's ratio by body, 'rail' or 'wheel'.
+    section: whether the contact is one of a section, which has no separate patches.
     """
     a, b = hertz.a, hertz.b
     ticks = np.linspace(-1.05, 1.05, LINES)
@@ -287,8 +287,9 @@ def _surface(
 
 
 def _shape_error(patch: PatchSolution) -> float:
-    """Largest relative deviation of the third and fourth moments of a pressure along x and s from
-    those of a semi-ellipsoid: 0 and 15/7 of the squared second moment.
+    """Largest deviation of the third and fourth moments <t^3>, <t^4> of a pressure, with t from its
+    centre along x or s, from those of a semi-ellipsoid: |<t^3>| over <t^2>^(3/2), and relative
+    from 15/7 <t^2>^2.
     """
     errors = [0.0]
     sums = patch.pressure.sum(axis=1), patch.pressure.sum(axis=0)

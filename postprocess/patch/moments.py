@@ -53,8 +53,8 @@ class PressureMoments:
 
 
 def moments(fields: Fields, frame: Frame) -> PressureMoments:
-    """Moments of the contact pressure p at all contact points, with coordinates from the centre of
-    pressure, which lies on each symmetry plane.
+    """Moments of the contact pressure p at all contact points, of which some must carry pressure,
+    with coordinates from the centre of pressure, which lies on each symmetry plane.
 
     A semi-axis is sqrt(f int p t^2 / int p) with f = 5 in space, 5/2 for the radius of a body of
     revolution and 4 for the half width of a line contact: exact for Hertz's pressure. Where all

@@ -53,7 +53,7 @@ class PatchShape:
     """Extents and peak of one patch, images in symmetry planes included, measured on a smooth p^2
     in its frame.
 
-    outlines: closed curves (k, 2) of (x, s), mm; a hole is a curve of its own. Empty for a section.
+    outlines: closed curves (k, 2) of (x, s), mm; a hole is a curve of its own.
     area: enclosed by the outlines, without the holes, mm2.
     a, b: half lengths along x and along s, mm.
     max_pressure: largest pressure, MPa.

@@ -47,7 +47,7 @@ _TRIANGLES = {
 
 
 Surfaces = tuple[Surface, Surface | None]
-"""Of the slave and the master."""
+"""Of the slave and of the master; None where the master is rigid or none of it faces the slave."""
 
 
 def facing_facets(fields: Fields) -> NDArray[np.int64]:

@@ -36,9 +36,9 @@ def check_memory(plan: Plan, free: int) -> None:
 
 
 def affordable(plan: Plan, wanted: float) -> float:
-    """Finest resolution (elements per semi-axis) at which the predicted seconds of a coarse and a
-    fine mesh are within 0.85 (BUDGET_SHARE) of the budget of the scene; the least one, 4.8, where
-    none is.
+    """Finest resolution (elements per smaller semi-axis) at which the predicted seconds of a coarse
+    and a fine mesh are within 0.85 (BUDGET_SHARE) of the budget of the scene; the least one, 4.8,
+    where none is.
 
     wanted: largest resolution that is returned where the scene has an accuracy, unless it is below
         4.8. Without an accuracy the largest one is the finest that the error laws cover, or 60

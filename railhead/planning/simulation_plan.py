@@ -348,9 +348,11 @@ class Plan:
     @property
     def newton_tolerance(self) -> float:
         """Tolerance of Newton's method, residual over the contact force: that of the scene, else
-        TOLERANCE_SHARE of the smallest error envelope of elastic bodies on this mesh or, without
-        envelopes and friction, of an asked accuracy, at most LARGEST_TOLERANCE; UNSIGNED_TOLERANCE
-        otherwise.
+        0.02 (TOLERANCE_SHARE) of an expected error, but at most 1e-3 (LARGEST_TOLERANCE).
+
+        That error is the smallest envelope of elastic, frictionless bodies on this mesh. Without
+        envelopes, or with yield, it is the accuracy of the scene. Without an accuracy, and with
+        friction, the tolerance is 1e-6 (UNSIGNED_TOLERANCE).
         """
         family, n = self.family, self.forecast.minor / self.patch_size
         if self.scene.solver.tolerance is not None:

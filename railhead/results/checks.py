@@ -66,7 +66,8 @@ class Check:
     """A value that must not exceed a limit, or with `at_least` not be below it; NaN fails.
 
     name: key in "checks" of summary.json.
-    value: the number; infinite for a state that fails in any case.
+    value: a ratio, a relative error or a count, without dimension; MPa of "pressure_of_steel".
+        Infinite for a state that fails in any case.
     limit: largest allowed value; with at_least the smallest.
     source: reason of the limit.
     advice: what to change where the check fails.
@@ -87,14 +88,14 @@ class Check:
 
 
 def allowed(estimates: Mapping[str, Estimate], key: str) -> float:
-    """Relative error allowed for the quantity with a key of summary.json: ESTIMATE_FACTOR times its
-    estimate, or DEFAULT_TOLERANCE without one.
+    """Relative error allowed for the quantity with a key of summary.json: 1.5 (ESTIMATE_FACTOR)
+    times its estimate, or 0.05 (DEFAULT_TOLERANCE) without one.
     """
     return ESTIMATE_FACTOR * estimates[key].total if key in estimates else DEFAULT_TOLERANCE
 
 
 def deviation(value: float, target: float) -> float:
-    """Relative deviation of a value from a target; infinite for a target of 0."""
+    """Size of the relative deviation of a value from a target; infinite for a target of 0."""
     return abs(value / target - 1) if target else math.inf
 
 

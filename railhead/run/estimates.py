@@ -189,16 +189,16 @@ def mesh_errors(
 ) -> tuple[dict[str, float], str]:
     """Mesh part of the errors of the finest mesh by key, and their source in words.
 
-    meshes: n (elements per semi-axis), values and reading errors by key of each mesh, the finest
-        last.
+    meshes: n (elements per smaller semi-axis), values and reading errors by key of each mesh, the
+        finest last.
     envelopes: calibrated error envelopes that hold for the scene, None without.
     scale: factors of the error by key.
 
     Two meshes confirm an envelope where they differ by no more than both estimates allow; a
-    confirmed envelope may be used on a mesh finer by STEP than both. One mesh alone needs nothing
-    that confirms. Where meshes do not confirm, or no envelope covers the run, the part is
-    SCATTER_FACTOR times the larger change between the last three meshes. The earlier change is
-    divided by STEP. With fewer meshes there is no part.
+    confirmed envelope may be used on a mesh finer by 1.6 (STEP) than both. One mesh alone needs
+    nothing that confirms. Where meshes do not confirm, or no envelope covers the run, the part is
+    twice (SCATTER_FACTOR) the larger change between the last three meshes. The earlier change is
+    divided by 1.6. With fewer meshes there is no part.
     """
     (n, fine, own), *before = reversed(meshes)
     parts: dict[str, float] = {}
@@ -231,9 +231,9 @@ def mesh_errors(
 
 
 def _steps(n: float, before: Sequence[tuple[float, Numbers, Numbers]]) -> list[Numbers]:
-    """Values of the earlier meshes that are each coarser than the next one by at least APART, the
-    finest first. n: elements per semi-axis of the finest mesh; before: n, values and reading
-    errors of the others, the finest first.
+    """Values of the earlier meshes that are each coarser than the next one by a factor of at least
+    1.5 (APART), the finest first. n: elements per smaller semi-axis of the finest mesh; before: n,
+    values and reading errors of the others, the finest first.
     """
     apart = []
     for m, values, _ in before:

@@ -184,9 +184,9 @@ def assemble(plan: Plan, made: mesh.ContactMesh) -> ContactModel:
 
 def mesh_and_solve(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> MeshSolution:
     """Mesh the bodies of a plan, solve, and read the result; collective. Where the patch is not the
-    expected one, mesh and solve again around it, with at most MAX_MESHES meshes. The last solution
-    is returned even where it did not converge or the mesh does not fit the patch. Raises MeshError
-    where gmsh cannot mesh the bodies, SceneError as `solve`.
+    expected one, mesh and solve again around it, with at most three (MAX_MESHES) meshes. The last
+    solution is returned even where it did not converge or the mesh does not fit the patch. Raises
+    MeshError where gmsh cannot mesh the bodies, SceneError as `solve`.
     """
     clock = _Clock()
     for attempt in range(1, MAX_MESHES + 1):
@@ -351,7 +351,7 @@ def solve(
 
     Between half-spaces the far field is that of a load. A given approach is then met by secants in
     the logarithms of load and approach, from load ~ approach^1.5 (Hertz), in at most
-    MAX_APPROACH_SOLVES solutions. Raises SceneError for bodies with too many unknowns for friction.
+    six (MAX_APPROACH_SOLVES) solutions. Raises SceneError where friction has too many unknowns.
     """
     from railhead.run import solid_friction
 
@@ -400,8 +400,8 @@ def solve(
 
 def _remesh_for_found_patch(plan: Plan, fields: Fields) -> Plan | None:
     """Plan of a mesh around the solved patch; None where half lengths are the expected ones within
-    a factor REMESH_RATIO and the centre within a quarter of them, or nothing touches. A patch size
-    that the scene gives is kept. fields: on rank 0.
+    a factor 1.25 (REMESH_RATIO) and the centre within a quarter of them, or nothing touches. A
+    patch size that the scene gives is kept. fields: on rank 0.
     """
     if not np.any(fields.contact.pressure > 0):
         return None

@@ -135,7 +135,8 @@ def friction_steps(scene: Scene, power: int, *, yields: bool) -> tuple[tuple[flo
     one is short. Then the force is applied, in a cycle also reversed and applied again, in equal
     steps where bodies yield.
 
-    power: of the load in the patch's length; yields: whether bodies yield.
+    power: of the patch's length that the load grows with, 3 or in a line contact 2; yields: whether
+        bodies yield.
     """
     if not interface.grows(scene):
         grown = []

@@ -83,7 +83,7 @@ def _refine(
     plan: Plan, progress: Progress, comm: MPI.Intracomm
 ) -> tuple[list[MeshSolution], Ending]:
     """Solve on a coarse and a fine mesh, and on finer ones until the estimates meet the accuracy,
-    at most MAX_LEVELS. Without an accuracy, until there are estimates (collective).
+    at most five (MAX_LEVELS). Without an accuracy, until there are estimates (collective).
 
     Outside the calibrated families a third mesh, coarser still, is solved first. Where the error
     envelopes do not cover the coarse mesh, that mesh confirms nothing and is left out.
@@ -133,8 +133,8 @@ def _with_load_step_errors(
     solved: MeshSolution, progress: Progress, comm: MPI.Intracomm
 ) -> MeshSolution:
     """The coarse solution with twice its load steps, which is solved here, and a plan with as many
-    as the accuracy needs, at most MOST_STEPS times the usual number (collective). It holds the
-    error of the usual number: STEP_ERROR times the change.
+    as the accuracy needs, at most 16 (MOST_STEPS) times the usual number (collective). It holds the
+    relative error of the usual number: twice (STEP_ERROR) the change.
     """
     plan = solved.plan
     twice = replace(plan, load_steps=2 * plan.load_steps)
@@ -163,9 +163,9 @@ def _accuracy_of_meshes(plan: Plan) -> float:
 
 
 def _next(meshes: list[MeshSolution], worst: float, wanted: float) -> tuple[float, bool]:
-    """Elements per semi-axis of the next mesh, and whether error estimates exist there. worst:
-    largest error of the last mesh; wanted: planned elements per semi-axis. Only what it gives on
-    rank 0 counts.
+    """Elements per smaller semi-axis of the next mesh, and whether error estimates exist there.
+    worst: largest relative error of the last mesh; wanted: planned elements per smaller semi-axis.
+    Only what it gives on rank 0 counts.
     """
     solved = meshes[-1]
     n, asked = solved.resolution, solved.plan.scene.accuracy

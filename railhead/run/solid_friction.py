@@ -63,7 +63,8 @@ class GridPatch:
     x, y: cell centres (CELLS,) along x and s of the patch's frame, mm.
     points: points of the surfaces below the parts of the cells.
     divided: number of parts of a cell each way.
-    modes: rigid slip (4, 2, nx, ny) along the tangents at the cells; zero where the surfaces end.
+    modes: rigid slip (4, 2, nx, ny) along the tangents at the cells, in the four motions and units
+        of `FrictionSettings.rigid_slip`; zero where the surfaces end.
     tangents: (nx, ny, 2, 3) unit tangents along and across at the cells, in space; zero where the
         surfaces end.
     places: (nx, ny, 3) points of the slave below the cells in space, mm; zero where the surfaces

@@ -360,7 +360,8 @@ class Scene(Section):
             "60E1"})``.
         Setting the load drops the approach and the reverse; a profile other than ``arc`` drops its
         radius, and the penalty method drops theta. Setting rail.extent to half-space drops the keys
-        that half-spaces cannot use, but for those set in the same call. Raises SceneError.
+        that half-spaces cannot use, but for those set in the same call. Raises SceneError for a
+        wrong key or value, and for a scene that breaks a rule.
         """
         given = assigned(assignments) | dict(_dotted(values))
         given = {OTHER_NAMES.get(key, key): value for key, value in given.items()}
@@ -386,8 +387,8 @@ class Scene(Section):
         return self.from_mapping(data)
 
     def value(self, key: str) -> object:
-        """The value of a dotted key, in its base unit (N, mm, MPa, s, rad); of a table a
-        dictionary. Raises KeyError for an unknown key.
+        """The value of a dotted key, in its base unit (N, mm, MPa, s, rad); None where it has none,
+        of a table a dictionary. Raises KeyError for an unknown key.
         """
         return reduce(getitem, OTHER_NAMES.get(key, key).split("."), self.model_dump())
 

@@ -188,7 +188,9 @@ def traction(context: Context) -> float:
 
 
 def _indicator(context: Context) -> tuple[float, float, str]:
-    """p0/k of the elastic pressure, the shakedown limit of p0/k, and both in a sentence."""
+    """Largest elastic pressure p0 over the rail's yield stress in shear k before any hardening, the
+    shakedown limit of that ratio, and both in a sentence.
+    """
     scene, hertz, elastic = context.scene, context.hertz, context.elastic
     poisson = scene.rail.poisson_ratio
     shear = scene.rail.first_yield / math.sqrt(3)
@@ -205,8 +207,9 @@ def _indicator(context: Context) -> tuple[float, float, str]:
 
 
 def line_limit(context: Context) -> float:
-    """p0/k up to which a line contact of a scene shakes down, k of first yield, by Melan's theorem:
-    of a rail that hardens kinematically alone with its back stress, of others without hardening.
+    """Largest pressure p0 over the rail's yield stress in shear k, before any hardening, up to which
+    a line contact of a scene shakes down, by Melan's theorem: of a rail that hardens kinematically
+    alone with its back stress, of others without hardening.
     """
     scene, share = context.scene, traction(context)
     kinematic = scene.rail.hardens and scene.rail.kinematic_fraction == 1

@@ -107,7 +107,9 @@ def allowance(
 ) -> dict[str, Allowance]:
     """Allowed relative differences by "max_MPa" and "area_mm2", of a solid contact of profiles.
 
-    deformable: tags of the bodies that deform. solved: its half-space solution, or exact Hertz.
+    contact: first contact of the bodies; not of half-spaces.
+    deformable: tags of the bodies that deform.
+    solved: the contact between half-spaces, by boundary elements or exact Hertz.
     twist: relative change of pressure and area by the rotation and the movement of the bodies,
         which is taken over as a part.
     """
@@ -131,7 +133,7 @@ def allowance(
 
 
 def _patches(surface: Developed, solved: BoundaryElementSolution | Ellipse) -> list[_Patch]:
-    """The patches of a half-space solution but those with less than SMALLEST of the force, or
+    """The patches of a half-space solution but those with at most 0.2 % (SMALLEST) of the force, or
     Hertz's patch at s = 0.
     """
     if isinstance(solved, Ellipse):

@@ -103,7 +103,7 @@ def solve(
     cells: cells each way in a patch.
     Where the solution leaves a point of the wheel's contact locus inside the rail, a patch was
     missed and is added. Raises ValueError for half-spaces, where there is no closed patch within
-    the profiles, and where patches are still missed after MAX_SOLUTIONS solutions.
+    the profiles, and where patches are still missed after five solutions (MAX_SOLUTIONS).
     """
     surface, cosine = develop(contact), math.cos(contact.touch.angle)
     rigid = ellipse.approach / cosine

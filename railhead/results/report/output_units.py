@@ -10,7 +10,8 @@ KINDS = ("mm", "N", "MPa")
 
 def parse(text: str | None) -> Units:
     """Units from a text as "um,kN,GPa", in any order, at most one of each kind; None: base units.
-    Where lengths have another unit, numbers in um have it, too. Raises SceneError.
+    Where lengths have another unit, numbers in um have it, too. Raises SceneError for an unknown
+    unit and for two of one kind.
     """
     chosen: dict[str, str] = {}
     for name in (part.strip() for part in text.split(",")) if text is not None else ():

@@ -188,7 +188,7 @@ def line_contact(
     sticks: float = 0.0,
     width: float = 1.0,
 ) -> RollingContact:
-    """Line contact that rolls.
+    """Line contact that rolls, of half-spaces.
 
     half_width: mm. load: N/mm. curvature: relative, 1/mm. modulus: E*, MPa. keeps: whether Hertz's
         pressure stays. slips: coefficient of friction, with the sign of the force of the wheel on
