@@ -193,8 +193,8 @@ def master_surface(
     slave's normal.
 
     The point of the slave that faces a node is searched by following the normal that the slave has
-    at the last guess, `ITERATIONS` times. Nodes for which the normal still misses, or where the
-    exact gap is not finite, are left out, and so are facets with such a node.
+    at the last guess, four times (ITERATIONS). Nodes for which the normal still misses, or where
+    the exact gap is not finite, are left out, and so are facets with such a node.
 
     slave, master: contact facets of all ranks.
     exact: exact initial gap and the slave's outward normals.

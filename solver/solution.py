@@ -81,7 +81,7 @@ class FrictionSolution:
         time, N mm; zero for rolling.
     coupling_iterations: number of times, over all load steps, that the tractions were solved
         between two pressings.
-    rigid_slip: slip (n, 3) of rigid bodies with the motion `rigid_motion`.
+    rigid_slip: slip (n, 3) of rigid bodies with the motion `rigid_motion`, in the unit of `slip`.
     newton_steps: largest number of steps of Newton's method on the tractions.
     without_creepage: for finite bodies that roll, the tractions at the same pressure without any
         rigid slip; otherwise None.

@@ -47,10 +47,10 @@ def bodies(
 def depth(scene: Scene, body: int) -> float:
     """Nominal depth at which the body (RAIL or WHEEL) of a solid is held, mm. A depth of the scene
     counts from the top of the crown, or from the nominal rolling radius inwards. The default is
-    HEAD_DEPTH, or the smaller of RIM_DEPTH and half the rolling radius. It counts from the lowest
-    end of the crown, or from the point of the tread nearest to the axle, without the drop to there.
-    So does a rim_depth that ends above that point. For a standard rail this is the depth of its
-    head, also where web and foot are meshed.
+    50 mm (HEAD_DEPTH), or the smaller of 60 mm (RIM_DEPTH) and half the rolling radius. It counts
+    from the lowest end of the crown, or from the point of the tread nearest to the axle, without
+    the drop to there. So does a rim_depth that ends above that point. For a standard rail this is
+    the depth of its head, also where web and foot are meshed.
     """
     if body == WHEEL:
         return scene.wheel.rim_depth or min(RIM_DEPTH, 0.5 * scene.wheel.rolling_radius)

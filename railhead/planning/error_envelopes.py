@@ -277,8 +277,8 @@ def family(setting: Setting) -> Family | None:
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """Relative error of sizes and values of the answer that measured profiles may hide, with the
-    factor SAFETY in it.
+    """Relative error of sizes and values of the answer that measured profiles may hide: twice
+    (SAFETY) the largest change that was found.
     relative: relative error of the largest pressure or of the area, the larger one; infinite where
         boundary elements find no patch.
     reason: why the error is infinite, else empty.

@@ -157,8 +157,8 @@ def friction_steps(scene: Scene, power: int, *, yields: bool) -> tuple[tuple[flo
 
 def near_patches(zones: Sequence[Zone], points: Array) -> Mask:
     """Mask (n,) of the points (n, 3) in space, mm, near which yield is followed: in ellipsoids
-    around the patches (zones), with half axes of YIELD_REACH times the patch's half lengths and, in
-    depth, YIELD_REACH times the smaller one.
+    around the patches (zones), with half axes of three times (YIELD_REACH) the patch's half lengths
+    and, in depth, three times the smaller one.
     """
     near = np.zeros(len(points), dtype=bool)
     for zone in zones:

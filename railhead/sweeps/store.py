@@ -109,7 +109,7 @@ def done(folder: Path) -> set[int]:
 
 def write(folder: Path, number: int, record: Mapping[str, Any], *, again: bool = False) -> None:
     """Write the record of scene `number`; the file appears whole or not at all. again: whether it
-    is kept only until the scene is tried again. Raises OSError.
+    is kept only until the scene is tried again. Raises OSError where it cannot be written.
     """
     path = _record(folder, number)
     path = path.with_suffix(AGAIN) if again else path
@@ -117,7 +117,9 @@ def write(folder: Path, number: int, record: Mapping[str, Any], *, again: bool =
 
 
 def write_whole(folder: Path, path: Path, content: bytes) -> None:
-    """Write a file of the sweep in `folder` that appears whole or not at all. Raises OSError."""
+    """Write a file of the sweep in `folder` that appears whole or not at all. OSError: it cannot
+    be written.
+    """
     part = folder / RECORDS / f".{path.name}.{os.getpid()}"
     part.parent.mkdir(exist_ok=True)
     part.write_bytes(content)

@@ -26,7 +26,7 @@ def write(
     pictures: Sequence[str],
     units: Units,
 ) -> None:
-    """Write the report of a sweep into its folder. Raises OSError.
+    """Write the report of a sweep into its folder. Raises OSError where it cannot be written.
 
     columns: names of the columns of the values that change. rows: of sweep.csv, one for each scene.
     pictures: names of PNG files in the folder; those that are missing are left out. units: of the

@@ -105,7 +105,9 @@ class Sweep(list[Result]):
         return self._rows
 
     def to_csv(self, path: str | Path) -> None:
-        """Write the rows as comma-separated values, in UTF-8 with a byte order mark."""
+        """Write the rows as comma-separated values, in UTF-8 with a byte order mark. Raises
+        SceneError for what is no path, OSError where it cannot be written.
+        """
         as_path(path, "path").write_bytes(result_folder.encoded(self.rows()))
 
     def to_dataframe(self) -> Any:

@@ -51,8 +51,8 @@ class TangentialState:
         direction of slip; zero where there is none.
     history: for each of Newton's steps, the larger of two: the change of the tractions over the
         largest mu p, and the missing part of prescribed forces over mu times normal force. At
-        least 2 TOLERANCE while the set of points that slip changes, infinite where the tangent is
-        singular.
+        least 2e-8 (twice TOLERANCE) while the set of points that slip changes, infinite where the
+        tangent is singular.
     """
 
     traction: Array

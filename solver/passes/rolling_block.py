@@ -79,7 +79,7 @@ class SectionState:
     history: plastic state of the lines.
     residual: residual stress (lines, m), MPa, in Mandel's notation of the block.
     profile: displacement of the surface.
-    displacement: u (n c,) of the last pass, from which the next one starts; None: zero.
+    displacement: u (n c,), mm, of the last pass, from which the next one starts; None: zero.
     count: number of passes so far.
     """
 

@@ -136,8 +136,8 @@ class LoadStepping:
 
     def solve_load_steps(self, shares: Iterable[float]) -> NewtonResult:
         """Apply the load case in these shares of the full load, in turn. A step that does not
-        converge is halved, down to `SMALLEST_STEP` of it. Where that fails too, the other shares
-        are left out. Returns the result of the last step, which has then not converged.
+        converge is halved, down to 1/32 (SMALLEST_STEP) of it. Where that fails too, the other
+        shares are left out. Returns the result of the last step, which has then not converged.
         """
         for share in shares:
             least = abs(share - self.share) * SMALLEST_STEP
@@ -390,10 +390,10 @@ class PlasticResponse(ElasticResponse):
         return np.asarray(2 * self.problem.surface.mu[points, None] * shear)
 
     def unload(self, solution: Solution) -> Solution:
-        """The solution with its residual state, where the load path has one (collective). Up to
-        UNLOADED_AT_ONCE times first yield the bodies are separated at once; beyond, the load is
-        first lowered to the shares UNLOADING. Where that fails, the residual state is that of the
-        failed step, with the bodies in contact.
+        """The solution with its residual state, where the load path has one (collective). Up to ten
+        times (UNLOADED_AT_ONCE) first yield the bodies are separated at once; beyond, the load is
+        first lowered to 0.95 and 0.85 (UNLOADING). Where that fails, the residual state is that of
+        the failed step, with the bodies in contact.
 
         Without unloading in the load path, and where nothing yielded or the solution did not
         converge, the solution itself.

@@ -49,8 +49,8 @@ class ContactLaw:
     method: 'nitsche' or 'penalty'.
     theta: variant of Nitsche's method: 1 (symmetric), 0 or -1; None: `suited` chooses. Without
         effect on a penalty but for the limit in `suited`.
-    gamma_factor: parameter over the smallest stable one or, for a penalty, over `PENALTY_FACTOR`
-        times the trace bound; positive.
+    gamma_factor: parameter over the smallest stable one or, for a penalty, over ten times
+        (PENALTY_FACTOR) the trace bound; positive.
     Raises ValueError for other values.
     """
 
@@ -97,7 +97,7 @@ class ContactLaw:
         theta = 1 is coercive down to factor 1, theta = -1 at any factor. So theta = -1 is chosen
         for factors below 1 where theta is None. Towards incompressibility the safe parameter grows
         with lambda, although the contact gets no stiffer. The parameter, also of a penalty, is then
-        limited to LARGEST_PARAMETER times E, unless theta = 1 is given.
+        limited by the factor 3 E/(lambda + 2 mu) (LARGEST_PARAMETER), unless theta = 1 is given.
         """
         lam, mu = lame
         factor = self.gamma_factor
@@ -109,7 +109,7 @@ class ContactLaw:
     @property
     def stages(self) -> list[ContactLaw]:
         """Laws to solve with one after the other, from a parameter near the default up to this law,
-        which is the last; from one to the next the parameter grows by `STAGE_GROWTH`.
+        which is the last; from one to the next the parameter grows by a factor 10 (STAGE_GROWTH).
         """
         count = max(0, math.ceil(math.log(self.scale / STAGE_GROWTH, STAGE_GROWTH)))
         return [
@@ -155,7 +155,7 @@ class Interface:
         """Value (n,) that the parameter of a contact law is a multiple of, MPa/mm.
 
         For Nitsche's method it is the smallest stable parameter, in layered cells the trace bound
-        times `LAYER_FACTOR`. For a penalty it is the trace bound: a penalty is stable at any
+        times 2 (LAYER_FACTOR). For a penalty it is the trace bound: a penalty is stable at any
         parameter, and a larger one makes its pressure oscillate more.
         """
         return LAYER_FACTOR * self.trace_bound if self.layered and law.sigma else self.trace_bound

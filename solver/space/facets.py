@@ -159,9 +159,9 @@ def pair(points: Array, normals: Array, master: FacetSet) -> tuple[Index, Array]
 
     points: x (n, c), mm. normals: n (n, c). master: facets of the surface.
     Returns the facet that is met (n,), -1 where there is none, and the coordinates xi in the
-    reference facet (n, c - 1), zero where there is none. A point may lie up to OUTSIDE beyond the
-    border of its facet drawn straight between its corners. Only the CANDIDATES nearest facets of
-    each point are tried, by Newton's method.
+    reference facet (n, c - 1), zero where there is none. A point may lie beyond the border of its
+    facet, drawn straight between its corners, by up to 0.05 (OUTSIDE) of the reference facet. The 8
+    and then the 64 (CANDIDATES) nearest facets of each point are tried, by Newton's method.
     """
     facet = np.full(len(points), -1, dtype=np.int64)
     inner = points.shape[1] - 1

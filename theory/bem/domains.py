@@ -61,7 +61,8 @@ def towards(gap: Array, domain: Array, grid: Grid) -> Array:
 
 def _apart(touching: Mask, domain: Array) -> list[Array]:
     """Domains (2, 2) around the separate patches in a domain. touching: cells with pressure (nx,
-    ns). Patches closer than APART times their size share a domain; at most MOST domains result.
+    ns). Patches whose boxes overlap when 1.6 times (APART) as large share a domain; at most eight
+    domains (MOST) result.
     """
     boxes = []
     size = 2 * domain[1] / touching.shape

@@ -110,9 +110,9 @@ def largest_von_mises(patch: PatchSolution, poisson: float) -> float:
 
 def lattice(patch: PatchSolution) -> Array:
     """Places (n, 3) at which the largest stress below a patch is looked for, mm: below the
-    crossings of PLACES + 1 lines each way, of which one goes through the cell of the largest
-    pressure. One depth is SURFACE cells; DEPTHS others go from half a cell to the smaller half
-    length.
+    crossings of four lines each way, of which one goes through the cell of the largest pressure.
+    One depth is 1e-3 (SURFACE) of a cell; 16 others (DEPTHS) go from half a cell to the smaller
+    half length.
     """
     top = np.unravel_index(int(np.argmax(patch.pressure)), patch.pressure.shape)
     lines = [

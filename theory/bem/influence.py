@@ -63,7 +63,7 @@ class Nodes:
     """
 
     def __init__(self, grid: Grid) -> None:
-        """grid: the grid of cells; at most NODES nodes are placed along each axis."""
+        """grid: the grid of cells; at most 16 nodes (NODES) are placed along each axis."""
         axes, self._weights = zip(*(_hats(axis) for axis in (grid.x, grid.s)), strict=True)
         self.places = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
         self._grid = grid

@@ -38,7 +38,7 @@ def yield_pressure(nu: float) -> float:
 
 def jackson_green(load: float, nu: float, strain: float) -> Indentation:
     """Approach, radius and mean pressure of an elastic-plastic sphere without hardening; Hertz's up
-    to an approach of HERTZIAN times that of first yield.
+    to an approach of 1.9 times (HERTZIAN) that of first yield.
 
     load: over the load of first yield.
     nu: Poisson's ratio.

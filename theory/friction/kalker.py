@@ -72,7 +72,7 @@ def coefficients(axis_ratio: float, poisson: float) -> Coefficients:
     polynomials of the same degree (Galin). The tractions of each part of u are computed first; then
     f is chosen for the smallest traction coefficients along the leading edge, in the least-squares
     sense. Within 0.2 % of the limit of high degrees for a/b from 0.2 to 5, 0.4 % from 0.1 to 10.
-    ValueError: an argument out of range.
+    ValueError: an axis ratio outside 0.05 to 20, or a Poisson's ratio outside 0 to 0.5.
     """
     if not (0.05 <= axis_ratio <= 20 and 0 <= poisson <= 0.5):
         raise ValueError(
@@ -96,7 +96,7 @@ def coefficients(axis_ratio: float, poisson: float) -> Coefficients:
 
 class _Basis:
     """Tractions on an ellipse: m products of Legendre polynomials in x/a and y/b up to a total
-    degree DEGREE, over the root sqrt(1 - x^2/a^2 - y^2/b^2).
+    degree of 10 (DEGREE), over the root sqrt(1 - x^2/a^2 - y^2/b^2).
 
     a, b: semi-axes along and across.
     places: collocation points x (n,), y (n,) in the ellipse.

@@ -27,7 +27,8 @@ LINEAR = 3  # the first of them, P
 
 
 class SmoothTractions:
-    """The three fields P beta on a grid of cells over an ellipse WIDTH times as wide as a patch.
+    """The three fields P beta on a grid of cells over an ellipse 1.5 times (WIDTH) as wide as a
+    patch.
 
     centre: (x, y) of the patch, mm.
     half: half lengths (a, b) of the patch, mm.

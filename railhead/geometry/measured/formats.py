@@ -88,8 +88,8 @@ class Table:
 def read(path: Path, unit_is_given: bool = False) -> Table:
     """Points of a profile file; the extension selects the format.
     unit_is_given: the user gives the unit, so a header with an unknown unit is not refused.
-    Raises FormatError for a file that is no profile, with fewer than 12 points or of the wrong
-    body, and OSError.
+    Raises FormatError for a file that is no profile or has fewer than 12 points, and OSError where
+    it cannot be read.
     """
     name, lines, extension = path.name, _text(path).splitlines(), path.suffix.lower()
     body = BODY_BY_EXTENSION.get(extension, "")
@@ -182,7 +182,8 @@ def _points(
 
 def _miniprof(name: str, lines: Sequence[str], body: str) -> Table:
     """Table of a MiniProf file. Lines that begin with a quotation mark are commented out. Raises
-    FormatError. name: file name, for messages; body: 'rail' or 'wheel', by the extension.
+    FormatError for a file without header or without points, and for a line that is no point.
+    name: file name, for messages; body: 'rail' or 'wheel', by the extension.
     """
     empty = next((i for i, line in enumerate(lines) if not line.strip()), len(lines))
     header = dict(line.split("=", 1) for line in lines[:empty] if "=" in line)
@@ -205,7 +206,8 @@ def _miniprof(name: str, lines: Sequence[str], body: str) -> Table:
 
 def _simpack(name: str, lines: Sequence[str], body: str) -> Table:
     """Table of a Simpack file. Shifts, rotation, bounds and mirrors of the header are applied in
-    order, as Simpack does. Raises FormatError.
+    order, as Simpack does. Raises FormatError for a file that has no points or is cut off, or whose
+    header has a word where a number belongs.
     name: file name, for messages.
     body: 'rail' or 'wheel', by the extension; the header's type, if it has one, counts instead.
     """

@@ -157,7 +157,9 @@ def read(
     slope: tangent of the angle by which the profile is turned about the origin, positive towards y
         < 0, as a rail leans.
     stretch: factor on the wavelengths, given or chosen.
-    Raises FormatError, ValueError, OSError.
+    Raises FormatError, with the line of the file, for one that is no profile of this body, and for
+    points that make none; ValueError for a curve that faces nowhere upwards; OSError where the file
+    cannot be read.
     """
     changed = path.stat().st_mtime_ns
     return _read(path, changed, body, given, wavelength, slope, stretch)
@@ -174,7 +176,7 @@ def _read(
     stretch: float,
 ) -> Measured:
     """The profile of a file that was last changed at `changed` (ns), for the same arguments as
-    `read`; cached. Raises FormatError and ValueError.
+    `read`; cached. Raises FormatError and ValueError as `read`.
     """
     table, points, kept, remarks = _in_axes(path, changed, body, given)
     remarks = (*remarks, *table.remarks)
@@ -202,7 +204,8 @@ def _in_axes(
     """Table of a file, its points (n, 2) in the axes of profiles, the points (m, 2) that are
     smoothed, and remarks; the result holds for all smoothing and is cached.
     The number `_` is the time of the last change, so that a changed file is read again. Raises
-    FormatError.
+    FormatError for a file that is no profile of this body, where nothing tells its unit or axes,
+    and for points with outliers or rounded coordinates.
     """
     table = formats.read(path, unit_is_given=given.unit != "auto")
     if table.body and table.body != body:

@@ -69,7 +69,7 @@ class LaidStandard:
     @property
     def lost_area(self) -> float:
         """Area of the section that is lost, mm2: 0.25 mm (STEP) times the sum of the positive
-        losses, true for points that are STEP apart.
+        losses, true for points that are 0.25 mm apart.
         """
         return STEP * float(self._lost.sum())
 

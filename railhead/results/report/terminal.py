@@ -30,7 +30,7 @@ PASSES_SHOWN = 10  # rows of the table of passes, and the last one
 
 
 def standard() -> Console:
-    """Console on standard output, WIDTH characters wide where that is no terminal."""
+    """Console on standard output, 80 (WIDTH) characters wide where that is no terminal."""
     console = Console()
     return console if console.is_terminal else Console(width=WIDTH)
 

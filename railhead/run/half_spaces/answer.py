@@ -116,8 +116,8 @@ def solve(plan: Plan, progress: Progress) -> HalfSpaceSolution:
 def _solve(plan: Plan) -> HalfSpaceSolution:
     """The solution of a plan; its elastic reference is solved, too, where there is friction. With
     friction the pressure carries what the tractions leave of the load: both are solved in turn
-    until the load is met to BALANCE of it. Raises ValueError where boundary elements fail, or where
-    pressure and tractions find no balance.
+    until the load is met to 1e-6 (BALANCE) of it. Raises ValueError where boundary elements fail,
+    or where pressure and tractions find no balance.
     """
     load = plan.scene.load
     profiles = alone = _pressed(plan, load)

@@ -199,7 +199,7 @@ def _strip(contact: Strip, cells: int) -> list[PressedPatch]:
 
 def strip_grid(half_width: float, curvature: float, cells: int, wider: float) -> tuple[Grid, Array]:
     """Grid of a line contact, `cells` over its width, taken along x, by two along the line, which
-    is LENGTH half widths long; and the undeformed gap (cells, 2) at the cells, mm.
+    is 1e4 (LENGTH) half widths long; and the undeformed gap (cells, 2) at the cells, mm.
 
     half_width: mm. curvature: relative curvature across the line, 1/mm. wider: width of the grid
         over that of the contact.

@@ -33,7 +33,7 @@ TOLERANCE = 1e-7  # of the gap over the largest displacement
 class RollingContact:
     """What rolls: the undeformed gap, the elastic pressure in it, and the tractions.
 
-    grid: cells of the pressure; of a line contact two across, each LENGTH half widths long.
+    grid: cells of the pressure; of a line contact two across, each 1e4 (LENGTH) half widths long.
     gap: undeformed gap (nx, ns) at the cells, mm.
     pressure: elastic pressure (nx, ns), MPa.
     load: force of the pressure, N, along the load.

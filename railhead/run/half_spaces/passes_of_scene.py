@@ -102,8 +102,8 @@ def groove_on_profile(surface: Developed, centre: float, inclination: float) -> 
     y and z (n, 2), mm, in the axes of the profile's file, before the rail is inclined.
 
     surface: of the rail as it stands. centre: arc length of the middle of the patch on it, mm.
-    inclination: slope by which the rail leans. Points lie along the surface's normals, SPACING
-    apart or less.
+    inclination: slope by which the rail leans. Points lie along the surface's normals, 0.2 mm
+    (SPACING) apart or less.
     """
     s = np.linspace(surface.s[0], surface.s[-1], int(np.ptp(surface.s) / SPACING) + 2)
     normal, lean = surface.angle(s), math.atan(inclination)

@@ -345,8 +345,8 @@ def _ellipses(
     patches: Sequence[PressedPatch], pair: MaterialPair, motion: Sequence[float]
 ) -> Iterator[tuple[PressedPatch, float, float, Coefficients, Creepage]]:
     """For each connected patch: the patch, its semi-axes a and b (mm), Kalker's coefficients, and
-    the mean creepage and the spin in its own tangent plane. Raises ValueError for an ellipse more
-    slender than SLENDER.
+    the mean creepage and the spin in its own tangent plane. Raises ValueError for an axis ratio
+    above 20 (SLENDER) or below 1/20.
     """
     moved = np.array([*motion, 1.0])
     for patch in (part for each in patches for part in each.parts()):
