@@ -65,9 +65,9 @@ def plan(
     accuracy: largest relative error of the results, e.g. 0.01 or "1%"; None keeps the scene's.
     budget: computing time for the best accuracy, s or e.g. "30 s"; None keeps the scene's.
     quiet: no effect.
-    Raises SceneError for what is no scene, a wrong accuracy or budget, a scene that makes no
-    contact problem, an effect that cannot be chosen, an accuracy out of reach, and bodies that
-    cannot be built.
+    Raises SceneError for what is no scene, a wrong accuracy or budget, and a scene that makes no
+    contact problem. So it does for an effect that cannot be chosen, an accuracy out of reach, and
+    bodies that cannot be built.
     """
     scene = with_accuracy(scene, accuracy, budget)
     warn_of_units(scene)
@@ -93,10 +93,9 @@ def solve(
     progress: function that is called in the place of showing progress, on rank 0, with the seconds
         since the start and what is done now, e.g. (1.3, "solving 9000 unknowns"). What it raises
         ends the call.
-    Raises SceneError for what is no scene, a wrong accuracy or budget, a scene that makes no
-    contact problem, an effect that cannot be chosen, an accuracy out of reach, bodies that cannot
-    be built, and a mesh too large for the memory or for friction. MeshError: gmsh fails. A result
-    that fails a check is returned, too: see `Result.passed`.
+    Raises SceneError for all that `plan` refuses, and for a mesh too large for the memory or for
+    friction. MeshError: gmsh fails. A result that fails a check is returned, too: see
+    `Result.passed`.
     """
     from railhead.results import pipeline
     from railhead.run import refinement

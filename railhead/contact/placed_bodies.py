@@ -72,7 +72,8 @@ def rail_reach(contact: Contact, reach: float, *, whole_section: bool) -> float:
 
 def _rail(contact: Contact, reach: float, *, whole_section: bool, half: bool) -> Body:
     """The rail as a section and half length: standard section, block below a crown, or half-space.
-    Raises SceneError where rail.depth does not exceed the drop of the crown.
+    Arguments: as of `bodies`. Raises SceneError where rail.depth does not exceed the drop of the
+    crown.
     """
     scene = contact.scene
     if contact.pair is None:

@@ -122,9 +122,9 @@ class LongitudinalSection(SectionContact):
     ) -> list[Body]:
         """Bodies of the section, each with its closed outline, for the deformable ones (RAIL,
         WHEEL).
-        reach: mm; half length along x of a rail without `length` (in a meridian section without
-            `width`), length of arc to each side of a wheel without `segment_length`, half the edge
-            of the blocks of half-spaces.
+        reach: half length along x of a rail without `length` (in a meridian section without
+            `width`), mm. Also the length of arc to each side of a wheel without `segment_length`;
+            of half-spaces half the edge of the blocks.
         whole_section: has no effect here.
         half: whether only x >= 0 is outlined. For a meridian section the caller must pass True
             (`Plan.parts`).

@@ -34,8 +34,9 @@ class Outline:
     """The contact locus of a wheel in a pose: points whose normal has no x component; (x, y, z) are
     those of space.
 
-    points: (n, 3) of (x, y, z), mm. A row, with its slope and turn, is NaN where the profile is too
-        steep for the yaw, so that no point of the circle has such a normal, and beyond its ends.
+    points: (n, 3) of (x, y, z), mm. A row, with its slope and turn, is NaN beyond the ends of the
+        profile. So it is where the profile is too steep for the yaw: no point of the circle has
+        such a normal there.
     slope: (n,) dz/dy of the tangent across the rail.
     turn: (n,) angle about the axle from the wheel's lowest line, rad, positive ahead (towards +x).
     radius: (n,) distance from the axle, mm.

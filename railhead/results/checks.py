@@ -462,7 +462,7 @@ def half_spaces(solved: HalfSpaceSolution, bound: dict[str, float]) -> Iterator[
 
 def _between(name: str, value: float, bounds: tuple[float, float], source: str) -> Iterator[Check]:
     """Two checks of a value, for the upper and the lower bound; the name of the second one ends in
-    "_least".
+    "_least". bounds: lower, upper. source: reason of both.
     """
     low, high = bounds
     yield Check(name=name, value=value, limit=high, source=source, advice=FINER)

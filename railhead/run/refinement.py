@@ -132,9 +132,9 @@ def _refine(
 def _with_load_step_errors(
     solved: MeshSolution, progress: Progress, comm: MPI.Intracomm
 ) -> MeshSolution:
-    """The coarse solution with twice its load steps, which is solved here, and a plan with as many
-    as the accuracy needs, at most 16 (MOST_STEPS) times the usual number (collective). It holds the
-    relative error of the usual number: twice (STEP_ERROR) the change.
+    """The coarse solution with twice its load steps, which is solved here (collective). Its plan
+    has as many steps as the accuracy needs, at most 16 times (MOST_STEPS) the usual number. It
+    holds the relative error of the usual number: twice (STEP_ERROR) the change.
     """
     plan = solved.plan
     twice = replace(plan, load_steps=2 * plan.load_steps)

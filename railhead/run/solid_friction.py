@@ -450,7 +450,7 @@ def shared_patches(
     model: ContactModel, fields: Fields | None, *, parabolic: bool
 ) -> list[SmoothPatch]:
     """Patches with their smooth pressure, most loaded first, on all ranks (collective). fields: the
-    solution; None off rank 0.
+    solution; None off rank 0. parabolic: as of `smooth_patches`.
     """
     found = None if fields is None else smooth_patches(fields, parabolic=parabolic)
     shared: list[SmoothPatch] = model.comm.bcast(found)

@@ -147,7 +147,7 @@ class RollingBlock:
 
     @cached_property
     def _section_streams(self) -> Streams:
-        """Columns and lines of the slab; the lines are those of the block."""
+        """Columns and lines of the slab. ValueError: its lines are not those of the block."""
         found = Streams.of(self.section.points.points)
         if found.places.shape != self.streams.places.shape:
             raise ValueError("the lines of section and block differ")

@@ -93,7 +93,7 @@ def follow(
 
 def _elastic_columns(strain: Array, mu: Array, state: History, hardening: Hardening) -> int:
     """Number of columns of strains (columns, lines, m) before the first one in which a point
-    yields.
+    yields. mu: shear modulus (lines,), MPa. state: of the lines.
     """
     flat = deviator(strain.reshape(-1, strain.shape[2])).reshape(strain.shape)
     trial = 2 * mu[:, None] * (flat - state.plastic) - state.back

@@ -241,9 +241,9 @@ def equilibrium(
     """Pressure on fixed grids by constrained conjugate gradients (Polonsky and Keer, Wear 231,
     1999).
 
-    undeformed: gap (nx, ns) on each grid, mm. load, approach: N and mm, one of them None.
-        tolerance: of the gap in the patch, over the largest displacement. guess: earlier solution
-        from which the iterations start, or None.
+    undeformed: gap (nx, ns) on each grid, mm. contact_modulus: E*, MPa. load, approach: along the
+        load, N and mm, one of them None. tolerance: of the gap in the patch, over the largest
+        displacement. guess: earlier solution from which the iterations start, or None.
 
     With the cells' areas w and c = cos(angle), p minimises sum w p (u(p)/2 + gap) over p >= 0 under
     sum w c p = load. Its gradient, in the inner product weighted by w, in which u(p) is self-

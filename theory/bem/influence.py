@@ -85,7 +85,7 @@ class Nodes:
 
 def point_force(places: Array, sources: Array, contact_modulus: float) -> Array:
     """Normal displacement 1/(pi E* r) of places (n, 2) by unit forces at sources (m, 2), mm: a
-    matrix (n, m), mm/N (Boussinesq; Johnson, Contact Mechanics, 3.22a).
+    matrix (n, m), mm/N (Boussinesq; Johnson, Contact Mechanics, 3.22a). contact_modulus: E*, MPa.
     """
     distance = np.hypot(*(places[:, None] - sources[None]).transpose(2, 0, 1))
     return np.asarray(1 / (math.pi * contact_modulus * distance))

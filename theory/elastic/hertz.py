@@ -198,8 +198,8 @@ def point_contact(
 def point_contact_from_approach(
     curvature_x: float, curvature_y: float, contact_modulus: float, approach: float
 ) -> Ellipse:
-    """Hertz ellipse for the gap curvature_x x^2/2 + curvature_y y^2/2 (curvatures in 1/mm) at a
-    given approach in mm.
+    """Hertz ellipse for the gap curvature_x x^2/2 + curvature_y y^2/2 (curvatures in 1/mm, contact
+    modulus E* in MPa) at a given approach of distant points in mm.
 
     The load follows from the equations of `point_contact`. ValueError: an argument that is not
     positive and finite.

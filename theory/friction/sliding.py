@@ -76,6 +76,7 @@ def stress(contact: Hertz, friction: float, poisson: float, points: ArrayLike) -
 def peak_below_surface(contact: Hertz, friction: float, poisson: float) -> PeakStress:
     """Largest von Mises stress, to 1e-4, in the plane along x through the middle of the patch,
     between depths of 0.1 and 1.5 times the smaller half length; of a line contact its half width.
+    friction: coefficient mu.
     """
     depth = min(contact.half_lengths)
     return _highest(contact, friction, poisson, (0.1 * depth, 1.5 * depth))
@@ -83,7 +84,7 @@ def peak_below_surface(contact: Hertz, friction: float, poisson: float) -> PeakS
 
 def peak_at_surface(contact: Hertz, friction: float, poisson: float) -> PeakStress:
     """Largest von Mises stress on the surface, to 1e-3, on the line along x through the middle of
-    the patch. With friction it lies at the trailing edge, x = -a.
+    the patch. With friction it lies at the trailing edge, x = -a. friction: coefficient mu.
     """
     return _highest(contact, friction, poisson, (0.0, 0.0))
 
@@ -92,7 +93,7 @@ def _highest(
     contact: Hertz, friction: float, poisson: float, depths: tuple[float, float]
 ) -> PeakStress:
     """Largest von Mises stress in the plane y = 0 between two depths (mm), on grids that shrink
-    around the highest point of the grid before.
+    around the highest point of the grid before. friction: coefficient mu.
     """
     a, _ = contact.half_lengths
     low, high = np.array([-1.2 * a, depths[0]]), np.array([1.2 * a, depths[1]])

@@ -180,7 +180,7 @@ def in_units(panels: Sequence[Axes], units: Units) -> None:
 
 def levels(units: Units, label: str, values: Array, count: int = BANDS) -> Array:
     """Limits (k,) of colour bands that hold zero and values (n,), in the unit of the label, MPa or
-    none: round numbers of the reader's unit, zero among them.
+    none: round numbers of the reader's unit, zero among them. count: about how many bands.
     """
     factor = units.value(1.0, label)
     low, high = factor * min(values.min(), 0.0), factor * max(values.max(), 0.0)

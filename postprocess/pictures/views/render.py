@@ -258,8 +258,8 @@ def _global(frame: Frame, local: ArrayLike) -> Array:
 
 def _on(surface: Any, frame: Frame, line: Array) -> Array:
     """Points (n, 3) in space, mm, of a curve (n, 2) of x and s in the frame, mm, at the heights of
-    a contact surface there, linear between its points; on the tangent plane where it ends.
-    surface: has points (k, 3) in space, mm. frame: axes of the tangent plane.
+    a contact surface there. These are linear between its points; where it ends, the points lie on
+    the tangent plane. surface: has points (k, 3) in space, mm. frame: axes of the tangent plane.
     """
     local = frame.local(surface.points)
     near = np.abs(local).max(axis=1) < 2 * np.abs(line).max()
