@@ -43,8 +43,8 @@ class Recipe:
 
     make: function that draws assignments to keys of `base`.
     where: conditions of the family, as `error_envelopes.Family`; those left out are in DEFAULT.
-    resolutions: elements on a semi-axis at which errors are calibrated, ascending; empty for scenes
-        outside all families.
+    resolutions: elements per smaller semi-axis at which errors are calibrated, ascending; empty for
+        scenes outside all families.
     scenes: number of scenes.
     exact: whether exact Hertz is the truth; else it is a finer mesh.
     split: by name of a family with error laws of its own, the conditions in the place of those of
@@ -393,8 +393,8 @@ def scenes(name: str, seed: int) -> Iterator[Scene]:
 def solved(
     scene: Scene, n: float | None = None, load_steps: int | None = None
 ) -> MeshSolution | None:
-    """One mesh, at n elements per semi-axis and with as many load steps, or as planned; None where
-    gmsh cannot make it."""
+    """One mesh, at n elements per smaller semi-axis and with as many load steps, or as planned
+    where these are None. None where gmsh cannot make it."""
     plan = planning.make(scene)
     plan = replace(plan, load_steps=load_steps or plan.load_steps)
     try:

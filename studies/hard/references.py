@@ -59,7 +59,7 @@ FINE = 1.6  # times the elements per semi-axis, and twice the load steps
 FORCE, STICK, SOLID = 0.012, 0.03, 0.02
 SOFT = -0.72  # mu P at creepage 0 with a rail 69 times softer: two other programs, -0.72 and -0.75
 STEP, EDGE = 0.25, 0.5  # mm between points of a profile gauge, and what it does not reach
-WORN_RESOLUTION = 5.0  # elements per semi-axis
+WORN_RESOLUTION = 5.0  # elements per smaller semi-axis
 RANDOM_SEED = 54
 
 
@@ -153,7 +153,7 @@ def measure(
 
 @refusable
 def against_hertz(scene: Scene, n: float = 4.0, limit: float = LIMIT) -> CaseErrors:
-    """Half-spaces at n elements per semi-axis (0: as planned) against exact Hertz."""
+    """Half-spaces at n elements per smaller semi-axis (0: as planned) against exact Hertz."""
     result = pipeline.run(resolved(scene, n))
     exact = numeric_values(result.summary["hertz"])
     return measure(result, deviations(result.summary, exact, HALF_SPACE, limit))
@@ -177,7 +177,7 @@ def half_space(scene: Scene, solution: MeshSolution) -> Summary:
 
 @refusable
 def against_half_space(scene: Scene, n: float = 4.0) -> CaseErrors:
-    """Real bodies at n elements per semi-axis (0: as planned) against boundary elements."""
+    """Real bodies at n elements per smaller semi-axis (0: as planned) against boundary elements."""
     result = pipeline.run(resolved(scene, n))
     other = half_space(scene, result.mesh_solution)
     return measure(result, against_boundary_elements(result.summary, other))
@@ -187,8 +187,8 @@ def against_half_space(scene: Scene, n: float = 4.0) -> CaseErrors:
 def against_finer(
     scene: Scene, n: float = 3.5, fine: float = 6.0, limit: float = 0.02
 ) -> CaseErrors:
-    """Solve at n elements per semi-axis; the same scene at `fine` is the reference, which must be
-    signed itself unless the coarse mesh is refused."""
+    """Solve at n elements per smaller semi-axis; the same scene at `fine` is the reference, which
+    must be signed itself unless the coarse mesh is refused."""
     result = pipeline.run(resolved(scene, n))
     finer = pipeline.run(resolved(scene, fine)).summary
     measured = against_fine_mesh(result, finer, limit)
@@ -214,7 +214,7 @@ def positioned(scene: Scene) -> CaseErrors:
 def outgrown(scene: Scene, meshed: str, fine: float = 0.0) -> CaseErrors:
     """Solve a scene on a first mesh made for another one (`meshed`: an assignment to it), as if it
     had been mispredicted; boundary elements are the reference, or the scene itself at `fine`
-    elements per semi-axis."""
+    elements per smaller semi-axis."""
     wrong = planning.make(resolved(scene.replace([meshed]), 4.0))
     plan = replace(planning.make(scene), forecast=wrong.forecast, patch_size=wrong.patch_size)
     solution = mesh_and_solve(plan, Progress(quiet=True), MPI.COMM_WORLD)
@@ -376,7 +376,9 @@ def random_scene(number: int) -> CaseErrors:
 
 
 def coarse_run(ranks: int, folder: Path) -> dict[str, Any]:
-    """`railhead run uic54_thesis` on a coarse mesh; its summary.json."""
+    """`railhead run uic54_thesis` on a coarse mesh; its summary.json. CalledProcessError: its
+    status is not 0. RuntimeError: another number of processes than `ranks` solved it.
+    """
     clean = {key: text for key, text in os.environ.items() if not key.startswith(TRACES)}
     launcher, environment = launch.under_mpirun(ranks, clean)
     start = [*launcher, sys.executable, "-c", "from railhead.cli import main; main()"]

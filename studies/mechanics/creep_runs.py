@@ -50,7 +50,7 @@ class CreepCurve:
 
     name: name of the scene.
     motions: creepages and spins (1/mm).
-    resolution: elements on a semi-axis; None: as planned.
+    resolution: elements per smaller semi-axis; None: as planned.
     shift: lateral shift of the wheelset, mm.
     """
 

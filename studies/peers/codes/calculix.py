@@ -32,7 +32,7 @@ NEAR = {"rail": 7.0, "wheel": 11.0}  # mm around the centre where contact is loo
 
 
 def solve(case, mesh, element, contact, penalty, solver):
-    """Deck, ccx, and what it printed."""
+    """Deck, ccx, and what it printed. RuntimeError: ccx reports an error."""
     Path("job.inp").write_text(deck(case, mesh, element, contact, penalty, solver))
     done = subprocess.run(["ccx", "-i", "job"], capture_output=True, text=True, check=False)
     if done.returncode or "*ERROR" in done.stdout:

@@ -17,7 +17,7 @@ STEPS = 60
 
 
 def solve(case, mesh, size):
-    """Bricks, Newton's method, reactions and stresses."""
+    """Bricks, Newton's method, reactions and stresses. RuntimeError: no convergence."""
     import getfem as gf
 
     gf.util_trace_level(0)

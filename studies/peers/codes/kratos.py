@@ -27,7 +27,7 @@ STEPS = 50
 
 
 def solve(case, mesh):
-    """Model file, settings, one static step, and the rail's nodes."""
+    """Model file, settings, one static step, and the rail's nodes. RuntimeError: no convergence."""
     import KratosMultiphysics as Core
     from KratosMultiphysics import ContactStructuralMechanicsApplication as Contact
     from KratosMultiphysics.ContactStructuralMechanicsApplication import (

@@ -20,7 +20,7 @@ PENALTY, STEPS, TOLERANCE = 5.0, 40, 1e-9
 
 
 def solve(case, mesh, order, size):
-    """Mesh, Newton's method, and values at points."""
+    """Mesh, Newton's method, and values at points. RuntimeError: no convergence."""
     import ngsolve as ng
 
     ng.SetNumThreads(1)

@@ -16,7 +16,9 @@ PENALTY, STEPS = 5.0, 40
 
 
 def solve(case, mesh):
-    """Regions, one solve, and the elastic forces at the rail's face."""
+    """Regions, one solve, and the elastic forces at the rail's face. RuntimeError: no
+    convergence.
+    """
     from sfepy.base.base import IndexedStruct, output
     from sfepy.discrete import (
         Equation,
