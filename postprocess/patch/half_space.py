@@ -233,8 +233,8 @@ def _below(
 ) -> DepthAxis:
     """Stresses in a body on the axis below the centre of pressure of a patch, by pressure and
     tractions of that window of `windows` whose middle is nearest to the centre. points: maps x, s
-    (n,) to points (n, 3) on the surface, mm. body: 'rail' or 'wheel'. tractions: of the wheel on
-    the rail, as in `largest`.
+    (n,) to points (n, 3) on the surface, mm. body: 'rail' or 'wheel', with Poisson's ratio
+    `poisson`. tractions: of the wheel on the rail, as in `largest`; None: no tractions.
     """
     x, s = patch.centroid
     away = [math.hypot(each.x.mean() - x, each.s.mean() - s) for each in windows]

@@ -164,7 +164,7 @@ def reconstruct(
 
     F+ is the positive part of F, p_h the computed pressure, D3 F the third derivatives of F.
     roughness: the factor r. start: a result for the same samples from which the iteration starts;
-    otherwise the start is Hertz's ellipsoid. A result that did not converge is returned, too: see
+    None: it starts from Hertz's ellipsoid. A result that did not converge is returned, too: see
     `SquaredPressure.settled`.
     """
     like = zero_squared_pressure(samples)

@@ -302,7 +302,7 @@ def place(
     """Lower the wheelset of a scene onto its track; return both profiles and the placed wheelset,
     whose sides have axes of their own (`placement.Side`).
     clearance: gap above the lowest contact point up to which further contact points are kept, mm.
-    both: profiles in place of the scene's.
+    both: profiles in place of the scene's; None: the scene's own.
     Raises SceneError where a wheel misses its rail or both cannot touch, and for a file that cannot
     be used.
     """
@@ -318,7 +318,7 @@ def place(
 def locate(scene: Scene, both: ProfilePair | None = None) -> Contact:
     """First contact of the right wheel of the wheelset on its rail, with x = 0 there; of
     half-spaces the origin.
-    both: profiles in place of the scene's.
+    both: profiles in place of the scene's; None: the scene's own.
     Raises SceneError where a wheel misses its rail, or the pair has no point contact with a common
     tangent.
     """

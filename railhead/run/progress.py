@@ -23,8 +23,9 @@ class Progress:
     def __init__(
         self, *, quiet: bool, since: float | None = None, tell: Tell | None = None
     ) -> None:
-        """quiet: whether nothing is printed; since: start of the clock (time.perf_counter), None:
-        now; tell: is called in the place of printing.
+        """quiet: whether nothing is printed; since: start of the clock, s of time.perf_counter,
+        None: now; tell: is called with seconds and text in the place of printing, None: nothing is
+        called.
         """
         self._tell = tell
         quiet = quiet or tell is not None

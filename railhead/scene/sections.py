@@ -297,7 +297,7 @@ class Rail(BodySection):
 
     profile: 54E1 (UIC54), 60E1 (UIC60), arc, the path of a file of points, or an array (n, 2) of y
         and z, mm.
-    crown_radius: mm, radius of an arc; inf is flat. Required for arc, not allowed otherwise.
+    crown_radius: mm, radius of an arc; inf is flat. Required for arc, not allowed (None) otherwise.
     inclination: tangent of the angle by which the rail leans towards the track's middle (y < 0),
         e.g. 1/20; negative: away from it.
     gauge: mm between both rails, 14 mm below their tops, which places the wheelset; None: the
@@ -336,7 +336,7 @@ class Wheel(BodySection):
     rolling_radius: mm, nominal, at the tape circle; inf is a straight bar with the profile of the
         tread, solved in a section across the rail.
     transverse_radius: mm, radius of an arc across the rail; negative is concave, inf is straight.
-        Required for arc, not allowed otherwise.
+        Required for arc, not allowed (None) otherwise.
     width: mm across the rail that are meshed, half to each side of the contact, within the profile;
         None: the whole profile.
     rim_depth: mm of the rim that is meshed, inwards to where it is held; None: the plan chooses.

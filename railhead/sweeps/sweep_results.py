@@ -41,8 +41,8 @@ class Sweep(list[Result]):
 
     def __init__(self, folder: Path, solved: Mapping[int, Result] | None = None) -> None:
         """folder: of the sweep. solved: results by number of the combination, in the place of those
-        of the records, which have numbers only. Nothing is solved. Raises SceneError for a broken
-        file.
+        of the records, which have numbers only; None: none. Nothing is solved. Raises SceneError
+        for a broken file, and for records of another sweep.
         """
         records = store.records(folder)
         found = {

@@ -43,7 +43,7 @@ class Preconditioner(ABC):
 
     problem: the contact problem.
     pc: the PETSc preconditioner; None before it is set up.
-    operator: matrix that it was made for.
+    operator: matrix that it was made for; None before that.
     active: active set (n,) that it was made for; None: it is set up anew at the next use.
     flexible: whether it contains a Krylov method, so that it changes between iterations.
     outdated_share: change of the active area since the set-up, over the active area, beyond which

@@ -176,8 +176,8 @@ class HalfSpaceFriction:
     ) -> TangentialSolution:
         """Tractions at a creepage in steady rolling, or under one shift from rest.
 
-        start: an earlier solution of this patch, from which the iterations begin. ValueError: no
-            convergence.
+        start: an earlier solution of this patch, from which the iterations begin; None: from the
+            tractions that stick everywhere. ValueError: no convergence.
         """
         slip = self._slip(creepage)
         guess = None if start is None else start.traction

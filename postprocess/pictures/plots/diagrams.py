@@ -268,7 +268,7 @@ def loaded(line: AxisPressure) -> tuple[Array, Array]:
 
 def _pressure(axes: Axes, findings: Findings, ellipse: Hertz | None, axis: int, name: str) -> None:
     """Draw on `axes` the computed pressure along x (axis 0) or s (axis 1) through the most loaded
-    patch, and that of exact Hertz where it is given.
+    patch, and that of exact Hertz (`ellipse`) unless that is None.
     """
     line: AxisPressure = (findings.along, findings.across)[axis]
     axes.plot(*loaded(line), "o-", color=FE, lw=0.8, ms=3.5, label=name)

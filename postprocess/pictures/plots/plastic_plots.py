@@ -174,7 +174,7 @@ def _pressures(
     axes: Axes, found: Findings, elastic: AxisPressure, exact: Hertz | None, axis: int
 ) -> None:
     """Draw contact pressure (MPa) along x (axis 0) or s (axis 1), mm: of the yielding bodies, of
-    the elastic ones, and of the exact Hertz contact if there is one.
+    the elastic ones, and of the exact Hertz contact unless that is None.
     """
     axes.plot(
         *loaded((found.along, found.across)[axis]),

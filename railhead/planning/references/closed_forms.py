@@ -46,16 +46,17 @@ def tangential_pair(scene: Scene) -> MaterialPair:
 
 
 def hertz_contact(scene: Scene, contact: Contact, load: float | None = None) -> Hertz:
-    """Exact Hertz, line or ellipse, for the pair under a vertical load (N), by default that or the
-    approach of the scene. Its own load is the normal force.
+    """Exact Hertz, line or ellipse, for the pair under a vertical load (N), or where that is None
+    under the load or approach of the scene. Its own load is the normal force.
     """
     along_line = contact.line_contact(load if load is not None else scene.load)
     return along_line or ellipse(scene, contact, load)
 
 
 def ellipse(scene: Scene, contact: Contact, load: float | None = None) -> Ellipse:
-    """Hertz's point contact under a vertical load (N), by default that or the approach of the
-    scene; the normal force is load / cos(contact angle), the normal approach is approach * cos.
+    """Hertz's point contact under a vertical load (N), or where that is None under the load or
+    approach of the scene. The normal force is load / cos(contact angle), the normal approach is
+    approach * cos.
     """
     touch, modulus = contact.touch, contact_modulus(scene)
     load = load if load is not None else scene.load

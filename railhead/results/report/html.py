@@ -170,7 +170,7 @@ def render(
 
 def answer_rows(summary: Mapping[str, Any], units: Units, found: Findings | None) -> dict[str, Any]:
     """Table of the contact: {"columns": names, "rows": [(label, unit, key in summary.json, cells as
-    text)]}.
+    text)]}. found: as of `render`; None, where nothing touches, gives an empty table.
     """
     if found is None:
         return {"columns": [], "rows": []}

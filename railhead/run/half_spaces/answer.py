@@ -57,7 +57,8 @@ class HalfSpaceSolution:
     findings: patch, pressure and stresses; None without a solution.
     result: "result" of summary.json, without what friction does to the steel; None without a
         solution.
-    error_parts: error estimates: what finite bodies would change, and the error of the grid.
+    error_parts: relative error estimates by key of summary.json, in parts that add up: what finite
+        bodies would change, and the error of the grid. Empty without a solution.
     friction: tractions at the cells that touch; None without friction.
     other_friction: quantities of friction by other methods, as "half_space_friction" of
         summary.json; empty where there are none.
@@ -331,7 +332,7 @@ def _tractions(
 
     def on_grid(cells: int, start: Sequence[TangentialSolution] | None) -> PatchTractions:
         """Tractions on a grid of `cells` cells along each axis; start: from which the iterations
-        begin, if these are as many patches.
+        begin, if these are as many patches; None: from none.
         """
         patches = normal_contact.patches(
             contact, plan.estimate, hertzian=False, load=load, cells=cells, profiles=profiles

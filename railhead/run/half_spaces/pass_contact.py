@@ -58,8 +58,8 @@ class RollingContact:
 
     def patch(self, moved: Array, guess: PatchSolution | None) -> PatchSolution:
         """Pressure where the rail's surface has moved up by `moved` (nx, ns), mm; guess: an earlier
-        one. Raises ValueError where boundary elements find no balance, and for a patch that grows
-        beyond the grid.
+        one, from which the iterations start, or None. Raises ValueError where boundary elements
+        find no balance, and for a patch that grows beyond the grid.
         """
         if self.keeps:
             grid = self.grid

@@ -48,8 +48,10 @@ def block(
     half_lengths: of the elastic patch, along and across, mm; of a line contact both are its half
         width.
     half: whether y = 0 is a symmetry plane.
-    per_length: elements on a half length; None: PER_LENGTH. reach: of the block over the half
-        length; None: REACH. coarser: factor on both.
+    per_length: elements on each half length; None: 8 of a line, 4 of a solid (PER_LENGTH).
+    reach: of the block to each side, over the larger half length; None: 50 of a line, 12 of a solid
+        (REACH).
+    coarser: factor on both.
     """
     from railhead.solver.passes.block import Block, graded, mirrored
     from railhead.solver.passes.rolling_block import RollingBlock
@@ -76,9 +78,9 @@ def roll(
     before: Passes | None = None,
     stage: Callable[[str], None] = lambda name: None,
 ) -> Passes:
-    """Roll `count` times over a block, from the start or on from the passes `before`, which come
-    first in what is returned. stage: called with words before each pass. Raises ValueError where
-    boundary elements find no balance.
+    """Roll `count` times over a block, on from the passes `before`, which come first in what is
+    returned; None: the rail is new. stage: called with words before each pass. Raises ValueError
+    where boundary elements find no balance.
     """
     from railhead.solver.passes.verdict import verdict
 
