@@ -249,7 +249,7 @@ def test_an_ellipse_in_contact_yields_half_as_much_and_shakes_down():
 
 
 def test_yield_beyond_the_region_that_is_followed_is_told(monkeypatch):
-    monkeypatch.setitem(repeated_rolling.DEEP, "line", 1.0)
+    monkeypatch.setitem(repeated_rolling.DEEP, True, 1.0)
     block = repeated_rolling.block(
         rail(0.0), (1.0, 1.0), line=True, half=False, per_length=3, reach=12
     )
