@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from railhead.postprocess import friction
 from railhead.postprocess.findings import Array, Findings, Frame, Patch
 from railhead.postprocess.patch import patch, section
-from railhead.postprocess.patch.separate_patches import separate_patches
+from railhead.postprocess.patch.separate_patches import contact_frame, separate_patches
 from railhead.postprocess.stress import body_stresses
 from railhead.solver.fields import Fields
 from railhead.solver.solution import FrictionSolution
@@ -34,15 +34,16 @@ def findings(
     """Read the patch, the smooth fields on the contact surfaces and the stresses in every meshed
     body out of a solution.
 
-    fields: the solution, in which some contact points carry pressure. frame: contact frame; where
-        there are several patches, that of the most loaded one is used instead. rubbing: solution
-        with friction, or None. parabolic: whether Hertz's theory is exact, that is for elastic
-        half-spaces whose gap is quadratic; second moments of the pressure then give the semi-axes.
-        Title, notes and dissipated energy of the findings are left at their defaults.
+    fields: the solution, in which some contact points carry pressure. frame: axes at the first
+        contact; those of the most loaded patch are used instead where it has a plane of its own
+        (`contact_frame`). rubbing: solution with friction, or None.
+        parabolic: whether Hertz's theory is exact, that is for elastic half-spaces whose gap is
+        quadratic; second moments of the pressure then give the semi-axes. Title, notes and
+        dissipated energy of the findings are left at their defaults.
     """
     flat = fields.kinematics.dim == 2
-    separate = [] if flat else separate_patches(fields)
-    frame = separate[0].frame if len(separate) > 1 else frame
+    separate = separate_patches(fields)
+    frame = contact_frame(separate, frame)
     if flat:
         reading = section.read(fields, frame, parabolic=parabolic)
     else:

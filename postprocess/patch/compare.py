@@ -17,6 +17,7 @@ from railhead.postprocess.findings import (
     OnePatch,
     Peak,
     Place,
+    has_own_plane,
 )
 from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.theory.bem.boundary_element import BoundaryElementSolution
@@ -107,18 +108,18 @@ def from_half_space(
     nested and named as under "result" in summary.json.
 
     surface: maps x, s (n,) to points (n, 3), mm. plane: contact angle of first contact, rad; a
-        single patch is measured on that tangent plane.
+        single patch is measured on that tangent plane unless it is turned from it.
     Of several patches the areas are those on their own tangent planes; a and b, half the extents,
     are those of the most loaded one. "patches" lists those with more than 0.2 % of the force. The
     load is vertical, the mean pressure is the integral of the pressure over the area. Stresses are
     not among the quantities. "grid_error", where a coarser solution is known: relative change from
     the coarser grids of the search; that of a and b is always 0.4 % (EXTENTS).
     """
+    main = solution.patches[0]
+    if has_own_plane([patch.plane for patch in solution.patches], plane):
+        plane = main.plane
     area = _areas(solution, plane)
-    patches = solution.patches
-    several = len(patches) > 1
-    main = patches[0]
-    a, b = main.half_extents_on(main.plane if several else plane)
+    a, b = main.half_extents_on(plane)
     quantities: Quantities = {
         "load_N": solution.load,
         "approach_mm": solution.approach,

@@ -21,6 +21,7 @@ from railhead.postprocess.findings import (
     Peak,
     Place,
     Surface,
+    has_own_plane,
 )
 from railhead.postprocess.friction import unread_peak
 from railhead.postprocess.patch import compare
@@ -108,12 +109,13 @@ def of_boundary_elements(
     below the coarser grid of the solution, or below its own where there is none.
 
     values: quantities of the solution, by `compare.from_half_space`. points: maps x, s (n,) to
-        points (n, 3) on the surface, mm. frame: axes at the first contact; of several patches that
-        of the most loaded one is used instead. poisson: Poisson's ratio by body.
+        points (n, 3) on the surface, mm. frame: axes at the first contact; those of the
+        most loaded patch are used instead where there are several, or one that is turned from the
+        first contact. poisson: Poisson's ratio by body.
     """
     each = tuple(compare.half_space_patches(solution, points))
     main = solution.patches[0]
-    if len(each) > 1:
+    if has_own_plane([one.angle for one in each], frame.angle):
         frame = Frame(each[0].centre, each[0].angle)
     error = _shape_error(main)
     i, j = np.unravel_index(int(np.argmax(main.pressure)), main.pressure.shape)

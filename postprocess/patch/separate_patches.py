@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
 from railhead.meshing.bodies import RAIL
-from railhead.postprocess.findings import Array, Frame
+from railhead.postprocess.findings import Array, Frame, has_own_plane
 
 if TYPE_CHECKING:
     from railhead.solver.fields import Fields
@@ -50,8 +50,10 @@ def separate_patches(fields: Fields) -> list[SeparatePatch]:
 
     Facets with pressure that share a node belong to one patch. A patch beside a symmetry plane that
     does not touch it is listed once, without its image. Patches with at most 0.2 % (SMALLEST) of
-    the force are left out.
+    the force are left out. Empty for a section.
     """
+    if fields.kinematics.dim == 2:
+        return []
     contact = fields.contact
     force = contact.weights * np.maximum(contact.pressure, 0.0)
     of_facet = _components(contact.facet_nodes, np.unique(contact.facet[force > 0]))
@@ -59,6 +61,15 @@ def separate_patches(fields: Fields) -> list[SeparatePatch]:
     found = [_part(fields, of_point == number, force) for number in range(of_facet.max() + 1)]
     found = [part for part in found if part.share > SMALLEST]
     return sorted(found, key=lambda part: -part.force)
+
+
+def contact_frame(separate: list[SeparatePatch], first: Frame) -> Frame:
+    """Axes of the results: those of the most loaded patch where it has a plane of its own
+    (`has_own_plane`), else `first`, those at the first contact. separate: patches, most loaded
+    first; empty for a section.
+    """
+    own = has_own_plane([each.frame.angle for each in separate], first.angle)
+    return separate[0].frame if own else first
 
 
 def _components(facet_nodes: NDArray[np.int64], used: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -98,8 +98,10 @@ class Search:
         a Gauss point: the yield condition holds at these points, and a smooth field exceeds it.
 
         invariant: function that gives values (n,) of stresses (n, 6), MPa. also (n, 3): further
-            places, mm, from which the search may start, such as the peak on the depth axis.
+            places, mm, from which the search may start, such as the peak on the depth axis; those
+            outside the body are left out.
         """
+        also = also[np.array([self._solid.holds(place) for place in also], dtype=bool)]
         sizes = np.array([self._element(place) for place in also])
         hills = self._hills(invariant(self._average))
         hills = np.concatenate([hills, also[self._is_sound(also, sizes)]])

@@ -27,7 +27,7 @@ from railhead.planning.simulation_plan import Plan
 from railhead.postprocess import friction
 from railhead.postprocess.findings import Findings, Frame
 from railhead.postprocess.patch import compare
-from railhead.postprocess.patch.separate_patches import separate_patches
+from railhead.postprocess.patch.separate_patches import contact_frame, separate_patches
 from railhead.run.progress import Progress
 from railhead.theory.elastic.line import Hertz
 
@@ -319,7 +319,7 @@ def _read_residual_state(
 ) -> ResidualState | None:
     """Yield, and what remains after unloading, collected from a solution; nothing is solved here.
     None where nothing yields and off rank 0; without unloading only what yielded under the load.
-    Collective.
+    Collective. frame: axes at the first contact.
     """
     if solution.plasticity is None:
         return None
@@ -330,6 +330,7 @@ def _read_residual_state(
     unloaded = None if after is None else gather(model, after)
     if fields is None:
         return None
+    frame = contact_frame(separate_patches(fields), frame)
     return plastic.residual_state(solution.plasticity, fields, unloaded, frame)
 
 

@@ -83,7 +83,8 @@ friction, steel = (partial(quantity, table=name) for name in ("friction", "steel
 
 @dataclass(frozen=True, kw_only=True)
 class PatchQuantities:
-    """The contact patch, images in symmetry planes included. Lengths lie in the tangent plane.
+    """The contact patch, images in symmetry planes included. Lengths lie in the tangent plane at
+    the first contact, or in that of the patch where it is turned by more than 0.02 rad.
 
     a: half length along the rail, mm. Of several patches it is that of the most loaded one.
     b: half length along the common tangent across the rail, mm; of several patches as a.
@@ -380,8 +381,8 @@ class PlasticQuantities:
     body: "rail" or "wheel", where it lies.
     place: its place (x, y, z) in space, mm, as the places of `StressQuantities`.
     volume_mm3: volume that yields, of the whole model, mm3.
-    depth: depth of the lower end of the region that yields, below the tangent plane at the first
-        contact, mm.
+    depth: depth of the lower end of the region that yields, below the tangent plane of the patch,
+        mm.
     top: depth of its upper end, mm.
     residual_depth_rail: largest depth of the imprint in the rail after unloading, mm; None for a
         rigid rail, and where the load is not removed.

@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
+from solved import solved
 
+from railhead.postprocess import read
 from railhead.postprocess.findings import DepthAxis, Frame
 
 
@@ -34,3 +36,21 @@ def test_two_hills_of_nearly_the_same_shear_are_rivals() -> None:
     near, far = axis.rivals(0.001), axis.rivals(0.01)
     assert (min(near), max(near)) == pytest.approx((2, 2), abs=0.02)
     assert (min(far), max(far)) == pytest.approx((2, 4), abs=0.02)
+
+
+def test_a_patch_that_is_turned_from_the_first_contact_is_read_in_its_own_plane() -> None:
+    """With a first contact 10 mm aside on a plane turned by 40 degrees, as at the root of a flange,
+    nothing changes. On that plane the area was cos 40 degrees times its own, and the axis began
+    outside the rail, where extrapolated stresses were the largest ones.
+    """
+    result = solved("hertz_ellipse", "mesh.patch_size=1.2")
+    usual, fields = result.findings, result.fields
+    turned = read.findings(fields, Frame((0.0, 10.0, 0.0), 0.7), parabolic=True)
+    assert turned.frame.angle == pytest.approx(0.0, abs=1e-9)
+    assert turned.patch.centre == pytest.approx((0.0, 0.0), abs=1e-9)
+    for name in ("a", "b", "area", "max_pressure"):
+        assert getattr(turned.patch, name) == pytest.approx(getattr(usual.patch, name), rel=1e-3)
+    for body, found in turned.largest.items():
+        assert found.von_mises.value == pytest.approx(usual.largest[body].von_mises.value, rel=1e-3)
+        assert found.tau.place == pytest.approx(usual.largest[body].tau.place, abs=0.02)
+    assert turned.axis.stress[0, 2] == pytest.approx(usual.axis.stress[0, 2], rel=1e-3)
