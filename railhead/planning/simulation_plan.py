@@ -153,14 +153,19 @@ class Plan:
 
     def flipped(self, name: str) -> Plan:
         """The plan with the named effect in its other state, all other decisions kept; unchanged in
-        a section where that state is refused. Axisymmetry that is called for makes a new plan. In a
-        solid, states that are refused are not heeded.
+        a section where that state is refused. Axisymmetry that is called for makes a new plan, or
+        none where that is refused. In a solid, states that are refused are not heeded.
         """
         effect = self.effects[name]
         if self.section and ("off" if effect.on else "on") in effect.refused:
             return self
         if name == "axisymmetry" and effect.called_for:
-            return _decided(self.scene.replace([f"effects.{name}={'off' if effect.on else 'on'}"]))
+            try:
+                return _decided(
+                    self.scene.replace([f"effects.{name}={'off' if effect.on else 'on'}"])
+                )
+            except SceneError:  # beside another effect that a person chose
+                return self
         return replace(self, effects={**self.effects, name: replace(effect, on=not effect.on)})
 
     def with_yield(self, why: str) -> Plan:

@@ -135,6 +135,13 @@ def test_steel_that_yields_has_error_laws_of_its_own(
     assert (known.name if known else None) == family
 
 
+def test_axisymmetry_that_was_switched_off_has_no_price_where_on_is_refused() -> None:
+    """A chosen symmetry, which bounds the meridian section anyway, refuses it there."""
+    plan = planned("sphere_on_plane", "effects.axisymmetry=off", "effects.symmetry=on")
+    assert plan.price("axisymmetry") == (0, 0.0)
+    assert planned("sphere_on_plane", "effects.axisymmetry=off").price("axisymmetry")[0] > 0
+
+
 @pytest.mark.parametrize("share, yields", [(1.0001, True), (0.99, False)])
 def test_plasticity_begins_at_the_yield_load_of_the_ellipse(share: float, yields: bool) -> None:
     """p0 = 1.6156 Y for the thesis's ellipse (exact largest von Mises stress 0.61897 p0)."""

@@ -225,11 +225,14 @@ def _simpack(name: str, lines: Sequence[str], body: str) -> Table:
             keys.setdefault(key.strip(), (at, value.strip()))
 
     def number(key: str, default: float = 0.0) -> float:
-        """Number of a header key, or the default. Raises FormatError where the value is none."""
+        """Number of a header key, or the default. Raises FormatError where the value is none, is
+        not finite, or is a unit of 0.
+        """
         line, text = keys.get(key, (0, str(default)))
-        if not NUMBER.fullmatch(text):
+        value = float(text) if NUMBER.fullmatch(text) else math.nan
+        if not math.isfinite(value) or (value == 0 and key.startswith("units.")):
             raise FormatError(name, line, f"{key} = {text[:SHOWN]!r}; give a number")
-        return float(text)
+        return value
 
     span = range(begin + 1, bare.index("point.end", begin))
     rows, at_lines, remarks = _rows(name, lines, span, INSTRUMENT_LAYOUT, COMMENTED_OUT)

@@ -89,6 +89,8 @@ def test_simpack_bounds_and_inches(tmp_path) -> None:
         ("point.begin\n1 2\n", 2, "without point.end"),
         ("point.begin\n1 2\n3 x\npoint.end", 3, "no point"),
         ("mirror.y = yes\npoint.begin\n1 2\npoint.end", 1, "give a number"),
+        ("units.ang.f = 0\npoint.begin\n1 2\npoint.end", 1, "give a number"),
+        ("units.len.f = 1e999\npoint.begin\n1 2\npoint.end", 1, "give a number"),
         ("point.begin\npoint.end", 2, "no points"),
     ],
 )
