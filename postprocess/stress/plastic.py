@@ -103,7 +103,9 @@ def residual_state(
         load_steps=yielding.first_loading_steps,
         unloaded=unloaded,
         largest_von_mises=None if unloaded is None else largest_von_mises(unloaded),
-        indentation={BODY_NAMES[tag]: depth for tag, depth in yielding.indentation_depth.items()},
+        indentation={}
+        if unloaded is None
+        else {BODY_NAMES[tag]: depth for tag, depth in yielding.indentation_depth.items()},
     )
 
 

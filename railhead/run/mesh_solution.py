@@ -318,7 +318,8 @@ def _read_residual_state(
     model: ContactModel, solution: Solution, fields: Fields | None, frame: Frame
 ) -> ResidualState | None:
     """Yield, and what remains after unloading, collected from a solution; nothing is solved here.
-    None where nothing yields and off rank 0; without unloading only what yielded under the load.
+    None where nothing yields and off rank 0; without unloading, and where it did not converge, only
+    what yielded under the load.
     Collective. frame: axes at the first contact.
     """
     if solution.plasticity is None:
@@ -326,8 +327,8 @@ def _read_residual_state(
     from railhead.postprocess.stress import plastic
     from railhead.solver.fields import gather
 
-    after = solution.plasticity.residual_state
-    unloaded = None if after is None else gather(model, after)
+    after, last = solution.plasticity.residual_state, solution.plasticity.newton_results[-1]
+    unloaded = gather(model, after) if after is not None and last.converged else None
     if fields is None:
         return None
     frame = contact_frame(separate_patches(fields), frame)

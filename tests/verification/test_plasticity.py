@@ -278,6 +278,18 @@ def test_what_is_left_carries_no_force(five: rh.Result) -> None:
     assert np.abs(contact_force(residual, RAIL)).max() < 0.02 * five.load
 
 
+def test_a_load_that_could_not_be_taken_away_leaves_nothing_to_tell(five: rh.Result) -> None:
+    solution = five.mesh_solution.solution
+    assert solution.plasticity is not None
+    *before, last = solution.plasticity.newton_results
+    failed = (*before, replace(last, reason="stalled"))
+    solution = replace(solution, plasticity=replace(solution.plasticity, newton_results=failed))
+    frame = five.findings.frame
+    state = mesh_solution._read_residual_state(None, solution, five.fields, frame)  # type: ignore[arg-type]
+    assert state is not None and state.zone.strain > 0
+    assert (state.unloaded, state.largest_von_mises, state.indentation) == (None, None, {})
+
+
 def test_an_accuracy_covers_mesh_and_load_steps() -> None:
     """Eight times as many load steps on a finer mesh stay within the estimate."""
     scene = pressed(5.0)

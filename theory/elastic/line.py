@@ -274,5 +274,5 @@ class Strips:
 
     def _potential(self, values: Array) -> tuple[Complex, Complex]:
         """F and its derivative (n,) for values (m,) on the strips."""
-        jumps = np.diff(values, prepend=0.0, append=0.0)
+        jumps = np.diff(values, prepend=0.0, append=0.0).astype(np.complex128)
         return self._log @ jumps, self._slope @ jumps
