@@ -428,7 +428,8 @@ class Findings:
     elements_across: numbers of elements over the length and over the width of the most loaded
         patch.
     edge_distance: smallest distance of a point with pressure from an edge of the bodies, over the
-        smaller half length of the patch; infinite without edges, NaN where not known.
+        smaller half length of the patch; infinite without edges. Of half-spaces by boundary
+        elements it is the distance across of the patch; NaN of exact Hertz.
     misfit: largest relative difference of smooth and element stresses around the largest ones.
     opposite: fields on the contact surface of the other body; None where that is rigid or no facet
         of it faces the slave, and for half-spaces.

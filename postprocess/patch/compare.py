@@ -229,11 +229,13 @@ def _edge_stresses(bodies: Mapping[str, Largest]) -> list[dict[str, Any]]:
 
 
 def _exact_stresses(contact: Hertz, poisson: Mapping[str, float], frame: Frame) -> dict[str, Any]:
-    """Entries of "stress" in summary.json for an exact Hertz contact.
+    """Entries of "stress" in summary.json for an exact Hertz contact: for each kind of stress the
+    larger of both bodies with its depth, body and place; "axis" and the centre of the surface are
+    those of the first body.
 
-    poisson: Poisson's ratio by body name; the axis of the first body is shown. frame: contact
-        frame. Largest stresses lie on the axis: for no axis ratio from 1 to 1/30, nor a strip, and
-        no Poisson's ratio from 0 to 0.4999, does a fine grid beside the axis have more.
+    poisson: Poisson's ratio by body name. frame: contact frame. Largest stresses lie on the axis:
+        for no axis ratio from 1 to 1/30, nor a strip, and no Poisson's ratio from 0 to 0.4999, does
+        a fine grid beside the axis have more.
     """
     bodies = {body: exact_largest(contact, body, nu, frame) for body, nu in poisson.items()}
     shown, nu = next(iter(poisson.items()))

@@ -291,7 +291,7 @@ def estimate(meshes: Sequence[MeshSolution]) -> tuple[dict[str, Estimate], str]:
         name: Estimate(
             mesh=mesh,
             reading=readings.get(name, 0.0),
-            contact_law=overlap * (envelopes.overlap[name] if envelopes is not None else 1.0),
+            contact_law=overlap * (envelopes.overlap.get(name, 1.0) if envelopes else 1.0),
             left_out=solved.plan.omission_error,
             geometry=solved.off_surface / min(solved.plan.zone),
             load_steps=steps.get(name, 0.0),

@@ -297,8 +297,8 @@ class StaticCondensation:
         )
 
     def _plastic_shear(self) -> Array:
-        """Shear stress (p, k) that plastic strain takes at this rank's contact points along their
-        tangents, MPa.
+        """Shear stress (p, k), MPa, along the k tangents of this rank's p contact points, by which
+        plastic strain lowers that of the elastic law at the total strain; zero for elastic bodies.
         """
         return self.response.plastic_shear_stress(self.own, self.tangents, self.normals)
 

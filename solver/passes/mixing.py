@@ -9,9 +9,10 @@ from railhead.solver.space.cells import Array
 
 
 class Anderson:
-    """Next iterate of a fixed point x = g(x).
+    """Anderson's acceleration of a fixed point x = g(x). It remembers the last iterates, and `next`
+    gives the next one.
 
-    depth: number of earlier iterates that are mixed.
+    depth: largest number of earlier iterates that are mixed.
     """
 
     def __init__(self, depth: int) -> None:

@@ -195,8 +195,9 @@ class LoadStepping:
         return result
 
     def _history(self, share: float) -> State:
-        """Histories from which the step to a share of the load starts: extrapolated at the points
-        that yielded in the last step, unless the load turns back or this step is much longer.
+        """Histories of the bulk and of the contact points from which the radial return of the step
+        to a share of the load starts (BDF2). Extrapolated at the points that yielded in the last
+        step; the last state where the load turns back or this step is much longer.
         """
         before, earlier = self.earlier
         last, now = self.share - before, share - self.share

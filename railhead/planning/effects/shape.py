@@ -166,8 +166,9 @@ def decide_rail_section(context: Context) -> Effect:
 def check_rail_section(
     context: Context, effect: Effect, found: Findings
 ) -> PostSolveVerdict | None:
-    """Verdict whether the cut or the twist matters, with the patch of the solution; None where no
-    whole section can be had.
+    """Verdict whether the rail needs its web and foot though only its head was meshed: by the
+    stress at the cut below the head, with the patch of the solution, or by the twist of the rail.
+    None where no whole section can be had.
     """
     if "on" in effect.refused:
         return None

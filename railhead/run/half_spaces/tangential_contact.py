@@ -360,7 +360,7 @@ def _ellipses(
 
 def _work(patch: PressedPatch, forces: Sequence[float]) -> Array:
     """Work (4,) of a patch's forces along, across (N) and moment about its own normal (N mm) on
-    each mode of rigid slip.
+    each mode of rigid slip: N, N, N mm for the spin, and N for the wheel's own rotation.
     """
     along, across, moment = forces
     return np.asarray(patch.middle @ [along, across] + moment * patch.spin)
