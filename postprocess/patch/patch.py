@@ -209,15 +209,7 @@ def _reading(part: SeparatePatch, frame: Frame, facets: Array, *, parabolic: boo
         errors = {"a": da, "b": db, "area": da + db, "max_pressure": max(off, da)}
         return found.centre, (a, b), peak, errors
 
-    square, scatter = smooth_square(given, found.shape_error, elliptic)
-    shape = outline_shape(square)
-    if given.yields and general_shape_share(found.shape_error) < 1:
-        # Yield lowers the peak before the moments show it: at 1.6 times the load of first yield an
-        # ellipsoid's is 0.8 % too high.
-        general, errors = reconstruct_general_shape(given, outline_shape)
-        shape = replace(shape, max_pressure=outline_shape(general).max_pressure)
-        scatter = scatter | {"max_pressure": errors["max_pressure"]}
-    return _Reading(frame, square, shape, scatter)
+    return _Reading(frame, *smooth_square(given, found.shape_error, elliptic))
 
 
 def smooth_square(
@@ -225,26 +217,35 @@ def smooth_square(
     shape_error: float,
     elliptic: Callable[[], Elliptic],
     measure: Callable[[SquaredPressure], PatchShape] = outline_shape,
-) -> tuple[SquaredPressure, dict[str, float]]:
-    """Smooth p^2 of a patch, and relative uncertainties by the names a, b, area and max_pressure.
+) -> tuple[SquaredPressure, PatchShape, dict[str, float]]:
+    """Smooth p^2 of a patch, its extents and peak, and their relative uncertainties by the names a,
+    b, area and max_pressure. Uncertainties are those of the reading, not of the mesh.
 
     Up to a shape error of 1 % (ELLIPTIC) p^2 is that of Hertz's ellipsoid. From 2 % (HERTZIAN) on,
     and in sections that yield, it is reconstructed from the moments of the pressure. Between the
-    two it is their weighted mean.
+    two it is their weighted mean. The peak of bodies that yield is always the reconstructed one:
+    yield lowers it before the moments show it. At 1.6 times the load of first yield an ellipsoid's
+    is 0.8 % too high.
     given: contact points with pressure. shape_error: relative deviation of the moments from those
     of Hertz's pressure. elliptic: function that gives the ellipsoid's centre (x, s) and semi-axes,
     mm, its largest pressure, MPa, and its uncertainties. measure: function that measures the
-    extents of a p^2. Uncertainties are those of the reading, not of the mesh.
+    extents of a p^2.
     """
     share = 1.0 if given.yields and given.line else general_shape_share(shape_error)
     square, scatter = zero_squared_pressure(given), dict.fromkeys(MEASURES, 0.0)
-    if share > 0:
+    if share > 0 or given.yields:
         square, scatter = reconstruct_general_shape(given, measure)
-    if share < 1:
-        centre, semi, peak, errors = elliptic()
-        square = blend(square, ellipsoid(square, centre, semi, peak), share)
-        scatter = {key: share * scatter[key] + (1 - share) * errors[key] for key in MEASURES}
-    return square, scatter
+    if share == 1:
+        return square, measure(square), scatter
+    centre, semi, peak, errors = elliptic()
+    mixed = blend(square, ellipsoid(square, centre, semi, peak), share)
+    shape = measure(mixed)
+    if share > 0:
+        errors = {key: share * scatter[key] + (1 - share) * errors[key] for key in MEASURES}
+    if given.yields:
+        shape = replace(shape, max_pressure=measure(square).max_pressure)
+        errors = errors | {"max_pressure": scatter["max_pressure"]}
+    return mixed, shape, errors
 
 
 @dataclass(frozen=True, kw_only=True)

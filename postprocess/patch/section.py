@@ -49,10 +49,9 @@ def read(fields: Fields, frame: Frame, *, parabolic: bool = False) -> PatchReadi
         half, errors = _ellipse(found, peak, float(given.size.mean()), fields, parabolic=parabolic)
         return (0.0, found.centre[axis]), (1.0, half), peak, errors
 
-    square, scatter = smooth_square(
+    square, shape, scatter = smooth_square(
         given, found.shape_error, elliptic, lambda each: _shape(each, fields)
     )
-    shape = _shape(square, fields)
     patch = Patch(
         a=shape.a,
         b=shape.b,
