@@ -130,20 +130,19 @@ class Context:
         The stress follows from the pressure of the boundary elements, or from exact Hertz where
         these are not used.
         """
-        if isinstance(self.elastic, str):
-            return self.hertz.axis_extrema(poisson).von_mises_max
         if poisson not in self._largest:
-            patches = self.elastic.patches
-            self._largest[poisson] = max(
-                grid_stress.largest_von_mises(each, poisson) for each in patches
+            self._largest[poisson] = (
+                self.hertz.axis_extrema(poisson).von_mises_max
+                if isinstance(self.elastic, str)
+                else max(
+                    grid_stress.largest_von_mises(each, poisson) for each in self.elastic.patches
+                )
             )
         return self._largest[poisson]
 
     @cached_property
     def _largest(self) -> dict[float, float]:
-        """Cache of `von_mises` below the boundary elements, MPa, by Poisson's ratio; empty at
-        first.
-        """
+        """Cache of `von_mises`, MPa, by Poisson's ratio; empty at first."""
         return {}
 
     @property
