@@ -25,7 +25,8 @@ ONE_MESH_SHARE = 0.9  # share of the accuracy that a single mesh is planned for
 STEP_ERROR = 2.0
 LOAD_STEP_SHARE = 0.4  # share of the accuracy that the error of load steps may take
 MOST_STEPS = 16  # largest factor on the usual number of load steps
-YIELD_MARGIN = 1.1  # on the second mesh where bodies yield: a third one costs as much as both
+MARGIN = 1.1  # on the resolution of a mesh after two, and of the second one where bodies yield: a
+# third one costs as much there as both
 
 
 @dataclass(frozen=True)
@@ -175,14 +176,14 @@ def _next(meshes: list[MeshSolution], worst: float, wanted: float) -> tuple[floa
         return error_envelopes.STEP * n, True
     if len(meshes) > 1:
         # By first-order convergence, from 1.25 n to STEP n.
-        wanted = n * min(max(1.1 * worst / (asked or worst), 1.25), error_envelopes.STEP)
+        wanted = n * min(max(MARGIN * worst / (asked or worst), 1.25), error_envelopes.STEP)
     else:
         if asked is not None and solved.plan.scene.budget is None:
             found = estimates.reading_errors(solved.findings) if solved.findings is not None else {}
             limited = known.read_no_better(n, found, estimates.load_step_errors(meshes))
             wanted = limited.finest(_accuracy_of_meshes(solved.plan))
             if solved.solution.plasticity is not None:
-                wanted *= YIELD_MARGIN
+                wanted *= MARGIN
         wanted = max(wanted, 1.25 * n)
     return wanted, known.covers(wanted, [each.resolution for each in meshes])
 

@@ -36,6 +36,11 @@ OTHERS = {
 ASKED = (None, 0.05, None, 0.02, None, 0.01)  # by scene in turn; None: default settings
 ROUGH_ASKED = (None, 0.1, None, 0.05)  # of linear cells
 YIELD_ASKED = (0.05, 0.02, 0.01)  # without one, load steps and so estimates are not known
+OTHERS_ASKED: dict[str, Sequence[float | None]] = {
+    "outside": (0.05,),
+    **dict.fromkeys(("hexahedra", "linear"), ROUGH_ASKED),
+    **dict.fromkeys(("yield", "yielding profiles"), YIELD_ASKED),
+}
 LIMIT = 600.0  # s, of one scene and its truth
 ROUNDING = 1e-7  # relative; errors below it say nothing of an estimate
 MAIN = ("max_MPa", "area_mm2", "tau_max_MPa")  # quantities that must have an estimate
@@ -49,10 +54,7 @@ def signed(row: Row) -> bool:
 
 def asked(name: str, index: int) -> float | None:
     """The accuracy that is asked of a scene."""
-    rough = dict.fromkeys(("hexahedra", "linear"), ROUGH_ASKED)
-    yielding = dict.fromkeys(("yield", "yielding profiles"), YIELD_ASKED)
-    others = {"outside": (0.05,), **rough, **yielding}
-    choice: Sequence[float | None] = others.get(name, ASKED)
+    choice = OTHERS_ASKED.get(name, ASKED)
     return choice[index % len(choice)]
 
 

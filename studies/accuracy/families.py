@@ -191,9 +191,10 @@ def bodies(rng: np.random.Generator) -> list[str]:
 def yielding(rng: np.random.Generator) -> list[str]:
     """Steel heads and wheels, in three of four scenes symmetric, that yield with and without
     hardening."""
+    profile, radius = one(rng, "54E1", "arc", "arc"), 10 ** rng.uniform(1.9, 2.8)
     keys = [
-        f"rail.profile={one(rng, '54E1', 'arc', 'arc')}",
-        f"rail.crown_radius={10 ** rng.uniform(1.9, 2.8)!r}",
+        f"rail.profile={profile}",
+        *([f"rail.crown_radius={radius!r}"] if profile == "arc" else []),
         f"wheel.profile={one(rng, 'cylinder', 'cylinder', 'cylinder', 'cone20')}",
         f"wheel.rolling_radius={rng.uniform(200, 500)!r}",
         f"load={10 ** rng.uniform(4.0, 5.2)!r}",
@@ -202,7 +203,7 @@ def yielding(rng: np.random.Generator) -> list[str]:
         keys.append(f"{body}.yield_stress={rng.uniform(400, 700)!r}")
         hardens = rng.random() < 0.5
         keys += [f"{body}.hardening_modulus={10 ** rng.uniform(3, 4.3)!r}"] if hardens else []
-    return [key for key in keys if "crown" not in key or "rail.profile=arc" in keys]
+    return keys
 
 
 def ball(rng: np.random.Generator) -> list[str]:
@@ -229,8 +230,8 @@ def profiles(rng: np.random.Generator) -> list[str]:
 
 def yielding_profiles(rng: np.random.Generator) -> list[str]:
     """Standard rails under standard wheels anywhere across the tread, of steel that yields."""
-    keys = [key for key in profiles(rng) if "poisson" not in key and "modulus" not in key]
-    keys = [key for key in keys if not key.startswith("load")]
+    others = ("load=", "poisson_ratio=", "young_modulus=")
+    keys = [key for key in profiles(rng) if not any(each in key for each in others)]
     yields = [f"{body}.yield_stress={rng.uniform(400, 700)!r}" for body in BODIES]
     return [*keys, f"load={10 ** rng.uniform(4.5, 5.1)!r}", *yields]
 

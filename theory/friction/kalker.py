@@ -95,8 +95,8 @@ def coefficients(axis_ratio: float, poisson: float) -> Coefficients:
 
 
 class _Basis:
-    """Tractions on an ellipse: m products of Legendre polynomials in x/a and y/b up to a total
-    degree of 10 (DEGREE), over the root sqrt(1 - x^2/a^2 - y^2/b^2).
+    """Tractions on an ellipse: m products of Legendre polynomials in x/a and y/b up to the total
+    degree 10 (DEGREE), over the root sqrt(1 - x^2/a^2 - y^2/b^2).
 
     a, b: semi-axes along and across.
     places: collocation points x (n,), y (n,) in the ellipse.

@@ -181,7 +181,7 @@ class _Fit:
 
     def penalty(self, wavelength: Array) -> Array:
         """Weights (k,) of squared third differences, relative to the points, that halve the height
-        of waves of these lengths (k,), mm. Complex of wavenumber omega have a squared third
+        of waves of these lengths (k,), mm. Waves of wavenumber omega have a squared third
         derivative omega^6.
         """
         return np.asarray((wavelength / (2 * math.pi)) ** (2 * ORDER) / self.unit)

@@ -18,10 +18,10 @@ from railhead.theory.elastic import indentation
 from railhead.theory.friction import sliding
 
 SHARE = 0.1  # share of the accuracy: compliance of a body that is taken as rigid
-#: Poisson's ratio above which ordinary cells begin to lock, by whether they are those of a meridian
-#: section: there the largest of the rms errors of pressure, area and shear
-#: stress at default settings is 0.11 % without it and 0.14 % with it at 0.48, 0.18 and 0.15 % at
-#: 0.49, 2.1 and 0.16 % at 0.499 (13 meshes of 6 to 24 elements per radius, of them 10 to 14).
+#: Poisson's ratio above which ordinary cells begin to lock; True: those of a meridian section.
+#: There the largest of the rms errors of pressure, area and shear stress at default settings is
+#: 0.11 % without constant volume change and 0.14 % with it at 0.48, 0.18 and 0.15 % at 0.49, 2.1
+#: and 0.16 % at 0.499 (13 meshes of 6 to 24 elements per radius, of them 10 to 14).
 LARGEST_RATIO = {False: 0.45, True: 0.49}
 # Largest number of load steps after first yield. With one for each multiple of the load of first
 # yield the centre pressure of a sphere is within 1 % of many steps at up to 10 times that load, and
