@@ -143,7 +143,9 @@ class ContactSystem:
             raise ValueError(f"no {what} carries the tag {tag}")
 
     def release(self) -> None:
-        """Free all matrices; afterwards the system cannot be used (collective)."""
+        """Drop everything but `comm`, which frees all matrices; afterwards the system cannot be
+        used (collective).
+        """
         self.__dict__ = {"comm": self.comm}
         compat.collect(self.comm)
 

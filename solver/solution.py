@@ -60,7 +60,8 @@ class FrictionSolution:
     The points are quadrature points of the slave or cells of a grid over the patches; of a model
     cut at symmetry planes those of the meshed part alone. Slip, motion and creepage are those of
     the wheel over the rail. A shift has slip in mm. Steady rolling has slip over rolled distance,
-    without dimension.
+    without dimension. Where half-spaces stand in the place of bodies, load_steps is empty, and
+    dissipated_energy, coupling_iterations and newton_steps are 0.
 
     points: position (n, 3), mm.
     weights: area of each point (n,) in the whole model, mm2.
@@ -79,8 +80,7 @@ class FrictionSolution:
         along and across.
     dissipated_energy: work of friction after the full tangential force was reached for the first
         time, N mm; zero for rolling.
-    coupling_iterations: number of times, over all load steps, that the tractions were solved
-        between two pressings.
+    coupling_iterations: number of times, over all load steps, that the tractions were solved.
     rigid_slip: slip (n, 3) of rigid bodies with the motion `rigid_motion`, in the unit of `slip`.
     newton_steps: largest number of steps of Newton's method on the tractions.
     without_creepage: for finite bodies that roll, the tractions at the same pressure without any

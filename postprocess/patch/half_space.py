@@ -202,22 +202,23 @@ def largest(
         tractions.
     """
     searched: dict[tuple[float, float], list[list[tuple[Array, float]]]] = {}
+    pressed = [number for number, window in enumerate(windows) if window.pressure.any()]
     found = {}
     for body, nu in poisson.items():
         into = -1.0 if body == "rail" else 1.0
         drag = 0.0 if tractions is None else -into  # the wheel is dragged the other way
         if (nu, drag) not in searched:
-            sheared = [None] * len(windows) if tractions is None else [drag * q for q in tractions]
+            sheared = [None if tractions is None else drag * tractions[k] for k in pressed]
             searched[nu, drag] = [
-                grid_stress.peaks(window, nu, traction)
-                for window, traction in zip(windows, sheared, strict=True)
-                if window.pressure.any()
+                grid_stress.peaks(windows[k], nu, traction)
+                for k, traction in zip(pressed, sheared, strict=True)
             ]
         both = []
         for peaks in zip(*searched[nu, drag], strict=True):
             number = max(range(len(peaks)), key=lambda k: peaks[k][1])
             (x, s, z), value = peaks[number]
-            angle = float(np.interp(s, windows[number].s, windows[number].angle))
+            window = windows[pressed[number]]
+            angle = float(np.interp(s, window.s, window.angle))
             at = points(np.array([x]), np.array([s]))[0]
             at = at - into * z * np.array([0.0, -math.sin(angle), math.cos(angle)])
             both.append(Peak(value, -float(z), (float(at[0]), float(at[1]), float(at[2]))))

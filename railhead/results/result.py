@@ -376,8 +376,8 @@ class Result:
     @property
     def ellipse(self) -> Hertz:
         """Exact Hertz for the curvatures at the first contact, an ellipse or a line contact, under
-        the load of the solution; its own load is the normal force. ValueError: the result was
-        loaded.
+        the load of the solution, of half-spaces under the load of the scene; its own load is the
+        normal force. ValueError: the result was read from a folder.
         """
         return self.solved.ellipse
 

@@ -180,6 +180,9 @@ def hertz_far_field(
     mm, under Hertz's pressure of a load (N). The first contact is at the origin, x runs along the
     rail, the surface is the plane z = 0.
 
+    It is zero at infinity, under a line contact below its middle at the depth `LineContact.datum`,
+    and everywhere in a rigid body.
+
     scene, contact: for the moduli and curvatures of both bodies.
     materials: elastic constants by body tag.
     """

@@ -298,7 +298,8 @@ class SolidFriction:
 
     def solve(self, case: LoadCase) -> Solution:
         """Solution after all load steps; the first step that does not converge ends them, and the
-        solution says so (collective). Its `reference` is the frictionless one.
+        solution says so (collective). Its `reference` is the frictionless one. `sample` must have
+        been called: without it the bodies respond as half-spaces.
 
         case: load case of the frictionless solution, with its active points.
         """

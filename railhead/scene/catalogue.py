@@ -34,7 +34,7 @@ def shipped() -> dict[str, str]:
 
 def find(name: str | Path) -> Scene:
     """The scene of a shipped case of this name, or else of a TOML file at this path. Raises
-    SceneError if there is neither, and where the file holds no valid scene.
+    SceneError if there is neither, and where the file cannot be read or holds no valid scene.
     """
     known, name = shipped(), str(name)
     if name in known:

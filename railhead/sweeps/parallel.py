@@ -58,8 +58,8 @@ class ParallelSweep:
         return places({path for scene in self.grid.scenes for path in scene.files})
 
     def values(self, number: int) -> dict[str, object]:
-        """Values of the changing keys in scene `number` by dotted key, in base units; of files
-        their places in the folder.
+        """Values of the changing keys in scene `number`, from 0, by dotted key, in base units; of
+        files their places in the folder. Raises OSError where a file cannot be read.
         """
         values = self.grid.values(number).items()
         return {key: self.files.get(str(value), value) for key, value in values}

@@ -128,7 +128,7 @@ def write_whole(folder: Path, path: Path, content: bytes) -> None:
 
 def read(folder: Path, number: int) -> dict[str, Any]:
     """Record of scene `number` (`sweep_table.record`, and "over", its values). Raises SceneError
-    where its file is broken.
+    where its file is broken, OSError where there is none.
     """
     return _load(_record(folder, number))
 

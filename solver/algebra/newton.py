@@ -37,7 +37,8 @@ CONVERGED = "residual below tolerance"
 class ForcingTerm:
     """Relative tolerance eta of the linear solves in Newton's method.
 
-    final_fraction: share of Newton's tolerance that the residual of any linear solve may reach.
+    final_fraction: share of Newton's tolerance below which the residual of a linear solve need not
+        fall.
     initial: eta of the linear problem that gives the first state.
     far: eta where the relative residual is above `far_residual`.
     far_residual: relative residual below which eta is that residual.
@@ -79,7 +80,8 @@ class NewtonStep:
     active: number of active contact points of all ranks.
     linear_iterations: number of Krylov iterations of the solve.
     length: step length t, by which the solution of the solve was multiplied.
-    factor: `gamma_factor` of the contact law.
+    factor: `gamma_factor` of the contact law in the solve, which changes from stage to stage
+        (`ContactLaw.stages`).
     problem: why there is no residual: nothing touches, a value is not finite, or the linear solve
         failed; otherwise empty.
     """

@@ -51,7 +51,9 @@ class Kinematics:
 
     @property
     def shears(self) -> list[tuple[int, int]]:
-        """Pairs of coordinates of the shear components in Mandel's notation, in their order."""
+        """Pairs of coordinates of the shear components in Mandel's notation, in their order:
+        (1, 2), (0, 2), (0, 1) of a solid, (0, 1) of a section.
+        """
         return list(combinations(range(self.dim), 2))[::-1]
 
     @property

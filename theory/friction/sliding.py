@@ -26,12 +26,12 @@ SURFACE = 1e-14  # depth over the half width that tells the sides of a cut
 
 @dataclass(frozen=True)
 class PeakStress:
-    """Largest von Mises stress in the plane y = 0; of a strip across the rail that is the plane
-    along its line, through the middle.
+    """Largest von Mises stress in the plane y = 0 between the depths that were searched. Where a
+    strip is pressed whose width runs across the rail, this plane holds the strip's line.
 
     von_mises: MPa.
     x: place along the direction of the drag, from the centre of the patch, mm.
-    depth: below the surface, mm.
+    depth: below the surface, mm; 0 only where the surface alone was searched.
     """
 
     von_mises: float

@@ -56,7 +56,8 @@ def bodies(grid: meshio.Mesh, axis: int, findings: Findings, target: Target = No
 
 
 def stress_cut(grid: meshio.Mesh, axis: int, findings: Findings, target: Target = None) -> Figure:
-    """The smallest principal stress and the largest shear stress in a section around the contact.
+    """The smallest principal stress and the largest shear stress around the contact, of a section
+    in two dimensions; solids are drawn by `render.stress_cut`.
 
     grid: cells of the whole section with nodal stresses, as `vtu.volume_grid` makes them. axis:
         0 where the section runs along x, 1 along s.

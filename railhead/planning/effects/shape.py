@@ -58,8 +58,9 @@ def symmetry_x(context: Context) -> Effect:
 
 
 def symmetry_y(context: Context) -> Effect:
-    """Only y >= 0 is modelled where both profiles are symmetric, the wheel stands in the middle,
-    and no friction acts across the rail.
+    """Only y >= 0 is modelled where the bodies are symmetric in y (`Contact.why_asymmetric_in_y`
+    has the reasons against it) and no friction acts across the rail. Spin and a motion that
+    follows from the wheelset count as friction across.
     """
     why, slips = context.contact.why_asymmetric_in_y(), context.scene.asymmetric_friction[1]
     mirrored = "profiles, materials and load mirror at y = 0"

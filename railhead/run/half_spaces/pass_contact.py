@@ -88,7 +88,8 @@ class Pressing:
     """Elastic stress of the load at the points of a rolling block, for `RollingBlock.roll`.
 
     patch: pressure of the last call; None: there was none.
-    traction_work: work of the tractions on what the pass moves the surface, over the way, N.
+    traction_work: work of the tractions in the last call on the displacement of the surface by the
+        pass, over the rolled distance, N; 0 without tractions.
     """
 
     def __init__(self, rolling: RollingBlock, contact: RollingContact) -> None:
