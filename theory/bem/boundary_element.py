@@ -287,11 +287,14 @@ def equilibrium(
         step = (
             np.sum(weight * descent * direction) / curvature if curvature > 0 else 1 / influence.own
         )
-        p = np.maximum(p - step * direction, 0)
+        moved = p - step * direction
+        linear = not overlap.any() and moved.min() >= 0
+        p = np.maximum(moved, 0)
         p[overlap] -= step * residual[overlap]
         previous = math.inf if overlap.any() else square
-        p = p if load is None else p * (load / np.sum(weight * c * p))
-        u = influence(p)
+        scale = 1.0 if load is None else load / np.sum(weight * c * p)
+        p = scale * p
+        u = scale * (u - step * change) if linear else influence(p)
     raise ValueError(
         f"no equilibrium to {tolerance} in {ITERATIONS} iterations around "
         f"{[(g.x.mean(), g.s.mean()) for g in grids]} mm: the tolerance is below rounding or "

@@ -11,9 +11,9 @@ from collections.abc import Callable, Sequence
 from itertools import permutations
 
 import numpy as np
-from scipy.fft import irfft2, next_fast_len, rfft2
+from scipy.fft import fft, ifft, irfft, next_fast_len, rfft
 
-from railhead.theory.array_types import Array
+from railhead.theory.array_types import Array, Complex
 from railhead.theory.bem.grid_patch import Grid
 
 NODES = 16  # an axis, to which a grid gathers its pressure for other grids
@@ -102,6 +102,25 @@ def logarithms(X: Array, S: Array) -> tuple[Array, Array]:
     return across, S * np.arcsinh(X / np.abs(S))
 
 
+def fast_shape(size: tuple[int, int]) -> tuple[int, int]:
+    """Shape of a grid (nx, ns) padded by at least as many zeros, for which the FFT is fast."""
+    nx, ns = size
+    return next_fast_len(2 * nx, real=True), next_fast_len(2 * ns, real=True)
+
+
+def transform(values: Array, padded: tuple[int, int]) -> Complex:
+    """Spectrum (..., px, ps // 2 + 1) of values (..., nx, ns) that zeros continue to `padded`,
+    (px, ps). As `scipy.fft.rfft2`, but rows of zeros are not transformed.
+    """
+    return np.asarray(fft(rfft(values, padded[1]), padded[0], axis=-2))
+
+
+def restored(spectrum: Complex, padded: tuple[int, int], size: tuple[int, ...]) -> Array:
+    """Values (..., nx, ns) of a spectrum, see `transform`, without the padding; size: (nx, ns)."""
+    nx, ns = size
+    return np.asarray(irfft(ifft(spectrum, axis=-2)[..., :nx, :], padded[1])[..., :ns])
+
+
 def _hats(axis: Array) -> tuple[Array, Array]:
     """Nodes (m,) spread evenly over an axis of cells (n,), and the values of their piecewise linear
     hat functions at the cells, (n, m).
@@ -119,16 +138,16 @@ def _love(grid: Grid, contact_modulus: float) -> tuple[float, Callable[[Array], 
     """
     x, s, normals = grid.x, grid.s, grid.normals
     normals = normals[normals.any(axis=(1, 2))]
-    nx, ns = padded = [next_fast_len(2 * axis.size, real=True) for axis in (x, s)]
+    nx, ns = padded = fast_shape((x.size, s.size))
     X = ((np.arange(nx + 1) - nx // 2 - 0.5) * (x[1] - x[0]))[:, None]
     S = (np.arange(ns + 1) - ns // 2 - 0.5) * (s[1] - s[0])
     corners = sum(logarithms(X, S))
     influence = np.diff(np.diff(corners, axis=0), axis=1) / (math.pi * contact_modulus)
-    spectrum = rfft2(np.fft.ifftshift(influence)).real  # it is even in x and in s
+    spectrum = transform(np.fft.ifftshift(influence), padded).real  # it is even in x and in s
 
     def displacement(pressure: Array) -> Array:
         """Normal displacement (nx, ns), mm, of a pressure (nx, ns), MPa."""
-        u: Array = irfft2(spectrum * rfft2(normals * pressure, padded), padded)
-        return np.asarray((normals * u[:, : x.size, : s.size]).sum(axis=0))
+        u = restored(spectrum * transform(normals * pressure, padded), padded, pressure.shape)
+        return np.asarray((normals * u).sum(axis=0))
 
     return float(influence[nx // 2, ns // 2]), displacement

@@ -11,10 +11,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.fft import irfft2, next_fast_len, rfft2
 
 from railhead.theory.array_types import Array, Complex
-from railhead.theory.bem.influence import logarithms
+from railhead.theory.bem.influence import fast_shape, logarithms, restored, transform
 from railhead.theory.elastic.hertz import contact_modulus
 
 NO_MISMATCH = 1e-9  # largest |K| that is taken for a rounding error
@@ -95,18 +94,18 @@ class TractionInfluence:
         tractions beside that of half-spaces, linear; None: zero.
         """
         self._size, self._pair, self._added = (x.size, y.size), pair, added
-        self._padded = tuple(next_fast_len(2 * n, real=True) for n in self._size)
+        self._padded = fast_shape(self._size)
         self._steps = float(x[1] - x[0]), float(y[1] - y[0])
         upstream, self._scale = (ROLLING, 1 / self._steps[0]) if rolling else (SHIFT, 1.0)
         self._given = CENTRAL if rolling else SHIFT
         kernels = self._kernels(self._cerruti, upstream)
-        self._spectra = rfft2(kernels)
+        self._spectra = transform(kernels, self._padded)
         self.line = kernels[::2, :, 0]  # (2, padded): of a cell on those of its own line along x
 
     def __call__(self, traction: Array) -> Array:
         """Reduction of the slip (2, nx, ny) by tractions (2, nx, ny), MPa."""
         xx, xy, yy = self._spectra
-        along, across = rfft2(traction, self._padded)
+        along, across = transform(traction, self._padded)
         moved = np.array([xx * along + xy * across, xy * along + yy * across])
         own = self._within(moved)
         return own if self._added is None else own + self._added(traction)
@@ -116,18 +115,16 @@ class TractionInfluence:
         both surfaces move inwards, the softer one further. A force P gives K P/(pi G) x/r^2
         along x (Johnson, 3.18b).
         """
-        spectra = rfft2(self._kernels(self._boussinesq, self._given))
-        return self._within(spectra * rfft2(pressure, self._padded))
+        spectra = transform(self._kernels(self._boussinesq, self._given), self._padded)
+        return self._within(spectra * transform(pressure, self._padded))
 
     def opening(self, traction: Array) -> Array:
         """Change of the normal gap (nx, ny), mm, by tractions (2, nx, ny), MPa, where materials
         differ; not in rolling. By reciprocity its kernel is that of `of_pressure` with x and y
         reversed.
         """
-        spectra = rfft2(self._kernels(self._boussinesq, SHIFT))
-        return -self._within((spectra * rfft2(traction, self._padded)).sum(axis=0, keepdims=True))[
-            0
-        ]
+        spectra = transform(self._kernels(self._boussinesq, SHIFT), self._padded)
+        return -self._within((spectra * transform(traction, self._padded)).sum(axis=0))
 
     def _kernels(self, corners: Callable[[Array, Array], Array], upstream: Upstream) -> Array:
         """Influence (m, padded x, padded y) of one cell on all others, the cell itself first.
@@ -161,5 +158,4 @@ class TractionInfluence:
 
     def _within(self, spectrum: Complex) -> Array:
         """Part (..., nx, ny) inside the grid of the inverse transform of a padded spectrum."""
-        nx, ny = self._size
-        return np.asarray(irfft2(spectrum, self._padded)[:, :nx, :ny])
+        return restored(spectrum, self._padded, self._size)

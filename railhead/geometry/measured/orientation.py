@@ -60,16 +60,17 @@ def oriented(points: Array, body: str, given: Orientation) -> tuple[Array, list[
     even = _even(points * signs, body, standards.STEP)
     laid = standards.all_laid(even, body)
     nearest = min(laid, key=lambda each: each.misfit)
+    open_ways = "auto" in (given.flip, given.mirror)
+    if body == "rail" and (open_ways or nearest.fits):
+        _refuse_half_head(even, signs)
     if not nearest.fits:
         text = f"is farther than {standards.FARTHEST:g} mm from {nearest.name}, the nearest "
         text += f"standard {body}, or beside it"
-        if "auto" in (given.flip, given.mirror):
+        if open_ways:
             keys = "profile_unit, profile_flip and profile_mirror"
             raise PointError(f"{text}; check its columns, or give its {keys}", points[0])
         mirrored = ["mirrored"] if signs[0] < 0 else []
         return points * signs, [*done, *mirrored, f"WARNING: {text}"]
-    if body == "rail":
-        _refuse_half_head(even, signs)
     origin = nearest.origin
     if body == "rail" and given.mirror == "auto":
         right, why = gauge_side(laid)

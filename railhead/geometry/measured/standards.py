@@ -156,8 +156,15 @@ def _laid(name: str, points: Array, turns: bool, iterations: int = ITERATIONS) -
     def asymmetric(move: Array) -> Array:
         """Residuals (n,) in which losses count less and parts outside count more."""
         depth = loss(move) / SOFT
-        soft = np.sqrt(2 * (np.hypot(1, depth) - 1))
+        soft = depth * np.sqrt(2 / (1 + np.hypot(1, depth)))
         return np.where(depth > 0, soft, OUTSIDE * depth)
+
+    def slopes_of_asymmetric(move: Array) -> Array:
+        """Derivatives (n, 2 or 3) of `asymmetric` by the move."""
+        depth = loss(move) / SOFT
+        root = np.hypot(1, depth)
+        rate = np.where(depth > 0, np.sqrt((1 + root) / 2) / root, OUTSIDE)
+        return rate[:, None] / SOFT * slopes(move)
 
     def distance(move: Array) -> float:
         """Mean distance in mm of the displaced points to the outline."""
@@ -174,7 +181,7 @@ def _laid(name: str, points: Array, turns: bool, iterations: int = ITERATIONS) -
     )
     move = min(rough, key=distance)
     if iterations == ITERATIONS:
-        fit = least_squares(asymmetric, move, max_nfev=iterations).x
+        fit = least_squares(asymmetric, move, slopes_of_asymmetric, max_nfev=iterations).x
         move = fit if distance(fit) < 2 * distance(move) + 1 else move  # it may slip off the points
     depth, turn = loss(move, np.nan), _turn(move).T
     known = points[np.isfinite(depth), 0]
