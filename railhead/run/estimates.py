@@ -196,16 +196,15 @@ def mesh_errors(
 
     Two meshes confirm an envelope where they differ by no more than both estimates allow; a
     confirmed envelope may be used on a mesh finer by 1.6 (STEP) than both. One mesh alone needs
-    nothing that confirms. Where meshes do not confirm, or no envelope covers the run, the part is
-    twice (SCATTER_FACTOR) the larger change between the last three meshes. The earlier change is
-    divided by 1.6. With fewer meshes there is no part.
+    nothing that confirms. Where meshes do not confirm, no envelope covers the run, or a quantity has
+    no law in the family, the part is twice (SCATTER_FACTOR) the larger change between the last
+    three meshes. The earlier change is divided by 1.6. With fewer meshes there is no part.
     """
     (n, fine, own), *before = reversed(meshes)
     parts: dict[str, float] = {}
     coarser = [m for m, *_ in before]
     if envelopes is not None and envelopes.covers(n, coarser):
-        known = [name for name in envelopes.laws if name in fine]
-        for name in known:
+        for name in (each for each in envelopes.laws if each in fine):
             factor, reading = scale.get(name, 1.0), own.get(name, 0.0)
             if all(
                 _change(values, fine, name)
@@ -216,7 +215,7 @@ def mesh_errors(
                 if envelopes.covers(m, coarser) and m < n and name in values
             ):
                 parts[name] = factor * envelopes.mesh(name, n)
-        if len(parts) == len(known):
+        if parts.keys() >= fine.keys():
             return parts, f"law of the family {envelopes.name}"
     apart = _steps(n, before)
     if len(apart) >= 2:

@@ -8,7 +8,7 @@ import pytest
 from solved import solved
 
 import railhead as rh
-from railhead.planning import cost, error_envelopes
+from railhead.planning import cost, effects, error_envelopes
 from railhead.planning import simulation_plan as planning
 from railhead.planning.error_envelopes import ErrorEnvelope, Setting
 from railhead.results import pipeline, result_folder
@@ -189,6 +189,27 @@ def test_without_a_family_three_meshes_a_step_apart_are_needed() -> None:
     assert estimates.mesh_errors([one, (4.4, {"max_MPa": 97.1}, {}), two], None, {})[0] == {}
     parts, source = estimates.mesh_errors([one, two, three], None, {})
     assert parts["max_MPa"] == pytest.approx(2.0 * (2.0 / 99) / 1.6) and "three" in source
+
+
+def test_an_effect_beyond_the_envelopes_takes_their_laws_away(monkeypatch) -> None:
+    mesh = solved("hertz_ellipse").mesh_solution
+    assert mesh.family is not None and mesh.plan.effects["symmetry_x"].on
+    beyond = replace(effects.EFFECTS["symmetry_x"], beyond_envelopes=True)
+    monkeypatch.setitem(effects.EFFECTS, "symmetry_x", beyond)
+    assert mesh.family is None and not mesh.plan.elastic_laws_hold
+    assert estimates.estimate([mesh]) == ({}, "no calibrated family")
+    assert mesh.plan.newton_tolerance == planning.UNSIGNED_TOLERANCE
+
+
+def test_a_quantity_without_a_law_has_the_scatter_of_three_meshes_inside_a_family() -> None:
+    meshes = [
+        (n, {"max_MPa": 100.0, "new_MPa": value}, {})
+        for n, value in ((3.0, 97.0), (4.8, 99.0), (7.68, 99.6))
+    ]
+    assert estimates.mesh_errors(meshes[:1], KNOWN, {})[0].keys() == {"max_MPa"}
+    parts, source = estimates.mesh_errors(meshes, KNOWN, {})
+    assert parts["new_MPa"] == pytest.approx(2.0 * (2.0 / 99) / 1.6) and KNOWN.name in source
+    assert parts["max_MPa"] == pytest.approx(KNOWN.mesh("max_MPa", 7.68))
 
 
 def test_a_place_counts_by_the_stress_that_is_lost_there() -> None:
