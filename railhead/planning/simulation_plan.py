@@ -112,16 +112,13 @@ class Plan:
 
     @property
     def family(self) -> Family | None:
-        """Family of calibrated error envelopes whose laws hold for this plan. None with friction,
-        for which no laws were measured; where half-spaces answer without a mesh; and where no
-        family was calibrated for such a model. Half-spaces that are meshed have a family of their
-        own, and so have bodies that yield.
+        """Family of calibrated error envelopes whose laws hold for this plan. None with effects
+        `beyond_envelopes`; where half-spaces answer without a mesh; and where no family was
+        calibrated for such a model. Half-spaces that are meshed have a family of their own, and so
+        have bodies that yield.
         """
-        beyond = any(
-            each.on and effects.EFFECTS[name].beyond_envelopes
-            for name, each in self.effects.items()
-        )
-        return None if beyond or self.by_half_spaces else error_envelopes.family(self.setting)
+        none = self.beyond_envelopes or self.by_half_spaces
+        return None if none else error_envelopes.family(self.setting)
 
     @property
     def by_half_spaces(self) -> bool:
@@ -129,9 +126,19 @@ class Plan:
         return not self.effects["finite_bodies"].on
 
     @property
-    def is_elastic_frictionless(self) -> bool:
-        """Whether neither yield nor friction is simulated."""
-        return not (self.effects["plasticity"].on or self.effects["friction"].on)
+    def beyond_envelopes(self) -> bool:
+        """Whether an effect is simulated without which the error envelopes were calibrated, such as
+        friction.
+        """
+        rules = effects.EFFECTS
+        return any(each.on and rules[name].beyond_envelopes for name, each in self.effects.items())
+
+    @property
+    def elastic_laws_hold(self) -> bool:
+        """Whether error envelopes, and costs, of elastic and frictionless bodies hold with the
+        effects that are simulated: neither yield nor an effect `beyond_envelopes` is.
+        """
+        return not (self.effects["plasticity"].on or self.beyond_envelopes)
 
     @property
     def section(self) -> bool:
@@ -357,14 +364,14 @@ class Plan:
 
         That error is the smallest envelope of elastic, frictionless bodies on this mesh. Without
         envelopes, or with yield, it is the accuracy of the scene. Without an accuracy, and with
-        friction, the tolerance is 1e-6 (UNSIGNED_TOLERANCE).
+        effects `beyond_envelopes`, the tolerance is 1e-6 (UNSIGNED_TOLERANCE).
         """
         family, n = self.family, self.forecast.minor / self.patch_size
         if self.scene.solver.tolerance is not None:
             return self.scene.solver.tolerance
-        if family is not None and self.is_elastic_frictionless:
+        if family is not None and self.elastic_laws_hold:
             smallest = min(family.mesh(name, n) for name in family.laws)
-        elif self.scene.accuracy and not self.effects["friction"].on:
+        elif self.scene.accuracy and not self.beyond_envelopes:
             smallest = self.scene.accuracy
         else:
             return UNSIGNED_TOLERANCE

@@ -81,6 +81,6 @@ def _record_speed(levels: list[MeshSolution]) -> None:
     later predictions on this machine.
     """
     for level in levels:
-        if level.plan.is_elastic_frictionless and level.unknowns >= cost.LEAST_UNKNOWNS:
+        if level.plan.elastic_laws_hold and level.unknowns >= cost.LEAST_UNKNOWNS:
             predicted = level.plan.cost.time(level.unknowns)
             cost.record(sum(level.seconds.values()), predicted)

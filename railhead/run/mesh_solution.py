@@ -131,11 +131,11 @@ class MeshSolution:
     @property
     def family(self) -> Family | None:
         """Calibrated error envelopes that hold for this solution, with the shape of the solved
-        patch; None where there are none, as with yield or friction. Off rank 0, and where nothing
-        touches, those of the plan.
+        patch; None where there are none, as with friction. With yield, off rank 0, and where
+        nothing touches, those of the plan.
         """
         plan, found = self.plan, self.findings
-        if found is None or not plan.is_elastic_frictionless:
+        if found is None or not plan.elastic_laws_hold:
             return plan.family
         return error_envelopes.family(replace(plan.setting, ellipse=found.hertzian))
 

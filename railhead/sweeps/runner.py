@@ -94,11 +94,11 @@ def forecast(grid: ParameterGrid, workers: int, progress: Progress) -> dict[str,
 
 def _mesh_key(number: int, plan: Plan) -> str:
     """Text that is equal for plans that may share a mesh: with finite bodies, elastic and
-    frictionless under given loads, on one mesh, with the same scene but the load, the same effects
-    and the same stretch of elements.
+    frictionless (`Plan.elastic_laws_hold`) under given loads, on one mesh, with the same scene but
+    the load, the same effects and the same stretch of elements.
     number: place of the plan in the list of plans; the text of one that cannot share is the number.
     """
-    scene, meshed = plan.scene, plan.is_elastic_frictionless and not plan.by_half_spaces
+    scene, meshed = plan.scene, plan.elastic_laws_hold and not plan.by_half_spaces
     if scene.load is None or scene.accuracy or scene.budget or not meshed:
         return str(number)
     on = {name: effect.on for name, effect in plan.effects.items()}
