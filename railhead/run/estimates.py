@@ -196,8 +196,8 @@ def mesh_errors(
 
     Two meshes confirm an envelope where they differ by no more than both estimates allow; a
     confirmed envelope may be used on a mesh finer by 1.6 (STEP) than both. One mesh alone needs
-    nothing that confirms. Where meshes do not confirm, no envelope covers the run, or a quantity has
-    no law in the family, the part is twice (SCATTER_FACTOR) the larger change between the last
+    nothing that confirms. Where meshes do not confirm, no envelope covers the run, or the family
+    has no law of a quantity, the part is twice (SCATTER_FACTOR) the larger change between the last
     three meshes. The earlier change is divided by 1.6. With fewer meshes there is no part.
     """
     (n, fine, own), *before = reversed(meshes)
