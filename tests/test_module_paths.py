@@ -1,10 +1,14 @@
-"""Files and tests that pages name exist; every room is installed."""
+"""Files and tests that pages name exist; every room is installed; former names are kept."""
 
 import re
+import sys
 import tomllib
+from importlib import import_module
 from pathlib import Path
 
 import pytest
+
+import railhead
 
 ROOT = Path(__file__).parents[1]
 FILE = re.compile(r"`((?:\w+/)+\w+\.py|(?:\w+/)*data/\w+\.\w+)`")
@@ -39,3 +43,20 @@ def test_every_folder_of_modules_is_named_once_where_the_package_is_built() -> N
         for module in (ROOT / place).rglob("__init__.py")
     ]
     assert sorted(setuptools["packages"]) == sorted(folders)
+
+
+@pytest.mark.parametrize("former", railhead._MOVED)
+def test_a_module_that_moved_is_found_by_its_former_name(former: str, monkeypatch) -> None:
+    monkeypatch.delitem(sys.modules, former, raising=False)
+    present = railhead._MOVED[former]
+    with pytest.warns(DeprecationWarning, match=f"{former} is now called {present}"):
+        assert import_module(former) is import_module(present)
+    assert import_module(present).__name__ == present
+    with pytest.raises(ModuleNotFoundError):
+        import_module(f"{former}_no")
+
+
+def test_units_are_parsed_by_their_former_name() -> None:
+    from railhead.display import Units
+
+    assert Units.parse("mm,kN,MPa").unit("N") == "kN"
