@@ -48,22 +48,22 @@ class EffectRules:
 
 EFFECTS = {
     "plane_strain": EffectRules(
-        words="line contact, solved in a section", decide=shape.plane_strain
+        words="line contact, solved in a section", decide=shape.decide_plane_strain
     ),
     "axisymmetry": EffectRules(
         words="body of revolution, solved in a meridian section",
-        decide=shape.axisymmetry,
+        decide=shape.decide_axisymmetry,
         numerical_only=True,
     ),
     "symmetry_x": EffectRules(
         words="symmetry along the rail (half is solved)",
-        decide=shape.symmetry_x,
+        decide=shape.decide_symmetry_x,
         numerical_only=True,
         of_bodies=True,
     ),
     "symmetry_y": EffectRules(
         words="symmetry across the rail (half is solved)",
-        decide=shape.symmetry_y,
+        decide=shape.decide_symmetry_y,
         numerical_only=True,
         of_bodies=True,
     ),
@@ -90,7 +90,7 @@ EFFECTS = {
         of_bodies=True,
     ),
     "far_field": EffectRules(
-        words="half-spaces around the bodies", decide=shape.far_field, of_bodies=True
+        words="half-spaces around the bodies", decide=shape.decide_far_field, of_bodies=True
     ),
     "finite_bodies": EffectRules(
         words="bodies that end, by finite elements",

@@ -31,7 +31,7 @@ STRESS_CHANGE = 0.25
 MARGIN = 1.1  # factor on the patch that must lie within one arc
 
 
-def plane_strain(context: Context) -> Effect:
+def decide_plane_strain(context: Context) -> Effect:
     """Plane strain is called for, and simulated, where the contact was found to be a line
     (`dimension.choose`, which heeds a person's switch).
     """
@@ -40,7 +40,7 @@ def plane_strain(context: Context) -> Effect:
     return Effect(kind.line, kind.line, kind.plane_strain, refused)
 
 
-def axisymmetry(context: Context) -> Effect:
+def decide_axisymmetry(context: Context) -> Effect:
     """A meridian section is called for where both bodies, and their loads, are of revolution about
     the contact normal; it is on where such a section was located, which a person's 'off' prevents.
     """
@@ -48,7 +48,7 @@ def axisymmetry(context: Context) -> Effect:
     return Effect(called, context.contact.revolved, why)
 
 
-def symmetry_x(context: Context) -> Effect:
+def decide_symmetry_x(context: Context) -> Effect:
     """Only x >= 0 is modelled where x = 0 is a plane of symmetry of the bodies and of the load;
     friction along the rail prevents this.
     """
@@ -57,7 +57,7 @@ def symmetry_x(context: Context) -> Effect:
     return _symmetry(why or ("friction along the rail" if slips else ""), straight)
 
 
-def symmetry_y(context: Context) -> Effect:
+def decide_symmetry_y(context: Context) -> Effect:
     """Only y >= 0 is modelled where the bodies are symmetric in y (`Contact.why_asymmetric_in_y`
     has the reasons against it) and no friction acts across the rail. Spin and a motion that
     follows from the wheelset count as friction across.
@@ -76,7 +76,7 @@ def _symmetry(asymmetric: str, symmetric: str) -> Effect:
     return Effect(True, True, symmetric)
 
 
-def far_field(context: Context) -> Effect:
+def decide_far_field(context: Context) -> Effect:
     """Half-spaces that continue beyond their meshed blocks are simulated where rail.extent is half-
     space; for bodies that end the effect is refused.
     """
