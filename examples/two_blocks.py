@@ -16,7 +16,7 @@ from mpi4py import MPI
 from railhead.solver import compat
 from railhead.solver.contact import ContactModel
 from railhead.solver.material.elasticity import Material
-from railhead.solver.setup import ContactBody, Setup
+from railhead.solver.system.setup import ContactBody, Setup
 
 LOAD, RADIUS, SIZE = 5000.0, 500.0, 12.0  # N, mm, mm: half width and height of a block
 STEEL = Material(207000.0, 0.3)  # Young's modulus in MPa, Poisson's ratio

@@ -16,7 +16,7 @@ from railhead.theory.friction import shakedown, wear
 from railhead.theory.friction.rolling import TangentialSolution
 
 if TYPE_CHECKING:
-    from railhead.solver.solution import FrictionSolution
+    from railhead.solver.system.solution import FrictionSolution
 
 MOTION = {
     True: ("creepage_along", "creepage_across", "spin_per_mm"),
@@ -48,7 +48,7 @@ def at_cells(
         cells of one are used.
     """
 
-    from railhead.solver.solution import FrictionSolution
+    from railhead.solver.system.solution import FrictionSolution
 
     def joined(values: Sequence[NDArray[Any]]) -> NDArray[Any]:
         """Values (n, ...) at the cells that are used, of an array (nx, ny, ...) a patch."""

@@ -12,8 +12,8 @@ from railhead.postprocess.findings import Array, Findings, Frame, Patch
 from railhead.postprocess.patch import patch, section
 from railhead.postprocess.patch.separate_patches import contact_frame, separate_patches
 from railhead.postprocess.stress import body_stresses
-from railhead.solver.fields import Fields
-from railhead.solver.solution import FrictionSolution
+from railhead.solver.system.fields import Fields
+from railhead.solver.system.solution import FrictionSolution
 
 BORDER_POINTS = 8  # on each edge of a facet
 FACET_SIDES = {

@@ -16,8 +16,8 @@ from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array, Findings, Surface
 from railhead.postprocess.pass_rows import RailState
 from railhead.postprocess.stress.gauss_points import nodal_stress
-from railhead.solver.fields import Fields
-from railhead.solver.solution import FrictionSolution
+from railhead.solver.system.fields import Fields
+from railhead.solver.system.solution import FrictionSolution
 from railhead.theory.elastic.subsurface import directions, max_shear, principal, von_mises
 
 UNITS = {

@@ -67,6 +67,9 @@ _MOVED = {
     "railhead.meshing.surfaces": "railhead.geometry.surfaces",
     "railhead.solver.elasticity": "railhead.solver.material.elasticity",
     "railhead.solver.kinematics": "railhead.solver.space.kinematics",
+    "railhead.solver.contact_system": "railhead.solver.system.contact_system",
+    "railhead.solver.setup": "railhead.solver.system.setup",
+    "railhead.solver.solution": "railhead.solver.system.solution",
     "railhead.theory.indentation": "railhead.theory.elastic.indentation",
 }
 """Present names, by the former ones, of modules that pages have shown; kept until 0.5."""

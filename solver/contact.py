@@ -11,15 +11,15 @@ import numpy as np
 from petsc4py import PETSc
 
 from railhead.solver.algebra.problem import Mask
-from railhead.solver.contact_system import ContactSystem, LoadCase
 from railhead.solver.friction.history import FrictionHistory
 from railhead.solver.plasticity.load_stepping import (
     ElasticResponse,
     PlasticResponse,
     plastic_problem,
 )
-from railhead.solver.setup import Setup
-from railhead.solver.solution import Solution
+from railhead.solver.system.contact_system import ContactSystem, LoadCase
+from railhead.solver.system.setup import Setup
+from railhead.solver.system.solution import Solution
 
 
 class ContactModel(ContactSystem):

@@ -24,7 +24,7 @@ from railhead.meshing.bodies import (
 )
 from railhead.meshing.grading import Grading
 from railhead.solver.material.elasticity import Material
-from railhead.solver.setup import ContactBody, Setup
+from railhead.solver.system.setup import ContactBody, Setup
 
 STEEL = Material(207000.0, 0.3)
 GAP = ParabolicGap(1 / 2000, 1 / 1600, 1)  # 3 kN on steel touch over about 3 mm

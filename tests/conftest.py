@@ -25,7 +25,7 @@ from railhead.meshing.grading import Grading
 from railhead.planning import cost
 from railhead.postprocess.pictures.plots import diagrams
 from railhead.solver.contact import ContactModel
-from railhead.solver.setup import Setup
+from railhead.solver.system.setup import Setup
 from railhead.sweeps import worker_pool
 from railhead.theory.elastic.hertz import Ellipse, contact_modulus, point_contact
 

@@ -5,7 +5,7 @@ import numpy as np
 from railhead.planning.references import closed_forms
 from railhead.run.half_spaces.tangential_contact import FrictionCase
 from railhead.scene.scene import Scene
-from railhead.solver.solution import FrictionSolution
+from railhead.solver.system.solution import FrictionSolution
 
 MU = 0.3
 

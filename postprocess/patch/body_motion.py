@@ -11,7 +11,7 @@ from railhead.postprocess.findings import Array, Frame, OnePatch
 from railhead.theory.elastic.halfspace import boussinesq_displacement
 
 if TYPE_CHECKING:
-    from railhead.solver.fields import Fields
+    from railhead.solver.system.fields import Fields
 
 FIT_RING = (2.5, 5.0)  # radii of the nodes that are fitted, over the longest half length
 

@@ -31,7 +31,7 @@ from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.elastic.line import Hertz
 
 if TYPE_CHECKING:
-    from railhead.solver.solution import FrictionSolution
+    from railhead.solver.system.solution import FrictionSolution
 
 SurfaceMap = Callable[[Array, Array], Array]
 DEEP = 3.0  # smaller half lengths: end of the axes below the patches

@@ -10,7 +10,7 @@ import numpy as np
 
 from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array, Frame
-from railhead.solver.fields import Fields
+from railhead.solver.system.fields import Fields
 
 HERTZIAN = 0.02  # shape error below which the semi-axes are those of an ellipse
 HERTZ_MOMENTS = {(2, False): (5.0, 15 / 7), (1, False): (4.0, 2.0), (1, True): (5 / 2, 10 / 7)}

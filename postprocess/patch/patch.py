@@ -29,7 +29,7 @@ from railhead.postprocess.patch.reconstruct import (
 )
 from railhead.postprocess.patch.separate_patches import SeparatePatch, separate_patches
 from railhead.postprocess.patch.surface import Surfaces, recover_surfaces
-from railhead.solver.fields import Fields
+from railhead.solver.system.fields import Fields
 
 ELLIPTIC = 0.01  # shape error up to which p^2 is that of Hertz's ellipsoid alone
 FOURTH_MOMENT_FACTOR = 9 / 8  # relative change of half lengths per deviation of fourth moments

@@ -23,7 +23,7 @@ from railhead.postprocess.patch.patch import (
 )
 from railhead.postprocess.patch.reconstruct import Samples, SquaredPressure
 from railhead.postprocess.patch.surface import recover_surfaces
-from railhead.solver.fields import Fields
+from railhead.solver.system.fields import Fields
 
 ELEMENT_SIZE_FACTOR = 0.03  # of a section, see `patch`
 AXIS_POINTS = 61  # of the pressure along the contact line

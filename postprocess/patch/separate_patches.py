@@ -14,7 +14,7 @@ from railhead.meshing.bodies import RAIL
 from railhead.postprocess.findings import Array, Frame, has_own_plane
 
 if TYPE_CHECKING:
-    from railhead.solver.fields import Fields
+    from railhead.solver.system.fields import Fields
 
 SMALLEST = 0.002  # share of the force: less is a few points that open and close, no patch
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
 from railhead.postprocess.findings import Array, Frame, Surface
-from railhead.solver.fields import Fields
 from railhead.solver.space.facets import facet_type
+from railhead.solver.system.fields import Fields
 
 _TRIANGLES = {
     ("triangle", 1): [[0, 1]],

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from railhead.postprocess.pass_rows import Passes
     from railhead.postprocess.pictures.plots.plastic_plots import Yielded
     from railhead.postprocess.symmetry import Planes
-    from railhead.solver.solution import FrictionSolution
+    from railhead.solver.system.solution import FrictionSolution
     from railhead.theory.elastic.line import Hertz
 
 ROOMS = (
@@ -24,7 +24,7 @@ ROOMS = (
     "postprocess.pass_rows",
     "postprocess.pictures.kept",
     "postprocess.pictures.plots.plastic_plots",
-    "solver.solution",
+    "solver.system.solution",
     "theory.elastic.hertz",
     "theory.elastic.line",
 )

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhead.postprocess.findings import Array
-from railhead.solver.fields import Fields
 from railhead.solver.space.cells import Index, inverse
+from railhead.solver.system.fields import Fields
 
 SHARP = np.radians(75.0)  # between neighbouring facets; a fillet has six elements a turn at least
 ON_PLANE = 1e-9  # of the extent of the body

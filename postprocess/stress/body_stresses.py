@@ -13,8 +13,8 @@ from railhead.postprocess.stress import stick_border_stress
 from railhead.postprocess.stress.body_geometry import Solid
 from railhead.postprocess.stress.peaks import Search
 from railhead.postprocess.stress.recovery import Recovery
-from railhead.solver.fields import Fields
-from railhead.solver.solution import FrictionSolution
+from railhead.solver.system.fields import Fields
+from railhead.solver.system.solution import FrictionSolution
 from railhead.theory.elastic.subsurface import max_shear, von_mises
 
 DEPTH_POINTS = 121  # on an axis

@@ -9,7 +9,7 @@ from railhead.meshing.bodies import RAIL
 from railhead.postprocess.findings import Array
 from railhead.postprocess.stress.body_geometry import Solid
 from railhead.postprocess.stress.gauss_points import stress_at_reference_point
-from railhead.solver.fields import Fields
+from railhead.solver.system.fields import Fields
 
 QUADRATURE_DEGREE = 6  # in each cell
 OUTER_RATIO = 2.2  # semi-axis of the outer ellipsoid over the largest distance of a touching point

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhead.postprocess.findings import COLUMN, ROW, Array
-from railhead.solver.fields import Fields
 from railhead.solver.space.cells import centroid, inverse, quadrature_degree, tabulate
+from railhead.solver.system.fields import Fields
 
 OUT = np.diag([0.0, 1.0, 0.0])  # the hoop direction of a meridian section
 

@@ -20,8 +20,8 @@ from railhead.postprocess.findings import NO_DEPTH, RIVAL, Array, Peak
 from railhead.postprocess.patch.moments import quadratic_fit
 from railhead.postprocess.stress.body_geometry import Solid
 from railhead.postprocess.stress.recovery import Recovery, StressPolynomial
-from railhead.solver.fields import Fields
 from railhead.solver.space.cells import Index, tabulate
+from railhead.solver.system.fields import Fields
 
 Invariant = Callable[[Array], Array]
 EDGE_ELEMENTS = 2.0  # elements next to a sharp edge whose stresses are not used

@@ -16,9 +16,9 @@ from railhead.postprocess.stress.gauss_points import (
     stress_at_gauss_points,
     stress_of_total_strain,
 )
-from railhead.solver.fields import Fields
-from railhead.solver.solution import PlasticSolution
 from railhead.solver.space.cells import quadrature_degree
+from railhead.solver.system.fields import Fields
+from railhead.solver.system.solution import PlasticSolution
 from railhead.theory.elastic.subsurface import von_mises
 
 TRACE = 1e-9  # plastic strain below which a point has not yielded: rounding

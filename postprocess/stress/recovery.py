@@ -14,7 +14,7 @@ from railhead.meshing.bodies import BODY_NAMES
 from railhead.postprocess import symmetry
 from railhead.postprocess.findings import COLUMN, ROW, Array
 from railhead.postprocess.stress.gauss_points import stress_at_gauss_points
-from railhead.solver.fields import Fields
+from railhead.solver.system.fields import Fields
 
 NEIGHBOURS = 1200  # samples of one local fit: about three element sizes around
 FLAT_NEIGHBOURS = {"triangle": 120, "quadrilateral": 60}  # the same in a section

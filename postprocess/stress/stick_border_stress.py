@@ -17,8 +17,8 @@ from railhead.meshing.bodies import RAIL
 from railhead.postprocess.findings import COLUMN, ROW, Array
 from railhead.postprocess.stress.body_geometry import Solid
 from railhead.postprocess.stress.recovery import Recovery
-from railhead.solver.fields import Fields
-from railhead.solver.solution import FrictionSolution
+from railhead.solver.system.fields import Fields
+from railhead.solver.system.solution import FrictionSolution
 
 INNER = 0.6  # of the way from the middle of a facet to its nodes: where it sticks or slips
 

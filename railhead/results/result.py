@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from railhead.postprocess.pictures.plots.diagrams import Drawing
-    from railhead.solver.fields import Fields
-    from railhead.solver.solution import FrictionSolution
+    from railhead.solver.system.fields import Fields
+    from railhead.solver.system.solution import FrictionSolution
     from railhead.theory.elastic.line import Hertz
 
 BOUND_NAMES = {each.key: each.bound for each in quantities.QUANTITIES}

@@ -36,8 +36,8 @@ if TYPE_CHECKING:
     from railhead.postprocess.patch.moments import PressureMoments
     from railhead.postprocess.stress.plastic import ResidualState
     from railhead.solver.contact import ContactModel
-    from railhead.solver.fields import Fields
-    from railhead.solver.solution import FrictionSolution, Solution
+    from railhead.solver.system.fields import Fields
+    from railhead.solver.system.solution import FrictionSolution, Solution
 
 # largest ratio of solved and expected patch, either way, for which a mesh is kept:
 REMESH_RATIO = 1.25
@@ -171,7 +171,7 @@ def _load_solver() -> None:
     takes about as long as a small mesh. Nothing is solved.
     """
     from railhead.postprocess import read  # noqa: F401
-    from railhead.solver import fields  # noqa: F401
+    from railhead.solver.system import fields  # noqa: F401
 
 
 def assemble(plan: Plan, made: mesh.ContactMesh) -> ContactModel:
@@ -239,7 +239,7 @@ def _solve_unread(
     is no other mesh to come, so that friction of solids is solved also where this mesh does not
     fit.
     """
-    from railhead.solver.fields import gather
+    from railhead.solver.system.fields import gather
 
     progress.stage(f"solving {model.unknowns} unknowns")
     solution = solve(
@@ -325,7 +325,7 @@ def _read_residual_state(
     if solution.plasticity is None:
         return None
     from railhead.postprocess.stress import plastic
-    from railhead.solver.fields import gather
+    from railhead.solver.system.fields import gather
 
     after, last = solution.plasticity.residual_state, solution.plasticity.newton_results[-1]
     unloaded = gather(model, after) if after is not None and last.converged else None

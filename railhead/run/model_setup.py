@@ -22,8 +22,8 @@ from railhead.scene.scene import Scene
 from railhead.scene.sections import BodySection
 from railhead.solver.material.elasticity import Material
 from railhead.solver.material.hardening import Hardening
-from railhead.solver.setup import ContactBody, FrictionSettings, LoadPath, Setup
 from railhead.solver.space.contact_interface import ContactLaw
+from railhead.solver.system.setup import ContactBody, FrictionSettings, LoadPath, Setup
 from railhead.theory.array_types import Array, Mask
 from railhead.theory.elastic import halfspace
 

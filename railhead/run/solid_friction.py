@@ -26,8 +26,6 @@ from railhead.postprocess.patch.patch import SmoothPatch, smooth_patches
 from railhead.scene.scene import SceneError
 from railhead.solver.algebra.linear import StalledError
 from railhead.solver.contact import ContactModel, condensed_friction
-from railhead.solver.contact_system import LoadCase
-from railhead.solver.fields import Fields, gather
 from railhead.solver.friction.history import NOT_CONVERGED
 from railhead.solver.friction.surface_response import (
     SurfacePoints,
@@ -35,7 +33,9 @@ from railhead.solver.friction.surface_response import (
     far_displacement,
 )
 from railhead.solver.plasticity.load_stepping import ElasticResponse
-from railhead.solver.solution import FrictionSolution, Solution
+from railhead.solver.system.contact_system import LoadCase
+from railhead.solver.system.fields import Fields, gather
+from railhead.solver.system.solution import FrictionSolution, Solution
 from railhead.theory.array_types import Array
 from railhead.theory.friction.rolling import (
     Creepage,

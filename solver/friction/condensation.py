@@ -34,14 +34,14 @@ from petsc4py import PETSc
 from railhead.solver import compat
 from railhead.solver.algebra.linear import factorise
 from railhead.solver.algebra.problem import Mask
-from railhead.solver.contact_system import ContactSystem
 from railhead.solver.friction.surface_response import far_field, rows, rows_at, surface_tangents
 from railhead.solver.plasticity.load_stepping import ElasticResponse
-from railhead.solver.setup import FrictionSettings
-from railhead.solver.solution import Solution
 from railhead.solver.space.cells import Array, Index
 from railhead.solver.space.facets import pair
 from railhead.solver.space.operators import assemble_rows, select_rows, vector
+from railhead.solver.system.contact_system import ContactSystem
+from railhead.solver.system.setup import FrictionSettings
+from railhead.solver.system.solution import Solution
 
 UPSTREAM = ((0.0, 1.5), (1.0, -2.0), (2.0, 0.5))  # distance in steps d, and weight
 CENTRAL_STEPS = 2.0  # d of the symmetric differences of the frictionless solution

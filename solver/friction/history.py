@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 
 from railhead.solver.algebra.problem import Mask
-from railhead.solver.contact_system import ContactSystem, LoadCase
 from railhead.solver.friction.condensation import ContactCompliance, StaticCondensation
 from railhead.solver.friction.coulomb import TINY, CoulombContact, TangentialState
 from railhead.solver.friction.surface_response import far_displacement
 from railhead.solver.plasticity.load_stepping import ElasticResponse
-from railhead.solver.setup import FrictionSettings
-from railhead.solver.solution import FrictionSolution, Solution
 from railhead.solver.space.cells import Array
+from railhead.solver.system.contact_system import ContactSystem, LoadCase
+from railhead.solver.system.setup import FrictionSettings
+from railhead.solver.system.solution import FrictionSolution, Solution
 
 NOT_CONVERGED = "friction: the tractions do not settle"
 COUPLING_TOLERANCE = 1e-3  # change of the tractions in one coupling iteration, over max(mu p)

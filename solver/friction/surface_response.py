@@ -22,12 +22,12 @@ from petsc4py import PETSc
 
 from railhead.solver.algebra import linear
 from railhead.solver.algebra.problem import Mask
-from railhead.solver.contact_system import ContactSystem
-from railhead.solver.setup import FrictionSettings
-from railhead.solver.solution import Solution
 from railhead.solver.space.cells import Array, Index
 from railhead.solver.space.facets import FacetSet, pair
 from railhead.solver.space.operators import assemble_rows, vector
+from railhead.solver.system.contact_system import ContactSystem
+from railhead.solver.system.setup import FrictionSettings
+from railhead.solver.system.solution import Solution
 
 TOLERANCE = 1e-3  # relative, of the linear solves
 

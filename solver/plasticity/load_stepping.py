@@ -16,7 +16,6 @@ from petsc4py import PETSc
 from railhead.solver.algebra import linear, newton
 from railhead.solver.algebra.newton import NewtonResult
 from railhead.solver.algebra.problem import Mask
-from railhead.solver.contact_system import ContactSystem, LoadCase
 from railhead.solver.material.hardening import ROOT, History, deviator
 from railhead.solver.plasticity.plastic_problem import (
     PlasticProblem,
@@ -24,9 +23,10 @@ from railhead.solver.plasticity.plastic_problem import (
     bulk_points,
     surface_points,
 )
-from railhead.solver.setup import LoadPath
-from railhead.solver.solution import PlasticSolution, PlasticStrain, Solution
 from railhead.solver.space.cells import Array, Index
+from railhead.solver.system.contact_system import ContactSystem, LoadCase
+from railhead.solver.system.setup import LoadPath
+from railhead.solver.system.solution import PlasticSolution, PlasticStrain, Solution
 
 # Shares of the load from which the bodies are separated far beyond first yield: they follow the
 # yield at the border of the patch as it begins to shrink. More steps change the residual state of a

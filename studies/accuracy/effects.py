@@ -30,7 +30,7 @@ from railhead.scene.scene import Scene, SceneError
 from railhead.solver import compat
 from railhead.solver.contact import ContactModel
 from railhead.solver.material.elasticity import Material
-from railhead.solver.setup import ContactBody, Setup
+from railhead.solver.system.setup import ContactBody, Setup
 from railhead.theory.elastic import hertz
 from studies import tables
 from studies.tables import Row, groups

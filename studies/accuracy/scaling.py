@@ -15,7 +15,7 @@ from railhead.postprocess.findings import Frame
 from railhead.run import mesh_solution
 from railhead.scene import catalogue
 from railhead.solver.algebra import linear
-from railhead.solver.fields import gather
+from railhead.solver.system.fields import gather
 from studies import processes, tables
 from studies.tables import Row
 

@@ -16,11 +16,11 @@ from railhead.postprocess.findings import Findings, Frame
 from railhead.results.checks import BALANCE_TOLERANCE, NOISE_LIMIT
 from railhead.solver.compat import cell_nodes
 from railhead.solver.contact import ContactModel
-from railhead.solver.fields import gather
 from railhead.solver.material.elasticity import Material
-from railhead.solver.setup import ContactBody, Setup
-from railhead.solver.solution import Solution
 from railhead.solver.space.contact_interface import ContactLaw, Gap
+from railhead.solver.system.fields import gather
+from railhead.solver.system.setup import ContactBody, Setup
+from railhead.solver.system.solution import Solution
 from studies.hard.case import CaseErrors, Deviation
 
 Array = NDArray[np.float64]

@@ -18,8 +18,8 @@ from railhead.run import mesh_solution
 from railhead.run import solid_friction as friction
 from railhead.run.half_spaces import normal_contact, tangential_contact
 from railhead.scene import catalogue
-from railhead.solver.contact_system import LoadCase
-from railhead.solver.fields import gather
+from railhead.solver.system.contact_system import LoadCase
+from railhead.solver.system.fields import gather
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.line import Hertz
 from railhead.theory.friction import sliding

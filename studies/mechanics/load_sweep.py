@@ -25,8 +25,8 @@ from railhead.run import mesh_solution
 from railhead.run.progress import Progress
 from railhead.scene import catalogue
 from railhead.solver.contact import ContactModel
-from railhead.solver.fields import gather
-from railhead.solver.solution import Solution
+from railhead.solver.system.fields import gather
+from railhead.solver.system.solution import Solution
 from railhead.theory.elastic.hertz import Ellipse
 from studies import tables
 from studies.tables import Row, groups, power_law

@@ -18,7 +18,7 @@ from railhead.postprocess.findings import Array, AxisPressure, DepthAxis, Findin
 from railhead.postprocess.patch.surface import facing_facets, triangulated
 from railhead.postprocess.pictures.plots.diagrams import FE, GREY, HERTZ, new_figure
 from railhead.postprocess.stress.gauss_points import nodal_stress
-from railhead.solver.fields import Fields
+from railhead.solver.system.fields import Fields
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.subsurface import max_shear, principal, stress
 from studies.tables import render

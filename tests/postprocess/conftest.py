@@ -22,7 +22,7 @@ from railhead.postprocess.findings import (
     Surface,
 )
 from railhead.solver import compat
-from railhead.solver.fields import ContactFields, Fields
+from railhead.solver.system.fields import ContactFields, Fields
 from railhead.theory.elastic.halfspace import hertz_displacement
 from railhead.theory.elastic.hertz import Ellipse, contact_modulus, point_contact
 from railhead.theory.elastic.subsurface import stress

@@ -6,7 +6,7 @@ import basix
 import numpy as np
 
 from railhead.postprocess.findings import Array
-from railhead.solver.fields import ContactFields, Fields
+from railhead.solver.system.fields import ContactFields, Fields
 
 JITTER = 0.2  # of an element
 Square = Callable[[Array, Array], Array]

@@ -13,7 +13,7 @@ import pyvista as pv
 from vtkmodules.vtkCommonCore import vtkDataArray
 
 from railhead.postprocess import symmetry, vtu
-from railhead.solver.solution import FrictionSolution, PlasticStrain
+from railhead.solver.system.solution import FrictionSolution, PlasticStrain
 
 UNITS_LABEL = vtkDataArray.UNITS_LABEL()
 KINDS = [("tetrahedron", 1), ("tetrahedron", 2), ("hexahedron", 1), ("hexahedron", 2)]

@@ -18,7 +18,7 @@ from railhead.run import estimates
 from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
 from railhead.run.progress import Progress
 from railhead.scene import catalogue
-from railhead.solver.solution import PlasticSolution
+from railhead.solver.system.solution import PlasticSolution
 from railhead.theory.elastic import hertz
 
 

@@ -11,8 +11,8 @@ import railhead as rh
 from railhead.planning import simulation_plan as planning
 from railhead.run import mesh_solution, solid_friction
 from railhead.run.solid_friction import SolidFriction, shared_patches
-from railhead.solver.contact_system import LoadCase
-from railhead.solver.fields import gather
+from railhead.solver.system.contact_system import LoadCase
+from railhead.solver.system.fields import gather
 from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction
 from railhead.theory.friction.tangential import TractionInfluence
 

@@ -17,11 +17,11 @@ from railhead.planning import simulation_plan as planning
 from railhead.postprocess.friction import quantities
 from railhead.run import mesh_solution, model_setup
 from railhead.solver.contact import ContactModel
-from railhead.solver.contact_system import LoadCase
 from railhead.solver.friction.history import FrictionHistory
 from railhead.solver.friction.surface_response import surface_tangents
 from railhead.solver.plasticity.load_stepping import ElasticResponse, PlasticResponse
-from railhead.solver.solution import Solution
+from railhead.solver.system.contact_system import LoadCase
+from railhead.solver.system.solution import Solution
 from railhead.sweeps import sweep_table
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.friction import partial_slip

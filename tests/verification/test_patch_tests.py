@@ -22,11 +22,11 @@ from railhead.meshing.mesh import ContactMesh
 from railhead.postprocess.stress import gauss_points
 from railhead.solver import compat
 from railhead.solver.contact import ContactModel
-from railhead.solver.fields import gather
 from railhead.solver.material.elasticity import Material, assemble
-from railhead.solver.setup import Setup
 from railhead.solver.space.contact_interface import ContactLaw
 from railhead.solver.space.kinematics import Kinematics
+from railhead.solver.system.fields import gather
+from railhead.solver.system.setup import Setup
 
 SOFT = Material(1000.0, 0.0)
 FLAT = ParabolicGap(0.0, 0.0, 1)

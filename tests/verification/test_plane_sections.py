@@ -16,8 +16,8 @@ from railhead.scene import catalogue
 from railhead.scene.scene import Scene
 from railhead.solver.contact import ContactModel
 from railhead.solver.material.elasticity import Material
-from railhead.solver.setup import ContactBody, Setup
 from railhead.solver.space.kinematics import Kinematics
+from railhead.solver.system.setup import ContactBody, Setup
 from railhead.theory.elastic import line
 from railhead.theory.elastic.hertz import line_contact
 

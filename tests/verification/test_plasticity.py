@@ -26,9 +26,9 @@ from railhead.run import estimates, mesh_solution, quantities
 from railhead.run.progress import Progress
 from railhead.solver.algebra import linear, newton
 from railhead.solver.contact import ContactModel
-from railhead.solver.contact_system import LoadCase
 from railhead.solver.plasticity import load_stepping
-from railhead.solver.solution import Solution
+from railhead.solver.system.contact_system import LoadCase
+from railhead.solver.system.solution import Solution
 
 REFERENCE = json.loads(
     (Path(__file__).parents[1] / "theory" / "data" / "plasticity.json").read_text()

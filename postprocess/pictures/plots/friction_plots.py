@@ -22,7 +22,7 @@ from railhead.postprocess.pictures.plots.diagrams import (
     new_figure,
     rounded,
 )
-from railhead.solver.solution import FrictionSolution
+from railhead.solver.system.solution import FrictionSolution
 from railhead.theory.friction import shakedown
 
 STICK, SLIP, ACROSS = "#d3e4f3", "#e08a4f", "#3f7d54"  # light and dark: told apart in grey, too

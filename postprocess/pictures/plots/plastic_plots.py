@@ -27,7 +27,7 @@ from railhead.theory.elastic.line import Hertz
 from railhead.theory.elastic.subsurface import von_mises
 
 if TYPE_CHECKING:
-    from railhead.solver.fields import Fields
+    from railhead.solver.system.fields import Fields
 
 THICK = 0.5  # of the smaller half length: points nearer than this to a plane tell the values on it
 CELLS = 150  # of a cut, along each side

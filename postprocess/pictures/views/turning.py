@@ -23,7 +23,7 @@ from railhead.postprocess.pictures.views.render import (
     outer,
     split,
 )
-from railhead.solver.fields import Fields
+from railhead.solver.system.fields import Fields
 
 STRESS, PRESSURE = "von_mises", "pressure"
 COLOURS = "YlOrRd"

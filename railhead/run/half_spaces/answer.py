@@ -34,7 +34,7 @@ from railhead.theory.elastic.line import Hertz
 from railhead.theory.friction.rolling import TangentialSolution
 
 if TYPE_CHECKING:
-    from railhead.solver.solution import FrictionSolution
+    from railhead.solver.system.solution import FrictionSolution
 
 TURNS, BALANCE = 12, 1e-6  # between pressing and shearing; of the load
 CURVED = 0.3  # relative error of stresses over half width times curvature of a body: 0.26 measured

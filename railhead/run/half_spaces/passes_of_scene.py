@@ -27,7 +27,7 @@ from railhead.theory.array_types import Array
 from railhead.theory.elastic.line import LineContact
 
 if TYPE_CHECKING:
-    from railhead.solver.solution import FrictionSolution
+    from railhead.solver.system.solution import FrictionSolution
 
 BEYOND = 1.03  # p0/k over Melan's limit, from which a line does not shake down
 SPACING = 0.2  # mm, of the points of the profile with its groove

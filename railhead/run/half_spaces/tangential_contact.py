@@ -33,7 +33,7 @@ from railhead.theory.friction.rolling import (
 from railhead.theory.friction.tangential import MaterialPair
 
 if TYPE_CHECKING:
-    from railhead.solver.solution import FrictionSolution
+    from railhead.solver.system.solution import FrictionSolution
 
 CELLS = {False: (32, 64), True: (128, 256)}  # coarse and fine, by whether the contact is a line
 STRIP_KEYS = (

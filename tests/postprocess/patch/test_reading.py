@@ -13,7 +13,7 @@ from railhead.postprocess.findings import Array, Frame, Patch
 from railhead.postprocess.patch import moments as pressure
 from railhead.postprocess.patch import patch, reconstruct
 from railhead.postprocess.patch.separate_patches import separate_patches
-from railhead.solver.fields import Fields
+from railhead.solver.system.fields import Fields
 
 FRAME = Frame((0.0, 0.0, 0.0), 0.0)
 Square = Callable[[Array, Array], Array]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from railhead.postprocess.stress.flux import contact_force, pressure_force
-from railhead.solver.fields import ContactFields
+from railhead.solver.system.fields import ContactFields
 
 YOUNG, POISSON = 207000.0, 0.3
 LAME = (YOUNG * POISSON / ((1 + POISSON) * (1 - 2 * POISSON)), YOUNG / (2 * (1 + POISSON)))

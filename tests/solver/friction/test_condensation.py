@@ -7,8 +7,8 @@ from mpi4py import MPI
 from railhead.planning import simulation_plan as planning
 from railhead.run import mesh_solution
 from railhead.scene import catalogue
-from railhead.solver.contact_system import LoadCase
 from railhead.solver.friction.condensation import StaticCondensation
+from railhead.solver.system.contact_system import LoadCase
 
 
 @pytest.mark.parametrize("rigid", [(), ("wheel.young_modulus=inf",)])

@@ -19,8 +19,8 @@ from railhead.postprocess.findings import Findings, Frame
 from railhead.postprocess.pictures.plots import diagrams
 from railhead.postprocess.pictures.views import render, turning
 from railhead.postprocess.pictures.views.camera import Camera, load_pyvista
-from railhead.solver.fields import Fields
 from railhead.solver.space.kinematics import Kinematics
+from railhead.solver.system.fields import Fields
 
 
 def image(path: Path) -> Any:

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhead.solver import compat
-from railhead.solver.contact import ContactModel
-from railhead.solver.solution import PlasticStrain, Solution
 from railhead.solver.space.cells import Array
 from railhead.solver.space.contact_interface import Gap
 from railhead.solver.space.facets import FacetSet, facet_closure, pair
 from railhead.solver.space.kinematics import SOLID, Kinematics
+from railhead.solver.system.contact_system import ContactSystem
+from railhead.solver.system.solution import PlasticStrain, Solution
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,7 +91,7 @@ class Fields:
         return self.kinematics.copies(len(self.mirrors))
 
 
-def gather(model: ContactModel, solution: Solution, *, facing: bool = True) -> Fields | None:
+def gather(model: ContactSystem, solution: Solution, *, facing: bool = True) -> Fields | None:
     """Collect the fields of a solution from all ranks on rank 0; returns None on the other ranks
     (collective). facing: whether `master_surface` is computed.
     """
