@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
-import gmsh
 import numpy as np
 from mpi4py import MPI
 
@@ -53,7 +51,6 @@ def generate(
     grading: Grading,
     options: Options,
     comm: MPI.Intracomm,
-    save: Path | None = None,
     meanwhile: Callable[[], object] = lambda: None,
 ) -> ContactMesh:
     """Mesh the bodies with gmsh on rank 0 and distribute the mesh (collective).
@@ -62,8 +59,6 @@ def generate(
     grading: element size; where gmsh fails, it is tried again with 0.95 and then 0.9 of `size`.
     options: type of the cells, degree, symmetry, plane.
     comm: communicator of the mesh. Cells are distributed, gmsh runs on its rank 0 alone.
-    save: file that the gmsh mesh is also written to, on rank 0 (.msh 2.2, readable by meshio),
-        bad elements or not; None: no file.
     meanwhile: what every rank calls while gmsh works; rank 0 calls it again with each new trial.
     Raises MeshError on every rank when in the last trial gmsh fails, takes too long, or an element
     is inverted or nearly flat.
@@ -81,7 +76,7 @@ def generate(
             finer = replace(grading, size=share * grading.size)
             try:
                 found, shapes = isolated_process.run(
-                    _meshed, bodies, finer, options, save, seconds=seconds, meanwhile=meanwhile
+                    _meshed, bodies, finer, options, seconds=seconds, meanwhile=meanwhile
                 )
                 problem = _bad_elements(shapes)
             except isolated_process.IsolatedProcessError as error:
@@ -99,20 +94,16 @@ def generate(
 
 
 def _meshed(
-    bodies: list[Body], grading: Grading, options: Options, save: Path | None
+    bodies: list[Body], grading: Grading, options: Options
 ) -> tuple[blocks.ModelSnapshot, np.ndarray]:
     """Mesh the bodies with gmsh in this process; returns a snapshot of the gmsh model and the
     quality (m,) of its cells.
 
-    save: file (.msh) that the mesh is also written to; None: no file. The quality is that of the
-        stretched mesh, before its elements get their true length.
+    The quality is that of the stretched mesh, before its elements get their true length.
     """
     with blocks.model(bodies, grading, options):
         shapes = blocks.qualities(options.dim)
         blocks.undo_stretch(bodies, grading)
-        if save is not None:
-            gmsh.option.setNumber("Mesh.MshFileVersion", 2.2)  # meshio reads its groups
-            gmsh.write(str(save))
         return blocks.snapshot_model(), shapes
 
 

@@ -27,7 +27,7 @@ __all__ = ["Planned", "find", "load", "plan", "solve", "steels"]
 
 
 @dataclass(frozen=True)
-class Planned:
+class Planned(terminal.Printed):
     """The plan of a scene: effects, mesh and cost. Prints as the table of `railhead plan`.
 
     plan: the decisions with their reasons.
@@ -38,10 +38,6 @@ class Planned:
     def __str__(self) -> str:
         """The table of the plan as text."""
         return terminal.recorded(self.show).export_text()
-
-    def _repr_html_(self) -> str:
-        """The table of the plan as HTML, for notebooks."""
-        return terminal.notebook(self.show)
 
     def as_dict(self) -> dict[str, Any]:
         """The plan as plain data: the table "plan" of summary.json."""

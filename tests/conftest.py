@@ -58,12 +58,12 @@ def _meshed_once(tmp_path_factory: pytest.TempPathFactory) -> None:
     folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "meshes"
     folder.mkdir(exist_ok=True)
 
-    def meshed(bodies: list[Body], grading: Grading, options: Options, save: Path | None) -> Any:
+    def meshed(bodies: list[Body], grading: Grading, options: Options) -> Any:
         given = pickle.dumps((bodies, grading, options))
         kept = folder / hashlib.sha256(given).hexdigest()
-        if save or not kept.exists():
+        if not kept.exists():
             part = kept.with_suffix(f".{os.getpid()}")
-            part.write_bytes(pickle.dumps(MESHED(bodies, grading, options, save)))
+            part.write_bytes(pickle.dumps(MESHED(bodies, grading, options)))
             part.rename(kept)
         return pickle.loads(kept.read_bytes())
 

@@ -61,7 +61,7 @@ CONTACT_ROWS = (
 
 
 @dataclass(frozen=True)
-class Location:
+class Location(terminal.Drawn):
     """A wheelset placed on its track.
 
     scene: the scene, of which profiles, inclination, gauge, shift and yaw count.
@@ -156,12 +156,6 @@ class Location:
         drawings = self.drawings(units or BASE_UNITS) if pictures else {}
         _write(folder, "locate", self, "positions.csv", self.positions(), drawings)
 
-    def plot(self, picture: str, ax: object = None) -> Figure:
-        """Draw "profiles", "positions" or "rolling_radius", as `Result.plot`."""
-        from railhead.postprocess.pictures.plots import diagrams
-
-        return diagrams.draw_one(self.drawings(), picture, ax)
-
     def drawings(self, units: Units = BASE_UNITS) -> dict[str, Drawing]:
         """Functions that draw the pictures, by name of their PNG file. units: of their numbers."""
         from railhead.postprocess.pictures.plots import profile_plots
@@ -253,7 +247,7 @@ def _contact(touch: ContactPoint, crest: float) -> dict[str, float | bool]:
 
 
 @dataclass(frozen=True)
-class ExaminedProfile:
+class ExaminedProfile(terminal.Drawn):
     """A measured profile and its wear.
 
     scene: a scene with the profile; its other keys have no meaning.
@@ -317,11 +311,9 @@ class ExaminedProfile:
         drawings = self.drawings(units or BASE_UNITS) if pictures else {}
         _write(folder, "profile", self, "profile.csv", rows, drawings)
 
-    def plot(self, picture: str = "profile", ax: object = None) -> Figure:
+    def plot(self, picture: str = "profile", ax: Any = None) -> Figure:
         """Draw "profile", which has four panels, as `Result.plot`."""
-        from railhead.postprocess.pictures.plots import diagrams
-
-        return diagrams.draw_one(self.drawings(), picture, ax)
+        return super().plot(picture, ax)
 
     def drawings(self, units: Units = BASE_UNITS) -> dict[str, Drawing]:
         """Function that draws the picture, by name of its PNG file. units: of its numbers."""

@@ -10,22 +10,11 @@ import difflib
 import sys
 from importlib import import_module
 from pathlib import Path
-from typing import Protocol, cast
 
 from railhead.scene.scene import SceneError
 
 PAGE = "page.md"
 ROOT = Path(__file__).resolve().parents[2]  # of the checkout
-
-
-class Study(Protocol):
-    """Interface of a study module."""
-
-    def main(self, out: Path, *, quick: bool) -> None:
-        """Run the study and write <name>.csv, pictures and page.md into the existing folder `out`.
-
-        quick: whether only a small part of the study is done.
-        """
 
 
 def modules() -> dict[str, tuple[str, str]]:
@@ -40,19 +29,9 @@ def modules() -> dict[str, tuple[str, str]]:
     return dict(import_module("studies").STUDIES)
 
 
-def names() -> list[str]:
-    """Names of all studies, sorted."""
-    return sorted(modules())
-
-
-def load(name: str) -> Study:
-    """Import the module of the study `name` (as in `names`); nothing is run."""
-    return cast(Study, import_module(modules()[name][0]))
-
-
 def canonical(name: str) -> str:
     """Name of a study from a text with - or _. Raises SceneError for an unknown name."""
-    known, wanted = names(), name.replace("-", "_")
+    known, wanted = sorted(modules()), name.replace("-", "_")
     if wanted in known:
         return wanted
     close = difflib.get_close_matches(wanted, known, n=1)
@@ -72,7 +51,7 @@ def run(name: str, folder: Path | None, *, quick: bool, install: bool = False) -
     """
     name = canonical(name)
     folder = folder if folder is not None else Path("results") / name
-    study = load(name)
+    study = import_module(modules()[name][0])
     if install and not hasattr(study, "install"):
         raise SceneError("--install", f"{name} needs no other programs; leave it out")
 
@@ -85,7 +64,7 @@ def run(name: str, folder: Path | None, *, quick: bool, install: bool = False) -
     if MPI.COMM_WORLD.size > 1:
         raise SceneError("study", f"{name} measures one process; start it without mpirun")
     if install:
-        study.install()  # type: ignore[attr-defined]
+        study.install()
     with result_folder.replacing(folder) as work:
         study.main(work, quick=quick)
     return folder, (folder / PAGE).read_text(encoding="utf-8")

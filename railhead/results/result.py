@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
@@ -21,9 +20,6 @@ from railhead.scene.catalogue import as_path
 from railhead.scene.scene import SceneError
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
     from railhead.postprocess.pictures.plots.diagrams import Drawing
     from railhead.solver.system.fields import Fields
     from railhead.solver.system.solution import FrictionSolution
@@ -33,7 +29,7 @@ BOUND_NAMES = {each.key: each.bound for each in quantities.QUANTITIES}
 
 
 @dataclass(frozen=True, repr=False)
-class Result:
+class Result(terminal.Drawn):
     """A solved scene. `summary` and the numbers made from it are the same on all MPI ranks.
     `fields`, `findings`, `surface`, `stress_at` and `plot` are on rank 0 only (findings and surface
     of half-spaces on every rank). On others the first two are None, the rest raises ValueError. The
@@ -64,10 +60,6 @@ class Result:
             f"<Result {self.summary['case']}: {self.load:.6g} N, {self.pressure.max:.5g} MPa on "
             f"{self.patch.area:.4g} mm2, {verdict}>"
         )
-
-    def _repr_html_(self) -> str:
-        """The table of `railhead run` as HTML, for notebooks."""
-        return terminal.notebook(self.show)
 
     def show(self, console: Console, units: Units | None = None) -> None:
         """Print the table of `railhead run` on a console. units: units of the numbers; None: mm, N,
@@ -342,19 +334,6 @@ class Result:
                 problem = error
         if (problem := comm.bcast(problem)) is not None:
             raise problem
-
-    def plot(self, picture: str, ax: Axes | Iterable[Axes] | None = None) -> Figure:
-        """Draw a picture of `railhead run`; returns its matplotlib figure.
-
-        picture: name of its PNG file without .png, e.g. "pressure" or "stress_cut".
-        ax: axes to draw on, as many as the picture has panels, row by row; their figure keeps its
-            style and title. None: a new figure.
-        ValueError: there is no such picture (the message names those that are), or another number
-            of axes; nothing touches, off rank 0, or a folder without pictures.npz.
-        """
-        from railhead.postprocess.pictures.plots import diagrams
-
-        return diagrams.draw_one(self.drawings(), picture, ax)
 
     def drawings(self, units: Units = BASE_UNITS) -> dict[str, Drawing]:
         """Functions that draw the pictures, by name of their PNG file. units: of their numbers;

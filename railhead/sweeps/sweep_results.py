@@ -24,14 +24,12 @@ from railhead.sweeps import parallel, store, sweep_report, sweep_table
 from railhead.sweeps.grid import ParameterGrid, column
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from railhead.postprocess.pictures.plots.diagrams import Drawing
 
 Row = dict[str, Any]
 
 
-class Sweep(list[Result]):
+class Sweep(terminal.Drawn, list[Result]):
     """List of the results of all combinations that were solved, the last key changing fastest. A
     combination without a result is missing in the list, but has a row, so positions need not be
     numbers of combinations.
@@ -57,10 +55,6 @@ class Sweep(list[Result]):
             raise SceneError("load", f"{str(folder)!r} holds records of another sweep")
         self._outlines = [each.get("outlines", []) for each, _ in records.values()]
 
-    def _repr_html_(self) -> str:
-        """The table of `railhead show` as HTML, for notebooks."""
-        return terminal.notebook(self.show)
-
     def show(self, console: Console, units: Units | None = None) -> None:
         """Print a row for each combination, and what they say together, on a console. units: of the
         numbers; None: mm, N, MPa.
@@ -75,14 +69,6 @@ class Sweep(list[Result]):
         console.print(table)
         for line in sweep_table.verdict(self._rows, units):
             console.print(line, markup=False, highlight=False)
-
-    def plot(self, picture: str, ax: object = None) -> Figure:
-        """Draw "sweep" or "patches", as `Result.plot`. There is none of all
-        combinations of three or more keys.
-        """
-        from railhead.postprocess.pictures.plots import diagrams
-
-        return diagrams.draw_one(self.drawings(), picture, ax)
 
     def drawings(self, units: Units = BASE_UNITS) -> dict[str, Drawing]:
         """Functions that draw the pictures, by name of their PNG file. units: of their numbers."""

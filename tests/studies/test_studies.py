@@ -3,6 +3,7 @@
 import csv
 import os
 import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
@@ -186,8 +187,8 @@ def test_an_earlier_study_is_replaced_and_a_failing_one_leaves_it(tmp_path, monk
             if self.text == "broken":
                 raise RuntimeError("stop")
 
-    monkeypatch.setattr(study, "names", lambda: ["dummy"])
-    monkeypatch.setattr(study, "load", lambda name: Dummy())
+    monkeypatch.setattr(study, "modules", lambda: {"dummy": ("dummy", "")})
+    monkeypatch.setitem(sys.modules, "dummy", Dummy())
     folder = tmp_path / "dummy"
     for text in ("first", "second"):
         Dummy.text = text

@@ -29,8 +29,8 @@ class Long:
         print("begun", file=sys.stderr, flush=True)
         deque(repeat(0, 10**11), maxlen=0)  # minutes in one call
 
-study.names = lambda: ["long"]
-study.load = lambda name: Long()
+study.modules = lambda: dict(long=("long", ""))
+sys.modules["long"] = Long()
 {COMMAND}"""
 
 

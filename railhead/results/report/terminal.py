@@ -5,9 +5,9 @@ from __future__ import annotations
 import io
 import math
 import textwrap
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich import box
 from rich.console import Console
@@ -19,6 +19,12 @@ from railhead.postprocess.findings import BASE_UNITS, Units, brief
 from railhead.postprocess.pass_rows import PASS_COLUMNS, PASS_ERRORS
 from railhead.results import quantity_rows
 from railhead.results.quantity_rows import Cell, Row
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from railhead.postprocess.pictures.plots.diagrams import Drawing
 
 WIDTH = 80  # characters where there is no terminal
 WIDEST = 80  # characters of a table of numbers, which are never cut: it goes on below
@@ -54,10 +60,36 @@ def recorded(show: Callable[[Console], None]) -> Console:
     return console
 
 
-def notebook(show: Callable[[Console], None]) -> str:
-    """The output of `show` as a piece of HTML without styles for the rest of the page."""
-    block = '<pre style="font-family: monospace; line-height: 1.2">{code}</pre>'
-    return recorded(show).export_html(inline_styles=True, code_format=block)
+class Printed:
+    """What `show` prints on a console; a notebook shows the same."""
+
+    show: Callable[..., None]
+
+    def _repr_html_(self) -> str:
+        """What `show` prints as a piece of HTML, without styles for the rest of the page."""
+        block = '<pre style="font-family: monospace; line-height: 1.2">{code}</pre>'
+        return recorded(self.show).export_html(inline_styles=True, code_format=block)
+
+
+class Drawn(Printed):
+    """A table with pictures: `drawings` gives functions that draw them, by name of the PNG file."""
+
+    drawings: Callable[..., Mapping[str, Drawing]]
+
+    def plot(self, picture: str, ax: Axes | Iterable[Axes] | None = None) -> Figure:
+        """Draw one picture; returns its matplotlib figure.
+
+        picture: name of its PNG file without .png, e.g. "pressure" or "stress_cut" of a result,
+            "sweep" or "patches" of a sweep (none of three or more keys), "profiles", "positions" or
+            "rolling_radius" of what `locate` returns, and "profile" of what `profile` returns.
+        ax: axes to draw on, as many as the picture has panels, row by row; their figure keeps its
+            style and title. None: a new figure.
+        ValueError: there is no such picture (the message names those that are), or another number
+            of axes; nothing touches, off rank 0, or a folder without pictures.npz.
+        """
+        from railhead.postprocess.pictures.plots import diagrams
+
+        return diagrams.draw_one(self.drawings(), picture, ax)
 
 
 def show_plan(plan: Plan, console: Console) -> None:
