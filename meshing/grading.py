@@ -21,6 +21,9 @@ def suited_stretch(a: float, b: float) -> float:
     return min(MAX_STRETCH, max(1.0, a / b / LONG))
 
 
+MARGIN = 1.15  # semi-axes of the fine ellipsoid over those of the patch
+
+
 @dataclass(frozen=True)
 class Grading:
     """Element size: `size` inside an ellipsoid around the patch, plus growth times distance outside
@@ -37,7 +40,6 @@ class Grading:
     size: element size inside the ellipsoid, mm; gmsh makes none smaller than a fifth of it, as on
         curved edges.
     growth: increase of the size per distance from the ellipsoid.
-    margin: semi-axes of the fine ellipsoid over a and b.
     coarsest: largest element size, mm; gmsh gets it apart from the formula. Those of further
         patches have no effect.
     stretch: ratio of the elements' length along the rail to their width. gmsh meshes in coordinates
@@ -51,7 +53,6 @@ class Grading:
     angle: float
     size: float
     growth: float = 0.3
-    margin: float = 1.15
     coarsest: float = 1e22
     stretch: float = 1.0
     also: tuple[Grading, ...] = ()
@@ -61,7 +62,7 @@ class Grading:
         """Semi-axes of the fine ellipsoid, mm: along the rail (divided by the stretch), across it,
         normal to the surface.
         """
-        return self.margin * self.a / self.stretch, self.margin * self.b, self.depth
+        return MARGIN * self.a / self.stretch, MARGIN * self.b, self.depth
 
     @property
     def depth(self) -> float:
@@ -160,7 +161,7 @@ class Grading:
         """Length of the elements along the rail (n,), mm, on the line through the centre of the
         patch along the rail, at positions x (n,) in space, mm. The limit `coarsest` is left out.
         """
-        outside = np.maximum(np.abs(x - self.centre[0]) - self.margin * self.a, 0.0)
+        outside = np.maximum(np.abs(x - self.centre[0]) - MARGIN * self.a, 0.0)
         own = self.stretch * self._size(outside / self.stretch)
         return np.minimum.reduce([own, *(other.along(x) for other in self.also)])
 
@@ -180,7 +181,7 @@ class Grading:
         gmsh's meshes. Further patches, `coarsest` and `stretch` are left out.
         """
         radius = np.geomspace(1e-3 * self.size, reach, 400)
-        fine = self.margin * np.sqrt(self.b * self.depth)
+        fine = MARGIN * np.sqrt(self.b * self.depth)
         size = self.size + self.growth * np.maximum(radius - fine, 0.0)
         return 2.3 * float(trapezoid(np.pi * radius / size**2, radius))
 

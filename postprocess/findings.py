@@ -24,6 +24,7 @@ from railhead.theory.elastic.subsurface import max_shear, von_mises
 
 Place = tuple[float, float, float]
 ROW, COLUMN = np.array([0, 1, 2, 0, 0, 1]), np.array([0, 1, 2, 1, 2, 2])  # of six components
+SYMMETRIC = np.array([[0, 3, 4], [3, 1, 5], [4, 5, 2]])  # places of a tensor among them
 FLAT = 0.01  # relative
 RIVAL = 0.005  # relative: which of two hills is higher is not known below it
 NO_DEPTH = 1e-9  # of a semi-axis: rounding at the surface

@@ -12,6 +12,7 @@ from railhead.postprocess.findings import Array, Findings, Frame, Patch
 from railhead.postprocess.patch import patch, section
 from railhead.postprocess.patch.separate_patches import contact_frame, separate_patches
 from railhead.postprocess.stress import body_stresses
+from railhead.postprocess.symmetry import ON_PLANE
 from railhead.solver.system.fields import Fields
 from railhead.solver.system.solution import FrictionSolution
 
@@ -21,7 +22,6 @@ FACET_SIDES = {
     "hexahedron": [[0, 1], [1, 3], [3, 2], [2, 0]],
 }
 """By cell of a solid: corners of a facet at the ends of its sides; of a section its own ends."""
-ON_PLANE = 1e-9  # of the surface's extent: nodes that lie on a symmetry plane
 
 
 def findings(

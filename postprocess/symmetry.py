@@ -22,7 +22,7 @@ Normal = tuple[float, float, float]
 Planes = Sequence[Normal]
 """Unit normals, along x or y, of the symmetry planes through the origin."""
 Scalar = TypeVar("Scalar", bound=np.generic)
-ON_PLANE = 1e-9  # of the extent of the model: nodes that lie on a symmetry plane
+ON_PLANE = 1e-9  # of the extent of a model, body or surface: its nodes on a symmetry plane
 _NUMBERS = {"principal_stresses"}  # of point data three columns wide, that are no vectors
 _TURNED = {
     "vertex": [0],

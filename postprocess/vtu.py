@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from railhead.meshing.bodies import RAIL, other
 from railhead.postprocess import symmetry
-from railhead.postprocess.findings import Array, Findings, Surface
+from railhead.postprocess.findings import SYMMETRIC, Array, Findings, Surface
 from railhead.postprocess.pass_rows import RailState
 from railhead.postprocess.stress.gauss_points import nodal_stress
 from railhead.solver.system.fields import Fields
@@ -77,7 +77,7 @@ def volume_grid(fields: Fields, stress: Array) -> meshio.Mesh:
         [(name, fields.cells[:, order])],
         point_data={
             "displacement": fields.displacement,
-            "stress": stress[:, [0, 3, 4, 3, 1, 5, 4, 5, 2]],
+            "stress": stress[:, SYMMETRIC.ravel()],
             "principal_stresses": principal(stress),
             **{f"principal_direction_{k + 1}": towards[:, k] for k in range(3)},
             "von_mises": von_mises(stress),
@@ -191,7 +191,7 @@ def section_grid(left: RailState) -> meshio.Mesh:
         np.column_stack([0 * y.ravel(), y.ravel(), -depth.ravel()]),
         [(kind, np.stack([each.ravel() for each in corners], axis=1))],
         point_data={
-            "residual_stress": stress[:, [0, 3, 4, 3, 1, 5, 4, 5, 2]],
+            "residual_stress": stress[:, SYMMETRIC.ravel()],
             "equivalent_plastic_strain": left.strain.ravel(),
         },
     )

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
-from railhead.solver.algebra.problem import Mask
 from railhead.solver.friction.history import FrictionHistory
 from railhead.solver.plasticity.load_stepping import (
     ElasticResponse,
@@ -20,6 +19,7 @@ from railhead.solver.plasticity.load_stepping import (
 from railhead.solver.system.contact_system import ContactSystem, LoadCase
 from railhead.solver.system.setup import Setup
 from railhead.solver.system.solution import Solution
+from railhead.theory.array_types import Mask
 
 
 class ContactModel(ContactSystem):

@@ -8,7 +8,7 @@ import numpy as np
 
 from railhead.meshing.bodies import RAIL
 from railhead.postprocess.findings import Array, Frame, OnePatch
-from railhead.theory.elastic.halfspace import boussinesq_displacement
+from railhead.theory.elastic.halfspace import boussinesq_displacement, mirrored
 
 if TYPE_CHECKING:
     from railhead.solver.system.fields import Fields
@@ -68,8 +68,6 @@ def _half_space(
         moved to its surface.
     """
     frame = Frame(patch.centre, patch.angle)
-    mirror = np.array([1.0, 1.0, 1.0 if body == RAIL else -1.0])
-    local = frame.local(points) * mirror
-    local[:, 2] = local[:, 2].clip(max=0.0)
+    local, mirror = mirrored(frame.local(points), upwards=body != RAIL)
     found = boussinesq_displacement(local, load, young, poisson) * mirror
     return np.asarray(found @ frame.axes)

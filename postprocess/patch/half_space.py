@@ -25,6 +25,7 @@ from railhead.postprocess.findings import (
 )
 from railhead.postprocess.friction import unread_peak
 from railhead.postprocess.patch import compare
+from railhead.postprocess.patch.moments import HERTZIAN
 from railhead.theory.bem import grid_stress
 from railhead.theory.bem.boundary_element import BoundaryElementSolution
 from railhead.theory.bem.grid_patch import PatchSolution
@@ -37,7 +38,6 @@ SurfaceMap = Callable[[Array, Array], Array]
 DEEP = 3.0  # smaller half lengths: end of the axes below the patches
 DEPTHS = 61  # points on each of them
 LINES = 65  # of the grid on which an exact pressure is drawn, each way
-HERTZIAN = 0.02  # relative: moments of an ellipsoid
 
 
 def of_hertz(

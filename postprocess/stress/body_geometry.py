@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhead.postprocess.findings import Array
+from railhead.postprocess.symmetry import ON_PLANE
 from railhead.solver.space.cells import Index, inverse
 from railhead.solver.system.fields import Fields
 
 SHARP = np.radians(75.0)  # between neighbouring facets; a fillet has six elements a turn at least
-ON_PLANE = 1e-9  # of the extent of the body
 ROUNDING = 1e-6  # of a cell: points on its border are held
 CORNERS = {"triangle": 3, "quadrilateral": 4, "tetrahedron": 4, "hexahedron": 8}
 _SIMPLICES = {

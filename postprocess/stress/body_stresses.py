@@ -7,7 +7,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from railhead.meshing.bodies import BODY_NAMES
-from railhead.postprocess.findings import COLUMN, ROW, Array, DepthAxis, Frame, Largest, Peak
+from railhead.postprocess.findings import (
+    COLUMN,
+    ROW,
+    SYMMETRIC,
+    Array,
+    DepthAxis,
+    Frame,
+    Largest,
+    Peak,
+)
 from railhead.postprocess.patch.separate_patches import SeparatePatch
 from railhead.postprocess.stress import stick_border_stress
 from railhead.postprocess.stress.body_geometry import Solid
@@ -109,9 +118,7 @@ def _below(
         0.0, solid.extent(np.array(start), into, reach), DEPTH_POINTS, dtype=np.float64
     )
     stress = recovery.at(start + depth[:, None] * into)
-    tensor = np.zeros((len(depth), 3, 3))
-    tensor[:, ROW, COLUMN] = tensor[:, COLUMN, ROW] = stress
-    stress = (frame.axes @ tensor @ frame.axes.T)[:, ROW, COLUMN]
+    stress = (frame.axes @ np.take(stress, SYMMETRIC, axis=1) @ frame.axes.T)[:, ROW, COLUMN]
     return DepthAxis(name, depth, stress, (start, (float(into[0]), float(into[1]), float(into[2]))))
 
 

@@ -6,7 +6,7 @@ import basix
 import numpy as np
 
 from railhead.meshing.bodies import RAIL
-from railhead.postprocess.findings import Array
+from railhead.postprocess.findings import SYMMETRIC, Array
 from railhead.postprocess.stress.body_geometry import Solid
 from railhead.postprocess.stress.gauss_points import stress_at_reference_point
 from railhead.solver.system.fields import Fields
@@ -14,7 +14,6 @@ from railhead.solver.system.fields import Fields
 QUADRATURE_DEGREE = 6  # in each cell
 OUTER_RATIO = 2.2  # semi-axis of the outer ellipsoid over the largest distance of a touching point
 DEPTH_SHARE = 0.9  # of the depth of the body: where the outer ellipsoid ends
-SYMMETRIC = (0, 3, 4), (3, 1, 5), (4, 5, 2)  # places of a tensor in (xx, yy, zz, xy, xz, yz)
 
 
 def contact_force(fields: Fields, body: int) -> Array:
@@ -54,7 +53,7 @@ def contact_force(fields: Fields, body: int) -> Array:
         share = np.clip(2 * rho - 1, 0.0, 1.0)
         slope = -12 * share * (1 - share) * size  # of 1 - 3 share^2 + 2 share^3
         gradient = (slope / np.maximum(rho, 0.5))[:, None] * local * scale
-        total += np.einsum("nij,nj->i", stress[:, np.array(SYMMETRIC)], gradient)
+        total += np.einsum("nij,nj->i", stress[:, SYMMETRIC], gradient)
     return _whole(fields, total if body == RAIL else -total)
 
 

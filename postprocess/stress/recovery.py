@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.postprocess import symmetry
-from railhead.postprocess.findings import COLUMN, ROW, Array
+from railhead.postprocess.findings import COLUMN, ROW, SYMMETRIC, Array
 from railhead.postprocess.stress.gauss_points import stress_at_gauss_points
 from railhead.solver.system.fields import Fields
 
@@ -169,5 +169,5 @@ def _turned(stress: Array, angle: Array) -> Array:
     cosine, sine, zero = np.cos(angle), np.sin(angle), np.zeros_like(angle)
     rows = (cosine, -sine, zero), (sine, cosine, zero), (zero, zero, zero + 1.0)
     turn = np.array(rows).transpose(2, 0, 1)
-    tensor = stress[:, [0, 3, 4, 3, 1, 5, 4, 5, 2]].reshape(-1, 3, 3)
+    tensor = np.take(stress, SYMMETRIC, axis=1)
     return np.asarray((turn @ tensor @ turn.transpose(0, 2, 1))[:, ROW, COLUMN])

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from railhead.meshing.bodies import RAIL
-from railhead.postprocess.findings import COLUMN, ROW, Array
+from railhead.postprocess.findings import COLUMN, ROW, SYMMETRIC, Array
 from railhead.postprocess.stress.body_geometry import Solid
 from railhead.postprocess.stress.recovery import Recovery
 from railhead.solver.system.fields import Fields
@@ -101,8 +101,7 @@ def _assembled(
     middle, mean = gauss.mean(axis=1, keepdims=True), own.mean(axis=1, keepdims=True)
     slope = np.linalg.pinv(gauss - middle, rcond=1e-9) @ (own - mean)
     own = (mean + (at[:, None] - middle) @ slope)[:, 0]
-    tensor = np.zeros((len(at), 3, 3))
-    tensor[:, ROW, COLUMN] = tensor[:, COLUMN, ROW] = own
+    tensor = np.take(own, SYMMETRIC, axis=1)
     nn = normal[:, :, None] * normal[:, None, :]
     plane = np.eye(3) - nn
     lam, mu = fields.lame[solid.cells[cells]].T

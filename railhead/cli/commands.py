@@ -22,7 +22,7 @@ import click
 from railhead import __version__
 from railhead.run import process
 from railhead.scene import catalogue
-from railhead.scene.scene import Effects, Scene, SceneError, unit_questions
+from railhead.scene.scene import Effects, Scene, SceneError, dotted, unit_questions
 
 if TYPE_CHECKING:
     from railhead.cli.geometry import ExaminedProfile, Location
@@ -42,8 +42,6 @@ def _completing(words: Callable[[], Iterable[str]]) -> Callable[..., list[str]]:
 
 def _keys() -> list[str]:
     """Beginnings of assignments, "load=", "rail.profile=", of all keys of a scene."""
-    from railhead.results.result_folder import dotted
-
     return [f"{key}=" for key, _ in dotted(Scene(load=1.0).model_dump())]
 
 

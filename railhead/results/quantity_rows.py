@@ -7,8 +7,8 @@ from typing import Any
 
 from railhead.postprocess.findings import NO_DEPTH
 from railhead.postprocess.pass_rows import PASS_COLUMNS
-from railhead.results.result_folder import dotted
 from railhead.run import quantities
+from railhead.scene.scene import dotted
 
 Cell = float | str | None
 Row = dict[str, Cell]

@@ -355,15 +355,6 @@ def _locked(parent: Path) -> Iterator[None]:
         os.close(handle)
 
 
-def dotted(table: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
-    """Dotted keys and values of nested tables. above: prefix of the keys with its dot, 'mesh.'."""
-    for key, value in table.items():
-        if isinstance(value, Mapping):
-            yield from dotted(value, f"{above}{key}.")
-        else:
-            yield f"{above}{key}", value
-
-
 def to_json(summary: dict[str, Any]) -> str:
     """JSON text of plain data, ending in a line break; infinite numbers are written as "inf" and
     "-inf". Raises ValueError for NaN.

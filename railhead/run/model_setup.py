@@ -187,7 +187,7 @@ def hertz_far_field(
     materials: elastic constants by body tag.
     """
     hertz = closed_forms.hertz_contact(scene, contact, load)
-    part, (lower, mirror) = materials[body], _mirrored(body, points)
+    part, (lower, mirror) = materials[body], halfspace.mirrored(points, upwards=body == WHEEL)
     return hertz.displacement(lower, part.young_modulus, part.poisson_ratio) * mirror
 
 
@@ -199,20 +199,9 @@ def cerruti_far_field(materials: dict[int, Material], way: int, body: int, point
 
     materials: elastic constants by body tag.
     """
-    part, (lower, mirror) = materials[body], _mirrored(body, points)
+    part, (lower, mirror) = materials[body], halfspace.mirrored(points, upwards=body == WHEEL)
     force = mirror[2]  # the rail's on the wheel is the opposite one
     moved = halfspace.cerruti_displacement(
         lower, force, part.young_modulus, part.poisson_ratio, across=way == 1
     )
     return moved * mirror
-
-
-def _mirrored(body: int, points: Array) -> tuple[Array, Array]:
-    """Points (n, 3), mm, of a body (tag RAIL or WHEEL) as those of the half-space z <= 0, and the
-    signs (3,) that transform a displacement back. The wheel is mirrored at z = 0, the plane of the
-    contact; points that are then above it are moved onto it.
-    """
-    mirror = np.array([1.0, 1.0, 1.0 if body == RAIL else -1.0])
-    lower = points * mirror
-    lower[:, 2] = lower[:, 2].clip(max=0.0)
-    return lower, mirror

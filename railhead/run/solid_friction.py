@@ -374,17 +374,10 @@ class SolidFriction:
             used,
             setup.parts,
         )
-        total = described.weights @ described.traction
-        for normal in planes:
-            total = total - normal * (total @ normal)
-        along, across = settings.axes[:2] @ total
-        arm = described.points - np.array(settings.origin)
-        turning = described.weights @ np.cross(arm, described.traction) @ settings.axes[2]
-        return replace(
-            described,
-            force=(float(along), float(across)),
-            moment=0.0 if planes else float(turning),
+        force, moment = settings.resultants(
+            described.points, described.weights, described.traction, setup.planes
         )
+        return replace(described, force=force, moment=moment)
 
 
 def apply(

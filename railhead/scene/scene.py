@@ -148,15 +148,17 @@ def assigned(texts: Iterable[str]) -> dict[str, object]:
     return dict(map(assignment, texts))
 
 
-def _dotted(values: Mapping[str, object]) -> Iterator[tuple[str, object]]:
-    """Pairs (dotted key, value) of tables or sections nested one level deep."""
-    for key, value in values.items():
+def dotted(table: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
+    """Dotted keys and values of nested tables or sections. above: prefix of the keys with its dot,
+    'mesh.'.
+    """
+    for key, value in table.items():
         if isinstance(value, Section):
             value = value.model_dump()
         if isinstance(value, Mapping):
-            yield from ((f"{key}.{leaf}", inner) for leaf, inner in value.items())
+            yield from dotted(value, f"{above}{key}.")
         else:
-            yield key, value
+            yield f"{above}{key}", value
 
 
 class Scene(Section):
@@ -363,7 +365,7 @@ class Scene(Section):
         that half-spaces cannot use, but for those set in the same call. Raises SceneError for a
         wrong key or value, and for a scene that breaks a rule.
         """
-        given = assigned(assignments) | dict(_dotted(values))
+        given = assigned(assignments) | dict(dotted(values))
         given = {OTHER_NAMES.get(key, key): value for key, value in given.items()}
         drops = [
             _DROPS[key][0]

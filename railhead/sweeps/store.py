@@ -15,7 +15,7 @@ from typing import Any, Literal
 
 from railhead.results import result_folder
 from railhead.scene.catalogue import INPUT
-from railhead.scene.scene import SceneError
+from railhead.scene.scene import SceneError, dotted
 from railhead.sweeps import sweep_report, sweep_table
 
 REQUEST, RECORDS, VTU, TABLE = "sweep.json", "records", "vtu", "sweep.csv"
@@ -87,7 +87,7 @@ def _check_request(folder: Path, request: dict[str, Any]) -> None:
     if not (folder / REQUEST).is_file():
         raise SceneError("--out", f"{name} holds another kind of result; {ADVICE}")
     tables = request, _load(folder / REQUEST)
-    here, other = (dict(result_folder.dotted(table)) for table in tables)
+    here, other = (dict(dotted(table)) for table in tables)
     for key in {**here, **other}:
         if here.get(key) != other.get(key):
             raise SceneError(

@@ -15,7 +15,8 @@ import numpy as np
 from petsc4py import PETSc
 
 from railhead.solver import compat
-from railhead.solver.algebra.problem import ContactProblem, Mask
+from railhead.solver.algebra.problem import ContactProblem
+from railhead.theory.array_types import Mask
 
 KRYLOV_LIMIT = 150  # iterations of one linear solve
 LARGEST_RESIDUAL = {"nitsche": 0.1, "penalty": 1e-3}  # of the right-hand side, that any linear

@@ -17,9 +17,10 @@ from petsc4py import PETSc
 
 from railhead.solver import compat
 from railhead.solver.algebra.linear import Preconditioner, factorise, near_nullspace
-from railhead.solver.algebra.problem import ContactProblem, Mask
-from railhead.solver.algebra.reduced_stiffness import Stiffness
+from railhead.solver.algebra.problem import ContactProblem
+from railhead.solver.algebra.reduced_stiffness import DIFFERENT, Stiffness
 from railhead.solver.space.operators import vector, weighted_product
+from railhead.theory.array_types import Mask
 
 COARSE_DIRECT_BELOW = 40_000  # unknowns of the P1 level (measured from 20 000 to 33 000)
 SMOOTHING_STEPS = 3  # of Chebyshev's method, before and after the coarse level
@@ -31,7 +32,6 @@ AGGRESSIVE_LEVELS = (
 )
 # full that the set-up of 1 000 000 unknowns takes 3.7 instead of 2.2 s, for as many iterations
 SUBSET = PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN
-DIFFERENT = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,6 @@ from typing import Any, ClassVar
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from railhead.solver.algebra.reduced_stiffness import Stiffness
@@ -25,8 +24,7 @@ from railhead.solver.space.cells import Array
 from railhead.solver.space.constraints import Reduction
 from railhead.solver.space.contact_interface import ContactLaw, Interface
 from railhead.solver.space.operators import add_transposed, petsc_matrix, vector, weighted_product
-
-Mask = NDArray[np.bool_]
+from railhead.theory.array_types import Mask
 
 
 class Tangent:

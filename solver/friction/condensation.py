@@ -33,8 +33,13 @@ from petsc4py import PETSc
 
 from railhead.solver import compat
 from railhead.solver.algebra.linear import factorise
-from railhead.solver.algebra.problem import Mask
-from railhead.solver.friction.surface_response import far_field, rows, rows_at, surface_tangents
+from railhead.solver.algebra.reduced_stiffness import DIFFERENT
+from railhead.solver.friction.surface_response import (
+    PressedSurfaces,
+    rows,
+    rows_at,
+    surface_tangents,
+)
 from railhead.solver.plasticity.load_stepping import ElasticResponse
 from railhead.solver.space.cells import Array, Index
 from railhead.solver.space.facets import pair
@@ -42,12 +47,12 @@ from railhead.solver.space.operators import assemble_rows, select_rows, vector
 from railhead.solver.system.contact_system import ContactSystem
 from railhead.solver.system.setup import FrictionSettings
 from railhead.solver.system.solution import Solution
+from railhead.theory.array_types import Mask
 
 UPSTREAM = ((0.0, 1.5), (1.0, -2.0), (2.0, 0.5))  # distance in steps d, and weight
 CENTRAL_STEPS = 2.0  # d of the symmetric differences of the frictionless solution
 STEP_PER_EDGE = 0.5  # d over the length of the elements' edges
 COLUMNS_AT_ONCE = 256  # right-hand sides that are solved together
-DIFFERENT = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
 
 Entry = TypeVar("Entry", bound=np.generic)
 
@@ -115,20 +120,15 @@ class ContactCompliance:
         return np.asarray(self.shape_functions.T @ share.ravel())
 
 
-class StaticCondensation:
+class StaticCondensation(PressedSurfaces):
     """Factorisation of the tangent stiffness of a pressed contact, and its condensation to the
     contact points. Its matrices are distributed, and its methods are collective.
 
     p contact points of this rank lie on facets of which some point touches; each has k tangents t.
 
-    system: contact system.
     response: response of the bodies; gives the shear stress that plastic strain takes.
-    settings: friction settings.
     comm: communicator of the mesh.
     own: numbers (p,) of these points among this rank's contact points.
-    slave, master: contact facets of all ranks; master None: a rigid body.
-    sign: sign of the slave's stress in the trial traction: -1 where the slave is the wheel, else 1.
-    far_field: displacement of the supported faces under 1 N along and across, see `far_field`.
     normals: (p, c) outward normals of the slave at these points.
     x: position (p, c) of these points, mm.
     tangents: (p, k, c) unit tangents at these points.
@@ -152,22 +152,15 @@ class StaticCondensation:
         settings: FrictionSettings,
         pressed: Solution,
     ) -> None:
-        self.system, self.response, self.settings = system, response, settings
-        self.comm, interface, setup = system.comm, system.interface, system.setup
-        active = pressed.pressure > 0
-        touched = np.unique(interface.facet[active])
-        self.own = np.flatnonzero(np.isin(interface.facet, touched))
-        self.slave = interface.slave.gathered(self.comm)
-        self.master = None if interface.master is None else interface.master.gathered(self.comm)
-        self.sign = -1.0 if setup.slave == setup.moving.tag else 1.0
-        self.far_field = far_field(system, settings)
+        super().__init__(system, settings, pressed)
+        self.response, self.comm, interface = response, system.comm, system.interface
+        self.own = np.flatnonzero(np.isin(interface.facet, self.touched))
         self.normals, self.x = interface.normals[self.own], interface.points[self.own]
         self.tangents = surface_tangents(self.sign * self.normals)
         before = self.size * (self.comm.exscan(len(self.own)) or 0)
         self.rows = slice(before, before + self.size * len(self.own))
-        edge = interface.slave.mean_edge(touched, self.comm) if settings.rolling else 1.0
-        self.step = STEP_PER_EDGE * edge if settings.rolling else 1.0
-        self.tangent = system.problem.assembled_tangent(active)
+        self.step = STEP_PER_EDGE * self.edge if settings.rolling else 1.0
+        self.tangent = system.problem.assembled_tangent(self.active)
         self.pc = PETSc.PC().create(self.comm)
         self.pc.setOperators(self.tangent)
         factorise(self.pc, system.problem.law.symmetric)

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from railhead.solver.algebra.problem import Mask
 from railhead.solver.friction.condensation import ContactCompliance, StaticCondensation
 from railhead.solver.friction.coulomb import TINY, CoulombContact, TangentialState
 from railhead.solver.friction.surface_response import far_displacement
@@ -15,6 +14,7 @@ from railhead.solver.space.cells import Array
 from railhead.solver.system.contact_system import ContactSystem, LoadCase
 from railhead.solver.system.setup import FrictionSettings
 from railhead.solver.system.solution import FrictionSolution, Solution
+from railhead.theory.array_types import Mask
 
 NOT_CONVERGED = "friction: the tractions do not settle"
 COUPLING_TOLERANCE = 1e-3  # change of the tractions in one coupling iteration, over max(mu p)
@@ -210,14 +210,17 @@ class FrictionHistory:
         rigid = np.tensordot(self.motion, self.rigid_slip, axes=1)
         return np.asarray(contact.displacement + elastic + rigid)
 
-    def _force(self, state: TangentialState) -> Array:
-        """Force of the wheel on the rail along and across (2,), N, of the whole model. Symmetric
-        images cancel the component normal to a symmetry plane.
+    def _resultants(self, state: TangentialState) -> tuple[tuple[float, float], float]:
+        """Force of the wheel on the rail along and across, N, and moment, N mm, of the whole model
+        (`FrictionSettings.resultants`).
         """
-        total = self.contact.area @ self.contact.in_space(state.traction)
-        for _, normal in self.system.setup.planes:
-            total = total - np.array(normal) * (total @ np.array(normal))
-        return np.asarray(self.settings.axes[:2] @ total)
+        contact, planes = self.contact, self.system.setup.planes
+        traction = contact.in_space(state.traction)
+        return self.settings.resultants(contact.points, contact.area, traction, planes)
+
+    def _force(self, state: TangentialState) -> Array:
+        """Force of the wheel on the rail along and across (2,), N, of the whole model."""
+        return np.array(self._resultants(state)[0])
 
     @property
     def _carried(self) -> float:
@@ -246,22 +249,19 @@ class FrictionHistory:
         the modes of rigid slip.
         """
         contact, settings = self.contact, self.settings
-        traction, area = contact.in_space(state.traction), contact.area
-        arm = contact.points - np.array(settings.origin)
-        moment = float(area @ np.cross(arm, traction) @ settings.axes[2])
-        force = self._force(state)
+        force, moment = self._resultants(state)
         along, across, spin = (float(value) for value in motion[:3])
         return FrictionSolution(
             points=contact.points,
-            weights=area,
+            weights=contact.area,
             pressure=state.pressure,
-            traction=traction,
+            traction=contact.in_space(state.traction),
             slip=contact.in_space(state.slip),
             sticks=state.sticks,
             rigid_motion=(along, across, spin),
-            force=(float(force[0]), float(force[1])),
-            moment=0.0 if self.system.setup.planes else moment,
-            friction_limit=float(settings.coefficient * (area @ state.pressure)),
+            force=force,
+            moment=moment,
+            friction_limit=float(settings.coefficient * (contact.area @ state.pressure)),
             load_steps=np.array(self.step_results),
             dissipated_energy=self.dissipated_energy,
             coupling_iterations=self.coupling_iterations,

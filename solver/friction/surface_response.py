@@ -21,13 +21,13 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from railhead.solver.algebra import linear
-from railhead.solver.algebra.problem import Mask
 from railhead.solver.space.cells import Array, Index
 from railhead.solver.space.facets import FacetSet, pair
 from railhead.solver.space.operators import assemble_rows, vector
 from railhead.solver.system.contact_system import ContactSystem
 from railhead.solver.system.setup import FrictionSettings
 from railhead.solver.system.solution import Solution
+from railhead.theory.array_types import Mask
 
 TOLERANCE = 1e-3  # relative, of the linear solves
 
@@ -122,15 +122,18 @@ class SurfacePoints:
         return out
 
 
-class SurfaceResponse:
-    """Jumps of the contact surfaces, and their response to forces while the active set stays.
+class PressedSurfaces:
+    """The surfaces of a pressed contact, gathered from all ranks (collective).
 
-    system: contact system of a solid.
+    system: contact system.
     settings: friction settings.
-    active: (n,) contact points of this rank that touch in the pressed contact.
+    active: (n,) contact points of this rank that touch.
+    touched: numbers of the slave's facets of this rank of which some point touches.
     slave, master: contact facets of all ranks; master None: a rigid body.
-    far_field: displacement of the supported faces under 1 N along and 1 N across the rail, on all
-        dofs, mm/N; empty where the bodies end at their supports.
+    sign: sign of the slave's stress in a traction of the wheel on the rail: -1 where the slave is
+        the wheel, else 1.
+    far_field: displacement of the supported faces under 1 N along and, in a solid, 1 N across the
+        rail, on all dofs, mm/N; empty where the bodies end at their supports.
     """
 
     def __init__(
@@ -138,10 +141,11 @@ class SurfaceResponse:
     ) -> None:
         self.system, self.settings = system, settings
         self.active = pressed.pressure > 0
+        self.touched = np.unique(system.interface.facet[self.active])
         self.slave = system.interface.slave.gathered(system.comm)
         master = system.interface.master
         self.master = None if master is None else master.gathered(system.comm)
-        self._sign = -1.0 if system.setup.slave == system.setup.moving.tag else 1.0
+        self.sign = -1.0 if system.setup.slave == system.setup.moving.tag else 1.0
         self.far_field = far_field(system, settings)
 
     @property
@@ -149,9 +153,13 @@ class SurfaceResponse:
         """Mean distance of the other corners from the first corner of the facets that touch, of all
         ranks, mm (collective).
         """
-        interface = self.system.interface
-        touched = np.unique(interface.facet[self.active])
-        return interface.slave.mean_edge(touched, self.system.comm)
+        return self.system.interface.slave.mean_edge(self.touched, self.system.comm)
+
+
+class SurfaceResponse(PressedSurfaces):
+    """Jumps of the surfaces of two solids, and their response to forces while the active set
+    stays.
+    """
 
     def at(self, places: Array, normal: Array, mirrors: tuple[Array, ...]) -> SurfacePoints:
         """Points of the surfaces at places (n, 3) in space, mm, near the slave (collective). From a
@@ -178,11 +186,11 @@ class SurfaceResponse:
             partner, eta = partner[kept], eta[kept]
         met[met] = kept
         facet, xi, flip, on, normals = facet[met], xi[met], flip[met], on[kept], normals[kept]
-        tangents = surface_tangents(self._sign * normals * flip)
+        tangents = surface_tangents(self.sign * normals * flip)
         comm, system = self.system.comm, self.system
         count = len(facet)
         own = np.arange(count * comm.rank // comm.size, count * (comm.rank + 1) // comm.size)
-        rows = (self._sign * tangents * flip[:, None])[own]
+        rows = (self.sign * tangents * flip[:, None])[own]
         blocks = [rows_at(self.slave, facet[own], xi[own], -rows)]
         if self.master is not None:
             blocks.append(rows_at(self.master, partner[own], eta[own], rows))

@@ -15,7 +15,6 @@ from petsc4py import PETSc
 
 from railhead.solver.algebra import linear, newton
 from railhead.solver.algebra.newton import NewtonResult
-from railhead.solver.algebra.problem import Mask
 from railhead.solver.material.hardening import ROOT, History, deviator
 from railhead.solver.plasticity.plastic_problem import (
     PlasticProblem,
@@ -27,6 +26,7 @@ from railhead.solver.space.cells import Array, Index
 from railhead.solver.system.contact_system import ContactSystem, LoadCase
 from railhead.solver.system.setup import LoadPath
 from railhead.solver.system.solution import PlasticSolution, PlasticStrain, Solution
+from railhead.theory.array_types import Mask
 
 # Shares of the load from which the bodies are separated far beyond first yield: they follow the
 # yield at the border of the patch as it begins to shrink. More steps change the residual state of a

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -97,6 +97,23 @@ class FrictionSettings:
     force_controlled: tuple[tuple[int, float], ...]
     load_steps: tuple[tuple[float, float], ...] = ((1.0, 1.0),)
     far_field: Callable[[int, int, Array], Array] | None = None
+
+    def resultants(
+        self, points: Array, weights: Array, traction: Array, planes: Sequence[Any]
+    ) -> tuple[tuple[float, float], float]:
+        """Force (along, across), N, and moment about the normal at the origin, N mm, of tractions
+        (n, 3), MPa, at points (n, 3), mm, of the whole model; its images cancel the force normal to
+        a symmetry plane and, with any plane, the moment.
+
+        weights: area of each point (n,), mm2, images included. planes: of the `Setup`.
+        """
+        total = weights @ traction
+        for _, normal in planes:
+            total = total - np.array(normal) * (total @ np.array(normal))
+        along, across = self.axes[:2] @ total
+        turning = np.cross(points - np.array(self.origin), traction)
+        moment = 0.0 if planes else float(weights @ turning @ self.axes[2])
+        return (float(along), float(across)), moment
 
 
 @dataclass(frozen=True)

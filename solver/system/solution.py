@@ -10,8 +10,8 @@ if TYPE_CHECKING:  # half-spaces have such solutions, too, without a solver
     from petsc4py import PETSc
 
     from railhead.solver.algebra.newton import NewtonResult
-    from railhead.solver.algebra.problem import Mask
     from railhead.solver.space.cells import Array
+    from railhead.theory.array_types import Mask
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,17 @@ from railhead.theory.elastic.subsurface import (
 )
 
 
+def mirrored(points: Array, *, upwards: bool) -> tuple[Array, Array]:
+    """Points (n, 3), mm, of a body at the plane z = 0 as those of the half-space z <= 0, and the
+    signs (3,) that transform a displacement back. upwards: whether the body lies above the plane
+    and is mirrored at it. Points that are then above the plane are moved onto it.
+    """
+    mirror = np.array([1.0, 1.0, -1.0 if upwards else 1.0])
+    lower = points * mirror
+    lower[:, 2] = lower[:, 2].clip(max=0.0)
+    return lower, mirror
+
+
 def boussinesq_displacement(points: ArrayLike, load: float, young: float, poisson: float) -> Array:
     """Displacement (n, 3), mm, components x, y, z (z up), at points (n, 3), z <= 0, under a point
     force of `load` N at the origin that acts in -z. young: MPa.
