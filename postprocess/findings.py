@@ -374,7 +374,7 @@ class Subject:
     across: where s runs, for example 'across the rail'.
     gauge: whether negative s is the gauge side and positive s the field side.
     rolls: whether the wheel rolls, towards positive x.
-    rubs: whether the solution has friction.
+    has_friction: whether the solution has friction.
     revolved: whether the model is a meridian section of bodies of revolution.
     method: what made the numbers, for legends.
     units: of the numbers that are shown.
@@ -386,7 +386,7 @@ class Subject:
     across: str = "across the rail"
     gauge: bool = False
     rolls: bool = False
-    rubs: bool = False
+    has_friction: bool = False
     revolved: bool = False
     method: str = "finite elements"
     units: Units = BASE_UNITS

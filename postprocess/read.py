@@ -27,7 +27,7 @@ FACET_SIDES = {
 def findings(
     fields: Fields,
     frame: Frame,
-    rubbing: FrictionSolution | None = None,
+    friction_solution: FrictionSolution | None = None,
     *,
     parabolic: bool = False,
 ) -> Findings:
@@ -36,7 +36,7 @@ def findings(
 
     fields: the solution, in which some contact points carry pressure. frame: axes at the first
         contact; those of the most loaded patch are used instead where it has a plane of its own
-        (`contact_frame`). rubbing: solution with friction, or None.
+        (`contact_frame`). friction_solution: solution with friction, or None.
         parabolic: whether Hertz's theory is exact, that is for elastic half-spaces whose gap is
         quadratic; second moments of the pressure then give the semi-axes. Title, notes and
         dissipated energy of the findings are left at their defaults.
@@ -50,7 +50,7 @@ def findings(
         reading = patch.read(fields, separate, frame, parabolic=parabolic)
     found, shape = reading.patch, reading.moments
     size = shape.a if flat else min(found.a, found.b)
-    stress = body_stresses.read(fields, frame, found.centre, size, separate[1:], rubbing)
+    stress = body_stresses.read(fields, frame, found.centre, size, separate[1:], friction_solution)
     elements = elements_across(fields, frame, found)
     return Findings(
         frame=frame,
@@ -68,7 +68,7 @@ def findings(
         noise=noise(fields, reading.recovered_pressure),
         elements_across=elements,
         edge_distance=edge_distance(fields, found, stress.edges),
-        unread_peak=0.0 if flat else friction.unread_peak(rubbing, min(elements) / 2),
+        unread_peak=0.0 if flat else friction.unread_peak(friction_solution, min(elements) / 2),
     )
 
 

@@ -173,26 +173,26 @@ def traction_points(found: FrictionSolution) -> meshio.Mesh:
     )
 
 
-def section_grid(left: RailState) -> meshio.Mesh:
+def section_grid(state: RailState) -> meshio.Mesh:
     """Section of a rail after passes: quadrilaterals, or of plane strain lines, between its points
     (0, y, z), y from the middle of the patch and z out of the surface, mm.
 
     Point data: residual_stress (n, 9), MPa, the tensor row by row; equivalent_plastic_strain (n,).
     """
-    number = np.arange(left.strain.size).reshape(left.strain.shape)
-    if len(left.y) > 1:
+    number = np.arange(state.strain.size).reshape(state.strain.shape)
+    if len(state.y) > 1:
         corners = [number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]]
         kind = "quad"
     else:
         corners, kind = [number[:, :-1], number[:, 1:]], "line"
-    y, depth = np.meshgrid(left.y, left.depth, indexing="ij")
-    stress = left.stress.reshape(-1, 6)
+    y, depth = np.meshgrid(state.y, state.depth, indexing="ij")
+    stress = state.stress.reshape(-1, 6)
     return meshio.Mesh(
         np.column_stack([0 * y.ravel(), y.ravel(), -depth.ravel()]),
         [(kind, np.stack([each.ravel() for each in corners], axis=1))],
         point_data={
             "residual_stress": stress[:, SYMMETRIC.ravel()],
-            "equivalent_plastic_strain": left.strain.ravel(),
+            "equivalent_plastic_strain": state.strain.ravel(),
         },
     )
 
@@ -221,7 +221,7 @@ def grids(
     stress: Array,
     found: Findings,
     residual: Fields | None,
-    rubbing: FrictionSolution | None,
+    friction_solution: FrictionSolution | None,
     *,
     whole: bool = False,
 ) -> Iterator[tuple[str, meshio.Mesh]]:
@@ -230,8 +230,8 @@ def grids(
 
     fields: under the load. stress (n, 6): at their nodes, MPa, as `nodal_stress` computes it.
         found: gives the contact surfaces, of the modelled part. residual: fields after the load, or
-        None. rubbing: solution with friction, or None. whole: whether mirror images of a cut model
-        are added to all grids.
+        None. friction_solution: solution with friction, or None. whole: whether mirror images of a
+        cut model are added to all grids.
     """
     surfaces = {fields.slave: found.surface}
     if found.opposite is not None:
@@ -241,5 +241,5 @@ def grids(
     yield "solution", symmetry.grid(volume_grid(fields, stress), planes)
     if residual is not None:
         yield "residual", symmetry.grid(volume_grid(residual, nodal_stress(residual)), planes)
-    if rubbing is not None:
-        yield "traction", symmetry.grid(traction_points(rubbing), planes)
+    if friction_solution is not None:
+        yield "traction", symmetry.grid(traction_points(friction_solution), planes)

@@ -34,7 +34,7 @@ from railhead.solver.system.fields import Fields
 ELLIPTIC = 0.01  # shape error up to which p^2 is that of Hertz's ellipsoid alone
 FOURTH_MOMENT_FACTOR = 9 / 8  # relative change of half lengths per deviation of fourth moments
 # deviation of the fourth moments of an exact ellipse, over (element size / half length)^2
-ELEMENT_SIZE_FACTOR = 0.07
+SOLID_SIZE_FACTOR = 0.07
 HIGHER_ORDER_FACTOR = 0.4  # error by terms of higher order, over the shape error
 MEASURES = ("a", "b", "area", "max_pressure")
 AXIS_REACH, AXIS_POINTS = 1.25, 121  # pressure along x and s: in half lengths, either way
@@ -358,7 +358,7 @@ def nearly_elliptic(
     *,
     parabolic: bool,
     fourth: float = FOURTH_MOMENT_FACTOR,
-    mesh: float = ELEMENT_SIZE_FACTOR,
+    mesh: float = SOLID_SIZE_FACTOR,
 ) -> tuple[Array, Array]:
     """Half lengths (2,) along x and s of a nearly elliptic patch, mm, and their relative errors
     (2,).

@@ -25,8 +25,8 @@ from railhead.postprocess.patch.reconstruct import Samples, SquaredPressure
 from railhead.postprocess.patch.surface import recover_surfaces
 from railhead.solver.system.fields import Fields
 
-ELEMENT_SIZE_FACTOR = 0.03  # of a section, see `patch`
-AXIS_POINTS = 61  # of the pressure along the contact line
+SECTION_SIZE_FACTOR = 0.03  # as `patch.SOLID_SIZE_FACTOR`, of sections
+PRESSURE_POINTS = 61  # of the pressure along the contact line
 LINE_POINTS = 2000  # at which p^2 is evaluated to find its zeros and its maximum
 Value = TypeVar("Value")
 
@@ -163,7 +163,7 @@ def _ellipse(
         element,
         parabolic=parabolic,
         fourth=FOURTH_MOMENT_FACTOR if revolved else 1.0,
-        mesh=ELEMENT_SIZE_FACTOR,
+        mesh=SECTION_SIZE_FACTOR,
     )
     unit = 2 / 3 * np.pi * found.a**2 if revolved else np.pi / 2 * found.a * length
     along, across = _along_across(fields.kinematics.varying[0], error, error if revolved else 0.0)
@@ -183,7 +183,7 @@ def _axis_pressures(
     t = symmetry.vectors(surface.local, fields.mirrors)[:, axis]
     p = symmetry.repeated(surface.pressure, fields.mirrors)
     order = np.argsort(t)
-    at = middle + 1.25 * half * np.linspace(-1.0, 1.0, AXIS_POINTS)
+    at = middle + 1.25 * half * np.linspace(-1.0, 1.0, PRESSURE_POINTS)
     found = AxisPressure(at, np.interp(at, t[order], p[order]))
     if fields.kinematics.revolved:
         return found, found

@@ -82,7 +82,7 @@ def _of_bodies(shown: Shown, cells: Callable[[], meshio.Mesh]) -> dict[str, Draw
         }
     if found.subject.rolls:
         every["stress_cut_along.png"] = in_cells(render.stress_cut, 0, found)
-    contact = vtu.contact_grid({RAIL: found.surface})  # whichever body: no light falls on it
+    contact = vtu.contact_grid({RAIL: found.surface})  # of any body: it is drawn without light
     return every | {
         "patch.png": partial(diagrams.patch, found, exact),
         "wheel_rail.png": in_cells(render.wheel_rail, found),

@@ -81,7 +81,7 @@ def load(path: Path) -> Shown:
             shown = _restored(json.loads(str(file["plain"])), file, known)
         if not isinstance(shown, Shown):
             raise TypeError
-    except Exception:  # a damaged archive raises what its part that is damaged calls for
+    except Exception:  # the kind of error depends on the damaged part
         text = "is missing, damaged, or of another version; run the scene again for its pictures"
         raise ValueError(f"{path.name} {text}") from None
     return shown

@@ -56,14 +56,14 @@ def read(
     centre: tuple[float, float],
     size: float,
     others: list[SeparatePatch],
-    rubbing: FrictionSolution | None,
+    friction_solution: FrictionSolution | None,
 ) -> BodyStresses:
     """Smooth stresses in the bodies, below the patches and where they are largest.
 
     centre: (x, s) of the most loaded patch in the frame, mm. size: its smaller semi-axis, mm.
-        others: the other patches. rubbing: solution with friction, or None. With friction, stresses
-        at the border of the stick zone replace lower peaks; a smooth field would cut off the cusp
-        there.
+        others: the other patches. friction_solution: tractions, or None. With friction,
+        stresses at the border of the stick zone replace lower peaks; a smooth field would cut off
+        the cusp there.
     """
     bodies = {}
     for tag, name in BODY_NAMES.items():
@@ -84,9 +84,11 @@ def read(
         name: _largest(Search(fields, *body, edges, size), axes[name])
         for name, body in bodies.items()
     }
-    if rubbing is not None:
+    if friction_solution is not None:
         largest = {
-            name: _or_border(each, *stick_border_stress.stresses(fields, *bodies[name], rubbing))
+            name: _or_border(
+                each, *stick_border_stress.stresses(fields, *bodies[name], friction_solution)
+            )
             for name, each in largest.items()
         }
     places = [

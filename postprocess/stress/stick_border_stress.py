@@ -24,30 +24,30 @@ INNER = 0.6  # of the way from the middle of a facet to its nodes: where it stic
 
 
 def stresses(
-    fields: Fields, solid: Solid, recovery: Recovery, rubbing: FrictionSolution
+    fields: Fields, solid: Solid, recovery: Recovery, friction_solution: FrictionSolution
 ) -> tuple[Array, Array]:
     """Places (n, 3) on the surface of one body at the border of stick and slip, mm, and stresses
     (n, 6) there, MPa. Components are xx, yy, zz, xy, xz, yz in global axes, tension positive. The
     places are contact points that slip beside facets that stick.
 
-    solid: cells of the body. recovery: stresses at their Gauss points. rubbing: solution with
-        friction. Both arrays are empty where all points stick or all slip, or where a body has
+    solid: cells of the body. recovery: stresses at their Gauss points. friction_solution:
+        tractions. Both arrays are empty where all points stick or all slip, or where a body has
         yielded.
     """
-    slips = (rubbing.pressure > 0) & ~rubbing.sticks
+    slips = (friction_solution.pressure > 0) & ~friction_solution.sticks
     places, nodes, cells = _facets(fields, solid)
     if fields.plastic_strain is not None or not (slips.any() and len(cells)):
         return np.zeros((0, 3)), np.zeros((0, 6))
-    nearest = cKDTree(rubbing.points).query(places)[1]
-    whole = rubbing.sticks[nearest].all(axis=1)
+    nearest = cKDTree(friction_solution.points).query(places)[1]
+    whole = friction_solution.sticks[nearest].all(axis=1)
     places, cells, nodes = places[whole], cells[whole], nodes[whole]
     points = np.flatnonzero(slips)
-    distance, beside = cKDTree(rubbing.points[points]).query(places)
+    distance, beside = cKDTree(friction_solution.points[points]).query(places)
     facet = np.flatnonzero(distance.min(axis=1, initial=np.inf) < np.ptp(nodes, axis=1).max(axis=1))
     sample = distance[facet].argmin(axis=1)
     slipping = points[beside[facet, sample]]
-    return rubbing.points[slipping], _assembled(
-        fields, solid, recovery, cells[facet], rubbing, slipping
+    return friction_solution.points[slipping], _assembled(
+        fields, solid, recovery, cells[facet], friction_solution, slipping
     )
 
 
@@ -75,7 +75,7 @@ def _assembled(
     solid: Solid,
     recovery: Recovery,
     cells: Array,
-    rubbing: FrictionSolution,
+    friction_solution: FrictionSolution,
     slipping: Array,
 ) -> Array:
     """Stress (n, 6), MPa, at slipping points beside cells that stick, from the stress s_e of the
@@ -87,16 +87,18 @@ def _assembled(
     the surface, P s_e P, to the pressure p at the same strain in the surface. The pressure is the
     mean over the contact points as near as the cell is large.
 
-    cells (n,): rows in the solid. slipping (n,): rows of the contact points in `rubbing`.
+    cells (n,): rows in the solid. slipping (n,): rows of the contact points in `friction_solution`.
     """
-    contact, at = fields.contact, rubbing.points[slipping]
+    contact, at = fields.contact, friction_solution.points[slipping]
     normal = contact.normals[cKDTree(contact.points).query(at)[1]]
     normal = normal if fields.slave == RAIL else -normal
-    touching = np.flatnonzero(rubbing.pressure > 0)
-    tree = cKDTree(rubbing.points[touching])
-    around = tree.query_ball_point(rubbing.points[slipping], solid.sizes[cells])
-    p = np.array([rubbing.pressure[touching[each]].mean() for each in around])
-    traction = rubbing.traction[slipping] * (p / rubbing.pressure[slipping])[:, None]
+    touching = np.flatnonzero(friction_solution.pressure > 0)
+    tree = cKDTree(friction_solution.points[touching])
+    around = tree.query_ball_point(friction_solution.points[slipping], solid.sizes[cells])
+    p = np.array([friction_solution.pressure[touching[each]].mean() for each in around])
+    traction = (
+        friction_solution.traction[slipping] * (p / friction_solution.pressure[slipping])[:, None]
+    )
     gauss, own = recovery.points[cells], recovery.stress[cells]
     middle, mean = gauss.mean(axis=1, keepdims=True), own.mean(axis=1, keepdims=True)
     slope = np.linalg.pinv(gauss - middle, rcond=1e-9) @ (own - mean)

@@ -26,7 +26,7 @@ COARSEST_ACROSS = 1 / 3  # largest element over the width of a profile, for the 
 HALF_SPACE_REACH = 8.0  # half the edge of the blocks over the major semi-axis
 # The same of sections with friction, whose supports do not follow tangential forces: with 8 the
 # creepage of a force is 1.3 % below Carter's on any mesh, with 24 it is 0.1 % off.
-RUBBING_REACH = 24.0
+FRICTION_REACH = 24.0
 BODY_REACH = 12.0  # least half length of real bodies over the major semi-axis
 MIN_BODY_REACH = 80.0  # mm, least half length of real bodies
 
@@ -39,7 +39,7 @@ def reach(contact: Contact, hertz: Hertz, forecast: Forecast, *, friction: bool)
     sizes = [size for zone in forecast.zones for size in (zone.a, zone.b)]
     major = max(*sizes, *hertz.half_lengths)
     if contact.half_space:
-        return (RUBBING_REACH if friction and contact.plane else HALF_SPACE_REACH) * major
+        return (FRICTION_REACH if friction and contact.plane else HALF_SPACE_REACH) * major
     return max(MIN_BODY_REACH, BODY_REACH * major)
 
 

@@ -28,8 +28,8 @@ from railhead.run.mesh_solution import MeshSolution
 from railhead.run.quantities import QUANTITIES, numeric_values
 from railhead.scene import steels
 
-DEFAULT_TOLERANCE = 0.05  # relative: of a number without an estimate
-ESTIMATE_FACTOR = 1.5  # times an estimate: what a number with one may be off by
+DEFAULT_TOLERANCE = 0.05  # relative difference allowed to a number without an estimate
+ESTIMATE_FACTOR = 1.5  # difference allowed to a number with an estimate, over the estimate
 FINER = "give a smaller mesh.patch_size, or an accuracy"
 BALANCE_TOLERANCE = 1e-6  # relative; forces balance to rounding, an approach to this
 NOISE_LIMIT = 0.5  # relative L2: where half of the pressure is noise, none of it is an answer

@@ -29,10 +29,10 @@ def subject(plan: Plan, load: float, units: Units = BASE_UNITS) -> Subject:
     real = scene.rail.profile != "arc" and not contact.half_space
     kilo = load >= 1e3 and "N" not in units.chosen
     force = f"{brief(load / 1e3)} kN" if kilo else units.text(load, "N")
-    rubs = plan.effects["friction"].on
+    has_friction = plan.effects["friction"].on
     end = ", as half-spaces" if contact.half_space else ""
     end += _stands(scene.wheelset, units)
-    if rubs:
+    if has_friction:
         end += f", friction\N{NO-BREAK SPACE}{scene.friction.coefficient:g}"
     along, across = "in the rolling direction", "along the axis" if roller else "across"
     if bar:
@@ -45,8 +45,8 @@ def subject(plan: Plan, load: float, units: Units = BASE_UNITS) -> Subject:
         along,
         across,
         gauge=real,
-        rolls=scene.rolling.prescribed and rubs,
-        rubs=rubs,
+        rolls=scene.rolling.prescribed and has_friction,
+        has_friction=has_friction,
         revolved=contact.revolved,
         method="half-spaces" if plan.by_half_spaces else "finite elements",
         units=units,

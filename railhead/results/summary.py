@@ -204,11 +204,11 @@ def _more(solved: Solved) -> dict[str, Any]:
 
 def _plastic(solved: Solved) -> dict[str, Any]:
     """Entry "plastic" of "result" in summary.json: yield and the state after unloading."""
-    scene, left, elastic = solved.plan.scene, solved.residual_state, solved.elastic_reference
-    assert left is not None and elastic is not None and elastic.result is not None
-    part = scene.rail if left.zone.body == "rail" else scene.wheel
+    scene, residual, elastic = solved.plan.scene, solved.residual_state, solved.elastic_reference
+    assert residual is not None and elastic is not None and elastic.result is not None
+    part = scene.rail if residual.zone.body == "rail" else scene.wheel
     shear = part.first_yield / math.sqrt(3)
-    return left.summary(elastic.result["pressure"]["max_MPa"], shear)
+    return residual.summary(elastic.result["pressure"]["max_MPa"], shear)
 
 
 def exact_quantities(solved: Solved) -> dict[str, Any]:

@@ -39,9 +39,9 @@ def setup(plan: Plan) -> Setup:
     far field, linear solver, load path and friction.
     """
     scene, contact, on = plan.scene, plan.contact, plan.effects
-    rubs = on["friction"].on
+    has_friction = on["friction"].on
     theta = scene.solver.theta
-    if on["plasticity"].on and rubs and theta is None:  # with 1 Newton's method may swing
+    if on["plasticity"].on and has_friction and theta is None:  # with 1 Newton's method may swing
         theta = 0
     kinematics = contact.kinematics
     if on["mean_dilatation"].on:
@@ -72,7 +72,7 @@ def setup(plan: Plan) -> Setup:
         tolerance=plan.newton_tolerance,
         kinematics=kinematics,
         load_path=path if on["plasticity"].on else None,
-        friction=_friction(plan) if rubs else None,
+        friction=_friction(plan) if has_friction else None,
     )
 
 

@@ -196,7 +196,7 @@ class StaticCondensation(PressedSurfaces):
         pressure = select_rows(problem.normal_operator, self.own)
         pressure.scale(-1.0)
         weights, shape = self.system.interface.weights[self.own], self._shape_functions()
-        trial, displacement, closing = self._compliances(pressure, weights, shape)
+        trial, displacement, pressure_compliance = self._compliances(pressure, weights, shape)
         active, trial_traction, place, indicator = self._linearisation(solution)
         contact = ContactCompliance(
             points=setup.kinematics.lift(self._all(self.x)),
@@ -207,7 +207,7 @@ class StaticCondensation(PressedSurfaces):
             shape_functions=shape,
             trial_compliance=trial,
             displacement_compliance=displacement,
-            pressure_compliance=closing,
+            pressure_compliance=pressure_compliance,
             parts=setup.parts,
             active=active,
             trial_traction=trial_traction,
@@ -218,7 +218,7 @@ class StaticCondensation(PressedSurfaces):
             force = contact.force(axis)
             trial += np.outer(self._all((self.trial * u).array), force)
             displacement += np.outer(self._all((self.change * u).array), force)
-            closing += np.outer(self._all((pressure * y).array), force)
+            pressure_compliance += np.outer(self._all((pressure * y).array), force)
         return contact
 
     def _compliances(
@@ -249,8 +249,8 @@ class StaticCondensation(PressedSurfaces):
                 found.append(product.getDenseArray().copy())
             del x, product
             compat.collect(self.comm)
-        trial, displacement, closing = (self._all(np.hstack(found)) for found in blocks)
-        return trial, displacement, closing
+        trial, displacement, pressure_compliance = (self._all(np.hstack(found)) for found in blocks)
+        return trial, displacement, pressure_compliance
 
     def linearised(
         self, contact: ContactCompliance, solution: Solution, nodal: Array

@@ -27,7 +27,7 @@ from railhead.solver.space.cells import Array, Index
 
 TOLERANCE = 1e-4  # change of the stress in an iteration over the yield stress in shear
 ITERATIONS = 250
-DEPTH = 20  # of the mixing
+DEPTH = 20  # number of iterations that Anderson's mixing combines
 
 
 @dataclass(frozen=True)

@@ -406,7 +406,7 @@ class PlasticResponse(ElasticResponse):
         at_once = plasticity.load_over_first_yield <= UNLOADED_AT_ONCE
         if at_once or stepping.solve_load_steps(UNLOADING).converged:
             start = solution.newton.y
-            if solution.reference is not None:  # what yield adds to the elastic solution stays
+            if solution.reference is not None:  # begin with what yield adds to the elastic solution
                 start = start - solution.reference.newton.y
             stepping.separate(force, start)
             stepping.solve_load_steps([0.0])

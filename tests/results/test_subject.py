@@ -48,7 +48,7 @@ def test_a_title_says_bodies_and_where_they_stand(
     found = subject(simulation_plan.make(find(case).replace(keys)), 25e3)
     assert found.title.replace("\N{NO-BREAK SPACE}", " ").endswith(end)
     assert found.gauge
-    assert (found.rolls and found.rubs) == ("friction" in end)
+    assert (found.rolls and found.has_friction) == ("friction" in end)
     assert found.names["wheel"] == ("bar" if "bar" in end else "wheel")
 
 

@@ -20,11 +20,11 @@ from railhead.theory.array_types import Array
 from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.elastic import subsurface
 
-PLACES = 3  # each way over the patch, below which the largest stress is looked for ...
-DEPTHS = 16  # ... from half a cell down to the patch's smaller half length, ...
+PLACES = 3  # places each way over the patch, below which the largest stress is looked for
+DEPTHS = 16  # depths there, from half a cell to the smaller half length of the patch
+SURFACE = 1e-3  # depth, over a cell, at which stresses of the surface are taken
 Invariant = Callable[[Array], Array]
 Moved = Callable[[Array], Array]
-SURFACE = 1e-3  # ... and so many cells below the surface
 
 
 def stress(

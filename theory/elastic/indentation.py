@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from scipy.optimize import brentq
 
-HERTZIAN = 1.9  # approach up to which Jackson and Green keep Hertz
+HERTZ_LIMIT = 1.9  # approach up to which Jackson and Green keep Hertz
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ def yield_pressure(nu: float) -> float:
 
 def jackson_green(load: float, nu: float, strain: float) -> Indentation:
     """Approach, radius and mean pressure of an elastic-plastic sphere without hardening; Hertz's up
-    to an approach of 1.9 times (HERTZIAN) that of first yield.
+    to an approach of 1.9 times (HERTZ_LIMIT) that of first yield.
 
     load: over the load of first yield.
     nu: Poisson's ratio.
@@ -49,11 +49,11 @@ def jackson_green(load: float, nu: float, strain: float) -> Indentation:
 
     def area(w: float) -> float:
         """Area of the patch over that at first yield, at an approach over that of first yield."""
-        return w if w <= HERTZIAN else w * (w / HERTZIAN) ** b
+        return w if w <= HERTZ_LIMIT else w * (w / HERTZ_LIMIT) ** b
 
     def force(w: float) -> float:
         """Load over that of first yield, at an approach over that of first yield."""
-        if w <= HERTZIAN:
+        if w <= HERTZ_LIMIT:
             return w**1.5
         a_over_r = math.pi * c * strain / 2 * math.sqrt(area(w))
         hardness = 2.84 * (1 - math.exp(-0.82 * a_over_r**-0.7))

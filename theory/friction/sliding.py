@@ -20,8 +20,8 @@ from railhead.theory.elastic.line import Hertz, LineContact
 from railhead.theory.elastic.subsurface import half_space_points, von_mises
 
 DIRECTIONS = 720  # of plane waves
-ZOOMS = 4  # of the search for the largest stress
-SURFACE = 1e-14  # depth over the half width that tells the sides of a cut
+ZOOMS = 4  # grids, each finer than the last, on which the largest stress is looked for
+SURFACE = 1e-14  # least depth over the half width: beside a branch cut, not on it
 
 
 @dataclass(frozen=True)

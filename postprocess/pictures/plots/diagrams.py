@@ -326,7 +326,7 @@ def depth(
         _stresses(panels, axis.depth, axis.stress, "o", FE, name, peak)
         if ellipse is not None:
             name = f"exact Hertz, {ellipse.shape}"
-            name += ", no friction" if findings.subject.rubs else ""
+            name += ", no friction" if findings.subject.has_friction else ""
             name += "" if _centred(findings) else ", below its own centre"
             normal = ellipse.axis_stress(poisson, fine)
             exact = ellipse.axis_extrema(poisson)

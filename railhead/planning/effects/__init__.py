@@ -122,12 +122,12 @@ EFFECTS = {
         beyond_half_spaces=True,
     ),
     "plasticity_wheel": EffectRules(
-        words="yield of the wheel in passes (told, not simulated)",
+        words="yield of the wheel in passes (estimated, not simulated)",
         decide=passes.decide_plasticity_wheel,
         beyond_half_spaces=True,
     ),
     "heat": EffectRules(
-        words="heat of friction (told, not simulated)",
+        words="heat of friction (estimated, not simulated)",
         decide=interface.decide_heat,
         check=interface.check_heat,
         beyond_half_spaces=True,

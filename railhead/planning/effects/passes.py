@@ -136,7 +136,7 @@ def read(path: str) -> tuple[dict[str, Any], dict[str, Any]]:
         with np.load(path) as file:
             arrays = {name: file[name] for name in ("scene", *ARRAYS)}
         held = dict(json.loads(str(arrays.pop("scene"))))
-    except Exception:  # a damaged archive raises what its part that is damaged calls for
+    except Exception:  # the kind of error depends on the damaged part
         text = f"{path!r} holds no passes, or is damaged; give the folder of a result with passes"
         raise SceneError("rolling.passes_from", text) from None
     return held, arrays

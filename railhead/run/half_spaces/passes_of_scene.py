@@ -174,7 +174,7 @@ def _of_scene(
         tangent = np.cos(tilt) * sideways[:, 0] + np.sin(tilt) * sideways[:, 1]
         traction = np.column_stack([friction.traction[:, 0], tangent])
         contact = _with_tractions(solved, contact, along - x, across - s, traction)
-    true = boundary_elements.develop(plan.contact)  # not the circles of `surfaces`
+    true = boundary_elements.develop(plan.contact)  # `plan.surfaces` may be circles
     laid = groove_on_profile(true, s, plan.scene.rail.inclination)
     return contact, half_lengths, symmetric, laid
 
