@@ -71,7 +71,7 @@ def turning_radius(given: rh.Scene, axle: str) -> float:
     return 460.0 if axle == "nominal" else sum(both) / 2
 
 
-@pytest.mark.parametrize("axle", ["free", "nominal"])
+@pytest.mark.parametrize("axle", ["free", pytest.param("nominal", marks=pytest.mark.slow)])
 def test_points_slip_as_those_of_a_rigid_wheelset(axle: str) -> None:
     """11 shifts, yaw 0 to 50 mrad, every contact to 0.5 mm of clearance and places beside it."""
     several = 0

@@ -65,6 +65,7 @@ def test_a_folder_keeps_the_sweep(tmp_path: Path, in_this_process, capsys) -> No
         rh.sweep(FAST, {"load": [1e4]}, out=out, quiet=True)
 
 
+@pytest.mark.slow
 def test_a_script_needs_no_guard(tmp_path: Path) -> None:
     """Processes of a sweep do not run the script that started them."""
     script = tmp_path / "script.py"

@@ -79,6 +79,7 @@ def test_spheres_of_an_independent_program(multiple, hardening, key) -> None:
     assert plastic["residual_depth_rail_mm"] / CLOSER == pytest.approx(depth, rel=0.06)
 
 
+@pytest.mark.slow
 def test_a_solid_reads_the_plateau_of_its_pressure_as_a_section_does(five: rh.Result) -> None:
     """Within what an independent program's spheres are met by."""
     solid = rh.solve(pressed(5.0, effects={"axisymmetry": "off"}), quiet=True)

@@ -34,7 +34,7 @@ def pair(
 @pytest.mark.parametrize(
     ("ranks", "mesh"),
     [
-        (2, ("mesh.patch_size=1.7",)),
+        pytest.param(2, ("mesh.patch_size=1.7",), marks=pytest.mark.slow),
         pytest.param(2, ("mesh.patch_size=0.6", "mesh.cell=hexahedron"), marks=pytest.mark.slow),
         pytest.param(3, ("mesh.patch_size=1.0",), marks=pytest.mark.slow),
     ],

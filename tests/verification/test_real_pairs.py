@@ -54,6 +54,7 @@ def test_a_yawed_wheel_has_the_patch_of_the_straight_one() -> None:
     assert difference["patch"]["area_mm2"] == pytest.approx(0, abs=0.01)
 
 
+@pytest.mark.slow
 def test_bound_covers_the_ridge_at_a_joint_of_two_arcs() -> None:
     """54E1 at 1:40: the patch crosses the R300-R80 joint, where the pressure has a ridge.
     Half-spaces do not turn under the load as the head does."""

@@ -81,7 +81,7 @@ def test_one_ellipse_is_hertz() -> None:
     )
 
 
-@pytest.mark.parametrize("shift", [0.0, 0.2])
+@pytest.mark.parametrize("shift", [pytest.param(0.0, marks=pytest.mark.slow), 0.2])
 def test_mirrored_scenes_have_mirrored_patches(shift: float) -> None:
     """A concave wheel on an upright head touches on both sides of the crown."""
     one, other = (

@@ -21,7 +21,13 @@ LINE = ("long_roller", "mesh.patch_size=1.2")
 KINDS = {"yields": YIELDS, "solid": SOLID, "half-spaces": FLAT, "line": LINE}
 
 
-@pytest.fixture(scope="module", params=KINDS.values(), ids=KINDS.keys())
+@pytest.fixture(
+    scope="module",
+    params=[
+        pytest.param(given, id=kind, marks=[pytest.mark.slow] if kind in ("yields", "line") else [])
+        for kind, given in KINDS.items()
+    ],
+)
 def kept(request: pytest.FixtureRequest, tmp_path_factory) -> Path:
     """The folder of a result with its pictures."""
     folder = tmp_path_factory.mktemp("kept") / "out"

@@ -264,6 +264,7 @@ def browse(*options: str, file: Path) -> str:
     return done.stdout + done.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(CHROMIUM is None, reason="no chromium")
 def test_a_browser_draws_it(folder: Path, tmp_path: Path) -> None:
     shot = tmp_path / "shot.png"

@@ -194,6 +194,7 @@ def test_the_option_fast_is_without_finite_bodies(tmp_path: Path) -> None:
     assert 0 < float(row["estimate"]) < 5e-3 and "FE" not in row
 
 
+@pytest.mark.slow
 def test_a_sweep_of_half_spaces_has_the_columns_of_any_other(in_this_process) -> None:
     scene = rh.find("s1002_60e1").replace([FAST, "effects.plasticity=off"])
     loads = [10e3, 15e3]  # of finite elements these would share a mesh

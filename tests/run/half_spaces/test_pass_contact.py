@@ -33,7 +33,7 @@ def test_the_pressure_of_a_gap_is_hertz_s():
     assert found.pressure.sum() * found.grid.cell == pytest.approx(ELLIPSE.load)
 
 
-@pytest.mark.parametrize("half", [True, False])
+@pytest.mark.parametrize("half", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_the_stress_of_the_block_is_that_of_a_sliding_ellipse(half):
     block = repeated_rolling.block(STEEL, HALF, line=False, half=half, per_length=2, reach=6)
     contact = solid(ELLIPSE, 0.3)

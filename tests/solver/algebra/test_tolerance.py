@@ -12,7 +12,7 @@ COARSE, SLOW = "mesh.patch_size=1.7", pytest.mark.slow
 SCENES = [
     ("hertz_ellipse", COARSE),
     ("two_cylinders",),
-    ("hertz_ellipse", COARSE, "solver.method=penalty"),
+    pytest.param(("hertz_ellipse", COARSE, "solver.method=penalty"), marks=SLOW),
     pytest.param(("hertz_ellipse", COARSE, "load=none", "approach=0.05"), marks=SLOW),
     pytest.param(("uic54_thesis",), marks=SLOW),
     pytest.param(("hertz_ellipse", "mesh.patch_size=1", "wheel.young_modulus=inf"), marks=SLOW),

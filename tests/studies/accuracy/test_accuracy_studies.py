@@ -36,9 +36,8 @@ def test_estimates_hold_in_random_sections() -> None:
     assert found["holds"] >= 0.95 and found["worst"] < 1.5
 
 
-@pytest.mark.parametrize(
-    "profile, inclination", [("54E1", "0"), pytest.param("60E1", "1:40", marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("profile, inclination", [("54E1", "0"), ("60E1", "1:40")])
 def test_a_whole_rail_twists_as_the_plan_expects(profile: str, inclination: str) -> None:
     """Head at the wheel, of a mesh as `railhead study calibrate` measures it on."""
     solved = measured.solved(profile, inclination)

@@ -90,6 +90,7 @@ def test_an_effect_kept_without_need_is_named_too() -> None:
     assert "0 change one of them" in told and "Not so `far_field`" in told
 
 
+@pytest.mark.slow
 def test_off_effects_cost_no_unknown_no_form_and_no_digit() -> None:
     """The plan with all optional effects off is the bare contact, built without a plan."""
     planned, direct = effects.compare(1, patch_size=1.2)

@@ -18,6 +18,7 @@ def within(row: study.Row) -> bool:
     return row["pressure"] <= pressure and row["area"] <= 0.05 and not row["more"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "noise"),
     [
