@@ -66,7 +66,8 @@ def write(
         if pictures and shown is not None:
             from railhead.postprocess.pictures import gallery
 
-            result_folder.draw(gallery.drawings(shown, cells, _friction(summary)), work, attempt)
+            every = gallery.drawings(shown, cells, _friction(summary))
+            result_folder.draw_in_two(every, gallery.VIEWS, work, attempt)
         if report:
             with attempt("report.html"):
                 from railhead.results.report import html

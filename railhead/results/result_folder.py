@@ -24,6 +24,7 @@ from typing import Any
 import psutil
 import tomli_w
 
+from railhead.meshing import isolated_process
 from railhead.run import process
 from railhead.scene.catalogue import copy_files, portable
 from railhead.scene.scene import Scene, SceneError
@@ -33,6 +34,7 @@ VERSION = version("railhead")
 UNITS = "N, mm, MPa, rad, s"
 Attempt = Callable[[str], AbstractContextManager[None]]
 """Maps a file's name to a context in which the file is written; it keeps an error for later."""
+LONGEST_DRAWING = 600.0  # s, of the pictures that a forked process draws
 MANIFEST = ".railhead"  # names of the files in a result folder that are replaced by the next one
 
 
@@ -225,6 +227,49 @@ def draw(drawings: Mapping[str, Callable[[Path], Any]], folder: Path, attempt: A
     for name, drawing in drawings.items():
         with attempt(name):
             drawing(folder / name)
+
+
+def draw_in_two(
+    drawings: Mapping[str, Callable[[Path], Any]],
+    views: Collection[str],
+    folder: Path,
+    attempt: Attempt,
+) -> None:
+    """Draw pictures as `draw` does, those named in `views` in this process and meanwhile the others
+    in a forked one, where VTK must not run: this process may have started it.
+    """
+    here = {name: drawings[name] for name in drawings if name in views}
+    others = {name: drawings[name] for name in drawings if name not in views}
+    with tempfile.TemporaryDirectory(dir=folder) as part:
+
+        def draw_here() -> None:
+            draw(here, folder, attempt)
+
+        try:
+            problems = isolated_process.run(
+                _problems, others, Path(part), seconds=LONGEST_DRAWING, meanwhile=draw_here
+            )
+        except isolated_process.IsolatedProcessError as error:
+            problems = {name: str(error) for name in others}
+        for path in Path(part).iterdir():
+            if path.with_suffix(".png").name not in problems:
+                path.replace(folder / path.name)
+    for name, text in problems.items():
+        with attempt(name):
+            raise RuntimeError(text)
+
+
+def _problems(drawings: Mapping[str, Callable[[Path], Any]], folder: Path) -> dict[str, str]:
+    """Draw pictures by name of their PNG file into a folder; returns why, by name, some could not
+    be drawn.
+    """
+    problems = {}
+    for name, drawing in drawings.items():
+        try:
+            drawing(folder / name)
+        except Exception as error:
+            problems[name] = f"{type(error).__name__}: {error}"
+    return problems
 
 
 def redraw(drawings: Mapping[str, Callable[[Path], Any]], folder: Path) -> list[str]:
