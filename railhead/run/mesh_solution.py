@@ -430,17 +430,26 @@ def forecast_from_solution(fields: Fields, found: PressureMoments, frame: Frame)
     points, touches = contact.points, contact.pressure > 0
     if fields.kinematics.dim == 2:
         x, y, z = np.array(frame.origin) + np.array([*found.centre, 0.0]) @ frame.axes
-        zones: tuple[Zone, ...] = (Zone((x, y, z), found.a, found.b, frame.angle),)
+        zones = [Zone((x, y, z), found.a, found.b, frame.angle)]
     else:
         least = math.sqrt(contact.weights[touches].max() / math.pi)  # one point has no moments
         found = replace(found, a=max(found.a, least), b=max(found.b, least))
-        zones = tuple(
+        zones = [
             Zone(part.centre, max(part.a, least), max(part.b, least), part.frame.angle)
             for part in separate_patches(fields)
-        )
+        ]
     touching = partial(touches_nearby, cKDTree(points), touches, max(zone.b for zone in zones))
     moments = (*found.centre, found.a, found.b)
-    return Forecast(zones, moments, touching, found.hertzian)
+    return Forecast(tuple(map(_rounded, zones)), moments, touching, found.hertzian)
+
+
+def _rounded(zone: Zone) -> Zone:
+    """The patch with lengths in steps of 1e-6 to 1e-5 of its smaller half length, and its angle in
+    steps of 1e-6 rad: rounding, which differs with the number of processes, makes no other mesh.
+    """
+    digits = 5 - math.floor(math.log10(min(zone.a, zone.b)))
+    x, y, z, a, b = (round(float(value), digits) for value in (*zone.centre, zone.a, zone.b))
+    return Zone((x, y, z), a, b, round(zone.angle, 6))
 
 
 class _Clock:

@@ -413,7 +413,7 @@ class ContactSystem:
         """
         choice = self.setup.linear
         if choice == "auto":
-            limit = DIRECT_BELOW[self.setup.kinematics.dim, self.setup.degree]
+            limit = DIRECT_BELOW[self.setup.kinematics.dim, min(self.setup.degree, 2)]
             choice = "direct" if self.unknowns < limit else "multigrid"
         if choice == "direct":
             return linear.Direct(problem)

@@ -64,7 +64,8 @@ def test_bulk_constant_stress(two_blocks, cell: str, degree: int) -> None:
 
 
 @pytest.mark.parametrize(
-    "degree, tolerance, theta", [(1, 0.03, 1), (1, 0.03, -1), (2, 0.01, 1), (2, 0.01, 0)]
+    ("degree", "tolerance", "theta"),
+    [(1, 0.03, 1), (1, 0.03, -1), (2, 0.01, 1), (2, 0.01, 0), (3, 0.01, 1)],
 )
 def test_contact_patch_test_of_nitsche_on_non_matching_meshes(
     two_blocks, solve, degree: int, tolerance: float, theta: int
