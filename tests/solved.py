@@ -15,7 +15,7 @@ import railhead as rh
 from railhead.planning import simulation_plan as planning
 from railhead.postprocess.pictures import gallery
 
-KEPT = 24  # results; each is some tens of MB
+KEPT = 10  # results; each is some tens of MB
 
 
 def scene_of(scene: rh.Scene | str, *assignments: str) -> rh.Scene:
@@ -52,7 +52,7 @@ def draw_only(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     monkeypatch.setattr(gallery, "drawings", lambda *given: {file: every(*given)[file]})
 
 
-@functools.lru_cache(maxsize=4 * KEPT)
+@functools.lru_cache(maxsize=96)
 def _planned(scene: rh.Scene) -> planning.Plan:
     return planning.make(scene)
 

@@ -1,5 +1,5 @@
 """Commands that stand in pages as lines of their own: all run, on a coarse mesh without pictures,
-with two passes in the place of ten; sweeps are planned, studies are those of tests/studies/."""
+with one pass in the place of ten; sweeps are planned, studies are those of tests/studies/."""
 
 import re
 import shlex
@@ -14,7 +14,7 @@ from railhead.cli import study
 ROOT = Path(__file__).parents[1]
 LINE = re.compile(r"^    (?:\.venv/bin/)?railhead (.+?)(?:\s+#.*)?$", re.MULTILINE)
 COARSE = ("--set", "mesh.patch_size=1.5", "--no-pictures")
-FEWER = {"rolling.passes=10": "rolling.passes=2"}
+FEWER = {"rolling.passes=10": "rolling.passes=1"}
 
 
 def commands(page: Path) -> list[list[str]]:

@@ -17,6 +17,7 @@ import zlib
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, suppress
 from datetime import UTC, datetime
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -235,40 +236,44 @@ def draw_in_two(
     folder: Path,
     attempt: Attempt,
 ) -> None:
-    """Draw pictures as `draw` does, those named in `views` in this process and meanwhile the others
-    in a forked one, where VTK must not run: this process may have started it.
+    """Draw pictures as `draw` does: those named in `views` in this process, and meanwhile the
+    others in a forked one, where VTK must not run, because this process may have started it.
     """
     here = {name: drawings[name] for name in drawings if name in views}
     others = {name: drawings[name] for name in drawings if name not in views}
+    if not here or not others:
+        draw(drawings, folder, attempt)
+        return
     with tempfile.TemporaryDirectory(dir=folder) as part:
-
-        def draw_here() -> None:
-            draw(here, folder, attempt)
-
+        problems: dict[str, Exception] = {}
         try:
             problems = isolated_process.run(
-                _problems, others, Path(part), seconds=LONGEST_DRAWING, meanwhile=draw_here
+                _drawn,
+                others,
+                Path(part),
+                seconds=LONGEST_DRAWING,
+                meanwhile=partial(draw, here, folder, attempt),
             )
         except isolated_process.IsolatedProcessError as error:
-            problems = {name: str(error) for name in others}
-        for path in Path(part).iterdir():
-            if path.with_suffix(".png").name not in problems:
+            problems = dict.fromkeys(others, error)
+        for name in others.keys() - problems:
+            for path in Path(part).glob(f"{Path(name).stem}.*"):
                 path.replace(folder / path.name)
-    for name, text in problems.items():
+    for name, problem in problems.items():
         with attempt(name):
-            raise RuntimeError(text)
+            raise problem
 
 
-def _problems(drawings: Mapping[str, Callable[[Path], Any]], folder: Path) -> dict[str, str]:
-    """Draw pictures by name of their PNG file into a folder; returns why, by name, some could not
-    be drawn.
+def _drawn(drawings: Mapping[str, Callable[[Path], Any]], folder: Path) -> dict[str, Exception]:
+    """Draw pictures by name of their PNG file into a folder; returns the errors of those that
+    failed, by name.
     """
-    problems = {}
+    problems: dict[str, Exception] = {}
     for name, drawing in drawings.items():
         try:
             drawing(folder / name)
         except Exception as error:
-            problems[name] = f"{type(error).__name__}: {error}"
+            problems[name] = error
     return problems
 
 

@@ -62,7 +62,10 @@ def five() -> rh.Result:
 
 @pytest.mark.parametrize(
     "multiple, hardening, key",
-    [(5, 0.0, "d_L5_H0_n20_i10_nounload"), (20, 1e4, "d_L20_H10000_n20_i10_nounload")],
+    [
+        (5, 0.0, "d_L5_H0_n20_i10_nounload"),
+        pytest.param(20, 1e4, "d_L20_H10000_n20_i10_nounload", marks=pytest.mark.slow),
+    ],
 )
 def test_spheres_of_an_independent_program(multiple, hardening, key) -> None:
     """Its own errors, up to 4 %, are part of the limits."""

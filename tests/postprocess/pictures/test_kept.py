@@ -24,7 +24,9 @@ KINDS = {"yields": YIELDS, "solid": SOLID, "half-spaces": FLAT, "line": LINE}
 @pytest.fixture(
     scope="module",
     params=[
-        pytest.param(given, id=kind, marks=[pytest.mark.slow] if kind in ("yields", "line") else [])
+        pytest.param(
+            given, id=kind, marks=[pytest.mark.slow] if kind in ("yields", "solid") else []
+        )
         for kind, given in KINDS.items()
     ],
 )
