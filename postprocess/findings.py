@@ -23,6 +23,7 @@ from railhead.theory.array_types import Index as Index
 from railhead.theory.elastic.subsurface import max_shear, von_mises
 
 Place = tuple[float, float, float]
+HERTZIAN = 0.02  # relative deviation from an ellipsoid below which semi-axes are those of one
 ROW, COLUMN = np.array([0, 1, 2, 0, 0, 1]), np.array([0, 1, 2, 1, 2, 2])  # of six components
 SYMMETRIC = np.array([[0, 3, 4], [3, 1, 5], [4, 5, 2]])  # places of a tensor among them
 FLAT = 0.01  # relative

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from railhead.postprocess.findings import (
+    HERTZIAN,
     Array,
     AxisPressure,
     DepthAxis,
@@ -25,7 +26,6 @@ from railhead.postprocess.findings import (
 )
 from railhead.postprocess.friction import unread_peak
 from railhead.postprocess.patch import compare
-from railhead.postprocess.patch.moments import HERTZIAN
 from railhead.theory.bem import grid_stress
 from railhead.theory.bem.boundary_element import BoundaryElementSolution
 from railhead.theory.bem.grid_patch import PatchSolution

@@ -9,10 +9,9 @@ from itertools import combinations_with_replacement
 import numpy as np
 
 from railhead.postprocess import symmetry
-from railhead.postprocess.findings import Array, Frame
+from railhead.postprocess.findings import HERTZIAN, Array, Frame
 from railhead.solver.system.fields import Fields
 
-HERTZIAN = 0.02  # shape error below which the semi-axes are those of an ellipse
 HERTZ_MOMENTS = {(2, False): (5.0, 15 / 7), (1, False): (4.0, 2.0), (1, True): (5 / 2, 10 / 7)}
 """Of Hertz's pressure: semi-axis squared over <t^2>, and <t^4>/<t^2>^2, by the number of axes along
 which it varies and by whether a section is revolved."""

@@ -11,9 +11,8 @@ import contourpy
 import numpy as np
 
 from railhead.postprocess import symmetry
-from railhead.postprocess.findings import Array, AxisPressure, Frame, OnePatch, Patch
+from railhead.postprocess.findings import HERTZIAN, Array, AxisPressure, Frame, OnePatch, Patch
 from railhead.postprocess.patch.moments import (
-    HERTZIAN,
     PressureMoments,
     largest_pressure,
     moments,
