@@ -26,7 +26,7 @@ from railhead.run.half_spaces.answer import HalfSpaceSolution, Solved
 from railhead.run.half_spaces.normal_contact import CELLS
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.quantities import QUANTITIES, numeric_values
-from railhead.scene import steels
+from railhead.scene import flow_curves
 
 DEFAULT_TOLERANCE = 0.05  # relative difference allowed to a number without an estimate
 ESTIMATE_FACTOR = 1.5  # difference allowed to a number with an estimate, over the estimate
@@ -377,7 +377,7 @@ def physics(solved: Solved) -> Iterator[Check]:
     )
     bodies = {"rail": plan.scene.rail, "wheel": plan.scene.wheel}
     moduli = [bodies[BODY_NAMES[body]].young_modulus for body in plan.deformable]
-    if min(moduli) <= steels.STEEL_MODULI[1]:
+    if min(moduli) <= flow_curves.STEEL_MODULI[1]:
         yield Check(
             name="pressure_of_steel",
             value=largest,

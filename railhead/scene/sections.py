@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, model_validator
 
 from railhead.geometry.measured import BODY_BY_EXTENSION, EXTENSIONS
-from railhead.scene import arrays, steels, units
+from railhead.scene import arrays, flow_curves, units
 from railhead.scene.units import show
 
 ALIASES = {"UIC54": "54E1", "UIC60": "60E1"}
@@ -145,14 +145,14 @@ def is_profile_file(profile: str) -> bool:
 def _curve(value: object) -> str:
     """The absolute path of a .csv file with a stress-strain curve, also of one that is made of an
     array. Raises ValueError (one line) for a file that cannot be read or that holds no valid curve
-    (`steels.read_curve`).
+    (`flow_curves.read_curve`).
     """
     if arrays.is_array(value):
         value = arrays.file_of(value, "curve", {"plastic_strain": "", "stress_MPa": "MPa"})
     path = os.path.abspath(str(value))
     if not path.lower().endswith(".csv") or not _readable(path):
         raise ValueError(f"{show(value)} is not a readable .csv file; give one that exists")
-    steels.read_curve(path)
+    flow_curves.read_curve(path)
     return path
 
 
@@ -201,7 +201,7 @@ class BodySection(Section):
     _ARC_KEYS: ClassVar[tuple[str, ...]]  # only beside profile arc
     young_modulus: units.Modulus = 207000.0
     poisson_ratio: units.PoissonRatio = 0.3
-    steel: Annotated[str, BeforeValidator(steels.checked_name)] | None = None
+    steel: Annotated[str, BeforeValidator(flow_curves.checked_name)] | None = None
     yield_stress: units.Stress | None = None
     hardening_modulus: units.Hardening | None = None
     kinematic_fraction: units.Share | None = None
@@ -272,9 +272,9 @@ class BodySection(Section):
         if self.yield_stress is not None:
             return ((0.0, self.yield_stress),)
         if self.steel is not None:
-            return ((0.0, steels.by_name()[self.steel].yield_stress),)
+            return ((0.0, flow_curves.by_name()[self.steel].yield_stress),)
         if self.stress_strain is not None:
-            return tuple(steels.read_curve(self.stress_strain))
+            return tuple(flow_curves.read_curve(self.stress_strain))
         return ()
 
     @property

@@ -6,8 +6,8 @@ import pytest
 from railhead import Rail, Scene, find
 from railhead.planning import simulation_plan as planning
 from railhead.run.model_setup import hardening
+from railhead.scene.flow_curves import by_name
 from railhead.scene.sections import SceneError
-from railhead.scene.steels import by_name
 
 ROLLING = ("friction.coefficient=0.3", "rolling.creepage_along=0.1%")
 

@@ -12,7 +12,7 @@ from railhead.contact.wheelset_kinematics import WheelsetCreepage
 from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.planning.references import closed_forms
 from railhead.postprocess.findings import Findings
-from railhead.scene import steels
+from railhead.scene import flow_curves
 from railhead.scene.scene import Scene, SceneError
 from railhead.scene.sections import refuse_first
 from railhead.theory.elastic import hertz
@@ -251,4 +251,4 @@ def check_heat(context: Context, effect: Effect, found: Findings) -> PostSolveVe
 def _steel(context: Context) -> bool:
     """Whether each body has the modulus of a steel or an infinite one."""
     moduli = (part.young_modulus for part in context.scene.bodies.values())
-    return all(math.isinf(each) or steels.is_steel(each) for each in moduli)
+    return all(math.isinf(each) or flow_curves.is_steel(each) for each in moduli)
