@@ -1,11 +1,15 @@
-.PHONY: run test test-all setup lint docs peers deb site
+.PHONY: run test pytest test-all setup lint docs peers deb site
 STUDIES = accuracy-cost effect-accuracy error-bounds load-sweep scaling ranks thesis effects plasticity passes creep profiles hard-cases fuzz
 ROOMS = cases meshing postprocess solver theory
 
 run: setup
 	.venv/bin/railhead run uic54_thesis
 
-test: setup lint
+# Style and types on one core while the tests begin on the other.
+test: setup
+	@$(MAKE) --no-print-directory -j2 lint pytest
+
+pytest:
 	.venv/bin/python -m pytest -n 2 --dist worksteal
 
 test-all: setup lint site

@@ -99,6 +99,7 @@ def test_points_slip_as_those_of_a_rigid_wheelset(axle: str) -> None:
     assert several >= 2
 
 
+@pytest.mark.slow
 def test_an_axle_without_torque_drives_one_wheel_as_much_as_it_brakes_the_other() -> None:
     for shift in (0.0, 3.0):
         right, left = (stands(scene(way * shift)) for way in (1, -1))

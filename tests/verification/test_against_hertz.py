@@ -268,6 +268,7 @@ def test_symmetry_and_direction_do_not_matter(which: str) -> None:
         assert other[name] == pytest.approx(one[name], rel=0.005)
 
 
+@pytest.mark.slow
 def test_the_edge_of_a_wheel_is_left_out_and_said() -> None:
     """A tread of 3 mm on a patch of 7 mm presses its edges into the rail, without bound."""
     keys = ["wheel.width=3", "wheel.segment_length=26", "mesh.patch_size=1"]

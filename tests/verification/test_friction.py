@@ -388,6 +388,7 @@ def test_bodies_of_different_shape_drive_without_creepage_whatever_the_law(metho
     assert answer["force_along_N"] / answer["limit_N"] == pytest.approx(0.0032, abs=8e-4)
 
 
+@pytest.mark.slow
 def test_exchanged_bodies_exchange_the_force() -> None:
     """Unlike half-planes (E ratio 69) drive without creepage; which one is soft sets the sign."""
     forces = []

@@ -14,6 +14,7 @@ from railhead.theory.array_types import Array
 from railhead.theory.friction.tangential import TractionInfluence
 
 STEPS = 60  # of Newton's method; 4 to 16 are usual
+LINEAR_TOLERANCE = 1e-2  # of each step; with 1e-5 twice the products lead to forces within 4e-8
 KRYLOV = 200  # iterations a step; 20 to 60 are usual
 
 
@@ -102,7 +103,8 @@ class CoulombSolver:
             LinearOperator((right.size, right.size), each, dtype=float)
             for each in (tangent, nearly_inverse)
         )
-        dq, _ = gmres(matrix, right.ravel(), M=inverse, restart=KRYLOV, maxiter=1, atol=0.0)
+        atol = LINEAR_TOLERANCE * float(np.linalg.norm(right))
+        dq, _ = gmres(matrix, right.ravel(), M=inverse, restart=KRYLOV, maxiter=1, atol=atol)
         return np.asarray(dq.reshape(shape))
 
 
