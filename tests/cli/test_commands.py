@@ -124,7 +124,7 @@ def test_vtu_files_open_in_pyvista(result) -> None:
 
 NO_HALF_SPACE = {"two_cylinders": 0.01}  # patch over radius 0.12
 ELASTIC = {"uic54_22t5_axle": ["effects.plasticity=off"]}
-LONG = "cone20_uninclined_uic54", "hertz_ellipse", "s1002_60e1", "uic54_22t5_axle"
+LONG = "cone20_uninclined_uic54", "hertz_ellipse", "s1002_60e1", "uic54_22t5_axle", "uic54_thesis"
 
 
 @pytest.mark.parametrize(

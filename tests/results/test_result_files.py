@@ -15,7 +15,7 @@ ROLLS = ("friction.coefficient=0.3", "rolling.creepage_along=0.1%")
     [
         ("sphere_on_plane", (), {"patch.png"}),
         ("long_roller", ("rail.extent=half-space",), {"pressure.png"}),
-        ("hertz_ellipse", ROLLS, {"patch.png", "friction.png"}),
+        pytest.param("hertz_ellipse", ROLLS, {"patch.png", "friction.png"}, marks=pytest.mark.slow),
     ],
 )
 def test_half_spaces_are_drawn_without_bodies(

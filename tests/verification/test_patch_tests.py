@@ -373,6 +373,7 @@ def test_rigid_body_is_the_limit_of_a_stiff_one(two_blocks, solve, rigid: int) -
     assert found[0].pressure.max() == pytest.approx(found[1].pressure.max(), rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_solved_scene_gives_its_memory_back() -> None:
     """The third run of 9000 unknowns takes no more memory than the second."""
 
