@@ -5,7 +5,6 @@ from railhead.run import process
 
 process.prepare()  # as the command does: one thread of BLAS, before numpy loads
 
-import gc
 import hashlib
 import json
 import os
@@ -86,11 +85,6 @@ def sharp(monkeypatch: pytest.MonkeyPatch) -> None:
 def in_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
     """Scenes of sweeps are solved in this process, one after the other."""
     monkeypatch.setattr(worker_pool, "submitting", one_after_the_other)
-
-
-def pytest_collection_finish() -> None:
-    """Modules and collected tests are left out of the searches for garbage from here on."""
-    gc.freeze()
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
