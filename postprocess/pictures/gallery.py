@@ -20,8 +20,6 @@ from railhead.theory.elastic.line import LineContact
 if TYPE_CHECKING:
     import meshio
 
-VIEWS = "wheel_rail.png", "stress_cut.png", "stress_cut_along.png", "patch_on_rail.png"  # by VTK
-
 
 def drawings(
     shown: Shown, cells: Callable[[], meshio.Mesh], steel: Mapping[str, Any]

@@ -66,8 +66,7 @@ def write(
         if pictures and shown is not None:
             from railhead.postprocess.pictures import gallery
 
-            every = gallery.drawings(shown, cells, _friction(summary))
-            result_folder.draw_in_two(every, gallery.VIEWS, work, attempt)
+            result_folder.draw(gallery.drawings(shown, cells, _friction(summary)), work, attempt)
         if report:
             with attempt("report.html"):
                 from railhead.results.report import html

@@ -17,7 +17,6 @@ import zlib
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, suppress
 from datetime import UTC, datetime
-from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -25,7 +24,6 @@ from typing import Any
 import psutil
 import tomli_w
 
-from railhead.meshing import isolated_process
 from railhead.run import process
 from railhead.scene.catalogue import copy_files, portable
 from railhead.scene.scene import Scene, SceneError
@@ -35,7 +33,6 @@ VERSION = version("railhead")
 UNITS = "N, mm, MPa, rad, s"
 Attempt = Callable[[str], AbstractContextManager[None]]
 """Maps a file's name to a context in which the file is written; it keeps an error for later."""
-LONGEST_DRAWING = 600.0  # s, of the pictures that a forked process draws
 MANIFEST = ".railhead"  # names of the files in a result folder that are replaced by the next one
 
 
@@ -228,53 +225,6 @@ def draw(drawings: Mapping[str, Callable[[Path], Any]], folder: Path, attempt: A
     for name, drawing in drawings.items():
         with attempt(name):
             drawing(folder / name)
-
-
-def draw_in_two(
-    drawings: Mapping[str, Callable[[Path], Any]],
-    views: Collection[str],
-    folder: Path,
-    attempt: Attempt,
-) -> None:
-    """Draw pictures as `draw` does: those named in `views` in this process, and meanwhile the
-    others in a forked one, where VTK must not run, because this process may have started it.
-    """
-    here = {name: drawings[name] for name in drawings if name in views}
-    others = {name: drawings[name] for name in drawings if name not in views}
-    if not here or not others:
-        draw(drawings, folder, attempt)
-        return
-    with tempfile.TemporaryDirectory(dir=folder) as part:
-        problems: dict[str, Exception] = {}
-        try:
-            problems = isolated_process.run(
-                _drawn,
-                others,
-                Path(part),
-                seconds=LONGEST_DRAWING,
-                meanwhile=partial(draw, here, folder, attempt),
-            )
-        except isolated_process.IsolatedProcessError as error:
-            problems = dict.fromkeys(others, error)
-        for name in others.keys() - problems:
-            for path in Path(part).glob(f"{Path(name).stem}.*"):
-                path.replace(folder / path.name)
-    for name, problem in problems.items():
-        with attempt(name):
-            raise problem
-
-
-def _drawn(drawings: Mapping[str, Callable[[Path], Any]], folder: Path) -> dict[str, Exception]:
-    """Draw pictures by name of their PNG file into a folder; returns the errors of those that
-    failed, by name.
-    """
-    problems: dict[str, Exception] = {}
-    for name, drawing in drawings.items():
-        try:
-            drawing(folder / name)
-        except Exception as error:
-            problems[name] = error
-    return problems
 
 
 def redraw(drawings: Mapping[str, Callable[[Path], Any]], folder: Path) -> list[str]:
