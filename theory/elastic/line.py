@@ -270,7 +270,8 @@ class Strips:
             xx += -2 * G.real + d * bent.imag
             zz += -d * bent.imag
             xz += -G.imag - d * bent.real
-        return np.column_stack([xx, self.poisson * (xx + zz), zz, xz]) / np.pi
+        columns = [xx, self.poisson * (xx + zz), zz, xz]
+        return np.asarray(np.column_stack(columns) / np.pi, dtype=np.float64)
 
     def _potential(self, values: Array) -> tuple[Complex, Complex]:
         """F and its derivative (n,) for values (m,) on the strips."""
