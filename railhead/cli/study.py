@@ -30,7 +30,9 @@ def modules() -> dict[str, tuple[str, str]]:
 
 
 def canonical(name: str) -> str:
-    """Name of a study from a text with - or _. Raises SceneError for an unknown name."""
+    """Key in `modules` of the study that is written with - or _. Raises SceneError for an unknown
+    name.
+    """
     known, wanted = sorted(modules()), name.replace("-", "_")
     if wanted in known:
         return wanted

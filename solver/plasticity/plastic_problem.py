@@ -61,7 +61,8 @@ class YieldPoints:
 
     def strains(self, y: PETSc.Vec) -> Array:
         """Strains (n, m), Mandel's notation, of the free unknowns y at the n yield points of this
-        rank; the strains of the prescribed displacement are left out."""
+        rank; the strains of the prescribed displacement are left out.
+        """
         return np.asarray((self.strain_matrix * y).array).reshape(self.prescribed_strain.shape)
 
     def set_prescribed_strain(self, prescribed: PETSc.Vec) -> None:

@@ -178,5 +178,7 @@ SOLID = Kinematics()
 
 
 def _eps(w: Any) -> Any:
-    """UFL expression of the small strain, the symmetric gradient of w."""
+    """UFL expression (d, d) of the small strain, the symmetric gradient of a displacement w (d,)
+    on d coordinates.
+    """
     return ufl.sym(ufl.grad(w))

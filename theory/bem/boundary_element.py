@@ -288,6 +288,7 @@ def equilibrium(
             np.sum(weight * descent * direction) / curvature if curvature > 0 else 1 / influence.own
         )
         moved = p - step * direction
+        # Where no cell opens or closes, u follows from products that are known.
         linear = not overlap.any() and moved.min() >= 0
         p = np.maximum(moved, 0)
         p[overlap] -= step * residual[overlap]

@@ -14,8 +14,10 @@ from railhead.theory.array_types import Array
 from railhead.theory.friction.tangential import TractionInfluence
 
 STEPS = 60  # of Newton's method; 4 to 16 are usual
-LINEAR_TOLERANCE = 1e-2  # of each step; with 1e-5 twice the products lead to forces within 4e-8
-KRYLOV = 200  # iterations a step; 20 to 60 are usual
+# Residual of a linear solve over its right-hand side. With 1e-5 nearly twice the products are
+# needed, and forces differ by 4e-8.
+LINEAR_TOLERANCE = 1e-2
+KRYLOV = 200  # iterations of a linear solve; 8 to 20 are usual
 
 
 class CoulombSolver:
@@ -65,7 +67,8 @@ class CoulombSolver:
 
     def changes(self, traction: Array, slip: Array, modes: Array) -> Array:
         """Derivatives (m, 2, nx, ny) of the tractions by changes `modes` (m, 2, nx, ny) of the
-        slip. traction, slip: the solved tractions and the slip without tractions, (2, nx, ny).
+        slip, to 1 % (LINEAR_TOLERANCE). traction, slip: the solved tractions and the slip without
+        tractions, (2, nx, ny).
         """
         z = traction + self._step * (slip - self._influence(traction))
         ratio = self._ratio(z)
@@ -79,7 +82,7 @@ class CoulombSolver:
 
     def _newton(self, z: Array, ratio: Array, right: Array) -> Array:
         """Newton step dq (2, nx, ny): solution of (I - D + r D C) dq = right, D being the
-        derivative of the projection at z, by GMRES.
+        derivative of the projection at z, by GMRES to 1 % (LINEAR_TOLERANCE).
 
         ratio: scaling factor (nx, ny) of the projection; right: (2, nx, ny). The preconditioner
             contains the part of C by which cells of a line along x influence each other.

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from railhead.theory.array_types import Array, Complex
+from railhead.theory.array_types import Array
 from railhead.theory.bem.influence import fast_shape, logarithms, restored, transform
 from railhead.theory.elastic.hertz import contact_modulus
 
@@ -107,7 +107,7 @@ class TractionInfluence:
         xx, xy, yy = self._spectra
         along, across = transform(traction, self._padded)
         moved = np.array([xx * along + xy * across, xy * along + yy * across])
-        own = self._within(moved)
+        own = restored(moved, self._padded, self._size)
         return own if self._added is None else own + self._added(traction)
 
     def of_pressure(self, pressure: Array) -> Array:
@@ -116,7 +116,8 @@ class TractionInfluence:
         along x (Johnson, 3.18b).
         """
         spectra = transform(self._kernels(self._boussinesq, self._given), self._padded)
-        return self._within(spectra * transform(pressure, self._padded))
+        moved = spectra * transform(pressure, self._padded)
+        return restored(moved, self._padded, self._size)
 
     def opening(self, traction: Array) -> Array:
         """Change of the normal gap (nx, ny), mm, by tractions (2, nx, ny), MPa, where materials
@@ -124,7 +125,8 @@ class TractionInfluence:
         reversed.
         """
         spectra = transform(self._kernels(self._boussinesq, SHIFT), self._padded)
-        return -self._within((spectra * transform(traction, self._padded)).sum(axis=0))
+        moved = (spectra * transform(traction, self._padded)).sum(axis=0)
+        return -restored(moved, self._padded, self._size)
 
     def _kernels(self, corners: Callable[[Array, Array], Array], upstream: Upstream) -> Array:
         """Influence (m, padded x, padded y) of one cell on all others, the cell itself first.
@@ -155,7 +157,3 @@ class TractionInfluence:
         quarter = math.pi / 2 * np.abs(X) * np.sign(Y)
         parts = Y * log + quarter - X * angle, X * log + Y * angle
         return self._pair.mismatch * np.array(parts)
-
-    def _within(self, spectrum: Complex) -> Array:
-        """Part (..., nx, ny) inside the grid of the inverse transform of a padded spectrum."""
-        return restored(spectrum, self._padded, self._size)

@@ -146,7 +146,7 @@ def new_figure(
         yield figure
         in_units(figure.axes, subject.units)
         if target is not None:
-            # What savefig does itself, but for a drawing of the whole figure before it.
+            # savefig would draw the whole figure once more, unseen, for its layout.
             sheet.get_layout_engine().execute(sheet)
             sheet.set_layout_engine("none")
             for kind in {"png", matplotlib.rcParams["savefig.format"]}:
