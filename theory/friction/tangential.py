@@ -136,7 +136,7 @@ class TractionInfluence:
         total = []
         for cells, weight in upstream:
             X, Y = (
-                (np.arange(n + 1) - n // 2 - 0.5 + shift) * step
+                (np.arange(n + 1.0) - n // 2 - 0.5 + shift) * step
                 for n, step, shift in zip(self._padded, self._steps, (cells, 0.0), strict=True)
             )
             total.append(weight * np.diff(np.diff(corners(X[:, None], Y[None]), axis=1), axis=2))
