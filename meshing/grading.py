@@ -197,8 +197,9 @@ class Grading:
         return self._predicted_cells(reach, hexahedra) + sum(others)
 
     def _predicted_cells(self, reach: float, hexahedra: bool) -> float:
-        """Predicted number of cells of one whole body that extends `reach` mm from the patch, for
-        this patch without the further ones.
+        """Predicted number of cells of one whole body, not cut at symmetry planes, that extends
+        `reach` mm from the patch along the rail, for this patch without the further ones.
+        hexahedra: whether all cells are hexahedra swept in layers, else tetrahedra.
         """
         distance = np.concatenate([[0.0], np.geomspace(1e-3 * self.size, reach, 400)])
         size = self._size(distance)

@@ -195,8 +195,9 @@ class Peak:
     value: MPa.
     depth: below the contact surface, mm.
     place: in space, mm; None where it is not known.
-    rivals: depths (mm) of local maxima whose values are within 0.5 % (RIVAL) of the largest, its
-        own included; empty where none were searched.
+    rivals: depths, mm, at which searches from several places ended, where the value is within
+        0.5 % (RIVAL) of the largest, its own included. One maximum may be listed several times;
+        empty where none were searched.
     """
 
     value: float
@@ -307,7 +308,8 @@ class AxisPressure:
 
     coordinate (k,): x or s in the contact frame, mm; of a meridian section the radius, negative on
         the other side.
-    pressure (k,): smooth pressure, MPa.
+    pressure (k,): smooth pressure at each coordinate, MPa; the line may reach beyond the patch,
+        where it is zero.
     at: the other coordinate of the line, mm: that of the largest pressure of the most loaded patch,
         or of the centre of an ellipse; 0 for sections and exact Hertz.
     """

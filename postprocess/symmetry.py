@@ -100,8 +100,9 @@ def grid(part: meshio.Mesh, planes: Planes) -> meshio.Mesh:
 
 
 def _with_image(part: meshio.Mesh, normal: Normal) -> meshio.Mesh:
-    """A grid joined with its image in the plane through the origin with this unit normal, as in
-    `grid`.
+    """A grid joined with its image in the plane through the origin with this unit normal, along x
+    or y. Nodes on the plane are shared, and cells keep their orientation. Vectors (3 columns) and
+    tensors (9) are reflected; scalars and principal stresses are copied.
     """
     import meshio
 

@@ -229,7 +229,9 @@ def dof_points(space: Any) -> NDArray[np.float64]:
 
 
 def geometry_degree(mesh: Any) -> int:
-    """Polynomial degree of the map from the reference cell to the cells of a mesh."""
+    """Polynomial degree of the map from the reference cell to the cells of a dolfinx mesh; 1 where
+    cells are straight.
+    """
     geometry = mesh.geometry
     cmap = geometry.cmaps[0] if hasattr(geometry, "cmaps") else geometry.cmap
     degree = cmap.degree

@@ -55,8 +55,9 @@ class Samples:
     """Contact points with pressure of a whole patch, mirror images included, in its tangent plane.
 
     x, s (k,): coordinates, mm; of a section x is 0 and s the coordinate along the section.
-    force (k,): pressure times the area of each point, projected to the plane, N; of a meridian
-        section half of the circle's on either side of the axis.
+    force (k,): pressure times the area of each point, projected to the plane, N. The area of a
+        plane section is that over its thickness, of a meridian half of the circle's on either side
+        of the axis.
     pressure (k,): MPa.
     size (k,): size of the element of each point, mm: sqrt(2 facet area), of a section its length.
     even: whether the patch is symmetric about x = 0, where the model was cut; True for a section.

@@ -119,8 +119,10 @@ def _pressure(square: SquaredPressure, t: Array) -> Array:
 
 
 def _shape(square: SquaredPressure, fields: Fields) -> PatchShape:
-    """Outlines, half lengths along x and s, area and largest pressure of a section's smooth p^2. In
-    plane strain the length is the thickness; of a body of revolution the patch is a full circle.
+    """Outlines, half lengths along x and s, area and largest pressure of a section's smooth p^2.
+    In plane strain outlines are rectangles whose half length out of the plane is half the
+    thickness. Of a body of revolution they are circles, and both half lengths their radius. Half
+    lengths reach over gaps between patches; in plane strain the area leaves these out.
     """
     spans, (axis,) = _spans(square), fields.kinematics.varying
     half = a = b = (spans[-1][1] - spans[0][0]) / 2

@@ -103,8 +103,9 @@ class StressPolynomial:
         return self.at_samples(points @ self._axes.T)
 
     def at_samples(self, points: Array) -> Array:
-        """Stress (n, 6), components xx, yy, zz, xy, xz, yz, MPa, at points (n, d) in the
-        coordinates of the mesh, mm.
+        """Stress (n, 6), components xx, yy, zz, xy, xz, yz in the axes of space, MPa, tension
+        positive, at points (n, d) in the coordinates of the mesh, mm; extrapolated beyond the
+        radius of the fit.
         """
         offset = np.asarray((points - self._centre) / self.radius)
         return np.asarray(monomials(offset[None])[0].T @ self._coefficients)

@@ -109,7 +109,8 @@ class Contact:
     first contact).
 
     scene: the scene.
-    touch: the contact point, in these axes.
+    touch: the contact point, in these axes: place, slope, gap and curvatures; of half-spaces and
+        sections along the rail only place and relative curvatures are set.
     pair: both profiles; None for half-spaces, which touch at the origin.
     pose: of the wheel in these axes; None for half-spaces.
     placed: the whole wheelset, each side in axes of its own; None for half-spaces and sections.
@@ -301,8 +302,9 @@ def place(
 ) -> tuple[ProfilePair, Placed]:
     """Lower the wheelset of a scene onto its track; return both profiles and the placed wheelset,
     whose sides have axes of their own (`placement.Side`).
-    clearance: gap above the lowest contact point up to which further contact points are kept, mm.
-    both: profiles in place of the scene's; None: the scene's own.
+    clearance: height over the rail, mm, beyond that of the lowest contact point of the same side,
+        up to which further contact points are kept; it does not lift the wheelset.
+    both: profiles of wheel and rail, for both sides, in place of the scene's; None: the scene's.
     Raises SceneError where a wheel misses its rail or both cannot touch, and for a file that cannot
     be used.
     """

@@ -347,7 +347,8 @@ class Placed:
     roll: roll angle of the wheelset, rad, about x in the axes of the right side.
     height: height of the middle of its axle over the crown centres, mm.
     right: right wheel on its rail.
-    left: left wheel on its rail, in mirrored axes.
+    left: left wheel on its rail, pose and contact points, in the mirrored axes of the left side,
+        whose y points to the field side of the left rail.
     """
 
     roll: float

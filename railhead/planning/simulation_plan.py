@@ -136,7 +136,7 @@ class Plan:
     @property
     def elastic_laws_hold(self) -> bool:
         """Whether error envelopes, and costs, of elastic and frictionless bodies hold with the
-        effects that are simulated: neither yield nor an effect `beyond_envelopes` is.
+        effects that are on: neither plasticity nor one `beyond_envelopes`, such as friction.
         """
         return not (self.effects["plasticity"].on or self.beyond_envelopes)
 
@@ -198,8 +198,9 @@ class Plan:
 
     @cached_property
     def uncertainty(self) -> Uncertainty | None:
-        """Relative error that measured profiles may hide, solved by boundary elements at the first
-        call; None where no profile is measured, for half-spaces, and in sections.
+        """Relative error of largest pressure and area, one number, that measured profiles may hide.
+        Solved by boundary elements at the first call; infinite where these find no patch. None
+        where no profile is measured, for half-spaces, and in sections.
         """
         return error_envelopes.of_profiles(self.context)
 
@@ -316,7 +317,9 @@ class Plan:
 
     @property
     def with_foot(self) -> bool:
-        """Whether the rail is meshed with web and foot; not for a rigid rail."""
+        """Whether the rail is meshed with web and foot: it deforms, and the effect `rail_section`
+        is on. False for half-spaces and in sections along the rail.
+        """
         section = self.effects["rail_section"]
         return section.on and not section.refused and RAIL in self.deformable
 

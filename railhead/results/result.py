@@ -302,10 +302,11 @@ class Result(terminal.Drawn):
         rank 0 writes, errors are raised on all.
 
         pictures: whether PNG files are written.
-        report: whether report.html is written, "brief" on one page; needs pictures.
+        report: whether report.html is written, "brief" on one page; without pictures it is not.
         whole: whether .vtu files contain the mirror images of what symmetry left out.
         units: of pictures and report.html; None: mm, N, MPa.
-        force: whether a result of another command or scene in the folder is replaced.
+        force: whether a result of another command or scene in the folder is replaced; one of the
+            same scene always is.
         Raises SceneError for a folder with other files and, without `force`, with another result,
         and for a report or units that are none; OSError where it cannot be written, ValueError for
         a loaded result.

@@ -31,7 +31,8 @@ class Quantity:
     bound: name of its error bound in `Result.estimate`. In `QUANTITIES` an empty one is filled with
         the name of the field.
     estimated: whether its error is estimated, from the calibrated error envelope of its key, or
-        without one from the scatter of three meshes.
+        without one from the scatter of three meshes. Not set for friction:
+        `estimates.friction_values` chooses those that are estimated as well.
     over_friction_limit: whether its errors are relative to mu N and not to the value.
     scatter: name in `Patch.scatter` of the difference between two readings; empty: none.
     ridge_stress: whether it is a stress below the largest pressure, with the uncertainty of that.
@@ -258,8 +259,8 @@ class FrictionQuantities:
     axle: radius by which the axle turns, "free" or "nominal"; None unless the wheelset gives the
         creepages.
     shift_along: displacement of the wheel over the rail along +x, mm; None in rolling.
-    shift_across: displacement of the wheel over the rail along the tangent across, mm; None in
-        rolling.
+    shift_across: rigid displacement of the wheel over the rail from rest along the tangent across,
+        of solid half-spaces that of distant points, mm; None in rolling.
     turn_rad: rotation of the wheel over the rail about the normal, rad; None in rolling.
     stick_share: share of the patch's area that sticks, 0 to 1.
     traction_max: largest size of the traction, MPa.
@@ -416,7 +417,7 @@ class Answer:
     """The quantities of one method for a scene, as under "result" or "hertz" of summary.json.
 
     patch: half lengths and area.
-    pressure: largest and mean pressure.
+    pressure: largest pressure of all patches, and mean over their area, MPa.
     approach: approach of the bodies' supports along the vertical, mm; of half-spaces that of
         distant points, of half-planes that of points one relative radius from the contact. None
         of exact Hertz where no formula is known.

@@ -181,7 +181,8 @@ class Scene(Section):
     rail: the rail, a `Rail`.
     wheel: the wheel, a `Wheel`.
     wheelset: position of the wheelset, a `Wheelset`.
-    friction: friction and shifting forces, a `Friction`.
+    friction: coefficient of friction, also of rolling (0: none), and tangential forces that shift
+        the wheel from rest, a `Friction`.
     rolling: steady rolling, a `Rolling`.
     solver: contact method and linear solver, a `Solver`.
     mesh: the elements, a `Mesh`.

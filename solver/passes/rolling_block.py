@@ -307,8 +307,8 @@ class RollingBlock:
 
 
 def _grid(block: Block) -> tuple[Array, Array, Index]:
-    """x (nx,), y (ny,) of the nodes at z = 0, mm, and their numbers (nx, ny); in plane strain y is
-    a single zero.
+    """x (nx,), y (ny,), ascending, mm, of the nodes of the displacement on the surface z = 0, and
+    their numbers (nx, ny) in `Block.nodes`; in plane strain y is a single zero.
     """
     numbers = np.flatnonzero(block.at(block.dim - 1, 0.0))
     at = block.nodes[numbers]

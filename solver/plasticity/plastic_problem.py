@@ -211,8 +211,9 @@ class PlasticProblem(ContactProblem):
 
     @property
     def state(self) -> State:
-        """Plastic states at the Gauss points and at the contact points from the last use of
-        `indicator`.
+        """Histories at the Gauss points of the bodies that yield and at the contact points, for the
+        unknowns of the last call of `indicator`; before the first call those that a step starts
+        from.
         """
         return self._bulk[0], self._surface[0]
 

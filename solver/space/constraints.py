@@ -31,7 +31,7 @@ class Supports:
     planes: (mask (n,), unit normal (c,)) of each symmetry plane; there u . normal = 0.
     hub: (n,) nodes that move by u0 + approach * direction; None: the moving body has no cells.
     direction: unit vector of the approach (c,).
-    hub_free: True: the approach is an unknown; False: it is prescribed.
+    hub_free: True: the approach is an unknown, also where hub is None; False: it is prescribed.
     """
 
     fixed: NDArray[np.bool_]

@@ -70,7 +70,7 @@ class FrictionSolution:
     slip: (n, 3) at each point; for a shift it is that since the end of the load step before.
     sticks: (n,) whether a point with pressure sticks.
     rigid_motion: (along, across, spin about the normal): for rolling, two creepages and the spin in
-        1/mm; for a shift, mm, mm and rad.
+        1/mm; for a shift, all of it from rest over all load steps, mm, mm and rad.
     force: (along, across), force of the wheel on the rail, N, of the whole model.
     moment: moment of the tractions of the wheel on the rail about the normal at the origin of the
         friction settings, N mm; zero with symmetry planes.

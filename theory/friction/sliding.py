@@ -26,11 +26,13 @@ SURFACE = 1e-14  # least depth over the half width: beside a branch cut, not on 
 
 @dataclass(frozen=True)
 class PeakStress:
-    """Largest von Mises stress in the plane y = 0 between the depths that were searched. Where a
-    strip is pressed whose width runs across the rail, this plane holds the strip's line.
+    """Largest von Mises stress in the plane y = 0, along the rail through the middle of the patch,
+    between the depths that were searched. The drag always acts along the rail. Where the width of a
+    pressed strip runs across the rail, this plane holds the strip's line.
 
     von_mises: MPa.
-    x: place along the direction of the drag, from the centre of the patch, mm.
+    x: place along the rail from the centre of the patch, mm; a positive coefficient of friction
+        drags the half-space to +x.
     depth: below the surface, mm; 0 only where the surface alone was searched.
     """
 

@@ -73,7 +73,9 @@ class SmoothTractions:
         return np.asarray(self._weights(x, y) @ traction.reshape(2, -1).T)
 
     def _weights(self, x: Array, y: Array) -> Array:
-        """Matrix (3, nx ny) from a traction in the cells x, y to its coefficients, by component."""
+        """Matrix (3, nx ny) that takes one component of a traction in the cells x (nx,), y (ny,),
+        mm, flattened, to its coefficients of P, in the unit of the traction.
+        """
         cell = (x[1] - x[0]) * (y[1] - y[0])
         linear = self._basis(x, y)[:LINEAR].reshape(LINEAR, -1)
         return np.asarray(cell * np.linalg.solve(self._gram[:LINEAR, :LINEAR], linear))

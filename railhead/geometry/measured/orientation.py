@@ -33,8 +33,9 @@ NEAR_TOP, NEAR_ZERO, NEAR_SIDE = 2.0, 5.0, 8.0  # mm: the file's origin is that 
 
 @dataclass(frozen=True, kw_only=True)
 class Orientation:
-    """What the user says of a file; 'auto' leaves it to the shape.
-    unit: unit of the file, as 'mm', 'm' or 'inch'.
+    """What the user says of a file; 'auto' leaves it to the file and its shape.
+    unit: unit of the file, 'mm', 'm' or 'inch'; 'auto': the one that the file states, else the one
+        in which its width is usual.
     mirror: whether left and right are exchanged, 'on' or 'off'.
     flip: whether up and down are exchanged, 'on' or 'off'.
     origin: 'file' keeps the origin of the file; 'auto' moves it where it is not that of the

@@ -55,7 +55,7 @@ def added_stress(
 class _Body:
     """A deformable body of finite size.
 
-    weight: its share of the compliance of both bodies.
+    weight: its (1 - nu^2)/E over the sum of those of both bodies, 0 to 1.
     poisson: Poisson's ratio.
     depth: distance from the contact to the held face, mm.
     ends: positions s of its free edges on the developed rail, mm.
@@ -174,7 +174,9 @@ def _bodies(contact: Contact, deformable: Sequence[int], surface: Developed) -> 
 
 
 def _size(patch: _Patch, around: list[_Body]) -> float:
-    """Relative change of the largest pressure of a patch by held and free faces of the bodies."""
+    """Relative change of the largest pressure of a patch, as `halfspace.change`, by held and free
+    faces of the bodies, whose curvatures add up.
+    """
     curvature = sum(body.curvature(patch.s) for body in around)
     return halfspace.change(curvature, *patch.half_extents)
 

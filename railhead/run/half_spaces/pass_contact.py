@@ -144,8 +144,8 @@ class Pressing:
         return -total * contact.share * contact.grid.cell * (2 if self._rolling.block.half else 1)
 
     def _meshed(self, values: Array) -> Array:
-        """Those of the values (nx, ns) at the cells that lie over the block: the columns at s > 0
-        where only this half of it is meshed, else all.
+        """Those of the values (nx, ns) at the cells of the pressure that lie over the block, as a
+        view: the upper half of the columns, s > 0, where the block ends at y = 0, else all.
         """
         return values[:, values.shape[1] // 2 :] if self._rolling.block.half else values
 
