@@ -101,17 +101,19 @@ def two_blocks(
     length: float | None = None,
     *,
     half: bool = True,
+    own: bool = False,
     **changes: Any,
 ) -> tuple[mesh.ContactMesh, Setup]:
-    """Mesh (shared: change no point of it) and set-up, non-matching; `changes` override fields of
-    the Setup.
+    """Mesh and set-up, non-matching; `changes` override fields of the Setup. The mesh is shared
+    unless it is to be the caller's `own`: only of that may points be moved.
 
     h: element size, mm, within fine * size of the origin (along, across), on the wheel times
     `ratio`; wheel_size:
     edge of the wheel's block over the rail's; half: y = 0 is a symmetry plane as x = 0 is.
     """
     rigid = (np.isinf(materials[0].young_modulus), np.isinf(materials[1].young_modulus))
-    made = meshed(size, h, cell, rigid, wheel_size, ratio, fine, length, half)
+    make = meshed.__wrapped__ if own else meshed
+    made = make(size, h, cell, rigid, wheel_size, ratio, fine, length, half)
     planes = ((SYMMETRY_X, (1.0, 0.0, 0.0)), (SYMMETRY_Y, (0.0, 1.0, 0.0)))
     usual = {
         "fixed": side(RAIL, materials[0]),

@@ -144,7 +144,7 @@ def transformed(how: str) -> CaseErrors:
         gaps, normals = gap(np.asarray(points @ matrix / length))
         return gaps * length, normals @ matrix.T
 
-    moved, other = block_pairs.two_blocks()
+    moved, other = block_pairs.two_blocks(own=True)
     moved.mesh.geometry.x[:] = length * moved.mesh.geometry.x @ matrix.T
     steel = Material(block_pairs.STEEL.young_modulus * stress, block_pairs.STEEL.poisson_ratio)
     other = replace(

@@ -326,7 +326,7 @@ def test_frame_invariance(two_blocks, solve) -> None:
         distance, normal = gap(points @ turn)
         return distance, normal @ turn.T
 
-    turned, other = two_blocks(length=10.0)  # the same blocks on a mesh of its own
+    turned, other = two_blocks(own=True)
     turned.mesh.geometry.x[:] = turned.mesh.geometry.x @ turn.T
     setup = replace(
         other,
