@@ -1,5 +1,4 @@
-"""The process of the tests; small contact models on two blocks and the thesis's contact, which
-several of them share."""
+"""The process of the tests; the thesis's contact, which several of them share."""
 
 from railhead.run import process
 
@@ -9,12 +8,9 @@ import hashlib
 import json
 import os
 import pickle
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import block_pairs
-import numpy as np
 import pytest
 from hypothesis import settings
 from sweep_command import one_after_the_other
@@ -24,8 +20,6 @@ from railhead.meshing.bodies import Body, Options
 from railhead.meshing.grading import Grading
 from railhead.planning import cost
 from railhead.postprocess.pictures.plots import diagrams
-from railhead.solver.contact import ContactModel
-from railhead.solver.system.setup import Setup
 from railhead.sweeps import worker_pool
 from railhead.theory.elastic.hertz import Ellipse, contact_modulus, point_contact
 
@@ -76,6 +70,13 @@ def meshed_anew(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty folder, which is the working directory."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
 def sharp(monkeypatch: pytest.MonkeyPatch) -> None:
     """Pictures as people get them: 160 dots an inch."""
     monkeypatch.setattr(diagrams, "DPI", 160)
@@ -92,24 +93,6 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     is short."""
     if hasattr(config, "workerinput"):
         items.sort(key=lambda item: LONG.isdisjoint(item.path.parts))
-
-
-@pytest.fixture(scope="session")
-def two_blocks() -> Callable[..., tuple[mesh.ContactMesh, Setup]]:
-    """Mesh and set-up of two quarter blocks, non-matching: see `block_pairs`."""
-    return block_pairs.two_blocks
-
-
-@pytest.fixture(scope="session")
-def solve() -> Callable[..., tuple[ContactModel, object]]:
-    """Model and solution of a mesh and a Setup, from the points within a radius."""
-
-    def run(made: mesh.ContactMesh, setup: Setup, radius: float = 2.0, **control: float):
-        model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
-        active = np.linalg.norm(model.interface.points, axis=1) < radius
-        return model, model.solve(active=active, **control)
-
-    return run
 
 
 @pytest.fixture(scope="session")

@@ -9,8 +9,9 @@ import pytest
 
 from railhead.cli import launch
 from railhead.planning import simulation_plan
-from railhead.run import process
+from railhead.results import pipeline
 from railhead.scene import catalogue
+from railhead.scene.scene import SceneError
 
 THESIS = catalogue.find("hertz_ellipse")
 
@@ -42,42 +43,36 @@ def test_no_more_than_the_process_may_use(eight, monkeypatch) -> None:
     assert launch.number_of_processes(fine) == 1
 
 
-def test_what_mpi_started_starts_no_more(eight, monkeypatch) -> None:
-    assert not process.under_mpi()
+def test_what_mpi_started_starts_no_more(eight, monkeypatch, capsys, tmp_path) -> None:
+    def solve(*_) -> None:
+        raise SceneError("load", "is solved in this process")
+
+    monkeypatch.setattr(launch, "restart", lambda *_: pytest.fail("started"))
+    monkeypatch.setattr(pipeline, "solve", solve)
     monkeypatch.setenv("OMPI_COMM_WORLD_SIZE", "2")
-    assert process.under_mpi()
+    given = "run", "long_roller", "--ranks", "2", "--quiet", "--out", str(tmp_path / "out")
+    assert "is solved in this process" in command.refused(capsys, *given)
 
 
-def test_no_more_than_there_are_processors(eight, capsys, tmp_path, monkeypatch) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_no_more_than_there_are_processors(eight, capsys, here, monkeypatch) -> None:
     monkeypatch.setattr(psutil, "cpu_count", lambda logical=True: 4)
     line = command.refused(capsys, "run", "long_roller", "--ranks", "1000")
     assert line == "railhead: --ranks: 1000 is not allowed; give at most 4"
-    assert os.listdir(tmp_path) == []
+    assert os.listdir(here) == []
 
 
-@pytest.mark.parametrize("ranks", ["1.5", "two", "0"])
-def test_ranks_are_whole_numbers(ranks: str, tmp_path, monkeypatch, capsys) -> None:
-    monkeypatch.chdir(tmp_path)
-    said = command.refused(capsys, "run", "long_roller", "--ranks", ranks)
-    assert os.listdir(tmp_path) == []
-    assert "--ranks" in said and ranks in said and ("from 1 on" in said or "x>=1" in said)
-
-
-def test_ranks_without_mpirun_are_refused(eight, tmp_path, monkeypatch, capsys) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_ranks_without_mpirun_are_refused(eight, here, monkeypatch, capsys) -> None:
     monkeypatch.setattr(launch.psutil, "cpu_count", lambda logical=True: 4)
     monkeypatch.setattr(launch.shutil, "which", lambda name: None)
     line = command.refused(capsys, "run", "long_roller", "--ranks", "2")
-    assert "--ranks: 2 is not allowed without mpirun" in line and os.listdir(tmp_path) == []
+    assert "--ranks: 2 is not allowed without mpirun" in line and os.listdir(here) == []
 
 
 def test_without_room_for_temporary_files_there_is_one_process(
-    eight, tmp_path, monkeypatch, capsys
+    eight, here, monkeypatch, capsys
 ) -> None:
     """Open MPI would wait for ever."""
-    monkeypatch.chdir(tmp_path)
-    full = shutil.disk_usage(tmp_path)._replace(free=launch.TEMPORARY_BYTES - 1)
+    full = shutil.disk_usage(here)._replace(free=launch.TEMPORARY_BYTES - 1)
     monkeypatch.setattr(launch.shutil, "disk_usage", lambda _: full)
     assert (
         launch.number_of_processes(simulation_plan.make(THESIS.replace(["mesh.patch_size=0.1"])))
@@ -85,7 +80,7 @@ def test_without_room_for_temporary_files_there_is_one_process(
     )
     line = command.refused(capsys, "run", "long_roller", "--ranks", "2")
     assert "--ranks: 2 is not allowed with less than 32 MB free in" in line
-    assert os.listdir(tmp_path) == []
+    assert os.listdir(here) == []
 
 
 def test_a_mesh_that_does_not_fit_starts_no_processes(eight, capsys, monkeypatch) -> None:

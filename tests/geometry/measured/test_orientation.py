@@ -5,6 +5,7 @@ from contextlib import nullcontext
 import numpy as np
 import pytest
 from one_line import refusal
+from profile_points import crown, even, wheel
 
 from railhead.geometry import outlines, profiles
 from railhead.geometry.measured import ordering, orientation, standards
@@ -24,12 +25,6 @@ def head() -> np.ndarray:
     right = np.column_stack([y[-1] - (depth - z[-1]) / 20, depth])
     left = np.column_stack([y[0] + (depth - z[0]) / 20, depth])[::-1]
     return np.concatenate([left, np.column_stack([y, z]), right])
-
-
-def wheel(y: np.ndarray | None = None) -> np.ndarray:
-    """Points of S1002, which reaches from -70 to 60 mm."""
-    y = np.linspace(-70.0, 60.0, 300) if y is None else y
-    return np.column_stack([y, profiles.s1002().height(y)])
 
 
 def table(points: np.ndarray, unit: str = "") -> Table:
@@ -80,6 +75,7 @@ FOREIGN = {
     "columns exchanged": (lambda: head()[:, ::-1], "rail"),
     "a wheel's heights in cm": (lambda: wheel() / [1, 10], "wheel"),
     "a cone": (lambda: np.linspace([-60.0, 3.0], [60.0, -3.0], 241), "wheel"),
+    "a worn head, a tenth narrower": (lambda: outline(2.0, 26.0, 16.0, 16.0) * [0.9, 1], "rail"),
     "a foot": (lambda: np.linspace([-45.0, 0.0], [45.0, 0.0], 181), "rail"),
 }
 
@@ -125,25 +121,62 @@ def test_units_that_nobody_says_are_not_taken_for_others(unit: float) -> None:
 
 @pytest.mark.parametrize("half, unit", [pytest.param(13.0, 304.8, marks=SLOW), (18.0, 10.0)])
 def test_a_narrow_crown_is_no_head_in_inches(unit: float, half: float) -> None:
-    y = np.arange(-half, half, 0.25)
-    points = np.column_stack([y, profiles.rail_head("60E1").height(y)])
+    points = crown(np.arange(-half, half, 0.25))
     turned(points)
     with pytest.raises(ValueError, match="give its profile_"):
         turned(points / unit)
 
 
-@pytest.mark.parametrize("mirror, flip", [(-1, 1), (1, -1), (-1, -1)])
-def test_a_wheel_is_turned_as_its_standard(mirror: int, flip: int) -> None:
-    true = wheel()
-    found, done = turned(true * [mirror, flip], "wheel")
-    np.testing.assert_allclose(found, true, atol=0.2)
-    assert ("mirrored" in done) == (mirror < 0)
-    assert ("turned upside down" in done) == (flip < 0)
+def with_rim(deep: float) -> np.ndarray:
+    """A wheel with the faces of its rim, that deep."""
+    true, down = wheel(), np.arange(0.5, deep, 0.5)
+    back, rim = (np.column_stack([np.full(len(down), y), z - down]) for y, z in true[[0, -1]])
+    return np.concatenate([back[::-1], true, rim])
 
 
-def outline(worn: float, degrees: float, deepest: float) -> np.ndarray:
+def thin() -> np.ndarray:
+    """A wheel of whose flange 3 mm of the front face are worn off."""
+    points = wheel()
+    front = (points[:, 0] > -54) & (points[:, 0] < -30)
+    points[front, 1] -= 3.0 * np.sin(np.pi * (points[front, 0] + 54) / 24)
+    return points
+
+
+#: Dense at the flange, as chords of one tolerance make them: most points are not on the tread.
+DENSE = wheel(np.concatenate([np.linspace(-70, -38, 500), np.linspace(-37, 60, 60)]))
+#: Points, how they are turned and moved in a file, and how far off (y, z) they may be found.
+WHEELS = {
+    "mirrored": (wheel(), (-1, 1), (0.0, 0.0), 0.2),
+    "upside down": (wheel(), (1, -1), (0.0, 0.0), 0.2),
+    "both": (wheel(), (-1, -1), (0.0, 0.0), 0.2),
+    "with faces of a rim, upside down": (with_rim(10.0), (-1, -1), (0.0, 0.0), 0.1),
+    "with faces of a rim": (with_rim(60.0), (-1, 1), (0.0, 0.0), 0.1),
+    "dense at the flange": (DENSE, (1, 1), (0.0, 0.0), 0.1),
+    "dense at the flange, mirrored": (DENSE, (-1, 1), (0.0, 0.0), 0.1),
+    "from the flange's back": (wheel(), (1, 1), (70.0, -30.0), 0.1),
+    "far off, with its back": (wheel(), (1, 1), (200.0, 0.0), (0.5, np.inf)),
+    "far off, with its tip": (wheel(np.linspace(-57.0, 60.0, 400)), (1, 1), (200.0, 0.0),
+                              (0.5, np.inf)),
+    "far off, thin": (thin(), (1, 1), (200.0, 0.0), (0.3, np.inf)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("points", "turns", "moved", "atol"), WHEELS.values(), ids=WHEELS)
+def test_a_wheel_is_laid_on_its_standard(points, turns, moved, atol) -> None:
+    """By its flange; of a thin one by its back."""
+    found, done = turned((points + moved) * turns, "wheel")
+    assert (np.abs(found - points) <= atol).all()
+    assert ("mirrored" in done) == (turns[0] < 0)
+    assert ("turned upside down" in done) == (turns[1] < 0)
+    assert ("tape circle" in done) == any(moved)
+
+
+def outline(
+    worn: float, degrees: float, deepest: float, cut: float = 36.0, slope: float = 0.0
+) -> np.ndarray:
     """A 60E1 head, symmetric, sides 1:20 down to 36 mm; its gauge face (y < 0) worn by a plane of
-    that inclination, that much (mm) 14 mm below the top."""
+    that inclination, that much (mm) 14 mm below the top; cut off below a depth, mm, and leaning
+    by a slope."""
     profile = profiles.rail_head("60E1")
     y = np.linspace(*profile.domain, 700)
     z = profile.height(y)
@@ -151,55 +184,35 @@ def outline(worn: float, degrees: float, deepest: float) -> np.ndarray:
     right = np.column_stack([y[-1] + down / 20, z[-1] - down])
     points = np.concatenate([(right * [-1, 1])[::-1], np.column_stack([y, z]), right])
     plane = -36.0 + worn + np.tan(np.radians(degrees)) * (points[:, 1] + 14)
-    cut = (points[:, 0] < plane) & (points[:, 1] > -deepest)
-    points[cut, 0] = plane[cut]
-    return points
+    gone = (points[:, 0] < plane) & (points[:, 1] > -deepest)
+    points[gone, 0] = plane[gone]
+    return points[points[:, 1] > -cut] @ np.array([[1.0, slope], [-slope, 1.0]])
 
 
-@pytest.mark.parametrize(
-    ("slope", "worn", "degrees", "depth"),
-    [(0.0, 1.0, 3.0, 16.0), (0.0, 6.0, 15.0, 20.0), (1 / 20, 4.0, 8.0, 16.0)],
-)
-def test_the_worn_side_is_the_gauge_side(slope, worn, degrees, depth) -> None:
-    points = outline(worn, degrees, 30.0)
-    points = points[points[:, 1] > -depth] @ np.array([[1.0, slope], [-slope, 1.0]])
-    for sign in (1, -1):
-        _, done = turned(points * [sign, 1])
-        assert ("mirrored (by its worn side)" in done) is (sign < 0)
+WORN, AS_IN_FILE = "mirrored (by its worn side)", "sides as in the file "
+#: Points with the gauge side at y < 0, what is said, and whether of the mirrored ones alone.
+SIDES = {
+    "worn by 1 mm": (outline(1.0, 3.0, 30.0, 16.0), WORN, True),
+    "worn by 6 mm": (outline(6.0, 15.0, 30.0, 20.0), WORN, True),
+    "worn and leaning": (outline(4.0, 8.0, 30.0, 16.0, 1 / 20), WORN, True),
+    "leaning": (outline(0.0, 0.0, 0.0, slope=1 / 40),
+                "mirrored (its head leans 1:40 to the gauge side)", True),
+    "worn, leaning the other way": (outline(3.0, 26.0, 20.0, slope=-1 / 20),
+                                    f"{AS_IN_FILE}(worn at one side, leaning to the other)", False),
+    "neither": (crown(np.linspace(-30, 30, 200), "54E1"),
+                f"{AS_IN_FILE}(no side is worn, the head does not lean)", False),
+    "no standard rail": (outline(2.0, 26.0, 16.0, 16.0) * [1.1, 1],
+                         f"{AS_IN_FILE}(no side is a standard rail's)", False),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("sign", [1, -1])
-def test_an_unworn_head_leans_to_the_gauge_side(sign: int) -> None:
-    points = outline(0.0, 0.0, 0.0) @ np.array([[1.0, 1 / 40], [-1 / 40, 1.0]])
+@pytest.mark.parametrize(("points", "said", "if_mirrored"), SIDES.values(), ids=SIDES)
+def test_wear_and_lean_tell_the_gauge_side_unless_they_differ(
+    points, said: str, if_mirrored: bool, sign: int
+) -> None:
     _, done = turned(points * [sign, 1])
-    assert ("mirrored (its head leans 1:40 to the gauge side)" in done) is (sign < 0)
-
-
-@pytest.mark.parametrize("sign", [pytest.param(1, marks=SLOW), -1])
-def test_wear_and_lean_that_contradict_each_other_tell_no_side(sign: int) -> None:
-    points = outline(3.0, 26.0, 20.0) @ np.array([[1.0, -1 / 20], [1 / 20, 1.0]])
-    _, done = turned(points * [sign, 1])
-    assert "sides as in the file (worn at one side, leaning to the other)" in done
-
-
-@pytest.mark.parametrize("wide", [pytest.param(0.9, marks=SLOW), 1.1])
-def test_a_rail_that_is_no_standard_one_tells_no_side_by_its_wear(wide: float) -> None:
-    points = outline(2.0, 26.0, 16.0)
-    points = points[points[:, 1] > -16] * [wide, 1]
-    for sign in (1, -1):
-        try:
-            _, done = turned(points * [sign, 1])
-        except PointError as error:
-            assert "is farther than 6 mm" in str(error)
-        else:
-            assert "sides as in the file (no side is a standard rail's)" in done
-
-
-def test_an_upright_unworn_head_shows_no_side() -> None:
-    profile = profiles.rail_head("54E1")
-    y = np.linspace(-30, 30, 200)
-    _, said = turned(np.column_stack([y, profile.height(y)]))
-    assert "sides as in the file (no side is worn, the head does not lean)" in said
+    assert (said in done) is (sign < 0 or not if_mirrored)
 
 
 @pytest.mark.parametrize("name, flip", zip(profiles.STANDARD_RAILS, (1, -1), strict=True))
@@ -216,10 +229,7 @@ def test_a_head_with_its_underside_stands_upright(name: str, flip: int) -> None:
 @pytest.mark.parametrize("begin, flip", [(0.0, -1), (0.5, 1)])
 def test_a_closed_section_stands_upright_wherever_it_begins(begin: float, flip: int) -> None:
     curves = outlines.rail_section("60E1", "section", half=False)
-    points = np.concatenate([curve.sampled() for curve in curves])
-    s = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
-    even = np.arange(0, s[-1], 1.0)
-    points = np.column_stack([np.interp(even, s, column) for column in points.T])
+    points = even(np.concatenate([curve.sampled() for curve in curves]), 1.0)
     points = np.roll(points, int(begin * len(points)), axis=0)
     _, said = turned(points * [1, flip], unit="mm")
     assert ("turned upside down" in said) is (flip < 0)
@@ -234,26 +244,7 @@ def test_a_wheel_that_begins_in_its_flange_has_no_known_origin(left: float) -> N
     turned(points, "wheel", origin="file")
 
 
-@pytest.mark.parametrize("deep, flip", [(10.0, -1), (60.0, 1)])
-def test_faces_of_a_rim_are_no_flange(deep: float, flip: int) -> None:
-    true, down = wheel(), np.arange(0.5, deep, 0.5)
-    back, rim = (np.column_stack([np.full(len(down), y), z - down]) for y, z in true[[0, -1]])
-    points = np.concatenate([back[::-1], true, rim])
-    found, done = turned(points * [-1, flip], "wheel")
-    np.testing.assert_allclose(found, points, atol=0.1)
-    assert "mirrored" in done
-
-
-@pytest.mark.parametrize("mirror", [1, -1])
-def test_points_may_be_dense_at_the_flange(mirror: int) -> None:
-    """As chords of one tolerance make them: most points are not on the tread."""
-    points = wheel(np.concatenate([np.linspace(-70, -38, 500), np.linspace(-37, 60, 60)]))
-    found, done = turned(points * [mirror, 1], "wheel")
-    np.testing.assert_allclose(found, points, atol=0.1)
-    assert ("mirrored" in done) is (mirror < 0)
-
-
-def test_a_foreign_origin_is_moved_to_the_crown_or_the_tape_circle() -> None:
+def test_a_foreign_origin_is_moved_to_the_crown() -> None:
     true = head()
     found, said = turned(true + [100.0, 172.0])
     assert "moved" in said
@@ -261,36 +252,12 @@ def test_a_foreign_origin_is_moved_to_the_crown_or_the_tape_circle() -> None:
     assert float(found[:, 1].max()) == pytest.approx(0.0, abs=0.1)
     kept, _ = turned(true + [100.0, 172.0], origin="file")
     np.testing.assert_allclose(kept, true + [100.0, 172.0])
-    points = wheel()
-    back = points + [70.0, -30.0]  # from the flange back
-    found, said = turned(back, "wheel")
-    np.testing.assert_allclose(found, points, atol=0.1)
-    assert "tape circle" in said
-
-
-@pytest.mark.parametrize("left", [-70.0, -57.0])
-def test_a_foreign_origin_is_found_wherever_a_wheel_begins(left: float) -> None:
-    """By the back of the flange, or its tip alone."""
-    points = wheel(np.linspace(left, 60.0, 400))
-    found, _ = turned(points + [200.0, 0.0], "wheel")
-    np.testing.assert_allclose(found[:, 0], points[:, 0], atol=0.5)
-
-
-def test_a_thin_flange_is_placed_by_its_back() -> None:
-    """3 mm of the front face are worn off."""
-    points = wheel()
-    front = (points[:, 0] > -54) & (points[:, 0] < -30)
-    points[front, 1] -= 3.0 * np.sin(np.pi * (points[front, 0] + 54) / 24)
-    found, _ = turned(points + [200.0, 0.0], "wheel")
-    np.testing.assert_allclose(found[:, 0], points[:, 0], atol=0.3)
 
 
 @pytest.mark.parametrize(("off", "is_refused"), [(0.6, False), (1.0, True), (-3.0, True)])
 def test_a_wild_point_is_refused(off: float, is_refused: bool) -> None:
     """The curve would turn back at it, and the profile end there. Points are 0.25 mm apart."""
-    profile = profiles.rail_head("60E1")
-    y = np.arange(-30.0, 30.0, 0.25)
-    points = np.column_stack([y, profile.height(y)])
+    points = crown(np.arange(-30.0, 30.0, 0.25))
     points[90, 1] += off
     said = pytest.raises(ValueError, match="stands off its neighbours by .* mm; delete it")
     with said if is_refused else nullcontext():
@@ -301,8 +268,7 @@ def test_a_wild_point_is_refused(off: float, is_refused: bool) -> None:
 @pytest.mark.parametrize("off", [[0, 3], [0, -3], [0, 1], [3, 0], [-3, 0]])
 def test_a_wild_point_at_an_end_is_refused(place: int, off: list[float]) -> None:
     """The curve through it may run off for kilometres; one that is farther along it is none."""
-    points = outline(0.0, 0.0, 0.0)
-    points = points[points[:, 1] > -16]
+    points = outline(0.0, 0.0, 0.0, 16.0)
     points[place] += off
     along = off == [0, -3] and place in (0, -1)  # down the face
     with nullcontext() if along else pytest.raises(ValueError, match="stands off"):
@@ -314,9 +280,7 @@ def test_a_wild_point_at_an_end_is_refused(place: int, off: list[float]) -> None
     [(1, "mm", True), (2, "mm", False), (3, "inch", True), (4, "inch", False)],
 )
 def test_heights_in_stairs_are_refused(digits: int, unit: str, is_refused: bool) -> None:
-    profile = profiles.rail_head("60E1")
-    y = np.arange(-30.0, 30.0, 0.25)
-    points = np.column_stack([y, profile.height(y)]) / orientation.MM_OF_UNIT[unit]
+    points = crown(np.arange(-30.0, 30.0, 0.25)) / orientation.MM_OF_UNIT[unit]
     points[:, 1] = np.round(points[:, 1], digits)
     said = pytest.raises(ValueError, match="heights rounded to .* mm; give more digits")
     with said if is_refused else nullcontext():

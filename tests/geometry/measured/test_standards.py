@@ -2,19 +2,13 @@
 
 import numpy as np
 import pytest
+from profile_points import crown, even, read, wheel
 
-from railhead.geometry import outlines, profiles
-from railhead.geometry.measured import measured_profile as measured
+from railhead.geometry import outlines
 from railhead.geometry.measured import standards
 from railhead.geometry.measured.formats import FormatError
-from railhead.geometry.measured.measured_profile import Measured
 
-
-def even(points: np.ndarray, spacing: float) -> np.ndarray:
-    """Points (n, 2) that far apart along straight lines, mm."""
-    s = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
-    places = np.arange(0, s[-1], spacing)
-    return np.column_stack([np.interp(places, s, column) for column in points.T])
+MIDDLE = np.linspace(-30, 30, 121)
 
 
 def section(spacing: float, begin: float = 0.0) -> np.ndarray:
@@ -29,55 +23,50 @@ def head(spacing: float, deep: float = 14.0) -> np.ndarray:
     return even(outline[outline[:, 1] > -deep], spacing)
 
 
-def wheel(spacing: float) -> np.ndarray:
-    return even(standards._outline("S1002")[0], spacing)
-
-
-def read(tmp_path, points: np.ndarray, body: str, header: str = "y [mm],z [mm]") -> Measured:
-    file = tmp_path / f"{body}.csv"
-    np.savetxt(file, points, delimiter=",", header=header, comments="")
-    return measured.read(file, body)
-
-
-def close(found: Measured, name: str, atol: float) -> None:
-    """Heights of a head within 30 mm of its middle are those of the standard."""
-    y = np.linspace(-30, 30, 121)
-    truth = profiles.rail_head(name).height(y)
-    np.testing.assert_allclose(found.profile.height(y), truth, atol=atol)
-
-
-@pytest.mark.parametrize("begin, back, flip", [(0.0, False, 1), (0.3, True, 1), (0.3, False, -1)])
-def test_the_profile_of_a_whole_section_is_its_head(
-    begin: float, back: bool, flip: int, tmp_path
-) -> None:
-    """The underside of the foot is longer, and the way round may run either way."""
-    points = section(0.5, begin)[:: -1 if back else 1] * [1, flip]
-    found = read(tmp_path, points, "rail")
-    assert "cut off 45 mm below its top" in found.remarks
-    close(found, "54E1", 5e-3)
-
-
-@pytest.mark.parametrize("begin, back", [(0.0, True), (0.6, False)])
-def test_the_profile_of_a_closed_head_is_its_top(begin: float, back: bool, tmp_path) -> None:
-    """Not the line that closes it below, which faces upwards on the way back."""
+def closed(begin: float) -> np.ndarray:
+    """A head with the line that closes it below, from that part of its outline on."""
     half = head(0.5, 30.0)
-    closed = even(np.concatenate([half, half[:1]]), 0.5)
-    points = np.roll(closed, -int(begin * len(closed)), axis=0)[:: -1 if back else 1]
+    points = even(np.concatenate([half, half[:1]]), 0.5)
+    return np.roll(points, -int(begin * len(points)), axis=0)
+
+
+def sparse_below(dense: float, sparse: float) -> np.ndarray:
+    """A head whose steep parts have few points, as chords of one tolerance make them."""
+    fine = head(dense, 30.0)
+    steep = fine[:, 1] < -16
+    return fine[~steep | (np.cumsum(steep) % int(sparse / dense) == 1)]
+
+
+OPEN = section(0.5, 0.5)  # begins at the foot
+#: Points, the standard that they are, to how many mm, and whether they are cut off.
+HEADS = {
+    "section": (section(0.5), "54E1", 5e-3, True),
+    "section, the other way round": (section(0.5, 0.3)[::-1], "54E1", 5e-3, True),
+    "section upside down": (section(0.5, 0.3) * [1, -1], "54E1", 5e-3, True),
+    "head and web": (OPEN[OPEN[:, 1] > -60.0], "54E1", 5e-3, True),
+    "without its underside": (OPEN[OPEN[:, 1] > -147.0], "54E1", 5e-3, True),
+    "closed head, the other way round": (closed(0.0)[::-1], "60E1", 5e-3, False),
+    "closed head": (closed(0.6), "60E1", 5e-3, False),
+    "few points on steep parts": (sparse_below(0.02, 4.9), "60E1", 2e-3, False),
+    "more points on steep parts": (sparse_below(0.05, 3.0), "60E1", 2e-3, False),
+}
+
+
+@pytest.mark.parametrize(("points", "name", "atol", "is_cut"), HEADS.values(), ids=HEADS)
+def test_the_profile_of_a_section_or_a_head_is_its_top(
+    points, name, atol, is_cut, tmp_path
+) -> None:
+    """Not the underside of a foot, which is longer, nor the line that closes a head, which faces
+    upwards on the way back. Either way round; few points on straight parts are no gap."""
     found = read(tmp_path, points, "rail")
-    close(found, "60E1", 5e-3)
-
-
-@pytest.mark.parametrize("deepest", [-60.0, -147.0])
-def test_web_and_foot_are_cut_off(deepest: float, tmp_path) -> None:
-    points = section(0.5, 0.5)
-    found = read(tmp_path, points[points[:, 1] > deepest], "rail")
-    close(found, "54E1", 5e-3)
+    assert ("cut off 45 mm below its top" in found.remarks) == is_cut
+    np.testing.assert_allclose(found.profile.height(MIDDLE), crown(MIDDLE, name)[:, 1], atol=atol)
 
 
 @pytest.mark.parametrize(
     ("points", "body", "first", "count", "off"),
     [
-        (wheel(0.25), "wheel", 5, 3, -2.0), (wheel(0.1), "wheel", 2, 3, 2.0),
+        (even(wheel(), 0.25), "wheel", 5, 3, -2.0), (even(wheel(), 0.1), "wheel", 2, 3, 2.0),
         (head(0.5, 30.0), "rail", 0, 8, 2.0), (head(0.5), "rail", 1, 3, -2.0),
     ],
 )  # fmt: skip
@@ -91,18 +80,6 @@ def test_wild_points_near_an_end_do_not_carry_the_curve_away(
         read(tmp_path, points, body)
     line = int(str(caught.value).split("line ")[1].split(":")[0])
     assert line <= first + count + 8
-
-
-@pytest.mark.parametrize("dense, sparse", [(0.02, 4.9), (0.05, 3.0)])
-def test_few_points_on_straight_parts_are_no_gap(dense: float, sparse: float, tmp_path) -> None:
-    """As chords of one tolerance make them: averaged over the dense ones' number they were."""
-    fine = head(dense, 30.0)
-    steep = np.flatnonzero(fine[:, 1] < -16)
-    stride = int(sparse / dense)
-    kept = np.setdiff1d(np.arange(len(fine)), steep)
-    points = fine[np.sort(np.concatenate([kept, steep[::stride]]))]
-    found = read(tmp_path, points, "rail")
-    close(found, "60E1", 2e-3)
 
 
 def other(radii: tuple[float, ...], ends: tuple[float, ...], deep: float) -> np.ndarray:
@@ -119,7 +96,6 @@ def other(radii: tuple[float, ...], ends: tuple[float, ...], deep: float) -> np.
     return even(np.concatenate([half[::-1] * [-1, 1], half]), 0.5)
 
 
-@pytest.mark.parametrize("deep", [14.0])
 @pytest.mark.parametrize(
     ("radii", "ends"),
     [
@@ -127,9 +103,9 @@ def other(radii: tuple[float, ...], ends: tuple[float, ...], deep: float) -> np.
         ((254, 31.75, 14.3), (13, 31)), ((254, 31.75, 9.5), (12.5, 29.5)),
     ],
 )  # fmt: skip
-def test_other_rails_are_within_the_tolerance(radii, ends, deep: float, tmp_path) -> None:
+def test_other_rails_are_within_the_tolerance(radii, ends, tmp_path) -> None:
     """49E1, 60E2, 56E1, 136RE and 115RE, nearly, worn by 3 mm on one side."""
-    points = other(radii, ends, deep)
+    points = other(radii, ends, 14.0)
     points[:, 1] -= 3.0 * np.exp(-(((points[:, 0] - 20) / 6) ** 2))
     assert read(tmp_path, points, "rail").profile.domain[1] > 25
 

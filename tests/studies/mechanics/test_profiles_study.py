@@ -19,18 +19,6 @@ def within(row: study.Row) -> bool:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("name", "noise"),
-    [
-        ("54E1 crown 1 mm, cylinder", 10.0),
-    ],
-)
-def test_worn_profiles_give_the_true_pressure_and_area(name: str, noise: float) -> None:
-    row = study.compared(CASES[name], 0.25, noise, SEEDS)
-    assert within(row), row
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("name", SHOWN)
 @pytest.mark.parametrize("noise", [2.0, 10.0])
 @pytest.mark.parametrize("spacing", [0.1, 0.25, 0.5])

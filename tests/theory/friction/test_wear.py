@@ -17,10 +17,10 @@ EFFUSIVITY = math.sqrt(50.0 * 7850.0 * 450.0)
     "value, limits, regime",
     [
         (10.3, wear.TWIN_DISC, "mild"), (10.4, wear.TWIN_DISC, "severe"),
-        (77.3, wear.TWIN_DISC, "catastrophic"),
+        (77.2, wear.TWIN_DISC, "catastrophic"), (20.0, (5.0, 15.0), "catastrophic"),
     ],
 )  # fmt: skip
-def test_wear_grows_with_what_is_dissipated(value, limits, regime) -> None:
+def test_limits_of_wear_belong_to_the_regime_above_them(value, limits, regime) -> None:
     assert wear.regime(value, limits) == regime
 
 

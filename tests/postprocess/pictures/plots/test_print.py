@@ -139,12 +139,17 @@ def test_long_labels_do_not_leave_the_sheet(
         assert not cut_off(figure)
 
 
-@pytest.mark.parametrize("values", [(-300.0, 0.0), (-300.0, -120.0), (110.0, 428.0), (0.0, 0.0)])
-def test_bands_hold_zero_and_all_values(values: tuple[float, float]) -> None:
+@pytest.mark.parametrize(
+    ("values", "ends"),
+    [
+        ((-300.0, 0.0), (-300, 0)), ((-300.0, -120.0), (-300, 0)), ((110.0, 428.0), (0, 440)),
+        ((-100.0, 200.0), (-100, 200)), ((0.0, 0.0), (0, 1)),
+    ],
+)  # fmt: skip
+def test_bands_hold_zero_and_all_values_and_little_more(values, ends) -> None:
     levels = diagrams.levels(Units(), "MPa", np.array(values), 12)
     assert np.all(np.diff(levels) > 0) and np.abs(levels).min() < 1e-9
-    assert levels[0] <= min(values[0], 0.0) and levels[-1] >= max(values[1], 0.0)
-    assert values[1] > 0 or levels[-1] == pytest.approx(0.0, abs=1e-9) or not any(values)
+    assert (levels[0], levels[-1]) == pytest.approx(ends, abs=1e-9)
 
 
 def test_pressure_ends_at_the_edge_of_the_patch(blocks: Callable[..., Any]) -> None:
