@@ -23,8 +23,10 @@ from railhead.meshing.bodies import (
     Options,
 )
 from railhead.meshing.grading import Grading
+from railhead.solver.contact import ContactModel
 from railhead.solver.material.elasticity import Material
 from railhead.solver.system.setup import ContactBody, Setup
+from railhead.solver.system.solution import Solution
 
 STEEL = Material(207000.0, 0.3)
 GAP = ParabolicGap(1 / 2000, 1 / 1600, 1)  # 3 kN on steel touch over about 3 mm
@@ -124,3 +126,19 @@ def two_blocks(
         "planes": planes if half else planes[:1],
     }
     return made, Setup(**{**usual, **changes})
+
+
+def contact_model(**changes: Any) -> ContactModel:
+    """Contact model of `two_blocks`."""
+    made, setup = two_blocks(**changes)
+    return ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
+
+
+def press(
+    model: ContactModel, radius: float = 2.0, load: float = 3000.0, approach: float = 0.0
+) -> Solution:
+    """Its solution from the contact points within a radius (mm) of the axis. The load (N) counts
+    under load control, otherwise the approach (mm)."""
+    active = np.linalg.norm(model.interface.points, axis=1) < radius
+    given = {"load": load} if model.setup.load_control else {"approach": approach}
+    return model.solve(active=active, **given)

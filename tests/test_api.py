@@ -26,15 +26,14 @@ PAGE = DOCS / "api.md"
 
 
 @pytest.mark.slow
-def test_the_examples_of_the_page_run(tmp_path, monkeypatch) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_the_examples_of_the_page_run(here) -> None:
     found, _ = pages.run(PAGE)
     result = found["result"]
     assert result.pressure.max == pytest.approx(result.hertz.pressure.max, rel=0.005)
-    assert (tmp_path / "out" / "summary.json").exists()
+    assert (here / "out" / "summary.json").exists()
     assert float(abs(result.displacement.x.array).max()) > 0.3 * result.approach
     assert "largest pressure" in re.sub(r"\s+", " ", result._repr_html_()).replace("│", "")
-    check_sweep(found["table"], tmp_path / "sweep.csv")
+    check_sweep(found["table"], here / "sweep.csv")
 
 
 def test_the_reference_has_every_name() -> None:

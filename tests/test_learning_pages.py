@@ -13,15 +13,14 @@ HOWTO = sorted(path.stem for path in DOCS.glob("howto-*.md"))
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [*NAMES, *HOWTO, "contact-program"])
-def test_a_page_runs_and_prints_what_it_says(name: str, tmp_path, monkeypatch) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_a_page_runs_and_prints_what_it_says(name: str, here) -> None:
     page = DOCS / f"{name}.md"
     said, printed = pages.stated(page), pages.run(page)[1]
     assert sum(map(bool, said)) >= (5 if name in NAMES else 1) and len(said) == len(printed)
     differences = [pages.unequal(*pair) for pair in zip(said, printed, strict=True)]
     assert not any(differences), differences
     for picture in pages.pictures(page):
-        assert (tmp_path / picture).is_file() and (DOCS / name / picture).is_file()
+        assert (here / picture).is_file() and (DOCS / name / picture).is_file()
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -48,11 +47,10 @@ def test_pages_that_lie_are_caught(tmp_path) -> None:
     assert pages.unsupported(page) == ["2.5"]
 
 
-def test_shell_commands_that_fail_are_caught(tmp_path, monkeypatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    page = tmp_path / "page.md"
+def test_shell_commands_that_fail_are_caught(here) -> None:
+    page = here / "page.md"
     page.write_text("```sh\nls examples | grep two_blocks\nrailhead --version > version\n```\n")
-    assert pages.run(page)[1] == ["two_blocks.py\n"] and (tmp_path / "version").read_text()
+    assert pages.run(page)[1] == ["two_blocks.py\n"] and (here / "version").read_text()
     page.write_text("```sh\nrailhead run no_such_case\n```\n")
     with pytest.raises(AssertionError, match="status 2: .*no_such_case"):
         pages.run(page)

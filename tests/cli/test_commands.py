@@ -21,7 +21,6 @@ from railhead.cli.commands import railhead
 from railhead.scene import catalogue
 
 ROOT = Path(__file__).parents[2]
-FAST = ["--set", "mesh.patch_size=1", "--no-pictures"]
 
 
 def files(folder: Path) -> list[str]:
@@ -35,13 +34,12 @@ def test_list_names_every_case(capsys) -> None:
         assert name in printed
 
 
-def test_plan_solves_and_writes_nothing(tmp_path, monkeypatch, capsys) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_plan_solves_and_writes_nothing(here, capsys) -> None:
     assert command.status("plan", "uic54_22t5_axle") == 0
     printed = capsys.readouterr().out
     assert "symmetry_x" in printed and "wheel cone20 on rail" in printed
     assert "unknowns" in printed
-    assert files(tmp_path) == []
+    assert files(here) == []
 
 
 @pytest.fixture(scope="module")
@@ -176,18 +174,46 @@ WRONG = [
     (["run", "uic54_22t5_axle", "--set", "effects.symmetry=on"], "effects.symmetry"),
     (["run", "uic54_thesis", "--accuracy", "0"], "accuracy"),
     (["run", "uic54_thesis", "--nonsense"], "nonsense"),
+    (["run", "hertz_ellipse", "--set", "mesh.patch_size=0.002"], "GB free"),
+    (["run", "hertz_ellipse", "--set", "rail.crown_radius=0.001"], "GB free"),
+    (["run", "long_roller", "--ranks", "1.5"], "'1.5' is not a valid number of processes; give"),
+    (["run", "long_roller", "--ranks", "two"], "'two' is not a valid number of processes; give"),
+    (["run", "long_roller", "--ranks", "0"], "'--ranks': 0 is not in the range x>=1"),
+    (["run", "hertz_ellipse", "--out", "a\0b"], "has a null character"),
     (["plan"], "CASE"),
+    (["plan", "\0"], "has a null character"),
+    (["plan", "uic54_22t5_axle", "--with", "symmetry_y"], "effects.symmetry_y"),
+    (["plan", "uic54_22t5_axle", "--without", "colour"], "effects.colour"),
+    (["plan", "long_roller", "--json", "--set", "load=3mm"], "load: '3mm'"),
+    (["show", "a\0b"], "has a null character"),
+    (["study", "load-swep"], "load_sweep"),
+    (["study", "hertz_ellipse"], "load_sweep"),
+    (["study", "nothing"], "load_sweep"),
+    (["study", "--install"], "--install"),
+    (["study", "scaling", "--install"], "--install"),
     (["fly"], "fly"),
+    # What cannot be computed.
+    (["run", "uic54_thesis", "--set", "load=1e-300"], "give a force from 1e-40 to 1e15 N"),
+    (["run", "uic54_thesis", "--set", "load=1e-39"], "give a larger one, half lengths below"),
+    (["run", "uic54_thesis", "--set", "load=1e-10"], "give a larger one, half lengths below"),
+    (["run", "long_roller", "--set", "load=1e-6"], "give a larger one, half lengths below"),
+    (["run", "sphere_on_plane", "--set", "load=1e-20"], "larger one, half lengths below 1e-06 mm"),
+    (["run", "sphere_on_plane", "--set", "approach=1e-20"], "give a larger one"),
+    (["run", "sphere_on_plane", "--set", "approach=1e300"], "give a length from 1e-21"),
+    (["run", "sphere_on_plane", "--set", "wheel.young_modulus=1e300"], "from 1e-12 to 1e15 MPa"),
+    (["run", "sphere_on_plane", "--set", "wheel.young_modulus=1e-12"], "give a smaller one"),
+    (["run", "sphere_on_plane", "--set", "mesh.patch_size=1e-300"], "a length from 1e-9 to 1e6 mm"),
+    (["run", "sphere_on_plane", "--set", "mesh.patch_size=1e200"], "a length from 1e-9 to 1e6 mm"),
+    (["run", "two_cylinders", "--set", "wheel.width=1e-9"], "give a length from 0.001 to 1e6 mm"),
 ]
 
 
 @pytest.mark.parametrize("arguments, words", WRONG, ids=[" ".join(a) for a, _ in WRONG])
 def test_wrong_input_is_one_line_status_2_and_nothing_written(
-    arguments, words, tmp_path, monkeypatch, capsys
+    arguments, words, here, capsys
 ) -> None:
-    monkeypatch.chdir(tmp_path)
     assert words in command.refused(capsys, *arguments)
-    assert files(tmp_path) == []
+    assert files(here) == []
 
 
 def test_a_process_that_is_refused_says_so_alone(tmp_path) -> None:
@@ -197,19 +223,8 @@ def test_a_process_that_is_refused_says_so_alone(tmp_path) -> None:
     assert len(done.stderr.splitlines()) == 1 and "did you mean uic54_thesis" in done.stderr
 
 
-def test_a_folder_that_is_no_result_is_left_alone(tmp_path, monkeypatch, capsys) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "thesis").mkdir()
-    (tmp_path / "thesis" / "chapter1.txt").write_text("mine")
-    assert "--out" in command.refused(capsys, "run", "long_roller", "--out", "thesis", *FAST)
-    assert files(tmp_path) == ["chapter1.txt", "thesis"]
-
-
-def test_quiet_prints_nothing_and_an_earlier_result_is_replaced(
-    tmp_path, monkeypatch, capfd
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    folder = tmp_path / "results" / "long_roller"
+def test_quiet_prints_nothing_and_an_earlier_result_is_replaced(here, capfd) -> None:
+    folder = here / "results" / "long_roller"
     solved("long_roller").save(folder, pictures=False)
     before = (folder / "summary.json").stat().st_ino
     assert command.status("run", "long_roller", "--quiet", "--no-pictures") == 0
@@ -217,16 +232,15 @@ def test_quiet_prints_nothing_and_an_earlier_result_is_replaced(
     assert (folder / "summary.json").stat().st_ino != before
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["railhead"] == rh.__version__ and summary["units"] == "N, mm, MPa, rad, s"
-    assert os.listdir(tmp_path / "results") == ["long_roller"]
+    assert os.listdir(here / "results") == ["long_roller"]
 
 
-def test_non_convergence_is_status_1_with_its_history(tmp_path, monkeypatch, capsys) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_non_convergence_is_status_1_with_its_history(here, capsys) -> None:
     one_step = ("--no-pictures", "--set", "solver.max_newton=1")
     assert command.status("run", "two_cylinders", "--quiet", *one_step) == 1
     told = capsys.readouterr().err
     assert "NOT CONVERGED" in told and "residual" in told and "try solver" in told
-    summary = json.loads((tmp_path / "results/two_cylinders/summary.json").read_text())
+    summary = json.loads((here / "results/two_cylinders/summary.json").read_text())
     assert summary["checks"]["converged"] is False
     assert len(summary["newton"]["history"]) == 1
 
@@ -272,9 +286,3 @@ def test_two_results_are_compared(tmp_path, capsys) -> None:
     assert command.status("diff", a, a) == 0
     assert "the same in both" in capsys.readouterr().out
     assert "holds no result" in command.refused(capsys, "diff", a, str(tmp_path))
-
-
-def test_a_null_character_is_one_line(capsys) -> None:
-    """As Python may hand it over; a shell cannot."""
-    for words in (("show", "a\0b"), ("run", "hertz_ellipse", "--out", "a\0b"), ("plan", "\0")):
-        assert "has a null character" in command.refused(capsys, *words)

@@ -115,12 +115,11 @@ def quickly(folder: Path) -> tuple[str, ...]:
     return "--no-pictures", "--out", str(folder / "out")
 
 
-def test_command_draws_a_profile_and_says_its_wear(tmp_path, monkeypatch, capsys) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_command_draws_a_profile_and_says_its_wear(here, capsys) -> None:
     assert command.status("profile", BAN) == 0
     text = capsys.readouterr().out
     assert "MiniProf" in text and "mirrored" in text and "against 60E1" in text
-    folder = tmp_path / "results" / "MBench_UIC60_v3_profile"
+    folder = here / "results" / "MBench_UIC60_v3_profile"
     assert {path.name for path in folder.iterdir()} == {
         ".railhead", "input", "profile.csv", "profile.png", "scene.toml", "summary.json",
     }  # fmt: skip
@@ -171,24 +170,22 @@ def test_command_tells_a_wheel(left, right, header, keys, tmp_path, capsys) -> N
     ],
 )
 def test_wrong_files_are_one_line_status_2_and_nothing_written(
-    name, text, words, tmp_path, monkeypatch, capsys
+    name, text, words, here, capsys
 ) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / name).write_text(text)
+    (here / name).write_text(text)
     assert words in command.refused(capsys, "profile", name)
-    assert os.listdir(tmp_path) == [name]
+    assert os.listdir(here) == [name]
 
 
-def test_a_half_head_is_refused_as_in_a_plan(worn: Scene, tmp_path, monkeypatch, capsys) -> None:
+def test_a_half_head_is_refused_as_in_a_plan(worn: Scene, here, capsys) -> None:
     points = np.loadtxt(worn.rail.profile, delimiter=",")
-    half = tmp_path / "half.csv"
+    half = here / "half.csv"
     np.savetxt(half, points[points[:, 0] < 0], delimiter=",")
-    monkeypatch.chdir(tmp_path)
     printed = command.refused(capsys, "profile", "half.csv")
     planned = refusal(lambda: api.plan(worn.replace([f"rail.profile={half}"])))
     note = " (as a rail; no wheel either: --body says whose it is)"
     assert printed == f"railhead: {planned}{note}" and "half a head" in printed
-    assert os.listdir(tmp_path) == ["half.csv"]
+    assert os.listdir(here) == ["half.csv"]
 
 
 def test_command_takes_the_unit_that_is_typed(worn: Scene, tmp_path, capsys) -> None:

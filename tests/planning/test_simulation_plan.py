@@ -49,12 +49,51 @@ def test_a_body_below_a_thousandth_of_the_compliance_is_rigid(ratio: int, deform
     assert asked.on  # a tenth of the asked accuracy is the limit
 
 
-def test_a_rigid_body_cannot_lock() -> None:
-    """Its Poisson's ratio would only cost the other body accuracy."""
-    soft = "rail.poisson_ratio=0.49"
-    assert effect("mean_dilatation", "hertz_ellipse", soft).on
-    assert not effect("mean_dilatation", "hertz_ellipse", soft, "rail.young_modulus=2e9").on
-    assert not effect("mean_dilatation", "hertz_ellipse", soft, "effects.deformable_rail=off").on
+AXLE, THESIS, ELLIPSE = "uic54_22t5_axle", "uic54_thesis", "hertz_ellipse"
+SOFT, RUBS = "rail.poisson_ratio=0.49", "friction.coefficient=0.3"
+LEANS, UNLIKE = "rail.inclination=1:40", "wheel.young_modulus=70000"
+CALLED = [
+    ("mean_dilatation", ELLIPSE, [SOFT], True, ""),
+    # A rigid body cannot lock; its Poisson's ratio would only cost the other one accuracy.
+    ("mean_dilatation", ELLIPSE, [SOFT, "rail.young_modulus=2e9"], False, ""),
+    ("mean_dilatation", ELLIPSE, [SOFT, "effects.deformable_rail=off"], False, ""),
+    # Near a joint of arcs.
+    ("true_profile", AXLE, [], False, ""),  # y = 0, b = 5.7 mm, joints at 10 mm
+    ("true_profile", AXLE, ["load=700kN"], True, ""),
+    ("true_profile", AXLE, [LEANS], True, ""),  # y = -7.5 mm
+    ("true_profile", AXLE, ["wheel.profile=S1002", LEANS], True, ""),
+    ("true_profile", AXLE, ["rail.profile=arc", "rail.crown_radius=300"], False, ""),
+    # By extent, load or accuracy, and where its twist changes the patch.
+    ("rail_section", THESIS, [], False, ""),
+    ("rail_section", THESIS, ["rail.extent=section"], True, ""),
+    ("rail_section", THESIS, ["load=1MN"], True, ""),
+    ("rail_section", THESIS, ["accuracy=0.1%"], True, ""),
+    ("rail_section", AXLE, [LEANS], True, ""),  # 0.9 mrad; boundary elements: 4 % less pressure
+    ("rail_section", AXLE, [LEANS, "rail.profile=60E1"], True, ""),
+    ("rail_section", AXLE, [LEANS, "load=10kN"], False, ""),
+    ("rail_section", AXLE, [LEANS, "accuracy=5%"], False, ""),
+    # The same profiles touch on R80.
+    ("rail_section", AXLE, ["rail.inclination=0", "load=25kN"], False, ""),
+    ("rail_section", AXLE, [LEANS, "rail.young_modulus=inf"], False, ""),
+    ("rail_section", AXLE, [], False, ""),  # on the crown, above the web
+    # By a load or by unlike bodies.
+    ("friction", ELLIPSE, [], False, "Dundurs' beta = 0"),
+    ("friction", ELLIPSE, [UNLIKE], False, "coefficient = 0"),
+    ("friction", ELLIPSE, [RUBS], False, "Dundurs' beta = 0"),
+    ("friction", ELLIPSE, [RUBS, UNLIKE], True, "beta = -0.141"),
+    ("friction", ELLIPSE, [RUBS, "friction.tangential_load=-5kN"], True, "5000 N"),
+]
+
+
+@pytest.mark.parametrize(
+    "name, case, keys, called, words",
+    CALLED,
+    ids=[" ".join([name, case, *keys]) for name, case, keys, *_ in CALLED],
+)
+def test_an_effect_is_called_for_where_it_counts(name, case, keys, called, words) -> None:
+    found = effect(name, case, *keys)
+    assert (found.called_for, found.on) == (called, called)
+    assert words in found.why
 
 
 def test_what_is_left_out_is_part_of_the_bound() -> None:
@@ -68,20 +107,6 @@ def test_what_is_left_out_is_part_of_the_bound() -> None:
     assert summary["accuracy"]["reached"]
 
 
-@pytest.mark.parametrize(
-    "assignments, called",
-    [
-        ([], False),  # y = 0, b = 5.7 mm, joints at 10 mm
-        (["load=700kN"], True),
-        (["rail.inclination=1:40"], True),  # y = -7.5 mm
-        (["wheel.profile=S1002", "rail.inclination=1:40"], True),
-        (["rail.profile=arc", "rail.crown_radius=300"], False),
-    ],
-)
-def test_true_profile_is_called_for_near_a_joint(assignments: list[str], called: bool) -> None:
-    assert effect("true_profile", "uic54_22t5_axle", *assignments).called_for is called
-
-
 def test_a_patch_that_crosses_the_farther_joint_leaves_its_arc() -> None:
     """54E1's joints lie 10.012 mm to both sides of the first contact of an upright cylinder."""
     contact = planned("uic54_thesis").contact
@@ -90,31 +115,6 @@ def test_a_patch_that_crosses_the_farther_joint_leaves_its_arc() -> None:
         for low, high in ((-6.0, 12.0), (-12.0, 6.0), (-9.9, 9.9))
     }
     assert left == {(-6.0, 12.0): True, (-12.0, 6.0): True, (-9.9, 9.9): False}
-
-
-def test_whole_section_is_called_for_by_extent_load_or_accuracy() -> None:
-    assert not effect("rail_section", "uic54_thesis").on
-    assert effect("rail_section", "uic54_thesis", "rail.extent=section").on
-    assert effect("rail_section", "uic54_thesis", "load=1MN").on
-    assert effect("rail_section", "uic54_thesis", "accuracy=0.1%").on
-
-
-@pytest.mark.parametrize(
-    "assignments, called",
-    [
-        (["rail.inclination=1:40"], True),  # 0.9 mrad; boundary elements: 4 % less pressure
-        (["rail.inclination=1:40", "rail.profile=60E1"], True),
-        (["rail.inclination=1:40", "load=10kN"], False),
-        (["rail.inclination=1:40", "accuracy=5%"], False),
-        (["rail.inclination=0", "load=25kN"], False),  # the same profiles touch on R80
-        (["rail.inclination=1:40", "rail.young_modulus=inf"], False),
-        ([], False),  # on the crown, above the web
-    ],
-)
-def test_whole_section_is_called_for_where_its_twist_changes_the_patch(
-    assignments: list[str], called: bool
-) -> None:
-    assert effect("rail_section", "uic54_22t5_axle", *assignments).called_for is called
 
 
 @pytest.mark.parametrize(
@@ -163,26 +163,6 @@ def test_the_plan_says_where_yield_is_decided_by_hertz_for_want_of_a_patch(monke
     scene = scene_of("s1002_60e1", "wheelset.shift=5mm", "rail.steel=R260")
     found = simulation_plan.make(scene).effects["plasticity"]
     assert "exact Hertz's, as no other is known: there is no closed patch" in found.why
-
-
-UNLIKE = "wheel.young_modulus=70000"
-
-
-@pytest.mark.parametrize(
-    "assignments, called, words",
-    [
-        ([], False, "Dundurs' beta = 0"),
-        ([UNLIKE], False, "coefficient = 0"),
-        (["friction.coefficient=0.3"], False, "Dundurs' beta = 0"),
-        (["friction.coefficient=0.3", UNLIKE], True, "beta = -0.141"),
-        (["friction.coefficient=0.3", "friction.tangential_load=-5kN"], True, "5000 N"),
-    ],
-)
-def test_friction_is_called_for_by_a_load_or_by_unlike_bodies(assignments, called, words) -> None:
-    found = effect("friction", "hertz_ellipse", *assignments)
-    assert found.called_for == called
-    assert found.on == called
-    assert words in found.why
 
 
 @pytest.mark.parametrize(

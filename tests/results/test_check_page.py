@@ -8,7 +8,8 @@ from railhead.meshing.bodies import BODY_NAMES
 from railhead.results import checks
 from railhead.results.report.html import CHECKS
 
-PAGE = Path(__file__).parents[2] / "docs" / "howto-failed-checks.md"
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = DOCS / "howto-failed-checks.md"
 
 
 def names() -> set[str]:
@@ -34,6 +35,11 @@ def test_every_check_has_a_section() -> None:
     page = PAGE.read_text(encoding="utf-8")
     sections = re.findall(r"^## (\w+)$", page, re.MULTILINE)
     assert sorted(sections) == sorted(names()) and len(sections) > 25
+
+
+def test_the_list_of_checks_has_every_check() -> None:
+    page = (DOCS / "checks.md").read_text(encoding="utf-8")
+    assert [name for name in names() if name not in page] == []
 
 
 def test_sections_begin_with_the_words_of_the_report() -> None:

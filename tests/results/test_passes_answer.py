@@ -105,13 +105,12 @@ def test_passes_go_on_from_a_result(result, tmp_path, monkeypatch):
         planning.make(again.replace(load="1160 kN"))
 
 
-def test_a_folder_that_is_gone_on_from_is_not_set_aside(result, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_a_folder_that_is_gone_on_from_is_not_set_aside(result, here, capsys):
     result.save("results/long_roller", report=False, pictures=False)
     keys = [*KEYS, "rolling.passes=1", "rolling.passes_from=results/long_roller"]
     said = refused(capsys, "run", "long_roller", *(word for key in keys for word in ("--set", key)))
     assert "--out: 'results/long_roller' holds passes.npz, which the scene reads; give" in said
-    assert [each.name for each in (tmp_path / "results").iterdir()] == ["long_roller"]
+    assert [each.name for each in (here / "results").iterdir()] == ["long_roller"]
 
 
 @pytest.mark.parametrize("kind", ["empty", "no archive", "of others", "truncated", "damaged"])

@@ -2,6 +2,7 @@
 
 import os
 from pathlib import Path
+from typing import Any
 
 import command
 import numpy as np
@@ -97,14 +98,13 @@ def test_known_names_alone_are_no_result(names: tuple[str, ...], tmp_path: Path)
     assert sorted(os.listdir(folder)) == sorted(names)
 
 
-def test_the_working_directory_stays(tmp_path: Path, monkeypatch, capsys) -> None:
-    monkeypatch.chdir(tmp_path)
-    number = tmp_path.stat().st_ino
-    for name in (".", str(tmp_path), f"../{tmp_path.name}"):
+def test_the_working_directory_stays(here: Path, capsys) -> None:
+    number = here.stat().st_ino
+    for name in (".", str(here), f"../{here.name}"):
         assert run("hertz_ellipse", "--out", name) == 2
         assert "working directory" in capsys.readouterr().err
     assert "mount point" in refused(Path("/proc"))
-    assert tmp_path.stat().st_ino == number and os.listdir(".") == []
+    assert here.stat().st_ino == number and os.listdir(".") == []
 
 
 def test_a_link_is_followed(tmp_path: Path) -> None:
@@ -132,58 +132,39 @@ def test_links_to_nothing_and_folders_in_files_are_refused(tmp_path: Path) -> No
     assert "File name too long" in refused(tmp_path / ("x" * 300))
 
 
-def test_a_picture_that_fails_takes_no_other_file(tmp_path: Path, monkeypatch) -> None:
-    def half(path: Path) -> None:
-        path.write_text("half")
-        raise ValueError("no\nsuch font")
-
-    drawings = {"depth.png": half, "pressure.png": Path.touch}
-    monkeypatch.setattr(gallery, "drawings", lambda *_: drawings)
-    result = solved("sphere_on_plane")
-    line = refusal(lambda: result.save(tmp_path / "out", report=False), OSError)
-    assert line.endswith("out/depth.png: ValueError: no such font")
-    names = set(os.listdir(tmp_path / "out"))
-    assert {"summary.json", "pressure.png"} < names
-    assert "depth.png" not in names
+def fails(*given: Any, **_: Any) -> None:
+    """Writes half of a file, if it gets one."""
+    if isinstance(given[0], Path):
+        given[0].write_text("half")
+    raise RuntimeError("no\nroom")
 
 
-def test_a_vtu_file_that_fails_takes_no_picture(tmp_path: Path, monkeypatch) -> None:
+@pytest.mark.parametrize(
+    ("module", "name", "said", "gone", "kept"),
+    [
+        (None, "", "depth.png", {"depth.png"}, {"summary.json", "pressure.png"}),
+        (vtu, "write", "*.vtu", {"solution.vtu"}, {"summary.json", "pressure.png"}),
+        (files, "subject", "pictures.npz", {"pictures.npz", "pressure.png"},
+         {"summary.json", "solution.vtu"}),
+    ],
+    ids=["a picture", "fields", "what pictures show"],
+)  # fmt: skip
+def test_a_file_that_fails_takes_no_other(
+    module, name, said, gone, kept, tmp_path: Path, monkeypatch
+) -> None:
     """A disk too full for .vtu files has room for pictures."""
-
-    def full(*_, **__) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(vtu, "write", full)
-    monkeypatch.setattr(gallery, "drawings", lambda *_: {"pressure.png": Path.touch})
-    with pytest.raises(OSError, match="No space left") as caught:
-        solved("sphere_on_plane").save(tmp_path / "out", report=False)
-    assert len(str(caught.value).splitlines()) == 1
-    assert "pressure.png" in os.listdir(tmp_path / "out")
+    drawn = {"depth.png": Path.touch if module else fails, "pressure.png": Path.touch}
+    monkeypatch.setattr(gallery, "drawings", lambda *_: drawn)
+    if module:
+        monkeypatch.setattr(module, name, fails)
+    line = refusal(lambda: solved("sphere_on_plane").save(tmp_path / "out", report=False), OSError)
+    assert line.endswith(f"out/{said}: RuntimeError: no room")
+    names = set(os.listdir(tmp_path / "out"))
+    assert kept < names and not gone & names
 
 
-def test_a_full_disk_is_named(tmp_path: Path) -> None:
-    with pytest.raises(OSError) as caught, result_folder.replacing(tmp_path / "out"):
-        raise OSError(28, "No space left on device")
-    assert caught.value.filename == str(tmp_path / "out")
-    assert os.listdir(tmp_path) == []
-
-
-def test_what_pictures_show_takes_no_number_if_it_fails(tmp_path: Path, monkeypatch) -> None:
-    result, out = solved("sphere_on_plane"), tmp_path / "out"
-
-    def broken(*_: object, **__: object) -> None:
-        raise RuntimeError("no title")
-
-    monkeypatch.setattr(files, "subject", broken)
-    with pytest.raises(OSError, match=r"^[^\n]*pictures\.npz: RuntimeError: no title$"):
-        result.save(out, report=False)
-    assert (out / "summary.json").is_file() and (out / "solution.vtu").is_file()
-    assert not (out / "pictures.npz").exists() and not [*out.glob("*.png")]
-
-
-def test_another_result_is_never_replaced_unasked(tmp_path: Path, monkeypatch, capsys) -> None:
+def test_another_result_is_never_replaced_unasked(here: Path, capsys) -> None:
     """Another scene, another command, a scene.toml edited inside, a sweep."""
-    monkeypatch.chdir(tmp_path)
     result, out = solved("sphere_on_plane"), Path("out")
     for _ in range(2):
         result.save(out, pictures=False)
@@ -204,8 +185,7 @@ def test_another_result_is_never_replaced_unasked(tmp_path: Path, monkeypatch, c
         result.save("swept", pictures=False)
 
 
-def test_without_out_another_result_is_moved(tmp_path: Path, monkeypatch, capsys) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_without_out_another_result_is_moved(here: Path, capsys) -> None:
     solved("sphere_on_plane").save("results/sphere_on_plane", pictures=False)
     assert run("sphere_on_plane") in (0, 1)  # other elements
     assert capsys.readouterr().err.splitlines()[0].endswith("now results/sphere_on_plane.1/")
@@ -213,9 +193,8 @@ def test_without_out_another_result_is_moved(tmp_path: Path, monkeypatch, capsys
     assert "patch_size" not in Path("results/sphere_on_plane.1/scene.toml").read_text()
 
 
-def test_a_folder_stands_alone(tmp_path: Path, monkeypatch) -> None:
+def test_a_folder_stands_alone(here: Path) -> None:
     """With copies of its files, it can be sent and run again; its files say where they are from."""
-    monkeypatch.chdir(tmp_path)
     y = np.linspace(-35.0, 35.0, 141)
     np.savetxt("worn.csv", np.column_stack([y, -(y**2) / 600]), delimiter=",")
     given = ["profile", "worn.csv", "--body", "rail", "--out", "out"]
@@ -223,19 +202,19 @@ def test_a_folder_stands_alone(tmp_path: Path, monkeypatch) -> None:
         assert command.status(*given) == 0
     (copy,) = Path("out").glob("input/*/worn.csv")
     assert copy.read_bytes() == Path("worn.csv").read_bytes()
-    assert str(tmp_path) not in Path("out/scene.toml").read_text()
-    assert str(tmp_path) not in Path("out/summary.json").read_text()
+    assert str(here) not in Path("out/scene.toml").read_text()
+    assert str(here) not in Path("out/summary.json").read_text()
     Path("out").rename("sent")
     Path("worn.csv").unlink()
     scene = rh.find("sent/scene.toml")
-    assert scene.rail.profile == str(tmp_path / "sent" / copy.relative_to("out"))
+    assert scene.rail.profile == str(here / "sent" / copy.relative_to("out"))
     assert not result_folder.other_result(Path("sent"), "profile", scene)
     with Image.open("sent/profile.png") as picture:
         picture.verify()
         assert picture.info["Comment"].startswith(f"railhead {rh.__version__}, 20")
     Path("curve.csv").write_text("0,500\n0.1,600\n")
     Path("sent/a.toml").write_text('load=1\n[rail]\nstress_strain = "../curve.csv"\n')
-    assert rh.find("sent/a.toml").rail.stress_strain == str(tmp_path / "curve.csv")
+    assert rh.find("sent/a.toml").rail.stress_strain == str(here / "curve.csv")
 
 
 def test_grids_say_where_they_are_from(tmp_path: Path) -> None:

@@ -17,6 +17,7 @@ from railhead.run import estimates, quantities
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene, SceneError
 
+SLOW = pytest.mark.slow
 SETTING = Setting(
     shape="half-spaces",
     turned=False,
@@ -83,34 +84,56 @@ def test_a_mesh_that_was_read_worse_than_the_middle_asks_for_a_finer_one() -> No
     assert worse.expected(n) == pytest.approx(error_envelopes.AIM * accuracy)
 
 
-def test_two_meshes_confirm_a_law_or_deny_it() -> None:
-    assert estimates.mesh_errors([(6.0, {"max_MPa": 100.0}, {})], KNOWN, {})[0] == {"max_MPa": 0.01}
-    coarse, fine = (5.0, {"max_MPa": 102.0}, {}), (8.0, {"max_MPa": 100.0}, {})
-    parts, source = estimates.mesh_errors([coarse, fine], KNOWN, {})
-    assert parts == {"max_MPa": pytest.approx(0.01 * (6 / 8) ** 2)} and KNOWN.name in source
-    parts, _ = estimates.mesh_errors([(5.0, {"max_MPa": 104.0}, {}), fine], KNOWN, {})
-    assert parts == {}  # 4 % apart, the envelopes allow 1.4 and 0.6 %
-    rough = {"max_MPa": 0.012}
-    parts, _ = estimates.mesh_errors(
-        [(5.0, {"max_MPa": 104.0}, rough), (*fine[:2], rough)], KNOWN, {}
-    )
-    assert "max_MPa" in parts  # 4 % apart: the readings allow 2.4 % more
-    third = (12.8, {"max_MPa": 99.0}, {})
-    parts, _ = estimates.mesh_errors([(5.0, {"max_MPa": 104.0}, {}), fine, third], KNOWN, {})
-    assert parts["max_MPa"] == pytest.approx(2.0 * max(1 / 99, 0.04 / 1.6), rel=1e-3)
+def level(n: float, largest: float, reading: float = 0.0, **more: float) -> tuple:
+    """A mesh with n elements a semi-axis, its largest pressure and the share that reading errs."""
+    return n, {"max_MPa": largest, **more}, {"max_MPa": reading} if reading else {}
 
 
-def test_a_law_does_not_reach_beyond_its_resolutions() -> None:
-    for n in (2.5, 14.0):
-        assert estimates.mesh_errors([(n, {"max_MPa": 100.0}, {})], KNOWN, {})[0] == {}
+FINE = level(8.0, 100.0)
+COARSE, MIDDLE, FINEST = level(4.0, 97.0), level(6.4, 99.0), level(10.24, 99.6)
+NEW = [level(3.0, 100.0, new_MPa=97.0), level(4.8, 100.0, new_MPa=99.0),
+       level(7.68, 100.0, new_MPa=99.6)]  # fmt: skip
+SCATTER = 2.0 * (2.0 / 99) / 1.6
+#: Meshes, the laws that are known, what the errors are and what is said of their source.
+MESHES = {
+    "one": ([level(6.0, 100.0)], KNOWN, {"max_MPa": 0.01}, KNOWN.name),
+    "two": ([level(5.0, 102.0), FINE], KNOWN, {"max_MPa": 0.01 * (6 / 8) ** 2}, KNOWN.name),
+    "two, 4 % apart, where laws allow 1.4 and 0.6 %": ([level(5.0, 104.0), FINE], KNOWN, {}, ""),
+    "two, 4 % apart, where readings allow 2.4 % more": (
+        [level(5.0, 104.0, 0.012), level(8.0, 100.0, 0.012)], KNOWN,
+        {"max_MPa": 0.01 * (6 / 8) ** 2}, KNOWN.name,
+    ),
+    "a third after two that deny it": (
+        [level(5.0, 104.0), FINE, level(12.8, 99.0)], KNOWN,
+        {"max_MPa": 2.0 * max(1 / 99, 0.04 / 1.6)}, KNOWN.name,
+    ),
+    "coarser than any calibrated": ([level(2.5, 100.0)], KNOWN, {}, ""),
+    "finer than any calibrated": ([level(14.0, 100.0)], KNOWN, {}, ""),
+    "a step beyond one that confirms": (
+        [level(12.8, 99.9), level(20.0, 100.0)], KNOWN,
+        {"max_MPa": KNOWN.mesh("max_MPa", 20.0)}, KNOWN.name,
+    ),
+    "a step beyond one that denies": ([level(12.8, 97.0), level(20.0, 100.0)], KNOWN, {}, ""),
+    "more than a step beyond": ([level(12.8, 99.9), level(21.0, 100.0)], KNOWN, {}, ""),
+    "a step beyond one that is too fine": ([level(13.0, 99.9), level(20.0, 100.0)], KNOWN, {}, ""),
+    "one without laws": ([COARSE], None, {}, ""),
+    "two without laws": ([COARSE, MIDDLE], None, {}, ""),
+    "three without laws, two alike": ([COARSE, level(4.4, 97.1), MIDDLE], None, {}, ""),
+    "three without laws": ([COARSE, MIDDLE, FINEST], None, {"max_MPa": SCATTER}, "three"),
+    "one, without a law of a quantity": (
+        NEW[:1], KNOWN, {"max_MPa": KNOWN.mesh("max_MPa", 3.0)}, KNOWN.name
+    ),
+    "three, without a law of a quantity": (
+        NEW, KNOWN, {"max_MPa": KNOWN.mesh("max_MPa", 7.68), "new_MPa": SCATTER}, KNOWN.name
+    ),
+}  # fmt: skip
 
 
-@pytest.mark.parametrize("coarse, holds", [(99.9, True), (97.0, False)])
-def test_a_law_reaches_a_step_beyond_a_mesh_that_could_deny_it(coarse: float, holds: bool) -> None:
-    """12.8 is a step beyond what was calibrated, 20 one beyond that, and 21 too far."""
-    before, finest = (12.8, {"max_MPa": coarse}, {}), {"max_MPa": 100.0}
-    assert bool(estimates.mesh_errors([before, (20.0, finest, {})], KNOWN, {})[0]) is holds
-    assert estimates.mesh_errors([before, (21.0, finest, {})], KNOWN, {})[0] == {}
+@pytest.mark.parametrize(("levels", "known", "errors", "said"), MESHES.values(), ids=MESHES)
+def test_meshes_confirm_a_law_or_deny_it_or_tell_by_themselves(levels, known, errors, said) -> None:
+    """Calibrated from 3 to 8 elements: 12.8 is a step beyond, and 20 one beyond that."""
+    found, source = estimates.mesh_errors(levels, known, {})
+    assert found == pytest.approx(errors, rel=1e-3) and said in source
 
 
 @pytest.mark.parametrize("shape", ["half-spaces", "bodies"])
@@ -166,10 +189,6 @@ def test_an_extrapolated_law_falls_at_most_as_the_first_power() -> None:
     assert KNOWN.mesh("max_MPa", 16.0) == pytest.approx(0.01 * (6 / 8) ** 2 / 2)
 
 
-def test_a_mesh_too_fine_to_be_covered_carries_no_law_further() -> None:
-    assert KNOWN.covers(20.0, [12.8]) and not KNOWN.covers(20.0, [13.0])
-
-
 def test_the_width_of_a_line_across_the_rail_is_b() -> None:
     """Which of the half lengths is given changes with the direction; it carries no estimate."""
     along = rh.find("long_roller")
@@ -181,16 +200,6 @@ def test_the_width_of_a_line_across_the_rail_is_b() -> None:
     assert bounds[0]["a_mm"] > 1e-4 and bounds[1]["b_mm"] > 1e-4
 
 
-def test_without_a_family_three_meshes_a_step_apart_are_needed() -> None:
-    one, two, three = (
-        (n, {"max_MPa": v}, {}) for n, v in ((4.0, 97.0), (6.4, 99.0), (10.24, 99.6))
-    )
-    assert estimates.mesh_errors([one, two], None, {})[0] == {}
-    assert estimates.mesh_errors([one, (4.4, {"max_MPa": 97.1}, {}), two], None, {})[0] == {}
-    parts, source = estimates.mesh_errors([one, two, three], None, {})
-    assert parts["max_MPa"] == pytest.approx(2.0 * (2.0 / 99) / 1.6) and "three" in source
-
-
 def test_an_effect_beyond_the_envelopes_takes_their_laws_away(monkeypatch) -> None:
     mesh = solved("hertz_ellipse").mesh_solution
     assert mesh.family is not None and mesh.plan.effects["symmetry_x"].on
@@ -199,17 +208,6 @@ def test_an_effect_beyond_the_envelopes_takes_their_laws_away(monkeypatch) -> No
     assert mesh.family is None and not mesh.plan.elastic_laws_hold
     assert estimates.estimate([mesh]) == ({}, "no calibrated family")
     assert mesh.plan.newton_tolerance == planning.UNSIGNED_TOLERANCE
-
-
-def test_a_quantity_without_a_law_has_the_scatter_of_three_meshes_inside_a_family() -> None:
-    meshes = [
-        (n, {"max_MPa": 100.0, "new_MPa": value}, {})
-        for n, value in ((3.0, 97.0), (4.8, 99.0), (7.68, 99.6))
-    ]
-    assert estimates.mesh_errors(meshes[:1], KNOWN, {})[0].keys() == {"max_MPa"}
-    parts, source = estimates.mesh_errors(meshes, KNOWN, {})
-    assert parts["new_MPa"] == pytest.approx(2.0 * (2.0 / 99) / 1.6) and KNOWN.name in source
-    assert parts["max_MPa"] == pytest.approx(KNOWN.mesh("max_MPa", 7.68))
 
 
 def test_a_place_counts_by_the_stress_that_is_lost_there() -> None:
@@ -244,8 +242,9 @@ def of_a_penalty(case: str, *assignments: str) -> tuple[dict[str, Any], float]:
 
 
 @pytest.mark.parametrize("accuracy", [0.03, 0.005])
-def test_penalty_carries_its_overlap_in_the_estimate(accuracy: float) -> None:
-    found, error = of_a_penalty("sphere_on_plane", f"accuracy={accuracy}")
+@pytest.mark.parametrize("case", ["sphere_on_plane", pytest.param("hertz_ellipse", marks=SLOW)])
+def test_penalty_carries_its_overlap_in_the_estimate(case: str, accuracy: float) -> None:
+    found, error = of_a_penalty(case, f"accuracy={accuracy}")
     assert found["parts"]["max_MPa"]["contact_law"] > 0
     assert error <= found["bound"]["max_MPa"]
     assert error < accuracy or not found["reached"]
@@ -256,16 +255,6 @@ def test_the_usual_penalty_has_a_law_of_its_own() -> None:
     found, error = of_a_penalty("hertz_ellipse", "mesh.patch_size=0.924059436702951")
     assert found["source"] == "law of the family usual penalty"
     assert 0.003 < error <= found["bound"]["max_MPa"]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("accuracy", [0.03, 0.005])
-def test_penalty_of_an_ellipse_carries_its_overlap_too(accuracy: float) -> None:
-    found, error = of_a_penalty("hertz_ellipse")
-    assert found["parts"]["max_MPa"]["contact_law"] > 0
-    assert error <= found["bound"]["max_MPa"]
-    found, error = of_a_penalty("hertz_ellipse", f"accuracy={accuracy}")
-    assert error < accuracy or not found["reached"]
 
 
 @pytest.mark.parametrize("choice", ["solver.method=penalty", "mesh.cell=hexahedron"])

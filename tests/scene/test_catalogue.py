@@ -204,16 +204,15 @@ def test_name_defaults_to_the_file(tmp_path: Path, file: str, name: str) -> None
     assert read_scene(str(tmp_path / file)) == Scene(load=25000, name="own")
 
 
-def test_profile_path_starts_at_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "cases").mkdir()
-    (tmp_path / "rail.csv").write_text("0,0\n")
-    (tmp_path / "cases" / "wheel.csv").write_text("0,0\n")
-    path = tmp_path / "cases" / "measured.toml"
+def test_profile_path_starts_at_the_file(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (here / "cases").mkdir()
+    (here / "rail.csv").write_text("0,0\n")
+    (here / "cases" / "wheel.csv").write_text("0,0\n")
+    path = here / "cases" / "measured.toml"
     path.write_text("load = 1\nrail.profile = '../rail.csv'\nwheel.profile = 'wheel.csv'")
-    monkeypatch.chdir(tmp_path)
     scene = read_scene(Path("cases/measured.toml"))
-    assert scene.rail.profile == str(tmp_path / "rail.csv")
-    assert scene.wheel.profile == str(tmp_path / "cases" / "wheel.csv")
+    assert scene.rail.profile == str(here / "rail.csv")
+    assert scene.wheel.profile == str(here / "cases" / "wheel.csv")
     monkeypatch.chdir("/")
     path.write_text(tomli_w.dumps(scene.model_dump(exclude_none=True)))
     assert read_scene(path) == scene

@@ -136,38 +136,32 @@ def test_relative_curvatures_of_half_spaces(keys: dict[str, Any], across: float)
     ).relative_curvatures() == pytest.approx((1 / 420, across), rel=1e-15)
 
 
-def test_replace_sets_several_keys() -> None:
-    changed = scene().replace(
-        ["load=110kN", "rail.profile=arc", "rail.crown_radius = 80", "solver.theta=-1", "name='x'"]
-    )
-    assert (changed.load, changed.rail.crown_radius, changed.solver.theta) == (110000, 80, -1)
-    assert changed.name == "x"
-    assert changed.wheel == scene().wheel
-    assert scene().replace([]) == scene()
+BY_APPROACH = {"load": None, "approach": 0.1}
+CROWN = {"rail.profile": "arc", "rail.crown_radius": 80}
+#: Keys of a scene, what is assigned, and the keys that it has then.
+REPLACED = {
+    "nothing": ({}, [], {}),
+    "several keys": (
+        {},
+        ["load=110kN", "rail.profile=arc", "rail.crown_radius = 80", "solver.theta=-1", "name='x'"],
+        {"load": 110000, **CROWN, "solver.theta": -1, "name": "x"},
+    ),
+    "load by approach": ({}, ["approach=0.1 mm"], BY_APPROACH),
+    "approach by load": (BY_APPROACH, ["load=25 kN"], {}),
+    "no approach": ({}, ["approach=none"], {}),
+    "no method": ({}, ["solver.theta=-1", "solver.method=none"], {"solver.theta": -1}),
+    "an arc by a rail": (CROWN, ["rail.profile=60E1"], {"rail.profile": "60E1"}),
+    "an arc by itself": (CROWN, ["rail.profile=arc"], CROWN),
+    "a rail, no power of ten": ({}, ['rail.profile="60E1"'], {"rail.profile": "60E1"}),
+    "a rail by its other name": ({}, ["rail.profile=UIC60"], {"rail.profile": "60E1"}),
+    "a name, no power of ten": ({}, ["name=1e3"], {"name": "1e3"}),
+    "a name, no date": ({}, ["name=2012-06-01"], {"name": "2012-06-01"}),
+}
 
 
-def test_replace_of_load_by_approach_and_back() -> None:
-    pressed = scene().replace(["approach=0.1 mm"])
-    assert (pressed.load, pressed.approach) == (None, 0.1)
-    assert pressed.replace(["load=25 kN"]) == scene()
-
-
-def test_replace_of_an_arc_drops_its_radius() -> None:
-    arc = scene(**{"rail.profile": "arc", "rail.crown_radius": 80})
-    assert arc.replace(["rail.profile=60E1"]).rail == Rail(profile="60E1")
-    assert arc.replace(["rail.profile=arc"]) == arc
-
-
-def test_replace_reads_a_standard_rail_as_a_word_not_as_a_power_of_ten() -> None:
-    for text in ("60E1", '"60E1"', "UIC60"):
-        assert scene().replace([f"rail.profile={text}"]).rail.profile == "60E1"
-    assert scene().replace(["name=1e3"]).name == "1e3"
-
-
-def test_replace_keeps_a_date_or_a_second_line_as_plain_text() -> None:
-    assert scene().replace(["name=2012-06-01"]).name == "2012-06-01"
-    with pytest.raises(SceneError, match=r"load: '1\\nname = 2' is not a force"):
-        scene().replace(["load=1\nname = 2"])
+@pytest.mark.parametrize(("before", "assigned", "after"), REPLACED.values(), ids=REPLACED)
+def test_assignments_replace_keys_and_what_they_exclude(before, assigned, after) -> None:
+    assert scene(**before).replace(assigned) == scene(**after)
 
 
 def test_what_a_message_gives_as_an_example_is_read() -> None:
@@ -189,12 +183,6 @@ def test_units_of_keys() -> None:
              "rail.yield_stress": "MPa", "rail.inclination": "", "rolling.spin": "1/mm",
              "friction.tangential_load": "N", "no.key": ""}  # fmt: skip
     assert {key: unit(key) for key in known} == known
-
-
-def test_none_for_the_approach_leaves_the_load() -> None:
-    scene = rh.find("hertz_ellipse")
-    assert scene.replace(["approach=none"]) == scene
-    assert scene.replace(["solver.theta=-1", "solver.method=none"]).solver.theta == -1
 
 
 # Questions about units that were probably mixed up.

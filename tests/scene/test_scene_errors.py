@@ -138,6 +138,7 @@ def test_wrong_value_is_named_in_one_line(key: str, value: object, words: str) -
     assert (words if ": " in words and "." in words else key.replace("\n", "\\n")) in line
 
 
+ARC = {"rail.profile": "arc", "rail.crown_radius": 80}
 CONTRADICTIONS: list[tuple[dict[str, Any], str]] = [
     ({"load": None}, "load, approach: neither is given; give exactly one of them"),
     ({"rail.young_modulus": INF, "wheel.young_modulus": INF}, "both are inf (rigid)"),
@@ -147,7 +148,12 @@ CONTRADICTIONS: list[tuple[dict[str, Any], str]] = [
     ),
     ({**HALF, **ARC_WHEEL, "wheel.transverse_radius": -200}, "curvature of -0.00166667 1/mm"),
     ({**HALF, "wheel.profile": "S1002"}, "wheel.profile: 'S1002' has no single radius"),
-]
+    *(
+        ({**ARC, key: 1e-4}, f"{key}: 0.0001 is not allowed; give a length from 0.001 to 1e6 mm")
+        for key in ("rail.length", "rail.depth", "rail.width", "wheel.width", "wheel.rim_depth",
+                    "wheel.segment_length")
+    ),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("keys", "words"), CONTRADICTIONS)
@@ -179,15 +185,11 @@ def test_half_space_refuses_a_tabulated_profile(tmp_path: Path) -> None:
         ("rail.poisson_ratio=0.5", "rail.poisson_ratio: 0.5 is not allowed"),
         ("load=" + "[" * 5000, "load: "),
         (".=1", "'': unknown key"),
+        ("load=1\nname = 2", r"load: '1\nname = 2' is not a force"),
     ],
 )
 def test_malformed_assignment_is_named_in_one_line(assignment: str, words: str) -> None:
     assert words in refusal(lambda: scene().replace([assignment]))
-
-
-def test_load_and_approach_together_are_refused() -> None:
-    with pytest.raises(SceneError, match="both are given"):
-        scene().replace(["load=1", "approach=1"])
 
 
 @pytest.mark.parametrize("data", [5, None, "load = 1", [("load", 1)], {5: 1}, {"rail": {5: 1}}])

@@ -143,23 +143,13 @@ def test_without_a_name_the_studies_are_listed_and_cases_are_not(capsys) -> None
     assert "load_sweep" not in listed and "accuracy_cost" not in listed
 
 
-@pytest.mark.parametrize("name", ["load-swep", "hertz_ellipse", "nothing"])
-def test_an_unknown_study_is_one_line_and_nothing_written(
-    name, tmp_path, monkeypatch, capsys
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    line = command.refused(capsys, "study", name)
-    assert "study" in line and "load_sweep" in line and os.listdir(tmp_path) == []
-
-
 def test_without_a_checkout_the_command_says_in_one_line_that_it_needs_one(
-    tmp_path, monkeypatch, capsys
+    here, monkeypatch, capsys
 ) -> None:
-    monkeypatch.setattr(study, "ROOT", tmp_path)
-    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(study, "ROOT", here)
     for arguments in (["study"], ["study", "load_sweep"]):
         assert "studies need a checkout" in command.refused(capsys, *arguments)
-    assert os.listdir(tmp_path) == []
+    assert os.listdir(here) == []
 
 
 def test_studies_are_no_part_of_what_is_installed() -> None:

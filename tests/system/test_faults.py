@@ -121,14 +121,6 @@ def test_read_only_folder_is_refused_before_anything_is_solved(tmp_path, monkeyp
     assert command.status("run", *CASE, str(tmp_path / "out")) == 2
 
 
-@pytest.mark.parametrize("key", ["mesh.patch_size=0.002", "rail.crown_radius=0.001"])
-def test_a_mesh_that_does_not_fit_into_memory_is_refused(key, tmp_path, capsys) -> None:
-    given = ("run", "hertz_ellipse", "--set", key, "--out", str(tmp_path / "out"))
-    line = command.refused(capsys, *given)
-    assert "mesh.patch_size" in line and "GB" in line
-    assert os.listdir(tmp_path) == []
-
-
 def test_memory_that_is_missing_ends_a_sequence(tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.setattr(cost, "free_memory", lambda: 400_000_000)
     given = f"hertz_ellipse --accuracy 0.1% --no-pictures --json --out {tmp_path / 'out'}"

@@ -167,11 +167,6 @@ def test_the_plan_as_json_says_what_the_printed_one_says(capfd) -> None:
     assert said["patches"] and not said["plan"]["forecast"]["hertzian"]
 
 
-def test_a_wrong_plan_as_json_is_one_line(capsys) -> None:
-    line = command.refused(capsys, "plan", "long_roller", "--json", "--set", "load=3mm")
-    assert "load: '3mm'" in line
-
-
 def test_zero_is_printed_as_0() -> None:
     """Also what is a rounding of friction times load, and a number that rounds to -0."""
     forces = {"limit_N": 7500.0, "force_across_N": -2.8e-8, "moment_Nmm": 3e-7, "spin_per_mm": -0.0}

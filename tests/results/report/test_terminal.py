@@ -14,8 +14,7 @@ COMMANDS = {
 
 
 @pytest.mark.parametrize("arguments", COMMANDS.values(), ids=COMMANDS)
-def test_lines_fit_eighty_columns(arguments: list[str], capsys, tmp_path, monkeypatch) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_lines_fit_eighty_columns(arguments: list[str], capsys, here, monkeypatch) -> None:
     monkeypatch.setattr(geometry, "SHIFTS", np.linspace(-3.0, 3.0, 3))
     command.status(*arguments)
     lines = capsys.readouterr().out.splitlines()
@@ -44,9 +43,8 @@ def test_what_a_person_switched_off_is_no_failing(capsys) -> None:
     assert "│ plasticity " in out and "though" not in out
 
 
-def test_a_profile_is_told_in_eighty_columns(tmp_path, capsys, monkeypatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    file = tmp_path / "a_long_name_of_a_file_of_points_on_a_rail_head.csv"
+def test_a_profile_is_told_in_eighty_columns(here, capsys) -> None:
+    file = here / "a_long_name_of_a_file_of_points_on_a_rail_head.csv"
     points = [f"{0.5 * y},{-((0.5 * y) ** 2) / 600}" for y in range(-60, 61)]
     file.write_text("y (mm),z (mm)\n" + "\n".join(points))
     assert command.status("profile", str(file), "--no-pictures") == 0

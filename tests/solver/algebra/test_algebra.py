@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from block_pairs import contact_model, press, two_blocks
 from mpi4py import MPI
 from petsc4py import PETSc
 
@@ -18,23 +19,27 @@ LAWS = [*(ContactLaw("nitsche", theta) for theta in (1, 0, -1)), ContactLaw("pen
 IDS = ["theta=1", "theta=0", "theta=-1", "penalty"]
 
 
-@pytest.fixture(scope="module")
-def models(two_blocks):
-    made, setup = two_blocks()
-
-    def build(law: ContactLaw = LAWS[0], **changes: object) -> ContactModel:
-        return ContactModel(
-            made.mesh, made.cell_tags, made.facet_tags, replace(setup, law=law, **changes)
-        )
-
-    return build
-
-
-def loaded(model: ContactModel, load: float = 2000.0):
+def loaded(model: ContactModel):
     """The model's problem under a load, and a state near its solution."""
-    active = np.linalg.norm(model.interface.points, axis=1) < 2.0
-    solution = model.solve(load=load, active=active)
+    solution = press(model, load=2000.0)
     return model.problem, solution
+
+
+def solved_linearly(
+    model: ContactModel,
+    radius: float,
+    tolerance: float,
+    share: float | None = None,
+    preconditioner: linear.Preconditioner | None = None,
+) -> tuple[int, float]:
+    """Iterations of a linear solve where points within a radius (mm) touch and that share of the
+    right-hand side is enough; the residual that is left, over the right-hand side."""
+    problem, active = model.problem, np.linalg.norm(model.interface.points, axis=1) < radius
+    rhs, out = problem.predictor(active), problem.force.duplicate()
+    conditioned = preconditioner or model.preconditioner
+    enough = None if share is None else lambda _: share * rhs.norm()
+    count = linear.solve(problem, conditioned, active, rhs, out, tolerance, enough)
+    return count, (problem.tangent(active) * out - rhs).norm() / rhs.norm()
 
 
 def test_planes_in_general_position_leave_the_right_freedom() -> None:
@@ -58,8 +63,8 @@ def test_planes_in_general_position_leave_the_right_freedom() -> None:
     np.testing.assert_allclose(reduction.norms().array, reduction.free)
 
 
-def test_hub_moves_as_one(models) -> None:
-    model = models()
+def test_hub_moves_as_one() -> None:
+    model = contact_model()
     y = model.reduction.matrix.createVecRight()
     y.set(0.0)
     y.array[model.reduction.approach] = 0.25
@@ -70,9 +75,9 @@ def test_hub_moves_as_one(models) -> None:
 
 
 @pytest.mark.parametrize("law", LAWS, ids=IDS)
-def test_tangent_is_the_derivative_of_the_residual(models, law) -> None:
+def test_tangent_is_the_derivative_of_the_residual(law) -> None:
     """Central differences of R along a random direction, relative error below 1e-6."""
-    problem, solution = loaded(models(law))
+    problem, solution = loaded(contact_model(law=law))
     y = solution.newton.y
     rng = np.random.default_rng(3)
     step = y.duplicate()
@@ -95,9 +100,9 @@ def test_tangent_is_the_derivative_of_the_residual(models, law) -> None:
 
 
 @pytest.mark.parametrize("law", LAWS, ids=IDS)
-def test_what_other_points_leave_is_the_error_of_the_linear_problem(models, law) -> None:
+def test_what_other_points_leave_is_the_error_of_the_linear_problem(law) -> None:
     """|R(y + x) - R(y) - T x| where points change sides along x."""
-    problem, solution = loaded(models(law))
+    problem, solution = loaded(contact_model(law=law))
     y = solution.newton.y
     x = -0.3 * y
     indicator = problem.indicator(y)
@@ -112,35 +117,25 @@ def test_what_other_points_leave_is_the_error_of_the_linear_problem(models, law)
     assert abs(left - error.norm()) < 1e-8 * error.norm()
 
 
-def test_a_linear_solve_ends_where_it_is_enough(models) -> None:
+def test_a_linear_solve_ends_where_it_is_enough() -> None:
     """At the residual that is asked for, at the latest at the tolerance."""
-    problem, _ = loaded(model := models(linear="multigrid"))
-    active = np.linalg.norm(model.interface.points, axis=1) < 3.0
-    rhs, out = problem.predictor(active), problem.force.duplicate()
-    left = []
-    for enough in (1e-2, 1e-4, 0.0):
-        limit = enough * rhs.norm()
-        linear.solve(problem, model.preconditioner, active, rhs, out, 1e-7, lambda _, a=limit: a)
-        left.append((problem.tangent(active) * out - rhs).norm() / rhs.norm())
-    assert left[0] <= 1e-2 < 1e3 * left[0]
-    assert left[1] <= 1e-4 < 1e3 * left[1]
-    assert left[2] <= 1e-7
+    loaded(model := contact_model(linear="multigrid"))
+    for share in (1e-2, 1e-4):
+        assert 1e-3 * share < solved_linearly(model, 3.0, 1e-7, share)[1] <= share
+    assert solved_linearly(model, 3.0, 1e-7, 0.0)[1] <= 1e-7
 
 
-def test_a_linear_solve_reaches_what_any_must(models) -> None:
+def test_a_linear_solve_reaches_what_any_must() -> None:
     """However little is enough: of a penalty a thousandth of its right-hand side."""
-    problem, _ = loaded(model := models(ContactLaw("penalty"), linear="multigrid"))
-    active = np.linalg.norm(model.interface.points, axis=1) < 3.0
-    rhs, out = problem.predictor(active), problem.force.duplicate()
-    linear.solve(problem, model.preconditioner, active, rhs, out, 1e-7, lambda _: np.inf)
-    left = (problem.tangent(active) * out - rhs).norm() / rhs.norm()
+    loaded(model := contact_model(law=ContactLaw("penalty"), linear="multigrid"))
+    _, left = solved_linearly(model, 3.0, 1e-7, np.inf)
     assert 1e-7 < left <= linear.LARGEST_RESIDUAL["penalty"]
 
 
 @pytest.mark.parametrize("law", LAWS, ids=IDS)
-def test_coarse_tangent_is_the_galerkin_product(models, law) -> None:
+def test_coarse_tangent_is_the_galerkin_product(law) -> None:
     """Filled anew for another active set, it is Q^T T Q of the assembled tangent T."""
-    model = models(law, linear="multigrid")
+    model = contact_model(law=law, linear="multigrid")
     loaded(model)
     coarse = model.preconditioner.coarse
     radius = np.linalg.norm(model.interface.points, axis=1)
@@ -156,24 +151,20 @@ def test_coarse_tangent_is_the_galerkin_product(models, law) -> None:
         assert (coarse.matrix * y - expected).norm() < 1e-12 * expected.norm()
 
 
-def test_an_updated_preconditioner_is_as_good_as_a_new_one(models) -> None:
+def test_an_updated_preconditioner_is_as_good_as_a_new_one() -> None:
     """p-multigrid that served a small patch, then a large one, against one made for the large."""
-    problem, _ = loaded(model := models(linear="multigrid"))
-    radius = np.linalg.norm(model.interface.points, axis=1)
-    counts = []
-    for fresh in (False, True):
-        preconditioner = model.new_preconditioner(problem)
-        for limit in (3.0,) if fresh else (1.0, 3.0):
-            active = radius < limit
-            rhs, out = problem.predictor(active), problem.force.duplicate()
-            count = linear.solve(problem, preconditioner, active, rhs, out, 1e-8)
-        counts.append(count)
-    assert counts[0] <= counts[1] + 1 < 40
+    problem, _ = loaded(model := contact_model(linear="multigrid"))
+    used, fresh = model.new_preconditioner(problem), model.new_preconditioner(problem)
+    solved_linearly(model, 1.0, 1e-8, preconditioner=used)
+    (count, _), (least, _) = (
+        solved_linearly(model, 3.0, 1e-8, preconditioner=each) for each in (used, fresh)
+    )
+    assert count <= least + 1 < 40
 
 
-def test_a_preconditioner_follows_the_active_set(models) -> None:
+def test_a_preconditioner_follows_the_active_set() -> None:
     """Set up again for a much larger patch, and not for nearly the same one."""
-    model = models(linear="direct")
+    model = contact_model(linear="direct")
     radius = np.linalg.norm(model.interface.points, axis=1)
     assert model.preconditioner.update_if_outdated(radius < 4.0)
     almost = radius < 4.0
@@ -182,24 +173,22 @@ def test_a_preconditioner_follows_the_active_set(models) -> None:
     assert model.preconditioner.update_if_outdated(radius < 5.0)
 
 
-def test_a_preconditioner_that_slows_down_is_set_up_again(models) -> None:
+def test_a_preconditioner_that_slows_down_is_set_up_again() -> None:
     """The solve after the slow one begins with a new set-up, though the points stay; one that is
     as slow as its set-up was does not."""
-    problem, _ = loaded(model := models(linear="multigrid"))
-    radius = np.linalg.norm(model.interface.points, axis=1)
+    problem, _ = loaded(model := contact_model(linear="multigrid"))
     preconditioner = model.new_preconditioner(problem)
     preconditioner.outdated_share = np.inf
-    made, out = [], problem.force.duplicate()
-    for limit in (1.0, 3.0, 3.0, 3.0, 3.0):
-        active = radius < limit
+    made = []
+    for radius in (1.0, 3.0, 3.0, 3.0, 3.0):
         made.append(preconditioner.active is None)
-        linear.solve(problem, preconditioner, active, problem.predictor(active), out, 1e-8)
+        solved_linearly(model, radius, 1e-8, preconditioner=preconditioner)
     assert made == [True, False, True, False, False]
 
 
 @pytest.mark.parametrize("law", [LAWS[0], LAWS[3]], ids=[IDS[0], IDS[3]])
-def test_slope_along_a_line_is_residual_times_step(models, law) -> None:
-    problem, solution = loaded(models(law))
+def test_slope_along_a_line_is_residual_times_step(law) -> None:
+    problem, solution = loaded(contact_model(law=law))
     step = solution.newton.y.duplicate()
     step.array[:] = np.random.default_rng(4).standard_normal(step.local_size) * 1e-3
     slope = problem.slope(solution.newton.y, step)
@@ -210,8 +199,8 @@ def test_slope_along_a_line_is_residual_times_step(models, law) -> None:
         assert slope(t) == pytest.approx(expected, rel=1e-8)
 
 
-def test_line_search_stops_an_overshoot_and_lets_good_steps_pass(models) -> None:
-    problem, solution = loaded(models())
+def test_line_search_stops_an_overshoot_and_lets_good_steps_pass() -> None:
+    problem, solution = loaded(contact_model())
     start = solution.newton.y.copy()
     start.scale(0.9)
     to_solution = solution.newton.y - start
@@ -223,20 +212,20 @@ def test_line_search_stops_an_overshoot_and_lets_good_steps_pass(models) -> None
 
 @pytest.mark.parametrize("degree, below", [(2, None), (2, 0), (1, None)],
                          ids=["p-multigrid", "GAMG below", "linear elements"])  # fmt: skip
-def test_direct_and_multigrid_give_the_same_solution(models, monkeypatch, degree, below) -> None:
-    reference = loaded(models(degree=degree, linear="direct"))[1]
+def test_direct_and_multigrid_give_the_same_solution(monkeypatch, degree, below) -> None:
+    reference = loaded(contact_model(degree=degree, linear="direct"))[1]
     if below is not None:
         monkeypatch.setattr(multigrid, "COARSE_DIRECT_BELOW", below)
-    found = loaded(models(degree=degree, linear="multigrid"))[1]
+    found = loaded(contact_model(degree=degree, linear="multigrid"))[1]
     assert reference.newton.converged and found.newton.converged
     assert found.approach == pytest.approx(reference.approach, rel=1e-8)
     one, other = (each.displacement.array for each in (found, reference))
     np.testing.assert_allclose(one, other, atol=1e-8 * abs(other).max())
 
 
-def test_prolongation_carries_rigid_motion_and_the_approach(models) -> None:
+def test_prolongation_carries_rigid_motion_and_the_approach() -> None:
     """Q y1 represents the same displacement as y1 does in the P1 space."""
-    model = models()
+    model = contact_model()
     coarse = compat.vector_space(model.bulk.space.mesh, 1)
     reduction = constraints.reduce(model.supports(coarse), model.comm)
     full = compat.interpolation(coarse, model.bulk.space)
@@ -248,9 +237,9 @@ def test_prolongation_carries_rigid_motion_and_the_approach(models) -> None:
     assert (direct - reduced).norm() < 1e-12 * direct.norm()
 
 
-def test_bodies_that_never_touch_are_named_not_solved(models) -> None:
+def test_bodies_that_never_touch_are_named_not_solved() -> None:
     """Approach control with the wheel pulled away: no contact, and no number is made up."""
-    model = models(load_control=False)
+    model = contact_model(load_control=False)
     solution = model.solve(approach=-1.0, active=np.zeros(len(model.interface.points), bool))
     assert solution.load == 0.0
     assert not np.any(solution.pressure)
@@ -273,18 +262,13 @@ class Upside(linear.Direct):
         self.pc.setOperators(self.operator)
 
 
-def test_a_preconditioner_that_is_not_definite_is_no_reason_to_stall(models) -> None:
-    problem, _ = loaded(model := models(linear="direct"))
-    active = np.linalg.norm(model.interface.points, axis=1) < 3.0
-    preconditioner = Upside(problem)
-    rhs, out = problem.predictor(active), problem.force.duplicate()
-    assert linear.solve(problem, preconditioner, active, rhs, out, 1e-8) <= 9
-    product = rhs.duplicate()
-    problem.tangent(active).mult(out, product)
-    assert (product - rhs).norm() < 1e-7 * rhs.norm()
+def test_a_preconditioner_that_is_not_definite_is_no_reason_to_stall() -> None:
+    problem, _ = loaded(model := contact_model(linear="direct"))
+    count, left = solved_linearly(model, 3.0, 1e-8, preconditioner=Upside(problem))
+    assert count <= 9 and left < 1e-7
 
 
-def test_a_set_up_is_given_back_before_the_next_one(models) -> None:
+def test_a_set_up_is_given_back_before_the_next_one() -> None:
     """However often a preconditioner is renewed, one set-up is in memory."""
     alive: weakref.WeakSet[object] = weakref.WeakSet()
     before = []
@@ -303,8 +287,9 @@ def test_a_set_up_is_given_back_before_the_next_one(models) -> None:
             self.pc.setPythonContext(held)
             self.pc.setOperators(self.operator)
 
-    preconditioner = Counted(models(linear="direct").problem)
-    radius = np.linalg.norm(models().interface.points, axis=1)
+    model = contact_model(linear="direct")
+    preconditioner = Counted(model.problem)
+    radius = np.linalg.norm(model.interface.points, axis=1)
     for limit in (1.0, 3.0, 1.0, 3.0):
         assert preconditioner.update_if_outdated(radius < limit)
     assert before == [0, 0, 0, 0]
@@ -324,13 +309,12 @@ def test_a_set_up_is_given_back_before_the_next_one(models) -> None:
         (lambda setup: {"planes": ((96, (0.0, 1.0, 0.0)),)}, "no plane facet carries the tag 96"),
     ],
 )
-def test_a_setup_that_does_not_fit_its_mesh_is_refused(two_blocks, make, said) -> None:
-    made, setup = two_blocks()
+def test_a_setup_that_does_not_fit_its_mesh_is_refused(make, said) -> None:
     with pytest.raises(ValueError, match=said):
-        ContactModel(made.mesh, made.cell_tags, made.facet_tags, replace(setup, **make(setup)))
+        contact_model(**make(two_blocks()[1]))
 
 
-def test_what_is_not_controlled_cannot_be_given(models) -> None:
+def test_what_is_not_controlled_cannot_be_given() -> None:
     with pytest.raises(ValueError, match="approach is unknown under load control"):
-        model = models()
+        model = contact_model()
         model.solve(approach=0.01, active=np.zeros(len(model.interface.points), dtype=bool))

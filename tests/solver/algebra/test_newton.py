@@ -1,37 +1,22 @@
 """Newton's method off the beaten track: stiff and soft laws, stalled solves, cycles."""
 
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from mpi4py import MPI
+from block_pairs import contact_model, press
 
 from railhead.solver.algebra import linear, newton
 from railhead.solver.contact import ContactModel
 from railhead.solver.material.elasticity import Material
 from railhead.solver.space.contact_interface import ContactLaw
+from railhead.solver.system.solution import Solution
 
 
 @pytest.fixture(scope="module")
-def model(two_blocks):
-    made, setup = two_blocks()
-
-    def build(**changes: object) -> ContactModel:
-        return ContactModel(made.mesh, made.cell_tags, made.facet_tags, replace(setup, **changes))
-
-    return build
-
-
-def press(model: ContactModel, radius: float = 2.0):
-    active = np.linalg.norm(model.interface.points, axis=1) < radius
-    return model.solve(load=2000.0, active=active)
-
-
-@pytest.fixture(scope="module")
-def reference(model):
+def reference() -> Solution:
     """Solution with the usual settings."""
-    return press(model())
+    return press(contact_model(), load=2000.0)
 
 
 STEEL = (207000.0, Material(207000.0, 0.3).lame)
@@ -71,14 +56,12 @@ class TwoRanks:
         return [own, self.other]
 
 
-def test_an_active_set_is_that_of_all_ranks() -> None:
-    comm, active = TwoRanks(b"a"), np.array([True, False])
+def test_an_active_set_that_comes_back_is_counted_if_it_does_on_all_ranks() -> None:
+    comm, one, two = TwoRanks(b"a"), np.array([True, False]), np.array([True, True])
     seen = newton._SeenActiveSets(comm)
-    assert seen.count(active) == 0
+    assert [seen.count(each) for each in (one, one, two, one, two, one)] == [0, 0, 0, 1, 1, 2]
     comm.other = b"b"
-    assert seen.count(active) == 0
-    comm.other = b"a"
-    assert seen.count(active) == 1
+    assert seen.count(two) == 0
 
 
 @pytest.mark.parametrize(("elsewhere", "count"), [(-1.0, 0), (99.0, 12)])
@@ -88,9 +71,9 @@ def test_the_nearest_points_are_those_of_all_ranks(elsewhere: float, count: int)
     assert ContactModel._nearest(model).sum() == count
 
 
-def test_it_ends_with_the_residual_that_was_asked_for(model) -> None:
+def test_it_ends_with_the_residual_that_was_asked_for() -> None:
     """No sooner, and no later."""
-    *before, last = press(model(tolerance=1e-7)).newton.history
+    *before, last = press(contact_model(tolerance=1e-7), load=2000.0).newton.history
     assert last.residual <= 1e-7 < min(step.residual for step in before)
 
 
@@ -102,32 +85,26 @@ def test_stages_lead_up_to_a_stiff_law() -> None:
 
 
 @pytest.mark.parametrize("factor", [1e-3, 1e2, 1e6])
-def test_nitsche_converges_at_any_factor(model, reference, factor: float) -> None:
-    solution = press(model(law=ContactLaw(gamma_factor=factor)))
+def test_nitsche_converges_at_any_factor(reference, factor: float) -> None:
+    solution = press(contact_model(law=ContactLaw(gamma_factor=factor)), load=2000.0)
     assert solution.newton.converged
     assert solution.approach == pytest.approx(reference.approach, rel=0.01)
 
 
-def test_a_stalled_linear_solve_is_taken_over_by_a_factorisation(model, monkeypatch) -> None:
-    reference = press(model(linear="direct")).approach
+def test_a_stalled_linear_solve_is_taken_over_by_a_factorisation(monkeypatch) -> None:
+    reference = press(contact_model(linear="direct"), load=2000.0).approach
     monkeypatch.setattr(linear, "KRYLOV_LIMIT", 3)
-    stalled = model(linear="multigrid")
-    solution = press(stalled)
+    stalled = contact_model(linear="multigrid")
+    solution = press(stalled, load=2000.0)
     assert any(step.residual is None for step in solution.newton.history)
     assert isinstance(stalled.preconditioner, linear.Direct)
     assert solution.newton.converged
     assert solution.approach == pytest.approx(reference, rel=1e-7)
 
 
-def test_an_active_set_that_comes_back_is_counted() -> None:
-    seen = newton._SeenActiveSets(MPI.COMM_SELF)
-    one, two = np.array([True, False]), np.array([True, True])
-    assert [seen.count(active) for active in (one, one, two, one, two, one)] == [0, 0, 0, 1, 1, 2]
-
-
 @pytest.mark.parametrize("start", ["none", "random"])
-def test_wrong_starts_end_in_the_same_state(model, reference, start: str) -> None:
-    contact = model()
+def test_wrong_starts_end_in_the_same_state(reference, start: str) -> None:
+    contact = contact_model()
     count = len(contact.interface.points)
     rng = np.random.default_rng(1)
     active = rng.random(count) < 0.5 if start == "random" else np.zeros(count, bool)

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from block_pairs import contact_model, two_blocks
 
 from railhead.solver.algebra import multigrid
 from railhead.solver.algebra.reduced_stiffness import Stiffness
-from railhead.solver.contact import ContactModel
 from railhead.solver.material.elasticity import Material, assemble
 from railhead.solver.space import constraints
 
@@ -27,11 +27,8 @@ CHANGES = {
 
 
 @pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
-def test_products_diagonal_and_assembled_matrix_are_those_of_the_triple_product(
-    two_blocks, change
-) -> None:
-    made, setup = two_blocks()
-    model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
+def test_products_diagonal_and_assembled_matrix_are_those_of_the_triple_product(change) -> None:
+    model, (made, setup) = contact_model(), two_blocks()
     supports = change(model.supports(model.bulk.space))
     reduction = constraints.reduce(supports, model.comm)
     _, full = assemble(made.mesh, made.cell_tags, model.materials, setup.degree)
@@ -56,9 +53,8 @@ def test_products_diagonal_and_assembled_matrix_are_those_of_the_triple_product(
     assert reduction.unknowns == holds.sum() + reduction.rigid_approach
 
 
-def test_a_pin_holds_the_approach_alone(two_blocks) -> None:
-    made, setup = two_blocks()
-    model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
+def test_a_pin_holds_the_approach_alone() -> None:
+    model = contact_model()
     free, here = model.problem.stiffness, model.reduction.approach
     x = free.vector()
     x.setRandom()
@@ -68,10 +64,9 @@ def test_a_pin_holds_the_approach_alone(two_blocks) -> None:
     assert change.norm() < 1e-12 * free.typical
 
 
-def test_the_coarse_tangent_knows_the_pin(two_blocks) -> None:
+def test_the_coarse_tangent_knows_the_pin() -> None:
     """Of a problem with a spring on its approach the P1 level has the same spring."""
-    made, setup = two_blocks()
-    model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
+    model = contact_model()
     pinned = replace(model.problem, stiffness=model.problem.stiffness.pinned(1e9))
     free, held = (
         multigrid.CoarseTangent(each, model.hierarchy) for each in (model.problem, pinned)
@@ -80,11 +75,10 @@ def test_the_coarse_tangent_knows_the_pin(two_blocks) -> None:
     assert change.max()[1] == pytest.approx(1e9) == pytest.approx(change.norm())
 
 
-def test_an_approach_needs_a_place(two_blocks) -> None:
+def test_an_approach_needs_a_place() -> None:
     """Without anything held every place holds an unknown."""
-    made, setup = two_blocks()
-    model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
+    model = contact_model()
     none = np.zeros_like(model.supports(model.bulk.space).fixed)
     with pytest.raises(ValueError, match="nothing is held"):
         constraints.reduce(constraints.Supports(fixed=none), model.comm)
-    assert isinstance(model.materials[setup.slave], Material)
+    assert isinstance(model.materials[model.setup.slave], Material)

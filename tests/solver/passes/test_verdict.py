@@ -33,38 +33,36 @@ def test_ten_passes_tell_all_and_two_tell_nothing(case):
         assert early in (expected, "undecided")
 
 
-def test_nothing_that_yields_is_elastic():
-    assert verdict([0.0], [0.0], 1.0, 1e-7, hardens=False) == "elastic"
-    assert verdict([1e-3, 0.0], [0.0, 0.0], 1.0, 1e-7, hardens=False) == "undecided"
-    assert verdict([1e-3, 0.0, 0.0], [0.0, 0.0, 0.0], 1.0, 1e-7, hardens=False) == "shakes down"
-    assert verdict([1e-3, 0.0, 1e-3], [0.0, 0.0, 0.0], 1.0, 1e-7, hardens=False) != "shakes down"
+TURNS, GROWS = [0.00357, -0.00091, -0.00118, -0.00062], [0.00357, 0.0050, 0.0065, 0.0081]
+FIFTH = [0.01198, 0.01413, 0.01322, 0.01314]  # at 5 k, kinematic, in contact
+STEADY, FALLS = [0.011, 0.0105, 0.0102, 0.0101], [0.011, 0.0105, 0.0102, 0.0096]
+MOVES = [0.02, 0.011, 0.0108, 0.0106]
+# At 1.03 of the limit with traction 0.3 p, which ratchets from the sixth pass on.
+CLOSE = [0.000728, 0.000713, 0.000733, 0.000767]
+STILL_MOVES = [0.000685, 0.000553, 0.000465, 0.000406]
+STANDS = [0.000685, 0.000553, 0.000465, 1e-6]
+PERFECT, HARDENS = False, True
+#: Increments of strain and of the surface's way, whether the steel hardens, what is said.
+SAID = {
+    "nothing yields": ([0.0], [0.0], PERFECT, "elastic"),
+    "one pass without yield": ([1e-3, 0.0], [0.0] * 2, PERFECT, "undecided"),
+    "two passes without yield": ([1e-3, 0.0, 0.0], [0.0] * 3, PERFECT, "shakes down"),
+    "yields again": ([1e-3, 0.0, 1e-3], [0.0] * 3, PERFECT, "undecided"),
+    "turns": (FIFTH, TURNS, PERFECT, "undecided"),
+    "turns, hardens": (FIFTH, TURNS, HARDENS, "undecided"),
+    "grows": (FIFTH, GROWS, PERFECT, "undecided"),
+    "grows, hardens": (FIFTH, GROWS, HARDENS, "undecided"),
+    "steady": (STEADY, MOVES, PERFECT, "ratchets"),
+    "steady, hardens": (STEADY, MOVES, HARDENS, "undecided"),
+    "falls": (FALLS, MOVES, PERFECT, "at the limit"),
+    "falls, hardens": (FALLS, MOVES, HARDENS, "undecided"),
+    "still moves": (CLOSE, STILL_MOVES, PERFECT, "undecided"),
+    "still moves, hardens": (CLOSE, STILL_MOVES, HARDENS, "closed cycles"),
+    "stands": (CLOSE, STANDS, PERFECT, "closed cycles"),
+}
 
 
-@pytest.mark.parametrize(
-    "forward",
-    [[0.00357, -0.00091, -0.00118, -0.00062], [0.00357, 0.0050, 0.0065, 0.0081]],
-    ids=["turns", "grows"],
-)
-def test_a_surface_that_still_turns_or_grows_is_undecided(forward):
-    """Kinematic hardening at 5 k in contact: the fourth pass looked like ratchetting."""
-    increments = [0.01198, 0.01413, 0.01322, 0.01314]
-    for hardens in (True, False):
-        assert verdict(increments, forward, 1.0, 1e-7, hardens=hardens) == "undecided"
-
-
-@pytest.mark.parametrize(
-    ("last", "perfect"), [(0.0101, "ratchets"), (0.0096, "at the limit")], ids=["steady", "falls"]
-)
-def test_what_hardens_without_end_neither_ratchets_nor_is_at_a_limit(last, perfect):
-    increments, forward = [0.011, 0.0105, 0.0102, last], [0.02, 0.011, 0.0108, 0.0106]
-    assert verdict(increments, forward, 1.0, 1e-7, hardens=False) == perfect
-    assert verdict(increments, forward, 1.0, 1e-7, hardens=True) == "undecided"
-
-
-def test_a_surface_that_still_moves_is_no_closed_cycle_of_perfect_plasticity():
-    """At 1.03 of the limit with traction 0.3 p, which ratchets from the sixth pass on."""
-    increments = [0.000728, 0.000713, 0.000733, 0.000767]
-    forward = [0.000685, 0.000553, 0.000465, 0.000406]
-    assert verdict(increments, forward, 1.0, 1e-7, hardens=False) == "undecided"
-    assert verdict(increments, forward, 1.0, 1e-7, hardens=True) == "closed cycles"
-    assert verdict(increments, [*forward[:3], 1e-6], 1.0, 1e-7, hardens=False) == "closed cycles"
+@pytest.mark.parametrize(("increments", "forward", "hardens", "said"), SAID.values(), ids=SAID)
+def test_what_still_turns_grows_or_moves_is_no_steady_end(increments, forward, hardens, said):
+    """What hardens without end neither ratchets nor is at a limit."""
+    assert verdict(increments, forward, 1.0, 1e-7, hardens=hardens) == said

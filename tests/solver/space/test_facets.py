@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from block_pairs import contact_model
 
 from railhead.geometry.surfaces import ParabolicGap
 from railhead.meshing.bodies import CONTACT, RAIL, WHEEL
@@ -13,9 +14,8 @@ from railhead.solver.space.facets import FacetSet, facet_closure, pair, referenc
 
 
 @pytest.fixture(scope="module", params=["tetrahedron", "hexahedron"])
-def model(request, two_blocks) -> ContactModel:
-    made, setup = two_blocks(cell=request.param)
-    return ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
+def model(request) -> ContactModel:
+    return contact_model(cell=request.param)
 
 
 def test_only_nitsches_parameter_is_doubled_where_cells_lie_in_layers(model) -> None:
@@ -85,11 +85,9 @@ def test_points_that_look_past_the_master_have_no_partner(model) -> None:
 
 
 @pytest.mark.parametrize("degree", [1, 2])
-def test_trace_bound_is_the_warburton_hesthaven_constant(two_blocks, degree) -> None:
+def test_trace_bound_is_the_warburton_hesthaven_constant(degree) -> None:
     """(k+1)(k+3)/3 A/V (lambda + 2 mu), sharp on straight tetrahedra for stresses of degree k."""
-    made, setup = two_blocks(degree=degree)
-    model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
-    facets = surface(model, RAIL)
+    facets = surface(contact_model(degree=degree), RAIL)
     bound = contact_interface.trace_bound(facets, ParabolicGap(0, 0, 1), 2 * degree)
     _, _, volumes = facets.quadrature_points(1)
     _, weights = facets.quadrature(1)

@@ -9,7 +9,6 @@ from types import ModuleType
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from railhead.cli import commands, study
 from railhead.results import result_folder
@@ -210,14 +209,11 @@ def test_the_page_has_medians_reasons_and_what_failed() -> None:
 
 
 @pytest.mark.slow
-def test_without_other_codes_there_is_a_page_with_reasons_and_our_rows(
-    tmp_path, monkeypatch
-) -> None:
+def test_without_other_codes_there_is_a_page_with_reasons_and_our_rows(here, monkeypatch) -> None:
     """Nothing installed but one made-up code, of which a run fails."""
-    monkeypatch.chdir(tmp_path)
     made = [
-        made_up(tmp_path, "absent", "'absent',"),
-        made_up(tmp_path, "there"),
+        made_up(here, "absent", "'absent',"),
+        made_up(here, "there"),
     ]
     known = [each for each in codes.peers() if each.PIP]
     monkeypatch.setattr(peers_study, "peers", lambda: [*known, *made])
@@ -244,15 +240,6 @@ def test_a_solve_that_raises_is_a_row_without_numbers(tmp_path) -> None:
     assert run["failure"].startswith("TypeError") and run["error_p_max"] is None
 
 
-@pytest.mark.parametrize("arguments", [["study", "--install"], ["study", "scaling", "--install"]])
-def test_install_where_there_is_nothing_to_install_is_one_line(arguments, tmp_path) -> None:
-    with CliRunner().isolated_filesystem(tmp_path):
-        done = CliRunner().invoke(commands.railhead, arguments)
-        assert isinstance(done.exception, commands.SceneError)
-        assert "--install" in str(done.exception) and "\n" not in str(done.exception)
-        assert os.listdir() == []
-
-
 def test_what_a_study_keeps_stays_in_its_folder(tmp_path) -> None:
     folder = tmp_path / "peers"
     (folder / "venv").mkdir(parents=True)
@@ -268,9 +255,7 @@ def test_what_a_study_keeps_stays_in_its_folder(tmp_path) -> None:
         result_folder.check_folder(folder, peers_study.KEEPS)
 
 
-def test_what_cannot_be_installed_is_noted_and_the_others_follow(
-    tmp_path, monkeypatch, capsys
-) -> None:
+def test_what_cannot_be_installed_is_noted_and_the_others_follow(here, monkeypatch, capsys) -> None:
     asked: list[list[str]] = []
 
     def failure(command) -> str:
@@ -280,10 +265,9 @@ def test_what_cannot_be_installed_is_noted_and_the_others_follow(
 
     made = []
     for name in ("a", "b", "c"):
-        made.append(made_up(tmp_path, name))
+        made.append(made_up(here, name))
         made[-1].PIP, made[-1].DEBIAN = (name,), ()
-    made.append(made_up(tmp_path, "d"))
-    monkeypatch.chdir(tmp_path)
+    made.append(made_up(here, "d"))
     monkeypatch.setattr(peers_study, "_failure", failure)
     monkeypatch.setattr(peers_study, "peers", lambda: made)
     (peers_study.VENV / "bin").mkdir(parents=True)

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from railhead.theory.elastic.hertz import Ellipse
+from railhead.theory.elastic.hertz import Ellipse, point_contact
 from studies.thesis.facts import (
     TABLE_5_3,
     exact_coefficients,
+    general_orientation,
     hertz_coefficients,
     thesis_axis_stress,
     thesis_contact,
@@ -133,3 +134,57 @@ def test_exact_coefficients_of_table_5_3(reference: dict[str, Any]) -> None:
 def test_exact_coefficients_refuse_other_angles(theta: float) -> None:
     with pytest.raises(ValueError, match="theta must lie in"):
         exact_coefficients(theta)
+
+
+# Curvatures of bodies whose principal planes are turned against each other.
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "angle"),
+    [
+        *(
+            ((0.004, 0.001), second, angle)
+            for second in ((0.0, 0.002), (-0.0008, 0.004), (0.003, 0.001))
+            for angle in (-2.0, -0.3, 1e-9, 0.4, 1.2, math.pi / 2, 3.0)
+        ),
+        pytest.param((1 / 420, 0.0), (0.0, 1 / 300), 0.0, id="cylinders across"),
+        pytest.param((1 / 300, 0.0), (0.0, 1 / 420), 0.0, id="cylinders across, exchanged"),
+        pytest.param((0.01, 0.0), (0.01, 0.0), math.pi / 2, id="a sphere"),
+    ],
+)
+def test_general_orientation_diagonalises_the_gap(first, second, angle: float) -> None:
+    turned = general_orientation(first, second, angle)
+
+    def rotation(by: float) -> np.ndarray:
+        return np.array([[math.cos(by), -math.sin(by)], [math.sin(by), math.cos(by)]])
+
+    gap = np.diag(first) + rotation(angle) @ np.diag(second) @ rotation(angle).T
+    diagonal = rotation(turned.angle).T @ gap @ rotation(turned.angle)
+    expected = np.diag([turned.curvature_x, turned.curvature_y])
+    np.testing.assert_allclose(diagonal, expected, atol=1e-17)
+    assert 0 < turned.curvature_x <= turned.curvature_y
+
+
+def test_slightly_crossed_cylinders_keep_all_digits() -> None:
+    angle = 1e-6
+    smaller, larger, _ = general_orientation((0.01, 0.0), (0.02, 0.0), angle)
+    assert smaller * larger == pytest.approx(0.01 * 0.02 * math.sin(angle) ** 2, rel=1e-13)
+
+
+def test_curved_track_of_the_thesis(reference: dict[str, Any]) -> None:
+    modulus = reference["exact"]["E_star_MPa"]
+    for row in reference["curved_track"]:
+        x, y, _ = general_orientation(WHEEL, RAIL, row["phi_rad"])
+        contact = point_contact(x, y, modulus, 25000)
+        expected = (row["K4_per_mm"], row["a_mm"], row["b_mm"], row["p0_MPa"])
+        np.testing.assert_allclose(
+            ((y - x) / 2, contact.a, contact.b, contact.p0), expected, rtol=1e-9
+        )
+
+
+@pytest.mark.parametrize(
+    ("first", "second"), [((0.01, 0.0), (0.01, 0.0)), ((-0.01, 0.0), (0.0, 0.01))]
+)
+def test_curvatures_of_no_point_contact_are_refused(first, second) -> None:
+    with pytest.raises(ValueError, match="no point contact"):
+        general_orientation(first, second, 0.0)

@@ -120,12 +120,10 @@ def test_rigid_body_does_not_move(thesis_ellipse: Ellipse) -> None:
 
 
 @pytest.mark.parametrize("wrong", [[[0, 0, 1.0]], [[0, 0, 0]], [0, 0, -1.0]])
-def test_wrong_points_of_the_point_force_are_refused(wrong: list[list[float]]) -> None:
+def test_points_that_are_not_below_the_surface_are_refused(wrong, thesis_ellipse: Ellipse) -> None:
+    """Below the point force; below a patch the surface is allowed."""
     with pytest.raises(ValueError, match="points must"):
         boussinesq_displacement(wrong, 1e3, 2e5, 0.3)
-
-
-def test_points_above_the_patch_are_refused(thesis_ellipse: Ellipse) -> None:
     with pytest.raises(ValueError, match="z <= 0"):
         hertz_displacement(thesis_ellipse, [[0, 0, 1.0]], 2e5, 0.3)
 

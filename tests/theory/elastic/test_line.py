@@ -111,8 +111,3 @@ def test_published_numbers_of_two_cylinders() -> None:
     johnson += line.cylinder_approach(strip, 13, 29120, 0.3)
     assert johnson == pytest.approx(0.39954, rel=1e-4)
     assert line.cylinder_approach(strip, 10, math.inf, 0.3) == 0.0
-
-
-def test_wrong_input_is_named() -> None:
-    with pytest.raises(ValueError, match="curvature"):
-        line_contact(0.0, 1e5, 10.0)

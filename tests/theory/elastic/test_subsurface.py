@@ -178,13 +178,20 @@ def test_line_limit_on_the_axis() -> None:
     assert np.abs(difference).max() < 2 * contact.b / contact.a * contact.p0
 
 
-def test_wrong_points_are_refused(thesis_ellipse: Ellipse) -> None:
-    with pytest.raises(ValueError, match="z <= 0"):
-        stress(thesis_ellipse, 0.3, [[0, 0, 0.1]])
-    with pytest.raises(ValueError, match=r"must be \(n, 3\)"):
-        stress(thesis_ellipse, 0.3, [0, 0, -1])
-    with pytest.raises(ValueError, match="depth must not be negative"):
-        thesis_ellipse.axis_stress(0.3, [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("of", "points", "words"),
+    [
+        (stress, [[0, 0, 0.1]], "z <= 0"),
+        (stress, [0, 0, -1], r"must be \(n, 3\)"),
+        (Ellipse.axis_stress, [1.0, -1.0], "depth must not be negative"),
+    ],
+)
+def test_points_above_the_surface_are_refused(of, points, words: str, thesis_ellipse) -> None:
+    with pytest.raises(ValueError, match=words):
+        of(thesis_ellipse, 0.3, points)
+
+
+def test_a_point_a_rounding_above_the_surface_is_on_it(thesis_ellipse) -> None:
     assert np.isfinite(stress(thesis_ellipse, 0.3, [[1, 1, 1e-12]])).all()
 
 
