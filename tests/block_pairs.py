@@ -140,5 +140,6 @@ def press(
     """Its solution from the contact points within a radius (mm) of the axis. The load (N) counts
     under load control, otherwise the approach (mm)."""
     active = np.linalg.norm(model.interface.points, axis=1) < radius
-    given = {"load": load} if model.setup.load_control else {"approach": approach}
-    return model.solve(active=active, **given)
+    if model.setup.load_control:
+        return model.solve(active=active, load=load)
+    return model.solve(active=active, approach=approach)
