@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -79,6 +80,14 @@ class Context:
     contact: Contact
     hertz: Hertz
     decided: Mapping[str, Effect]
+
+    def with_decision(self, name: str, effect: Effect) -> Context:
+        """The context in which the named effect is decided otherwise, all others as here. What is
+        cached, such as boundary elements, depends on no effect and is kept.
+        """
+        other = copy(self)
+        object.__setattr__(other, "decided", {**self.decided, name: effect})
+        return other
 
     @property
     def deformable(self) -> dict[str, Rail | Wheel]:

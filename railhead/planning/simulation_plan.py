@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -46,8 +47,7 @@ UNSIGNED_TOLERANCE = 1e-6  # of Newton's method where no error of the mesh is kn
 class Plan:
     """Decisions for one scene.
 
-    context: scene, contact and effects from which the plan was decided.
-    effects: decisions on effects by name, in the order of `effects.EFFECTS`.
+    context: scene, contact, and decisions on all effects.
     order: polynomial order of the displacement, 1 or 2.
     patch_size: element size in the most loaded patch, mm.
     reach: half length of the bodies along the rail, mm, where the scene gives none; of half-spaces
@@ -60,7 +60,6 @@ class Plan:
     """
 
     context: Context
-    effects: dict[str, Effect]
     order: int
     patch_size: float
     reach: float
@@ -71,6 +70,11 @@ class Plan:
     def scene(self) -> Scene:
         """The scene that is planned."""
         return self.context.scene
+
+    @property
+    def effects(self) -> Mapping[str, Effect]:
+        """Decisions on effects by name, in the order of `effects.EFFECTS`."""
+        return self.context.decided
 
     @property
     def contact(self) -> Contact:
@@ -173,12 +177,13 @@ class Plan:
                 )
             except SceneError:  # beside another effect that a person chose
                 return self
-        return replace(self, effects={**self.effects, name: replace(effect, on=not effect.on)})
+        other = replace(effect, on=not effect.on)
+        return replace(self, context=self.context.with_decision(name, other))
 
     def with_yield(self, why: str) -> Plan:
         """The plan in which yield is called for and simulated; why: the reason as a sentence."""
         effect = replace(self.effects["plasticity"], called_for=True, on=True, why=why)
-        return replace(self, effects={**self.effects, "plasticity": effect})
+        return replace(self, context=self.context.with_decision("plasticity", effect))
 
     def price(self, name: str) -> tuple[int, float]:
         """Unknowns and seconds that the present state of the named effect is predicted to cost more
@@ -575,16 +580,15 @@ def _decided(scene: Scene) -> Plan:
     kind = dimension.choose(scene)
     contact = plane_section.locate(scene, kind)
     predicted = closed_forms.hertz_if_valid(scene, contact)
-    context, decided = effects.decide(scene, kind, contact, predicted)
+    context = effects.decide(scene, kind, contact, predicted)
     expected = forecast(context)
     order = scene.mesh.order or (2 if scene.mesh.cell == "tetrahedron" else 1)
     size = scene.mesh.patch_size or expected.minor
     plan = Plan(
         context=context,
-        effects=decided,
         order=order,
         patch_size=size,
-        reach=sizing.reach(contact, predicted, expected, friction=decided["friction"].on),
+        reach=sizing.reach(contact, predicted, expected, friction=context.decided["friction"].on),
         forecast=expected,
         load_steps=material.steps(context),
     )

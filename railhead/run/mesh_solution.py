@@ -119,7 +119,7 @@ class MeshSolution:
         """Verdicts by name of the effect or assumption (`effects.check`); empty off rank 0 and
         where nothing touches.
         """
-        return effects.check(self.plan.context, self.plan.effects, self.findings)
+        return effects.check(self.plan.context, self.findings)
 
     @property
     def resolution(self) -> float:

@@ -141,12 +141,9 @@ ASSUMPTIONS: dict[str, tuple[str, Weigh]] = {
 """Words, and the verdict on a solution, by name of each assumption."""
 
 
-def decide(
-    scene: Scene, dimension: Dimension, contact: Contact, hertz: Hertz
-) -> tuple[Context, dict[str, Effect]]:
-    """The context of a scene and all its effects by name, decided in the order of `EFFECTS`. Raises
-    SceneError for a state that a person chose and cannot have, and where no body deforms. The
-    context's `decided` is the same dictionary.
+def decide(scene: Scene, dimension: Dimension, contact: Contact, hertz: Hertz) -> Context:
+    """The context of a scene in which all effects are decided, in the order of `EFFECTS`. Raises
+    SceneError for a state that a person chose and cannot have, and where no body deforms.
     """
     found: dict[str, Effect] = {}
     context = Context(scene=scene, dimension=dimension, contact=contact, hertz=hertz, decided=found)
@@ -160,7 +157,7 @@ def decide(
         raise SceneError(
             f"effects.{rigid}", "'off' is not allowed: the other body is rigid; give auto or on"
         )
-    return context, found
+    return context
 
 
 def _without_bodies(name: str, effect: Effect) -> Effect:
@@ -220,15 +217,14 @@ def left_out(
     return out
 
 
-def check(
-    context: Context, effects: Mapping[str, Effect], findings: Findings | None
-) -> dict[str, PostSolveVerdict]:
+def check(context: Context, findings: Findings | None) -> dict[str, PostSolveVerdict]:
     """Verdicts of a solution by name of the effect or assumption: whether an effect is needed or an
     assumption does not hold, and why. Those that do not apply are missing, effects without a rule
     for the solution among them; all of them without findings.
     """
     if findings is None:
         return {}
-    after = {name: each.check(context, effects[name], findings) for name, each in EFFECTS.items()}
+    decided = context.decided
+    after = {name: each.check(context, decided[name], findings) for name, each in EFFECTS.items()}
     after |= {name: weigh(context, findings) for name, (_, weigh) in ASSUMPTIONS.items()}
     return {name: each for name, each in after.items() if each is not None}

@@ -92,7 +92,7 @@ class HalfSpaceSolution:
         """Verdicts by name of the effect or assumption (`effects.check`); empty without a
         solution.
         """
-        return effects.check(self.plan.context, self.plan.effects, self.findings)
+        return effects.check(self.plan.context, self.findings)
 
 
 Solved = MeshSolution | HalfSpaceSolution

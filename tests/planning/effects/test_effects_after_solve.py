@@ -57,7 +57,7 @@ def again(result: pipeline.Result, *assignments: str) -> dict:
     """The indicators of another scene on the same solution."""
     plan = result.plan
     scene = plan.scene.replace(assignments)
-    return effects.check(replace(plan.context, scene=scene), plan.effects, result.findings)
+    return effects.check(replace(plan.context, scene=scene), result.findings)
 
 
 def test_yield_is_judged_by_the_stress_that_was_found(thesis) -> None:
@@ -76,7 +76,7 @@ def test_yield_is_judged_with_what_partial_slip_may_add(thesis) -> None:
     scene = thesis.plan.scene.replace([f"{body}.yield_stress={peak / 0.9!r}"])
     for error, needed in ((0.0, False), (0.15, True)):
         findings = replace(thesis.findings, unread_peak=error)
-        found = effects.check(replace(context, scene=scene), thesis.plan.effects, findings)
+        found = effects.check(replace(context, scene=scene), findings)
         assert found["plasticity"].needed is needed
 
 
@@ -107,7 +107,7 @@ def test_a_rim_or_a_block_that_is_thin_is_named(thesis) -> None:
         scene = plan.scene.replace(["rail.profile=arc", "rail.crown_radius=300", *assignments])
         return assumptions.thick_bodies(replace(plan.context, scene=scene), thesis.findings)
 
-    assert not effects.check(plan.context, plan.effects, thesis.findings)["thick_bodies"].needed
+    assert not effects.check(plan.context, thesis.findings)["thick_bodies"].needed
     for thin, body in (("wheel.rim_depth=3", "wheel"), ("rail.depth=3", "rail")):
         found = judged(thin)
         assert found.needed and found.why.startswith(f"the {body} is held 3 mm deep")
