@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from railhead.planning.references import closed_forms
 from railhead.run.half_spaces.tangential_contact import FrictionCase
 from railhead.scene.scene import Scene
 from railhead.solver.system.solution import FrictionSolution
+from railhead.theory.friction import tangential
 
 MU = 0.3
 
@@ -41,7 +41,12 @@ def friction_case(
     return FrictionCase(
         solution=solution,
         coefficient=MU,
-        pair=closed_forms.tangential_pair(scene),
+        pair=tangential.pair(
+            scene.wheel.young_modulus,
+            scene.wheel.poisson_ratio,
+            scene.rail.young_modulus,
+            scene.rail.poisson_ratio,
+        ),
         rolling=rolling,
         half_space_shift=half_space_shift,
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from copy import copy
 from dataclasses import dataclass, field, replace
@@ -15,6 +16,8 @@ from railhead.scene.scene import Rail, Scene, SceneError, Wheel
 from railhead.theory.bem import grid_stress
 from railhead.theory.bem.boundary_element import BoundaryElementSolution
 from railhead.theory.elastic.line import Hertz
+from railhead.theory.friction import tangential
+from railhead.theory.friction.tangential import MaterialPair
 
 DEFAULT_ACCURACY = 0.01  # accuracy of a scene that prescribes none
 
@@ -94,6 +97,29 @@ class Context:
         """Tables of the scene of the bodies that deform, by 'rail' and 'wheel'."""
         bodies = self.scene.bodies.items()
         return {name: part for name, part in bodies if self.decided[f"deformable_{name}"].on}
+
+    @property
+    def young_moduli(self) -> dict[str, float]:
+        """Young's moduli as simulated, MPa, by 'rail' and 'wheel': infinite of a body that does not
+        deform beside one that does. Half-spaces in the place of finite bodies have those of the
+        scene.
+        """
+        bodies, deform = self.scene.bodies.items(), self.deformable
+        rigid = bool(deform) and self.decided["finite_bodies"].on
+        return {
+            name: math.inf if rigid and name not in deform else part.young_modulus
+            for name, part in bodies
+        }
+
+    @property
+    def tangential_pair(self) -> MaterialPair:
+        """Shear modulus (MPa), Poisson's ratio and mismatch of both materials as simulated,
+        combined for tangential contact.
+        """
+        rail, wheel, young = self.scene.rail, self.scene.wheel, self.young_moduli
+        return tangential.pair(
+            young["wheel"], wheel.poisson_ratio, young["rail"], rail.poisson_ratio
+        )
 
     @cached_property
     def boundary_elements(self) -> BoundaryElementSolution:

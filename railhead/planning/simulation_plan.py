@@ -424,7 +424,7 @@ class Plan:
         which needs factors of the bodies: in sections, with unlike materials, and where bodies
         yield.
         """
-        return self.section or interface.unlike(self.scene) or self.effects["plasticity"].on
+        return self.section or interface.unlike(self.context) or self.effects["plasticity"].on
 
     @property
     def cost(self) -> cost.Cost:

@@ -281,7 +281,7 @@ def _read(solved: MeshSolution) -> MeshSolution:
         return solved
     from railhead.postprocess import read
 
-    frame, unlike = plan.contact.frame, interface.unlike(plan.scene)
+    frame, unlike = plan.contact.frame, interface.unlike(plan.context)
     elastic = solution.plasticity is None and not (unlike and solution.friction is not None)
     parabolic = plan.contact.half_space and elastic
     findings = read.findings(fields, frame, solution.friction, parabolic=parabolic)
@@ -299,7 +299,7 @@ def read_friction(
     quantities = friction.quantities(
         solution,
         rolling=rolling.prescribed,
-        like=not interface.unlike(plan.scene),
+        like=not interface.unlike(plan.context),
         speed=rolling.speed,
         cycle=plan.scene.friction.cycle,
         patches=np.array([each.centre for each in found.patch.each] or [found.frame.origin]),

@@ -84,7 +84,7 @@ def materials(plan: Plan) -> dict[int, Material]:
     made = {}
     for tag, name in BODY_NAMES.items():
         part = getattr(plan.scene, name)
-        young = part.young_modulus if tag in plan.deformable else math.inf
+        young = plan.context.young_moduli[name]
         made[tag] = Material(young, part.poisson_ratio)
         if plan.effects["plasticity"].on and part.yields and math.isfinite(young):
             made[tag] = replace(made[tag], hardening=hardening(part))
@@ -123,22 +123,20 @@ def _friction(plan: Plan) -> FrictionSettings:
         rigid_slip=wheelset_kinematics.rigid_slip(contact),
         creepage=(known[0], known[1], known[2]),
         force_controlled=tuple(free),
-        load_steps=friction_steps(scene, contact.load_power, yields=plan.effects["plasticity"].on),
+        load_steps=friction_steps(plan),
         far_field=partial(cerruti_far_field, materials(plan)) if contact.solid_half_space else None,
     )
 
 
-def friction_steps(scene: Scene, power: int, *, yields: bool) -> tuple[tuple[float, float], ...]:
+def friction_steps(plan: Plan) -> tuple[tuple[float, float], ...]:
     """Steps of (share of the load, share of the tangential forces). The patch of bodies of
     different materials grows in steps if nothing rolls: after step k of n its length is
     sin(pi k/2n) of the full one. What sticks in a step is what sticks in its middle, so the last
     one is short. Then the force is applied, in a cycle also reversed and applied again, in equal
     steps where bodies yield.
-
-    power: of the patch's length that the load grows with, 3 or in a line contact 2; yields: whether
-        bodies yield.
     """
-    if not interface.grows(scene):
+    scene, power = plan.scene, plan.contact.load_power
+    if not interface.grows(plan.context):
         grown = []
     else:
         angles = np.linspace(0, np.pi / 2, GROWTH_STEPS + 1)[1:]
@@ -146,7 +144,7 @@ def friction_steps(scene: Scene, power: int, *, yields: bool) -> tuple[tuple[flo
         if not any(scene.tangential_forces[1:]):
             return tuple(grown)
     turns = FORCE_CYCLE if scene.friction.cycle else FORCE_CYCLE[:2]
-    steps = FORCE_STEPS if yields else 1
+    steps = FORCE_STEPS if plan.effects["plasticity"].on else 1
     shares = [
         start + (end - start) * step / steps
         for start, end in itertools.pairwise(turns)

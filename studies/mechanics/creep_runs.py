@@ -12,7 +12,6 @@ from mpi4py import MPI
 
 import railhead as rh
 from railhead.planning import simulation_plan as planning
-from railhead.planning.references import closed_forms
 from railhead.planning.simulation_plan import Plan
 from railhead.run import mesh_solution
 from railhead.run import solid_friction as friction
@@ -154,7 +153,7 @@ def _plan(curve: CreepCurve) -> Plan:
 def _others(plan: Plan, curve: CreepCurve) -> Iterator[Point]:
     scene, ellipse = plan.scene, plan.estimate
     assert isinstance(ellipse, Ellipse) and scene.load is not None
-    pair = closed_forms.tangential_pair(scene)
+    pair = plan.context.tangential_pair
     hertzian = plan.forecast.hertzian
     patches = normal_contact.patches(
         plan.contact, ellipse, hertzian=hertzian, load=scene.load, cells=CELLS

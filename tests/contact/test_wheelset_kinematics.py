@@ -13,12 +13,13 @@ from railhead.contact import solid as geometry
 from railhead.contact import wheelset_kinematics
 from railhead.contact.solid import Contact, place
 from railhead.planning import simulation_plan as planning
-from railhead.planning.references import boundary_elements, closed_forms
+from railhead.planning.references import boundary_elements
 from railhead.run import model_setup
 from railhead.run.half_spaces import normal_contact
 from railhead.run.half_spaces.tangential_contact import solve_by_boundary_elements
 from railhead.theory.bem.boundary_element import BoundaryElementSolution
 from railhead.theory.bem.grid_patch import PatchSolution
+from railhead.theory.friction import tangential
 from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction, TangentialSolution
 
 FORCES = "force_along_N", "force_across_N"
@@ -120,7 +121,8 @@ def rolled_alone(contact: Contact, pressed: PatchSolution, slip: np.ndarray) -> 
     """A patch of half-spaces under its pressure at a rigid slip (2, nx, ns)."""
     modes = np.zeros((4, *slip.shape))
     modes[3] = slip
-    pair = closed_forms.tangential_pair(contact.scene)
+    steel = contact.scene.rail.young_modulus, contact.scene.rail.poisson_ratio
+    pair = tangential.pair(*steel, *steel)
     body = HalfSpaceFriction(
         pressed.x, pressed.s, pressed.pressure, MU, pair, rolling=True, modes=modes
     )

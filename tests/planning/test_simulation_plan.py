@@ -1,7 +1,5 @@
 """The plan decides by numbers, lets a person override it, and what is off is not there."""
 
-import math
-
 import pytest
 from mpi4py import MPI
 from one_line import refusal
@@ -12,11 +10,10 @@ from railhead.planning import simulation_plan
 from railhead.planning.effects import shape
 from railhead.planning.references import boundary_elements
 from railhead.results import pipeline
-from railhead.run import mesh_solution
+from railhead.run import mesh_solution, model_setup
 from railhead.run.progress import Progress
 from railhead.scene import catalogue
 from railhead.scene.scene import Effects, SceneError
-from railhead.theory.elastic import hertz
 
 
 def effect(name: str, case: str, *assignments: str):
@@ -179,11 +176,21 @@ def test_friction_drops_the_planes_that_do_not_hold(keys, along: bool, across: b
     assert (plan.half_x, plan.half_y) == (along, across)
 
 
-def test_dundurs_beta_of_a_body_on_a_rigid_one() -> None:
-    """beta = (1 - 2 nu) / (2 (1 - nu)) (Johnson, Contact Mechanics, 5.3)."""
-    assert hertz.dundurs_beta(1000, 0.3, math.inf, 0.2) == pytest.approx(0.4 / 1.4)
-    assert hertz.dundurs_beta(math.inf, 0.2, 1000, 0.3) == pytest.approx(-0.4 / 1.4)
-    assert hertz.dundurs_beta(1000, 0.3, 1000, 0.3) == 0.0
+@pytest.mark.parametrize("name", ["rail", "wheel"])
+def test_a_body_that_is_rigid_by_choice_is_unlike_the_other(name: str) -> None:
+    """Steel on steel, of which one deforms: what an infinite modulus is planned as."""
+    keys = ("friction.coefficient=0.3", "friction.tangential_load=3kN", "mesh.patch_size=0.9")
+    off = planned("hertz_ellipse", *keys, f"effects.deformable_{name}=off")
+    stiff = planned("hertz_ellipse", *keys, f"{name}.young_modulus=inf")
+    assert off.condenses and stiff.condenses
+    steps = model_setup.friction_steps(off)
+    assert steps == model_setup.friction_steps(stiff) and len(steps) == 9
+    assert off.context.tangential_pair == stiff.context.tangential_pair
+    both = planned("hertz_ellipse", *keys)
+    assert not both.condenses and len(model_setup.friction_steps(both)) == 1
+    assert off.price("deformable_rail") and off.price("deformable_wheel")
+    other = both.flipped(f"deformable_{name}")
+    assert other.condenses and name not in other.context.deformable
 
 
 @pytest.mark.parametrize(

@@ -222,12 +222,27 @@ def test_unloaded_half_spaces_are_pulled_by_nothing(
 
 def test_a_shift_is_taken_in_steps_where_bodies_grow_or_yield() -> None:
     unlike = roller(friction={"force_along": 1e3, "cycle": True}, wheel={"young_modulus": 1e5})
-    legs = model_setup.friction_steps(unlike, 2, yields=False)
+    legs = model_setup.friction_steps(planning.make(unlike))
     lengths = [math.sin(step / 16 * math.pi) for step in range(1, 9)]
     assert [load for load, _ in legs[:8]] == pytest.approx([length**2 for length in lengths])
     assert legs[8:] == ((1, 1), (1, -1), (1, 1))
-    shares = model_setup.friction_steps(roller(friction={"force_along": 1e3}), 2, yields=True)
+    shares = model_setup.friction_steps(planning.make(yielding()))
     assert shares == ((1, 0.25), (1, 0.5), (1, 0.75), (1, 1))
+
+
+def test_a_wheel_rigid_by_choice_shifts_as_one_of_an_infinite_modulus() -> None:
+    """On one mesh; its patch grows in steps, as that of any unlike bodies."""
+    keys = {"friction": {"force_along": 12e3}, "mesh": {"patch_size": 2.0}}
+    stiff = planning.make(roller(wheel={"young_modulus": math.inf}, **keys))
+    chosen = planning.make(roller(effects={"deformable_wheel": "off"}, **keys))
+    made = mesh_solution.generate(stiff, stiff.grading(), MPI.COMM_SELF)
+    one, other = (
+        mesh_solution.solve(plan, mesh_solution.assemble(plan, made))
+        for plan in (stiff, replace(chosen, forecast=stiff.forecast))
+    )
+    assert len(one.friction.load_steps) == 9
+    assert other.friction.rigid_motion == pytest.approx(one.friction.rigid_motion, rel=1e-9)
+    np.testing.assert_allclose(other.pressure, one.pressure, rtol=1e-9)
 
 
 @pytest.fixture(scope="module")

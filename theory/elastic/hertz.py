@@ -152,21 +152,6 @@ def contact_modulus(young_1: float, poisson_1: float, young_2: float, poisson_2:
     return 1 / ((1 - poisson_1**2) / young_1 + (1 - poisson_2**2) / young_2)
 
 
-def dundurs_beta(young_1: float, poisson_1: float, young_2: float, poisson_2: float) -> float:
-    """Dundurs' beta (c_1 - c_2)/2 over (d_1 + d_2), with c = (1 - 2 nu)/G and d = (1 - nu)/G of
-    each body (Johnson, Contact Mechanics, 5.3).
-
-    0 means that both surfaces move alike under equal pressure. Moduli in MPa; math.inf is rigid.
-    ValueError: a modulus that is not positive, a Poisson ratio outside (-1, 0.5], or two rigid
-    bodies.
-    """
-    modulus = contact_modulus(young_1, poisson_1, young_2, poisson_2)
-    c_1, c_2 = (
-        (1 + nu) * (1 - 2 * nu) / E for E, nu in ((young_1, poisson_1), (young_2, poisson_2))
-    )
-    return (c_1 - c_2) / 2 * modulus
-
-
 def point_contact(
     curvature_x: float, curvature_y: float, contact_modulus: float, load: float
 ) -> Ellipse:

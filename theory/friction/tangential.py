@@ -47,6 +47,14 @@ class MaterialPair:
         """Whether tractions do not change the pressure: |K| below 1e-9 (NO_MISMATCH)."""
         return abs(self.mismatch) < NO_MISMATCH
 
+    @property
+    def dundurs_beta(self) -> float:
+        """Dundurs' beta of the rail and the wheel, dimensionless, -K/(1 - nu): (c_r - c_w)/2 over
+        (d_r + d_w), with c = (1 - 2 nu)/G and d = (1 - nu)/G of each body (Johnson, Contact
+        Mechanics, 5.3).
+        """
+        return -self.mismatch / (1 - self.poisson)
+
 
 def pair(
     young_wheel: float, poisson_wheel: float, young_rail: float, poisson_rail: float

@@ -10,19 +10,16 @@ import math
 from railhead.contact import wheelset_kinematics
 from railhead.contact.wheelset_kinematics import WheelsetCreepage
 from railhead.planning.context import Context, Effect, PostSolveVerdict
-from railhead.planning.references import closed_forms
 from railhead.postprocess.findings import Findings
 from railhead.scene import flow_curves
-from railhead.scene.scene import Scene, SceneError
+from railhead.scene.scene import SceneError
 from railhead.scene.sections import refuse_first
-from railhead.theory.elastic import hertz
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.friction import kalker
 from railhead.theory.friction.rolling import Creepage
 from railhead.theory.friction.wear import flash_temperature
 
 OMITTED = "not simulated: falling friction, third bodies, roughness, dynamics (docs/limits.md)"
-NO_MISMATCH = 1e-9  # largest |beta| that is taken for a rounding error
 HOT = 100.0  # K, least flash temperature that matters (a choice)
 UNKNOWN = "flash temperature not known for this material: the constants are those of steel"
 
@@ -64,15 +61,13 @@ def decide_friction(context: Context) -> Effect:
             True,
             f"{why}'s stick patch is {stick:.3g} times as long and wide as the patch",
         )
-    elif not unlike(scene):
+    elif not unlike(context):
         called, why = False, f"{untouched}, and Dundurs' beta = 0 leaves the surfaces unsheared"
     elif not coefficient:
         called, why = False, f"{untouched}, and friction.coefficient = 0"
     else:
-        called, why = (
-            True,
-            f"it resists the slip of unlike materials, Dundurs' beta = {dundurs_beta(scene):.3g}",
-        )
+        beta = context.tangential_pair.dundurs_beta
+        called, why = True, f"it resists the slip of unlike materials, Dundurs' beta = {beta:.3g}"
     meshed = context.decided["finite_bodies"].on
     if called and meshed and scene.mesh.linear and scene.effects.friction != "off":
         raise SceneError(
@@ -94,7 +89,7 @@ def _beyond_half_spaces(context: Context) -> str:
     scene, contact = context.scene, context.contact
     if context.decided["finite_bodies"].on or scene.rolling.prescribed:
         return ""
-    if grows(scene):
+    if grows(context):
         return "half-spaces do not follow unlike bodies that slip while the patch grows"
     if scene.friction.cycle:
         return "half-spaces do not follow a cycle of forces"
@@ -103,26 +98,16 @@ def _beyond_half_spaces(context: Context) -> str:
     return "the shift of bodies that end, or of a line, depends on where they are held"
 
 
-def grows(scene: Scene) -> bool:
+def grows(context: Context) -> bool:
     """Whether friction acts while the patch grows: unlike materials without rolling."""
-    return unlike(scene) and not scene.rolling.prescribed
+    return unlike(context) and not context.scene.rolling.prescribed
 
 
-def unlike(scene: Scene) -> bool:
-    """Whether the materials differ so that frictionless bodies slip when pressed together:
-    |Dundurs' beta| above 1e-9 (NO_MISMATCH).
+def unlike(context: Context) -> bool:
+    """Whether the materials as simulated differ so that frictionless bodies slip when pressed
+    together. A body that does not deform has an infinite modulus.
     """
-    return abs(dundurs_beta(scene)) > NO_MISMATCH
-
-
-def dundurs_beta(scene: Scene) -> float:
-    """Dundurs' beta of the rail's and the wheel's materials, dimensionless, of the scene's moduli
-    also where a body is taken as rigid.
-    """
-    rail, wheel = scene.rail, scene.wheel
-    return hertz.dundurs_beta(
-        rail.young_modulus, rail.poisson_ratio, wheel.young_modulus, wheel.poisson_ratio
-    )
+    return not context.tangential_pair.like
 
 
 def check_friction(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict | None:
@@ -164,7 +149,7 @@ def _expected(context: Context, limit: float) -> str:
         return ""
     if not 0.05 <= ellipse.a / ellipse.b <= 20:
         return ""
-    pair = closed_forms.tangential_pair(scene)
+    pair = context.tangential_pair
     linear = kalker.coefficients(ellipse.a / ellipse.b, pair.poisson)
     forces = linear.forces(ellipse.a, ellipse.b, pair.shear_modulus, creepage(context))
     share = math.hypot(*forces[:2]) / limit

@@ -105,7 +105,7 @@ def decide_plasticity(context: Context) -> Effect:
         refused = {"on": HALF_SPACES}
         why += f"; {HALF_SPACES}" if yields else ""
     elif stresses and context.decided["friction"].on:
-        grows = interface.grows(scene)
+        grows = interface.grows(context)
         if scene.rolling.prescribed or grows:
             what = "unlike bodies are pressed" if grows else "rolling is solved"
             refused = {

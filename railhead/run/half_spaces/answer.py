@@ -16,7 +16,7 @@ import numpy as np
 from railhead.planning import effects
 from railhead.planning.context import PostSolveVerdict
 from railhead.planning.effects import assumptions, interface, shape
-from railhead.planning.references import boundary_elements, closed_forms
+from railhead.planning.references import boundary_elements
 from railhead.planning.references.allowance import added_stress
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess import friction
@@ -235,7 +235,7 @@ def _with_friction(plain: HalfSpaceSolution, sheared: PatchTractions) -> HalfSpa
     found, result = plain.findings, plain.result
     points = normal_contact.surface(plan.contact)
     solution = _at_cells(plan, sheared, points)
-    rolls, unlike = scene.rolling.prescribed, interface.unlike(scene)
+    rolls, unlike = scene.rolling.prescribed, interface.unlike(plan.context)
     found = half_space.with_tractions(
         found,
         [each.pressed for each in sheared.patches],
@@ -257,7 +257,7 @@ def _with_friction(plain: HalfSpaceSolution, sheared: PatchTractions) -> HalfSpa
             parts[key] = {"bodies": area * share, "grid": sheared.grid_error}
     other = {}
     if rolls and not (plan.contact.line or unlike):
-        pair = closed_forms.tangential_pair(scene)
+        pair = plan.context.tangential_pair
         other["FASTSIM (equal ellipses)"] = tangential_contact.or_reason(
             lambda: tangential_contact.fastsim(
                 sheared.patches, solution.friction_limit, pair, solution.rigid_motion
@@ -344,7 +344,7 @@ def _tractions(
         )
         sheared = tangential_contact.shear(
             patches,
-            closed_forms.tangential_pair(scene),
+            plan.context.tangential_pair,
             scene.friction.coefficient,
             interface.creepage(plan.context),
             (along, across),

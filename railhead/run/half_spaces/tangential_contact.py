@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from railhead.planning.references import closed_forms
 from railhead.run.half_spaces import normal_contact
 from railhead.run.half_spaces.normal_contact import PressedPatch
 from railhead.run.mesh_solution import MeshSolution
@@ -94,7 +93,7 @@ def half_space_friction(
     case = FrictionCase(
         solution=found,
         coefficient=scene.friction.coefficient,
-        pair=closed_forms.tangential_pair(scene),
+        pair=solved.plan.context.tangential_pair,
         rolling=scene.rolling.prescribed,
         half_space_shift=contact.solid_half_space,
     )

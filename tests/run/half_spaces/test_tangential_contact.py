@@ -11,7 +11,7 @@ from rich.console import Console
 
 import railhead as rh
 from railhead.planning import simulation_plan as planning
-from railhead.planning.references import boundary_elements, closed_forms
+from railhead.planning.references import boundary_elements
 from railhead.results import checks
 from railhead.results.report import terminal
 from railhead.run.half_spaces import normal_contact, tangential_contact
@@ -121,7 +121,7 @@ def test_patches_share_one_motion(two: planning.Plan, patches: list[PressedPatch
 
 
 def test_forces_of_patches_add_up_in_space(two: planning.Plan, patches: list[PressedPatch]) -> None:
-    pair, motion = closed_forms.tangential_pair(two.scene), Creepage(1e-3, 5e-4, 1e-4)
+    pair, motion = two.context.tangential_pair, Creepage(1e-3, 5e-4, 1e-4)
     t = two.contact.touch.angle
     axes = np.array([[1, 0, 0], [0, math.cos(t), math.sin(t)], [0, -math.sin(t), math.cos(t)]])
     for patch in patches:
@@ -142,7 +142,7 @@ def test_forces_of_patches_add_up_in_space(two: planning.Plan, patches: list[Pre
 
 def test_the_ellipse_of_an_ellipse_is_itself() -> None:
     plan, motion = ellipse(), (1e-4, 2e-4, 1e-4)
-    exactly, pair = plan.estimate, closed_forms.tangential_pair(plan.scene)
+    exactly, pair = plan.estimate, plan.context.tangential_pair
     linear = kalker.coefficients(exactly.a / exactly.b, pair.poisson)
     known = linear.forces(exactly.a, exactly.b, pair.shear_modulus, Creepage(*motion))
     patch = hertz(plan, 64)
@@ -171,7 +171,7 @@ def test_each_patch_dissipates_what_it_would_alone(
     two: planning.Plan, patches: list[PressedPatch]
 ) -> None:
     """A patch on another radius creeps differently, and its forces do work on that."""
-    pair, motion = closed_forms.tangential_pair(two.scene), (1e-3, 5e-4, 1e-4)
+    pair, motion = two.context.tangential_pair, (1e-3, 5e-4, 1e-4)
     normal = [each.pressed.force for each in patches]
     alone = [
         tangential_contact.fastsim([each], MU * force, pair, motion)

@@ -65,6 +65,16 @@ def test_like_and_incompressible_bodies_are_not_drawn_apart() -> None:
     assert pair(3000, 0.3, 207000, 0.3).mismatch > 0 > pair(207000, 0.3, 3000, 0.3).mismatch
 
 
+def test_dundurs_beta_of_a_body_on_a_rigid_one() -> None:
+    """beta = (1 - 2 nu) / (2 (1 - nu)) (Johnson, Contact Mechanics, 5.3)."""
+    rigid = math.inf
+    assert pair(rigid, 0.2, 1000, 0.3).dundurs_beta == pytest.approx(0.4 / 1.4)
+    assert pair(1000, 0.3, rigid, 0.2).dundurs_beta == pytest.approx(-0.4 / 1.4)
+    assert pair(3000, 0.3, 207000, 0.25).dundurs_beta == pytest.approx(
+        ((1.25 * 0.5 / 207000) - (1.3 * 0.4 / 3000)) / (2 * (0.91 / 3000 + 0.9375 / 207000))
+    )
+
+
 def test_tractions_open_the_gap_as_pressure_draws_the_surfaces() -> None:
     """Reciprocity: the work of one on the displacement by the other is the same either way."""
     influence = TractionInfluence(X, Y, pair(3000, 0.3, 207000, 0.3), rolling=False)
