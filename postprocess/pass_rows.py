@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -28,6 +29,14 @@ PASS_COLUMNS = {
 """What people read of each pass: words and base unit by key of its row."""
 PASS_ERRORS = ("groove_mm", "residual_along_MPa", "residual_across_MPa")
 """Keys of what has an estimated error after the last pass."""
+
+FALLS = 0.9  # ratio of an increment to the one before, below which the increments fall
+STEADY = 0.98  # ratio from which they are steady
+SHARE = 0.1  # of the plastic strain that is there: what later passes may add after shakedown
+NOTHING = 1e-2  # forward displacement over half length and strain increment, that counts as none
+
+ELASTIC, SHAKES_DOWN, CYCLES = "elastic", "shakes down", "closed cycles"
+RATCHETS, LIMIT, UNDECIDED = "ratchets", "at the limit", "undecided"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,7 +72,7 @@ class Passes:
     """Passes of a wheel over a rail.
 
     rows: a row for each pass, as "passes" of "result" in summary.json.
-    verdict: what they come to, a word of `solver.passes.verdict`.
+    verdict: what they come to, a word such as RATCHETS, see `verdict`.
     words: the verdict in a sentence.
     sections: state of the section after each pass.
     state: what the last pass left, from which more go on; None where there are no passes.
@@ -191,27 +200,84 @@ def row(
     }
 
 
+def verdict(
+    increments: Sequence[float],
+    forward: Sequence[float],
+    length: float,
+    noise: float,
+    *,
+    hardens: bool,
+) -> str:
+    """Verdict on n passes.
+
+    increments: largest increase of the equivalent plastic strain in each pass (n,).
+    forward: displacement of the surface along the rail in each pass (n,), mm.
+    length: half length of the patch along the rail, mm.
+    noise: increment that the tolerance of the solution may make.
+    hardens: whether the flow curve rises without end; then nothing ratchets for ever, and no
+        limit lies between shakedown and ratchetting: such passes are undecided.
+
+    Elastic: nothing yields in the first pass. Shakedown: nothing yields in the last two; or the
+    last two increments each fall below 0.9 of the one before, and all that a geometric series adds
+    to them is below a tenth of their sum. Closed cycles: the increments are steady and the forward
+    displacement is zero or, of a curve that rises without end, falls. Ratchetting: both are steady.
+    In between, increments fall slowly, at the limit of shakedown. Fewer than three passes are
+    undecided, before the fourth only shakedown is told, and a forward displacement that still grows
+    or turns round is undecided.
+    """
+    small = [value <= noise for value in increments]
+    if small and small[0] and all(small):
+        return ELASTIC
+    if len(small) > 2 and small[-1] and small[-2]:
+        return SHAKES_DOWN
+    if len(increments) < 3:
+        return UNDECIDED
+    falls = _ratio(increments)
+    if falls < FALLS:
+        rest = increments[-1] * falls / (1 - falls)
+        return SHAKES_DOWN if rest < SHARE * sum(increments) else UNDECIDED
+    if len(increments) < 4:
+        return UNDECIDED
+    still = abs(forward[-1]) <= NOTHING * length * increments[-1]
+    steady = all(FALLS <= each <= 1 / FALLS for each in _ratios(forward))
+    if falls < STEADY:
+        return LIMIT if (still or steady) and not hardens else UNDECIDED
+    if still or (hardens and _ratio(forward) < FALLS):
+        return CYCLES
+    return RATCHETS if steady and not hardens else UNDECIDED
+
+
+def _ratios(values: Sequence[float]) -> list[float]:
+    """The last two ratios of a value to the one before; infinite after zero."""
+    return [b / a if a else math.inf for a, b in zip(values[-3:], values[-2:], strict=False)]
+
+
+def _ratio(values: Sequence[float]) -> float:
+    """Larger of the last two ratios of a value to the one before, in size."""
+    return max(abs(each) for each in _ratios(values))
+
+
 def words(
     verdict: str, rows: list[dict[str, Any]], rolling: RollingBlock, *, tractions: bool
 ) -> str:
     """The verdict in a sentence, with the hardening law that it stands on, and whether tractions
-    act. verdict: a word of `solver.passes.verdict`. rows: of all passes, as of `row`.
+    act. verdict: a word of `verdict`. rows: of all passes, as of `row`.
     """
     last, curve = rows[-1], rolling.hardening
     rest = {
-        "elastic": "nothing yields",
-        "shakes down": f"after {len(rows)} passes strain hardly grows",
-        "closed cycles": f"strain goes round, up to {last['strain_increment_max']:.2g} a pass, "
+        ELASTIC: "nothing yields",
+        SHAKES_DOWN: f"after {len(rows)} passes strain hardly grows",
+        CYCLES: f"strain goes round, up to {last['strain_increment_max']:.2g} a pass, "
         "and the surface stays",
-        "ratchets": f"the surface moves by {last['forward_mm']:.2g} mm a pass",
-        "at the limit": f"strain grows by {last['strain_increment_max']:.2g} a pass, slowly less",
-        "undecided": f"strain grows by {last['strain_increment_max']:.2g} in the last pass; more "
+        RATCHETS: f"the surface moves by {last['forward_mm']:.2g} mm a pass",
+        LIMIT: f"strain grows by {last['strain_increment_max']:.2g} a pass, slowly less",
+        UNDECIDED: f"strain grows by {last['strain_increment_max']:.2g} in the last pass; more "
         "passes tell",
     }[verdict]
     law = "; no tractions act"
     if tractions:
         law = "; the tractions of elastic bodies act, one way: yield does not change them"
-    if verdict == "elastic":
+    if verdict == ELASTIC:
         return f"{verdict}: {rest}{law}"
     if not _hardens(curve):
         steel = "perfect plasticity: real steel lies between it and linear kinematic hardening"

@@ -113,9 +113,10 @@ def everything(summary: Mapping[str, Any]) -> Iterator[Row]:
 
 
 def _passes(result: Mapping[str, Any]) -> Iterator[Row]:
-    """Rows of the passes of a wheel: their number, the verdict (a word of `solver.passes.verdict`,
-    "shakes down"), and the values of PASS_COLUMNS in the last pass, with the estimated relative
-    error of those that have one. result: "result" of summary.json; no rows where it has no passes.
+    """Rows of the passes of a wheel: their number, the verdict (such as "shakes down", see
+    `postprocess.pass_rows.verdict`), and the values of PASS_COLUMNS in the last pass, with the
+    estimated relative error of those that have one. result: "result" of summary.json; no rows where
+    it has no passes.
     """
     if not result.get("passes"):
         return

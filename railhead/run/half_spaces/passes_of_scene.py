@@ -16,7 +16,13 @@ from railhead.planning.context import Context
 from railhead.planning.effects.passes import line_limit
 from railhead.planning.references import boundary_elements
 from railhead.planning.references.boundary_elements import Developed
-from railhead.postprocess.pass_rows import PASS_ERRORS, Passes, RailState
+from railhead.postprocess.pass_rows import (
+    PASS_ERRORS,
+    SHAKES_DOWN,
+    UNDECIDED,
+    Passes,
+    RailState,
+)
 from railhead.run.half_spaces import pass_contact, passes_file
 from railhead.run.half_spaces.answer import Solved
 from railhead.run.half_spaces.pass_contact import RollingContact
@@ -82,8 +88,6 @@ def within_melan_s_limit(found: Passes, context: Context) -> Passes:
     Where the surface sets the limit, the Gauss points below it may miss that it goes on to yield.
     A rail that hardens isotropically shakes down in the end, so nothing is held against the limit.
     """
-    from railhead.solver.passes.verdict import SHAKES_DOWN, UNDECIDED
-
     rail = context.scene.rail
     held = isinstance(context.hertz, LineContact)
     held &= not rail.hardens or rail.kinematic_fraction == 1

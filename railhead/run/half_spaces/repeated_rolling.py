@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from railhead.postprocess.pass_rows import Passes, rail_state, row, words
+from railhead.postprocess.pass_rows import Passes, rail_state, row, verdict, words
 from railhead.run.half_spaces import pass_contact
 from railhead.run.half_spaces.pass_contact import RollingContact
 
@@ -82,8 +82,6 @@ def roll(
     returned; None: the rail is new. stage: called with words before each pass. Raises ValueError
     where boundary elements find no balance.
     """
-    from railhead.solver.passes.verdict import verdict
-
     pressing = pass_contact.Pressing(rolling, contact)
     rows, sections = ([*before.rows], [*before.sections]) if before else ([], [])
     state, last = (before and before.state) or rolling.start, len(rows) + count

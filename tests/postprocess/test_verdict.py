@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from railhead.solver.passes.verdict import verdict
+from railhead.postprocess.pass_rows import verdict
 
-LINE = json.loads((Path(__file__).parents[2] / "theory" / "data" / "passes.json").read_text())[
+LINE = json.loads((Path(__file__).parents[1] / "theory" / "data" / "passes.json").read_text())[
     "line"
 ]
 EXPECTED = {
