@@ -94,8 +94,6 @@ class Pressing:
 
     def __init__(self, rolling: RollingBlock, contact: RollingContact) -> None:
         """rolling: the block, whose origin is that of the grid; contact: what rolls."""
-        from railhead.solver.passes.averages import cell_means
-
         self.patch: PatchSolution | None = None
         self.traction_work = 0.0
         self._rolling, self._contact = rolling, contact
@@ -176,6 +174,27 @@ class Pressing:
             values[rolling.surface_numbers, axis] = nodal
         strain = rolling.streams.gathered(block.strains(block.solve(force)))
         return rolling.stress(strain)
+
+
+def cell_means(nodes: Array, edges: Array) -> Array:
+    """Matrix (m, n) from values at n nodes to the means over m cells of another grid.
+
+    nodes: ascending (n,): ends and middles of (n - 1)/2 elements, on which the function is
+        quadratic, mm.
+    edges: ends of the cells, ascending (m + 1,), between the first and the last node, mm.
+    """
+    total = np.zeros((len(edges), len(nodes)))  # integrals from the first node on
+    for first in range(0, len(nodes) - 2, 2):
+        left, right = nodes[first], nodes[first + 2]
+        t = np.clip((edges - left) / (right - left), 0.0, 1.0)
+        weights = (
+            2 * t**3 / 3 - 3 * t**2 / 2 + t,
+            2 * t**2 - 4 * t**3 / 3,
+            2 * t**3 / 3 - t**2 / 2,
+        )
+        for node, weight in enumerate(weights, first):
+            total[:, node] += (right - left) * weight
+    return np.asarray(np.diff(total, axis=0) / np.diff(edges)[:, None])
 
 
 def line_contact(

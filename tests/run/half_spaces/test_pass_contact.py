@@ -65,3 +65,12 @@ def test_carter_s_tractions_carry_their_force():
     assert (np.abs(traction) <= friction * found.pressure[:, 0] + 1e-9).all()
     slips = np.abs(traction) > 0.999 * friction * found.pressure[:, 0]
     assert found.grid.x[slips & (found.pressure[:, 0] > 0)].max() < 2.0 * (1 - 2 * 0.6)  # behind
+
+
+def test_means_of_a_parabola_are_exact():
+    ends = np.array([-2.0, -0.5, 0.1, 3.0])
+    nodes = np.sort(np.concatenate([ends, (ends[1:] + ends[:-1]) / 2]))
+    edges = np.array([-2.0, -1.9, 0.0, 0.05, 2.0, 3.0])
+    found = pass_contact.cell_means(nodes, edges) @ (1 + 2 * nodes - 3 * nodes**2)
+    exact = np.diff(edges + edges**2 - edges**3) / np.diff(edges)
+    assert found == pytest.approx(exact)
