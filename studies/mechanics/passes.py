@@ -11,7 +11,7 @@ import numpy as np
 
 import railhead as rh
 from railhead.postprocess.pictures.plots.diagrams import FE, GREY, HERTZ, new_figure
-from railhead.run.half_spaces import pass_contact, repeated_rolling
+from railhead.run.half_spaces import pass_contact, passes_of_scene
 from railhead.scene import catalogue
 from railhead.solver.material.elasticity import Material
 from railhead.solver.material.hardening import Hardening
@@ -114,10 +114,10 @@ def mapped(traction: float, share: float, law: str) -> Row:
     contact = pass_contact.line_contact(
         1.0, math.pi * p0 / 2, 2 * p0 / modulus, modulus, keeps=True, slips=traction
     )
-    block = repeated_rolling.block(
+    block = passes_of_scene.block(
         material, (1.0, 1.0), line=True, half=False, per_length=PER_LENGTH, reach=REACH
     )
-    found = repeated_rolling.roll(block, contact, (1.0, 1.0), MAPPED)
+    found = passes_of_scene.roll(block, contact, (1.0, 1.0), MAPPED)
     return {
         "traction": traction,
         "law": law,

@@ -11,7 +11,7 @@ import pytest
 from solved import scene_of
 
 from railhead.postprocess.pass_rows import Passes
-from railhead.run.half_spaces import pass_contact, passes_file, repeated_rolling
+from railhead.run.half_spaces import pass_contact, passes_file, passes_of_scene
 from railhead.solver.material.elasticity import Material
 from railhead.solver.material.hardening import Hardening
 from railhead.theory.elastic import hertz
@@ -40,9 +40,9 @@ def rolled(
     ratio: float, hardening: float, traction: float, *, count: int, keeps: bool = True
 ) -> Passes:
     """Passes of a line contact, six elements on the half width."""
-    block = repeated_rolling.block(rail(hardening), (1.0, 1.0), line=True, half=False, per_length=6)
+    block = passes_of_scene.block(rail(hardening), (1.0, 1.0), line=True, half=False, per_length=6)
     contact = line(ratio, keeps=keeps, traction=traction)
-    return repeated_rolling.roll(block, contact, (1.0, 1.0), count)
+    return passes_of_scene.roll(block, contact, (1.0, 1.0), count)
 
 
 def test_below_the_limit_the_second_pass_does_not_yield_at_all():
@@ -108,20 +108,20 @@ def test_without_yield_the_contact_is_the_elastic_one():
 
 
 def test_passes_in_two_runs_are_those_of_one(tmp_path):
-    block = repeated_rolling.block(
+    block = passes_of_scene.block(
         rail(0.0), (1.0, 1.0), line=True, half=False, per_length=4, reach=20
     )
     contact = line(4.2, keeps=True)
-    whole = repeated_rolling.roll(block, contact, (1.0, 1.0), 3)
-    first = repeated_rolling.roll(block, contact, (1.0, 1.0), 2)
+    whole = passes_of_scene.roll(block, contact, (1.0, 1.0), 3)
+    first = passes_of_scene.roll(block, contact, (1.0, 1.0), 2)
     passes_file.save(first, scene_of("long_roller"), tmp_path / "passes.npz")
     held = passes_file.load(str(tmp_path / "passes.npz"), block)
-    rest = repeated_rolling.roll(block, contact, (1.0, 1.0), 1, before=held)
+    rest = passes_of_scene.roll(block, contact, (1.0, 1.0), 1, before=held)
     assert rest.rows == whole.rows
     assert (rest.verdict, rest.words) == (whole.verdict, whole.words)
     for one, other in zip(rest.sections, whole.sections, strict=True):
         assert all((vars(one)[name] == vars(other)[name]).all() for name in vars(one))
-    shorter = repeated_rolling.block(
+    shorter = passes_of_scene.block(
         rail(0.0), (1.0, 1.0), line=True, half=False, per_length=4, reach=19
     )
     with pytest.raises(ValueError, match="another block"):
@@ -140,18 +140,18 @@ def test_passes_in_two_runs_are_those_of_one(tmp_path):
 )
 def test_the_verdict_turns_at_melan_s_limit(ratio, traction, count, verdict):
     """Three per cent below and above 4.00 and 3.202."""
-    block = repeated_rolling.block(rail(0.0), (1.0, 1.0), line=True, half=False)
+    block = passes_of_scene.block(rail(0.0), (1.0, 1.0), line=True, half=False)
     contact = line(ratio, keeps=True, traction=traction)
-    assert repeated_rolling.roll(block, contact, (1.0, 1.0), count).verdict == verdict
+    assert passes_of_scene.roll(block, contact, (1.0, 1.0), count).verdict == verdict
 
 
 def test_a_longer_block_changes_nothing():
     found = []
     for reach in (15, 45):
-        block = repeated_rolling.block(
+        block = passes_of_scene.block(
             rail(0.0), (1.0, 1.0), line=True, half=False, per_length=4, reach=reach
         )
-        found.append(repeated_rolling.roll(block, line(4.2, keeps=True), (1.0, 1.0), 1).rows[0])
+        found.append(passes_of_scene.roll(block, line(4.2, keeps=True), (1.0, 1.0), 1).rows[0])
     for key, share in (
         ("strain_increment_max", 0.005), ("forward_mm", 0.01), ("residual_along_MPa", 0.01),
     ):  # fmt: skip
@@ -161,11 +161,11 @@ def test_a_longer_block_changes_nothing():
 def test_half_the_tolerance_changes_nothing():
     found = []
     for tolerance in (1e-4, 5e-5):
-        block = repeated_rolling.block(
+        block = passes_of_scene.block(
             rail(0.0), (1.0, 1.0), line=True, half=False, per_length=4, reach=20
         )
         block = replace(block, tolerance=tolerance)
-        found.append(repeated_rolling.roll(block, line(4.5, keeps=False), (1.0, 1.0), 1).rows)
+        found.append(passes_of_scene.roll(block, line(4.5, keeps=False), (1.0, 1.0), 1).rows)
     for one, other in zip(*found, strict=True):
         assert one["iterations"] < other["iterations"]
         for key in ("strain_increment_max", "forward_mm", "groove_mm", "residual_along_MPa"):
@@ -178,12 +178,12 @@ def test_a_mirrored_load_leaves_a_mirrored_state():
     exact = ellipse()
     half_lengths = exact.a, exact.b
     plain = pass_contact.ellipse_contact(exact, keeps=False)
-    block = repeated_rolling.block(
+    block = passes_of_scene.block(
         rail(10e3), half_lengths, line=False, half=False, per_length=1.5, reach=4
     )
     across = 0.2 * plain.pressure
     one, other = (
-        repeated_rolling.roll(
+        passes_of_scene.roll(
             block,
             replace(plain, traction=np.stack([np.zeros_like(across), sign * across])),
             half_lengths,
@@ -213,10 +213,10 @@ def test_half_of_a_symmetric_solid_is_the_whole():
     contact = replace(plain, traction=np.stack([along, np.zeros_like(along)]))
     found = []
     for half in (True, False):
-        block = repeated_rolling.block(
+        block = passes_of_scene.block(
             rail(10e3), half_lengths, line=False, half=half, per_length=1.5, reach=3
         )
-        found.append(repeated_rolling.roll(block, contact, half_lengths, 1).rows[0])
+        found.append(passes_of_scene.roll(block, contact, half_lengths, 1).rows[0])
     keys = "strain_increment_max", "forward_mm", "groove_mm", "residual_along_MPa", "work_N"
     for key in (*keys, "traction_work_N"):
         assert found[1][key] == pytest.approx(found[0][key], rel=2e-3), key
@@ -244,8 +244,8 @@ def test_an_ellipse_in_contact_yields_half_as_much_and_shakes_down():
     assert (exact.a, exact.p0 / SHEAR) == pytest.approx((1.0, 5.0))
     half_lengths = exact.a, exact.b
     contact = pass_contact.ellipse_contact(exact, keeps=False)
-    block = repeated_rolling.block(rail(10e3), half_lengths, line=False, half=True)
-    found = repeated_rolling.roll(block, contact, half_lengths, 3)
+    block = passes_of_scene.block(rail(10e3), half_lengths, line=False, half=True)
+    found = passes_of_scene.roll(block, contact, half_lengths, 3)
     first, other = found.rows[0], REFERENCE["ellipse"]["contact"][0]
     assert first["strain_increment_max"] == pytest.approx(other["dq"], rel=0.15)
     assert first["groove_mm"] == pytest.approx(other["groove"], rel=0.15)
@@ -254,9 +254,9 @@ def test_an_ellipse_in_contact_yields_half_as_much_and_shakes_down():
 
 
 def test_yield_beyond_the_region_that_is_followed_is_told(monkeypatch):
-    monkeypatch.setitem(repeated_rolling.DEEP, True, 1.0)
-    block = repeated_rolling.block(
+    monkeypatch.setitem(passes_of_scene.DEEP, True, 1.0)
+    block = passes_of_scene.block(
         rail(0.0), (1.0, 1.0), line=True, half=False, per_length=3, reach=12
     )
-    found = repeated_rolling.roll(block, line(4.2, keeps=True), (1.0, 1.0), 1)
+    found = passes_of_scene.roll(block, line(4.2, keeps=True), (1.0, 1.0), 1)
     assert found.rim > 0.01

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from railhead.run.half_spaces import pass_contact, repeated_rolling
+from railhead.run.half_spaces import pass_contact, passes_of_scene
 from railhead.solver.material.elasticity import Material
 from railhead.solver.material.hardening import Hardening
 from railhead.theory.elastic import hertz
@@ -35,7 +35,7 @@ def test_the_pressure_of_a_gap_is_hertz_s():
 
 @pytest.mark.parametrize("half", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_the_stress_of_the_block_is_that_of_a_sliding_ellipse(half):
-    block = repeated_rolling.block(STEEL, HALF, line=False, half=half, per_length=2, reach=6)
+    block = passes_of_scene.block(STEEL, HALF, line=False, half=half, per_length=2, reach=6)
     contact = solid(ELLIPSE, 0.3)
     pressing = pass_contact.Pressing(block, contact)
     surface = block.surface(np.zeros(block.block.nodes.size))
