@@ -139,7 +139,6 @@ class HalfSpaceFriction:
         *,
         rolling: bool,
         modes: Array | None = None,
-        settled: Array | None = None,
         drawn: Array | None = None,
         added: Callable[[Array], Array] | None = None,
     ) -> None:
@@ -150,8 +149,6 @@ class HalfSpaceFriction:
         rolling: steady rolling; else one shift.
         modes: rigid slip (4, 2, nx, ny) along x and y of unit creepages, unit spin and the fixed
             mode; None: a plane about x = y = 0.
-        settled: pressure (nx, ny) before a shift, MPa; the slip that this pressure causes where
-            materials differ does not count. None: zero.
         drawn: reduction of the slip (2, nx, ny) by other causes; None: zero.
         added: reduction of the slip (2, nx, ny) by tractions (2, nx, ny) beside that of
             half-spaces, linear; None: zero.
@@ -168,8 +165,7 @@ class HalfSpaceFriction:
         self._modes = inside * (plane_modes(x, y) if modes is None else modes)
         self._drawn: Array = np.zeros((2, *pressure.shape)) if drawn is None else inside * drawn
         if pair.mismatch:
-            changed = pressure if settled is None else pressure - settled
-            self._drawn = self._drawn + inside * self._influence.of_pressure(changed)
+            self._drawn = self._drawn + inside * self._influence.of_pressure(pressure)
 
     def solve(
         self, creepage: Creepage, start: TangentialSolution | None = None
@@ -222,17 +218,15 @@ def solve_dissimilar(
     friction: float,
     shear: Callable[[HalfSpaceFriction], TangentialSolution],
     *,
-    rolling: bool,
     modes: Array | None = None,
 ) -> TangentialSolution:
-    """Tractions of a patch of different materials whose pressure depends on the tractions.
+    """Tractions of a rolling patch of different materials whose pressure depends on the tractions.
 
     patch: the same contact without friction.
     pair: materials.
     friction: coefficient.
     shear: solves for the tractions of the body that it is given, at that body's pressure, e.g.
         `lambda body: body.solve(creepage)`.
-    rolling: steady rolling; else one shift that begins from the pressed patch.
     modes: rigid slip (4, 2, nx, ny) of unit creepages, unit spin and the fixed mode; None: a plane.
     The load along its direction stays that of `patch`. The contact modulus is G/(1 - nu) of the
     pair. Where the pair has no mismatch the pressure stays, too. ValueError: no convergence in 40
@@ -245,14 +239,7 @@ def solve_dissimilar(
     now, before = patch, np.zeros((2, *patch.pressure.shape))
     for _ in range(TURNS):
         body = HalfSpaceFriction(
-            now.x,
-            now.s,
-            now.pressure,
-            friction,
-            pair,
-            rolling=rolling,
-            modes=modes,
-            settled=None if rolling else patch.pressure,
+            now.x, now.s, now.pressure, friction, pair, rolling=True, modes=modes
         )
         found = shear(body)
         changed = np.linalg.norm(found.traction - before, axis=0).sum() * found.cell

@@ -186,9 +186,8 @@ def solve_by_boundary_elements(
     case: motion (rolling) or forces (a shift) by finite elements.
     patches: makes the pressed patches on a grid.
     cells: coarse and fine number along each axis. Bodies of the same material are solved on the
-        fine grid alone, without a "grid_error". For others both grids are solved and extrapolated;
-        "grid_error" is the change from fine to extrapolated, of forces over mu N, of a shift over
-        its length.
+        fine grid alone, without a "grid_error". For others, which roll, both grids are solved and
+        extrapolated; "grid_error" is the change of the forces from fine to extrapolated, over mu N.
     """
     coarse, fine = cells
     found = _on_grid(case, patches(fine))
@@ -197,12 +196,8 @@ def solve_by_boundary_elements(
     other = _on_grid(case, patches(coarse))
     better = {name: 2 * value - other[name] for name, value in found.items()}
     better["stick_share"] = min(max(better["stick_share"], 0.0), 1.0)
-    ways = ("shift_along_mm", "shift_across_mm")
-    size = float(np.linalg.norm([better.get(way, 0.0) for way in ways]))
-    if case.rolling:
-        ways, size = ("force_along_N", "force_across_N"), case.solution.friction_limit
-    changes = [abs(better[way] - found[way]) for way in ways if way in found]
-    return {**better, "grid_error": max(changes, default=0.0) / (size or 1.0)}
+    change = max(abs(better[way] - found[way]) for way in ("force_along_N", "force_across_N"))
+    return {**better, "grid_error": change / case.solution.friction_limit}
 
 
 def _on_grid(case: FrictionCase, patches: Sequence[PressedPatch]) -> Numbers:
@@ -259,7 +254,7 @@ def shear(
     pair: materials. coefficient: of friction.
     forces: prescribed force of the wheel on the rail along and across, of all patches together, N;
         None where the creepage is prescribed.
-    rolling: steady rolling; else one shift.
+    rolling: steady rolling; else one shift, of like bodies.
     start: tractions of similar patches of like bodies on as many cells, from which the iterations
         begin; None: without.
     Raises ValueError where tractions are not found, and for forces on several patches of unlike
@@ -295,7 +290,6 @@ def shear(
             pair,
             coefficient,
             lambda body: solve([body])[0],
-            rolling=rolling,
             modes=each.modes,
         )
         for each in patches
