@@ -571,8 +571,8 @@ def shift(solved: MeshSolution, other: Mapping[str, Any]) -> Iterator[Check]:
     yield Check(
         name=f"{SECOND}_shift",
         value=max(abs(one - two) for one, two in pairs) / whole,
-        limit=DEFAULT_TOLERANCE + other.get("grid_error", 0.0),
-        source="half-spaces with friction, over their shift, and the error of their grid",
+        limit=DEFAULT_TOLERANCE,
+        source="half-spaces with friction, over their shift",
         advice=FINER,
     )
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from friction_cases import MU, friction_case
+from friction_cases import MU, friction_found
 from one_line import refusal
 from scipy.spatial.transform import Rotation
 
@@ -181,8 +181,8 @@ def test_patches_and_a_flange_roll_as_half_spaces_do(shift: float, patches: int)
     assert len(pressed) == patches
     moves = wheelset_kinematics.wheelset_creepage(plan.contact).creepage
     limit = MU * sum(each.pressed.force for each in pressed)
-    given = friction_case(plan.scene, limit, tuple(moves.motion[:3]))
-    answer = solve_by_boundary_elements(given, lambda cells: pressed, (16, 32))
+    given = friction_found(limit, tuple(moves.motion[:3]))
+    answer = solve_by_boundary_elements(plan, given, lambda cells: pressed, (16, 32))
     for name in FORCES:
         assert answer[name] / limit == pytest.approx(rolled[name], abs=0.002)
     assert answer["t_gamma_N"] == pytest.approx(rolled["t_gamma_N"], rel=0.002)

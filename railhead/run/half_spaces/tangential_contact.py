@@ -8,11 +8,11 @@ and its force.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from railhead.planning.simulation_plan import Plan
 from railhead.run.half_spaces import normal_contact
 from railhead.run.half_spaces.normal_contact import PressedPatch
 from railhead.run.mesh_solution import MeshSolution
@@ -56,26 +56,6 @@ Patches = Callable[[int], Sequence[PressedPatch]]
 """Maps a number n to the pressed patches on grids of n cells along each axis."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class FrictionCase:
-    """A solution with friction, as input of other methods.
-
-    solution: solution by finite elements, of which forces and rigid motion (creepages and spin, or
-        shifts and turn) count.
-    coefficient: coefficient of friction.
-    pair: materials of both bodies.
-    rolling: whether the bodies roll; otherwise they are shifted.
-    half_space_shift: whether the shift is that of solid half-spaces; the shift of other bodies
-        depends on their supports.
-    """
-
-    solution: FrictionSolution
-    coefficient: float
-    pair: MaterialPair
-    rolling: bool
-    half_space_shift: bool
-
-
 def half_space_friction(
     solved: MeshSolution, profiles: BoundaryElementSolution | str | None
 ) -> NumbersByMethod | None:
@@ -89,19 +69,13 @@ def half_space_friction(
     found, findings = solved.solution.friction, solved.findings
     if found is None or findings is None:
         return None
-    scene, contact = solved.plan.scene, solved.plan.contact
-    case = FrictionCase(
-        solution=found,
-        coefficient=scene.friction.coefficient,
-        pair=solved.plan.context.tangential_pair,
-        rolling=scene.rolling.prescribed,
-        half_space_shift=contact.solid_half_space,
-    )
+    plan, pair = solved.plan, solved.plan.context.tangential_pair
+    rolling = plan.scene.rolling.prescribed
 
     def patches(cells: int) -> Sequence[PressedPatch]:
         """The patches on a grid of `cells` cells along each axis."""
         return normal_contact.patches(
-            contact,
+            plan.contact,
             solved.ellipse,
             hertzian=findings.hertzian,
             load=solved.solution.load,
@@ -109,44 +83,46 @@ def half_space_friction(
             profiles=profiles,
         )
 
-    if not (case.pair.like or case.rolling):
+    if not (pair.like or rolling):
         return {"boundary elements": {"reason": GROWING_PATCH}}
     if isinstance(solved.ellipse, LineContact):
-        return _strip(case, solved.ellipse, patches)
+        return _strip(plan, found, solved.ellipse, patches)
     out: NumbersByMethod = {
         "boundary elements": or_reason(
-            lambda: solve_by_boundary_elements(case, patches, CELLS[False])
+            lambda: solve_by_boundary_elements(plan, found, patches, CELLS[False])
         )
     }
-    if case.pair.like and case.rolling:
+    if pair.like and rolling:
         name = "FASTSIM" if findings.hertzian else "FASTSIM (equal ellipses)"
         out[name] = or_reason(
             lambda: fastsim(
-                patches(CELLS[False][1]), found.friction_limit, case.pair, found.rigid_motion
+                patches(CELLS[False][1]), found.friction_limit, pair, found.rigid_motion
             )
         )
-    elif case.pair.like and findings.hertzian:
-        out["Cattaneo, Mindlin"] = _mindlin(case, solved.ellipse)
+    elif pair.like and findings.hertzian:
+        out["Cattaneo, Mindlin"] = _mindlin(plan, found, solved.ellipse)
     return out
 
 
-def _strip(case: FrictionCase, line: LineContact, patches: Patches) -> NumbersByMethod:
+def _strip(
+    plan: Plan, found: FrictionSolution, line: LineContact, patches: Patches
+) -> NumbersByMethod:
     """Quantities by method for a line contact: Carter (rolling) or Cattaneo (a shift), of unlike
     materials boundary elements. Empty in rolling of like materials where the width of the strip
     runs across the rail.
     """
-    found, strip = case.solution, line.strip
-    if not case.pair.like:
+    if not plan.context.tangential_pair.like:
         if line.across:
             return {"boundary elements": {"reason": STRIP_ACROSS}}
-        numbers = or_reason(lambda: solve_by_boundary_elements(case, patches, CELLS[True]))
+        numbers = or_reason(lambda: solve_by_boundary_elements(plan, found, patches, CELLS[True]))
         return {"boundary elements": {key: numbers[key] for key in STRIP_KEYS if key in numbers}}
-    if not case.rolling:
+    if not plan.scene.rolling.prescribed:
         share = float(np.hypot(*found.force) / found.friction_limit)
         return {"Cattaneo": {"stick_share": partial_slip.strip_stick_ratio(min(share, 1.0))}}
     if line.across:
         return {}
-    share = partial_slip.carter_share(strip, case.coefficient, found.rigid_motion[0])
+    coefficient = plan.scene.friction.coefficient
+    share = partial_slip.carter_share(line.strip, coefficient, found.rigid_motion[0])
     stick, force = partial_slip.strip_stick_ratio(abs(share)), share * found.friction_limit
     wear = force * found.rigid_motion[0]
     return {"Carter": {"force_along_N": force, "stick_share": stick, "t_gamma_N": wear}}
@@ -160,71 +136,75 @@ def or_reason(method: Callable[[], dict[str, Any]]) -> dict[str, Any]:
         return {"reason": str(error)}
 
 
-def _mindlin(case: FrictionCase, ellipse: Ellipse) -> dict[str, Any]:
+def _mindlin(plan: Plan, found: FrictionSolution, ellipse: Ellipse) -> dict[str, Any]:
     """Stick share (of the area) and, of solid half-spaces under a force, shifts (mm) by Cattaneo
     and Mindlin, by the keys of summary.json.
     """
-    found, pair = case.solution, case.pair
+    pair = plan.context.tangential_pair
     force = min(float(np.hypot(*found.force)), found.friction_limit)
     compliances = partial_slip.initial_compliance(
         ellipse.a, ellipse.b, pair.shear_modulus, pair.poisson
     )
     ways = [partial_slip.CattaneoMindlin(found.friction_limit, each) for each in compliances]
     out = {"stick_share": ways[0].stick_ratio(force) ** 2}
-    if case.half_space_shift and force:
+    if plan.contact.solid_half_space and force:
         for way, part, known in zip(("along", "across"), found.force, ways, strict=True):
             out[f"shift_{way}_mm"] = known.approach(force) * part / force
     return out
 
 
 def solve_by_boundary_elements(
-    case: FrictionCase, patches: Patches, cells: tuple[int, int]
+    plan: Plan, found: FrictionSolution, patches: Patches, cells: tuple[int, int]
 ) -> Numbers:
     """Friction quantities of half-spaces by boundary elements, by their keys in summary.json.
     Raises ValueError as `shear`, and for several patches under a shift.
 
-    case: motion (rolling) or forces (a shift) by finite elements.
+    plan: coefficient of friction, materials, and whether the bodies roll.
+    found: solution by finite elements, of which the friction limit and the motion (rolling:
+        creepages and spin) or the forces (a shift) count.
     patches: makes the pressed patches on a grid.
     cells: coarse and fine number along each axis. Bodies of the same material are solved on the
         fine grid alone, without a "grid_error". For others, which roll, both grids are solved and
         extrapolated; "grid_error" is the change of the forces from fine to extrapolated, over mu N.
     """
     coarse, fine = cells
-    found = _on_grid(case, patches(fine))
-    if case.pair.like:
-        return found
-    other = _on_grid(case, patches(coarse))
-    better = {name: 2 * value - other[name] for name, value in found.items()}
+    finest = _on_grid(plan, found, patches(fine))
+    if plan.context.tangential_pair.like:
+        return finest
+    other = _on_grid(plan, found, patches(coarse))
+    better = {name: 2 * value - other[name] for name, value in finest.items()}
     better["stick_share"] = min(max(better["stick_share"], 0.0), 1.0)
-    change = max(abs(better[way] - found[way]) for way in ("force_along_N", "force_across_N"))
-    return {**better, "grid_error": change / case.solution.friction_limit}
+    change = max(abs(better[way] - finest[way]) for way in ("force_along_N", "force_across_N"))
+    return {**better, "grid_error": change / found.friction_limit}
 
 
-def _on_grid(case: FrictionCase, patches: Sequence[PressedPatch]) -> Numbers:
-    """Quantities of friction by boundary elements on given patches, scaled to the limit mu N of the
-    case, by the keys of summary.json.
+def _on_grid(plan: Plan, found: FrictionSolution, patches: Sequence[PressedPatch]) -> Numbers:
+    """Quantities of friction by boundary elements on given patches, scaled to the limit mu N of
+    `found`, by the keys of summary.json.
     Raises ValueError for several patches under a shift.
     """
-    if len(patches) > 1 and not case.rolling:
+    pair, rolling = plan.context.tangential_pair, plan.scene.rolling.prescribed
+    coefficient = plan.scene.friction.coefficient
+    if len(patches) > 1 and not rolling:
         raise ValueError(SEVERAL)
-    found, limit = case.solution, case.coefficient * sum(each.pressed.force for each in patches)
+    limit = coefficient * sum(each.pressed.force for each in patches)
     scale = found.friction_limit / limit  # the normal forces differ by what the finite bodies do
     along, across = (force / scale for force in found.force)
     sheared = shear(
         patches,
-        case.pair,
-        case.coefficient,
-        Creepage(*found.rigid_motion) if case.rolling else Creepage(),
-        (None, None) if case.rolling else (along, across),
-        rolling=case.rolling,
+        pair,
+        coefficient,
+        Creepage(*found.rigid_motion) if rolling else Creepage(),
+        (None, None) if rolling else (along, across),
+        rolling=rolling,
     )
     forces = scale * np.sum([each.forces for each in sheared], axis=0)
     sticks, touches = np.sum([each.areas for each in sheared], axis=0)
     largest = max(float(np.linalg.norm(each.traction, axis=0).max()) for each in sheared)
     out = _by_key(forces, sticks / touches) | {"traction_max_MPa": largest}
-    if case.rolling and case.pair.like:
+    if rolling and pair.like:
         out["t_gamma_N"] = scale * sum(each.t_gamma for each in sheared)
-    elif case.half_space_shift:
+    elif not rolling and plan.contact.solid_half_space:
         shift = sheared[0].creepage
         out |= {"shift_along_mm": scale * shift.along, "shift_across_mm": scale * shift.across}
     return out

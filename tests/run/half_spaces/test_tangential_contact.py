@@ -6,7 +6,7 @@ from io import StringIO
 
 import numpy as np
 import pytest
-from friction_cases import MU, friction_case
+from friction_cases import MU, friction_found
 from rich.console import Console
 
 import railhead as rh
@@ -18,7 +18,6 @@ from railhead.run.half_spaces import normal_contact, tangential_contact
 from railhead.run.half_spaces.normal_contact import PressedPatch
 from railhead.run.half_spaces.tangential_contact import (
     SEVERAL,
-    FrictionCase,
     solve_by_boundary_elements,
 )
 from railhead.theory.friction import kalker, partial_slip
@@ -26,12 +25,8 @@ from railhead.theory.friction.kalker import fastsim
 from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction
 
 
-def ellipse(**wheel: float) -> planning.Plan:
-    return planning.make(rh.find("hertz_ellipse").replace(wheel=wheel))
-
-
-def shifted_or_rolled(plan: planning.Plan, *, rolling: bool, **given: tuple) -> FrictionCase:
-    return friction_case(plan.scene, MU * 25e3, rolling=rolling, half_space_shift=True, **given)
+def ellipse(*keys: str) -> planning.Plan:
+    return planning.make(rh.find("hertz_ellipse").replace([f"friction.coefficient={MU}", *keys]))
 
 
 def hertz(plan: planning.Plan, cells: int) -> list[PressedPatch]:
@@ -57,11 +52,12 @@ def patches(two: planning.Plan) -> list[PressedPatch]:
 
 def test_boundary_elements_shift_as_mindlin() -> None:
     plan, force = ellipse(), (3000.0, -2000.0)
-    given = shifted_or_rolled(plan, rolling=False, force=force)
-    answer = solve_by_boundary_elements(given, lambda cells: hertz(plan, cells), (16, 32))
+    found = friction_found(MU * 25e3, force=force)
+    answer = solve_by_boundary_elements(plan, found, lambda cells: hertz(plan, cells), (16, 32))
     size = math.hypot(*force)
+    pair = plan.context.tangential_pair
     compliances = partial_slip.initial_compliance(
-        plan.estimate.a, plan.estimate.b, given.pair.shear_modulus, given.pair.poisson
+        plan.estimate.a, plan.estimate.b, pair.shear_modulus, pair.poisson
     )
     for way, part, each in zip(("along", "across"), force, compliances, strict=True):
         known = partial_slip.CattaneoMindlin(7500.0, each)
@@ -77,15 +73,15 @@ def test_what_sticks_in_any_patch_is_the_patch_of_the_force_that_is_left() -> No
     """S1002 on 60E1, central, is no ellipse: at half of mu N the patch of half the load
     sticks (Ciavarella 1998, Jaeger 1998)."""
     scene = rh.find("s1002_60e1").replace(effects={"plasticity": "off"})
-    plan = planning.make(scene)
+    plan = planning.make(scene.replace(friction={"coefficient": MU}))
     whole, half = (
         normal_contact.patches(plan.contact, plan.estimate, hertzian=False, load=load, cells=48)
         for load in (1e4, 5e3)
     )
     limit = MU * whole[0].pressed.force
     force = (0.5 * limit, 0.0)
-    given = friction_case(scene, limit, force=force, rolling=False)
-    answer = solve_by_boundary_elements(given, lambda cells: whole, (24, 48))
+    found = friction_found(limit, force=force)
+    answer = solve_by_boundary_elements(plan, found, lambda cells: whole, (24, 48))
     share = half[0].pressed.area / whole[0].pressed.area
     assert answer["stick_share"] == pytest.approx(share, abs=0.03)
     assert abs(share - 0.5 ** (2 / 3)) > 0.01
@@ -95,12 +91,13 @@ def test_what_sticks_in_any_patch_is_the_patch_of_the_force_that_is_left() -> No
 def test_unlike_bodies_are_extrapolated_and_say_how_far() -> None:
     """A rigid wheel at a creepage of 0.001: 0.242 of mu N from up to 64 cells; finite elements gave
     0.237 on 4.3 elements a semi-axis."""
-    plan = ellipse(young_modulus=math.inf)
-    given = shifted_or_rolled(plan, rolling=True, motion=(1e-3, 0.0, 0.0))
-    coarse = solve_by_boundary_elements(given, lambda cells: hertz(plan, cells), (16, 32))
+    plan = ellipse("wheel.young_modulus=inf", "rolling.creepage_along=0.1%")
+    found = friction_found(MU * 25e3, (1e-3, 0.0, 0.0))
+    coarse = solve_by_boundary_elements(plan, found, lambda cells: hertz(plan, cells), (16, 32))
     assert coarse["force_along_N"] / 7500 == pytest.approx(0.237, abs=0.03)
     assert 0.005 < coarse["grid_error"] < 0.05
     assert abs(coarse["force_along_N"] / 7500 - 0.242) < coarse["grid_error"]
+    assert "shift_along_mm" not in coarse
 
 
 def test_patches_share_one_motion(two: planning.Plan, patches: list[PressedPatch]) -> None:
@@ -158,13 +155,14 @@ def test_two_patches_roll_as_their_ellipses_nearly_do(
 ) -> None:
     limit = MU * sum(each.pressed.force for each in patches)
     for motion in ((1e-4, 0.0, 0.0), (1e-3, 5e-4, 1e-4), (0.0, -3e-3, 0.0)):
-        given = friction_case(two.scene, limit, motion)
-        answer = solve_by_boundary_elements(given, lambda cells: patches, (16, 32))
-        rolled = tangential_contact.fastsim(patches, limit, given.pair, motion)
+        found = friction_found(limit, motion)
+        answer = solve_by_boundary_elements(two, found, lambda cells: patches, (16, 32))
+        rolled = tangential_contact.fastsim(patches, limit, two.context.tangential_pair, motion)
         for name in ("force_along_N", "force_across_N"):
             assert answer[name] == pytest.approx(rolled[name], abs=0.05 * limit)
+    shifted = planning.make(two.scene.replace(rolling={"spin": 0.0}))
     with pytest.raises(ValueError, match=SEVERAL[:20]):
-        solve_by_boundary_elements(replace(given, rolling=False), lambda cells: patches, (16, 32))
+        solve_by_boundary_elements(shifted, found, lambda cells: patches, (16, 32))
 
 
 def test_each_patch_dissipates_what_it_would_alone(
@@ -181,8 +179,8 @@ def test_each_patch_dissipates_what_it_would_alone(
     wear, forces = rolled["t_gamma_N"], list(rolled.values())[:3]
     assert wear == pytest.approx(sum(each["t_gamma_N"] for each in alone), rel=1e-9)
     assert wear != pytest.approx(np.dot(forces, motion), rel=0.1)
-    given = friction_case(two.scene, MU * sum(normal), motion)
-    exactly = solve_by_boundary_elements(given, lambda cells: patches, (16, 32))["t_gamma_N"]
+    found = friction_found(MU * sum(normal), motion)
+    exactly = solve_by_boundary_elements(two, found, lambda cells: patches, (16, 32))["t_gamma_N"]
     assert wear == pytest.approx(exactly, rel=0.02)
 
 
