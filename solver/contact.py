@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
 from typing import Any
 
@@ -28,8 +27,6 @@ class ContactModel(ContactSystem):
     setup: bodies, contact law and supports. With a load path the bodies may yield. With friction
         settings the surfaces carry tangential tractions.
     plastic_problem: contact problem with plastic strain; None where the setup has no load path.
-    seconds: wall time, s, under the keys 'assemble' and 'solve'; the latter grows with every load
-        case.
     All attributes of `ContactSystem` belong to the model too. Its arguments are a dolfinx mesh
     (mm), MeshTags of the cells and facets, and the setup (collective). Raises ValueError for a tag
     of the setup that no cell or facet carries; those of a rigid body are not looked for. The
@@ -37,12 +34,10 @@ class ContactModel(ContactSystem):
     """
 
     def __init__(self, mesh: Any, cell_tags: Any, facet_tags: Any, setup: Setup) -> None:
-        start = time.perf_counter()
         super().__init__(mesh, cell_tags, facet_tags, setup)
         self.plastic_problem = (
             None if setup.load_path is None else plastic_problem(self, setup.load_path)
         )
-        self.seconds = {"assemble": time.perf_counter() - start, "solve": 0.0}
 
     def solve(
         self,
@@ -83,7 +78,6 @@ class ContactModel(ContactSystem):
             raise ValueError("approach is unknown under load control; give a load")
         if load and not self.setup.load_control and self.setup.far_field is None:
             raise ValueError("load is unknown under approach control; give an approach")
-        start = time.perf_counter()
         case = LoadCase(
             load=load,
             approach=approach,
@@ -96,9 +90,7 @@ class ContactModel(ContactSystem):
         solution = response.press(case)
         if self.setup.friction is not None and solution.newton.converged:
             solution = (friction or condensed_friction)(self, response, case, solution)
-        solution = response.unload(solution)
-        self.seconds["solve"] += time.perf_counter() - start
-        return solution
+        return response.unload(solution)
 
     def response(self) -> ElasticResponse:
         """Response of the bodies to one load case, without a history yet: elastic, or with yield
