@@ -103,7 +103,6 @@ class RollingPass:
         same.
     iterations: number of fixed-point iterations.
     change: stress change of the last iteration over the yield stress in shear.
-    converged: whether it is below the tolerance.
     rim: largest growth on the outermost lines of the region where plastic strain is followed.
     """
 
@@ -115,7 +114,6 @@ class RollingPass:
     stored: float
     iterations: int
     change: float
-    converged: bool
     rim: float
 
 
@@ -292,7 +290,6 @@ class RollingBlock:
             stored=self.stored(left) - self.stored(state),
             iterations=iterations,
             change=change,
-            converged=change < self.tolerance,
             rim=float(np.max(gained[self._rim], initial=0.0)),
         )
 
