@@ -13,6 +13,7 @@ from itertools import product
 from typing import Any
 
 import numpy as np
+from dolfinx.mesh import meshtags
 from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
@@ -30,17 +31,6 @@ TAG = 1  # of the cells
 CELLS = {2: "quadrilateral", 3: "hexahedron"}
 KINEMATICS = {2: Kinematics(axes=np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])), 3: SOLID}
 NEAR = 1e-9  # of the largest coordinate: nodes on a face
-
-
-class _Tags:
-    """Cell tags of a mesh whose cells all carry TAG. count: number of cells."""
-
-    def __init__(self, count: int) -> None:
-        self.count = count
-
-    def find(self, tag: int) -> NDArray[np.int32]:
-        """Numbers of the cells with a tag."""
-        return np.arange(self.count if tag == TAG else 0, dtype=np.int32)
 
 
 def graded(inner: float, size: float, reach: float, growth: float) -> Array:
@@ -108,9 +98,10 @@ class Block:
         return compat.straight_mesh(MPI.COMM_SELF, cells, points, CELLS[self.dim])
 
     @property
-    def _tags(self) -> _Tags:
-        """Tags of the cells."""
-        return _Tags(int(np.prod([len(axis) - 1 for axis in self.axes])))
+    def _tags(self) -> Any:
+        """MeshTags of the cells, which all carry TAG."""
+        cells = np.arange(np.prod([len(axis) - 1 for axis in self.axes]), dtype=np.int32)
+        return meshtags(self.mesh, self.dim, cells, np.full_like(cells, TAG))
 
     @cached_property
     def _assembled(self) -> tuple[Any, PETSc.Mat]:
