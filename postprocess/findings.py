@@ -194,7 +194,7 @@ class Peak:
 
     value: MPa.
     depth: below the contact surface, mm.
-    place: in space, mm; None where it is not known.
+    place: in space, mm.
     rivals: depths, mm, at which searches from several places ended, where the value is within
         0.5 % (RIVAL) of the largest, its own included. One maximum may be listed several times;
         empty where none were searched.
@@ -202,7 +202,7 @@ class Peak:
 
     value: float
     depth: float
-    place: Place | None
+    place: Place
     rivals: tuple[float, ...] = ()
 
 
@@ -231,14 +231,13 @@ class DepthAxis:
         zero depth.
     stress (k, 6): components (xx, ss, nn, xs, xn, sn) in the contact frame of the patch, n out of
         the rail in both bodies, MPa, tension positive.
-    line: start of the axis in space (mm) and its unit vector into the body; None where they are not
-        known.
+    line: start of the axis in space (mm) and its unit vector into the body.
     """
 
     body: str
     depth: Array
     stress: Array
-    line: tuple[Place, Place] | None = None
+    line: tuple[Place, Place]
 
     def peak(self, values: Array) -> tuple[float, float]:
         """Depth (mm) and value of the maximum of values (k,) at the depths of the axis.
@@ -295,8 +294,6 @@ class DepthAxis:
     def _peak(self, values: Array) -> Peak:
         """Maximum of values (k,) at the depths of the axis, in MPa, with its place in space."""
         depth, value = self.peak(values)
-        if self.line is None:
-            return Peak(value, depth, None)
         x, y, z = (float(at + depth * into) for at, into in zip(*self.line, strict=True))
         return Peak(value, depth, (x, y, z))
 

@@ -202,8 +202,7 @@ def _largest_stresses(
         values[f"{name}_MPa"] = peaks[body].value
         values[f"{name}_depth_mm"] = peaks[body].depth
         values[f"{name}_body"] = body
-        place = peaks[body].place
-        values[f"{name}_place_mm"] = None if place is None else list(place)
+        values[f"{name}_place_mm"] = list(peaks[body].place)
     return {**values, "axis": axis, "surface_centre_MPa": [float(v) for v in centre]}
 
 

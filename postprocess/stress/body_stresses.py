@@ -91,13 +91,11 @@ def read(
             )
             for name, each in largest.items()
         }
-    places = [
-        (name, peak.place)
+    misfit = max(
+        bodies[name][1].misfit(np.array(peak.place))
         for name, each in largest.items()
         for peak in (each.tau, each.von_mises)
-        if peak.place
-    ]
-    misfit = max((bodies[name][1].misfit(np.array(at)) for name, at in places), default=0.0)
+    )
     return BodyStresses(axes=axes, other_axes=also, largest=largest, edges=edges, misfit=misfit)
 
 
@@ -129,8 +127,8 @@ def _largest(search: Search, axis: DepthAxis) -> Largest:
     is near sharp edges, they are the largest ones on its depth axis.
     """
     spare = axis.largest
-    tau = search.highest(max_shear, _place(spare.tau)) or spare.tau
-    mises = search.highest(von_mises, _place(spare.von_mises)) or spare.von_mises
+    tau = search.highest(max_shear, np.array([spare.tau.place])) or spare.tau
+    mises = search.highest(von_mises, np.array([spare.von_mises.place])) or spare.von_mises
     edges = search.at_edges(max_shear, tau.value), search.at_edges(von_mises, mises.value)
     return Largest(tau, mises, edges)
 
@@ -153,8 +151,3 @@ def _or_border(largest: Largest, places: Array, stress: Array) -> Largest:
     return replace(
         largest, tau=higher(largest.tau, tau), von_mises=higher(largest.von_mises, mises)
     )
-
-
-def _place(peak: Peak) -> Array:
-    """Place of a peak as (1, 3), mm; empty (0, 3) where it is not known."""
-    return np.array([peak.place] if peak.place else []).reshape(-1, 3)

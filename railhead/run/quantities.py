@@ -196,7 +196,7 @@ class StressQuantities:
         "tau_max_depth_mm", "mm", "   its depth", column="tau_max depth", estimated=True
     )
     tau_max_body: str = quantity("tau_max_body", "", "   its body", column="tau_max body")
-    tau_max_place: list[float] | None = quantity("tau_max_place_mm")
+    tau_max_place: list[float] = quantity("tau_max_place_mm")
     von_mises_max: float = quantity(
         "von_mises_max_MPa",
         "MPa",
@@ -208,7 +208,7 @@ class StressQuantities:
     )
     von_mises_max_depth: float = quantity("von_mises_max_depth_mm", "mm", "   its depth")
     von_mises_max_body: str = quantity("von_mises_max_body", "", "   its body")
-    von_mises_max_place: list[float] | None = quantity("von_mises_max_place_mm")
+    von_mises_max_place: list[float] = quantity("von_mises_max_place_mm")
     axis: AxisStress = quantity("axis", record=AxisStress)
     surface_centre: list[float] = quantity("surface_centre_MPa")
     at_edges: list[dict[str, Any]] | None = quantity("at_edges")

@@ -7,10 +7,12 @@ from solved import solved
 from railhead.postprocess import read
 from railhead.postprocess.findings import DepthAxis, Frame
 
+DOWN = (0.0, 0.0, 0.0), (0.0, 0.0, -1.0)
+
 
 def test_parabola_finds_the_maximum_between_samples() -> None:
     depth = np.array([0.0, 1.0, 1.5, 2.5, 3.0])
-    axis = DepthAxis("rail", depth, np.zeros((5, 6)))
+    axis = DepthAxis("rail", depth, np.zeros((5, 6)), DOWN)
     assert axis.peak(7 - 2 * (depth - 1.7) ** 2) == pytest.approx((1.7, 7.0), abs=1e-12)
     assert axis.peak(-depth) == (0.0, 0.0)
     assert axis.peak(depth) == (3.0, 3.0)
@@ -32,7 +34,7 @@ def test_two_hills_of_nearly_the_same_shear_are_rivals() -> None:
     stress = np.zeros((201, 6))
     stress[:, 0] = 200 * np.exp(-((depth - 2) ** 2))
     stress[:, 1] = 199.2 * np.exp(-((depth - 4) ** 2))
-    axis = DepthAxis("rail", depth, stress)
+    axis = DepthAxis("rail", depth, stress, DOWN)
     near, far = axis.rivals(0.001), axis.rivals(0.01)
     assert (min(near), max(near)) == pytest.approx((2, 2), abs=0.02)
     assert (min(far), max(far)) == pytest.approx((2, 4), abs=0.02)

@@ -422,8 +422,7 @@ def _stresses(
 
 
 def mark_largest(axes: Axes, findings: Findings, across: int, cut: float) -> None:
-    """Mark the place of the largest shear stress of each body in a picture of x or s over height;
-    bodies whose place is not known are left out.
+    """Mark the place of the largest shear stress of each body in a picture of x or s over height.
 
     across: 0 where the horizontal axis is x, 1 where it is s. cut: the other coordinate of the cut,
         mm. Legend entries give the value, the depth and, if the place lies off the cut, how far.
@@ -431,8 +430,6 @@ def mark_largest(axes: Axes, findings: Findings, across: int, cut: float) -> Non
     half, subject = min(findings.patch.a, findings.patch.b), findings.subject
     for body, largest in findings.largest.items():
         peak = largest.tau
-        if peak.place is None:
-            continue
         local = findings.frame.local(np.array([peak.place]))[0]
         depth = subject.units.text(peak.depth, "mm", 3)
         deep = "at the surface" if peak.depth < SURFACE * half else f"{depth} deep"
