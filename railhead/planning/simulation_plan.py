@@ -84,7 +84,7 @@ class Plan:
         return self.context.contact
 
     @property
-    def estimate(self) -> Hertz:
+    def hertz(self) -> Hertz:
         """Exact Hertz with the curvatures at first contact, under the load or approach of the
         scene; its load is the normal force.
         """
@@ -489,7 +489,7 @@ class Plan:
         Lengths are in mm, angles in rad, pressures in MPa. Relative radii are infinite where the
         relative curvature is 0.
         """
-        scene, touch, ellipse = self.scene, self.contact.touch, self.estimate
+        scene, touch, ellipse = self.scene, self.contact.touch, self.hertz
         along, across = (
             1 / curvature if curvature else math.inf
             for curvature in (touch.curvature_x, touch.curvature_y)

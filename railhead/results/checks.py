@@ -370,7 +370,7 @@ def physics(solved: Solved) -> Iterator[Check]:
         )
     yield Check(
         name="small_strain",
-        value=largest / plan.estimate.contact_modulus,
+        value=largest / plan.hertz.contact_modulus,
         limit=STRAIN_LIMIT,
         source="p0/E*: a sphere's representative strain is 6 % there",
         advice="give a smaller load",

@@ -383,7 +383,7 @@ def solve(
     target = float(scene.approach or 0.0)
     if not model.setup.load_control:
         return at(0.0, target)
-    load, power = plan.estimate.load, 1.5
+    load, power = plan.hertz.load, 1.5
     before: tuple[float, float] | None = None
     for _ in range(MAX_APPROACH_SOLVES):
         solution = at(load)

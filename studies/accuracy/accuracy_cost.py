@@ -85,7 +85,7 @@ def reference(scene: Scene) -> Exact:
 
 def _minor(scene: Scene) -> float:
     """The smaller semi-axis of the predicted patch, mm."""
-    ellipse = planning.make(scene).estimate
+    ellipse = planning.make(scene).hertz
     return min(ellipse.a, ellipse.b)
 
 

@@ -124,7 +124,7 @@ def exact_values(scene: Scene) -> dict[str, float]:
     plan = planning.make(scene)
     if not plan.contact.half_space or plan.effects["plasticity"].on:
         return {}
-    hertz, friction = plan.estimate, plan.effects["friction"].on
+    hertz, friction = plan.hertz, plan.effects["friction"].on
     exact = {"max_MPa": hertz.p0, "area_mm2": hertz.area}
     if friction and isinstance(hertz, LineContact):
         creepage = float(scene.rolling.creepage_along or 0.0)

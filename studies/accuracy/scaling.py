@@ -46,7 +46,7 @@ def measure(patch_size: float) -> dict[str, Any]:
 
     # The linear problem in which the Hertz ellipse is bonded: the same bulk, the same solver.
     del model.hierarchy  # so that it is set up here, too
-    problem, e, newton = model.problem, plan.estimate, solution.newton
+    problem, e, newton = model.problem, plan.hertz, solution.newton
     left = (newton.residual or 0.0) * problem.contact_force(newton.pressure)
     start = time.perf_counter()
     x, y = model.interface.points[:, :2].T

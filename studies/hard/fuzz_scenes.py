@@ -133,7 +133,7 @@ def plans(given: Scene) -> planning.Plan | None:
         if len(str(error).splitlines()) != 1:
             raise ValueError(f"more than one line: {error}") from None
         return None
-    numbers = [made.patch_size, made.reach, made.estimate.p0, made.estimate.a, made.estimate.b]
+    numbers = [made.patch_size, made.reach, made.hertz.p0, made.hertz.a, made.hertz.b]
     if not (np.isfinite(numbers).all() and min(numbers) > 0 and made.unknowns > 0):
         raise ValueError(f"plan with {numbers}, {made.unknowns} unknowns")
     return made

@@ -165,8 +165,8 @@ def half_space(scene: Scene, solution: MeshSolution) -> Summary:
     no answer."""
     plan = planning.make(scene)
     contact = plan.contact
-    assert isinstance(contact, Contact) and isinstance(plan.estimate, Ellipse)
-    found = boundary_elements.solve(contact, plan.estimate, scene.load, 2 * CELLS)
+    assert isinstance(contact, Contact) and isinstance(plan.hertz, Ellipse)
+    found = boundary_elements.solve(contact, plan.hertz, scene.load, 2 * CELLS)
     points, plane = boundary_elements.develop(contact).points, contact.touch.angle
     other = compare.from_half_space(found, points, plane)
     return {

@@ -151,7 +151,7 @@ def _plan(curve: CreepCurve) -> Plan:
 
 
 def _others(plan: Plan, curve: CreepCurve) -> Iterator[Point]:
-    scene, ellipse = plan.scene, plan.estimate
+    scene, ellipse = plan.scene, plan.hertz
     assert isinstance(ellipse, Ellipse) and scene.load is not None
     pair = plan.context.tangential_pair
     hertzian = plan.forecast.hertzian

@@ -103,7 +103,7 @@ def test_contact_length_is_the_common_width() -> None:
 
 
 def test_load_of_a_line_is_shared_by_its_length() -> None:
-    half, whole = (planning.make(scene(*INF_RAIL, f"wheel.width={w}")).estimate for w in (30, 60))
+    half, whole = (planning.make(scene(*INF_RAIL, f"wheel.width={w}")).hertz for w in (30, 60))
     assert half.half_width == pytest.approx(math.sqrt(2) * whole.half_width)
 
 

@@ -173,10 +173,10 @@ def test_patches_and_a_flange_roll_as_half_spaces_do(shift: float, patches: int)
     """Tread and gauge corner, and a flange root 25 degrees wide: the second opinion beside
     half-spaces under the same pressures with a slip of their own."""
     plan = loaded(shift)
-    known = boundary_elements.solve(plan.contact, plan.estimate, 80e3, 32)
+    known = boundary_elements.solve(plan.contact, plan.hertz, 80e3, 32)
     rolled = independent(plan.contact, known, 460.0)
     pressed = normal_contact.patches(
-        plan.contact, plan.estimate, hertzian=False, load=80e3, cells=32, profiles=known
+        plan.contact, plan.hertz, hertzian=False, load=80e3, cells=32, profiles=known
     )
     assert len(pressed) == patches
     moves = wheelset_kinematics.wheelset_creepage(plan.contact).creepage

@@ -20,7 +20,7 @@ def test_hertz_is_the_forecast_where_the_gap_is_his_parabola(name: str) -> None:
     plan = planned(name)
     assert plan.forecast.hertzian
     (zone,) = plan.forecast.zones
-    assert (zone.a, zone.b) == (plan.estimate.a, plan.estimate.b)
+    assert (zone.a, zone.b) == (plan.hertz.a, plan.hertz.b)
     assert plan.grading().also == ()
 
 
@@ -29,18 +29,18 @@ def test_patch_over_the_joint_of_two_radii_is_not_the_local_ellipse() -> None:
     plan = planned("cone20_uninclined_uic54", "load=110kN")
     assert not plan.forecast.hertzian
     (zone,) = plan.forecast.zones
-    assert zone.b > 1.02 * plan.estimate.b
+    assert zone.b > 1.02 * plan.hertz.b
 
 
 def test_manchester_patch_has_two_lobes_and_the_published_pressure_and_area() -> None:
     """CONTACT (A-2.2, central): 338.3 MPa, 51.64 mm2 counted in cells, approach 0.01596 mm."""
     plan = planned(MANCHESTER)
-    assert isinstance(plan.estimate, Ellipse)
-    patch = boundary_elements.solve(plan.contact, plan.estimate, MANCHESTER.load, 128)
+    assert isinstance(plan.hertz, Ellipse)
+    patch = boundary_elements.solve(plan.contact, plan.hertz, MANCHESTER.load, 128)
     assert patch.max_pressure == pytest.approx(338.3, rel=0.01)
     assert patch.area == pytest.approx(51.64, rel=0.04)
     assert patch.approach == pytest.approx(0.01596, rel=0.01)
-    assert plan.forecast.zones[0].b > 1.3 * plan.estimate.b
+    assert plan.forecast.zones[0].b > 1.3 * plan.hertz.b
 
 
 def test_tread_and_gauge_corner_share_the_load() -> None:

@@ -50,7 +50,7 @@ def half_spaces() -> SolidFriction:
 def test_like_half_spaces_roll_as_under_hertz_s_pressure(half_spaces, motion) -> None:
     """Boundary elements under the exact pressure; condensation was 0.03 of mu N off here."""
     plan = rh.plan(rh.find("hertz_ellipse"), quiet=True).plan
-    ellipse, t = plan.estimate, (np.arange(64) + 0.5) / 32 - 1
+    ellipse, t = plan.hertz, (np.arange(64) + 0.5) / 32 - 1
     x, y = ellipse.a * t, ellipse.b * t
     pressure = ellipse.pressure(x[:, None], y)
     exact = HalfSpaceFriction(x, y, pressure, MU, half_spaces.pair, rolling=True)

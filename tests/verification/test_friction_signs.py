@@ -154,7 +154,7 @@ def test_the_border_of_stick_is_carter_s(coefficient: float, share: float) -> No
     xx, shear = -p - 2 * coefficient * (1 - c), coefficient * p
     d, e = xx + p, 0.3 * (xx - p) + p
     exact = math.sqrt(d**2 - d * e + e**2 + 3 * shear**2)
-    p0 = rh.plan(plane(coefficient), quiet=True).plan.estimate.p0
+    p0 = rh.plan(plane(coefficient), quiet=True).plan.hertz.p0
     found = rh.solve(
         plane(
             coefficient,

@@ -109,7 +109,7 @@ def solve(plan: Plan, progress: Progress) -> HalfSpaceSolution:
         found = _solve(plan)
     except ValueError as error:
         found = HalfSpaceSolution(
-            plan=plan, ellipse=plan.estimate, reason=f"boundary elements: {error}"
+            plan=plan, ellipse=plan.hertz, reason=f"boundary elements: {error}"
         )
     return replace(found, seconds=time.perf_counter() - start)
 
@@ -149,14 +149,14 @@ def _pressed(plan: Plan, load: float | None) -> BoundaryElementSolution | None:
     """
     if plan.contact.half_space:
         return None
-    return boundary_elements.solve(plan.contact, plan.estimate, load, CELLS)
+    return boundary_elements.solve(plan.contact, plan.hertz, load, CELLS)
 
 
 def _read(plan: Plan, profiles: BoundaryElementSolution | None) -> HalfSpaceSolution:
     """The frictionless solution with the quantities read from it. Load and approach are those along
     the vertical. profiles: boundary elements; None between half-spaces.
     """
-    contact, hertz = plan.contact, plan.estimate
+    contact, hertz = plan.contact, plan.hertz
     cosine = math.cos(contact.touch.angle)
     poisson = plan.poisson_ratios
     if profiles is None:
@@ -335,7 +335,7 @@ def _tractions(
         begin, if these are as many patches; None: from none.
         """
         patches = normal_contact.patches(
-            contact, plan.estimate, hertzian=False, load=load, cells=cells, profiles=profiles
+            contact, plan.hertz, hertzian=False, load=load, cells=cells, profiles=profiles
         )
         longer = sum(each.pressed.load for each in patches) / load
         along, across = (

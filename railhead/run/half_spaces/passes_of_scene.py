@@ -245,7 +245,7 @@ def _of_scene(
     for several patches, and where boundary elements fail.
     """
     plan, load = solved.plan, solved.plan.scene.load
-    hertz = solved.ellipse if load is None else plan.estimate  # which is the same on any ranks
+    hertz = solved.ellipse if load is None else plan.hertz  # which is the same on any ranks
     keeps = plan.scene.rolling.pressure == "hertz"
     if isinstance(hertz, LineContact):
         strip, share = hertz.strip, _slipping(solved)

@@ -15,7 +15,7 @@ from railhead.theory.elastic.hertz import Ellipse
 
 def allowed(scene: Scene, twist: float = 0.0) -> dict[str, Allowance]:
     plan = planned(scene)
-    found = boundary_elements.solve(plan.contact, plan.estimate, scene.load, 64)
+    found = boundary_elements.solve(plan.contact, plan.hertz, scene.load, 64)
     return allowance(plan.contact, plan.deformable, found, twist)
 
 
@@ -79,8 +79,8 @@ def test_a_twist_counts_where_it_changes_the_patch() -> None:
 
 def test_exact_hertz_is_allowed_what_boundary_elements_are() -> None:
     plan = planning.make(catalogue.find("uic54_thesis"))
-    assert isinstance(plan.estimate, Ellipse)
-    exact = allowance(plan.contact, plan.deformable, plan.estimate, 0.0)
+    assert isinstance(plan.hertz, Ellipse)
+    exact = allowance(plan.contact, plan.deformable, plan.hertz, 0.0)
     for key, each in thesis().items():
         assert exact[key]["size"] == pytest.approx(each["size"], rel=0.05)
         assert exact[key]["conformity"] == pytest.approx(each["conformity"], rel=0.1)

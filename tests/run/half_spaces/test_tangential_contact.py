@@ -30,9 +30,7 @@ def ellipse(*keys: str) -> planning.Plan:
 
 
 def hertz(plan: planning.Plan, cells: int) -> list[PressedPatch]:
-    return normal_contact.patches(
-        plan.contact, plan.estimate, hertzian=True, load=25e3, cells=cells
-    )
+    return normal_contact.patches(plan.contact, plan.hertz, hertzian=True, load=25e3, cells=cells)
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +45,7 @@ def two() -> planning.Plan:
 
 @pytest.fixture(scope="module")
 def patches(two: planning.Plan) -> list[PressedPatch]:
-    return normal_contact.patches(two.contact, two.estimate, hertzian=False, load=1e4, cells=32)
+    return normal_contact.patches(two.contact, two.hertz, hertzian=False, load=1e4, cells=32)
 
 
 def test_boundary_elements_shift_as_mindlin() -> None:
@@ -57,7 +55,7 @@ def test_boundary_elements_shift_as_mindlin() -> None:
     size = math.hypot(*force)
     pair = plan.context.tangential_pair
     compliances = partial_slip.initial_compliance(
-        plan.estimate.a, plan.estimate.b, pair.shear_modulus, pair.poisson
+        plan.hertz.a, plan.hertz.b, pair.shear_modulus, pair.poisson
     )
     for way, part, each in zip(("along", "across"), force, compliances, strict=True):
         known = partial_slip.CattaneoMindlin(7500.0, each)
@@ -75,7 +73,7 @@ def test_what_sticks_in_any_patch_is_the_patch_of_the_force_that_is_left() -> No
     scene = rh.find("s1002_60e1").replace(effects={"plasticity": "off"})
     plan = planning.make(scene.replace(friction={"coefficient": MU}))
     whole, half = (
-        normal_contact.patches(plan.contact, plan.estimate, hertzian=False, load=load, cells=48)
+        normal_contact.patches(plan.contact, plan.hertz, hertzian=False, load=load, cells=48)
         for load in (1e4, 5e3)
     )
     limit = MU * whole[0].pressed.force
@@ -139,7 +137,7 @@ def test_forces_of_patches_add_up_in_space(two: planning.Plan, patches: list[Pre
 
 def test_the_ellipse_of_an_ellipse_is_itself() -> None:
     plan, motion = ellipse(), (1e-4, 2e-4, 1e-4)
-    exactly, pair = plan.estimate, plan.context.tangential_pair
+    exactly, pair = plan.hertz, plan.context.tangential_pair
     linear = kalker.coefficients(exactly.a / exactly.b, pair.poisson)
     known = linear.forces(exactly.a, exactly.b, pair.shear_modulus, Creepage(*motion))
     patch = hertz(plan, 64)

@@ -43,4 +43,4 @@ def test_a_whole_rail_twists_as_the_plan_expects(profile: str, inclination: str)
     solved = measured.solved(profile, inclination)
     angle, _ = measured.turn(solved)
     planned = solved.plan
-    assert rail_twist.twist(planned.contact, planned.estimate) == pytest.approx(angle, rel=0.1)
+    assert rail_twist.twist(planned.contact, planned.hertz) == pytest.approx(angle, rel=0.1)
