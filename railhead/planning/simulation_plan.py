@@ -251,7 +251,7 @@ class Plan:
         return {name: self.scene.bodies[name].poisson_ratio for name in names}
 
     @cached_property
-    def surfaces(self) -> Contact:
+    def gap_contact(self) -> Contact:
         """Contact whose profiles make the gap: the exact one, or one radius each where the effect
         `true_profile` is off.
         """
@@ -333,7 +333,7 @@ class Plan:
         """Inputs of the element sizes of this plan."""
         return Sizing(
             contact=self.contact,
-            surfaces=self.surfaces,
+            gap_contact=self.gap_contact,
             forecast=self.forecast,
             cell=self.scene.mesh.cell,
             order=self.order,

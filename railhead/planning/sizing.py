@@ -47,7 +47,8 @@ def reach(contact: Contact, hertz: Hertz, forecast: Forecast, *, friction: bool)
 class Sizing:
     """Inputs of the element sizes of a plan.
     contact: first contact of the undeformed bodies, with their own profiles.
-    surfaces: contact whose profiles make the gap: circles of curvature where `true_profile` is off.
+    gap_contact: contact whose profiles make the gap: circles of curvature where `true_profile` is
+        off.
     forecast: patches around which the mesh is refined.
     cell: 'tetrahedron' or 'hexahedron'; in a section these stand for triangles and quadrilaterals.
     order: polynomial order of the displacement, 1 or 2.
@@ -56,7 +57,7 @@ class Sizing:
     """
 
     contact: Contact
-    surfaces: Contact
+    gap_contact: Contact
     forecast: Forecast
     cell: str
     order: int
@@ -137,6 +138,6 @@ class Sizing:
                 width, size = RIDGE_WIDTH * patch.size, RIDGE_SHARE * patch.size
                 others += [
                     replace(patch, centre=line.centre, a=line.a, b=width, size=size)
-                    for line in ridges(self.surfaces, zone)
+                    for line in ridges(self.gap_contact, zone)
                 ]
         return replace(first, also=tuple(others))

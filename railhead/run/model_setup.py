@@ -62,7 +62,7 @@ def setup(plan: Plan) -> Setup:
         fixed=fixed,
         moving=moving,
         slave=plan.slave,
-        gap=plan.surfaces.gap(plan.slave),
+        gap=plan.gap_contact.gap(plan.slave),
         degree=plan.order,
         law=ContactLaw(scene.solver.method, theta, scene.solver.gamma_factor),
         planes=plan.planes,

@@ -104,7 +104,7 @@ def test_a_stretched_wheel_lies_on_its_exact_surface(choice: tuple[str, ...]) ->
     beside = np.abs(x - zone.centre)
     x = x[(beside[:, 0] < 2 * zone.a) & (np.hypot(beside[:, 1], beside[:, 2]) < 3 * zone.b)]
     assert len(x) > 300 and beside[:, 0].max() > 1.5 * zone.a
-    assert plan.surfaces.gap(WHEEL).off_surface(x).max() < 1e-6
+    assert plan.gap_contact.gap(WHEEL).off_surface(x).max() < 1e-6
 
 
 @pytest.mark.slow

@@ -267,8 +267,8 @@ def _of_scene(
             x, y, _ = friction.points.T
             contact = _with_tractions(solved, contact, x, y, friction.traction[:, :2])
         return contact, (hertz.a, hertz.b), not plan.scene.asymmetric_friction[1], None
-    surface = boundary_elements.develop(plan.surfaces)
-    found = boundary_elements.solve(plan.surfaces, hertz, load or solved.load)
+    surface = boundary_elements.develop(plan.gap_contact)
+    found = boundary_elements.solve(plan.gap_contact, hertz, load or solved.load)
     if len(found.patches) > 1:
         raise ValueError("there are several patches; passes know one")
     patch = found.patches[0]
@@ -292,7 +292,7 @@ def _of_scene(
         tangent = np.cos(tilt) * sideways[:, 0] + np.sin(tilt) * sideways[:, 1]
         traction = np.column_stack([friction.traction[:, 0], tangent])
         contact = _with_tractions(solved, contact, along - x, across - s, traction)
-    true = boundary_elements.develop(plan.contact)  # `plan.surfaces` may be circles
+    true = boundary_elements.develop(plan.contact)  # `plan.gap_contact` may be circles
     laid = groove_on_profile(true, s, plan.scene.rail.inclination)
     return contact, half_lengths, symmetric, laid
 
