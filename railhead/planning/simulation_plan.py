@@ -145,7 +145,7 @@ class Plan:
         return not (self.effects["plasticity"].on or self.beyond_envelopes)
 
     @property
-    def section(self) -> bool:
+    def plane_model(self) -> bool:
         """Whether a section in two dimensions is solved: plane strain, or a meridian section."""
         return bool(self.contact.plane)
 
@@ -168,7 +168,7 @@ class Plan:
         none where that is refused. In a solid, states that are refused are not heeded.
         """
         effect = self.effects[name]
-        if self.section and ("off" if effect.on else "on") in effect.refused:
+        if self.plane_model and ("off" if effect.on else "on") in effect.refused:
             return self
         if name == "axisymmetry" and effect.called_for:
             try:
@@ -354,7 +354,7 @@ class Plan:
             return 0
         cell = self.scene.mesh.cell
         share = 0.5 ** len(self.planes)
-        if self.section:
+        if self.plane_model:
             triangles = len(self.deformable) * self.grading().predicted_triangles(self.reach)
             each = cost.unknowns_per_cell("section", cell, self.order)
             return int(share * triangles * each)
@@ -406,7 +406,7 @@ class Plan:
         beside = 0.0
         if self.effects["friction"].on and not self.condenses:
             more, beside = cost.FRICTION, cost.FRICTION_SECONDS
-        elif self.effects["friction"].on and not self.section:
+        elif self.effects["friction"].on and not self.plane_model:
             more += cost.CONDENSING * self.unknowns / cost.CONDENSING_AT
         return cost.correction() * (self.cost.time(self.unknowns) * (1 + more) + beside)
 
@@ -424,7 +424,7 @@ class Plan:
         which needs factors of the bodies: in sections, with unlike materials, and where bodies
         yield.
         """
-        return self.section or interface.unlike(self.context) or self.effects["plasticity"].on
+        return self.plane_model or interface.unlike(self.context) or self.effects["plasticity"].on
 
     @property
     def cost(self) -> cost.Cost:
@@ -434,7 +434,7 @@ class Plan:
         return cost.cost(
             self.scene.mesh.cell,
             self.order,
-            section=self.section,
+            section=self.plane_model,
             half_space=self.contact.half_space,
         )
 

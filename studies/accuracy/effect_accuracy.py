@@ -85,7 +85,7 @@ def series(name: str, progress: Progress, meshes: int | None) -> Iterator[Row]:
             progress.stage(f"{name}: {STEPS} times the load steps")
             truth = solve(on_mesh[-1], STEPS)[-1]
         missing = max(errors(runs[-1][-1], finest).values()) / RATIO
-    quick_or_signed = plan.section or plan.family is not None
+    quick_or_signed = plan.plane_model or plan.family is not None
     for asked in ASKED if meshes is None and quick_or_signed else ():
         progress.stage(f"{name}: asked {asked}")
         runs.append((None, float(asked.strip("%")) / 100, *solve(scene.replace(accuracy=asked))))

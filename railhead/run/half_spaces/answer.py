@@ -161,7 +161,7 @@ def _read(plan: Plan, profiles: BoundaryElementSolution | None) -> HalfSpaceSolu
     poisson = plan.poisson_ratios
     if profiles is None:
         grid = {}
-        found = half_space.of_hertz(hertz, contact.frame, poisson, section=plan.section)
+        found = half_space.of_hertz(hertz, contact.frame, poisson, section=plan.plane_model)
         pressed, approach = hertz.load * cosine, hertz.approach / cosine
     else:
         points = boundary_elements.develop(contact).points

@@ -92,7 +92,7 @@ def motion(solved: MeshSolution) -> tuple[float, float]:
     """
     found, fields = solved.findings, solved.fields
     assert found is not None and fields is not None
-    if solved.plan.section:
+    if solved.plan.plane_model:
         return 0.0, 0.0
     force = found.patch.mean_pressure * found.patch.area
     angle = aside = 0.0

@@ -23,7 +23,7 @@ def test_motion_takes_the_normal_force_and_not_the_load(monkeypatch: pytest.Monk
         mean_pressure=500.0, area=100.0, each=(SimpleNamespace(centre=(0.0, 30.0, -10.0)),)
     )
     solved: Any = SimpleNamespace(
-        plan=SimpleNamespace(section=False, deformable=(RAIL, WHEEL)),
+        plan=SimpleNamespace(plane_model=False, deformable=(RAIL, WHEEL)),
         findings=SimpleNamespace(patch=patch),
         fields=SimpleNamespace(),
         solution=SimpleNamespace(load=25e3),
