@@ -240,7 +240,7 @@ class Block:
         return out
 
 
-def section(block: Block) -> Block:
+def slab(block: Block) -> Block:
     """Slab of one cell along x with the section of a block, whose planes are tied."""
     width = float(np.diff(block.axes[-1]).max())
     axes: Sequence[Array] = (np.array([0.0, width]), *block.axes[1:])

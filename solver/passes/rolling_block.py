@@ -19,8 +19,7 @@ from functools import cached_property
 import numpy as np
 
 from railhead.solver.material.hardening import Hardening, History, deviator
-from railhead.solver.passes import block as blocks
-from railhead.solver.passes.block import Block
+from railhead.solver.passes.block import Block, slab
 from railhead.solver.passes.mixing import Anderson
 from railhead.solver.passes.streams import Streams, follow
 from railhead.solver.space.cells import Array, Index
@@ -139,23 +138,23 @@ class RollingBlock:
         return self.streams.gathered(self.block.points.points)
 
     @cached_property
-    def section(self) -> Block:
+    def slab(self) -> Block:
         """Slab of one cell with tied planes."""
-        return blocks.section(self.block)
+        return slab(self.block)
 
     @cached_property
-    def _section_streams(self) -> Streams:
+    def _slab_streams(self) -> Streams:
         """Columns and lines of the slab. ValueError: its lines are not those of the block."""
-        found = Streams.of(self.section.points.points)
+        found = Streams.of(self.slab.points.points)
         if found.places.shape != self.streams.places.shape:
-            raise ValueError("the lines of section and block differ")
+            raise ValueError("the lines of slab and block differ")
         return found
 
     @cached_property
     def _areas(self) -> Array:
         """Area (lines,) of the section that belongs to each line, mm2; of plane strain per mm."""
-        weights = self._section_streams.gathered(self.section.points.weights)
-        return np.asarray(weights.sum(axis=0) / self.section.axes[0][-1])
+        weights = self._slab_streams.gathered(self.slab.points.weights)
+        return np.asarray(weights.sum(axis=0) / self.slab.axes[0][-1])
 
     @property
     def _shear(self) -> int:
@@ -198,11 +197,11 @@ class RollingBlock:
         return _grid(self.block)
 
     @cached_property
-    def _section_surface(self) -> tuple[Array, Index]:
+    def _slab_surface(self) -> tuple[Array, Index]:
         """y (ny,) of the nodes of the section's surface, mm, and their numbers (ny,) in one plane
         of the slab.
         """
-        _, y, numbers = _grid(self.section)
+        _, y, numbers = _grid(self.slab)
         return y, numbers[0]
 
     @property
@@ -212,22 +211,22 @@ class RollingBlock:
 
     @cached_property
     def _outflow_order(self) -> Array:
-        """Node of the section for each node of the outflow, in the order of its mask."""
-        section, block = self.section, self.block
-        own = np.flatnonzero(section.outflow)
-        place = {tuple(np.round(section.nodes[i, 1:], 9)): i for i in own}
+        """Node of the slab for each node of the outflow, in the order of its mask."""
+        slab, block = self.slab, self.block
+        own = np.flatnonzero(slab.outflow)
+        place = {tuple(np.round(slab.nodes[i, 1:], 9)): i for i in own}
         return np.array([place[tuple(np.round(yz, 9))] for yz in block.nodes[block.outflow, 1:]])
 
     def outgoing(self, change: Array) -> tuple[Array, ProfileChange, Array]:
-        """Answer of the section to a change of its plastic strain (lines, m): u_x (k,) of the
+        """Answer of the slab to a change of its plastic strain (lines, m): u_x (k,) of the
         outflow's nodes, mm; displacement of the surface; residual stress (lines, m), MPa.
         """
-        section, streams = self.section, self._section_streams
+        slab, streams = self.slab, self._slab_streams
         spread = streams.scattered(np.broadcast_to(change, (len(streams.x), *change.shape)))
-        moved = section.solve(section.plastic_force(spread))
-        strain = streams.gathered(section.strains(moved))[0]
-        values = moved.reshape(-1, section.dim)
-        y, numbers = self._section_surface
+        moved = slab.solve(slab.plastic_force(spread))
+        strain = streams.gathered(slab.strains(moved))[0]
+        values = moved.reshape(-1, slab.dim)
+        y, numbers = self._slab_surface
         surface = values[numbers]
         profile = ProfileChange(y, surface[:, 0], surface[:, -1])
         return values[self._outflow_order, 0], profile, self.stress(strain - change)
