@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 
 from railhead.postprocess.findings import Array
 from railhead.postprocess.symmetry import ON_PLANE
-from railhead.solver.space.cells import Index, inverse
+from railhead.solver.space.cells import inverse
 from railhead.solver.system.fields import Fields
+from railhead.theory.array_types import Index
 
 SHARP = np.radians(75.0)  # between neighbouring facets; a fillet has six elements a turn at least
 ROUNDING = 1e-6  # of a cell: points on its border are held

@@ -20,8 +20,9 @@ from railhead.postprocess.findings import NO_DEPTH, RIVAL, Array, Peak
 from railhead.postprocess.patch.moments import quadratic_fit
 from railhead.postprocess.stress.body_geometry import Solid
 from railhead.postprocess.stress.recovery import Recovery, StressPolynomial
-from railhead.solver.space.cells import Index, tabulate
+from railhead.solver.space.cells import tabulate
 from railhead.solver.system.fields import Fields
+from railhead.theory.array_types import Index
 
 Invariant = Callable[[Array], Array]
 EDGE_ELEMENTS = 2.0  # elements next to a sharp edge whose stresses are not used

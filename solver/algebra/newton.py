@@ -25,8 +25,7 @@ from scipy.optimize import brentq
 from railhead.solver.algebra import linear
 from railhead.solver.algebra.linear import Preconditioner, StalledError
 from railhead.solver.algebra.problem import ContactProblem
-from railhead.solver.space.cells import Array
-from railhead.theory.array_types import Mask
+from railhead.theory.array_types import Array, Mask
 
 ROUNDING = 100 * np.finfo(float).eps  # of diag(K) y: the residual cannot fall below it
 OVERSHOOT = 0.3  # slope past the minimum, relative to the slope at the start, that is let pass

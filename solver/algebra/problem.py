@@ -20,11 +20,10 @@ import scipy.sparse as sp
 from petsc4py import PETSc
 
 from railhead.solver.algebra.reduced_stiffness import Stiffness
-from railhead.solver.space.cells import Array
 from railhead.solver.space.constraints import Reduction
 from railhead.solver.space.contact_interface import ContactLaw, Interface
 from railhead.solver.space.operators import add_transposed, petsc_matrix, vector, weighted_product
-from railhead.theory.array_types import Mask
+from railhead.theory.array_types import Array, Mask
 
 
 class Tangent:

@@ -41,13 +41,12 @@ from railhead.solver.friction.surface_response import (
     surface_tangents,
 )
 from railhead.solver.plasticity.load_stepping import ElasticResponse
-from railhead.solver.space.cells import Array, Index
 from railhead.solver.space.facets import pair
 from railhead.solver.space.operators import assemble_rows, select_rows, vector
 from railhead.solver.system.contact_system import ContactSystem
 from railhead.solver.system.setup import FrictionSettings
 from railhead.solver.system.solution import Solution
-from railhead.theory.array_types import Mask
+from railhead.theory.array_types import Array, Index, Mask
 
 UPSTREAM = ((0.0, 1.5), (1.0, -2.0), (2.0, 0.5))  # distance in steps d, and weight
 CENTRAL_STEPS = 2.0  # d of the symmetric differences of the frictionless solution

@@ -22,7 +22,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from railhead.solver.friction.condensation import ContactCompliance
-from railhead.solver.space.cells import Array
+from railhead.theory.array_types import Array
 
 NEWTON_STEPS = 60
 TOLERANCE = 1e-8  # change of the tractions over the largest mu p; missing force over mu times load

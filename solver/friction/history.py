@@ -10,11 +10,10 @@ from railhead.solver.friction.condensation import ContactCompliance, StaticConde
 from railhead.solver.friction.coulomb import TINY, CoulombContact, TangentialState
 from railhead.solver.friction.surface_response import far_displacement
 from railhead.solver.plasticity.load_stepping import ElasticResponse
-from railhead.solver.space.cells import Array
 from railhead.solver.system.contact_system import ContactSystem, LoadCase
 from railhead.solver.system.setup import FrictionSettings
 from railhead.solver.system.solution import FrictionSolution, Solution
-from railhead.theory.array_types import Mask
+from railhead.theory.array_types import Array, Mask
 
 NOT_CONVERGED = "friction: the tractions do not settle"
 COUPLING_TOLERANCE = 1e-3  # change of the tractions in one coupling iteration, over max(mu p)

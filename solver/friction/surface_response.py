@@ -21,13 +21,12 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from railhead.solver.algebra import linear
-from railhead.solver.space.cells import Array, Index
 from railhead.solver.space.facets import FacetSet, pair
 from railhead.solver.space.operators import assemble_rows, vector
 from railhead.solver.system.contact_system import ContactSystem
 from railhead.solver.system.setup import FrictionSettings
 from railhead.solver.system.solution import Solution
-from railhead.theory.array_types import Mask
+from railhead.theory.array_types import Array, Index, Mask
 
 TOLERANCE = 1e-3  # relative, of the linear solves
 

@@ -24,8 +24,8 @@ from railhead.solver.algebra.reduced_stiffness import Stiffness
 from railhead.solver.material.elasticity import Material, assemble
 from railhead.solver.plasticity.plastic_problem import YieldPoints, bulk_points
 from railhead.solver.space import constraints
-from railhead.solver.space.cells import Array
 from railhead.solver.space.kinematics import SOLID, Kinematics
+from railhead.theory.array_types import Array
 
 TAG = 1  # of the cells
 CELLS = {2: "quadrilateral", 3: "hexahedron"}

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from railhead.solver.space.cells import Array
+from railhead.theory.array_types import Array
 
 
 class Anderson:

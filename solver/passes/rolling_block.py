@@ -22,7 +22,7 @@ from railhead.solver.material.hardening import Hardening, History, deviator
 from railhead.solver.passes.block import Block, slab
 from railhead.solver.passes.mixing import Anderson
 from railhead.solver.passes.streams import Streams, follow
-from railhead.solver.space.cells import Array, Index
+from railhead.theory.array_types import Array, Index
 
 TOLERANCE = 1e-4  # change of the stress in an iteration over the yield stress in shear
 ITERATIONS = 250

@@ -22,11 +22,10 @@ from railhead.solver.plasticity.plastic_problem import (
     bulk_points,
     surface_points,
 )
-from railhead.solver.space.cells import Array, Index
 from railhead.solver.system.contact_system import ContactSystem, LoadCase
 from railhead.solver.system.setup import LoadPath
 from railhead.solver.system.solution import PlasticSolution, PlasticStrain, Solution
-from railhead.theory.array_types import Mask
+from railhead.theory.array_types import Array, Index, Mask
 
 # Shares of the load from which the bodies are separated far beyond first yield: they follow the
 # yield at the border of the patch as it begins to shrink. More steps change the residual state of a

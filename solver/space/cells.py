@@ -11,8 +11,7 @@ import numpy as np
 
 from railhead.solver import compat
 from railhead.solver.space.kinematics import SOLID, Kinematics
-from railhead.theory.array_types import Array as Array
-from railhead.theory.array_types import Index as Index
+from railhead.theory.array_types import Array, Index
 
 
 @dataclass(frozen=True)

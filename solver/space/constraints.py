@@ -17,9 +17,9 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from railhead.solver.space.cells import Array
 from railhead.solver.space.kinematics import SOLID, Kinematics
 from railhead.solver.space.operators import petsc_matrix, vector
+from railhead.theory.array_types import Array
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -24,9 +24,10 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from railhead.solver.space.cells import Array, Index, quadrature_degree
+from railhead.solver.space.cells import quadrature_degree
 from railhead.solver.space.facets import FacetSet, pair
 from railhead.solver.space.operators import assemble_rows
+from railhead.theory.array_types import Array, Index
 
 SECTION_QUADRATURE = 15  # degree of the contact quadrature in a plane section, where points are
 # cheap: it integrates across the master's element edges, and the pressure's error falls tenfold

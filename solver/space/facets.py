@@ -12,15 +12,8 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from railhead.solver.space.cells import (
-    Array,
-    Bulk,
-    CellSet,
-    Index,
-    cell_data,
-    lagrange_element,
-    tabulate,
-)
+from railhead.solver.space.cells import Bulk, CellSet, cell_data, lagrange_element, tabulate
+from railhead.theory.array_types import Array, Index
 
 
 @lru_cache

@@ -7,7 +7,8 @@ import scipy.sparse as sp
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from railhead.solver.space.cells import Array, CellSet, Index
+from railhead.solver.space.cells import CellSet
+from railhead.theory.array_types import Array, Index
 
 
 def petsc_matrix(table: sp.csr_matrix, local_columns: int, comm: MPI.Intracomm) -> PETSc.Mat:

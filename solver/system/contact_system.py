@@ -21,13 +21,13 @@ from railhead.solver.algebra.problem import ContactProblem, reduce_problem
 from railhead.solver.algebra.reduced_stiffness import Stiffness, SupportReactions, unit_vector
 from railhead.solver.material.elasticity import assemble
 from railhead.solver.space import constraints, contact_interface
-from railhead.solver.space.cells import Array, Bulk, quadrature_degree
+from railhead.solver.space.cells import Bulk, quadrature_degree
 from railhead.solver.space.contact_interface import Interface
 from railhead.solver.space.facets import FacetSet
 from railhead.solver.space.operators import vector
 from railhead.solver.system.setup import Setup
 from railhead.solver.system.solution import Solution
-from railhead.theory.array_types import Mask
+from railhead.theory.array_types import Array, Mask
 
 STAGE_TOLERANCE = 0.1  # residual over the contact force for the softer laws before a stiff one
 DIRECT_BELOW = {(3, 2): 12_000, (3, 1): 80_000, (2, 2): 200_000, (2, 1): 200_000}

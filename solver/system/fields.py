@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhead.solver import compat
-from railhead.solver.space.cells import Array
 from railhead.solver.space.contact_interface import Gap
 from railhead.solver.space.facets import FacetSet, facet_closure, pair
 from railhead.solver.space.kinematics import SOLID, Kinematics
 from railhead.solver.system.contact_system import ContactSystem
 from railhead.solver.system.solution import PlasticStrain, Solution
+from railhead.theory.array_types import Array
 
 
 @dataclass(frozen=True, kw_only=True)

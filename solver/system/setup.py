@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhead.solver.material.elasticity import Material
-from railhead.solver.space.cells import Array
 from railhead.solver.space.contact_interface import ContactLaw, Gap
 from railhead.solver.space.kinematics import SOLID, Kinematics
+from railhead.theory.array_types import Array
 
 LINEAR_SOLVERS = ("auto", "direct", "multigrid")
 FarField = Callable[[float, int, Array], Array]

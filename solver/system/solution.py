@@ -10,8 +10,7 @@ if TYPE_CHECKING:  # half-spaces have such solutions, too, without a solver
     from petsc4py import PETSc
 
     from railhead.solver.algebra.newton import NewtonResult
-    from railhead.solver.space.cells import Array
-    from railhead.theory.array_types import Mask
+    from railhead.theory.array_types import Array, Mask
 
 
 @dataclass(frozen=True)
