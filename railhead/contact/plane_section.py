@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from railhead.contact import solid as geometry
+from railhead.contact import solid
 from railhead.contact.dimension import Dimension
 from railhead.contact.placed_bodies import HEAD_DEPTH, RIM_DEPTH
 from railhead.contact.placed_bodies import bodies as solid_bodies
@@ -268,8 +268,8 @@ class TransverseSection(SectionContact):
         """
         if self.half_space:
             return solid_bodies(self, reach, deformable, whole_section=False, half=half)
-        solid = Contact(_of_any_radius(self.scene), self.touch, self.pair, self.pose)
-        made = solid_bodies(solid, 0.0, deformable, whole_section=whole_section, half=half)
+        contact = Contact(_of_any_radius(self.scene), self.touch, self.pair, self.pose)
+        made = solid_bodies(contact, 0.0, deformable, whole_section=whole_section, half=half)
         return [
             self._half_disc(body.tag, half=half) if body.tag in self.discs else body
             for body in made
@@ -294,11 +294,11 @@ def locate(scene: Scene, dimension: Dimension) -> Contact:
     with a common tangent.
     """
     if dimension.kind == "solid":
-        return geometry.locate(scene)
+        return solid.locate(scene)
     if dimension.kind == "plane_across":
-        solid = geometry.lower(_of_any_radius(scene))
-        touch = replace(solid.touch, curvature_x=0.0)
-        return TransverseSection(scene, touch, solid.pair, solid.pose, dimension=dimension)
+        contact = solid.lower(_of_any_radius(scene))
+        touch = replace(contact.touch, curvature_x=0.0)
+        return TransverseSection(scene, touch, contact.pair, contact.pose, dimension=dimension)
     revolved = dimension.kind == "axisymmetric"
     kind = MeridianSection if revolved else LongitudinalSection
     radius = scene.wheel.rolling_radius
@@ -307,7 +307,7 @@ def locate(scene: Scene, dimension: Dimension) -> Contact:
     if scene.rail.extent == "half-space":
         return kind(scene, touch, dimension=dimension)
     flat = profiles.single_radius(math.inf, WIDE)
-    pair = geometry.pair(scene) if revolved else ProfilePair(flat, flat, radius)
+    pair = solid.pair(scene) if revolved else ProfilePair(flat, flat, radius)
     return kind(scene, touch, pair, upright(radius), dimension=dimension)
 
 

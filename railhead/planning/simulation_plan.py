@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from railhead.contact import dimension, placed_bodies, plane_section
-from railhead.contact import solid as geometry
+from railhead.contact import dimension, placed_bodies, plane_section, solid
 from railhead.contact.plane_section import SectionContact
 from railhead.contact.solid import Contact
 from railhead.meshing.bodies import (
@@ -226,8 +225,8 @@ class Plan:
             return {}
         places = {"rail": self.contact.touch.y, "wheel": self.contact.touch.wheel_y}
         found = {}
-        for body in geometry.measured_bodies(self.scene):
-            each = geometry.from_file(self.scene, body)
+        for body in solid.measured_bodies(self.scene):
+            each = solid.from_file(self.scene, body)
             at_contact = each.wavelength(places[body])
             found[body] = {**each.summary(), "smoothing_at_contact_mm": at_contact}
         return found

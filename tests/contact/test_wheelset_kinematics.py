@@ -9,8 +9,7 @@ from one_line import refusal
 from scipy.spatial.transform import Rotation
 
 import railhead as rh
-from railhead.contact import solid as geometry
-from railhead.contact import wheelset_kinematics
+from railhead.contact import solid, wheelset_kinematics
 from railhead.contact.solid import Contact, place
 from railhead.planning import simulation_plan as planning
 from railhead.planning.references import boundary_elements
@@ -78,7 +77,7 @@ def test_points_slip_as_those_of_a_rigid_wheelset(axle: str) -> None:
     several = 0
     for number, shift in enumerate(np.linspace(-4.0, 6.0, 11)):
         given = scene(shift, 5e-3 * number, rolling={"from_wheelset": True, "axle": axle})
-        contact = geometry.locate(given)
+        contact = solid.locate(given)
         moves = wheelset_kinematics.wheelset_creepage(contact).creepage
         touches = contact.touches(0.5)
         several += len(touches) > 1

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from railhead.cases.s1002_60e1 import SCENE as MANCHESTER
-from railhead.contact import solid as geometry
+from railhead.contact import solid
 from railhead.contact.solid import Contact
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.postprocess.patch import compare
@@ -28,7 +28,7 @@ def thesis(*assignments: str) -> Scene:
 
 
 def located(scene: Scene) -> tuple[Contact, Ellipse]:
-    contact = geometry.locate(scene)
+    contact = solid.locate(scene)
     return contact, closed_forms.ellipse(scene, contact)
 
 
@@ -62,7 +62,7 @@ def test_tread_and_gauge_corner_are_listed_with_their_own_planes() -> None:
     assert corner["contact_angle_rad"] == pytest.approx(0.300, abs=0.005)
     assert corner["max_MPa"] == found["pressure"]["max_MPa"] > 2 * tread["max_MPa"]
     assert (found["patch"]["a_mm"], found["patch"]["b_mm"]) == (tread["a_mm"], tread["b_mm"])
-    rail = geometry.rail_profile(MANCHESTER)
+    rail = solid.rail_profile(MANCHESTER)
     for each in (tread, corner):
         _, y, z = each["centre_mm"]
         assert z == pytest.approx(float(rail.height(y)), abs=1e-6)
@@ -138,7 +138,7 @@ def test_second_opinion_does_not_hang_on_its_grid(assignments: tuple[str, ...], 
 
 def test_developed_rail_keeps_lengths_and_normals() -> None:
     scene = thesis("rail.profile=arc", "rail.crown_radius=80", "wheelset.shift=3")
-    surface = boundary_elements.develop(geometry.locate(scene))
+    surface = boundary_elements.develop(solid.locate(scene))
     s = np.linspace(-20, 20, 41)
     points, angle = surface.points(0 * s, s), surface.angle(s)
     turn = np.arcsin(points[:, 1] / 80)
