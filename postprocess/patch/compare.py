@@ -20,7 +20,7 @@ from railhead.postprocess.findings import (
     has_own_plane,
 )
 from railhead.postprocess.patch.separate_patches import SMALLEST
-from railhead.theory.bem.boundary_element import BoundaryElementSolution
+from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.elastic.line import Hertz
 
 PLACES = ("_point_mm", "_place_mm")  # ends of names of coordinates

@@ -27,8 +27,8 @@ from railhead.postprocess.findings import (
 from railhead.postprocess.friction import unread_peak
 from railhead.postprocess.patch import compare
 from railhead.theory.bem import grid_stress
-from railhead.theory.bem.boundary_element import BoundaryElementSolution
 from railhead.theory.bem.grid_patch import PatchSolution
+from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.elastic.line import Hertz
 
 if TYPE_CHECKING:

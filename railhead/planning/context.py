@@ -14,7 +14,7 @@ from railhead.contact.solid import Contact
 from railhead.planning.references import boundary_elements, closed_forms, rail_twist
 from railhead.scene.scene import Rail, Scene, SceneError, Wheel
 from railhead.theory.bem import grid_stress
-from railhead.theory.bem.boundary_element import BoundaryElementSolution
+from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.elastic.line import Hertz
 from railhead.theory.friction import tangential
 from railhead.theory.friction.tangential import MaterialPair

@@ -28,7 +28,7 @@ from railhead.planning.context import Context
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.postprocess.findings import FLAT
 from railhead.scene.scene import Scene
-from railhead.theory.bem.boundary_element import BoundaryElementSolution
+from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 
 T = TypeVar("T")
 STEP = 1.6  # factor on the resolution from one mesh of a sequence to the next

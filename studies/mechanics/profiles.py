@@ -21,7 +21,7 @@ from railhead.geometry.profiles import Array, Piece, Profile
 from railhead.planning import error_envelopes
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.scene.scene import Scene, SceneError
-from railhead.theory.bem.boundary_element import BoundaryElementSolution
+from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from studies import tables
 from studies.processes import attempts
 

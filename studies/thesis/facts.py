@@ -22,7 +22,7 @@ from railhead.geometry import placement, profiles
 from railhead.geometry.placement import ProfilePair
 from railhead.planning.references import closed_forms
 from railhead.scene.scene import Scene
-from railhead.theory.bem import boundary_element
+from railhead.theory.bem import pressure_solver
 from railhead.theory.elastic import subsurface
 from railhead.theory.elastic.hertz import Ellipse, point_contact
 
@@ -258,7 +258,7 @@ def facts(scene: Scene) -> Facts:
     contact = solid.locate(scene)
     ellipse = closed_forms.ellipse(scene, contact)
     curvatures = (ellipse.curvature_x, 0.0), (0.0, ellipse.curvature_y)
-    numerical = boundary_element.solve(
+    numerical = pressure_solver.solve(
         contact.half_space_gap(contact.touch),
         ellipse.contact_modulus,
         load=ellipse.load,

@@ -24,7 +24,7 @@ from railhead.geometry import profiles
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.results.report import output_units, terminal
 from railhead.scene.scene import Scene, SceneError
-from railhead.theory.bem.boundary_element import BoundaryElementSolution
+from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 
 DATA = Path(__file__).parents[1] / "geometry" / "data"
 BAN, PRW = str(DATA / "MBench_UIC60_v3.ban"), str(DATA / "MBench_S1002_v3.prw")

@@ -16,8 +16,8 @@ from railhead.planning.references import boundary_elements
 from railhead.run import model_setup
 from railhead.run.half_spaces import normal_contact
 from railhead.run.half_spaces.tangential_contact import solve_by_boundary_elements
-from railhead.theory.bem.boundary_element import BoundaryElementSolution
 from railhead.theory.bem.grid_patch import PatchSolution
+from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.friction import tangential
 from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction, TangentialSolution
 

@@ -23,9 +23,9 @@ from dataclasses import astuple, dataclass
 import numpy as np
 
 from railhead.theory.array_types import Array, Mask
-from railhead.theory.bem.boundary_element import equilibrium
 from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.bem.influence import Influence
+from railhead.theory.bem.pressure_solver import equilibrium
 from railhead.theory.friction.coulomb_solver import CoulombSolver
 from railhead.theory.friction.tangential import MaterialPair, TractionInfluence
 

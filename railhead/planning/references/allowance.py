@@ -25,7 +25,7 @@ from railhead.planning.references import boundary_elements, closed_forms
 from railhead.planning.references.boundary_elements import Developed
 from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.theory.array_types import Array
-from railhead.theory.bem.boundary_element import BoundaryElementSolution
+from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.elastic import halfspace
 from railhead.theory.elastic.hertz import Ellipse
 

@@ -17,8 +17,8 @@ from scipy.ndimage import find_objects, label
 from railhead.contact.solid import Contact
 from railhead.geometry.surfaces import along
 from railhead.theory.array_types import Array
-from railhead.theory.bem import boundary_element
-from railhead.theory.bem.boundary_element import BoundaryElementSolution, Window
+from railhead.theory.bem import pressure_solver
+from railhead.theory.bem.pressure_solver import BoundaryElementSolution, Window
 from railhead.theory.elastic.line import Hertz
 
 SAMPLES = 4001  # points on each profile
@@ -111,7 +111,7 @@ def solve(
     windows = _around(contact, surface, FIRST_REACH * rigid)
     windows += _boxes(contact, x, s, np.maximum(FIRST_REACH * rigid - height, 0))
     for _ in range(MAX_SOLUTIONS):
-        found = boundary_element.solve_developed(
+        found = pressure_solver.solve_developed(
             surface.gap,
             ellipse.contact_modulus,
             windows,

@@ -17,7 +17,7 @@ from railhead.contact.solid import Contact
 from railhead.geometry import profiles
 from railhead.geometry.placement import PlacementError
 from railhead.planning.references import boundary_elements, closed_forms
-from railhead.theory.bem.boundary_element import BoundaryElementSolution
+from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.elastic.line import Hertz
 
 MEASURED = json.loads(

@@ -29,7 +29,7 @@ from railhead.run.mesh_solution import MeshSolution, read_friction
 from railhead.run.progress import Progress
 from railhead.run.quantities import numeric_values
 from railhead.theory.array_types import Array
-from railhead.theory.bem.boundary_element import BoundaryElementSolution
+from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.elastic.line import Hertz
 from railhead.theory.friction.rolling import TangentialSolution
 

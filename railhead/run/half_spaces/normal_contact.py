@@ -22,9 +22,9 @@ from railhead.postprocess.patch import body_motion, compare
 from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.run.mesh_solution import MeshSolution
 from railhead.theory.array_types import Array
-from railhead.theory.bem import boundary_element
-from railhead.theory.bem.boundary_element import BoundaryElementSolution
+from railhead.theory.bem import pressure_solver
 from railhead.theory.bem.grid_patch import Grid, PatchSolution
+from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.elastic.hertz import Strip
 from railhead.theory.elastic.line import Hertz, LineContact
 from railhead.theory.friction.rolling import plane_modes
@@ -163,7 +163,7 @@ def patches(
     if isinstance(hertz, LineContact):
         return _strip(hertz.strip, cells)
     if contact.half_space or (hertzian and not contact.touch.orientation):
-        pressed = boundary_element.solve(
+        pressed = pressure_solver.solve(
             hertz.gap,
             hertz.contact_modulus,
             load=hertz.load,
@@ -191,7 +191,7 @@ def _strip(contact: Strip, cells: int) -> list[PressedPatch]:
     """
     grid, gap = strip_grid(contact.b, contact.curvature, cells, WIDER)
     load = contact.load_per_length * LENGTH * contact.b
-    (pressed,) = boundary_element.equilibrium(
+    (pressed,) = pressure_solver.equilibrium(
         [grid], [gap], contact.contact_modulus, load, None, TOLERANCE, None
     )
     return [PressedPatch(pressed, plane_modes(grid.x, grid.s))]

@@ -16,8 +16,8 @@ import numpy as np
 
 from railhead.run.half_spaces.normal_contact import LENGTH, strip_grid
 from railhead.theory.array_types import Array
-from railhead.theory.bem.boundary_element import BoundaryElementSolution, equilibrium
 from railhead.theory.bem.grid_patch import Grid, PatchSolution
+from railhead.theory.bem.pressure_solver import BoundaryElementSolution, equilibrium
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.line import Strips
 

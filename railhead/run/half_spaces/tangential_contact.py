@@ -17,7 +17,7 @@ from railhead.run.half_spaces import normal_contact
 from railhead.run.half_spaces.normal_contact import PressedPatch
 from railhead.run.mesh_solution import MeshSolution
 from railhead.theory.array_types import Array
-from railhead.theory.bem.boundary_element import BoundaryElementSolution
+from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.line import LineContact
 from railhead.theory.friction import kalker, partial_slip

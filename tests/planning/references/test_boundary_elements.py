@@ -16,7 +16,7 @@ from railhead.run.half_spaces.normal_contact import half_space, solve
 from railhead.run.mesh_solution import MeshSolution
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene
-from railhead.theory.bem.boundary_element import BoundaryElementSolution
+from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.elastic.hertz import Ellipse
 
 SEEN_TWICE = ["wheel.profile=S1002", "rail.inclination=1:40", "wheelset.shift=2", "load=70kN"]

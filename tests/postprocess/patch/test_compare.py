@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from railhead.postprocess.patch import compare
-from railhead.theory.bem.boundary_element import BoundaryElementSolution
 from railhead.theory.bem.grid_patch import PatchSolution
+from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 
 
 def test_a_difference_is_relative_and_none_where_there_is_nothing_to_divide_by() -> None:

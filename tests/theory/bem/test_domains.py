@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from railhead.theory.bem.boundary_element import (
+from railhead.theory.bem.pressure_solver import (
     BoundaryElementSolution,
     flat,
     solve,
     solve_developed,
 )
 from railhead.theory.elastic.hertz import point_contact
-from tests.theory.bem.test_boundary_element import LOAD, MODULUS, RADIUS, lopsided, paraboloid
+from tests.theory.bem.test_pressure_solver import LOAD, MODULUS, RADIUS, lopsided, paraboloid
 
 Array = NDArray[np.float64]
 Gap = Callable[[Array, Array], Array]

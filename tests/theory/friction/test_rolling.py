@@ -12,8 +12,8 @@ from carter import Carter
 from friction_data import named
 from numpy.typing import NDArray
 
-from railhead.theory.bem import boundary_element
-from railhead.theory.bem.boundary_element import solve
+from railhead.theory.bem import pressure_solver
+from railhead.theory.bem.pressure_solver import solve
 from railhead.theory.elastic.hertz import Ellipse, contact_modulus, line_contact, point_contact
 from railhead.theory.friction.kalker import coefficients
 from railhead.theory.friction.partial_slip import CattaneoMindlin, initial_compliance
@@ -310,14 +310,14 @@ def rolling(
     return solve_dissimilar(pressed(materials), materials, 0.3, lambda body: body.solve(creepage))
 
 
-def pressed(materials: MaterialPair) -> boundary_element.PatchSolution:
+def pressed(materials: MaterialPair) -> pressure_solver.PatchSolution:
     modulus = materials.shear_modulus / (1 - materials.poisson)
-    return boundary_element.solve(ball, modulus, load=500.0, cells=32)
+    return pressure_solver.solve(ball, modulus, load=500.0, cells=32)
 
 
 def test_like_bodies_take_one_turn() -> None:
     materials, creepage = pair(*HARD, *HARD), Creepage(1e-4, 1e-4)
-    patch = boundary_element.solve(ball, 207000 / 1.82, load=500.0, cells=32)
+    patch = pressure_solver.solve(ball, 207000 / 1.82, load=500.0, cells=32)
     body = HalfSpaceFriction(patch.x, patch.s, patch.pressure, 0.3, materials, rolling=True)
     found = rolling(HARD, HARD, creepage)
     np.testing.assert_allclose(found.traction, body.solve(creepage).traction, rtol=1e-6, atol=1e-9)
@@ -339,11 +339,11 @@ def test_the_gap_closes_under_pressure_and_tractions_together() -> None:
     influence = TractionInfluence(found.x, found.y, materials, rolling=False)
     opened = influence.opening(found.traction)
     x, y = np.meshgrid(found.x, found.y, indexing="ij")
-    patch = boundary_element.PatchSolution(
+    patch = pressure_solver.PatchSolution(
         found.x, found.y, 0 * found.y, found.bound / 0.3, 0 * x, 0.0
     )
     modulus = materials.shear_modulus / (1 - materials.poisson)
-    pressed = boundary_element.Influence([patch], modulus)(patch.pressure.ravel()).reshape(x.shape)
+    pressed = pressure_solver.Influence([patch], modulus)(patch.pressure.ravel()).reshape(x.shape)
     touching = found.bound > 0
     rigid = (ball(x, y) + pressed)[touching]
     assert np.ptp(rigid + opened[touching]) < 5e-3 * rigid.mean()
@@ -354,7 +354,7 @@ def test_the_gap_closes_under_pressure_and_tractions_together() -> None:
 def test_patches_meet_forces_together() -> None:
     """At one creepage, whose forces add up to it."""
     materials = pair(*HARD, *HARD)
-    patch = boundary_element.solve(ball, 207000 / 1.82, load=500.0, cells=32)
+    patch = pressure_solver.solve(ball, 207000 / 1.82, load=500.0, cells=32)
     bodies = [
         HalfSpaceFriction(patch.x, patch.s, share * patch.pressure, 0.3, materials, rolling=True)
         for share in (1.0, 0.5)

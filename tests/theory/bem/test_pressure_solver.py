@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from railhead.theory.bem.boundary_element import PatchSolution, solve
+from railhead.theory.bem.pressure_solver import PatchSolution, solve
 from railhead.theory.elastic.hertz import Ellipse, point_contact
 
 Array = NDArray[np.float64]
