@@ -10,12 +10,9 @@ import numpy as np
 from petsc4py import PETSc
 
 from railhead.solver.friction.history import FrictionHistory
-from railhead.solver.plasticity.load_stepping import (
-    ElasticResponse,
-    PlasticResponse,
-    plastic_problem,
-)
+from railhead.solver.plasticity.load_stepping import PlasticResponse, plastic_problem
 from railhead.solver.system.contact_system import ContactSystem, LoadCase
+from railhead.solver.system.response import ElasticResponse
 from railhead.solver.system.setup import Setup
 from railhead.solver.system.solution import Solution
 from railhead.theory.array_types import Mask

@@ -32,9 +32,9 @@ from railhead.solver.friction.surface_response import (
     SurfaceResponse,
     far_displacement,
 )
-from railhead.solver.plasticity.load_stepping import ElasticResponse
 from railhead.solver.system.contact_system import LoadCase
 from railhead.solver.system.fields import Fields, gather
+from railhead.solver.system.response import ElasticResponse
 from railhead.solver.system.solution import FrictionSolution, Solution
 from railhead.theory.array_types import Array
 from railhead.theory.friction.rolling import (

@@ -40,10 +40,10 @@ from railhead.solver.friction.surface_response import (
     rows_at,
     surface_tangents,
 )
-from railhead.solver.plasticity.load_stepping import ElasticResponse
 from railhead.solver.space.facets import pair
 from railhead.solver.space.operators import assemble_rows, select_rows, vector
 from railhead.solver.system.contact_system import ContactSystem
+from railhead.solver.system.response import ElasticResponse
 from railhead.solver.system.setup import FrictionSettings
 from railhead.solver.system.solution import Solution
 from railhead.theory.array_types import Array, Index, Mask

@@ -9,8 +9,8 @@ import numpy as np
 from railhead.solver.friction.condensation import ContactCompliance, StaticCondensation
 from railhead.solver.friction.coulomb import TINY, CoulombContact, TangentialState
 from railhead.solver.friction.surface_response import far_displacement
-from railhead.solver.plasticity.load_stepping import ElasticResponse
 from railhead.solver.system.contact_system import ContactSystem, LoadCase
+from railhead.solver.system.response import ElasticResponse
 from railhead.solver.system.setup import FrictionSettings
 from railhead.solver.system.solution import FrictionSolution, Solution
 from railhead.theory.array_types import Array, Mask

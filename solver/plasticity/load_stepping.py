@@ -1,8 +1,6 @@
-"""How the bodies respond to one load case: elastically, or with yield and a history.
+"""How bodies that yield respond to one load case: in load steps, with a history.
 
-A response is made for each load case. It presses the bodies, presses them again under the
-tangential tractions that friction finds, and unloads them. Bodies that yield are loaded in steps,
-each of which starts from the history that the last one left.
+Each load step starts from the history that the last one left.
 """
 
 from __future__ import annotations
@@ -23,6 +21,7 @@ from railhead.solver.plasticity.plastic_problem import (
     surface_points,
 )
 from railhead.solver.system.contact_system import ContactSystem, LoadCase
+from railhead.solver.system.response import ElasticResponse
 from railhead.solver.system.setup import LoadPath
 from railhead.solver.system.solution import PlasticSolution, PlasticStrain, Solution
 from railhead.theory.array_types import Array, Index, Mask
@@ -262,45 +261,6 @@ def plastic_strain(
     strain[cells] = tensors.reshape(len(cells), each, 3, 3)
     equivalent[cells] = history.equivalent.reshape(len(cells), each)
     return PlasticStrain(strain, equivalent)
-
-
-class ElasticResponse:
-    """Response of elastic bodies to one load case, which has no history.
-
-    system: contact system.
-    """
-
-    def __init__(self, system: ContactSystem) -> None:
-        self.system = system
-
-    def press(self, case: LoadCase) -> Solution:
-        """Frictionless elastic solution of a load case (collective)."""
-        return self.system.press(case)
-
-    def start_friction_step(self) -> None:
-        """Mark the start of a friction load step; elastic bodies have no history, so that nothing
-        is done.
-        """
-
-    def press_again(self, solution: Solution, case: LoadCase) -> Solution:
-        """Solution of a load case whose force holds tangential tractions; solution: the last one,
-        which elastic bodies do not need.
-        """
-        return self.press(case)
-
-    def plastic_shear_stress(self, points: Index, tangents: Array, normals: Array) -> Array:
-        """Shear stress t . sigma . n that plastic strain takes (p, k), MPa: zero for elastic
-        bodies.
-
-        points: numbers (p,) of contact points of this rank.
-        tangents: unit tangents t (p, k, c).
-        normals: unit normals n (p, c).
-        """
-        return np.zeros(tangents.shape[:2])
-
-    def unload(self, solution: Solution) -> Solution:
-        """The solution itself, because elastic bodies leave no residual state."""
-        return solution
 
 
 class PlasticResponse(ElasticResponse):

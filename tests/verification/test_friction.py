@@ -19,8 +19,9 @@ from railhead.run import mesh_solution, model_setup
 from railhead.solver.contact import ContactModel
 from railhead.solver.friction.history import FrictionHistory
 from railhead.solver.friction.surface_response import surface_tangents
-from railhead.solver.plasticity.load_stepping import ElasticResponse, PlasticResponse
+from railhead.solver.plasticity.load_stepping import PlasticResponse
 from railhead.solver.system.contact_system import LoadCase
+from railhead.solver.system.response import ElasticResponse
 from railhead.solver.system.solution import Solution
 from railhead.sweeps import sweep_table
 from railhead.theory.elastic.hertz import Ellipse
