@@ -27,11 +27,8 @@ from railhead.scene.scene import SceneError
 from railhead.solver.algebra.linear import StalledError
 from railhead.solver.contact import ContactModel, condensed_friction
 from railhead.solver.friction.history import NOT_CONVERGED
-from railhead.solver.friction.surface_response import (
-    SurfacePoints,
-    SurfaceResponse,
-    far_displacement,
-)
+from railhead.solver.friction.pressed_surfaces import far_displacement
+from railhead.solver.friction.surface_response import SurfacePoints, SurfaceResponse
 from railhead.solver.system.contact_system import LoadCase
 from railhead.solver.system.fields import Fields, gather
 from railhead.solver.system.response import ElasticResponse

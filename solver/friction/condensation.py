@@ -34,7 +34,7 @@ from petsc4py import PETSc
 from railhead.solver import compat
 from railhead.solver.algebra.linear import factorise
 from railhead.solver.algebra.reduced_stiffness import DIFFERENT
-from railhead.solver.friction.surface_response import (
+from railhead.solver.friction.pressed_surfaces import (
     PressedSurfaces,
     rows,
     rows_at,

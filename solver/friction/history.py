@@ -8,7 +8,7 @@ import numpy as np
 
 from railhead.solver.friction.condensation import ContactCompliance, StaticCondensation
 from railhead.solver.friction.coulomb import TINY, CoulombContact, TangentialState
-from railhead.solver.friction.surface_response import far_displacement
+from railhead.solver.friction.pressed_surfaces import far_displacement
 from railhead.solver.system.contact_system import ContactSystem, LoadCase
 from railhead.solver.system.response import ElasticResponse
 from railhead.solver.system.setup import FrictionSettings

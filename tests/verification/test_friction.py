@@ -18,7 +18,7 @@ from railhead.postprocess.friction import quantities
 from railhead.run import mesh_solution, model_setup
 from railhead.solver.contact import ContactModel
 from railhead.solver.friction.history import FrictionHistory
-from railhead.solver.friction.surface_response import surface_tangents
+from railhead.solver.friction.pressed_surfaces import surface_tangents
 from railhead.solver.plasticity.load_stepping import PlasticResponse
 from railhead.solver.system.contact_system import LoadCase
 from railhead.solver.system.response import ElasticResponse
