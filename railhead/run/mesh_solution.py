@@ -359,7 +359,7 @@ def solve(
 
     scene = plan.scene
     tractions = partial(
-        solid_friction.apply,
+        solid_friction.solve_by_suited_method,
         stage=stage,
         parabolic=plan.contact.half_space,
         misplaced=misplaced,

@@ -377,7 +377,7 @@ class SolidFriction:
         return replace(described, force=force, moment=moment)
 
 
-def apply(
+def solve_by_suited_method(
     model: ContactModel,
     response: ElasticResponse,
     case: LoadCase,
@@ -387,9 +387,13 @@ def apply(
     parabolic: bool,
     misplaced: Callable[[Fields], bool],
 ) -> Solution:
-    """Solution with friction of a pressed contact (collective): by half-spaces and what finite
-    bodies add where that represents the bodies, else by static condensation. Sections, bodies that
-    yield and unlike materials are always condensed.
+    """Solution with friction of a pressed contact, by the method that suits it (collective):
+
+        section in two dimensions                    static condensation
+        bodies that yield                            static condensation
+        unlike materials                             static condensation
+        like elastic solids                          half-spaces and what finite bodies add
+            near an edge, a plane or another patch   static condensation (`SolidFriction.unsuited`)
 
     response: what presses the bodies again under tractions where they are condensed; bodies that
         yield keep their history there.
