@@ -18,9 +18,9 @@ from functools import cached_property
 
 import numpy as np
 
+from railhead.solver.algebra.mixing import Anderson
 from railhead.solver.material.hardening import Hardening, History, deviator
 from railhead.solver.passes.block import Block, slab
-from railhead.solver.passes.mixing import Anderson
 from railhead.solver.passes.streams import Streams, follow
 from railhead.theory.array_types import Array, Index
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from railhead.solver.passes.mixing import Anderson
+from railhead.solver.algebra.mixing import Anderson
 
 
 def test_a_linear_fixed_point_is_met_where_plain_iterations_diverge():
