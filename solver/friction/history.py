@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from railhead.solver.algebra.mixing import Anderson
 from railhead.solver.friction.condensation import ContactCompliance, StaticCondensation
 from railhead.solver.friction.coulomb import TINY, CoulombContact, TangentialState
 from railhead.solver.friction.pressed_surfaces import far_displacement
@@ -120,7 +121,7 @@ class FrictionHistory:
             for index, value in self.settings.force_controlled
         ]
         state: TangentialState | None = None
-        change, tried = np.inf, list[tuple[Array, Array]]()
+        change, mixing = np.inf, Anderson(ANDERSON_DEPTH)
         for _ in range(COUPLING_ITERATIONS):
             if held is not None and (loaded or state is None):
                 self.rest = np.where(self.was_active[:, None], held, self._touching(before))
@@ -135,12 +136,10 @@ class FrictionHistory:
             self.motion[self.free_modes] = state.motion
             self.coupling_iterations += 1
             self.newton_steps = max(self.newton_steps, len(state.history))
-            difference = state.nodal - self.nodal
-            change = float(np.abs(difference).max()) / friction.largest_bound
+            change = float(np.abs(state.nodal - self.nodal).max()) / friction.largest_bound
             if change <= COUPLING_TOLERANCE or not state.converged:
                 break
-            tried = [*tried[-ANDERSON_DEPTH:], (difference, state.nodal)]
-            self.nodal, self.tangential = anderson_mixing(tried), self._force(state)
+            self.nodal, self.tangential = mixing.next(self.nodal, state.nodal), self._force(state)
             solution = self._press_again(solution)
             if not solution.newton.converged:
                 return solution
@@ -267,20 +266,6 @@ class FrictionHistory:
             rigid_slip=contact.in_space(np.einsum("m,mnk->nk", motion, self.rigid_slip)),
             newton_steps=self.newton_steps,
         )
-
-
-def anderson_mixing(tried: list[tuple[Array, Array]]) -> Array:
-    """Next iterate (m,) of a fixed-point iteration (Anderson 1965).
-
-    tried: (change (m,), result (m,)) of the last iterations, the latest last. The returned
-        combination of the results is the one whose change would be least if the iteration were
-        linear.
-    """
-    changes, results = (np.array(each) for each in zip(*tried, strict=True))
-    if len(tried) == 1:
-        return np.asarray(results[-1])
-    shares, *_ = np.linalg.lstsq(np.diff(changes, axis=0).T, changes[-1], rcond=None)
-    return np.asarray(results[-1] - shares @ np.diff(results, axis=0))
 
 
 def rigid_slip_modes(settings: FrictionSettings, contact: ContactCompliance) -> Array:
