@@ -41,3 +41,10 @@ def process(*arguments: str, cwd: Path, **changes: str) -> subprocess.CompletedP
         [*START, *arguments], cwd=cwd, env=environment() | changes, capture_output=True, text=True,
         check=False, timeout=300,
     )  # fmt: skip
+
+
+def until(running: subprocess.Popen[str], words: str) -> None:
+    """Wait for a line with these words on standard error of a process that runs."""
+    assert running.stderr is not None
+    while words not in running.stderr.readline():
+        assert running.poll() is None

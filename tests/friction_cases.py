@@ -1,7 +1,11 @@
-"""Friction by finite elements as half-space references take it: a motion or a force."""
+"""Friction by finite elements as half-space references take it: a motion or a force; half-planes
+that slip."""
+
+import math
 
 import numpy as np
 
+from railhead.scene.scene import Rail, Scene, Wheel
 from railhead.solver.system.solution import FrictionSolution
 
 MU = 0.3
@@ -32,3 +36,14 @@ def friction_found(
         rigid_slip=none,
         newton_steps=0,
     )
+
+
+def plane(coefficient: float, **more: object) -> Scene:
+    """Half-planes under 1 kN/mm that slip everywhere."""
+    return Scene(
+        load=1e5,
+        rail=Rail(profile="arc", crown_radius=math.inf, extent="half-space", width=100),
+        wheel=Wheel(rolling_radius=420, width=100),
+        friction={"coefficient": coefficient},
+        rolling={"creepage_along": 0.5},
+    ).replace(**more)

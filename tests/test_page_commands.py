@@ -57,4 +57,5 @@ def test_pages_with_commands_are_found() -> None:
     assert {"README", "files", "friction", "passes", "profiles", "report", "sweeps"} <= {
         page.stem for page in PAGES
     }
+    assert len(commands(ROOT / "README.md")) >= 4
     assert sum(len(commands(page)) for page in PAGES) > 25

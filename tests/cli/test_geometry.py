@@ -1,6 +1,5 @@
 """`railhead locate` and `railhead profile`, and measured profiles in a scene: numbers, refusals."""
 
-import csv
 import json
 import math
 import os
@@ -12,6 +11,7 @@ import command
 import matplotlib
 import numpy as np
 import pytest
+from csv_rows import rows
 from matplotlib.text import Text
 from one_line import refusal
 
@@ -43,6 +43,12 @@ def test_files_of_instruments_are_the_manchester_pair() -> None:
     found = solved(SCENE.replace(**keys))
     assert found.max_pressure == pytest.approx(true.max_pressure, rel=0.01)
     assert found.area == pytest.approx(true.area, rel=0.01)
+
+
+@pytest.fixture(autouse=True)
+def _few_positions(monkeypatch) -> None:
+    """Three of the many that a wheelset is placed at."""
+    monkeypatch.setattr(geometry, "SHIFTS", np.linspace(-3.0, 3.0, 3))
 
 
 @pytest.fixture(scope="module")
@@ -125,18 +131,19 @@ def test_command_draws_a_profile_and_says_its_wear(here, capsys) -> None:
     }  # fmt: skip
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["standard"] == "60E1" and summary["wear"]["largest_mm"] < 0.1
-    with (folder / "profile.csv").open(encoding="utf-8-sig") as file:
-        rows = list(csv.DictReader(file))
-    assert {row["program"] for row in rows} == {f"railhead {rh.__version__}"}
-    middle = [float(row["curvature_per_mm"]) for row in rows if -12 < float(row["y_mm"]) < 0]
+    written = rows(folder / "profile.csv")
+    assert {row["program"] for row in written} == {f"railhead {rh.__version__}"}
+    middle = [float(row["curvature_per_mm"]) for row in written if -12 < float(row["y_mm"]) < 0]
     np.testing.assert_allclose(middle, 1 / 300, rtol=0.1)
 
 
-def test_a_picture_has_another_format_beside_png(tmp_path, capsys) -> None:
+@pytest.mark.parametrize(
+    ("kind", "words"), [("svg", rb"<\?xml.*railhead "), ("pdf", rb"%PDF")]
+)  # the first is stamped
+def test_a_picture_has_another_format_beside_png(kind: str, words: bytes, tmp_path) -> None:
     with matplotlib.rc_context():
-        assert command.status("profile", BAN, "--format", "svg", "--out", str(tmp_path / "o")) == 0
-    text = (tmp_path / "o" / "profile.svg").read_bytes()
-    assert text.startswith(b"<?xml") and b"railhead " in text  # stamped
+        assert command.status("profile", BAN, "--format", kind, "--out", str(tmp_path / "o")) == 0
+    assert re.match(words, (tmp_path / "o" / f"profile.{kind}").read_bytes(), re.DOTALL)
     assert (tmp_path / "o" / "profile.png").is_file()
 
 
@@ -215,8 +222,7 @@ def test_manchester_case_touches_left_and_right_alike() -> None:
     assert len(summary["right"]) == 2  # the second one hangs 8 um above the rail
 
 
-def test_command_prints_json_and_writes_pictures(tmp_path, capsys, monkeypatch) -> None:
-    monkeypatch.setattr(geometry, "SHIFTS", np.linspace(-10.0, 10.0, 3))
+def test_command_prints_json_and_writes_pictures(tmp_path, capsys) -> None:
     folder = tmp_path / "located"
     given = f"s1002_60e1 --shift 3mm --yaw 2mrad --json --out {folder}"
     assert command.status("locate", *given.split()) == 0
@@ -229,9 +235,8 @@ def test_command_prints_json_and_writes_pictures(tmp_path, capsys, monkeypatch) 
     assert pictures == {"profiles.png", "positions.png", "rolling_radius.png"}
 
 
-def test_tables_and_pictures_are_in_the_readers_units(tmp_path, capsys, monkeypatch) -> None:
+def test_tables_and_pictures_are_in_the_readers_units(tmp_path, capsys) -> None:
     """Of the numbers of a wheelset and of a profile; files keep mm."""
-    monkeypatch.setattr(geometry, "SHIFTS", np.linspace(-2.0, 2.0, 3))
     found = rh.locate(rh.find("s1002_60e1").replace(["wheelset.shift=2.54 mm"]))
     profile, inches = rh.profile(BAN), output_units.parse("in")
     tables = [terminal.recorded(partial(each.show, units=inches)) for each in (found, profile)]
@@ -258,9 +263,7 @@ def test_positions_are_a_table_and_without_pictures_the_same(tmp_path, capsys, m
     assert {path.name for path in (tmp_path / "out").iterdir()} == {
         ".railhead", "positions.csv", "scene.toml", "summary.json",
     }  # fmt: skip
-    with (tmp_path / "out" / "positions.csv").open(encoding="utf-8-sig") as file:
-        rows = list(csv.DictReader(file))
-    at = {float(row["shift [mm]"]): row for row in rows}
+    at = {float(row["shift [mm]"]): row for row in rows(tmp_path / "out" / "positions.csv")}
     here, found = at[3.0], located("wheelset.shift=3 mm")
     for side in ("left", "right"):
         touch = found[side][0]
@@ -273,10 +276,9 @@ def test_positions_are_a_table_and_without_pictures_the_same(tmp_path, capsys, m
     assert at[8.0]["equivalent conicity"] == at[-8.0]["equivalent conicity"]
 
 
-def test_measured_profiles_come_with_their_curvature(tmp_path, capsys, monkeypatch) -> None:
-    monkeypatch.setattr(geometry, "SHIFTS", np.array([0.0]))
-    rows = "\n".join(f"{y},{-(y**2) / 600}" for y in range(-26, 27, 2))
-    (tmp_path / "rail.csv").write_text(rows)
+def test_measured_profiles_come_with_their_curvature(tmp_path, capsys) -> None:
+    points = "\n".join(f"{y},{-(y**2) / 600}" for y in range(-26, 27, 2))
+    (tmp_path / "rail.csv").write_text(points)
     key = f"rail.profile={tmp_path / 'rail.csv'}"
     command.status("locate", "uic54_thesis", *quickly(tmp_path), "--set", key)
     assert "rail profile, smoothed: radius" in capsys.readouterr().out
@@ -296,8 +298,7 @@ def test_what_cannot_be_located_is_refused_by_its_key(assignment: str, key: str)
         located(assignment)
 
 
-def test_angles_are_printed_in_degrees(tmp_path, monkeypatch, capsys) -> None:
-    monkeypatch.setattr(geometry, "SHIFTS", np.array([0.0]))
+def test_angles_are_printed_in_degrees(tmp_path, capsys) -> None:
     command.status("locate", "s1002_60e1", *quickly(tmp_path))
     row = next(line for line in capsys.readouterr().out.splitlines() if "contact angle" in line)
     assert row.split()[3:6] == ["│", "deg", "│"] and "1.3955" in row  # 0.0243564 rad

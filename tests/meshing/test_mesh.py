@@ -9,6 +9,7 @@ import gmsh
 import meshio
 import numpy as np
 import pytest
+from dolfinx import fem
 from mpi4py import MPI
 
 from railhead.geometry import outlines, profiles
@@ -25,7 +26,6 @@ from railhead.meshing.bodies import (
 )
 from railhead.meshing.grading import Grading
 from railhead.solver import compat
-from railhead.solver.space.facets import reference_facets
 
 pytestmark = pytest.mark.usefixtures("meshed_anew")
 GRADING = Grading((0.0, 0.0, 0.0), 4.3, 3.5, 0.0, 1.2, coarsest=20.0)
@@ -72,38 +72,22 @@ def test_volumes_are_those_of_the_swept_sections(cell: str, half: bool) -> None:
 @pytest.mark.parametrize("cell", CELLS)
 def test_faces_are_tagged_and_fine_only_in_the_patch(cell: str) -> None:
     made = mesh.generate(bodies("head", half=True), GRADING, Options(cell, 1, True), MPI.COMM_WORLD)
-    x = made.mesh.geometry.x
-    facets = made.facet_tags
     for tag in (CONTACT + RAIL, CONTACT + WHEEL, SUPPORT + RAIL, SUPPORT + WHEEL):
-        assert len(facets.find(tag)) > 0
+        assert len(made.facet_tags.find(tag)) > 0
     for tag, axis in ((SYMMETRY_X, 0), (SYMMETRY_Y, 1)):
-        nodes = _nodes(made, facets.find(tag))
-        assert len(nodes) and np.abs(x[nodes, axis]).max() < 1e-9
-    top = _nodes(made, facets.find(CONTACT + RAIL))
-    near = top[np.hypot(x[top, 0], x[top, 1]) < 3.0]
+        found = _points(made, tag)
+        assert len(found) and np.abs(found[:, axis]).max() < 1e-9
+    top = _points(made, CONTACT + RAIL)
+    near = top[np.hypot(top[:, 0], top[:, 1]) < 3.0]
     area_per_node = np.pi * 3.0**2 / 4 / len(near)
     assert 0.3 * 1.2**2 < area_per_node < 1.5 * 1.2**2
 
 
-def _nodes(made: mesh.ContactMesh, facets: np.ndarray) -> np.ndarray:
-    """Geometry nodes of facets: those of their cell that lie on them (order 1)."""
-    topology = made.mesh.topology
-    topology.create_connectivity(2, 3)
-    topology.create_connectivity(3, 2)
-    kind, cells = compat.cell_type(made.mesh), compat.cell_nodes(made.mesh)
-    corners = {
-        "tetrahedron": [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]],
-        "hexahedron": [
-            [0, 1, 2, 3], [0, 1, 4, 5], [0, 2, 4, 6], [1, 3, 5, 7], [2, 3, 6, 7], [4, 5, 6, 7],
-        ],
-    }[kind]  # fmt: skip
-    assert len(corners) == len(reference_facets(kind))
-    found = []
-    for facet in facets:
-        cell = topology.connectivity(2, 3).links(facet)[0]
-        local = list(topology.connectivity(3, 2).links(cell)).index(facet)
-        found.append(cells[cell][corners[local]])
-    return np.unique(found)
+def _points(made: mesh.ContactMesh, tag: int) -> np.ndarray:
+    """Corners (n, 3) of the tagged facets, mm."""
+    space = compat.vector_space(made.mesh, 1)
+    corners = fem.locate_dofs_topological(space, 2, made.facet_tags.find(tag))
+    return compat.dof_points(space)[corners]
 
 
 def test_the_same_input_gives_the_same_mesh() -> None:

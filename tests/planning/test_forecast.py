@@ -64,11 +64,7 @@ def test_plans_travel_between_processes() -> None:
         )
 
 
-def test_a_forecast_that_fails_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
-    def fail(*_: object) -> None:
-        raise ValueError("no bounded contact found")
-
-    monkeypatch.setattr(boundary_elements, "solve", fail)
+def test_a_forecast_that_fails_says_why(half_spaces_fail) -> None:
     plan = planning.make(MANCHESTER)
     assert plan.forecast.hertzian
     assert plan.summary()["forecast"] == {

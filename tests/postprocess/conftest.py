@@ -10,6 +10,7 @@ import pytest
 from dolfinx.mesh import CellType, create_box
 from mpi4py import MPI
 from numpy.typing import NDArray
+from painted import LAME, POISSON, YOUNG
 
 from railhead.postprocess import symmetry, vtu
 from railhead.postprocess.findings import (
@@ -26,8 +27,6 @@ from railhead.solver.system.fields import ContactFields, Fields
 from railhead.theory.elastic.halfspace import hertz_displacement
 from railhead.theory.elastic.hertz import Ellipse, contact_modulus, point_contact
 from railhead.theory.elastic.subsurface import stress
-
-YOUNG, POISSON = 207000.0, 0.3
 
 
 @dataclass(frozen=True)
@@ -81,7 +80,7 @@ def blocks() -> Blocks:
             displacement=np.concatenate(moved),
             cells=np.concatenate([cells, more + len(lower)]),
             body=np.repeat([1, 2], [len(cells), len(more)]),
-            lame=np.zeros((len(cells) + len(more), 2)),
+            lame=np.tile(LAME, (len(cells) + len(more), 1)),
             cell=cell,
             degree=degree,
             slave=1,

@@ -6,9 +6,12 @@ import basix
 import numpy as np
 
 from railhead.postprocess.findings import Array
+from railhead.solver.material.elasticity import Material
 from railhead.solver.system.fields import ContactFields, Fields
 
 JITTER = 0.2  # of an element
+STEEL = Material(207000.0, 0.3)
+YOUNG, POISSON, LAME = STEEL.young_modulus, STEEL.poisson_ratio, STEEL.lame
 Square = Callable[[Array, Array], Array]
 
 

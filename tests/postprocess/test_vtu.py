@@ -100,18 +100,28 @@ def test_triangles_look_out_of_their_body(blocks: Callable[..., Any]) -> None:
     assert np.all(up[body == 1] > 0) and np.all(up[body == 2] < 0)
 
 
-def test_wrong_input_is_refused(blocks: Callable[..., Any], tmp_path: Path) -> None:
-    case = blocks()
-    with pytest.raises(ValueError, match="stress must be"):
-        vtu.volume_grid(case.fields, case.stress[1:])
-    hole = case.stress.copy()
-    hole[3, 2] = np.nan
-    with pytest.raises(ValueError, match="finite"):
-        vtu.volume_grid(case.fields, hole)
-    with pytest.raises(ValueError, match="degree 3"):
-        vtu.volume_grid(replace(case.fields, degree=3), case.stress)
+def with_a_hole(stress):
+    holed = stress.copy()
+    holed[3, 2] = np.nan
+    return holed
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda case: vtu.volume_grid(case.fields, case.stress[1:]), "stress must be"),
+        (lambda case: vtu.volume_grid(case.fields, with_a_hole(case.stress)), "finite"),
+        (lambda case: vtu.volume_grid(replace(case.fields, degree=3), case.stress), "degree 3"),
+    ],
+)
+def test_fields_that_do_not_fit_their_mesh_are_refused(blocks, call, words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        call(blocks())
+
+
+def test_a_file_that_cannot_be_written_is_an_error_of_the_system(blocks, tmp_path: Path) -> None:
     with pytest.raises(OSError):
-        vtu.write(vtu.contact_grid({1: case.findings.surface}), tmp_path / "no" / "x")
+        vtu.write(vtu.contact_grid({1: blocks().findings.surface}), tmp_path / "no" / "x")
 
 
 def test_cells_hold_the_mean_of_their_plastic_strains(blocks: Callable[..., Any]) -> None:

@@ -1,7 +1,5 @@
 """Passes from a scene to its result: summary.json, table, checks and files."""
 
-import csv
-import io
 import json
 from dataclasses import replace
 
@@ -10,7 +8,7 @@ import meshio
 import numpy as np
 import pytest
 from command import refused
-from rich.console import Console
+from csv_rows import rows
 from solved import draw_only, scene_of
 
 import railhead as rh
@@ -19,6 +17,7 @@ from railhead.postprocess import vtu
 from railhead.postprocess.pass_rows import RailState
 from railhead.postprocess.pictures.plots import passes_plots
 from railhead.results import pipeline, quantity_rows
+from railhead.results.report import terminal
 from railhead.run.half_spaces import passes_file
 
 KEYS = [
@@ -62,13 +61,12 @@ def test_passes_carry_no_estimate_without_an_accuracy(result):
 def test_the_files_hold_the_passes(result, tmp_path, monkeypatch):
     draw_only(monkeypatch, "passes")
     result.save(tmp_path / "out", report=False)
-    with open(tmp_path / "out" / "passes.csv", encoding="utf-8-sig", newline="") as file:
-        rows = list(csv.DictReader(file))
-    assert [row["pass"] for row in rows] == ["1", "2"]
-    written = float(rows[1]["residual_along_MPa"])
+    table = rows(tmp_path / "out" / "passes.csv")
+    assert [row["pass"] for row in table] == ["1", "2"]
+    written = float(table[1]["residual_along_MPa"])
     assert written == pytest.approx(result.summary["result"]["passes"][1]["residual_along_MPa"])
-    assert float(rows[0]["place_depth_mm"]) > 1
-    assert all(row["program"].startswith("railhead ") and row["date"] for row in rows)
+    assert float(table[0]["place_depth_mm"]) > 1
+    assert all(row["program"].startswith("railhead ") and row["date"] for row in table)
     assert matplotlib.image.imread(tmp_path / "out" / "passes.png").std() > 0.02
     section = meshio.read(tmp_path / "out" / "passes_section.vtu")
     after = result.summary["result"]["passes_after"]
@@ -171,10 +169,8 @@ def test_passes_of_two_results_are_compared(result):
 
 
 def test_the_table_shows_passes_and_verdict(result):
-    console = Console(file=io.StringIO(), width=100)
-    result.show(console)
-    text = console.file.getvalue()
-    assert "residual along" in " ".join(text.split()) and "Passes: undecided" in text
+    text = terminal.recorded(result.show).export_text()
+    assert "along, MPa" in text and "Passes: undecided" in text
 
 
 def test_half_spaces_in_the_place_of_bodies_have_the_same_passes(result):
@@ -189,9 +185,7 @@ def test_half_spaces_in_the_place_of_bodies_have_the_same_passes(result):
     for key, error in estimate.items():
         assert 0 < error < 0.09
         assert coarse[key] == pytest.approx(row[key], rel=2 * error)  # on half the elements
-    console = Console(file=io.StringIO(), width=100)
-    fast.show(console)
-    assert "passes (estimate after the last: groove" in console.file.getvalue()
+    assert "passes (estimate after the last: groove" in terminal.recorded(fast.show).export_text()
     one = fast.summary["result"]["passes"][0]
     other = result.summary["result"]["passes"][0]
     assert one["strain_increment_max"] == pytest.approx(other["strain_increment_max"], rel=0.1)

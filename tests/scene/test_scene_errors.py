@@ -126,6 +126,7 @@ WRONG: list[tuple[str, object, str]] = [
     ("a\nb", 1, "unknown key; allowed here: name,"),
     ("", 1, "'': unknown key"),
     ("self", 1, "unknown key"),
+    ("unload", "maybe", "'maybe' is not allowed; give true or false"),
 ]
 
 
@@ -147,6 +148,7 @@ CONTRADICTIONS: list[tuple[dict[str, Any], str]] = [
         "curvature of 0 1/mm is neither a point nor a line contact",
     ),
     ({**HALF, **ARC_WHEEL, "wheel.transverse_radius": -200}, "curvature of -0.00166667 1/mm"),
+    ({"rolling.pressure": "hertz"}, "rolling.pressure: hertz is not allowed without"),
     ({**HALF, "wheel.profile": "S1002"}, "wheel.profile: 'S1002' has no single radius"),
     *(
         ({**ARC, key: 1e-4}, f"{key}: 0.0001 is not allowed; give a length from 0.001 to 1e6 mm")

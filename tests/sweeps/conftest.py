@@ -1,5 +1,6 @@
 """A sweep that several modules read."""
 
+import shutil
 from pathlib import Path
 
 import pytest
@@ -16,3 +17,9 @@ def swept(tmp_path_factory) -> Path:
         patch.setattr(worker_pool, "submitting", one_after_the_other)
         assert sweep(*ROLLER, *SIX, "--out", str(folder)) == 0
     return folder
+
+
+@pytest.fixture
+def copied(swept: Path, tmp_path: Path) -> Path:
+    """A copy of it, to be changed."""
+    return Path(shutil.copytree(swept, tmp_path / "sweep"))

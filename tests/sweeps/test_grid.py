@@ -9,8 +9,6 @@ from sweep_command import refused, sweep
 import railhead as rh
 from railhead.sweeps.grid import ParameterGrid, parse_values, read_rows
 
-SHIFTS = "wheelset.shift=0:10:0.5mm"
-
 
 def values(*texts: str, case: str = "s1002_60e1") -> list[tuple[object, ...]]:
     grid = ParameterGrid.combine(rh.find(case), parse_values(texts))
@@ -44,24 +42,22 @@ def test_lists_and_ranges_multiply_the_last_fastest() -> None:
         ("loadd=3", "loadd: unknown key; did you mean load"),
         ("load", "--over: 'load' is not key=values"),
         ("=3", "--over: '=3' is not key=values"),
+        ("load=1kN --over load=2kN", "load: is given twice"),
+        ("load=1kN --over approach=0.1mm", "load, approach: both are given"),
+        ("load=1:200:1kN --over wheelset.shift=0:10:0.1mm", "20200 combinations"),
     ],
 )
-def test_wrong_values_are_one_line(over: str, said: str, capsys, tmp_path) -> None:
-    line = refused(capsys, tmp_path / "out", "s1002_60e1", "--over", over)
+def test_wrong_values_and_combinations_are_one_line(over: str, said: str, capsys, tmp_path) -> None:
+    words = over.split(" --over ")
+    given = [part for each in words for part in ("--over", each)]
+    line = refused(capsys, tmp_path / "out", "s1002_60e1", *given)
     assert line.startswith("railhead: ") and said in line
 
 
-def test_wrong_combinations_are_one_line(capsys, tmp_path) -> None:
-    out, case = tmp_path / "out", "s1002_60e1"
-    twice = refused(capsys, out, case, "--over", "load=1kN", "--over", "load=2kN")
-    assert "load: is given twice" in twice
-    both = refused(capsys, out, case, "--over", "load=1kN", "--over", "approach=0.1mm")
-    assert "load, approach: both are given" in both
-    many = refused(capsys, out, case, "--over", "load=1:200:1kN", "--over", SHIFTS[:-5] + "0.1mm")
-    assert "20200 combinations" in many
+def test_a_folder_with_other_files_takes_no_sweep(capsys, tmp_path) -> None:
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "notes").write_text("kept")
-    assert sweep(case, "--over", "load=1kN", "--out", str(tmp_path / "mine")) == 2
+    assert sweep("s1002_60e1", "--over", "load=1kN", "--out", str(tmp_path / "mine")) == 2
     assert "holds 'notes'" in capsys.readouterr().err
 
 

@@ -1,5 +1,6 @@
 """The folder of a sweep: resumed, broken, in use."""
 
+import functools
 import json
 import shutil
 from pathlib import Path
@@ -39,21 +40,17 @@ def test_another_sweep_is_not_gone_on_with(swept: Path, capsys, tmp_path: Path) 
     '{"fault": "gmsh: no"}', '{"over": {}, "fault": "gmsh: no"}',
 ])  # fmt: skip
 @pytest.mark.parametrize("name", ["sweep.json", "records/00000.json"])
-def test_a_broken_file_is_said(
-    swept: Path, name: str, content: str | None, capsys, tmp_path: Path
-) -> None:
-    folder = tmp_path / "sweep"
-    shutil.copytree(swept, folder)
-    half = (folder / name).read_text(encoding="utf-8")[:100]
-    (folder / name).write_text(half if content is None else content, encoding="utf-8")
-    assert sweep(*ROLLER, *SIX, "--out", str(folder), "--resume") == 2
+def test_a_broken_file_is_said(copied: Path, name: str, content: str | None, capsys) -> None:
+    half = (copied / name).read_text(encoding="utf-8")[:100]
+    (copied / name).write_text(half if content is None else content, encoding="utf-8")
+    assert sweep(*ROLLER, *SIX, "--out", str(copied), "--resume") == 2
     err = capsys.readouterr().err
     assert len(err.splitlines()) == 1
     if name.startswith("records") or content in (None, "[]"):
         assert f"{name}' is broken; delete it and start again" in err
         if content != '{"over": {}, "fault": "gmsh: no"}':  # of another combination
             with pytest.raises(SceneError, match="is broken"):
-                rh.load(folder)
+                rh.load(copied)
     else:
         assert "holds another sweep" in err
 
@@ -65,29 +62,22 @@ def test_a_broken_file_is_said(
     ],
 )  # fmt: skip
 def test_a_record_that_is_none_of_its_combination_is_said(
-    swept: Path, place: tuple[str, ...], value: object, capsys, tmp_path: Path
+    copied: Path, place: tuple[str, ...], value: object, capsys
 ) -> None:
     """As it would be by a hand, or copied from another combination."""
-    folder = tmp_path / "sweep"
-    shutil.copytree(swept, folder)
-    record = folder / "records" / "00000.json"
+    record = copied / "records" / "00000.json"
     kept = json.loads(record.read_text())
-    inner = kept
-    for key in place[:-1]:
-        inner = inner[key]
-    inner[place[-1]] = value
+    functools.reduce(dict.get, place[:-1], kept)[place[-1]] = value
     record.write_text(json.dumps(kept))
-    assert sweep(*ROLLER, *SIX, "--out", str(folder), "--resume") == 2
+    assert sweep(*ROLLER, *SIX, "--out", str(copied), "--resume") == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert "00000.json' is broken; delete it and start again" in line
 
 
-def test_what_else_lies_among_the_records_is_left_alone(swept: Path, tmp_path: Path) -> None:
-    folder = tmp_path / "sweep"
-    shutil.copytree(swept, folder)
-    shutil.copy(folder / "records" / "00001.json", folder / "records" / "00001 (copy).json")
-    assert len(store.done(folder)) == 6
-    store.check(folder, lambda number: store.read(folder, number)["over"])
+def test_what_else_lies_among_the_records_is_left_alone(copied: Path) -> None:
+    shutil.copy(copied / "records" / "00001.json", copied / "records" / "00001 (copy).json")
+    assert len(store.done(copied)) == 6
+    store.check(copied, lambda number: store.read(copied, number)["over"])
 
 
 def test_a_lost_folder_of_records_is_made_again(tmp_path: Path) -> None:
@@ -102,17 +92,15 @@ def test_a_lost_folder_of_records_is_made_again(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("more", [(), ("--resume",)])
-def test_a_folder_in_use_is_left_alone(swept: Path, more: tuple, capsys, tmp_path: Path) -> None:
+def test_a_folder_in_use_is_left_alone(copied: Path, more: tuple, capsys) -> None:
     """The second sweep threw the first one's records away."""
-    folder = tmp_path / "sweep"
-    shutil.copytree(swept, folder)
-    before = {path: path.stat().st_mtime_ns for path in folder.rglob("*")}
-    with store.claimed(folder):
-        assert sweep(*ROLLER, *SIX, "--out", str(folder), *more) == 2
+    before = {path: path.stat().st_mtime_ns for path in copied.rglob("*")}
+    with store.claimed(copied):
+        assert sweep(*ROLLER, *SIX, "--out", str(copied), *more) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert "--out: " in line and "in use by a sweep that runs; wait for it" in line
-    assert before == {path: path.stat().st_mtime_ns for path in folder.rglob("*")}
-    with store.claimed(folder):
+    assert before == {path: path.stat().st_mtime_ns for path in copied.rglob("*")}
+    with store.claimed(copied):
         pass
 
 

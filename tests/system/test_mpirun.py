@@ -49,9 +49,7 @@ def test_a_killed_command_leaves_no_ranks(tmp_path: Path) -> None:
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE, text=True,
     )  # fmt: skip
-    assert running.stderr is not None
-    while "meshing" not in running.stderr.readline():
-        assert running.poll() is None
+    command.until(running, "meshing")
     started = psutil.Process(running.pid).children(recursive=True)
     assert len(started) >= 2
     running.kill()

@@ -56,9 +56,7 @@ def test_sigterm_ends_meshing_at_once(tmp_path: Path) -> None:
     """gmsh, in a process of its own, takes some 20 s for this mesh."""
     running = start(tmp_path, COMMAND, "run", "hertz_ellipse", "--set", "mesh.patch_size=0.2",
                     "--no-pictures", "--ranks", "1")  # fmt: skip
-    assert running.stderr is not None
-    while "meshing" not in running.stderr.readline():
-        assert running.poll() is None
+    command.until(running, "meshing")
     while not (children := psutil.Process(running.pid).children()):
         time.sleep(0.01)
     seconds, errors = ended(running, signal.SIGTERM)

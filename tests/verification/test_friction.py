@@ -7,6 +7,7 @@ import coupled_punch
 import meshio
 import numpy as np
 import pytest
+from friction_cases import plane
 from friction_data import ENTRIES
 from mpi4py import MPI
 from one_line import refusal
@@ -339,20 +340,11 @@ def test_at_a_large_creepage_everything_slips() -> None:
     assert stress["von_mises_max_MPa"] > 1.05 * 0.56 * found.pressure.max
 
 
-def half_planes(creepage: float, **moduli: object) -> rh.Scene:
-    scene = rh.Scene(
-        load=1e5,
-        rail=rh.Rail(profile="arc", crown_radius=math.inf, extent="half-space", width=100),
-        wheel=rh.Wheel(rolling_radius=420, width=100),
-        friction={"coefficient": MU},
-        rolling={"creepage_along": creepage},
-    )
-    return scene.replace(**moduli)
-
-
 @pytest.mark.slow
 def test_the_other_way_round_is_the_other_way_round() -> None:
-    one, other = (friction(solved(half_planes(xi))) for xi in (4e-4, -4e-4))
+    one, other = (
+        friction(solved(plane(MU, rolling={"creepage_along": xi}))) for xi in (4e-4, -4e-4)
+    )
     assert other["force_along_N"] == pytest.approx(-one["force_along_N"], rel=0.002)
 
 
@@ -403,7 +395,8 @@ def test_exchanged_bodies_exchange_the_force() -> None:
     for soft in ("rail", "wheel"):
         moduli = {body: {"young_modulus": 3000.0 if body == soft else 207e3}
                   for body in ("rail", "wheel")}  # fmt: skip
-        scene = half_planes(0.0, **moduli, mesh={"patch_size": 3.0})
+        rolls = {"creepage_along": 0.0}
+        scene = plane(MU, rolling=rolls, **moduli, mesh={"patch_size": 3.0})
         answer = friction(solved(scene))
         forces.append(answer["force_along_N"] / answer["limit_N"])
     assert forces[1] == pytest.approx(-forces[0], rel=1e-6)

@@ -3,7 +3,9 @@
 import functools
 import math
 
+import numpy as np
 import pytest
+from friction_cases import plane
 from friction_data import ENTRIES
 from solved import friction, solved
 
@@ -43,25 +45,6 @@ def test_forces_and_moment_of_a_rigid_wheel_have_the_signs_of_boundary_elements(
     assert min(one) > OFF and other == pytest.approx(one, abs=OFF)
 
 
-@pytest.mark.slow
-def test_a_mirror_at_the_rail_s_middle_turns_force_across_and_moment() -> None:
-    along, across, spin = MOTION
-    one, other = (
-        forces(rolled(*motion, RIGID)["result"]["friction"])
-        for motion in (MOTION, (along, -across, -spin))
-    )
-    assert other == pytest.approx([one[0], -one[1], -one[2]], abs=OFF)
-
-
-@pytest.mark.slow
-def test_the_other_motion_makes_the_other_forces() -> None:
-    one, other = (
-        forces(rolled(*(sign * each for each in MOTION), STEEL)["result"]["friction"])
-        for sign in (1, -1)
-    )
-    assert other == pytest.approx([-each for each in one], abs=OFF)
-
-
 @functools.cache
 def stands(yaw: float) -> dict:
     """A cylinder on a round rail whose axle is yawed: the summary."""
@@ -90,21 +73,23 @@ def test_a_yawed_wheelset_pushes_the_rail_aside() -> None:
     assert sweep_table.row({"over": {}, "fault": "", "summary": found})["axle"] == "free"
 
 
+ALONG, ACROSS, SPIN = MOTION
+MIRRORS = {
+    "the rail's middle": (
+        lambda: rolled(*MOTION, RIGID), lambda: rolled(ALONG, -ACROSS, -SPIN, RIGID), (1, -1, -1)
+    ),
+    "the motion": (
+        lambda: rolled(*MOTION, STEEL), lambda: rolled(-ALONG, -ACROSS, -SPIN, STEEL), (-1, -1, -1)
+    ),
+    "the yaw": (lambda: stands(1e-3), lambda: stands(-1e-3), (1, -1, -1)),
+}  # fmt: skip
+
+
 @pytest.mark.slow
-def test_the_wheelset_yawed_the_other_way_pushes_the_other_way() -> None:
-    one, other = (forces(stands(yaw)["result"]["friction"]) for yaw in (1e-3, -1e-3))
-    assert other == pytest.approx([one[0], -one[1], -one[2]], abs=OFF)
-
-
-def plane(coefficient: float, **more: object) -> rh.Scene:
-    """Half-planes under 1 kN/mm that slip everywhere."""
-    return rh.Scene(
-        load=1e5,
-        rail=rh.Rail(profile="arc", crown_radius=math.inf, extent="half-space", width=100),
-        wheel=rh.Wheel(rolling_radius=420, width=100),
-        friction={"coefficient": coefficient},
-        rolling={"creepage_along": 0.5},
-    ).replace(**more)
+@pytest.mark.parametrize(("one", "other", "signs"), MIRRORS.values(), ids=MIRRORS)
+def test_mirrors_turn_forces_and_moment(one, other, signs) -> None:
+    found, mirrored = (forces(each()["result"]["friction"]) for each in (one, other))
+    assert mirrored == pytest.approx(np.multiply(found, signs), abs=OFF)
 
 
 @pytest.mark.parametrize("coefficient, where", [(0.2, "below"), (0.5, "surface")])

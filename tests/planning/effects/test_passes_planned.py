@@ -1,6 +1,9 @@
 """Whether passes are called for, what they leave out, and what is refused."""
 
+import re
+
 import pytest
+from one_line import refusal
 
 import railhead as rh
 from railhead.planning import effects
@@ -85,17 +88,10 @@ def test_a_wheel_that_yields_too_is_left_out_by_its_name():
     ],
 )  # fmt: skip
 def test_what_cannot_roll_is_refused_in_one_line(changes, text):
-    scene = {"rolling.passes": "3"}
-    with pytest.raises(rh.SceneError, match=text) as found:
-        planning.make(LINE.replace([f"{k}={v}" for k, v in scene.items()]).replace(changes))
-    assert "\n" not in str(found.value)
+    passes = LINE.replace(["rolling.passes=3"])
+    assert re.search(text, refusal(lambda: planning.make(passes.replace(changes))))
 
 
 def test_hardening_has_an_answer_where_perfect_plasticity_has_none():
     scene = LINE.replace(["load=3000kN", "rail.hardening_modulus=6000", "rolling.passes=3"])
     assert planning.make(scene).effects["passes"].on
-
-
-def test_a_pressure_without_passes_is_refused():
-    with pytest.raises(rh.SceneError, match="rolling.pressure: hertz is not allowed without"):
-        LINE.replace(["rolling.pressure=hertz"])

@@ -4,12 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from painted import LAME
 
 from railhead.postprocess.stress.flux import contact_force, pressure_force
 from railhead.solver.system.fields import ContactFields
 
-YOUNG, POISSON = 207000.0, 0.3
-LAME = (YOUNG * POISSON / ((1 + POISSON) * (1 - 2 * POISSON)), YOUNG / (2 * (1 + POISSON)))
 TOUCHED = 2.0  # mm, radius of a disc on the common plane
 
 
@@ -29,8 +28,7 @@ def touching(case, displacement, pressure):
         xi=top[:, :2],
         facet_nodes=np.zeros((0, 3), dtype=int),
     )
-    lame = np.tile(LAME, (len(fields.cells), 1))
-    return replace(fields, displacement=displacement, lame=lame, contact=contact)
+    return replace(fields, displacement=displacement, contact=contact)
 
 
 @pytest.mark.parametrize(

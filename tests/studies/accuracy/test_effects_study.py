@@ -1,9 +1,9 @@
 """The study of effects on its smallest scene, and its verdict on made-up runs."""
 
-import csv
 from pathlib import Path
 
 import pytest
+from csv_rows import rows
 
 from railhead.cli import study
 from studies.accuracy import effects
@@ -23,8 +23,7 @@ def test_study_writes_its_tables_and_its_page(quick) -> None:
         "effects_off.csv",
         "page.md",
     ]
-    rows = list(csv.DictReader((folder / "effects.csv").open(encoding="utf-8")))
-    assert {row["effect"] for row in rows} == {
+    assert {row["effect"] for row in rows(folder / "effects.csv")} == {
         "",
         "symmetry",
         "symmetry_x",
@@ -38,13 +37,13 @@ def test_study_writes_its_tables_and_its_page(quick) -> None:
 
 @pytest.mark.slow
 def test_what_the_plan_leaves_out_is_below_the_accuracy_and_pays(quick) -> None:
-    rows = list(csv.DictReader((quick[0] / "effects.csv").open(encoding="utf-8")))
-    planned = int(rows[0]["unknowns"])
-    for row in rows:
+    written = rows(quick[0] / "effects.csv")
+    planned = int(written[0]["unknowns"])
+    for row in written:
         if row["effect"] in ("symmetry", "deformable_wheel"):
             assert max(abs(float(row[f"change_{key}"])) for key in effects.JUDGED) < 2e-3
             assert int(row["unknowns"]) > 1.2 * planned
-    whole = next(row for row in rows if row["effect"] == "symmetry")
+    whole = next(row for row in written if row["effect"] == "symmetry")
     assert int(whole["unknowns"]) > 3 * planned
 
 

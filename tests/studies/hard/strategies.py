@@ -22,8 +22,3 @@ class Drawn:
 
 
 scenes = st.composite(lambda draw: fuzz_scenes.scene(Drawn(draw)))()
-
-keys = st.sampled_from(["load", "approach", "rail", "wheel", "wheel.profile", "mesh", "solver"])
-values = st.sampled_from(["25e3", "'25 kN'", "nan", "-inf", "1e308", "[]", "{}", "'S1002'", "true"])
-lines = st.builds("{} = {}".format, keys, values)
-broken_toml = st.binary(max_size=60) | st.lists(lines, max_size=5).map("\n".join).map(str.encode)

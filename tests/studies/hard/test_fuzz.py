@@ -1,15 +1,12 @@
 """No input makes a traceback, no wrong number is signed; `railhead study fuzz` takes 500 scenes."""
 
-import contextlib
-import io
 import json
-from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, settings
-from strategies import broken_toml, scenes
+from strategies import scenes
 
-from railhead.cli import commands, main
+from railhead.cli import commands
 from railhead.scene.scene import Scene
 from studies.hard import fuzz as study
 from studies.hard.fuzz import ended, fuzz
@@ -26,23 +23,6 @@ patient = settings(
 @patient
 def test_every_valid_scene_is_planned_or_refused_in_one_line(scene: Scene) -> None:
     plans(scene)
-
-
-@given(broken_toml)
-@patient
-def test_broken_files_end_in_one_line(tmp_path: Path, content: bytes) -> None:
-    file = tmp_path / "scene.toml"
-    file.write_bytes(content)
-    errors = io.StringIO()
-    with (
-        contextlib.redirect_stderr(errors),
-        contextlib.redirect_stdout(io.StringIO()),
-        pytest.raises(SystemExit) as ended,
-    ):
-        main(["plan", str(file)])
-    if ended.value.code != 0:
-        assert ended.value.code == 2
-        assert len(errors.getvalue().strip().splitlines()) == 1
 
 
 # 2094: real bodies whose patch is an ellipse

@@ -1,6 +1,5 @@
 """The study of other codes: meshes, accounting, reading, page; codes that are absent or made up."""
 
-import csv
 import importlib.util
 import os
 import sys
@@ -9,6 +8,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+from csv_rows import rows
 
 from railhead.cli import commands, study
 from railhead.results import result_folder
@@ -222,16 +222,15 @@ def test_without_other_codes_there_is_a_page_with_reasons_and_our_rows(here, mon
     assert "- absent: ModuleNotFoundError: No module named 'absent' (apt-get install" in text
     for each in known:
         assert f"- {each.TITLE}: not installed (pip install {each.PIP[0]}" in text
-    with (folder / "peers.csv").open(newline="") as file:
-        rows = list(csv.DictReader(file))
-    assert [(row["code"], row["setting"]) for row in rows] == [
+    written = rows(folder / "peers.csv")
+    assert [(row["code"], row["setting"]) for row in written] == [
         ("there", "fine"),
         ("railhead", "coarse"),
     ]
-    assert float(rows[0]["error_p_max"]) == pytest.approx(800 / exact().p0 - 1)
-    assert float(rows[0]["error_a"]) == pytest.approx(4.3 / exact().a - 1)
-    assert abs(float(rows[1]["error_p_max"])) < 0.02
-    assert 1 < float(rows[1]["cpu_seconds"]) < 60 and float(rows[1]["peak_bytes"]) > 1e8
+    assert float(written[0]["error_p_max"]) == pytest.approx(800 / exact().p0 - 1)
+    assert float(written[0]["error_a"]) == pytest.approx(4.3 / exact().a - 1)
+    assert abs(float(written[1]["error_p_max"])) < 0.02
+    assert 1 < float(written[1]["cpu_seconds"]) < 60 and float(written[1]["peak_bytes"]) > 1e8
 
 
 def test_a_solve_that_raises_is_a_row_without_numbers(tmp_path) -> None:
@@ -240,19 +239,12 @@ def test_a_solve_that_raises_is_a_row_without_numbers(tmp_path) -> None:
     assert run["failure"].startswith("TypeError") and run["error_p_max"] is None
 
 
-def test_what_a_study_keeps_stays_in_its_folder(tmp_path) -> None:
-    folder = tmp_path / "peers"
-    (folder / "venv").mkdir(parents=True)
-    (folder / "venv" / "file").write_text("kept")
+def test_the_virtual_environment_of_a_study_is_no_foreign_file(tmp_path) -> None:
+    """Where it stays: see `test_killed_while_a_result_is_replaced`."""
+    (tmp_path / "venv").mkdir()
     with pytest.raises(commands.SceneError, match="venv"):
-        result_folder.check_folder(folder)
-    result_folder.check_folder(folder, peers_study.KEEPS)
-    for text in ("first", "second"):
-        with result_folder.replacing(folder) as work:
-            (work / "page.md").write_text(text)
-        assert (folder / "page.md").read_text() == text
-        assert (folder / "venv" / "file").read_text() == "kept"
-        result_folder.check_folder(folder, peers_study.KEEPS)
+        result_folder.check_folder(tmp_path)
+    result_folder.check_folder(tmp_path, peers_study.KEEPS)
 
 
 def test_what_cannot_be_installed_is_noted_and_the_others_follow(here, monkeypatch, capsys) -> None:

@@ -8,7 +8,6 @@ from studies.thesis.claims import (
     Grade,
     Verdict,
     equation,
-    half_last_digit,
     itself,
     number,
     read_claims,
@@ -60,13 +59,6 @@ def test_what_cannot_be_computed_has_no_verdict_whatever_its_checks() -> None:
 )
 def test_grade_of_a_number(thesis, exact, grade) -> None:
     assert number("x", thesis, exact).grade == grade
-
-
-@pytest.mark.parametrize(
-    ("printed", "half"), [("4.34", 5e-3), ("25000", 0.5), ("1.4e-12", 5e-14), ("0.0033", 5e-5)]
-)
-def test_half_a_unit_of_the_last_digit(printed, half) -> None:
-    assert half_last_digit(printed) == pytest.approx(half, rel=1e-6)
 
 
 def test_equations_and_self_contradictions() -> None:

@@ -101,7 +101,10 @@ def test_a_cut_through_one_of_several_patches_says_so(blocks: Callable[..., Any]
     patch = case.findings.patch
     of = {"centre": (0.0, 0.0, 0.0), "angle": 0.0, "a": 1.0, "b": 1.0, "area": 1.0}
     one = OnePatch(**of, max_pressure=patch.max_pressure, share=0.5)
-    two = replace(case.findings, patch=replace(patch, each=(one, one)))
-    for shown, count in ((case.findings, 0), (two, 2)):
+    below = (case.findings.depth["rail"],)  # the other patch
+    two = replace(case.findings, patch=replace(patch, each=(one, one)), also=below)
+    for shown, count, place in ((case.findings, 0, "first contact"), (two, 2, "most loaded patch")):
         titles = [axes.get_title() for axes in diagrams.pressure(shown, None).axes]
         assert sum("most loaded of 2 patches" in title for title in titles) == count
+        panel = diagrams.depth(shown, case.ellipse, 0.3).axes[0]
+        assert f"below the {place}, mm" in panel.get_ylabel()

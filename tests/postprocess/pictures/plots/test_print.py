@@ -6,7 +6,6 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
-import matplotlib
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
@@ -323,14 +322,6 @@ def test_a_strip_of_patches_holds_the_key_with_more_values(
     assert [axes.get_title(loc="left") for axes in sheets[0].axes] == ["load: 1", "load: 2"]
 
 
-def test_of_several_patches_the_depth_is_below_the_most_loaded_one() -> None:
-    """Its frame begins there, which need not be the plan's first contact."""
-    patch = SimpleNamespace(centre=(0.0, 0.0), a=2.0, b=1.0)
-    for also, said in (((), "first contact"), ((None,), "most loaded patch")):
-        found = cast(Any, SimpleNamespace(patch=patch, also=also))
-        assert diagrams._below(found) == f", below the {said}"
-
-
 def test_dollars_in_a_title_are_no_formula(tmp_path) -> None:
     """Names of files may have them; as a formula $_$ is an error of matplotlib."""
     with diagrams.new_figure(tmp_path / "a.png", 4, 3, Subject("r$_$2.csv on a rail")):
@@ -356,17 +347,3 @@ def test_axes_and_numbers_are_in_the_readers_units(blocks: Callable[..., Any]) -
     assert f"largest pressure {case.ellipse.p0 * 0.1450377377:.4g} ksi" in label
     limits = diagrams.levels(units, "MPa", np.array([1000.0])) * 0.1450377377
     assert limits == pytest.approx(np.round(limits, 6))
-
-
-@pytest.mark.parametrize(("kind", "begins"), [("svg", b"<?xml"), ("pdf", b"%PDF")])
-def test_a_picture_is_written_in_a_second_format_beside_png(
-    kind: str, begins: bytes, tmp_path: Path
-) -> None:
-    path = tmp_path / "a.png"
-    with (
-        matplotlib.rc_context({"savefig.format": kind}),
-        diagrams.new_figure(path, 4, 3, Subject(TITLE)) as figure,
-    ):
-        figure.add_subplot()
-    assert (tmp_path / f"a.{kind}").read_bytes().startswith(begins)
-    assert path.read_bytes().startswith(b"\x89PNG")

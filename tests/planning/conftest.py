@@ -1,0 +1,15 @@
+"""Half-spaces that have no answer."""
+
+import pytest
+
+from railhead.planning.references import boundary_elements
+
+
+@pytest.fixture
+def half_spaces_fail(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Boundary elements find no contact, whatever the scene."""
+
+    def fail(*_: object) -> None:
+        raise ValueError("no bounded contact found")
+
+    monkeypatch.setattr(boundary_elements, "solve", fail)
