@@ -68,7 +68,8 @@ class Setting:
     poisson, least_poisson: largest and least Poisson's ratio of the deformable bodies.
     ellipse: the forecast patch, or the solved one where it is known, is Hertz's.
     axis_ratio: longer over shorter half length of the most loaded patch; 1 of a line contact.
-    stiffness: smaller over larger E/(1 - nu^2) of the two bodies; 0 where one is rigid.
+    stiffness: smaller over larger E/(1 - nu^2) of the two bodies; 0 where one is rigid, also by
+        choice.
     overload: load over that of first yield where yield is simulated, else 0.
     """
 

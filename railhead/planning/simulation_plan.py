@@ -95,7 +95,10 @@ class Plan:
         not among them.
         """
         scene, zone = self.scene, self.zone
-        moduli = [closed_forms.plane_strain_modulus(scene, tag) for tag in BODY_NAMES]
+        moduli = [
+            young / (1 - scene.bodies[name].poisson_ratio ** 2)
+            for name, young in self.context.young_moduli.items()
+        ]
         contact = self.contact
         return Setting(
             shape="half-spaces" if contact.solid_half_space else contact.error_family_shape,
