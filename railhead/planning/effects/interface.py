@@ -10,6 +10,7 @@ import math
 from railhead.contact import wheelset_kinematics
 from railhead.contact.wheelset_kinematics import WheelsetCreepage
 from railhead.planning.context import Context, Effect, PostSolveVerdict
+from railhead.planning.references import closed_forms
 from railhead.postprocess.findings import Findings
 from railhead.scene import flow_curves
 from railhead.scene.scene import SceneError
@@ -149,7 +150,7 @@ def _expected(context: Context, limit: float) -> str:
         return ""
     if not 0.05 <= ellipse.a / ellipse.b <= 20:
         return ""
-    pair = context.tangential_pair
+    pair = closed_forms.tangential_pair(scene)
     linear = kalker.coefficients(ellipse.a / ellipse.b, pair.poisson)
     forces = linear.forces(ellipse.a, ellipse.b, pair.shear_modulus, creepage(context))
     share = math.hypot(*forces[:2]) / limit

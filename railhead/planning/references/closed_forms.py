@@ -12,6 +12,8 @@ from railhead.scene.scene import NOMINAL_RADIUS, Scene, SceneError
 from railhead.theory.elastic import hertz
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.line import Hertz
+from railhead.theory.friction import tangential
+from railhead.theory.friction.tangential import MaterialPair
 
 CONTINUUM = 1e-6  # mm, least half length of a patch: some atoms
 LARGEST = 1e6  # mm, largest half length of a patch: no body is longer
@@ -30,6 +32,16 @@ def contact_modulus(scene: Scene) -> float:
     rail, wheel = scene.rail, scene.wheel
     return hertz.contact_modulus(
         rail.young_modulus, rail.poisson_ratio, wheel.young_modulus, wheel.poisson_ratio
+    )
+
+
+def tangential_pair(scene: Scene) -> MaterialPair:
+    """Shear modulus (MPa), Poisson's ratio and mismatch of both materials of the scene combined,
+    for tangential contact. As simulated they are `Context.tangential_pair`.
+    """
+    rail, wheel = scene.rail, scene.wheel
+    return tangential.pair(
+        wheel.young_modulus, wheel.poisson_ratio, rail.young_modulus, rail.poisson_ratio
     )
 
 

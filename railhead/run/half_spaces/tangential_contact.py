@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from railhead.planning.references import closed_forms
 from railhead.planning.simulation_plan import Plan
 from railhead.run.half_spaces import normal_contact
 from railhead.run.half_spaces.normal_contact import PressedPatch
@@ -61,7 +62,8 @@ def half_space_friction(
 ) -> NumbersByMethod | None:
     """Entry "half_space_friction" of summary.json: by method, the quantities of friction under the
     motion (rolling) or the forces (a shift) of finite elements, or {"reason": ...}. None without
-    friction, where nothing touches, and off rank 0.
+    friction, where nothing touches, and off rank 0. As of the pressure, both half-spaces have the
+    scene's moduli, also where a body is rigid by choice.
 
     profiles: half-space solution of the profiles, or the reason why it failed; None: it is solved
         here where it is needed.
@@ -69,7 +71,7 @@ def half_space_friction(
     found, findings = solved.solution.friction, solved.findings
     if found is None or findings is None:
         return None
-    plan, pair = solved.plan, solved.plan.context.tangential_pair
+    plan, pair = solved.plan, closed_forms.tangential_pair(solved.plan.scene)
     rolling = plan.scene.rolling.prescribed
 
     def patches(cells: int) -> Sequence[PressedPatch]:
@@ -111,7 +113,7 @@ def _strip(
     materials boundary elements. Empty in rolling of like materials where the width of the strip
     runs across the rail.
     """
-    if not plan.context.tangential_pair.like:
+    if not closed_forms.tangential_pair(plan.scene).like:
         if line.across:
             return {"boundary elements": {"reason": STRIP_ACROSS}}
         numbers = or_reason(lambda: solve_by_boundary_elements(plan, found, patches, CELLS[True]))
@@ -140,7 +142,7 @@ def _mindlin(plan: Plan, found: FrictionSolution, ellipse: Ellipse) -> dict[str,
     """Stick share (of the area) and, of solid half-spaces under a force, shifts (mm) by Cattaneo
     and Mindlin, by the keys of summary.json.
     """
-    pair = plan.context.tangential_pair
+    pair = closed_forms.tangential_pair(plan.scene)
     force = min(float(np.hypot(*found.force)), found.friction_limit)
     compliances = partial_slip.initial_compliance(
         ellipse.a, ellipse.b, pair.shear_modulus, pair.poisson
@@ -169,7 +171,7 @@ def solve_by_boundary_elements(
     """
     coarse, fine = cells
     finest = _on_grid(plan, found, patches(fine))
-    if plan.context.tangential_pair.like:
+    if closed_forms.tangential_pair(plan.scene).like:
         return finest
     other = _on_grid(plan, found, patches(coarse))
     better = {name: 2 * value - other[name] for name, value in finest.items()}
@@ -183,7 +185,7 @@ def _on_grid(plan: Plan, found: FrictionSolution, patches: Sequence[PressedPatch
     `found`, by the keys of summary.json.
     Raises ValueError for several patches under a shift.
     """
-    pair, rolling = plan.context.tangential_pair, plan.scene.rolling.prescribed
+    pair, rolling = closed_forms.tangential_pair(plan.scene), plan.scene.rolling.prescribed
     coefficient = plan.scene.friction.coefficient
     if len(patches) > 1 and not rolling:
         raise ValueError(SEVERAL)
