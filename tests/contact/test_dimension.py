@@ -42,7 +42,9 @@ KINDS = {
 
 
 @pytest.mark.parametrize("assignments, kind", KINDS.values(), ids=KINDS)
-def test_kind_of_scene(assignments: list[str], kind: str) -> None:
+def test_shapes_make_a_solid_a_section_or_a_body_of_revolution(
+    assignments: list[str], kind: str
+) -> None:
     assert dimension.choose(scene(*assignments)).kind == kind
 
 

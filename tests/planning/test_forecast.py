@@ -55,7 +55,7 @@ def test_tread_and_gauge_corner_share_the_load() -> None:
     assert not plan.forecast.touching(centres.mean(axis=0)[None]).any()
 
 
-def test_plans_travel_between_processes() -> None:
+def test_a_pickled_plan_foresees_the_same_patch() -> None:
     for plan in (planned("uic54_thesis"), planned(MANCHESTER)):
         again = pickle.loads(pickle.dumps(plan))
         points = np.random.default_rng(1).uniform(-8, 8, (200, 3)) * [1, 1, 0]
@@ -120,5 +120,7 @@ def test_the_mesh_is_finer_along_it_and_nowhere_else() -> None:
         (CROSSING, "mesh.cell=hexahedron"),
     ],
 )
-def test_no_ridge(assignments: tuple[str, ...]) -> None:
+def test_without_a_joint_in_the_patch_or_with_hexahedra_nothing_is_finer(
+    assignments: tuple[str, ...],
+) -> None:
     assert planned("uic54_22t5_axle", *assignments).grading().also == ()

@@ -178,11 +178,21 @@ def test_what_a_message_gives_as_an_example_is_read() -> None:
     assert read > 50
 
 
-def test_units_of_keys() -> None:
+def test_keys_have_the_units_of_their_quantities() -> None:
     known = {"load": "N", "rail.smoothing": "mm", "wheelset.yaw": "rad", "rail.profile": "",
              "rail.yield_stress": "MPa", "rail.inclination": "", "rolling.spin": "1/mm",
              "friction.tangential_load": "N", "no.key": ""}  # fmt: skip
     assert {key: unit(key) for key in known} == known
+
+
+def test_files_that_a_scene_needs_are_named() -> None:
+    scene = rh.find("hertz_ellipse")
+    assert scene.files == []
+    needs = scene.model_copy(
+        update={"rail": scene.rail.model_copy(update={"profile": "/a/worn.ban"}),
+                "wheel": scene.wheel.model_copy(update={"stress_strain": "/b/er7.csv"})}
+    )  # fmt: skip
+    assert [path.name for path in needs.files] == ["worn.ban", "er7.csv"]
 
 
 # Questions about units that were probably mixed up.

@@ -92,7 +92,7 @@ def test_a_compilation_that_was_killed_is_not_waited_for(tmp_path: Path) -> None
     assert left == {"libffcx_done.c", "libffcx_done.c.cached"}
 
 
-def test_disk_full(tmp_path: Path) -> None:
+def test_a_full_disk_leaves_the_earlier_result(tmp_path: Path) -> None:
     folder = tmp_path / "result"
     make(folder, OLD)
     done = subprocess.run(
@@ -105,7 +105,7 @@ def test_disk_full(tmp_path: Path) -> None:
     assert os.listdir(tmp_path) == ["result"]
 
 
-def test_folder_that_refuses_files(tmp_path, monkeypatch, capsys) -> None:
+def test_a_folder_that_refuses_files_is_one_line(tmp_path, monkeypatch, capsys) -> None:
     def refuse(*_: object, **__: object) -> None:
         raise OSError(errno.EROFS, os.strerror(errno.EROFS), str(tmp_path / "out"))
 

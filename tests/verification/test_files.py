@@ -113,7 +113,7 @@ def test_gaps_far_from_the_contact_are_those_of_the_surfaces(tmp_path: Path) -> 
         assert np.diff(gap[order]).min() > -0.02 and away.max() > {1: 5.0, 2: 6.5}[body]
 
 
-def test_lines_and_rigid_bodies(tmp_path: Path) -> None:
+def test_a_section_is_written_as_two_lines_and_a_rigid_body_not_at_all(tmp_path: Path) -> None:
     """A section has two lines; of a rigid plane there is no surface."""
     strip = pv.read(saved(rh.find("long_roller"), tmp_path / "strip") / "contact.vtu")
     parts = [strip.extract_cells(strip["body"] == body) for body in (1, 2)]

@@ -104,7 +104,7 @@ def test_linear_cells_reach_one_per_cent(cell: str) -> None:
     assert np.abs([off["patch"]["a_mm"], off["pressure"]["max_MPa"]]).max() < 0.01
 
 
-def test_two_cylinders() -> None:
+def test_two_cylinders_are_as_wide_as_vm191_says_and_give_less() -> None:
     """VM191: half width within one element of 1.2 mm. The half discs are clamped at their
     diametral planes, so they give less than the 0.3995 mm of Johnson's free ones."""
     summary = passed("two_cylinders").summary

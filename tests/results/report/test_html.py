@@ -159,7 +159,9 @@ def test_passes_are_a_table(result: Any, folder: Path) -> None:
     assert "groove, um" in table[0] and ">29<" in table[0] and "-0<" not in table[0]
 
 
-def test_left_out_when_asked(result: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_report_and_pictures_are_left_out_when_asked(
+    result: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(gallery, "drawings", lambda *_: {"pressure.png": Path.touch})
     result.save(tmp_path / "without", report=False)
     result.save(tmp_path / "bare", pictures=False)
@@ -221,16 +223,6 @@ def test_large_pictures_keep_their_colours() -> None:
     small = base64.b64decode(html.picture(written.getvalue()))
     assert len(small) < len(written.getvalue()) / 2
     assert len(np.unique(np.asarray(Image.open(io.BytesIO(small))))) > 200
-
-
-def test_files_that_a_scene_needs_are_named() -> None:
-    scene = api.find("hertz_ellipse")
-    assert scene.files == []
-    needs = scene.model_copy(
-        update={"rail": scene.rail.model_copy(update={"profile": "/a/worn.ban"}),
-                "wheel": scene.wheel.model_copy(update={"stress_strain": "/b/er7.csv"})}
-    )  # fmt: skip
-    assert [path.name for path in needs.files] == ["worn.ban", "er7.csv"]
 
 
 @pytest.mark.parametrize(

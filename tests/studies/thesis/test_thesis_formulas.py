@@ -109,7 +109,7 @@ def test_shear_of_the_circular_formula_is_low_and_deep(reference: dict[str, Any]
         ((1e-3, 0.0), (0.0, 1e-8), 1e5, 1e4, "theta must lie in"),
     ],
 )
-def test_wrong_input_is_refused(
+def test_loads_moduli_and_curvatures_without_a_contact_are_refused(
     wheel: tuple[float, float],
     rail: tuple[float, float],
     modulus: float,

@@ -28,7 +28,9 @@ def pair(ratio: float) -> tuple[Ellipse, PatchSolution]:
 
 @pytest.mark.parametrize("ratio", [1.0, 0.1, 5.0])
 @pytest.mark.parametrize("poisson", [0.0, 0.3, 0.5])
-def test_stress_below_a_hertzian_patch(ratio: float, poisson: float) -> None:
+def test_stress_below_a_hertzian_patch_is_that_of_the_closed_form(
+    ratio: float, poisson: float
+) -> None:
     exact, found = pair(ratio)
     box = np.random.default_rng(3).uniform((-2, -2, -2), (2, 2, -0.2), (30, 3))
     points = box * (exact.a, exact.b, min(exact.a, exact.b))
@@ -38,7 +40,9 @@ def test_stress_below_a_hertzian_patch(ratio: float, poisson: float) -> None:
 
 @pytest.mark.parametrize("ratio", [1.0, 0.02, 5.0])
 @pytest.mark.parametrize("poisson", [0.0, 0.3, 0.5])
-def test_largest_von_mises_stress(ratio: float, poisson: float) -> None:
+def test_the_largest_von_mises_stress_is_that_of_the_closed_form(
+    ratio: float, poisson: float
+) -> None:
     """Slender patches of a small Poisson's ratio have it at the surface."""
     exact, found = pair(ratio)
     expected = exact.axis_extrema(poisson).von_mises_max

@@ -52,7 +52,7 @@ def relative_errors(patch: PatchSolution, exact: Ellipse) -> dict[str, float]:
 
 
 @pytest.mark.parametrize("axis_ratio", [1.0, 1.5, 2.0, 3.0, 4.0, 5.0])
-def test_hertz_ellipse(axis_ratio: float) -> None:
+def test_a_paraboloid_presses_as_exact_hertz(axis_ratio: float) -> None:
     ratio = curvature_ratio(axis_ratio)
     exact = point_contact(1 / RADIUS, ratio / RADIUS, MODULUS, LOAD)
     patch = solve(paraboloid(ratio, 0.3, -0.2), MODULUS, load=LOAD)
@@ -68,7 +68,7 @@ def test_hertz_ellipse(axis_ratio: float) -> None:
     assert np.sqrt(np.sum(error**2) / np.sum(patch.pressure**2)) < 1e-2
 
 
-def test_convergence_on_hertz() -> None:
+def test_errors_against_hertz_fall_with_the_cell_size() -> None:
     """Mean errors fall as h^2 (approach, p0, a, b) and faster than h (area); the ends of the patch
     lie within a quarter of a cell."""
     mean = []
@@ -95,7 +95,7 @@ def test_turned_ellipse_keeps_its_peak_area_and_approach() -> None:
     assert errors["area"] < 2e-3
 
 
-def test_cone() -> None:
+def test_a_blunt_cone_presses_as_johnson_says() -> None:
     """Blunt cone of slope t: a = sqrt(2F/(pi E* t)), approach pi a t/2 (Johnson, 5.2)."""
     slope = 0.01
     a = math.sqrt(2 * LOAD / (math.pi * MODULUS * slope))
@@ -108,7 +108,7 @@ def test_cone() -> None:
     np.testing.assert_allclose(patch.pressure[away], exact, rtol=2e-2)
 
 
-def test_flat_circular_punch() -> None:
+def test_a_flat_circular_punch_presses_as_johnson_says() -> None:
     """Approach F/(2 E* R), with a gap that is infinite outside R (Johnson, 3.36)."""
     patch = solve(
         lambda x, s: np.where(np.hypot(x, s) < 3, 0, np.inf), MODULUS, load=LOAD, cells=256
@@ -171,7 +171,7 @@ def test_load_grows_as_the_approach_to_three_halves() -> None:
 
 
 @pytest.mark.parametrize("gap", [paraboloid(5.0, 0.1, 0.7, 0.3), lopsided])
-def test_mirrored_and_shifted_gap(gap: Gap) -> None:
+def test_a_gap_that_is_mirrored_shifted_or_exchanged_takes_its_pressure_along(gap: Gap) -> None:
     patch = solve(gap, MODULUS, load=LOAD)
     mirrored = solve(lambda x, s: gap(x, -s), MODULUS, load=LOAD)
     shifted = solve(lambda x, s: gap(x - 64, s + 32), MODULUS, load=LOAD, centre=(64, -32))
@@ -269,7 +269,9 @@ def test_domain_is_found_from_a_poor_guess(
         ({"load": LOAD, "gap": lambda x, s: 0.0}, r"one value a point, got the shape \(\)"),
     ],
 )
-def test_wrong_input_is_refused(change: dict[str, Any], message: str) -> None:
+def test_loads_grids_and_gaps_without_an_answer_are_refused(
+    change: dict[str, Any], message: str
+) -> None:
     arguments: dict[str, Any] = {
         "gap": paraboloid(),
         "contact_modulus": MODULUS,

@@ -35,7 +35,7 @@ def test_thesis_case_is_exact(reference: dict[str, Any], thesis_ellipse: Ellipse
     assert ratio == pytest.approx(exact["axis_ratio_b_over_a"], rel=1e-11)
 
 
-def test_load_table(reference: dict[str, Any]) -> None:
+def test_axes_pressure_and_approach_of_other_loads_are_exact(reference: dict[str, Any]) -> None:
     modulus = reference["exact"]["E_star_MPa"]
     for row in reference["load_table"]:
         contact = point_contact(1 / 420, 1 / 300, modulus, row["F_N"])
@@ -84,7 +84,7 @@ def test_both_curvatures_are_flattened(ratio: float) -> None:
 
 
 @pytest.mark.parametrize("ratio", RATIOS)
-def test_exchange_of_the_axes(ratio: float) -> None:
+def test_exchanged_curvatures_exchange_the_axes(ratio: float) -> None:
     contact = point_contact(ratio * 1e-3, 1e-3, 1.1e5, 4e4)
     turned = point_contact(1e-3, ratio * 1e-3, 1.1e5, 4e4)
     assert (turned.a, turned.b) == pytest.approx((contact.b, contact.a), rel=2e-14)

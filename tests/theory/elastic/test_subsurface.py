@@ -30,7 +30,7 @@ def scattered(contact: Ellipse, n: int, seed: int) -> Array:
     return np.asarray(box * (contact.a, contact.b, min(contact.a, contact.b)))
 
 
-def test_axis_table(reference: dict[str, Any], thesis_ellipse: Ellipse) -> None:
+def test_stresses_on_the_axis_are_exact(reference: dict[str, Any], thesis_ellipse: Ellipse) -> None:
     rows = reference["axis_table"]
     depth = [row["z_mm"] for row in rows]
     expected = [[row["sigma_x"], row["sigma_y"], row["sigma_z"]] for row in rows]
@@ -41,7 +41,9 @@ def test_axis_table(reference: dict[str, Any], thesis_ellipse: Ellipse) -> None:
     np.testing.assert_allclose(von_mises(full), [row["von_mises"] for row in rows], rtol=1e-11)
 
 
-def test_off_axis_points(reference: dict[str, Any], thesis_ellipse: Ellipse) -> None:
+def test_stresses_beside_the_axis_are_exact(
+    reference: dict[str, Any], thesis_ellipse: Ellipse
+) -> None:
     rows = reference["off_axis_points"]
     points = [(row["x"], row["y"], -row["z"]) for row in rows]
     expected = [  # the reference counts depth, which turns the sign of the shears s_xz, s_yz
@@ -50,7 +52,9 @@ def test_off_axis_points(reference: dict[str, Any], thesis_ellipse: Ellipse) -> 
     np.testing.assert_allclose(stress(thesis_ellipse, 0.3, points), expected, rtol=0, atol=2e-12)
 
 
-def test_axis_extrema(reference: dict[str, Any], thesis_ellipse: Ellipse) -> None:
+def test_largest_stresses_on_the_axis_and_their_depths_are_exact(
+    reference: dict[str, Any], thesis_ellipse: Ellipse
+) -> None:
     exact = reference["axis_extrema"]
     found = thesis_ellipse.axis_extrema(0.3)
     assert (found.tau_max, found.von_mises_max) == pytest.approx(
@@ -61,7 +65,7 @@ def test_axis_extrema(reference: dict[str, Any], thesis_ellipse: Ellipse) -> Non
     )
 
 
-def test_extrema_of_the_load_table(reference: dict[str, Any]) -> None:
+def test_largest_stresses_of_other_loads_are_exact(reference: dict[str, Any]) -> None:
     for row in reference["load_table"]:
         contact = point_contact(1 / 420, 1 / 300, reference["exact"]["E_star_MPa"], row["F_N"])
         found = contact.axis_extrema(0.3)
@@ -110,7 +114,7 @@ def test_depth_zero_is_the_surface_formula(curvature_ratio: float, poisson: floa
 
 
 @pytest.mark.parametrize("plane", ["xz", "yz"])
-def test_orthogonal_shear_amplitude(
+def test_the_largest_orthogonal_shear_and_its_place_are_exact(
     plane: str, reference: dict[str, Any], thesis_ellipse: Ellipse
 ) -> None:
     row = reference["orthogonal_shear"][f"tau_{plane}_max"]
@@ -124,7 +128,7 @@ def test_orthogonal_shear_amplitude(
 
 
 @pytest.mark.parametrize("curvature_ratio", CURVATURE_RATIOS)
-def test_equilibrium(curvature_ratio: float) -> None:
+def test_stresses_are_in_equilibrium(curvature_ratio: float) -> None:
     contact = contact_of(curvature_ratio)
     size = min(contact.a, contact.b)
     d = jacobian(lambda at: stress(contact, 0.3, at), scattered(contact, 200, 1), 2e-3 * size)

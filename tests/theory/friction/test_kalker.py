@@ -21,7 +21,7 @@ def every_axis_ratio() -> list[Any]:
 
 
 @pytest.mark.parametrize("entry", every_axis_ratio())
-def test_coefficients(entry: dict[str, Any]) -> None:
+def test_coefficients_are_kalker_s(entry: dict[str, Any]) -> None:
     """Within the entry's own error; of the printed table within 1 % and half its last digit."""
     found = coefficients(entry["a_over_b"], entry["nu"])
     assert (found.c11, found.c22) == pytest.approx((entry["C11"], entry["C22"]), rel=5e-3)
@@ -41,7 +41,7 @@ def test_coefficients_of_a_wide_patch_tend_to_their_limit() -> None:
     assert away[2] < 0.02
 
 
-def test_coefficients_out_of_range() -> None:
+def test_ratios_without_coefficients_are_refused() -> None:
     for ratio, poisson in ((0.01, 0.3), (1.0, 0.6), (math.nan, 0.3)):
         with pytest.raises(ValueError):
             coefficients(ratio, poisson)
@@ -59,7 +59,9 @@ def thesis_linear() -> Coefficients:
 
 
 @pytest.mark.parametrize("entry", named("curve"))
-def test_fastsim(entry: dict[str, Any], thesis_linear: Coefficients) -> None:
+def test_fastsim_has_the_forces_of_another_fastsim(
+    entry: dict[str, Any], thesis_linear: Coefficients
+) -> None:
     """Within 0.5 % of mu N of another FASTSIM. All patches have one axis ratio to 1e-4."""
     assert entry["a_mm"] / entry["b_mm"] == pytest.approx(4.336 / 3.465, rel=1e-3)
     creepage = Creepage(entry["xi_x"], entry["xi_y"], entry["phi_per_mm"])

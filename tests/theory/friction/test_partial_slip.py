@@ -17,7 +17,7 @@ def strip_of(entry: dict[str, Any]) -> Strip:
 
 
 @pytest.mark.parametrize("entry", named("carter"))
-def test_reference_numbers(entry: dict[str, Any]) -> None:
+def test_a_strip_that_rolls_has_carter_s_creepage_and_stick(entry: dict[str, Any]) -> None:
     strip = strip_of(entry)
     rolled = Carter(strip, entry["mu"], entry["Q_over_muP"])
     a = entry["half_width_a_mm"]
@@ -43,7 +43,7 @@ def test_the_traction_adds_up_to_the_force(share: float) -> None:
     assert np.sign(rolled.creepage) == np.sign(share)
 
 
-def test_full_slip_and_more_than_the_limit() -> None:
+def test_a_creepage_of_full_slip_makes_the_whole_limit() -> None:
     strip = line_contact(1 / 420, 1.1e5, 1500.0)
     assert partial_slip.carter_share(strip, 0.3, 1.0) == 1.0
     assert partial_slip.carter_share(strip, 0.3, -1.0) == -1.0
@@ -53,7 +53,7 @@ G, POISSON = 207000 / 2.6, 0.3
 
 
 @pytest.mark.parametrize("entry", named("mindlin_sphere"))
-def test_a_sphere(entry: dict[str, Any]) -> None:
+def test_a_sphere_shifts_and_sticks_as_mindlin_says(entry: dict[str, Any]) -> None:
     limit = entry["mu"] * entry["P_N"]
     along, across = partial_slip.initial_compliance(entry["a_mm"], entry["a_mm"], G, POISSON)
     known, Q = partial_slip.CattaneoMindlin(limit, along), entry["Q_over_muP"] * limit
@@ -64,7 +64,7 @@ def test_a_sphere(entry: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize("entry", named("mindlin_ellipse"))
-def test_an_ellipse_both_ways(entry: dict[str, Any]) -> None:
+def test_an_ellipse_shifts_and_sticks_as_mindlin_says_both_ways(entry: dict[str, Any]) -> None:
     a, b, N = entry["a_mm"], entry["b_mm"], entry["P_N"]
     compliance = partial_slip.initial_compliance(a, b, G, POISSON)[entry["direction"] == "y"]
     known = partial_slip.CattaneoMindlin(entry["mu"] * N, compliance)
@@ -77,12 +77,12 @@ def test_an_ellipse_both_ways(entry: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize("entry", named("cattaneo_strip"))
-def test_a_strip(entry: dict[str, Any]) -> None:
+def test_a_strip_sticks_as_cattaneo_says(entry: dict[str, Any]) -> None:
     ratio = partial_slip.strip_stick_ratio(entry["Q_over_muP"])
     assert ratio == pytest.approx(entry["stick_half_width_over_a"], rel=1e-12)
 
 
-def test_forces_out_of_range() -> None:
+def test_forces_below_zero_or_beyond_the_limit_are_refused() -> None:
     known = partial_slip.CattaneoMindlin(100.0, 1e-6)
     for call in (
         lambda: known.approach(101.0),

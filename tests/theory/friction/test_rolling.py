@@ -57,7 +57,7 @@ def creep_curves() -> list[Any]:
 
 
 @pytest.mark.parametrize("entry", creep_curves())
-def test_creep_curves(entry: dict[str, Any]) -> None:
+def test_creep_forces_are_those_of_the_references(entry: dict[str, Any]) -> None:
     """Along, across, spin and combined. The edge of what sticks may lie 3 % of a half length off,
     which is 6 % of the area."""
     rolled = patch(entry["a_mm"], entry["b_mm"], entry["p0_MPa"], entry["mu"]).solve(
@@ -74,7 +74,7 @@ def test_creep_curves(entry: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize("entry", named("contact_program"))
-def test_the_contact_program(entry: dict[str, Any]) -> None:
+def test_forces_are_those_of_the_contact_program(entry: dict[str, Any]) -> None:
     p0 = 1.5 * entry["load_N"] / (math.pi * entry["a_mm"] * entry["b_mm"])
     key = {"xi_x": "along", "xi_y": "across"}[entry["creep"]]
     rolled = patch(entry["a_mm"], entry["b_mm"], p0, entry["mu"]).solve(
@@ -85,7 +85,7 @@ def test_the_contact_program(entry: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize("entry", named("contact_shipped"))
-def test_the_curve_of_polach(entry: dict[str, Any]) -> None:
+def test_forces_are_those_of_polach_s_curve_within_its_error(entry: dict[str, Any]) -> None:
     """Its own error is 1.5 % of the force, too high, and 3 % below a creepage of 0.0005."""
     p0 = 1.5 * entry["load_N"] / (math.pi * entry["a_mm"] * entry["b_mm"])
     materials = MaterialPair(entry["G_MPa"], entry["nu"])
@@ -172,7 +172,9 @@ def small() -> HalfSpaceFriction:
     return patch(4.336, 3.465, 794.5, 0.3, cells=24)
 
 
-def test_mirrored_and_turned_creepage(small: HalfSpaceFriction) -> None:
+def test_a_mirrored_or_turned_creepage_mirrors_or_turns_the_forces(
+    small: HalfSpaceFriction,
+) -> None:
     """y -> -y turns the creepage across and the spin round, and their forces; all signs at once
     turn all forces round. The rolling direction cannot be mirrored."""
     one = small.solve(Creepage(5e-4, 3e-4, 2e-4))
@@ -226,7 +228,9 @@ EXTREMES = [
     ("ratio", "mu", "creepage"),
     [pytest.param(*each, marks=SLOW if i % 3 else ()) for i, each in enumerate(EXTREMES)],
 )
-def test_extremes(ratio: float, mu: float, creepage: Creepage) -> None:
+def test_extreme_patches_and_creepages_hold_the_law_of_friction(
+    ratio: float, mu: float, creepage: Creepage
+) -> None:
     body = patch(4 * math.sqrt(ratio), 4 / math.sqrt(ratio), 1000.0, mu, cells=24)
     rolled = body.solve(creepage)
     holds_the_law(rolled)
@@ -243,7 +247,7 @@ def test_nothing_slips_where_nothing_is_asked(small: HalfSpaceFriction) -> None:
     assert rest.forces == (0.0, 0.0, 0.0)
 
 
-def test_given_forces(small: HalfSpaceFriction) -> None:
+def test_given_forces_are_met_and_those_beyond_the_limit_refused(small: HalfSpaceFriction) -> None:
     limit = small.solve(Creepage()).limit
     for along, across in ((0.5, None), (None, -0.7), (0.6, 0.3), (0.0, 0.0), (0.99, None)):
         goal = [None if part is None else part * limit for part in (along, across)]
@@ -283,7 +287,7 @@ def test_unlike_bodies_creep_without_creepage() -> None:
     assert still.solve(Creepage()).forces == (0.0, 0.0, 0.0)
 
 
-def test_input_out_of_range() -> None:
+def test_pressures_and_coefficients_out_of_range_are_refused() -> None:
     x, pressure = np.arange(4.0), np.ones((4, 4))
     drawn = pressure - 1.5 * np.eye(4)  # some cells alone are below zero
     for p, mu in ((pressure[:3], 0.3), (-pressure, 0.3), (drawn, 0.3), (pressure[:, :1], 0.3),

@@ -27,7 +27,9 @@ def numbers() -> list[Any]:
 
 
 @pytest.mark.parametrize("entry", numbers())
-def test_reference_numbers(entry: dict[str, Any]) -> None:
+def test_the_hardest_places_under_sliding_are_those_of_the_references(
+    entry: dict[str, Any],
+) -> None:
     """Within the entries' own 0.1 % below and 1 % at the surface; places to 1 % of a half width."""
     contact = SPHERE if entry["shape"].startswith("sphere") else THESIS
     below = sliding.peak_below_surface(contact, entry["mu"], entry["nu"])
@@ -85,7 +87,7 @@ def test_equilibrium_and_compatibility() -> None:
     np.testing.assert_allclose(weights @ trace / 12e-4, 0, atol=1e-5 * THESIS.p0)
 
 
-def test_what_acts_on_the_surface() -> None:
+def test_pressure_and_friction_act_on_the_patch_and_nothing_beside_it() -> None:
     """p down and mu p along +x on the patch; nothing beside it, to 0.5 % of p0."""
     x, y = np.random.default_rng(3).uniform(-1.5, 1.5, (2, 200)) * [[THESIS.a], [THESIS.b]]
     s = sliding.stress(THESIS, 0.4, 0.3, np.column_stack([x, y, 0 * x]))
@@ -97,7 +99,7 @@ def test_what_acts_on_the_surface() -> None:
     np.testing.assert_allclose(found, expected, atol=5e-3 * THESIS.p0)
 
 
-def test_the_trailing_edge_of_a_sphere() -> None:
+def test_the_trailing_edge_of_a_sphere_is_pulled_as_hamilton_says() -> None:
     """s_xx = p0 ((1 - 2 nu)/3 + (4 + nu) pi mu/8) (Hamilton 1983; Johnson, 7.12)."""
     for mu, nu in ((0.0, 0.3), (0.3, 0.3), (0.5, 0.1)):
         s = sliding.stress(SPHERE, mu, nu, [[-SPHERE.a, 0.0, 0.0]])[0, 0]
@@ -106,7 +108,7 @@ def test_the_trailing_edge_of_a_sphere() -> None:
 
 
 @pytest.mark.parametrize("across", [False, True])
-def test_a_strip(across: bool) -> None:
+def test_a_strip_that_slides_has_johnson_s_stresses(across: bool) -> None:
     """Under the traction s_xx = -2 mu p0 x/w on the patch and -2 mu p0 (x/w - sqrt(x^2/w^2 - 1))
     beside it (Johnson, 7.1); along the strip it shears only.
     """
@@ -126,7 +128,7 @@ def test_a_strip(across: bool) -> None:
     np.testing.assert_allclose(dragged[:5, 4], 0.4 * found.strip.pressure(t * w), atol=1e-6)
 
 
-def test_points_out_of_range() -> None:
+def test_points_that_are_not_in_the_body_are_refused() -> None:
     for points in ([[0.0, 0.0, 1.0]], [[0.0, 0.0]], [0.0, 0.0, -1.0]):
         with pytest.raises(ValueError):
             sliding.stress(SPHERE, 0.3, 0.3, points)

@@ -25,7 +25,7 @@ def over_a_cell(kernel: Callable[[Array, Array], Array], x: float, y: float) -> 
 
 
 @pytest.mark.parametrize("place", [(1, 0), (0, 1), (2, 3), (7, 5)])
-def test_a_cell_under_a_traction(place: tuple[int, int]) -> None:
+def test_a_cell_under_a_traction_moves_as_cerruti_says(place: tuple[int, int]) -> None:
     """Cerruti's point force, integrated by Gauss."""
     influence = TractionInfluence(X, Y, STEEL, rolling=False)
     x, y = X[place[0]], Y[place[1]]

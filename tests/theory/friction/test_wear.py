@@ -34,7 +34,7 @@ def along_the_middle(flux: np.ndarray, t: np.ndarray) -> float:
     return best / 2 * math.sqrt(1e-3 * A / SPEED / math.pi) / EFFUSIVITY
 
 
-def test_an_ellipse_that_slips_everywhere() -> None:
+def test_the_flash_temperature_of_an_ellipse_is_that_of_contact() -> None:
     """Ertz and Knothe's case: 166.8 K by CONTACT (examples/ertz_temperature.ref_out)."""
     area = math.pi * A * B
     rise = wear.flash_temperature(FRICTION * FORCE * SLIP, area, A, SPEED, Ellipse.middle_over_mean)
@@ -44,7 +44,7 @@ def test_an_ellipse_that_slips_everywhere() -> None:
     assert rise == pytest.approx(along_the_middle(flux, t), rel=0.02)
 
 
-def test_a_band_of_even_heat() -> None:
+def test_the_flash_temperature_of_a_band_is_that_of_the_heat_equation() -> None:
     length = 70.0
     rise = wear.flash_temperature(1000.0, 2 * A * length, A, SPEED, LineContact.middle_over_mean)
     flux = np.full(3, 1000.0 * SPEED / (2e-6 * A * length))
