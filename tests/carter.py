@@ -1,12 +1,9 @@
 """Carter's tractions of a strip that rolls (Johnson, Contact Mechanics, 8.3)."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from railhead.theory.elastic.hertz import Strip
 from railhead.theory.friction.partial_slip import strip_stick_ratio
@@ -43,7 +40,7 @@ class Carter:
         """x of the middle of the part that sticks, w - c, mm."""
         return self.strip.b - self.stick_half_width
 
-    def traction(self, x: ArrayLike) -> NDArray[np.float64]:
+    def traction(self, x):
         """Traction of the wheel on the rail mu p0 (sqrt(1 - x^2/w^2) - c/w sqrt(1 - (x - w +
         c)^2/c^2)), MPa, at x (mm), with the force's sign; c is the half width that sticks. Zero
         outside of the strip.

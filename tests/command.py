@@ -3,7 +3,6 @@
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -35,7 +34,7 @@ def refused(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
     return line
 
 
-def process(*arguments: str, cwd: Path, **changes: str) -> subprocess.CompletedProcess[str]:
+def process(*arguments: str, cwd, **changes: str) -> subprocess.CompletedProcess[str]:
     """The command in a process of its own, in a folder, with changes of the environment."""
     return subprocess.run(
         [*START, *arguments], cwd=cwd, env=environment() | changes, capture_output=True, text=True,

@@ -9,15 +9,12 @@ import json
 import os
 import pickle
 from pathlib import Path
-from typing import Any
 
 import pytest
 from hypothesis import settings
 from sweep_command import one_after_the_other
 
 from railhead.meshing import mesh
-from railhead.meshing.bodies import Body, Options
-from railhead.meshing.grading import Grading
 from railhead.planning import cost
 from railhead.postprocess.pictures.plots import diagrams
 from railhead.sweeps import worker_pool
@@ -52,7 +49,7 @@ def _meshed_once(tmp_path_factory: pytest.TempPathFactory) -> None:
     folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "meshes"
     folder.mkdir(exist_ok=True)
 
-    def meshed(bodies: list[Body], grading: Grading, options: Options) -> Any:
+    def meshed(bodies, grading, options):
         given = pickle.dumps((bodies, grading, options))
         kept = folder / hashlib.sha256(given).hexdigest()
         if not kept.exists():
@@ -96,11 +93,10 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 @pytest.fixture(scope="session")
-def reference() -> dict[str, Any]:
+def reference():
     """Exact numbers of the thesis case, a 30-digit Hertz evaluation; N, mm, MPa."""
     path = Path(__file__).parent / "theory" / "data" / "hertz_thesis.json"
-    data: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-    return data
+    return json.loads(path.read_text(encoding="utf-8"))
 
 
 @pytest.fixture(scope="session")

@@ -9,16 +9,14 @@ tested. In space it is the same in wave numbers of any direction.
 
 import numpy as np
 from numpy.polynomial import Polynomial
-from numpy.typing import NDArray
 from scipy.fft import irfft2, rfft2
 from scipy.interpolate import RectBivariateSpline
 from scipy.optimize import brentq
 
 TERMS, POINTS, WAVES = 16, 120, 400
-Array = NDArray[np.float64]
 
 
-def relative_compliance(kh: Array, poisson: float) -> Array:
+def relative_compliance(kh, poisson: float):
     """Of the bonded layer over the half-plane, at wave number times thickness."""
     kappa, kh = 3 - 4 * poisson, np.minimum(kh, 300.0)
     above = 2 * kappa * np.sinh(2 * kh) - 4 * kh
@@ -40,7 +38,7 @@ def strip(
     basis = np.sin(np.multiply.outer(angle, orders + 1)) * np.sin(angle)[:, None]
     basis *= np.pi / (2 * POINTS)
 
-    def terms(half: float) -> Array:
+    def terms(half: float):
         inner = np.cos(half * np.multiply.outer(wave, np.cos(angle))) @ basis  # the rest is even
         smooth = half * np.sin(half * np.multiply.outer(at, wave)) * rest @ inner
         slope = np.pi * np.cos(np.multiply.outer(np.arccos(at), orders + 1)) + smooth
@@ -78,7 +76,7 @@ def patch(
     compliance[0, 0] = thickness * (1 + poisson) * (1 - 2 * poisson) / (young * (1 - poisson))
     compliance *= np.sinc(kx * step[0] / (2 * np.pi)) * np.sinc(ky * step[1] / (2 * np.pi))
 
-    def deflection(p: Array) -> Array:
+    def deflection(p):
         shape = (period, period)
         return np.asarray(irfft2(rfft2(p, shape) * compliance, shape)[:cells, :cells])
 

@@ -1,14 +1,12 @@
 """Derivatives of sampled fields, to hold closed forms against the equations of elasticity."""
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
 
-def jacobian(field: Callable[[Array], Array], points: Array, step: float) -> Array:
+def jacobian(field, points: Array, step: float) -> Array:
     """d field_i / d x_j as (n, components, 3), by fourth-order central differences."""
     columns = []
     for axis in np.eye(3):

@@ -3,16 +3,13 @@ tests of theory and solver alike."""
 
 import json
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 PATH = Path(__file__).parent / "theory" / "data" / "friction.json"
-ENTRIES: dict[str, dict[str, Any]] = {
-    entry["id"]: entry for entry in json.loads(PATH.read_text(encoding="utf-8"))["entries"]
-}
+ENTRIES = {entry["id"]: entry for entry in json.loads(PATH.read_text(encoding="utf-8"))["entries"]}
 
 
-def named(start: str) -> list[Any]:
+def named(start: str):
     """Those whose id starts so, with their ids, for pytest."""
     return [pytest.param(entry, id=key) for key, entry in ENTRIES.items() if key.startswith(start)]

@@ -1,13 +1,11 @@
 """Errors that people read: one line each."""
 
-from collections.abc import Callable
-
 import pytest
 
 from railhead.scene.scene import SceneError
 
 
-def refusal(call: Callable[[], object], error: type[Exception] = SceneError) -> str:
+def refusal(call, error: type[Exception] = SceneError) -> str:
     """The line of the error that a call raises."""
     with pytest.raises(error) as caught:
         call()

@@ -7,9 +7,6 @@ scene. Fields, findings and solution are shared: read them, do not write into th
 import functools
 from copy import deepcopy
 from dataclasses import replace
-from typing import Any
-
-import pytest
 
 import railhead as rh
 from railhead.planning import simulation_plan as planning
@@ -41,12 +38,12 @@ def passed(scene: rh.Scene | str, *assignments: str) -> rh.Result:
     return result
 
 
-def friction(result: rh.Result) -> dict[str, Any]:
+def friction(result: rh.Result):
     """What the summary says of friction: forces, creepages, share of stick."""
     return result.summary["result"]["friction"]
 
 
-def draw_only(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+def draw_only(monkeypatch, name: str) -> None:
     """Of the pictures of a run this one alone is drawn (`"patch"`)."""
     every, file = gallery.drawings, f"{name}.png"
     monkeypatch.setattr(gallery, "drawings", lambda *given: {file: every(*given)[file]})

@@ -2,10 +2,8 @@
 
 import csv
 import io
-from collections.abc import Iterator
 from concurrent.futures import Future
 from contextlib import contextmanager
-from pathlib import Path
 
 import command
 
@@ -23,7 +21,7 @@ KEYS = {"load": "load [N]", "wheel.rolling_radius": "wheel.rolling_radius [mm]"}
 
 
 @contextmanager
-def one_after_the_other(ranks: int) -> Iterator[worker_pool.Submit]:
+def one_after_the_other(ranks: int):
     """As `worker_pool.submitting`, with jobs that are done at once in this process."""
 
     def submit(*job) -> Future:
@@ -38,7 +36,7 @@ def sweep(*arguments: str) -> int:
     return command.status("sweep", *arguments)
 
 
-def refused(capsys, folder: Path, *arguments: str) -> str:
+def refused(capsys, folder, *arguments: str) -> str:
     """One line on standard error, status 2, nothing solved or written."""
     assert sweep(*arguments, "--out", str(folder)) == 2
     out, err = capsys.readouterr()
@@ -47,7 +45,7 @@ def refused(capsys, folder: Path, *arguments: str) -> str:
     return line
 
 
-def rows(folder: Path) -> list[dict[str, str]]:
+def rows(folder) -> list[dict[str, str]]:
     raw = (folder / "sweep.csv").read_bytes()
     assert raw.startswith(b"\xef\xbb\xbf") and raw.count(b"\r\n") == raw.count(b"\n")
     return list(csv.DictReader(io.StringIO(raw.decode("utf-8-sig"))))

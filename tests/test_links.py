@@ -1,7 +1,6 @@
 """Links of pages lead to files and headings that exist; each page is on a shelf of the site."""
 
 import re
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -23,7 +22,7 @@ def anchors(page: Path) -> set[str]:
     return {re.sub(r"[^\w\- ]", "", each.strip().lower()).replace(" ", "-") for each in headings}
 
 
-def dead(page: Path) -> Iterator[str]:
+def dead(page: Path):
     """Targets of its links that lead nowhere; those to other hosts are not followed."""
     for target in re.findall(r"\]\(([^()\s]+)\)|src=\"([^\"]+)\"", prose(page)):
         path, _, anchor = "".join(target).partition("#")

@@ -24,7 +24,6 @@ from railhead.geometry import profiles
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.results.report import output_units, terminal
 from railhead.scene.scene import Scene, SceneError
-from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 
 DATA = Path(__file__).parents[1] / "geometry" / "data"
 BAN, PRW = str(DATA / "MBench_UIC60_v3.ban"), str(DATA / "MBench_S1002_v3.prw")
@@ -33,7 +32,7 @@ BAN, PRW = str(DATA / "MBench_UIC60_v3.ban"), str(DATA / "MBench_S1002_v3.prw")
 def test_files_of_instruments_are_the_manchester_pair() -> None:
     """Canted rail and wheel as CONTACT ships them against 60E1 at 1:40 and S1002."""
 
-    def solved(scene: Scene) -> BoundaryElementSolution:
+    def solved(scene: Scene):
         contact = solid.locate(scene)
         ellipse = closed_forms.ellipse(scene, contact)
         return boundary_elements.solve(contact, ellipse, scene.load)

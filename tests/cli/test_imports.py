@@ -2,7 +2,6 @@
 
 import subprocess
 import sys
-from pathlib import Path
 
 HEAVY = ("numpy", "scipy", "mpi4py", "petsc4py", "dolfinx", "gmsh", "meshio", "pyvista",
          "matplotlib", "pint", "jinja2")  # fmt: skip
@@ -37,12 +36,12 @@ def test_a_plan_imports_no_solver() -> None:
     assert loaded("\n".join(plans)) == {"numpy", "scipy"}
 
 
-def test_half_spaces_import_no_solver_and_no_mesh(tmp_path: Path) -> None:
+def test_half_spaces_import_no_solver_and_no_mesh(tmp_path) -> None:
     fast = command("run", "s1002_60e1", "--fast", "--quiet", "--no-pictures", f"--out={tmp_path}")
     assert not {"petsc4py", "dolfinx", "meshio", "matplotlib"} & loaded(fast)
 
 
-def test_a_run_without_pictures_imports_nothing_that_draws(tmp_path: Path) -> None:
+def test_a_run_without_pictures_imports_nothing_that_draws(tmp_path) -> None:
     """matplotlib alone takes a fifth of a second."""
     run = command("run", "long_roller", "--quiet", "--no-pictures", f"--out={tmp_path / 'out'}")
     assert not {"pyvista", "matplotlib", "jinja2"} & loaded(run)

@@ -16,8 +16,6 @@ from railhead.planning.references import boundary_elements
 from railhead.run import model_setup
 from railhead.run.half_spaces import normal_contact
 from railhead.run.half_spaces.tangential_contact import solve_by_boundary_elements
-from railhead.theory.bem.grid_patch import PatchSolution
-from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.friction import tangential
 from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction, TangentialSolution
 
@@ -116,7 +114,7 @@ def test_an_axle_is_not_said_where_the_wheelset_gives_nothing(given: dict) -> No
     assert line == "rolling.axle: nominal is not allowed without from_wheelset"
 
 
-def rolled_alone(contact: Contact, pressed: PatchSolution, slip: np.ndarray) -> TangentialSolution:
+def rolled_alone(contact: Contact, pressed, slip: np.ndarray) -> TangentialSolution:
     """A patch of half-spaces under its pressure at a rigid slip (2, nx, ns)."""
     modes = np.zeros((4, *slip.shape))
     modes[3] = slip
@@ -128,9 +126,7 @@ def rolled_alone(contact: Contact, pressed: PatchSolution, slip: np.ndarray) -> 
     return body.solve(Creepage())
 
 
-def independent(
-    contact: Contact, known: BoundaryElementSolution, radius: float
-) -> dict[str, float]:
+def independent(contact: Contact, known, radius: float) -> dict[str, float]:
     """Forces over mu N and T-gamma, N, of half-spaces under the pressures of a solution; places of
     their cells on the rail's profile and their slip are made here."""
     rail, touch = contact.pair.rail, contact.touch

@@ -1,15 +1,12 @@
 """Two blocks in Hertz contact with exact fields at their nodes, whole or a quarter."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import cast
 
-import meshio
 import numpy as np
 import pytest
 from dolfinx.mesh import CellType, create_box
 from mpi4py import MPI
-from numpy.typing import NDArray
 from painted import LAME, POISSON, YOUNG
 
 from railhead.postprocess import symmetry, vtu
@@ -41,17 +38,14 @@ class Case:
     surface: Surface
 
     @property
-    def volume(self) -> meshio.Mesh:
+    def volume(self):
         """Cells of the whole blocks."""
         part = vtu.volume_grid(self.fields, self.stress)
         return symmetry.grid(part, self.fields.mirrors)
 
 
-Blocks = Callable[..., Case]
-
-
 @pytest.fixture(scope="session")
-def blocks() -> Blocks:
+def blocks():
     """make(cell, degree, cut=, radii=, load=): Case; blocks of 3 x 3 x 3 semi-axes a quarter."""
 
     def make(
@@ -95,9 +89,7 @@ def blocks() -> Blocks:
     return make
 
 
-def _block(
-    cell: str, degree: int, cut: bool, size: Array, bottom: float
-) -> tuple[Array, NDArray[np.int64]]:
+def _block(cell: str, degree: int, cut: bool, size: Array, bottom: float):
     """Nodes and cells, in the order of dolfinx, of one block, a quarter of it when cut."""
     low, count = ([0.0, 0.0], 6) if cut else (-size[:2], 12)
     corners = [np.array([*low, bottom]), np.array([*size[:2], bottom + size[2]])]

@@ -1,22 +1,18 @@
 """Contact fields painted with a known pressure as finite elements would compute it."""
 
-from collections.abc import Callable
-
 import basix
 import numpy as np
 
-from railhead.postprocess.findings import Array
 from railhead.solver.material.elasticity import Material
 from railhead.solver.system.fields import ContactFields, Fields
 
 JITTER = 0.2  # of an element
 STEEL = Material(207000.0, 0.3)
 YOUNG, POISSON, LAME = STEEL.young_modulus, STEEL.poisson_ratio, STEEL.lame
-Square = Callable[[Array, Array], Array]
 
 
 def painted(
-    square: Square,
+    square,
     half: tuple[float, float],
     size: float,
     waver: float = 0.05,
@@ -91,7 +87,7 @@ def painted(
     )
 
 
-def measured(square: Square, half: tuple[float, float]) -> Array:
+def measured(square, half: tuple[float, float]):
     """a, b, area and largest pressure where a known p^2 is positive, by brute force."""
     x, s = (np.linspace(-reach, reach, 4001) for reach in half)
     values = square(x[:, None], s[None, :])

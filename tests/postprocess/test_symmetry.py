@@ -1,8 +1,5 @@
 """Images of what symmetry left out, against exact fields on whole blocks."""
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 import pytest
 import pyvista as pv
@@ -14,14 +11,12 @@ from railhead.postprocess.findings import Surface
 KINDS = [("tetrahedron", 1), ("tetrahedron", 2), ("hexahedron", 1), ("hexahedron", 2)]
 
 
-def made_whole(case: Any) -> Any:
+def made_whole(case):
     return pv.from_meshio(case.volume)
 
 
 @pytest.mark.parametrize(("cell", "degree"), KINDS)
-def test_images_are_upright_and_fill_the_blocks(
-    blocks: Callable[..., Any], cell: str, degree: int
-) -> None:
+def test_images_are_upright_and_fill_the_blocks(blocks, cell: str, degree: int) -> None:
     """Nodes on the planes are shared, so nothing lies twice; edges keep their middles."""
     case = blocks(cell, degree)
     grid = made_whole(case)
@@ -53,7 +48,7 @@ def test_images_of_quadratic_quadrilaterals_keep_their_middles() -> None:
 
 
 @pytest.mark.parametrize("degree", [1, 2])
-def test_images_hold_the_exact_fields(blocks: Callable[..., Any], degree: int) -> None:
+def test_images_hold_the_exact_fields(blocks, degree: int) -> None:
     """Every component at every node inside the rail's block is that of the closed form there."""
     case = blocks("hexahedron", degree, cut=False)
     exact = pv.from_meshio(vtu.volume_grid(case.fields, case.stress))
@@ -86,7 +81,7 @@ def test_images_hold_the_exact_fields(blocks: Callable[..., Any], degree: int) -
         assert pulled == pytest.approx(value * along, abs=1e-9 * p0)
 
 
-def test_what_is_whole_stays_as_it_is(blocks: Callable[..., Any]) -> None:
+def test_what_is_whole_stays_as_it_is(blocks) -> None:
     case = blocks("hexahedron", 1, cut=False)
     grid = vtu.volume_grid(case.fields, case.stress)
     assert symmetry.grid(grid, case.fields.mirrors) is grid
@@ -114,7 +109,7 @@ def test_a_surface_moves_as_its_image_does() -> None:
     np.testing.assert_array_equal(found.displacement, expected)
 
 
-def test_plastic_strains_are_reflected_too(blocks: Callable[..., Any]) -> None:
+def test_plastic_strains_are_reflected_too(blocks) -> None:
     """Of a tensor of cells: what has one index across the plane turns its sign."""
     case = blocks("hexahedron", 1)
     grid = vtu.volume_grid(case.fields, case.stress)

@@ -1,11 +1,9 @@
 """The files open in pyvista and hold what was put in, on the real cells."""
 
 import re
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 import pytest
@@ -20,9 +18,7 @@ KINDS = [("tetrahedron", 1), ("tetrahedron", 2), ("hexahedron", 1), ("hexahedron
 
 
 @pytest.mark.parametrize(("cell", "degree"), KINDS)
-def test_volume_file_holds_the_arrays(
-    blocks: Callable[..., Any], cell: str, degree: int, tmp_path: Path
-) -> None:
+def test_volume_file_holds_the_arrays(blocks, cell: str, degree: int, tmp_path) -> None:
     case = blocks(cell, degree)
     mesh = vtu.volume_grid(case.fields, case.stress)
     vtu.write(mesh, tmp_path / "solution.vtu")
@@ -40,7 +36,7 @@ def test_volume_file_holds_the_arrays(
     assert b"vtkZLibDataCompressor" in (tmp_path / "solution.vtu").read_bytes()
 
 
-def test_tensor_rows_and_invariants(blocks: Callable[..., Any]) -> None:
+def test_tensor_rows_and_invariants(blocks) -> None:
     case = blocks("hexahedron", 1)
     data = vtu.volume_grid(case.fields, case.stress).point_data
     tensor = data["stress"].reshape(-1, 3, 3)
@@ -65,7 +61,7 @@ def test_tensor_rows_and_invariants(blocks: Callable[..., Any]) -> None:
     assert data["von_mises"][on_axis] == pytest.approx(mises, abs=1e-9 * case.ellipse.p0)
 
 
-def test_contact_file_holds_pressure_and_gap(blocks: Callable[..., Any], tmp_path: Path) -> None:
+def test_contact_file_holds_pressure_and_gap(blocks, tmp_path) -> None:
     case = blocks()
     surface = replace(case.findings.surface, gap=np.arange(len(case.findings.surface.gap)) / 7)
     vtu.write(vtu.contact_grid({1: surface}), tmp_path / "contact.vtu")
@@ -88,7 +84,7 @@ def test_contact_file_holds_pressure_and_gap(blocks: Callable[..., Any], tmp_pat
     }
 
 
-def test_triangles_look_out_of_their_body(blocks: Callable[..., Any]) -> None:
+def test_triangles_look_out_of_their_body(blocks) -> None:
     """So that pressure times normal is the force on each body, with its sign."""
     surface = blocks().findings.surface
     mixed = surface.triangles.copy()
@@ -119,12 +115,12 @@ def test_fields_that_do_not_fit_their_mesh_are_refused(blocks, call, words: str)
         call(blocks())
 
 
-def test_a_file_that_cannot_be_written_is_an_error_of_the_system(blocks, tmp_path: Path) -> None:
+def test_a_file_that_cannot_be_written_is_an_error_of_the_system(blocks, tmp_path) -> None:
     with pytest.raises(OSError):
         vtu.write(vtu.contact_grid({1: blocks().findings.surface}), tmp_path / "no" / "x")
 
 
-def test_cells_hold_the_mean_of_their_plastic_strains(blocks: Callable[..., Any]) -> None:
+def test_cells_hold_the_mean_of_their_plastic_strains(blocks) -> None:
     case = blocks("hexahedron", 1)
     count = len(case.fields.cells)
     strain = np.random.default_rng(0).random((count, 8, 3, 3))
@@ -159,7 +155,7 @@ def test_traction_points_are_those_that_touch() -> None:
     assert whole.point_data["sticks"].tolist() == [1, 0, 0]
 
 
-def test_a_series_is_in_the_order_of_time(tmp_path: Path) -> None:
+def test_a_series_is_in_the_order_of_time(tmp_path) -> None:
     vtu.series({2.0: "c.vtu", 0.0: "a.vtu", 1.0: "b.vtu"}, tmp_path / "all.pvd")
     text = (tmp_path / "all.pvd").read_text()
     assert re.findall(r'timestep="([^"]+)".*?file="([^"]+)"', text) == [

@@ -1,7 +1,5 @@
 """The files of a solved scene."""
 
-from pathlib import Path
-
 import pytest
 from matplotlib.figure import Figure
 from matplotlib.text import Text
@@ -22,7 +20,7 @@ def test_half_spaces_are_drawn_without_bodies(
     case: str,
     assignments: tuple[str, ...],
     pictures: set[str],
-    tmp_path: Path,
+    tmp_path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """And no word in their pictures names finite elements."""

@@ -2,7 +2,6 @@
 
 import os
 from pathlib import Path
-from typing import Any
 
 import command
 import numpy as np
@@ -132,7 +131,7 @@ def test_links_to_nothing_and_folders_in_files_are_refused(tmp_path: Path) -> No
     assert "File name too long" in refused(tmp_path / ("x" * 300))
 
 
-def fails(*given: Any, **_: Any) -> None:
+def fails(*given, **_) -> None:
     """Writes half of a file, if it gets one."""
     if isinstance(given[0], Path):
         given[0].write_text("half")

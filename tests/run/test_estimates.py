@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import pytest
 from solved import solved
@@ -138,7 +137,7 @@ def test_meshes_confirm_a_law_or_deny_it_or_tell_by_themselves(levels, known, er
 
 @pytest.mark.parametrize("shape", ["half-spaces", "bodies"])
 @pytest.mark.parametrize("law", [{"method": "penalty"}, {"theta": -1}, {"least_poisson": 0.0}])
-def test_the_approach_has_one_law_at_least(shape: str, law: dict[str, Any]) -> None:
+def test_the_approach_has_one_law_at_least(shape: str, law) -> None:
     """It depends on distant elements, which are those of the default contact law."""
     usual = error_envelopes.family(replace(SETTING, shape=shape))
     other = error_envelopes.family(replace(SETTING, shape=shape, **law))
@@ -233,7 +232,7 @@ def test_every_default_run_carries_estimates_whose_parts_add_up() -> None:
     assert "NaN" not in result_folder.to_json(summary)
 
 
-def of_a_penalty(case: str, *assignments: str) -> tuple[dict[str, Any], float]:
+def of_a_penalty(case: str, *assignments: str):
     """What is said of the accuracy, and the error of the largest pressure."""
     keys = ("rail.extent=half-space", "solver.method=penalty", *assignments)
     summary = solved(case, *keys).summary

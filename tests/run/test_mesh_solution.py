@@ -3,7 +3,6 @@
 import ctypes
 import io
 import json
-from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -130,7 +129,7 @@ def test_bodies_that_pass_each_other_fail_a_check() -> None:
 
 
 @pytest.fixture
-def unfilled() -> Iterator[None]:
+def unfilled():
     yield
     LIBC.mallopt(M_PERTURB, 0)
 

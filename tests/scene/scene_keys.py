@@ -1,9 +1,5 @@
 """Scenes from dotted keys, and keys that several tests give."""
 
-from __future__ import annotations
-
-from typing import Any
-
 from railhead.scene.scene import Scene
 
 HALF = {"rail.extent": "half-space"}
@@ -11,9 +7,9 @@ ARC_RAIL = {"rail.profile": "arc", "rail.extent": "half-space"}
 ARC_WHEEL = {"wheel.profile": "arc"}
 
 
-def scene(**keys: Any) -> Scene:
+def scene(**keys) -> Scene:
     """Return a scene of 25 kN with some dotted keys set."""
-    data: dict[str, Any] = {"load": 25000}
+    data = {"load": 25000}
     for key, value in keys.items():
         section, dot, leaf = key.partition(".")
         if dot:

@@ -1,7 +1,6 @@
 """Profiles and curves as arrays: kept as files, in the scene and in the result folder."""
 
 import os
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,7 +16,7 @@ WRONG = (
 
 
 @pytest.fixture(autouse=True)
-def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def cache(tmp_path, monkeypatch: pytest.MonkeyPatch):
     """The cache of the user is another folder."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     return tmp_path / "cache"
@@ -29,7 +28,7 @@ def crown(radius: float) -> np.ndarray:
     return np.column_stack([y, np.sqrt(radius**2 - y**2) - radius])
 
 
-def test_an_array_is_read_as_a_file_of_the_same_points(tmp_path: Path) -> None:
+def test_an_array_is_read_as_a_file_of_the_same_points(tmp_path) -> None:
     points = crown(300.0)
     file = tmp_path / "head.csv"
     np.savetxt(file, points, delimiter=",", header="y_mm,z_mm", fmt="%.17g")
@@ -45,7 +44,7 @@ def test_an_array_is_read_as_a_file_of_the_same_points(tmp_path: Path) -> None:
 
 
 def test_a_result_folder_holds_the_arrays_and_runs_again(
-    tmp_path: Path, cache: Path, in_this_process: None
+    tmp_path, cache, in_this_process: None
 ) -> None:
     scene = rh.Scene(
         load="10 kN",
@@ -75,7 +74,7 @@ def test_what_is_no_array_of_points_is_one_line(value: object) -> None:
     assert "falls" in refusal(lambda: rh.Rail(stress_strain=[[0, 2], [0.1, 1]]), rh.SceneError)
 
 
-def test_an_array_that_was_not_given_for_long_is_removed(cache: Path) -> None:
+def test_an_array_that_was_not_given_for_long_is_removed(cache) -> None:
     rh.Rail(profile=crown(300.0)), rh.Rail(profile=crown(310.0))
     first, second = files = sorted(cache.rglob("*.csv"))
     for file in files:
@@ -88,7 +87,7 @@ def test_an_array_that_was_not_given_for_long_is_removed(cache: Path) -> None:
     assert second.is_file() and not first.exists() and len(list(cache.rglob("*.csv"))) == 2
 
 
-def test_a_cache_that_cannot_be_written_is_one_line(cache: Path) -> None:
+def test_a_cache_that_cannot_be_written_is_one_line(cache) -> None:
     cache.write_text("a file")
     line = refusal(lambda: rh.Rail(profile=crown(300.0)), rh.SceneError)
     assert "the array cannot be kept in" in line

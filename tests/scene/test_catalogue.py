@@ -3,7 +3,6 @@
 import math
 import os
 from pathlib import Path
-from typing import Any
 
 import pytest
 import tomli_w
@@ -23,12 +22,12 @@ body = st.floats(1e-3, 1e6)
 ratio = st.floats(0, 0.5, exclude_max=True)
 
 
-def table(required: dict[str, Any], **optional: Any) -> st.SearchStrategy[dict[str, Any]]:
+def table(required, **optional):
     """Return a strategy of tables with some keys always and some keys sometimes."""
     return st.fixed_dictionaries(required, optional=optional)
 
 
-def material(modulus: st.SearchStrategy[float]) -> dict[str, Any]:
+def material(modulus: st.SearchStrategy[float]):
     return {"young_modulus": modulus, "poisson_ratio": ratio, "yield_stress": st.floats(1e-6, 1e9)}
 
 

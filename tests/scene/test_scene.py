@@ -4,7 +4,6 @@ import math
 import pickle
 import re
 from dataclasses import replace
-from typing import Any
 
 import command
 import numpy as np
@@ -102,7 +101,7 @@ def test_defaults_are_the_thesis_pair() -> None:
 
 
 def test_python_side_reads_units_and_raises_scene_error() -> None:
-    keys: dict[str, Any] = {"profile": "arc", "crown_radius": "8 cm"}
+    keys = {"profile": "arc", "crown_radius": "8 cm"}
     assert Rail(**keys).crown_radius == 80
     with pytest.raises(SceneError, match="^crown_radius: -1 is not allowed"):
         Rail(profile="arc", crown_radius=-1)
@@ -130,7 +129,7 @@ def test_scene_is_frozen_hashable_and_picklable() -> None:
         ({**ARC_RAIL, "rail.crown_radius": 80}, 1 / 80),
     ],
 )
-def test_relative_curvatures_of_half_spaces(keys: dict[str, Any], across: float) -> None:
+def test_relative_curvatures_of_half_spaces(keys, across: float) -> None:
     assert scene(
         **HALF, **{k: v for k, v in keys.items() if k not in HALF}
     ).relative_curvatures() == pytest.approx((1 / 420, across), rel=1e-15)

@@ -1,8 +1,6 @@
 """What is wrong with a scene is said in one line: which key, what it was, what is allowed."""
 
 import math
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -140,7 +138,7 @@ def test_wrong_value_is_named_in_one_line(key: str, value: object, words: str) -
 
 
 ARC = {"rail.profile": "arc", "rail.crown_radius": 80}
-CONTRADICTIONS: list[tuple[dict[str, Any], str]] = [
+CONTRADICTIONS = [
     ({"load": None}, "load, approach: neither is given; give exactly one of them"),
     ({"rail.young_modulus": INF, "wheel.young_modulus": INF}, "both are inf (rigid)"),
     (
@@ -159,11 +157,11 @@ CONTRADICTIONS: list[tuple[dict[str, Any], str]] = [
 
 
 @pytest.mark.parametrize(("keys", "words"), CONTRADICTIONS)
-def test_contradiction_is_named_in_one_line(keys: dict[str, Any], words: str) -> None:
+def test_contradiction_is_named_in_one_line(keys, words: str) -> None:
     assert words in refusal(lambda: scene(**keys))
 
 
-def test_half_space_refuses_a_tabulated_profile(tmp_path: Path) -> None:
+def test_half_space_refuses_a_tabulated_profile(tmp_path) -> None:
     table = tmp_path / "rail.csv"
     table.write_text("0,0\n")
     assert scene(**{"rail.profile": table}).rail.profile == str(table)
@@ -195,7 +193,7 @@ def test_malformed_assignment_is_named_in_one_line(assignment: str, words: str) 
 
 
 @pytest.mark.parametrize("data", [5, None, "load = 1", [("load", 1)], {5: 1}, {"rail": {5: 1}}])
-def test_from_mapping_refuses_what_is_no_table_of_keys(data: Any) -> None:
+def test_from_mapping_refuses_what_is_no_table_of_keys(data) -> None:
     with pytest.raises(SceneError):
         Scene.from_mapping(data)
 

@@ -3,7 +3,6 @@
 import dataclasses
 import math
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 import pytest
@@ -24,7 +23,7 @@ ROLLER = {"rail": {"profile": "arc", "crown_radius": math.inf},
           "wheel": {"rolling_radius": 50, "width": 60}}  # fmt: skip
 BAR = {"rail": {"length": 100}, "wheel": {"rolling_radius": math.inf}}
 #: By kind of UNUSED_KEYS (solids have none): a scene of it.
-SCENES: dict[str, dict[str, Any]] = {
+SCENES = {
     "half_space": {},
     "half_space_along": ROLLER,
     "half_space_across": BAR,
@@ -35,7 +34,7 @@ SCENES: dict[str, dict[str, Any]] = {
     "solid on a track": {"rail": {"gauge": 1435}},
 }
 #: Another value than the default of each key about bodies and where they stand.
-KEYS: dict[str, Any] = {
+KEYS = {
     "rail.inclination": 0.01, "rail.gauge": 1437, "rail.length": 90, "rail.depth": 45,
     "rail.width": 50, "wheel.width": 44, "wheel.rim_depth": 22, "wheel.segment_length": 70,
     "wheelset.shift": 0.5, "wheelset.yaw": 0.002, "wheelset.back_to_back": 1359,
@@ -44,8 +43,8 @@ KEYS: dict[str, Any] = {
 }  # fmt: skip
 
 
-def scene(kind: str, **keys: Any) -> Scene:
-    data: dict[str, Any] = {"load": 5000.0, **{k: dict(v) for k, v in SCENES[kind].items()}}
+def scene(kind: str, **keys) -> Scene:
+    data = {"load": 5000.0, **{k: dict(v) for k, v in SCENES[kind].items()}}
     if kind.startswith("half_space"):
         keys["rail.extent"] = "half-space"
     for key, value in keys.items():
@@ -54,7 +53,7 @@ def scene(kind: str, **keys: Any) -> Scene:
     return Scene.from_mapping(data)
 
 
-def numbers(value: Any) -> list[float]:
+def numbers(value) -> list[float]:
     """All numbers in nested dataclasses and containers."""
     if dataclasses.is_dataclass(value):
         return numbers([getattr(value, field.name) for field in dataclasses.fields(value)])

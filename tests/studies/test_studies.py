@@ -2,10 +2,8 @@
 
 import csv
 import os
-import subprocess
 import sys
 import tomllib
-from pathlib import Path
 
 import command
 import pytest
@@ -18,7 +16,7 @@ from studies.mechanics import load_sweep
 Rows = list[dict[str, float]]
 
 
-def read(path: Path) -> list[dict]:
+def read(path) -> list[dict]:
     """The rows of a study's CSV; numbers as numbers, empty cells as None."""
 
     def value(text: str) -> object:
@@ -34,14 +32,14 @@ def read(path: Path) -> list[dict]:
 
 
 @pytest.fixture(scope="module")
-def sweep(tmp_path_factory) -> tuple[subprocess.CompletedProcess[str], Path]:
+def sweep(tmp_path_factory):
     folder = tmp_path_factory.mktemp("sweep")
     done = command.process("study", "load-sweep", "--quick", cwd=folder)
     return done, folder / "results" / "load_sweep"
 
 
 @pytest.fixture(scope="module")
-def cost(tmp_path_factory) -> tuple[subprocess.CompletedProcess[str], Path]:
+def cost(tmp_path_factory):
     folder = tmp_path_factory.mktemp("cost")
     done = command.process("study", "accuracy_cost", "--quick", "--out", "cost", cwd=folder)
     return done, folder / "cost"
@@ -171,7 +169,7 @@ def test_an_earlier_study_is_replaced(tmp_path, monkeypatch) -> None:
         STUDY = "writes one line"
         text = "first"
 
-        def main(self, out: Path, *, quick: bool) -> None:
+        def main(self, out, *, quick: bool) -> None:
             (out / "dummy.csv").write_text("x\n1\n")
             (out / "page.md").write_text(self.text)
 

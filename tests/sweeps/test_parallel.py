@@ -5,7 +5,6 @@ import os
 import signal
 import subprocess
 import time
-from collections.abc import Iterator
 from concurrent.futures import Future
 from contextlib import contextmanager
 from pathlib import Path
@@ -205,7 +204,7 @@ def test_what_a_crash_takes_with_it_is_solved_by_itself(tmp_path: Path, monkeypa
     asked: list[list[int]] = []
 
     @contextmanager
-    def one_process(ranks: int) -> Iterator[worker_pool.Submit]:
+    def one_process(ranks: int):
         def submit(work, folder, over, group, *_) -> Future:
             asked.append(list(over))
             future: Future = Future()

@@ -1,7 +1,5 @@
 """Scenes that share a mesh, and those that do not."""
 
-from pathlib import Path
-
 import pytest
 from solved import planned, solved
 from sweep_command import refused, rows
@@ -9,7 +7,6 @@ from sweep_command import refused, rows
 import railhead as rh
 from railhead.planning import budget
 from railhead.planning import simulation_plan as planning
-from railhead.planning.simulation_plan import Plan
 from railhead.results import pipeline
 from railhead.run import mesh_solution, refinement
 from railhead.run.progress import Progress
@@ -36,7 +33,7 @@ def test_what_makes_no_contact_is_refused_before_anything_runs(capsys, tmp_path)
     assert "wheelset.shift [mm] = 30.0" in line
 
 
-def test_loads_share_a_mesh(swept: Path) -> None:
+def test_loads_share_a_mesh(swept) -> None:
     """One for each radius."""
     unknowns = [row["unknowns"] for row in rows(swept)]
     assert unknowns[0::2] == unknowns[:1] * 3 and unknowns[1::2] == unknowns[1:2] * 3
@@ -78,7 +75,7 @@ def test_loads_that_want_unlike_meshes_share_none(case: str, key: str, given: li
 
 
 @pytest.fixture
-def two_loads(monkeypatch) -> dict[int, Plan]:
+def two_loads(monkeypatch):
     """Plans of two loads that suit one mesh, by number; what is solved alone says so."""
     monkeypatch.setattr(pipeline, "solve", lambda *_: "alone")
     scene = rh.find("long_roller").replace(["mesh.patch_size=0.4"])

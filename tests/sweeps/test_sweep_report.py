@@ -2,7 +2,6 @@
 
 import re
 from html import unescape
-from pathlib import Path
 
 from sweep_command import rows
 
@@ -11,7 +10,7 @@ from railhead.postprocess.findings import Units
 from railhead.sweeps import sweep_report
 
 
-def test_the_report_of_a_sweep_has_all_of_it(swept: Path) -> None:
+def test_the_report_of_a_sweep_has_all_of_it(swept) -> None:
     """Pictures, a row for each combination in both tables, what differs and what does not."""
     text = (swept / "report.html").read_text(encoding="utf-8")
     assert "<title>sweep of long_roller over load and wheel.rolling_radius</title>" in text
@@ -29,7 +28,7 @@ def test_the_report_of_a_sweep_has_all_of_it(swept: Path) -> None:
     assert "mesh: patch size" in same and not {"load", "wheel: rolling radius"} & same
 
 
-def test_what_failed_is_red(tmp_path: Path) -> None:
+def test_what_failed_is_red(tmp_path) -> None:
     table = [{"load [N]": 1.0, "checks": "NOT SOLVED: gmsh <no>"}]
     scenes = [rh.find("sphere_on_plane")]
     sweep_report.write("a sweep", scenes, ["load [N]"], table, tmp_path, ["none.png"], Units())

@@ -4,7 +4,6 @@ import json
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import command
 import matplotlib.image
@@ -19,7 +18,7 @@ from railhead.results import pipeline
 FAST = rh.find("hertz_ellipse").replace(["effects.finite_bodies=off"])
 
 
-def test_the_public_sweep_gives_the_same(swept: Path, in_this_process) -> None:
+def test_the_public_sweep_gives_the_same(swept, in_this_process) -> None:
     scene = rh.find("long_roller").replace(["mesh.patch_size=0.4"])
     table = rh.sweep(scene, {"load": ["50kN", "80kN", "110kN"]}, quiet=True)
     for row, result in zip(rows(swept)[::2], table, strict=True):
@@ -37,7 +36,7 @@ def test_what_cannot_be_solved_is_a_row(monkeypatch, in_this_process) -> None:
     assert table.rows() == [{"wheelset.yaw [mrad]": 0.0, "checks": "NOT SOLVED: gmsh: no"}]
 
 
-def test_a_folder_keeps_the_sweep(tmp_path: Path, in_this_process, capsys) -> None:
+def test_a_folder_keeps_the_sweep(tmp_path, in_this_process, capsys) -> None:
     """The same call solves nothing again; what it had solved has arrays, what lay there numbers."""
     out = tmp_path / "out"
     given = {"load": [1e4, 2e4], "wheel.rolling_radius": [420, 460]}
@@ -65,7 +64,7 @@ def test_a_folder_keeps_the_sweep(tmp_path: Path, in_this_process, capsys) -> No
 
 
 @pytest.mark.slow
-def test_a_script_needs_no_guard(tmp_path: Path) -> None:
+def test_a_script_needs_no_guard(tmp_path) -> None:
     """Processes of a sweep do not run the script that started them."""
     script = tmp_path / "script.py"
     script.write_text(

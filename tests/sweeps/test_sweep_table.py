@@ -1,7 +1,6 @@
 """Rows of sweep.csv."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +11,7 @@ from railhead.postprocess.pictures.plots import sweep_plots as plots
 from railhead.sweeps import store, sweep_table
 
 
-def test_the_angle_of_a_row_is_that_of_its_patch(swept: Path) -> None:
+def test_the_angle_of_a_row_is_that_of_its_patch(swept) -> None:
     """Of several patches the most loaded one, which need not be where the plan saw the first."""
     kept = store.read(swept, 0)
     planned = sweep_table.row(kept)["contact angle [deg]"]
@@ -97,7 +96,7 @@ def test_a_sweep_says_what_a_run_says() -> None:
     ]
 
 
-def test_bars_are_estimates(tmp_path: Path, monkeypatch) -> None:
+def test_bars_are_estimates(tmp_path, monkeypatch) -> None:
     drawn = []
     monkeypatch.setattr(Axes, "errorbar", lambda self, x, y, error, **_: drawn.append((y, error)))
     rows = [

@@ -9,7 +9,6 @@ import os
 import shutil
 import signal
 import sys
-from collections.abc import Callable
 from itertools import count
 from pathlib import Path
 
@@ -26,7 +25,7 @@ def replace(folder: Path) -> None:
             (work / name).write_bytes(content)
 
 
-def killed(line: int, action: Callable[[Path], None], folder: Path) -> bool:
+def killed(line: int, action, folder: Path) -> bool:
     """Call `action` in a child that is killed before so many lines of FILES are executed; False
     where it ends before that."""
     left = line

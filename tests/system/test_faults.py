@@ -6,7 +6,6 @@ import os
 import subprocess
 import sys
 import threading
-from pathlib import Path
 
 import command
 import killed
@@ -30,17 +29,17 @@ NEW = {**killed.NEW, NAMES: b"one\nthree\n"}
 MINE = {"mine": b"kept"}
 
 
-def content(folder: Path) -> dict[str, bytes]:
+def content(folder) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
-def make(folder: Path, files: dict[str, bytes]) -> None:
+def make(folder, files: dict[str, bytes]) -> None:
     folder.mkdir(parents=True)
     for name, text in files.items():
         (folder / name).write_bytes(text)
 
 
-def killed_before_each_line(action: str, there: dict[str, dict[str, bytes]], tmp: Path) -> int:
+def killed_before_each_line(action: str, there: dict[str, dict[str, bytes]], tmp) -> int:
     """Number of the first line that is not reached; before each one up to it a process was killed
     in a folder of its own, which held the folders `there` with their files."""
     for line in range(1, 400):
@@ -55,7 +54,7 @@ def killed_before_each_line(action: str, there: dict[str, dict[str, bytes]], tmp
 
 
 @pytest.mark.parametrize("there", [False, True])
-def test_killed_while_a_result_is_replaced(tmp_path: Path, there: bool) -> None:
+def test_killed_while_a_result_is_replaced(tmp_path, there: bool) -> None:
     """The next command finds the earlier result or the new one, whole (nothing where there was
     nothing), with what somebody else put there, and leaves nothing else."""
     begun = {"result": OLD | MINE} if there else {}
@@ -72,7 +71,7 @@ def test_killed_while_a_result_is_replaced(tmp_path: Path, there: bool) -> None:
 
 
 @pytest.mark.parametrize("new", [False, True])
-def test_killed_while_the_next_command_finishes_that(tmp_path: Path, new: bool) -> None:
+def test_killed_while_the_next_command_finishes_that(tmp_path, new: bool) -> None:
     begun = {".result.earlier": OLD | MINE} | ({"result": NEW} if new else {})
     last = killed_before_each_line("settle", begun, tmp_path)
     for line in range(1, last + 1):
@@ -83,7 +82,7 @@ def test_killed_while_the_next_command_finishes_that(tmp_path: Path, new: bool) 
     assert last > 10
 
 
-def test_a_compilation_that_was_killed_is_not_waited_for(tmp_path: Path) -> None:
+def test_a_compilation_that_was_killed_is_not_waited_for(tmp_path) -> None:
     """ffcx would wait ten seconds for what nobody ends, and fail."""
     for name in ("libffcx_done.c", "libffcx_done.c.cached", "libffcx_killed.c"):
         (tmp_path / name).touch()
@@ -92,7 +91,7 @@ def test_a_compilation_that_was_killed_is_not_waited_for(tmp_path: Path) -> None
     assert left == {"libffcx_done.c", "libffcx_done.c.cached"}
 
 
-def test_a_full_disk_leaves_the_earlier_result(tmp_path: Path) -> None:
+def test_a_full_disk_leaves_the_earlier_result(tmp_path) -> None:
     folder = tmp_path / "result"
     make(folder, OLD)
     done = subprocess.run(
@@ -129,7 +128,7 @@ def test_memory_that_is_missing_ends_a_sequence(tmp_path, monkeypatch, capsys) -
     assert not found["reached"] and found["reason"].startswith("memory")
 
 
-def test_many_replacements_at_once_leave_one_whole_result(tmp_path: Path) -> None:
+def test_many_replacements_at_once_leave_one_whole_result(tmp_path) -> None:
     folder = tmp_path / "result"
 
     def write(number: int) -> None:

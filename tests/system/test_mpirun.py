@@ -2,7 +2,6 @@
 
 import json
 import subprocess
-from pathlib import Path
 
 import command
 import psutil
@@ -14,7 +13,7 @@ from railhead.run.quantities import numeric_values
 pytestmark = pytest.mark.system
 
 
-def test_two_ranks_give_what_one_gives(tmp_path: Path) -> None:
+def test_two_ranks_give_what_one_gives(tmp_path) -> None:
     """The same numbers, each line once, and in a file or a pipe as plain text, though mpirun gives
     its first process a terminal; where a check fails, status 1 as well."""
     keys = "mesh.patch_size=3", "solver.tolerance=1e-9"
@@ -30,7 +29,7 @@ def test_two_ranks_give_what_one_gives(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_cache_that_cannot_be_written_is_one_line_on_several_ranks(tmp_path: Path) -> None:
+def test_a_cache_that_cannot_be_written_is_one_line_on_several_ranks(tmp_path) -> None:
     (tmp_path / "file").touch()
     cache = str(tmp_path / "file")
     done = command.process(
@@ -41,7 +40,7 @@ def test_a_cache_that_cannot_be_written_is_one_line_on_several_ranks(tmp_path: P
     assert "the cache of compiled forms; XDG_CACHE_HOME names another folder" in done.stderr
 
 
-def test_a_killed_command_leaves_no_ranks(tmp_path: Path) -> None:
+def test_a_killed_command_leaves_no_ranks(tmp_path) -> None:
     """As a batch system or `timeout -s KILL` ends it."""
     case = ["hertz_ellipse", "--set", "mesh.patch_size=0.2", "--no-pictures", "--ranks", "2"]
     running = subprocess.Popen(

@@ -5,7 +5,6 @@ import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import command
 import psutil
@@ -34,7 +33,7 @@ sys.modules["long"] = Long()
 {COMMAND}"""
 
 
-def start(folder: Path, script: str, *arguments: str) -> subprocess.Popen[str]:
+def start(folder, script: str, *arguments: str) -> subprocess.Popen[str]:
     return subprocess.Popen(
         [sys.executable, "-c", script, *arguments, "--out", str(folder / "out")],
         env=command.environment(),
@@ -52,7 +51,7 @@ def ended(running: subprocess.Popen[str], number: signal.Signals) -> tuple[float
     return time.monotonic() - begun, errors
 
 
-def test_sigterm_ends_meshing_at_once(tmp_path: Path) -> None:
+def test_sigterm_ends_meshing_at_once(tmp_path) -> None:
     """gmsh, in a process of its own, takes some 20 s for this mesh."""
     running = start(tmp_path, COMMAND, "run", "hertz_ellipse", "--set", "mesh.patch_size=0.2",
                     "--no-pictures", "--ranks", "1")  # fmt: skip
@@ -65,7 +64,7 @@ def test_sigterm_ends_meshing_at_once(tmp_path: Path) -> None:
     assert os.listdir(tmp_path) == []
 
 
-def test_sigint_ends_a_library_at_once_and_the_next_command_tidies_up(tmp_path: Path) -> None:
+def test_sigint_ends_a_library_at_once_and_the_next_command_tidies_up(tmp_path) -> None:
     running = start(tmp_path, DEAF, "study", "long")
     assert running.stderr is not None and running.stderr.readline() == "begun\n"
     time.sleep(0.2)  # until it is in the call

@@ -6,7 +6,6 @@ from solved import passed, solved
 
 from railhead.postprocess import read
 from railhead.postprocess.stress import gauss_points, peaks
-from railhead.results import pipeline
 from railhead.scene import catalogue
 from railhead.theory.elastic import subsurface
 
@@ -19,7 +18,7 @@ def worst(summary: dict, *keys: str) -> float:
 
 
 @pytest.fixture(scope="module")
-def default() -> pipeline.Result:
+def default():
     return passed("hertz_ellipse")
 
 

@@ -1,8 +1,5 @@
 """The files for ParaView against solutions without symmetry, and both surfaces of a contact."""
 
-from pathlib import Path
-from typing import Any
-
 import numpy as np
 import pytest
 import pyvista as pv
@@ -19,19 +16,19 @@ def coarse(*changes: str) -> rh.Scene:
     return rh.find("hertz_ellipse").replace(["mesh.patch_size=1.5", *changes])
 
 
-def saved(scene: rh.Scene, folder: Path, *, whole: bool = True) -> Path:
+def saved(scene: rh.Scene, folder, *, whole: bool = True):
     solved(scene).save(folder, pictures=False, whole=whole)
     return folder
 
 
-def off(found: Any, expected: Any) -> Any:
+def off(found, expected):
     """Relative L2 difference of each component."""
     size = np.linalg.norm(expected, axis=0)
     return np.linalg.norm(found - expected, axis=0) / np.maximum(size, 1e-300)
 
 
 @pytest.mark.slow
-def test_mirrored_fields_are_those_of_a_whole_model(tmp_path: Path) -> None:
+def test_mirrored_fields_are_those_of_a_whole_model(tmp_path) -> None:
     """At points of three quarters that were not solved, in both bodies: all components."""
     quarter = pv.read(saved(coarse(), tmp_path / "quarter") / "solution.vtu")
     whole = pv.read(saved(coarse("effects.symmetry=off"), tmp_path / "whole") / "solution.vtu")
@@ -45,7 +42,7 @@ def test_mirrored_fields_are_those_of_a_whole_model(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_mirrored_friction_is_that_of_a_whole_model(tmp_path: Path) -> None:
+def test_mirrored_friction_is_that_of_a_whole_model(tmp_path) -> None:
     """Rolling along: slip and tractions along the rail are even across it, slip across is odd."""
     rolls = ("friction.coefficient=0.3", "rolling.creepage_along=0.1%")
     half = saved(coarse(*rolls), tmp_path / "half")
@@ -59,7 +56,7 @@ def test_mirrored_friction_is_that_of_a_whole_model(tmp_path: Path) -> None:
         assert off(one[name][seen], exact[seen])[columns].max() < ODD
 
 
-def surfaces(folder: Path) -> dict[int, Any]:
+def surfaces(folder):
     """By body."""
     file = pv.read(folder / "contact.vtu")
     return {
@@ -70,14 +67,14 @@ def surfaces(folder: Path) -> dict[int, Any]:
     }
 
 
-def carried(surface: Any) -> float:
+def carried(surface) -> float:
     """N, down."""
     cells = surface.point_data_to_cell_data().compute_cell_sizes(length=False, volume=False)
     down = np.abs(surface.compute_normals(point_normals=False)["Normals"][:, 2])
     return float(cells["pressure"] @ (cells["Area"] * down))
 
 
-def test_both_surfaces_meet_under_the_same_pressure(tmp_path: Path) -> None:
+def test_both_surfaces_meet_under_the_same_pressure(tmp_path) -> None:
     """A 54E1 head and a wheel, warped by their displacement: 22 um apart before."""
     scene = rh.find("uic54_thesis").replace(["mesh.patch_size=1.2"])
     found = surfaces(saved(scene, tmp_path / "out"))
@@ -96,7 +93,7 @@ def test_both_surfaces_meet_under_the_same_pressure(tmp_path: Path) -> None:
         assert np.abs(apart["implicit_distance"]) == pytest.approx(one["gap"][near], abs=1e-3)
 
 
-def test_gaps_far_from_the_contact_are_those_of_the_surfaces(tmp_path: Path) -> None:
+def test_gaps_far_from_the_contact_are_those_of_the_surfaces(tmp_path) -> None:
     """Of two cylinders side on, whose surfaces turn away from each other: no gap is less than the
     distance to the other cylinder, nor falls away from the contact."""
     found = pv.read(saved(rh.find("two_cylinders"), tmp_path / "out") / "contact.vtu")
@@ -113,7 +110,7 @@ def test_gaps_far_from_the_contact_are_those_of_the_surfaces(tmp_path: Path) -> 
         assert np.diff(gap[order]).min() > -0.02 and away.max() > {1: 5.0, 2: 6.5}[body]
 
 
-def test_a_section_is_written_as_two_lines_and_a_rigid_body_not_at_all(tmp_path: Path) -> None:
+def test_a_section_is_written_as_two_lines_and_a_rigid_body_not_at_all(tmp_path) -> None:
     """A section has two lines; of a rigid plane there is no surface."""
     strip = pv.read(saved(rh.find("long_roller"), tmp_path / "strip") / "contact.vtu")
     parts = [strip.extract_cells(strip["body"] == body) for body in (1, 2)]

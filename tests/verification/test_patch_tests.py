@@ -18,7 +18,6 @@ from railhead.geometry.surfaces import ParabolicGap
 from railhead.meshing import mesh
 from railhead.meshing.bodies import CONTACT, RAIL, SUPPORT, SYMMETRY_X, WHEEL, Body, Options
 from railhead.meshing.grading import Grading
-from railhead.meshing.mesh import ContactMesh
 from railhead.postprocess.stress import gauss_points
 from railhead.solver import compat
 from railhead.solver.contact import ContactModel
@@ -351,7 +350,7 @@ def test_a_solved_scene_gives_its_memory_back() -> None:
 # Simplifications against the models they stand for, on the same meshes.
 
 
-def mirrored(made: ContactMesh, axis: int, size: float) -> ContactMesh:
+def mirrored(made, axis: int, size: float):
     """A mesh of blocks cut at coordinate 0 of an axis, joined with its mirror image."""
     old = made.mesh
     points, cells = old.geometry.x, compat.cell_nodes(old)

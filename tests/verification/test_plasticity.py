@@ -5,7 +5,6 @@ import math
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import matplotlib.image
 import meshio
@@ -25,10 +24,8 @@ from railhead.postprocess.stress.plastic import largest_von_mises
 from railhead.run import estimates, mesh_solution, quantities
 from railhead.run.progress import Progress
 from railhead.solver.algebra import linear, newton
-from railhead.solver.contact import ContactModel
 from railhead.solver.plasticity import load_stepping
 from railhead.solver.system.contact_system import LoadCase
-from railhead.solver.system.solution import Solution
 
 REFERENCE = json.loads(
     (Path(__file__).parents[1] / "theory" / "data" / "plasticity.json").read_text()
@@ -111,7 +108,7 @@ def test_a_load_step_whose_start_stalls_begins_from_the_last_one(monkeypatch) ->
     usual = rh.solve(coarse(5.0), quiet=True)
     stalls, solve = [], linear.solve
 
-    def stalling(*given: Any, **named: Any) -> int:
+    def stalling(*given, **named) -> int:
         if given[5:] == (load_stepping.PREDICTOR_TOLERANCE,):
             stalls.append(1)
             raise linear.StalledError(1, "the linear solver stalls")
@@ -354,7 +351,7 @@ def test_the_picture_of_yield_is_drawn(five: rh.Result, tmp_path, monkeypatch, s
 
 
 @pytest.fixture(scope="module")
-def solid() -> tuple[planning.Plan, ContactModel, Solution]:
+def solid():
     """The coarse solid of the same scene."""
     scene = pressed(4.0, 2e3, effects={"axisymmetry": "off"})
     plan = planning.make(scene).at_resolution(3.5)

@@ -2,7 +2,6 @@
 
 import json
 import subprocess
-from typing import Any
 
 import command
 import pytest
@@ -13,7 +12,7 @@ PLACES = "place_mm", ".friction.von_mises_max_depth_mm"  # told to 1e-4 mm
 SAME = 1e-6
 
 
-def numbers(value: Any, path: str = "") -> dict[str, float | str]:
+def numbers(value, path: str = "") -> dict[str, float | str]:
     """Numbers and names in nested tables and lists, by where they stand."""
     if isinstance(value, dict | list):
         pairs = value.items() if isinstance(value, dict) else enumerate(value)
@@ -22,7 +21,7 @@ def numbers(value: Any, path: str = "") -> dict[str, float | str]:
     return {path: value} if isinstance(value, float | str) else {}
 
 
-def judged(summary: dict[str, Any]) -> dict[str, float | str]:
+def judged(summary) -> dict[str, float | str]:
     """The numbers of a result, and of checks that depend on distant elements or on all ranks."""
     checks = ("penetration", "pressure_noise", "flux_rail", "edge_distance")
     more = {key: summary["checks"][key] for key in checks if key in summary["checks"]}

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from solved import scene_of
 
-from railhead.postprocess.pass_rows import Passes
 from railhead.run.half_spaces import pass_contact, passes_file, passes_of_scene
 from railhead.solver.material.elasticity import Material
 from railhead.solver.material.hardening import Hardening
@@ -36,9 +35,7 @@ def line(ratio: float, *, keeps: bool, traction: float = 0.0) -> pass_contact.Ro
 
 
 @cache
-def rolled(
-    ratio: float, hardening: float, traction: float, *, count: int, keeps: bool = True
-) -> Passes:
+def rolled(ratio: float, hardening: float, traction: float, *, count: int, keeps: bool = True):
     """Passes of a line contact, six elements on the half width."""
     block = passes_of_scene.block(rail(hardening), (1.0, 1.0), line=True, half=False, per_length=6)
     contact = line(ratio, keeps=keeps, traction=traction)

@@ -6,7 +6,6 @@ from one_line import refusal
 from railhead.geometry import profiles
 from railhead.geometry.measured import measured_profile as measured
 from railhead.geometry.measured.formats import FormatError
-from railhead.geometry.measured.measured_profile import Measured
 
 
 def even(points: np.ndarray, spacing: float) -> np.ndarray:
@@ -27,7 +26,7 @@ def wheel(y: np.ndarray | None = None) -> np.ndarray:
     return np.column_stack([y, profiles.s1002().height(y)])
 
 
-def read(tmp_path, points: np.ndarray, body: str, header: str = "y [mm],z [mm]") -> Measured:
+def read(tmp_path, points: np.ndarray, body: str, header: str = "y [mm],z [mm]"):
     """The profile of a file of the points."""
     file = tmp_path / f"{body}.csv"
     np.savetxt(file, points, delimiter=",", header=header, comments="")

@@ -12,7 +12,6 @@ from railhead.planning import effects
 from railhead.planning import simulation_plan as planning
 from railhead.planning.effects import assumptions, interface
 from railhead.postprocess.pictures.plots import diagrams
-from railhead.results import pipeline
 from railhead.results.report import terminal
 from railhead.scene import catalogue
 from railhead.scene.scene import SceneError
@@ -47,11 +46,11 @@ def test_needed_effects_are_named_in_table_summary_and_pictures(here, monkeypatc
 
 
 @pytest.fixture(scope="module")
-def thesis() -> pipeline.Result:
+def thesis():
     return solved("uic54_thesis", "mesh.patch_size=1.2")
 
 
-def again(result: pipeline.Result, *assignments: str, **findings: float) -> dict:
+def again(result, *assignments: str, **findings: float) -> dict:
     """The indicators of another scene on the same solution, with some findings changed."""
     plan, found = result.plan, replace(result.findings, **findings)
     scene = plan.scene.replace(assignments)

@@ -9,11 +9,10 @@ from railhead.planning.references import boundary_elements
 from railhead.planning.references.allowance import Allowance, allowance
 from railhead.results import pipeline
 from railhead.scene import catalogue
-from railhead.scene.scene import Scene
 from railhead.theory.elastic.hertz import Ellipse
 
 
-def allowed(scene: Scene, twist: float = 0.0) -> dict[str, Allowance]:
+def allowed(scene, twist: float = 0.0) -> dict[str, Allowance]:
     plan = planned(scene)
     found = boundary_elements.solve(plan.contact, plan.hertz, scene.load, 64)
     return allowance(plan.contact, plan.deformable, found, twist)

@@ -9,34 +9,30 @@ import pytest
 
 from railhead.cases.s1002_60e1 import SCENE as MANCHESTER
 from railhead.contact import solid
-from railhead.contact.solid import Contact
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.postprocess.patch import compare
 from railhead.run.half_spaces.normal_contact import half_space, solve
 from railhead.run.mesh_solution import MeshSolution
 from railhead.scene import catalogue
-from railhead.scene.scene import Scene
-from railhead.theory.bem.pressure_solver import BoundaryElementSolution
-from railhead.theory.elastic.hertz import Ellipse
 
 SEEN_TWICE = ["wheel.profile=S1002", "rail.inclination=1:40", "wheelset.shift=2", "load=70kN"]
 TWO_SIDES = ["wheel.profile=arc", "wheel.transverse_radius=-200", "load=50kN"]
 
 
-def thesis(*assignments: str) -> Scene:
+def thesis(*assignments: str):
     return catalogue.find("uic54_thesis").replace(assignments)
 
 
-def located(scene: Scene) -> tuple[Contact, Ellipse]:
+def located(scene):
     contact = solid.locate(scene)
     return contact, closed_forms.ellipse(scene, contact)
 
 
-def solved(scene: Scene, cells: int = 64) -> BoundaryElementSolution:
+def solved(scene, cells: int = 64):
     return boundary_elements.solve(*located(scene), scene.load, cells)
 
 
-def second_opinion(scene: Scene) -> dict[str, Any]:
+def second_opinion(scene) -> dict[str, Any]:
     contact, ellipse = located(scene)
     solution = boundary_elements.solve(contact, ellipse, scene.load, 128)
     points = boundary_elements.develop(contact).points

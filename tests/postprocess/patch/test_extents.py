@@ -1,9 +1,6 @@
 """What is drawn reaches as far as the patch does, and no farther."""
 
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -19,7 +16,7 @@ from railhead.postprocess.pictures.plots import diagrams
 from railhead.postprocess.pictures.views import render
 
 
-def lopsided(case: Any) -> Any:
+def lopsided(case):
     """The findings with an outline that reaches farther to negative s than its centre tells."""
     b = case.findings.patch.b
     line = case.findings.patch.outlines[0] * [1.0, 0.75] - [0.0, 0.25 * b]
@@ -27,13 +24,13 @@ def lopsided(case: Any) -> Any:
 
 
 @pytest.fixture()
-def drawn(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Any, dict[str, Any]]]:
+def drawn(monkeypatch: pytest.MonkeyPatch):
     """Arguments of every line that is drawn."""
-    seen: list[tuple[Any, dict[str, Any]]] = []
+    seen = []
     for name in ("plot", "step", "annotate"):
         own = getattr(Axes, name)
 
-        def spy(self: Axes, *args: Any, own: Any = own, **options: Any) -> Any:
+        def spy(self: Axes, *args, own=own, **options):
             seen.append((args, options))
             return own(self, *args, **options)
 
@@ -41,9 +38,7 @@ def drawn(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Any, dict[str, Any]]]:
     return seen
 
 
-def test_the_bar_of_the_patch_is_as_wide_as_the_patch(
-    blocks: Callable[..., Any], drawn: list[Any], tmp_path: Path
-) -> None:
+def test_the_bar_of_the_patch_is_as_wide_as_the_patch(blocks, drawn, tmp_path) -> None:
     case = blocks()
     found = lopsided(case)
     render.wheel_rail(case.volume, found, tmp_path / "w.png")
@@ -52,9 +47,7 @@ def test_the_bar_of_the_patch_is_as_wide_as_the_patch(
     assert (bar[0].min(), bar[0].max()) == pytest.approx((-b, 0.5 * b), rel=1e-3)
 
 
-def test_dimension_lines_are_as_long_as_the_patch(
-    blocks: Callable[..., Any], drawn: list[Any], tmp_path: Path
-) -> None:
+def test_dimension_lines_are_as_long_as_the_patch(blocks, drawn, tmp_path) -> None:
     case = blocks()
     found = lopsided(case)
     grid = vtu.contact_grid({1: found.surface})
@@ -69,9 +62,7 @@ def test_dimension_lines_are_as_long_as_the_patch(
         assert stop - start == pytest.approx(wanted, rel=1e-9)
 
 
-def test_no_pressure_is_coloured_outside_the_outline(
-    blocks: Callable[..., Any], tmp_path: Path
-) -> None:
+def test_no_pressure_is_coloured_outside_the_outline(blocks, tmp_path) -> None:
     case = blocks(cut=False)
     small = replace(
         case.findings.patch, outlines=[case.findings.patch.outlines[0] * 0.5]
@@ -87,7 +78,7 @@ def test_no_pressure_is_coloured_outside_the_outline(
     assert coloured[1] == pytest.approx(coloured[0] / 4, rel=0.08)
 
 
-def test_split_of_the_surface_has_the_area_of_the_patch(blocks: Callable[..., Any]) -> None:
+def test_split_of_the_surface_has_the_area_of_the_patch(blocks) -> None:
     case = blocks(cut=False)
     grid = vtu.contact_grid({1: case.findings.surface})
     surface = render.load_pyvista().from_meshio(grid).extract_surface(algorithm="dataset_surface")
@@ -97,7 +88,7 @@ def test_split_of_the_surface_has_the_area_of_the_patch(blocks: Callable[..., An
 
 
 def test_the_pressure_is_cut_through_its_peak_over_the_whole_patch() -> None:
-    def two_hills(x: Any, s: Any) -> Any:
+    def two_hills(x, s):
         return np.maximum(1 - x**2 - ((s - 0.8) / 1.3) ** 2, 2 - 2 * x**2 - 3 * (s + 1.1) ** 2)
 
     fields = painted(two_hills, (1.5, 3.0), 0.12, waver=0.0)
@@ -113,7 +104,7 @@ def test_the_pressure_is_cut_through_its_peak_over_the_whole_patch() -> None:
         assert line.coordinate.max() > found.main[:, axis].max()
 
 
-def test_pictures_say_what_they_are_of(blocks: Callable[..., Any], drawn: list[Any]) -> None:
+def test_pictures_say_what_they_are_of(blocks, drawn) -> None:
     titled = replace(blocks().findings, subject=Subject("a case: 25 kN", gauge=True))
     figure = diagrams.pressure(titled, None)
     assert "gauge side < 0" in figure.axes[1].get_xlabel()

@@ -6,10 +6,9 @@ import pytest
 from railhead.postprocess.findings import Frame
 from railhead.postprocess.patch import half_space
 from railhead.theory.bem.grid_patch import PatchSolution
-from railhead.theory.elastic.hertz import Ellipse
 
 
-def test_pressures_of_exact_hertz_lie_on_both_axes(thesis_ellipse: Ellipse) -> None:
+def test_pressures_of_exact_hertz_lie_on_both_axes(thesis_ellipse) -> None:
     """They reach a twentieth beyond the patch."""
     a, b = thesis_ellipse.a, thesis_ellipse.b
     frame = Frame((0.0, 0.0, 0.0), 0.0)

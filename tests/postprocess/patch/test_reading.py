@@ -1,6 +1,5 @@
 """Patches painted with a known pressure are read back: any shape, to second order."""
 
-from collections.abc import Callable
 from functools import lru_cache
 from types import SimpleNamespace
 
@@ -13,11 +12,9 @@ from railhead.postprocess.findings import Array, Frame, Patch
 from railhead.postprocess.patch import moments as pressure
 from railhead.postprocess.patch import patch, reconstruct
 from railhead.postprocess.patch.separate_patches import separate_patches
-from railhead.solver.system.fields import Fields
 
 FRAME = Frame((0.0, 0.0, 0.0), 0.0)
-Square = Callable[[Array, Array], Array]
-SHAPES: dict[str, tuple[Square, tuple[float, float], bool]] = {
+SHAPES = {
     "lobes": (lambda x, s: 1 - x**2 / 4 + 0.9 * s**2 - 0.35 * s**4, (3.2, 2.4), True),
     "egg": (lambda x, s: (1 - x**2 / 4 - s**2 / 3) * (1 + 0.35 * s), (2.6, 2.2), True),
     "turned": (lambda x, s: 1 - x**2 / 4 - s**2 / 3 + 0.2 * x * s - s**4 / 20, (3.2, 2.4), False),
@@ -26,7 +23,7 @@ SHAPES: dict[str, tuple[Square, tuple[float, float], bool]] = {
 """p^2, half lengths of the painted surface, and whether it is cut at x = 0."""
 
 
-def _read(fields: Fields) -> Patch:
+def _read(fields) -> Patch:
     return patch.read(fields, separate_patches(fields), FRAME).patch
 
 

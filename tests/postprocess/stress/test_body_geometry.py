@@ -1,8 +1,6 @@
 """Where a body is."""
 
-from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,12 +10,12 @@ from railhead.postprocess.stress.body_geometry import Solid
 KINDS = [("hexahedron", 1), ("tetrahedron", 2)]
 
 
-def rail(case: Any) -> Solid:
+def rail(case) -> Solid:
     return Solid(case.fields, np.flatnonzero(case.fields.body == 1))
 
 
 @pytest.mark.parametrize(("cell", "degree"), KINDS)
-def test_a_line_ends_with_the_body(blocks: Callable[..., Any], cell: str, degree: int) -> None:
+def test_a_line_ends_with_the_body(blocks, cell: str, degree: int) -> None:
     """On the symmetry axis, in the middle and from a tangent plane above the body."""
     case = blocks(cell, degree)
     solid, deep, down = rail(case), 3 * case.ellipse.b, np.array([0.0, 0.0, -1.0])
@@ -28,7 +26,7 @@ def test_a_line_ends_with_the_body(blocks: Callable[..., Any], cell: str, degree
         assert solid.extent(np.array(start), down, 0.4 * deep) == pytest.approx(0.4 * deep)
 
 
-def test_a_line_ends_at_a_gap(blocks: Callable[..., Any]) -> None:
+def test_a_line_ends_at_a_gap(blocks) -> None:
     """What comes after it is another part."""
     case = blocks("tetrahedron", 2)
     fields, deep = case.fields, 3 * case.ellipse.b
@@ -40,7 +38,7 @@ def test_a_line_ends_at_a_gap(blocks: Callable[..., Any]) -> None:
 
 
 @pytest.mark.parametrize(("cell", "degree"), KINDS)
-def test_a_body_holds_its_points(blocks: Callable[..., Any], cell: str, degree: int) -> None:
+def test_a_body_holds_its_points(blocks, cell: str, degree: int) -> None:
     solid = rail(blocks(cell, degree))
     rng = np.random.default_rng(1)
     corners = solid._fields.points[solid.corners]
@@ -51,9 +49,7 @@ def test_a_body_holds_its_points(blocks: Callable[..., Any], cell: str, degree: 
 
 @pytest.mark.parametrize("cut", [True, False])
 @pytest.mark.parametrize(("cell", "degree"), KINDS)
-def test_sharp_edges_of_a_block(
-    blocks: Callable[..., Any], cell: str, degree: int, cut: bool
-) -> None:
+def test_sharp_edges_of_a_block(blocks, cell: str, degree: int, cut: bool) -> None:
     """Two of three coordinates at their ends; a cut at a symmetry plane is no end."""
     case = blocks(cell, degree, cut=cut)
     edges, points = rail(case).sharp_edges(), case.fields.points[case.fields.points[:, 2] <= 0]
@@ -65,7 +61,7 @@ def test_sharp_edges_of_a_block(
     assert steps.sum() == pytest.approx(length, rel=1e-9)
 
 
-def test_a_round_body_has_no_sharp_edge_on_its_tread(blocks: Callable[..., Any]) -> None:
+def test_a_round_body_has_no_sharp_edge_on_its_tread(blocks) -> None:
     """Six elements a turn bend by 60 degrees from one to the next: its ends and sides are sharp."""
     case = blocks("hexahedron", 1, cut=False)
     x, y, z = case.fields.points.T

@@ -1,8 +1,6 @@
 """Recovered stresses of fields whose stress is known; stresses at points of solutions."""
 
-from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,9 +12,7 @@ from railhead.postprocess.stress.recovery import Recovery, stress_at
 
 @pytest.mark.parametrize("cut", [True, False])
 @pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
-def test_linear_stress_is_recovered_exactly(
-    blocks: Callable[..., Any], cell: str, cut: bool
-) -> None:
+def test_linear_stress_is_recovered_exactly(blocks, cell: str, cut: bool) -> None:
     """u = (x z, y z, z^2), symmetric about x = 0 and y = 0, inside, on a face and on the axis."""
     fields = blocks(cell, 2, cut=cut).fields
     x, y, z = fields.points.T

@@ -8,7 +8,6 @@ import shutil
 import subprocess
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -57,7 +56,7 @@ def addresses_of(text: str) -> list[str]:
 
 
 @pytest.fixture(scope="module")
-def result() -> Any:
+def result():
     scene = api.find("long_roller").replace(
         ["friction.coefficient=0.3", "rolling.creepage_along=0.1%", "mesh.patch_size=0.6"]
     )
@@ -65,7 +64,7 @@ def result() -> Any:
 
 
 @pytest.fixture(scope="module")
-def folder(result: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(result, tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("report") / "out"
     result.save(out, units=UNITS)
     return out
@@ -102,9 +101,9 @@ def test_numbers_are_those_of_the_summary(folder: Path) -> None:
 
 
 def test_a_view_that_cannot_be_built_is_said(
-    result: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fail(*_: Any) -> Any:
+    def fail(*_):
         raise RuntimeError("no graphics\nhere")
 
     def written() -> str:
@@ -122,14 +121,14 @@ def test_a_view_that_cannot_be_built_is_said(
     assert "could not be made" in written()
 
 
-def brief_of(result: Any, folder: Path) -> str:
+def brief_of(result, folder: Path) -> str:
     found = replace(result.findings, subject=subject(result.plan, result.load))
     return html.render(
         result.mesh_solution, result.summary, UNITS, folder, found, lambda: None, brief=True
     )
 
 
-def test_a_brief_report_is_the_answer_and_what_was_asked(result: Any, folder: Path) -> None:
+def test_a_brief_report_is_the_answer_and_what_was_asked(result, folder: Path) -> None:
     text = brief_of(result, folder)
     assert tables_of(text) == ["answer", "friction"]
     assert len(addresses_of(text)) == 2 and "checks hold" in text
@@ -139,7 +138,7 @@ def test_a_brief_report_is_the_answer_and_what_was_asked(result: Any, folder: Pa
     assert "FAILS" in brief_of(worse, folder) and "holds</td>" not in brief_of(worse, folder)
 
 
-def with_passes(result: Any) -> Any:
+def with_passes(result):
     columns = ("strain_increment_max", "forward_mm", "groove_mm", "lean_mm")
     columns += ("pressure_max_MPa", "residual_along_MPa", "residual_across_MPa")
     rows = [dict.fromkeys(columns, 1e-3 * number) for number in range(30)]
@@ -148,7 +147,7 @@ def with_passes(result: Any) -> Any:
     return replace(result, summary=result.summary | {"result": more})
 
 
-def test_passes_are_a_table(result: Any, folder: Path) -> None:
+def test_passes_are_a_table(result, folder: Path) -> None:
     text = brief_of(with_passes(result), folder)
     table = re.search(r'<table id="passes">.*?</table>', text, re.S)
     assert table is not None
@@ -160,7 +159,7 @@ def test_passes_are_a_table(result: Any, folder: Path) -> None:
 
 
 def test_report_and_pictures_are_left_out_when_asked(
-    result: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(gallery, "drawings", lambda *_: {"pressure.png": Path.touch})
     result.save(tmp_path / "without", report=False)
@@ -171,7 +170,7 @@ def test_report_and_pictures_are_left_out_when_asked(
     assert not (tmp_path / "bare" / "pressure.png").exists()
 
 
-def test_a_failed_check_comes_first(result: Any) -> None:
+def test_a_failed_check_comes_first(result) -> None:
     checks = result.summary["checks"]
     name = next(iter(checks["limits"]))
     failed = {**checks, "failed": [name], "advice": {name: "do better"}}
@@ -181,7 +180,7 @@ def test_a_failed_check_comes_first(result: Any) -> None:
 
 
 def test_the_verdict_is_of_what_holds(
-    result: Any, folder: Path, monkeypatch: pytest.MonkeyPatch
+    result, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """One patch or two; that a patch is no ellipse only where the mesh can tell."""
     monkeypatch.setattr(turning, "views", lambda *_: ())
@@ -189,7 +188,7 @@ def test_the_verdict_is_of_what_holds(
     no_ellipse = {**summary["checks"], "hertzian": False, "passed": True}
     two = {**summary["result"], "patches": [{"load_share": 0.5}] * 2}
 
-    def said(**changed: Any) -> str:
+    def said(**changed) -> str:
         shown = {**summary, **changed}
         return html.render(
             result.mesh_solution, shown, Units(), folder, result.findings, lambda: None
@@ -206,7 +205,7 @@ def test_the_verdict_is_of_what_holds(
     assert "touch in 2 patches; the most loaded one" in said(result=two)
 
 
-def test_estimates_are_give_or_take(result: Any) -> None:
+def test_estimates_are_give_or_take(result) -> None:
     summary = {**result.summary, "accuracy": {"bound": {"max_MPa": 0.0123}}}
     table = html.answer_rows(summary, Units(), result.findings)
     column = table["columns"].index("within")
@@ -264,7 +263,7 @@ def test_a_browser_draws_it(folder: Path, tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.skipif(CHROMIUM is None, reason="no chromium")
 def test_reports_are_printed_and_a_brief_one_on_one_page(
-    result: Any, folder: Path, tmp_path: Path
+    result, folder: Path, tmp_path: Path
 ) -> None:
     page, paper = tmp_path / html.NAME, tmp_path / "report.pdf"
     browse(f"--print-to-pdf={paper}", file=folder / html.NAME)

@@ -2,8 +2,6 @@
 
 import csv
 import math
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +9,6 @@ from click.testing import CliRunner
 
 import railhead as rh
 from railhead.cli.commands import railhead
-from railhead.results.result import Result
 from railhead.run import quantities
 from railhead.theory.elastic import hertz
 from railhead.theory.friction import kalker
@@ -22,11 +19,11 @@ INCLINED = ["effects.plasticity=off", "wheelset.shift=6mm", "friction.coefficien
 BLOCK = ["rail.profile=arc", "rail.crown_radius=300", "rail.depth=150", "wheel.rim_depth=150"]
 
 
-def fast(case: str, *assignments: str) -> Result:
+def fast(case: str, *assignments: str):
     return rh.solve(rh.find(case).replace([FAST, *assignments]), quiet=True)
 
 
-def values(result: Result) -> dict[str, float]:
+def values(result) -> dict[str, float]:
     return quantities.numeric_values(result.as_dict()["result"])
 
 
@@ -86,7 +83,7 @@ def test_yield_that_is_called_for_and_left_out_is_a_failed_check() -> None:
 ROLLS = ("friction.coefficient=0.3", "mesh.patch_size=0.9")
 
 
-def linear(result: Result, scene: rh.Scene) -> Any:
+def linear(result, scene: rh.Scene):
     """Forces over mu N by Kalker's linear theory."""
     ellipse = result.ellipse
     assert isinstance(ellipse, hertz.Ellipse)
@@ -180,7 +177,7 @@ def test_half_spaces_have_neither_mesh_nor_displacement() -> None:
             getattr(result, name)
 
 
-def test_the_option_fast_is_without_finite_bodies(tmp_path: Path) -> None:
+def test_the_option_fast_is_without_finite_bodies(tmp_path) -> None:
     words = ["uic54_thesis", "--no-pictures", "--quiet", "--out"]
     for name, option in (("a", ["--fast"]), ("b", ["--without", "finite_bodies"])):
         done = CliRunner().invoke(railhead, ["run", *words, str(tmp_path / name), *option])

@@ -1,7 +1,6 @@
 """Half-spaces beside a solved mesh: what they take from its solution."""
 
 from types import SimpleNamespace
-from typing import Any
 
 import pytest
 
@@ -14,7 +13,7 @@ def test_motion_takes_the_normal_force_and_not_the_load(monkeypatch: pytest.Monk
     """At a contact inclined by 60 degrees the normal force is twice the load."""
     forces = []
 
-    def motion(fields: Any, body: int, patches: Any, load: float) -> tuple[float, float]:
+    def motion(fields, body: int, patches, load: float) -> tuple[float, float]:
         forces.append(load)
         return (3e-4, 0.02) if body == RAIL else (1e-4, 0.05)
 
@@ -22,7 +21,7 @@ def test_motion_takes_the_normal_force_and_not_the_load(monkeypatch: pytest.Monk
     patch = SimpleNamespace(
         mean_pressure=500.0, area=100.0, each=(SimpleNamespace(centre=(0.0, 30.0, -10.0)),)
     )
-    solved: Any = SimpleNamespace(
+    solved = SimpleNamespace(
         plan=SimpleNamespace(plane_model=False, deformable=(RAIL, WHEEL)),
         findings=SimpleNamespace(patch=patch),
         fields=SimpleNamespace(),

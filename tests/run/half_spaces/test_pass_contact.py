@@ -9,7 +9,6 @@ from railhead.run.half_spaces import pass_contact, passes_of_scene
 from railhead.solver.material.elasticity import Material
 from railhead.solver.material.hardening import Hardening
 from railhead.theory.elastic import hertz
-from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.friction import sliding
 
 STEEL = Material(207e3, 0.3, Hardening.linear(1e6))  # nothing yields
@@ -17,7 +16,7 @@ ELLIPSE = hertz.point_contact(1 / 300, 1 / 250, 207e3 / (2 * (1 - 0.3**2)), 30e3
 HALF = ELLIPSE.a, ELLIPSE.b
 
 
-def solid(ellipse: Ellipse, friction: float = 0.0) -> pass_contact.RollingContact:
+def solid(ellipse, friction: float = 0.0) -> pass_contact.RollingContact:
     """An ellipse under its own pressure, with tractions friction * p along the rail."""
     found = pass_contact.ellipse_contact(ellipse, keeps=True)
     along = friction * found.pressure

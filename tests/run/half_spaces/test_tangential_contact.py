@@ -2,12 +2,11 @@
 
 import math
 from dataclasses import replace
-from io import StringIO
+from functools import partial
 
 import numpy as np
 import pytest
 from friction_cases import MU, friction_found
-from rich.console import Console
 
 import railhead as rh
 from railhead.planning import simulation_plan as planning
@@ -15,7 +14,6 @@ from railhead.planning.references import boundary_elements
 from railhead.results import checks
 from railhead.results.report import terminal
 from railhead.run.half_spaces import normal_contact, tangential_contact
-from railhead.run.half_spaces.normal_contact import PressedPatch
 from railhead.run.half_spaces.tangential_contact import (
     SEVERAL,
     solve_by_boundary_elements,
@@ -29,7 +27,7 @@ def ellipse(*keys: str) -> planning.Plan:
     return planning.make(rh.find("hertz_ellipse").replace([f"friction.coefficient={MU}", *keys]))
 
 
-def hertz(plan: planning.Plan, cells: int) -> list[PressedPatch]:
+def hertz(plan: planning.Plan, cells: int):
     return normal_contact.patches(plan.contact, plan.hertz, hertzian=True, load=25e3, cells=cells)
 
 
@@ -44,7 +42,7 @@ def two() -> planning.Plan:
 
 
 @pytest.fixture(scope="module")
-def patches(two: planning.Plan) -> list[PressedPatch]:
+def patches(two: planning.Plan):
     return normal_contact.patches(two.contact, two.hertz, hertzian=False, load=1e4, cells=32)
 
 
@@ -98,7 +96,7 @@ def test_unlike_bodies_are_extrapolated_and_say_how_far() -> None:
     assert "shift_along_mm" not in coarse
 
 
-def test_patches_share_one_motion(two: planning.Plan, patches: list[PressedPatch]) -> None:
+def test_patches_share_one_motion(two: planning.Plan, patches) -> None:
     """Spin drags the far patch back by its distance; slip across lies in each tangent plane; what
     turns about the tangents spins the far patch, and is faster where the radius is smaller."""
     corner, tread = sorted(patches, key=lambda each: abs(each.pressed.plane - 0.2998))
@@ -115,7 +113,7 @@ def test_patches_share_one_motion(two: planning.Plan, patches: list[PressedPatch
     assert tread.middle[3, 0] == pytest.approx(turn * height, rel=0.02)
 
 
-def test_forces_of_patches_add_up_in_space(two: planning.Plan, patches: list[PressedPatch]) -> None:
+def test_forces_of_patches_add_up_in_space(two: planning.Plan, patches) -> None:
     pair, motion = two.context.tangential_pair, Creepage(1e-3, 5e-4, 1e-4)
     t = two.contact.touch.angle
     axes = np.array([[1, 0, 0], [0, math.cos(t), math.sin(t)], [0, -math.sin(t), math.cos(t)]])
@@ -148,9 +146,7 @@ def test_the_ellipse_of_an_ellipse_is_itself() -> None:
     assert wear == pytest.approx(np.dot(forces, motion))
 
 
-def test_two_patches_roll_as_their_ellipses_nearly_do(
-    two: planning.Plan, patches: list[PressedPatch]
-) -> None:
+def test_two_patches_roll_as_their_ellipses_nearly_do(two: planning.Plan, patches) -> None:
     limit = MU * sum(each.pressed.force for each in patches)
     for motion in ((1e-4, 0.0, 0.0), (1e-3, 5e-4, 1e-4), (0.0, -3e-3, 0.0)):
         found = friction_found(limit, motion)
@@ -163,9 +159,7 @@ def test_two_patches_roll_as_their_ellipses_nearly_do(
         solve_by_boundary_elements(shifted, found, lambda cells: patches, (16, 32))
 
 
-def test_each_patch_dissipates_what_it_would_alone(
-    two: planning.Plan, patches: list[PressedPatch]
-) -> None:
+def test_each_patch_dissipates_what_it_would_alone(two: planning.Plan, patches) -> None:
     """A patch on another radius creeps differently, and its forces do work on that."""
     pair, motion = two.context.tangential_pair, (1e-3, 5e-4, 1e-4)
     normal = [each.pressed.force for each in patches]
@@ -251,8 +245,8 @@ def test_what_is_not_known_is_said_below_the_table(strip: rh.Result) -> None:
     judged = checks.friction(strip.mesh_solution, {}, second)
     missing = checks.not_made(strip.mesh_solution, judged, {"reason": "a strip"}, second)
     assert missing == {"second_opinion": "a strip", "second_opinion_shift": "no reason"}
-    text, summary = StringIO(), strip.as_dict()
+    summary = strip.as_dict()
     summary |= {"half_space_friction": second, "checks": summary["checks"] | {"not_made": missing}}
-    terminal.show_result(summary, Console(file=text, width=160))
-    assert "Not checked: second_opinion_shift (no reason)." in text.getvalue()
-    assert "0.8348" in text.getvalue()
+    text = terminal.recorded(partial(terminal.show_result, summary)).export_text()
+    assert "Not checked: second_opinion_shift (no reason)." in " ".join(text.split())
+    assert "0.8348" in text

@@ -11,7 +11,6 @@ from petsc4py import PETSc
 
 from railhead.solver import compat
 from railhead.solver.algebra import linear, multigrid, newton
-from railhead.solver.contact import ContactModel
 from railhead.solver.space import constraints
 from railhead.solver.space.contact_interface import ContactLaw
 
@@ -19,14 +18,14 @@ LAWS = [*(ContactLaw("nitsche", theta) for theta in (1, 0, -1)), ContactLaw("pen
 IDS = ["theta=1", "theta=0", "theta=-1", "penalty"]
 
 
-def loaded(model: ContactModel):
+def loaded(model):
     """The model's problem under a load, and a state near its solution."""
     solution = press(model, load=2000.0)
     return model.problem, solution
 
 
 def solved_linearly(
-    model: ContactModel,
+    model,
     radius: float,
     tolerance: float,
     share: float | None = None,

@@ -10,11 +10,10 @@ from railhead.solver.algebra import linear, newton
 from railhead.solver.contact import ContactModel
 from railhead.solver.material.elasticity import Material
 from railhead.solver.space.contact_interface import ContactLaw
-from railhead.solver.system.solution import Solution
 
 
 @pytest.fixture(scope="module")
-def reference() -> Solution:
+def reference():
     """Solution with the usual settings."""
     return press(contact_model(), load=2000.0)
 

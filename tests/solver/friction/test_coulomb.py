@@ -1,7 +1,5 @@
 """Newton's method of the tractions on a made-up contact."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 import scipy.sparse as sp
@@ -14,7 +12,7 @@ N, M, MU = 12, 8, 0.3  # points, unknown tractions
 
 def contact(rng: np.random.Generator) -> ContactCompliance:
     """Points with two tangents whose slip and pressure answer to tractions at random."""
-    none: Any = np.zeros((N, 2))
+    none = np.zeros((N, 2))
     along = np.broadcast_to(np.eye(3)[:2], (N, 2, 3))
     return ContactCompliance(
         points=np.zeros((N, 3)),
@@ -35,7 +33,7 @@ def contact(rng: np.random.Generator) -> ContactCompliance:
 
 
 @pytest.mark.parametrize("free, tries", [(0, 1), (2, 2)])
-def test_motions_are_held_where_there_are_any(free: int, tries: int, monkeypatch: Any) -> None:
+def test_motions_are_held_where_there_are_any(free: int, tries: int, monkeypatch) -> None:
     """What does not converge is tried with held motions, but where none is free nothing is."""
     asked = []
 
@@ -67,7 +65,7 @@ def pushed_apart(push: float) -> ContactCompliance:
     pressed harder."""
     x = np.linspace(-1.0, 1.0, 12)
     n = len(x)
-    none: Any = np.zeros((n, 1))
+    none = np.zeros((n, 1))
     along = np.broadcast_to(np.eye(3)[0], (n, 1, 3))
     return ContactCompliance(
         points=np.stack([x, 0 * x, 0 * x], axis=1),

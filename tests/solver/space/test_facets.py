@@ -6,7 +6,6 @@ from block_pairs import contact_model
 
 from railhead.geometry.surfaces import ParabolicGap
 from railhead.meshing.bodies import CONTACT, RAIL, WHEEL
-from railhead.solver.contact import ContactModel
 from railhead.solver.space import contact_interface
 from railhead.solver.space.cells import tabulate
 from railhead.solver.space.contact_interface import ContactLaw
@@ -14,7 +13,7 @@ from railhead.solver.space.facets import FacetSet, facet_closure, pair, referenc
 
 
 @pytest.fixture(scope="module", params=["tetrahedron", "hexahedron"])
-def model(request) -> ContactModel:
+def model(request):
     return contact_model(cell=request.param)
 
 
@@ -26,7 +25,7 @@ def test_only_nitsches_parameter_is_doubled_where_cells_lie_in_layers(model) -> 
     assert found.stiffness_bound(ContactLaw("penalty")) == pytest.approx(found.trace_bound)
 
 
-def surface(model: ContactModel, tag: int) -> FacetSet:
+def surface(model, tag: int) -> FacetSet:
     return FacetSet.on(model.bulk, model.facet_tags.find(CONTACT + tag))
 
 

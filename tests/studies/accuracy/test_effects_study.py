@@ -1,7 +1,5 @@
 """The study of effects on its smallest scene, and its verdict on made-up runs."""
 
-from pathlib import Path
-
 import pytest
 from csv_rows import rows
 
@@ -10,7 +8,7 @@ from studies.accuracy import effects
 
 
 @pytest.fixture(scope="module")
-def quick(tmp_path_factory) -> tuple[Path, str]:
+def quick(tmp_path_factory):
     return study.run("effects", tmp_path_factory.mktemp("study") / "effects", quick=True)
 
 

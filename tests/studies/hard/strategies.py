@@ -1,8 +1,5 @@
 """Scenes by hypothesis, from the same recipe as the study's random ones."""
 
-from collections.abc import Callable, Sequence
-from typing import Any
-
 from hypothesis import strategies as st
 
 from studies.hard import fuzz_scenes
@@ -11,13 +8,13 @@ from studies.hard import fuzz_scenes
 class Drawn:
     """A source of choices that hypothesis makes and shrinks."""
 
-    def __init__(self, draw: Callable[[st.SearchStrategy[Any]], Any]) -> None:
+    def __init__(self, draw) -> None:
         self._draw = draw
 
     def number(self, low: float, high: float) -> float:
         return self._draw(st.floats(low, high))
 
-    def choice(self, options: Sequence[Any]) -> Any:
+    def choice(self, options):
         return self._draw(st.sampled_from(options))
 
 

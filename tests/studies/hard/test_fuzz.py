@@ -7,7 +7,6 @@ from hypothesis import HealthCheck, given, settings
 from strategies import scenes
 
 from railhead.cli import commands
-from railhead.scene.scene import Scene
 from studies.hard import fuzz as study
 from studies.hard.fuzz import ended, fuzz
 from studies.hard.fuzz_scenes import plans
@@ -21,7 +20,7 @@ patient = settings(
 
 @given(scenes)
 @patient
-def test_every_valid_scene_is_planned_or_refused_in_one_line(scene: Scene) -> None:
+def test_every_valid_scene_is_planned_or_refused_in_one_line(scene) -> None:
     plans(scene)
 
 

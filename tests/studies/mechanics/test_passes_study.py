@@ -1,7 +1,5 @@
 """The study of passes: a place of the map, and the page on made-up rows."""
 
-from pathlib import Path
-
 import matplotlib.image
 import pytest
 
@@ -67,7 +65,7 @@ def test_the_page_says_what_leaving_out_costs_and_which_verdicts_are_wrong():
     assert "at 1 of 2 places: Q/P 0.1, 1.1 of the limit (shakes down)" in text
 
 
-def test_a_picture_shows_both_tractions(tmp_path: Path):
+def test_a_picture_shows_both_tractions(tmp_path):
     path = tmp_path / "passes.png"
     points = [place(0.9, "perfect", "shakes down"), place(1.1, "perfect", "ratchets")]
     passes.draw([*rolled("free"), *rolled("driven")], points, path)
@@ -82,7 +80,7 @@ def test_places_beside_the_limit_have_their_verdicts():
 
 
 @pytest.mark.slow
-def test_the_quick_study_writes_its_files(tmp_path: Path):
+def test_the_quick_study_writes_its_files(tmp_path):
     passes.main(tmp_path, quick=True)
     assert {file.name for file in tmp_path.iterdir()} == {
         "page.md", "passes_axle.csv", "passes_map.csv", "passes_study.png",

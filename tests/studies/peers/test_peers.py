@@ -3,8 +3,6 @@
 import importlib.util
 import os
 import sys
-from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
@@ -63,7 +61,7 @@ def found(**changes: object) -> dict:
     }
 
 
-def made_up(folder: Path, title: str, modules: str = "") -> ModuleType:
+def made_up(folder, title: str, modules: str = ""):
     file = folder / f"{title}.py"
     file.write_text(CODE.format(title=title, modules=modules))
     spec = importlib.util.spec_from_file_location(title, file)

@@ -1,7 +1,6 @@
 """The thesis's own formulas: its printed numbers are met, and so are its known errors."""
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
@@ -20,20 +19,20 @@ from studies.thesis.facts import (
 WHEEL, RAIL = (1 / 420, 0.0), (0.0, 1 / 300)
 
 
-def test_table_5_3_is_as_printed(reference: dict[str, Any]) -> None:
+def test_table_5_3_is_as_printed(reference) -> None:
     rows = reference["table_5_3"]
     assert len(rows) == 23
     for row in rows:
         assert hertz_coefficients(row["theta_deg"]) == (row["m_thesis"], row["n_thesis"])
 
 
-def test_interpolation_at_the_printed_angle(reference: dict[str, Any]) -> None:
+def test_interpolation_at_the_printed_angle(reference) -> None:
     chain = reference["thesis_chain"]
     expected = (chain["m_interp"], chain["n_interp"])
     assert hertz_coefficients(80.4) == pytest.approx(expected, rel=1e-14)
 
 
-def test_printed_semi_axes_and_pressure(reference: dict[str, Any]) -> None:
+def test_printed_semi_axes_and_pressure(reference) -> None:
     chain = reference["thesis_chain"]
     k3, k4, k_wheel_and_rail = 0.00286, 4.76e-4, 2.8e-6  # as the thesis rounds them
     found = thesis_contact((k3 - k4, 0), (0, k3 + k4), 1 / (math.pi * k_wheel_and_rail), 25000)
@@ -69,14 +68,14 @@ def test_orientation_rule_puts_the_longer_axis_across_the_larger_curvature() -> 
     assert across.p0 == pytest.approx(along.p0, rel=1e-15)
 
 
-def test_curved_track_angle(reference: dict[str, Any], thesis_ellipse: Ellipse) -> None:
+def test_curved_track_angle(reference, thesis_ellipse: Ellipse) -> None:
     for row in reference["curved_track"]:
         found = thesis_contact(WHEEL, RAIL, thesis_ellipse.contact_modulus, 25000, row["phi_rad"])
         assert found.k4 == pytest.approx(row["K4_per_mm"], rel=1e-9)
         assert found.theta_deg == pytest.approx(row["theta_deg"], rel=1e-9)
 
 
-def test_equations_5_2_and_5_3(reference: dict[str, Any]) -> None:
+def test_equations_5_2_and_5_3(reference) -> None:
     rows, inputs = reference["axis_table"], reference["axis_extrema_thesis_formula"]
     depth = [row["z_mm"] for row in rows]
     expected = [
@@ -86,7 +85,7 @@ def test_equations_5_2_and_5_3(reference: dict[str, Any]) -> None:
     np.testing.assert_allclose(found, expected, rtol=1e-11)
 
 
-def test_shear_of_the_circular_formula_is_low_and_deep(reference: dict[str, Any]) -> None:
+def test_shear_of_the_circular_formula_is_low_and_deep(reference) -> None:
     row, exact = reference["axis_extrema_thesis_formula"], reference["axis_extrema"]
 
     def negative_shear(depth: float) -> float:
@@ -120,7 +119,7 @@ def test_loads_moduli_and_curvatures_without_a_contact_are_refused(
         thesis_contact(wheel, rail, modulus, load)
 
 
-def test_exact_coefficients_of_table_5_3(reference: dict[str, Any]) -> None:
+def test_exact_coefficients_of_table_5_3(reference) -> None:
     rows = reference["table_5_3"]
     for row in rows:
         expected = (row["m_exact"], row["n_exact"])
@@ -171,7 +170,7 @@ def test_slightly_crossed_cylinders_keep_all_digits() -> None:
     assert smaller * larger == pytest.approx(0.01 * 0.02 * math.sin(angle) ** 2, rel=1e-13)
 
 
-def test_curved_track_of_the_thesis(reference: dict[str, Any]) -> None:
+def test_curved_track_of_the_thesis(reference) -> None:
     modulus = reference["exact"]["E_star_MPa"]
     for row in reference["curved_track"]:
         x, y, _ = general_orientation(WHEEL, RAIL, row["phi_rad"])

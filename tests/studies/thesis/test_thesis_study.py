@@ -16,14 +16,13 @@ from studies.thesis import geometry, hertz, stress, study
 from studies.thesis import geometry as thesis_geometry
 from studies.thesis import study as thesis_runs
 from studies.thesis.claims import Verdict
-from studies.thesis.facts import Facts
 
 DIFFERENT: dict[int, Verdict] = {}
 """Claims whose computed verdict is not the reference's, with ours."""
 
 
 @pytest.fixture(scope="module")
-def facts() -> Facts:
+def facts():
     return study.facts(catalogue.find(study.CASE))
 
 

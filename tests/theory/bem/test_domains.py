@@ -1,7 +1,6 @@
 """Domains of boundary elements: several windows of a developed surface, against one grid."""
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -17,23 +16,20 @@ from railhead.theory.elastic.hertz import point_contact
 from tests.theory.bem.test_pressure_solver import LOAD, MODULUS, RADIUS, lopsided, paraboloid
 
 Array = NDArray[np.float64]
-Gap = Callable[[Array, Array], Array]
 
 
-def bumps(distance: float, lift: float = 0.0) -> Gap:
+def bumps(distance: float, lift: float = 0.0):
     """Radii RADIUS and 50 mm, the sharper one a lift (mm) further away."""
     one, other = paraboloid(1.0, s0=-distance / 2), paraboloid(RADIUS / 50, s0=distance / 2)
     return lambda x, s: np.minimum(one(x, s), other(x, s) + lift)
 
 
-def at_angles(steep: float, distance: float) -> Callable[[Array], Array]:
+def at_angles(steep: float, distance: float):
     """A surface that is bent at s = 0, between the bumps."""
     return lambda s: np.where(s < 0, -steep, steep)
 
 
-def both(
-    gap: Gap, distance: float, angle: Callable[[Array], Array] = flat
-) -> BoundaryElementSolution:
+def both(gap, distance: float, angle=flat) -> BoundaryElementSolution:
     windows = [((0.0, side * distance / 2), (6.0, 3.0)) for side in (-1, 1)]
     return solve_developed(gap, MODULUS, windows, angle, load=2 * LOAD, tolerance=1e-6)
 

@@ -1,8 +1,6 @@
 """Half-space boundary elements: exact contacts, convergence, complementarity, invariance, input."""
 
 import math
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,12 +10,11 @@ from railhead.theory.bem.pressure_solver import PatchSolution, solve
 from railhead.theory.elastic.hertz import Ellipse, point_contact
 
 Array = NDArray[np.float64]
-Gap = Callable[[Array, Array], Array]
 MODULUS, LOAD, RADIUS = 1.13e5, 25e3, 420.0
 QUANTITIES = ("approach", "p0", "a", "b", "area", "along", "across")
 
 
-def paraboloid(ratio: float = 1.4, x0: float = 0.0, s0: float = 0.0, turn: float = 0.0) -> Gap:
+def paraboloid(ratio: float = 1.4, x0: float = 0.0, s0: float = 0.0, turn: float = 0.0):
     """Gap with the curvatures 1/RADIUS and ratio/RADIUS about (x0, s0), turned by an angle."""
 
     def gap(x: Array, s: Array) -> Array:
@@ -154,7 +151,7 @@ def test_two_patches_act_on_each_other_as_point_forces() -> None:
 
 
 @pytest.mark.parametrize("gap", [paraboloid(3.0), lopsided])
-def test_load_and_approach_control_agree(gap: Gap) -> None:
+def test_load_and_approach_control_agree(gap) -> None:
     by_load = solve(gap, MODULUS, load=LOAD)
     by_approach = solve(gap, MODULUS, approach=by_load.approach)
     assert by_approach.approach == by_load.approach
@@ -171,7 +168,7 @@ def test_load_grows_as_the_approach_to_three_halves() -> None:
 
 
 @pytest.mark.parametrize("gap", [paraboloid(5.0, 0.1, 0.7, 0.3), lopsided])
-def test_a_gap_that_is_mirrored_shifted_or_exchanged_takes_its_pressure_along(gap: Gap) -> None:
+def test_a_gap_that_is_mirrored_shifted_or_exchanged_takes_its_pressure_along(gap) -> None:
     patch = solve(gap, MODULUS, load=LOAD)
     mirrored = solve(lambda x, s: gap(x, -s), MODULUS, load=LOAD)
     shifted = solve(lambda x, s: gap(x - 64, s + 32), MODULUS, load=LOAD, centre=(64, -32))
@@ -188,9 +185,9 @@ def test_a_gap_that_is_mirrored_shifted_or_exchanged_takes_its_pressure_along(ga
 
 @pytest.mark.parametrize("gap", [paraboloid(2.0, turn=0.4), lopsided])
 @pytest.mark.parametrize("control", ["load", "approach"])
-def test_signorini_conditions_and_equilibrium(gap: Gap, control: str) -> None:
+def test_signorini_conditions_and_equilibrium(gap, control: str) -> None:
     """Displacements come from a direct sum of Love's solution in its logarithmic form."""
-    goal: dict[str, Any] = {control: LOAD if control == "load" else 0.04}
+    goal = {control: LOAD if control == "load" else 0.04}
     patch = solve(gap, MODULUS, cells=48, **goal)
     x, s = np.meshgrid(patch.x, patch.s, indexing="ij")
     dx, ds = patch.x[1] - patch.x[0], patch.s[1] - patch.s[0]
@@ -269,10 +266,8 @@ def test_domain_is_found_from_a_poor_guess(
         ({"load": LOAD, "gap": lambda x, s: 0.0}, r"one value a point, got the shape \(\)"),
     ],
 )
-def test_loads_grids_and_gaps_without_an_answer_are_refused(
-    change: dict[str, Any], message: str
-) -> None:
-    arguments: dict[str, Any] = {
+def test_loads_grids_and_gaps_without_an_answer_are_refused(change, message: str) -> None:
+    arguments = {
         "gap": paraboloid(),
         "contact_modulus": MODULUS,
         "cells": 16,

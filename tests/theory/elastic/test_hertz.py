@@ -1,8 +1,6 @@
 """Hertz point and line contact: reference numbers, limits, symmetries and wrong input."""
 
 import math
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pytest
@@ -19,7 +17,7 @@ from railhead.theory.elastic.hertz import (
 RATIOS = [1e-9, 1e-6, 1e-3, 0.3, 0.999999, 1.0, 1.0000001, 4.0, 1e6]
 
 
-def test_thesis_case_is_exact(reference: dict[str, Any], thesis_ellipse: Ellipse) -> None:
+def test_thesis_case_is_exact(reference, thesis_ellipse: Ellipse) -> None:
     exact = reference["exact"]
     assert thesis_ellipse.contact_modulus == pytest.approx(exact["E_star_MPa"], rel=1e-11)
     for name, key in (
@@ -35,7 +33,7 @@ def test_thesis_case_is_exact(reference: dict[str, Any], thesis_ellipse: Ellipse
     assert ratio == pytest.approx(exact["axis_ratio_b_over_a"], rel=1e-11)
 
 
-def test_axes_pressure_and_approach_of_other_loads_are_exact(reference: dict[str, Any]) -> None:
+def test_axes_pressure_and_approach_of_other_loads_are_exact(reference) -> None:
     modulus = reference["exact"]["E_star_MPa"]
     for row in reference["load_table"]:
         contact = point_contact(1 / 420, 1 / 300, modulus, row["F_N"])
@@ -176,6 +174,6 @@ def test_point_contact_refuses(wrong: float, position: int, name: str) -> None:
         (lambda: contact_modulus(math.inf, 0.3, math.inf, 0.3), "one body must be elastic"),
     ],
 )
-def test_other_wrong_input_is_refused(call: Callable[[], object], words: str) -> None:
+def test_other_wrong_input_is_refused(call, words: str) -> None:
     with pytest.raises(ValueError, match=words):
         call()

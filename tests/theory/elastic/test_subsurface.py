@@ -1,7 +1,6 @@
 """Stresses below the contact: reference numbers, equilibrium, boundary conditions, limits."""
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
@@ -30,7 +29,7 @@ def scattered(contact: Ellipse, n: int, seed: int) -> Array:
     return np.asarray(box * (contact.a, contact.b, min(contact.a, contact.b)))
 
 
-def test_stresses_on_the_axis_are_exact(reference: dict[str, Any], thesis_ellipse: Ellipse) -> None:
+def test_stresses_on_the_axis_are_exact(reference, thesis_ellipse: Ellipse) -> None:
     rows = reference["axis_table"]
     depth = [row["z_mm"] for row in rows]
     expected = [[row["sigma_x"], row["sigma_y"], row["sigma_z"]] for row in rows]
@@ -41,9 +40,7 @@ def test_stresses_on_the_axis_are_exact(reference: dict[str, Any], thesis_ellips
     np.testing.assert_allclose(von_mises(full), [row["von_mises"] for row in rows], rtol=1e-11)
 
 
-def test_stresses_beside_the_axis_are_exact(
-    reference: dict[str, Any], thesis_ellipse: Ellipse
-) -> None:
+def test_stresses_beside_the_axis_are_exact(reference, thesis_ellipse: Ellipse) -> None:
     rows = reference["off_axis_points"]
     points = [(row["x"], row["y"], -row["z"]) for row in rows]
     expected = [  # the reference counts depth, which turns the sign of the shears s_xz, s_yz
@@ -53,7 +50,7 @@ def test_stresses_beside_the_axis_are_exact(
 
 
 def test_largest_stresses_on_the_axis_and_their_depths_are_exact(
-    reference: dict[str, Any], thesis_ellipse: Ellipse
+    reference, thesis_ellipse: Ellipse
 ) -> None:
     exact = reference["axis_extrema"]
     found = thesis_ellipse.axis_extrema(0.3)
@@ -65,7 +62,7 @@ def test_largest_stresses_on_the_axis_and_their_depths_are_exact(
     )
 
 
-def test_largest_stresses_of_other_loads_are_exact(reference: dict[str, Any]) -> None:
+def test_largest_stresses_of_other_loads_are_exact(reference) -> None:
     for row in reference["load_table"]:
         contact = point_contact(1 / 420, 1 / 300, reference["exact"]["E_star_MPa"], row["F_N"])
         found = contact.axis_extrema(0.3)
@@ -87,9 +84,7 @@ def test_extrema_are_not_exceeded_on_a_fine_sample(curvature_ratio: float, poiss
     assert found.von_mises_max_depth > 0
 
 
-def test_surface_centre_and_ends_of_the_axes(
-    reference: dict[str, Any], thesis_ellipse: Ellipse
-) -> None:
+def test_surface_centre_and_ends_of_the_axes(reference, thesis_ellipse: Ellipse) -> None:
     c = thesis_ellipse
     points = {
         "centre": (0, 0, 0),
@@ -115,7 +110,7 @@ def test_depth_zero_is_the_surface_formula(curvature_ratio: float, poisson: floa
 
 @pytest.mark.parametrize("plane", ["xz", "yz"])
 def test_the_largest_orthogonal_shear_and_its_place_are_exact(
-    plane: str, reference: dict[str, Any], thesis_ellipse: Ellipse
+    plane: str, reference, thesis_ellipse: Ellipse
 ) -> None:
     row = reference["orthogonal_shear"][f"tau_{plane}_max"]
     axis, column = (0, 4) if plane == "xz" else (1, 5)

@@ -1,7 +1,6 @@
 """Kalker's linear coefficients and FASTSIM: reference numbers, published tables, limits."""
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,13 +14,13 @@ QUICK = {"kalker_ab0.1_nu0", "kalker_ab0.1_nu0.3", "kalker_ab0.5_nu0.3", "kalker
          "kalker_ab2_nu0", "kalker_ab5_nu0.3", "kalker_ab10_nu0", "kalker_ab10_nu0.3"}  # fmt: skip
 
 
-def every_axis_ratio() -> list[Any]:
+def every_axis_ratio():
     entries = named("kalker")
     return [p if p.id in QUICK else pytest.param(*p.values, id=p.id, marks=SLOW) for p in entries]
 
 
 @pytest.mark.parametrize("entry", every_axis_ratio())
-def test_coefficients_are_kalker_s(entry: dict[str, Any]) -> None:
+def test_coefficients_are_kalker_s(entry) -> None:
     """Within the entry's own error; of the printed table within 1 % and half its last digit."""
     found = coefficients(entry["a_over_b"], entry["nu"])
     assert (found.c11, found.c22) == pytest.approx((entry["C11"], entry["C22"]), rel=5e-3)
@@ -47,7 +46,7 @@ def test_ratios_without_coefficients_are_refused() -> None:
             coefficients(ratio, poisson)
 
 
-def of(entry: dict[str, Any], linear: Coefficients, creepage: Creepage) -> np.ndarray:
+def of(entry, linear: Coefficients, creepage: Creepage) -> np.ndarray:
     limit = entry["mu"] * entry["load_N"]
     G = entry["E_MPa"] / 2 / (1 + entry["nu"])
     return np.array(fastsim(entry["a_mm"], entry["b_mm"], limit, G, linear, creepage)[:3]) / limit
@@ -59,9 +58,7 @@ def thesis_linear() -> Coefficients:
 
 
 @pytest.mark.parametrize("entry", named("curve"))
-def test_fastsim_has_the_forces_of_another_fastsim(
-    entry: dict[str, Any], thesis_linear: Coefficients
-) -> None:
+def test_fastsim_has_the_forces_of_another_fastsim(entry, thesis_linear: Coefficients) -> None:
     """Within 0.5 % of mu N of another FASTSIM. All patches have one axis ratio to 1e-4."""
     assert entry["a_mm"] / entry["b_mm"] == pytest.approx(4.336 / 3.465, rel=1e-3)
     creepage = Creepage(entry["xi_x"], entry["xi_y"], entry["phi_per_mm"])

@@ -1,7 +1,5 @@
 """Exact partial slip: reference numbers and limits of Carter, and of Cattaneo and Mindlin."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 from carter import Carter
@@ -11,13 +9,13 @@ from railhead.theory.elastic.hertz import Strip, contact_modulus, line_contact
 from railhead.theory.friction import partial_slip
 
 
-def strip_of(entry: dict[str, Any]) -> Strip:
+def strip_of(entry) -> Strip:
     modulus = contact_modulus(entry["E_MPa"], entry["nu"], entry["E_MPa"], entry["nu"])
     return line_contact(1 / entry["R_relative_mm"], modulus, entry["load_N"] / entry["length_mm"])
 
 
 @pytest.mark.parametrize("entry", named("carter"))
-def test_a_strip_that_rolls_has_carter_s_creepage_and_stick(entry: dict[str, Any]) -> None:
+def test_a_strip_that_rolls_has_carter_s_creepage_and_stick(entry) -> None:
     strip = strip_of(entry)
     rolled = Carter(strip, entry["mu"], entry["Q_over_muP"])
     a = entry["half_width_a_mm"]
@@ -53,7 +51,7 @@ G, POISSON = 207000 / 2.6, 0.3
 
 
 @pytest.mark.parametrize("entry", named("mindlin_sphere"))
-def test_a_sphere_shifts_and_sticks_as_mindlin_says(entry: dict[str, Any]) -> None:
+def test_a_sphere_shifts_and_sticks_as_mindlin_says(entry) -> None:
     limit = entry["mu"] * entry["P_N"]
     along, across = partial_slip.initial_compliance(entry["a_mm"], entry["a_mm"], G, POISSON)
     known, Q = partial_slip.CattaneoMindlin(limit, along), entry["Q_over_muP"] * limit
@@ -64,7 +62,7 @@ def test_a_sphere_shifts_and_sticks_as_mindlin_says(entry: dict[str, Any]) -> No
 
 
 @pytest.mark.parametrize("entry", named("mindlin_ellipse"))
-def test_an_ellipse_shifts_and_sticks_as_mindlin_says_both_ways(entry: dict[str, Any]) -> None:
+def test_an_ellipse_shifts_and_sticks_as_mindlin_says_both_ways(entry) -> None:
     a, b, N = entry["a_mm"], entry["b_mm"], entry["P_N"]
     compliance = partial_slip.initial_compliance(a, b, G, POISSON)[entry["direction"] == "y"]
     known = partial_slip.CattaneoMindlin(entry["mu"] * N, compliance)
@@ -77,7 +75,7 @@ def test_an_ellipse_shifts_and_sticks_as_mindlin_says_both_ways(entry: dict[str,
 
 
 @pytest.mark.parametrize("entry", named("cattaneo_strip"))
-def test_a_strip_sticks_as_cattaneo_says(entry: dict[str, Any]) -> None:
+def test_a_strip_sticks_as_cattaneo_says(entry) -> None:
     ratio = partial_slip.strip_stick_ratio(entry["Q_over_muP"])
     assert ratio == pytest.approx(entry["stick_half_width_over_a"], rel=1e-12)
 

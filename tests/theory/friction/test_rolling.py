@@ -4,13 +4,11 @@ Limits are 0.5 % of mu N for the elements and what a reference says of its own e
 """
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
 from carter import Carter
 from friction_data import named
-from numpy.typing import NDArray
 
 from railhead.theory.bem import pressure_solver
 from railhead.theory.bem.pressure_solver import solve
@@ -49,7 +47,7 @@ def patch(
     return HalfSpaceFriction(a * ticks, b * ticks, pressure, friction, materials, rolling=rolling)
 
 
-def creep_curves() -> list[Any]:
+def creep_curves():
     entries = named("curve")
     quick = [entry for entry in entries if entry.id.removeprefix("curve_thesis_25kN_") in QUICK]
     rest = [entry for entry in entries if entry not in quick]
@@ -57,7 +55,7 @@ def creep_curves() -> list[Any]:
 
 
 @pytest.mark.parametrize("entry", creep_curves())
-def test_creep_forces_are_those_of_the_references(entry: dict[str, Any]) -> None:
+def test_creep_forces_are_those_of_the_references(entry) -> None:
     """Along, across, spin and combined. The edge of what sticks may lie 3 % of a half length off,
     which is 6 % of the area."""
     rolled = patch(entry["a_mm"], entry["b_mm"], entry["p0_MPa"], entry["mu"]).solve(
@@ -74,7 +72,7 @@ def test_creep_forces_are_those_of_the_references(entry: dict[str, Any]) -> None
 
 
 @pytest.mark.parametrize("entry", named("contact_program"))
-def test_forces_are_those_of_the_contact_program(entry: dict[str, Any]) -> None:
+def test_forces_are_those_of_the_contact_program(entry) -> None:
     p0 = 1.5 * entry["load_N"] / (math.pi * entry["a_mm"] * entry["b_mm"])
     key = {"xi_x": "along", "xi_y": "across"}[entry["creep"]]
     rolled = patch(entry["a_mm"], entry["b_mm"], p0, entry["mu"]).solve(
@@ -85,7 +83,7 @@ def test_forces_are_those_of_the_contact_program(entry: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize("entry", named("contact_shipped"))
-def test_forces_are_those_of_polach_s_curve_within_its_error(entry: dict[str, Any]) -> None:
+def test_forces_are_those_of_polach_s_curve_within_its_error(entry) -> None:
     """Its own error is 1.5 % of the force, too high, and 3 % below a creepage of 0.0005."""
     p0 = 1.5 * entry["load_N"] / (math.pi * entry["a_mm"] * entry["b_mm"])
     materials = MaterialPair(entry["G_MPa"], entry["nu"])
@@ -131,13 +129,13 @@ def test_the_middle_of_a_long_line_contact_is_carters(share: float) -> None:
     )
 
 
-def mindlin(entry: dict[str, Any]) -> Ellipse:
+def mindlin(entry) -> Ellipse:
     modulus = contact_modulus(207000, 0.3, 207000, 0.3)
     return point_contact(1 / 420, 1 / (420 if "sphere" in entry["id"] else 300), modulus, 25000)
 
 
 @pytest.mark.parametrize("entry", named("mindlin"))
-def test_a_shift_is_mindlins(entry: dict[str, Any]) -> None:
+def test_a_shift_is_mindlins(entry) -> None:
     """Displacement to the 1 % of Mindlin's assumption; the stick's axes to 0.03."""
     contact, across = mindlin(entry), entry.get("direction") == "y"
     body = patch(contact.a, contact.b, contact.p0, 0.3, cells=32, rolling=False)
@@ -299,11 +297,10 @@ def test_pressures_and_coefficients_out_of_range_are_refused() -> None:
 
 # Rolling of unlike half-spaces: pressure and tractions that change each other.
 
-Array = NDArray[np.float64]
 SOFT, HARD = (3000.0, 0.3), (207000.0, 0.3)
 
 
-def ball(x: Array, s: Array) -> Array:
+def ball(x, s):
     return np.asarray((x**2 + s**2) / 840)
 
 

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -19,7 +18,7 @@ THESIS = point_contact(1 / 420, 1 / 300, MODULUS, 25000)
 LONG = point_contact(1e-3 / 420, 1 / 300, MODULUS, 25000)
 
 
-def numbers() -> list[Any]:
+def numbers():
     """Every third one runs by default."""
     known = [entry for entry in named("mises") if "crossover" not in str(entry.id)]
     more = [pytest.param(*each.values, id=each.id, marks=pytest.mark.slow) for each in known]
@@ -28,7 +27,7 @@ def numbers() -> list[Any]:
 
 @pytest.mark.parametrize("entry", numbers())
 def test_the_hardest_places_under_sliding_are_those_of_the_references(
-    entry: dict[str, Any],
+    entry,
 ) -> None:
     """Within the entries' own 0.1 % below and 1 % at the surface; places to 1 % of a half width."""
     contact = SPHERE if entry["shape"].startswith("sphere") else THESIS

@@ -1,23 +1,20 @@
 """Influence of tractions and pressure on the tangential displacement, against point forces."""
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from railhead.theory.elastic.halfspace import boussinesq_displacement
 from railhead.theory.friction.partial_slip import initial_compliance
 from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction
 from railhead.theory.friction.tangential import MaterialPair, TractionInfluence, pair
 
-Array = NDArray[np.float64]
 X, Y = 0.3 * np.arange(12), 0.2 * np.arange(9)
 STEEL = MaterialPair(79615.0, 0.3)
 
 
-def over_a_cell(kernel: Callable[[Array, Array], Array], x: float, y: float) -> float:
+def over_a_cell(kernel, x: float, y: float) -> float:
     """Integral over a cell around the origin, of what it does at (x, y)."""
     nodes, weights = np.polynomial.legendre.leggauss(20)
     xi, eta = np.meshgrid(0.15 * nodes, 0.1 * nodes, indexing="ij")
@@ -35,7 +32,7 @@ def test_a_cell_under_a_traction_moves_as_cerruti_says(place: tuple[int, int]) -
         moved = influence(traction)[:, place[0], place[1]]
         for k in (0, 1):
 
-            def kernel(dx: Array, dy: Array, k: int = k, component: int = component) -> Array:
+            def kernel(dx, dy, k: int = k, component: int = component):
                 r = np.hypot(dx, dy)
                 along = (dx, dy)[k] * (dx, dy)[component]
                 return (0.7 * (k == component) / r + 0.3 * along / r**3) / (math.pi * 79615.0)
@@ -51,7 +48,7 @@ def test_a_cell_under_pressure_draws_an_elastic_wheel_to_itself(place: tuple[int
     held = influence.of_pressure(pressure)[:, place[0], place[1]]
     for k in (0, 1):
 
-        def kernel(dx: Array, dy: Array, k: int = k) -> Array:
+        def kernel(dx, dy, k: int = k):
             points = np.column_stack([dx.ravel(), dy.ravel(), 0 * dx.ravel()])
             return boussinesq_displacement(points, 1.0, 207000, 0.3)[:, k].reshape(dx.shape)
 

@@ -1,9 +1,6 @@
 """The diagrams: what they show, that they are whole, and that no state leaks."""
 
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import matplotlib
 import numpy as np
@@ -15,17 +12,17 @@ from railhead.postprocess.findings import OnePatch
 from railhead.postprocess.pictures.plots import diagrams
 
 
-def image(path: Path) -> Any:
+def image(path):
     """(h, w, 3) of a PNG file, 0 to 1."""
     return imread(path)[:, :, :3]
 
 
-def count(path: Path, colour: str) -> int:
+def count(path, colour: str) -> int:
     """Number of pixels of that very colour."""
     return int(np.all(np.abs(image(path) - to_rgb(colour)) < 2 / 255, axis=2).sum())
 
 
-def test_ellipse_is_closed_and_exact(blocks: Callable[..., Any]) -> None:
+def test_ellipse_is_closed_and_exact(blocks) -> None:
     ellipse = blocks().ellipse
     line = ellipse.outline
     assert line[0] == pytest.approx(line[-1], abs=1e-14)
@@ -33,7 +30,7 @@ def test_ellipse_is_closed_and_exact(blocks: Callable[..., Any]) -> None:
 
 
 def test_pressure_and_patch_show_hertz_only_when_there_is_one(
-    blocks: Callable[..., Any], tmp_path: Path, sharp: None
+    blocks, tmp_path, sharp: None
 ) -> None:
     case, seen = blocks(cut=False), []
     for number, ellipse in enumerate((case.ellipse, None)):
@@ -54,7 +51,7 @@ def test_pressure_and_patch_show_hertz_only_when_there_is_one(
 
 @pytest.mark.parametrize(("radii", "wide"), [((420.0, 33.0), True), ((33.0, 420.0), False)])
 def test_slender_patches_shape_the_picture(
-    blocks: Callable[..., Any], tmp_path: Path, radii: tuple[float, float], wide: bool
+    blocks, tmp_path, radii: tuple[float, float], wide: bool
 ) -> None:
     case = blocks(radii=radii)
     diagrams.patch(case.findings, case.ellipse, tmp_path / "patch.png")
@@ -62,9 +59,7 @@ def test_slender_patches_shape_the_picture(
     assert (width > 1.8 * height) if wide else (height > 1.2 * width)
 
 
-def test_nothing_touches_the_edge_and_no_setting_stays(
-    blocks: Callable[..., Any], tmp_path: Path
-) -> None:
+def test_nothing_touches_the_edge_and_no_setting_stays(blocks, tmp_path) -> None:
     before = dict(matplotlib.rcParams)
     case = blocks(load=5.0)
     diagrams.pressure(case.findings, case.ellipse, tmp_path / "1.png")
@@ -77,7 +72,7 @@ def test_nothing_touches_the_edge_and_no_setting_stays(
         assert image(tmp_path / f"{name}.png")[rim].min() == 1.0
 
 
-def test_depths_below_two_places_say_so(blocks: Callable[..., Any], tmp_path: Path) -> None:
+def test_depths_below_two_places_say_so(blocks, tmp_path) -> None:
     """Hertz below its own centre beside elements below the patch's, and a peak off both."""
     case = blocks()
     findings, patch = case.findings, case.findings.patch
@@ -96,7 +91,7 @@ def test_depths_below_two_places_say_so(blocks: Callable[..., Any], tmp_path: Pa
         assert any(elsewhere in each for each in words) is apart
 
 
-def test_a_cut_through_one_of_several_patches_says_so(blocks: Callable[..., Any]) -> None:
+def test_a_cut_through_one_of_several_patches_says_so(blocks) -> None:
     case = blocks()
     patch = case.findings.patch
     of = {"centre": (0.0, 0.0, 0.0), "angle": 0.0, "a": 1.0, "b": 1.0, "area": 1.0}

@@ -1,8 +1,6 @@
 """Pictures as an engineer reads them: all of it within the sheet, numbers and places true."""
 
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -76,9 +74,7 @@ def two_patches(case: Any) -> Any:
     return replace(case.findings, patch=several, subject=subject)
 
 
-def test_all_patches_are_in_every_picture(
-    blocks: Callable[..., Any], sheets: list[Figure], tmp_path: Path
-) -> None:
+def test_all_patches_are_in_every_picture(blocks, sheets: list[Figure], tmp_path) -> None:
     case = blocks(cut=False)
     found = two_patches(case)
     volume = case.volume
@@ -99,9 +95,7 @@ def test_all_patches_are_in_every_picture(
         assert not cut_off(figure)
 
 
-def test_a_cut_along_the_rail_says_where_it_is(
-    blocks: Callable[..., Any], sheets: list[Figure], tmp_path: Path
-) -> None:
+def test_a_cut_along_the_rail_says_where_it_is(blocks, sheets: list[Figure], tmp_path) -> None:
     case = blocks(cut=False)
     found = two_patches(case)
     found = replace(found, along=replace(found.along, at=0.5))
@@ -115,16 +109,14 @@ def test_a_cut_along_the_rail_says_where_it_is(
     assert not cut_off(figure)
 
 
-def test_the_cut_says_whose_pressure_it_shows(blocks: Callable[..., Any]) -> None:
+def test_the_cut_says_whose_pressure_it_shows(blocks) -> None:
     found = two_patches(blocks(cut=False))
     label = diagrams.pressure(found, None).axes[0].get_legend_handles_labels()[1][0]
     shown = found.along.pressure.max()
     assert f"of this patch {shown:.4g} MPa" in label and "2000 MPa" in label
 
 
-def test_long_labels_do_not_leave_the_sheet(
-    blocks: Callable[..., Any], sheets: list[Figure], tmp_path: Path
-) -> None:
+def test_long_labels_do_not_leave_the_sheet(blocks, sheets: list[Figure], tmp_path) -> None:
     case = blocks(cut=False)
     largest = {
         name: replace(each, tau=replace(each.tau, place=(1.2, 0.0, 0.3), depth=0.3))
@@ -151,7 +143,7 @@ def test_bands_hold_zero_and_all_values_and_little_more(values, ends) -> None:
     assert (levels[0], levels[-1]) == pytest.approx(ends, abs=1e-9)
 
 
-def test_pressure_ends_at_the_edge_of_the_patch(blocks: Callable[..., Any]) -> None:
+def test_pressure_ends_at_the_edge_of_the_patch(blocks) -> None:
     ellipse = blocks().ellipse
     x = ellipse.a * np.linspace(-1.25, 1.25, 42)
     t, p = diagrams.loaded(AxisPressure(x, np.asarray(ellipse.pressure(x, 0))))
@@ -161,7 +153,7 @@ def test_pressure_ends_at_the_edge_of_the_patch(blocks: Callable[..., Any]) -> N
     assert np.array_equal(diagrams.loaded(ends), [[-5.0, 5.0], [7.0, 7.0]])
 
 
-def test_the_cross_of_the_largest_shear_is_whole_and_explained(blocks: Callable[..., Any]) -> None:
+def test_the_cross_of_the_largest_shear_is_whole_and_explained(blocks) -> None:
     case = blocks()
     axes = diagrams.depth(case.findings, case.ellipse, 0.3).axes[1]
     assert axes.get_xlim()[1] > 1.05 * 0.3 * case.ellipse.p0
@@ -186,9 +178,9 @@ def rubbed(case: Any, centre: float) -> tuple[Any, Any]:
 
 
 def test_tractions_are_where_they_act_and_have_a_scale(
-    blocks: Callable[..., Any],
+    blocks,
     sheets: list[Figure],
-    tmp_path: Path,
+    tmp_path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     keys: list[Any] = []
@@ -231,7 +223,7 @@ def shown(case: Any, **changes: Any) -> Yielded:
     return replace(plain, **changes)
 
 
-def test_no_yield_is_said_and_coloured_as_none(blocks: Callable[..., Any]) -> None:
+def test_no_yield_is_said_and_coloured_as_none(blocks) -> None:
     case = blocks(cut=False)
     points = case.fields.points
     zero, body = np.zeros(len(points)), np.where(points[:, 2] < 0, 1, 2)
@@ -247,9 +239,7 @@ def test_no_yield_is_said_and_coloured_as_none(blocks: Callable[..., Any]) -> No
 
 
 @pytest.mark.parametrize("yields", [1, 2])
-def test_the_surface_that_yields_is_drawn_whichever_it_is(
-    blocks: Callable[..., Any], yields: int
-) -> None:
+def test_the_surface_that_yields_is_drawn_whichever_it_is(blocks, yields: int) -> None:
     """The other one, which came back but for rounding, is left out."""
     case = blocks(cut=False)
     fields = case.fields
@@ -268,9 +258,7 @@ def test_the_surface_that_yields_is_drawn_whichever_it_is(
     assert axes.lines[0].get_ydata()[0] == pytest.approx(2.0)
 
 
-def test_sweeps_and_the_shakedown_map_say_what_they_are_of(
-    sheets: list[Figure], tmp_path: Path
-) -> None:
+def test_sweeps_and_the_shakedown_map_say_what_they_are_of(sheets: list[Figure], tmp_path) -> None:
     rows = [
         {"load [N]": n, "checks": "passed"} | dict.fromkeys(sweep_plots.PANELS, float(n))
         for n in (1, 2)
@@ -295,7 +283,7 @@ def test_sweeps_and_the_shakedown_map_say_what_they_are_of(
 
 
 def test_values_beside_narrow_patches_do_not_run_into_each_other(
-    sheets: list[Figure], tmp_path: Path
+    sheets: list[Figure], tmp_path
 ) -> None:
     """Two strips of a roller, 70 mm long and 4 mm wide, of which either load is five letters."""
     rows = [{"load [N]": load, "checks": "passed"} for load in (50000, 110000)]
@@ -307,9 +295,7 @@ def test_values_beside_narrow_patches_do_not_run_into_each_other(
     assert not cut_off(figure)
 
 
-def test_a_strip_of_patches_holds_the_key_with_more_values(
-    sheets: list[Figure], tmp_path: Path
-) -> None:
+def test_a_strip_of_patches_holds_the_key_with_more_values(sheets: list[Figure], tmp_path) -> None:
     circle = [[[np.cos(t), np.sin(t)] for t in np.linspace(0, 6, 20)]]
     rows = [
         {"shift": shift, "load": load, "checks": "passed"}
@@ -330,7 +316,7 @@ def test_dollars_in_a_title_are_no_formula(tmp_path) -> None:
     assert sweep_plots._word({"file": "r$_$.csv"}, "file", Units()) == r"r\$_\$.csv"
 
 
-def test_axes_and_numbers_are_in_the_readers_units(blocks: Callable[..., Any]) -> None:
+def test_axes_and_numbers_are_in_the_readers_units(blocks) -> None:
     """Ticks at round inches and ksi, over curves that stay where they are in mm and MPa."""
     case = blocks()
     units = Units({"mm": "in", "MPa": "ksi", "um": "in"})

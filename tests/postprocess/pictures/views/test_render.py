@@ -1,9 +1,7 @@
 """The pictures in space: the camera, mirrored models, scale and colours."""
 
 import os
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -23,12 +21,12 @@ from railhead.solver.space.kinematics import Kinematics
 from railhead.solver.system.fields import Fields
 
 
-def image(path: Path) -> Any:
+def image(path) -> Any:
     """(h, w, 3) of a PNG file, 0 to 1."""
     return imread(path)[:, :, :3]
 
 
-def draw(case: Any, folder: Path) -> dict[str, Any]:
+def draw(case: Any, folder) -> dict[str, Any]:
     """All three pictures of a case, by name."""
     folder.mkdir()
     volume = case.volume
@@ -40,7 +38,7 @@ def draw(case: Any, folder: Path) -> dict[str, Any]:
 
 
 @pytest.fixture(scope="module")
-def usual(blocks: Callable[..., Any], tmp_path_factory) -> dict[str, Any]:
+def usual(blocks, tmp_path_factory) -> dict[str, Any]:
     """Pictures of a quarter of hexahedra under 25 kN."""
     return draw(blocks(), tmp_path_factory.mktemp("usual") / "quarter")
 
@@ -82,7 +80,7 @@ def test_no_display_no_window(
 @pytest.mark.slow
 @pytest.mark.parametrize(("cell", "degree"), [("hexahedron", 1), ("tetrahedron", 2)])
 def test_quarter_and_full_model_give_the_same_pictures(
-    blocks: Callable[..., Any], usual: dict[str, Any], tmp_path: Path, cell: str, degree: int
+    blocks, usual: dict[str, Any], tmp_path, cell: str, degree: int
 ) -> None:
     quarter = usual
     if cell == "tetrahedron":
@@ -98,9 +96,7 @@ def test_quarter_and_full_model_give_the_same_pictures(
 
 
 @pytest.mark.slow
-def test_views_follow_the_patch(
-    blocks: Callable[..., Any], usual: dict[str, Any], tmp_path: Path
-) -> None:
+def test_views_follow_the_patch(blocks, usual: dict[str, Any], tmp_path) -> None:
     """Under 1/1000 of the load everything is a tenth as large, and fills the view as before."""
     small = draw(blocks(load=25.0), tmp_path / "small")
     for name, picture in usual.items():
@@ -109,7 +105,7 @@ def test_views_follow_the_patch(
         assert share[1] == pytest.approx(share[0], rel=0.05)
 
 
-def test_a_whole_model_is_opened_between_its_cells(blocks: Callable[..., Any]) -> None:
+def test_a_whole_model_is_opened_between_its_cells(blocks) -> None:
     """Points of the plane of the cut are off it by rounding, where clipping leaves slivers; so does
     a contact that is a little off that plane. A plane further away cuts cells."""
     case = blocks("tetrahedron", 2, cut=False)
@@ -129,9 +125,7 @@ def test_a_whole_model_is_opened_between_its_cells(blocks: Callable[..., Any]) -
             assert opened or area.min() > 1e-3 * area.max()
 
 
-def test_pressure_has_the_colours_of_the_bar(
-    blocks: Callable[..., Any], tmp_path: Path, sharp: None
-) -> None:
+def test_pressure_has_the_colours_of_the_bar(blocks, tmp_path, sharp: None) -> None:
     case = blocks(cut=False)
     contact = vtu.contact_grid({1: case.findings.surface})
     render.patch_on_rail(contact, case.findings, case.ellipse, tmp_path / "with.png")
@@ -149,7 +143,7 @@ def test_pressure_has_the_colours_of_the_bar(
 
 
 @pytest.mark.parametrize("apart", [0.0, 3.0, -3.0])
-def test_dimensions_are_whole_and_off_the_patches(blocks: Callable[..., Any], apart: float) -> None:
+def test_dimensions_are_whole_and_off_the_patches(blocks, apart: float) -> None:
     """Beside a patch three times as long across the rail, and beside one of two."""
     findings = blocks().findings
     patch = findings.patch
