@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -22,7 +22,13 @@ from petsc4py import PETSc
 from railhead.solver.algebra.reduced_stiffness import Stiffness
 from railhead.solver.space.constraints import Reduction
 from railhead.solver.space.contact_interface import ContactLaw, Interface
-from railhead.solver.space.operators import add_transposed, petsc_matrix, vector, weighted_product
+from railhead.solver.space.operators import (
+    add_transposed,
+    petsc_matrix,
+    select_rows,
+    vector,
+    weighted_product,
+)
 from railhead.theory.array_types import Array, Mask
 
 
@@ -33,18 +39,23 @@ class Tangent:
     problem: the contact problem, by a weak reference, because PETSc leaks what is freed while it
         frees a shell.
     active: active set A (n,).
+    rows: the rows of B and Bt of the active points.
     """
 
     def __init__(self, problem: ContactProblem, active: Mask) -> None:
+        """Collective."""
         self.problem = weakref.proxy(problem)
         self.active = active
+        own, test = problem.normal_operator, problem.test_operator
+        rows = select_rows(own, np.flatnonzero(active))
+        self.rows = rows, rows if test is own else select_rows(test, np.flatnonzero(active))
 
     def mult(self, _: PETSc.Mat, x: PETSc.Vec, y: PETSc.Vec) -> None:
         """Product of the tangent with x, written into y; called by PETSc."""
         problem = self.problem
         problem.stiffness.mult(x, y)
-        values = problem.weight * self.active * (problem.normal_operator * x).array
-        add_transposed(problem.test_operator, values, y)
+        normal, test = self.rows
+        add_transposed(test, problem.weight[self.active] * (normal * x).array, y)
         problem.add_consistency_forces((problem.stress * x).array, y)
 
     def getDiagonal(self, _: PETSc.Mat, out: PETSc.Vec) -> None:  # noqa: N802 (PETSc's name)
@@ -82,6 +93,7 @@ class ContactProblem:
     force: PETSc.Vec
     start_gap: Array
     start_stress: Array
+    _tangents: list[Any] = field(init=False, repr=False, default_factory=list)
     tangent_depends_on_state: ClassVar[bool] = False
     tangent_context: ClassVar[type[Tangent]] = Tangent
 
@@ -229,7 +241,10 @@ class ContactProblem:
         """Tangent at an active set (n,), as a PETSc operator known by its products and its
         diagonal; no matrix is assembled.
         """
+        # Rows of a tangent are freed after it, see `Tangent.problem`.
+        self._tangents = [each for each in self._tangents if each[0]() is not None]
         context, stiffness = self.tangent_context(self, active), self.stiffness
+        self._tangents.append((weakref.ref(context), context.rows))
         matrix = PETSc.Mat().createPython(stiffness.sizes, context, comm=stiffness.comm)
         matrix.setUp()
         return matrix
