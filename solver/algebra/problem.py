@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -56,7 +56,6 @@ class Tangent:
         problem.stiffness.mult(x, y)
         normal, test = self.rows
         add_transposed(test, problem.weight[self.active] * (normal * x).array, y)
-        problem.add_consistency_forces((problem.stress * x).array, y)
 
     def getDiagonal(self, _: PETSc.Mat, out: PETSc.Vec) -> None:  # noqa: N802 (PETSc's name)
         """Diagonal of the tangent, written into `out`, N/mm; called by PETSc."""
@@ -68,10 +67,9 @@ class ContactProblem:
     """One load case of a contact, at n contact points of this rank, in the free unknowns y; the
     displacement is u = P y + u0. Forces are those on the meshed part.
 
-    `dataclasses.replace` with another law of the same method shares the matrices.
-
     law: contact law.
-    stiffness: stiffness K of the free unknowns, N/mm.
+    stiffness: K - theta S^T w S, the stiffness of the free unknowns with the part of Nitsche's
+        method that all active sets share, N/mm.
     gap: N, change of the gap per free unknown (n rows).
     stress: S, normal stress of the slave per free unknown (n rows), MPa/mm.
     area: area W of each point in the meshed part (n,), mm2.
@@ -159,6 +157,24 @@ class ContactProblem:
         """
         return float((self.law.theta or 0) * self.law.sigma)
 
+    def add_consistency(self, weight: Array) -> None:
+        """Add S^T diag(weight) S to the stiffness, in place (collective).
+
+        S: normal stress per free unknown. weight: (n,), mm3/N. Normal stress depends on the nodes
+        of one cell, so that the blocks of the stiffness have place for all entries.
+        """
+        self.stiffness.add(self.stress, weight)
+
+    def with_law(self, law: ContactLaw) -> ContactProblem:
+        """This problem with another law of the same method and theta; what does not depend on it
+        is shared (collective).
+        """
+        other = replace(self, law=law)
+        if self.consistency:
+            other.stiffness = self.stiffness.copy()
+            other.add_consistency(self.consistency * (self.weight - other.weight))
+        return other
+
     def add_consistency_forces(self, stress: Array, out: PETSc.Vec) -> None:
         """Add the forces -theta S^T w s of normal stresses s (n,), MPa, of Nitsche's method to the
         vector `out` of the free unknowns, N; nothing for a penalty.
@@ -186,7 +202,7 @@ class ContactProblem:
         r = self.stiffness * y
         r.axpy(-1.0, self.force)
         add_transposed(self.test_operator, -self.weight * pressure, r)
-        self.add_consistency_forces((self.stress * y).array + self.start_stress, r)
+        self.add_consistency_forces(self.start_stress, r)
         return r
 
     def slope(self, y: PETSc.Vec, step: PETSc.Vec) -> Callable[[float], float]:
@@ -197,14 +213,13 @@ class ContactProblem:
         k_step = self.stiffness * step
         start, rate = k_step.dot(y) - self.force.dot(step), k_step.dot(step)
         b, db = -self.indicator(y), (self.normal_operator * step).array
-        s, ds = (self.stress * y).array + self.start_stress, (self.stress * step).array
-        b0, b1 = (-self.consistency * float(np.sum(self.weight * ds * each)) for each in (s, ds))
-        comm = step.comm.tompi4py()
+        ds, comm = (self.stress * step).array, step.comm.tompi4py()
+        b0 = -self.consistency * float(np.sum(self.weight * ds * self.start_stress))
 
         def value(t: float) -> float:
             """Slope of the energy at a step length t, N mm (collective)."""
             pressure = np.maximum(-(b + t * db), 0.0)
-            local = b0 + t * b1 - float(np.sum(self.weight * db * pressure))
+            local = b0 - float(np.sum(self.weight * db * pressure))
             return float(start + t * rate + comm.allreduce(local))
 
         return value
@@ -251,19 +266,13 @@ class ContactProblem:
 
     def diagonal(self, active: Mask, out: PETSc.Vec) -> None:
         """Write the diagonal of the tangent at an active set (n,) into the vector `out`, N/mm."""
-        self._bulk_diagonal.copy(out)
+        self._stiffness_diagonal.copy(out)
         add_transposed(self._squares, self.weight * active, out)
 
     @cached_property
-    def _bulk_diagonal(self) -> PETSc.Vec:
-        """Diagonal of the part of the tangent that all active sets share, N/mm: stiffness less the
-        stress term of Nitsche's method.
-        """
-        diagonal = self.stiffness.diagonal()
-        if self.consistency:
-            squares = _products(self.stress, self.stress)
-            add_transposed(squares, -self.consistency * self.weight, diagonal)
-        return diagonal
+    def _stiffness_diagonal(self) -> PETSc.Vec:
+        """Diagonal of the part of the tangent that all active sets share, N/mm."""
+        return self.stiffness.diagonal()
 
     @cached_property
     def _squares(self) -> PETSc.Mat:
@@ -278,9 +287,6 @@ class ContactProblem:
         """
         different = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
         contact = weighted_product(self.test_operator, self.weight * active, self.normal_operator)
-        if self.consistency:
-            bulk = weighted_product(self.stress, self.weight, self.stress)
-            contact.axpy(-self.consistency, bulk, different)
         contact.axpy(1.0, self.stiffness.assembled(), different)
         contact.setOption(PETSc.Mat.Option.SYMMETRIC, self.law.symmetric)
         return contact
@@ -336,7 +342,7 @@ def reduce_problem(
         extra = petsc_matrix(table, p.getLocalSize()[1], p.comm.tompi4py())
         gap.axpy(1.0, extra, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
     reduced = Stiffness.reduced(stiffness, reduction)
-    return ContactProblem(
+    problem = ContactProblem(
         law=law,
         stiffness=reduced,
         gap=gap,
@@ -347,3 +353,6 @@ def reduce_problem(
         start_gap=interface.initial_gap,
         start_stress=np.zeros_like(gap_per_approach),
     )
+    if problem.consistency:
+        problem.add_consistency(-problem.consistency * problem.weight)
+    return problem

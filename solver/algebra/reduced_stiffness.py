@@ -15,11 +15,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from railhead.solver.space.constraints import Reduction
-from railhead.solver.space.operators import select_rows
+from railhead.solver.space.operators import add_transposed, select_rows
+from railhead.theory.array_types import Array
 
 DIFFERENT = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
 
@@ -75,6 +77,43 @@ class Stiffness:
         blocks.assemble()
         blocks.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         return cls(blocks.convert("sbaij", PETSc.Mat()), border, reduction.approach)
+
+    def copy(self) -> Stiffness:
+        """The same stiffness, stored anew (collective)."""
+        border = None if self.border is None else self.border.copy()
+        return replace(self, blocks=self.blocks.copy(), border=border)
+
+    def add(self, rows: PETSc.Mat, weights: Array) -> None:
+        """Add rows^T diag(weights) rows to the stiffness, in place (collective).
+
+        rows: matrix with k rows on this rank, each with entries at the unknowns of one cell's nodes
+            and at the approach. weights: (k,); the sum is in N/mm.
+        """
+        start, indices, values = rows.getValuesCSR()
+        table = sp.csr_matrix((values, indices, start), shape=(len(weights), rows.getSize()[1]))
+        if self.border is not None:
+            place, force = self._place, self.border.duplicate()
+            force.set(0.0)
+            add_transposed(rows, weights * table[:, place].toarray().ravel(), force)
+            if self.approach >= 0:
+                force.array[self.approach] /= 2
+            self.border.axpy(1.0, force)
+            table.data[table.indices == place] = 0.0
+        table.eliminate_zeros()
+        size = self.blocks.getBlockSize()
+        added = (table.T @ sp.diags(weights) @ table).tobsr((size, size))
+        rows_of_blocks = np.repeat(np.arange(len(added.indptr) - 1), np.diff(added.indptr))
+        places = (each[:, None].astype(PETSc.IntType) for each in (rows_of_blocks, added.indices))
+        self.blocks.setOption(PETSc.Mat.Option.IGNORE_LOWER_TRIANGULAR, True)
+        if added.nnz:  # PETSc divides by their number
+            self.blocks.setValuesBlockedRCV(*places, added.data, addv=True)
+        self.blocks.assemble()
+
+    @property
+    def _place(self) -> int:
+        """Global number of the approach among the free unknowns, on all ranks (collective)."""
+        local = self.blocks.getOwnershipRange()[0] + self.approach if self.approach >= 0 else 0
+        return int(self.comm.tompi4py().allreduce(local))
 
     @property
     def comm(self) -> PETSc.Comm:
@@ -148,8 +187,7 @@ class Stiffness:
         out.setBlockSize(self.blocks.getBlockSize())
         if self.border is None:
             return out
-        comm, (start, _) = self.comm.tompi4py(), self.border.owner_range
-        place = comm.allreduce(start + self.approach if self.approach >= 0 else 0)
+        place, (start, _) = self._place, self.border.owner_range
         near = np.flatnonzero(self.border.array)
         coupled = PETSc.Mat().createAIJ(self.sizes, nnz=1, comm=self.comm)
         coupled.setOption(PETSc.Mat.Option.NEW_NONZERO_ALLOCATION_ERR, False)

@@ -283,7 +283,7 @@ class ContactSystem:
         result: newton.NewtonResult | None = None
         for law in self.problem.law.stages:
             last = law == self.problem.law
-            problem = self.problem if last else replace(self.problem, law=law)
+            problem = self.problem if last else self.problem.with_law(law)
             preconditioner = self.preconditioner if last else self.new_preconditioner(problem)
             while True:
                 result = newton.solve(

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 from block_pairs import contact_model, press, two_blocks
 from mpi4py import MPI
 from petsc4py import PETSc
@@ -13,6 +14,7 @@ from railhead.solver import compat
 from railhead.solver.algebra import linear, multigrid, newton
 from railhead.solver.space import constraints
 from railhead.solver.space.contact_interface import ContactLaw
+from railhead.solver.space.operators import petsc_matrix, vector
 
 LAWS = [*(ContactLaw("nitsche", theta) for theta in (1, 0, -1)), ContactLaw("penalty")]
 IDS = ["theta=1", "theta=0", "theta=-1", "penalty"]
@@ -60,6 +62,41 @@ def test_planes_in_general_position_leave_the_right_freedom() -> None:
         assert np.abs(u[mask & ~supports.fixed] @ normal).max() < 1e-14
     assert np.all(u[3] == 0)
     np.testing.assert_allclose(reduction.norms().array, reduction.free)
+
+
+def weighted(rows: PETSc.Mat, weights: np.ndarray, y: PETSc.Vec) -> np.ndarray:
+    """rows^T diag(weights) rows y."""
+    out = y.duplicate()
+    rows.multTranspose(vector(rows, weights * (rows * y).array), out)
+    return np.array(out.array)
+
+
+@pytest.mark.parametrize("theta", [1, -1])
+def test_the_stiffness_has_the_part_of_the_law_that_all_active_sets_share(theta: int) -> None:
+    """K - theta S^T w S, with K of a penalty; of the softer laws of stages as well."""
+    laws = ContactLaw("penalty"), *(ContactLaw("nitsche", theta, factor) for factor in (1, 7))
+    plain, soft, stiff = (contact_model(law=law).problem for law in laws)
+    y = plain.force.duplicate()
+    y.setRandom()
+    for problem in (soft, stiff, soft.with_law(stiff.law), stiff.with_law(soft.law)):
+        expected = (plain.stiffness * y).array - theta * weighted(problem.stress, problem.weight, y)
+        size = np.abs(expected).max()
+        np.testing.assert_allclose((problem.stiffness * y).array, expected, atol=1e-12 * size)
+
+
+def test_what_is_added_to_the_stiffness_may_couple_to_the_approach() -> None:
+    """As the normal stress of cells beside the hub does."""
+    problem = contact_model().problem
+    start, columns, values = problem.stress.getValuesCSR()
+    table = sp.csr_matrix((values, columns, start), problem.stress.getSize()).tolil()
+    table[:, problem.stiffness.approach] = np.linspace(-1.0, 2.0, table.shape[0])[:, None]
+    rows = petsc_matrix(table.tocsr(), table.shape[1], MPI.COMM_SELF)
+    y, changed = problem.force.duplicate(), problem.stiffness.copy()
+    y.setRandom()
+    changed.add(rows, problem.weight)
+    expected = (problem.stiffness * y).array + weighted(rows, problem.weight, y)
+    size = np.abs(expected).max()
+    np.testing.assert_allclose((changed * y).array, expected, atol=1e-12 * size)
 
 
 def test_hub_moves_as_one() -> None:
