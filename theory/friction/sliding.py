@@ -20,6 +20,7 @@ from railhead.theory.elastic.line import Hertz, LineContact
 from railhead.theory.elastic.subsurface import half_space_points, von_mises
 
 DIRECTIONS = 720  # of plane waves
+AT_ONCE = 50_000  # waves times points that are added up in one step
 ZOOMS = 4  # grids, each finer than the last, on which the largest stress is looked for
 SURFACE = 1e-14  # least depth over the half width: beside a branch cut, not on it
 
@@ -63,15 +64,18 @@ def stress(contact: Hertz, friction: float, poisson: float, points: ArrayLike) -
     xyz = half_space_points(points)
     x, y, depth = xyz[:, 0], xyz[:, 1], -xyz[:, 2]
     if isinstance(contact, LineContact):
-        direction = (0.0, 1.0) if contact.across else (1.0, 0.0)
+        direction = np.array([0.0, 1.0] if contact.across else [1.0, 0.0])
         i_0, i_1 = _strip_waves(contact, y if contact.across else x, depth)
         return _plane_wave(i_0, i_1, direction, friction, poisson)
     a, b, total = contact.a, contact.b, np.zeros((len(xyz), 6))
-    for t in math.pi / DIRECTIONS * (np.arange(DIRECTIONS) + 0.5):
-        length = math.hypot(b * math.cos(t), a * math.sin(t))
-        e = b * math.cos(t) / length, a * math.sin(t) / length
+    angles = math.pi / DIRECTIONS * (np.arange(DIRECTIONS)[:, None] + 0.5)
+    for t in np.array_split(angles, 1 + DIRECTIONS * len(xyz) // AT_ONCE):
+        across = np.array([b * np.cos(t), a * np.sin(t)])
+        length = np.linalg.norm(across, axis=0)
+        e = across / length
         i_0, i_1 = _ellipse_waves(contact, e, x * e[0] + y * e[1], depth)
-        total += a * b / length**2 * _plane_wave(i_0, i_1, e, friction, poisson)
+        waves = _plane_wave(i_0, i_1, e, friction, poisson)
+        total += np.einsum("t,tnc->nc", (a * b / length**2).ravel(), waves)
     return np.asarray(total / (2 * math.pi * DIRECTIONS))
 
 
@@ -122,27 +126,24 @@ def _strip_waves(contact: LineContact, s: Array, depth: Array) -> tuple[Complex,
     return 1j * potential, -depth * potential / root
 
 
-def _ellipse_waves(
-    contact: Ellipse, e: tuple[float, float], s: Array, depth: Array
-) -> tuple[Complex, Complex]:
-    """I_0 and I_1, (n,) complex, MPa: sums of the waves exp(-k depth) and k depth exp(-k depth)
-    of an ellipse in the direction e (unit vector) at s = x e_x + y e_y and depths (n,), mm.
+def _ellipse_waves(contact: Ellipse, e: Array, s: Array, depth: Array) -> tuple[Complex, Complex]:
+    """I_0 and I_1, (t, n) complex, MPa: sums of the waves exp(-k depth) and k depth exp(-k depth)
+    of an ellipse in t directions e (2, t, 1), unit vectors, at s = x e_x + y e_y (t, n) and depths
+    (n,), mm.
     """
-    m = math.hypot(contact.a * e[0], contact.b * e[1])
+    m = np.hypot(contact.a * e[0], contact.b * e[1])
     C = math.pi * contact.a * contact.b * contact.p0 / (2 * m)
     w = s / m + 1j * np.maximum(depth / m, SURFACE)
     L = np.log((w + 1) / (w - 1))
     return -2 * C / m * (w * L - 2), 2j * C / m**2 * depth * (L - 2 * w / (w * w - 1))
 
 
-def _plane_wave(
-    i_0: Complex, i_1: Complex, e: tuple[float, float], friction: float, poisson: float
-) -> Array:
-    """Stress (n, 6), columns xx, yy, zz, xy, xz, yz, MPa, of waves exp(i k s - k d) of a pressure p
-    and a traction friction * p along x: the real part of the sum over all wave numbers k.
+def _plane_wave(i_0: Complex, i_1: Complex, e: Array, friction: float, poisson: float) -> Array:
+    """Stress (..., n, 6), columns xx, yy, zz, xy, xz, yz, MPa, of waves exp(i k s - k d) of a
+    pressure p and a traction friction * p along x: the real part of the sum over all wave numbers.
 
-    i_0, i_1: sums of p exp(-k d) and of p k d exp(-k d), (n,) complex, MPa; e: unit vector of s,
-        the direction of the waves in the surface; d: depth; t: across s.
+    i_0, i_1: sums of p exp(-k d) and of p k d exp(-k d), (..., n) complex, MPa; e (2, ...): unit
+        vector of s, the direction of the waves in the surface; d: depth; t: across s.
     In the plane of s and d: under p, s_ss = -(1 - k d) p, s_dd = -(1 + k d) p, s_sd = i k d p;
     under q along s, s_ss = i (2 - k d) q, s_dd = i k d q, s_sd = -(1 - k d) q; under q across,
     s_td = -q and s_st = i q.
@@ -153,7 +154,7 @@ def _plane_wave(
     sd = (1j * i_1 - along * (i_0 - i_1)).real
     tt, td, st = poisson * (ss + dd), (-across * i_0).real, (1j * across * i_0).real
     c, s = e
-    return np.column_stack(
+    return np.stack(
         (
             c * c * ss - 2 * c * s * st + s * s * tt,
             s * s * ss + 2 * c * s * st + c * c * tt,
@@ -161,5 +162,6 @@ def _plane_wave(
             c * s * (ss - tt) + (c * c - s * s) * st,
             s * td - c * sd,  # z points up
             -s * sd - c * td,
-        )
+        ),
+        axis=-1,
     )
