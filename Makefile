@@ -2,6 +2,9 @@
 STUDIES = accuracy-cost effect-accuracy error-bounds load-sweep scaling ranks thesis effects plasticity passes creep profiles hard-cases fuzz
 ROOMS = cases meshing postprocess solver theory
 
+# Compiled modules and tests are kept, whatever the environment says.
+unexport PYTHONDONTWRITEBYTECODE
+
 run: setup
 	.venv/bin/railhead run uic54_thesis
 

@@ -18,6 +18,7 @@ STEPS = 60  # of Newton's method; 4 to 16 are usual
 # needed, and forces differ by 4e-8.
 LINEAR_TOLERANCE = 1e-2
 KRYLOV = 200  # iterations of a linear solve; 8 to 20 are usual
+SLOWDOWN = 2.0  # of the iterations, after which the preconditioner is made anew: it costs 7 of them
 
 
 class CoulombSolver:
@@ -38,6 +39,8 @@ class CoulombSolver:
         self._step = 1 / float(influence.line[:, 0].mean())  # r
         cells = np.arange(len(bound))
         self._line = self._step * influence.line[:, cells[:, None] - cells]  # (2, nx, nx)
+        self._inverses: Array | None = None  # of the preconditioner, (2, ny, nx, nx)
+        self._usual = 0  # iterations with new inverses
 
     def solve(self, slip: Array, tolerance: float, guess: Array | None = None) -> Array:
         """Tractions q (2, nx, ny), MPa, zero outside of the patch, for the slip w (2, nx, ny) of
@@ -85,12 +88,16 @@ class CoulombSolver:
         derivative of the projection at z, by GMRES to 1 % (LINEAR_TOLERANCE).
 
         ratio: scaling factor (nx, ny) of the projection; right: (2, nx, ny). The preconditioner
-            contains the part of C by which cells of a line along x influence each other.
+            contains the part of C by which cells of a line along x influence each other. It is
+            kept until a solve takes more iterations than SLOWDOWN allows.
         """
         D, shape = _derivative(z, ratio), right.shape
-        one = np.eye(shape[1])
-        own = np.stack([D[0, 0], D[1, 1]]).transpose(0, 2, 1)[..., None]  # (2, ny, nx, 1)
-        inverses = np.linalg.inv(one - own * one + own * self._line[:, None])
+        fresh, taken = self._inverses is None, []
+        if fresh:
+            one = np.eye(shape[1])
+            own = np.stack([D[0, 0], D[1, 1]]).transpose(0, 2, 1)[..., None]  # (2, ny, nx, 1)
+            self._inverses = np.linalg.inv(one - own * one + own * self._line[:, None])
+        inverses = self._inverses
 
         def tangent(flat: Array) -> Array:
             """The matrix (I - D + r D C) times a flat vector."""
@@ -107,7 +114,20 @@ class CoulombSolver:
             for each in (tangent, nearly_inverse)
         )
         atol = LINEAR_TOLERANCE * float(np.linalg.norm(right))
-        dq, _ = gmres(matrix, right.ravel(), M=inverse, restart=KRYLOV, maxiter=1, atol=atol)
+        dq, _ = gmres(
+            matrix,
+            right.ravel(),
+            M=inverse,
+            restart=KRYLOV,
+            maxiter=1,
+            atol=atol,
+            callback=taken.append,
+            callback_type="pr_norm",
+        )
+        if fresh:
+            self._usual = len(taken)
+        elif len(taken) > SLOWDOWN * self._usual:
+            self._inverses = None
         return np.asarray(dq.reshape(shape))
 
 
