@@ -170,6 +170,7 @@ class ContactProblem:
         is shared (collective).
         """
         other = replace(self, law=law)
+        other._tangents = self._tangents  # the other problem may be gone before its tangents are
         if self.consistency:
             other.stiffness = self.stiffness.copy()
             other.add_consistency(self.consistency * (self.weight - other.weight))
@@ -257,7 +258,7 @@ class ContactProblem:
         diagonal; no matrix is assembled.
         """
         # Rows of a tangent are freed after it, see `Tangent.problem`.
-        self._tangents = [each for each in self._tangents if each[0]() is not None]
+        self._tangents[:] = [each for each in self._tangents if each[0]() is not None]
         context, stiffness = self.tangent_context(self, active), self.stiffness
         self._tangents.append((weakref.ref(context), context.rows))
         matrix = PETSc.Mat().createPython(stiffness.sizes, context, comm=stiffness.comm)
