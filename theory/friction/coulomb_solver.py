@@ -92,13 +92,13 @@ class CoulombSolver:
             kept until a solve takes more iterations than SLOWDOWN allows.
         """
         D, shape = _derivative(z, ratio), right.shape
-        inverses, fresh = self._inverses, self._inverses is None
-        taken: list[float] = []
-        if inverses is None:
+        fresh, taken = self._inverses is None, list[float]()
+        if self._inverses is None:
             one = np.eye(shape[1])
             own = np.stack([D[0, 0], D[1, 1]]).transpose(0, 2, 1)[..., None]  # (2, ny, nx, 1)
-            inverses = np.linalg.inv(one - own * one + own * self._line[:, None])
-            self._inverses = inverses
+            matrices = one - own * one + own * self._line[:, None]
+            self._inverses = np.asarray(np.linalg.inv(matrices), dtype=np.float64)
+        inverses: Array = self._inverses
 
         def tangent(flat: Array) -> Array:
             """The matrix (I - D + r D C) times a flat vector."""
