@@ -46,9 +46,9 @@ class Tangent:
         """Collective."""
         self.problem = weakref.proxy(problem)
         self.active = active
-        own, test = problem.normal_operator, problem.test_operator
-        rows = select_rows(own, np.flatnonzero(active))
-        self.rows = rows, rows if test is own else select_rows(test, np.flatnonzero(active))
+        points, symmetric = np.flatnonzero(active), problem.law.symmetric
+        normal = select_rows(problem.normal_operator, points)
+        self.rows = normal, normal if symmetric else select_rows(problem.test_operator, points)
 
     def mult(self, _: PETSc.Mat, x: PETSc.Vec, y: PETSc.Vec) -> None:
         """Product of the tangent with x, written into y; called by PETSc."""
@@ -157,14 +157,6 @@ class ContactProblem:
         """
         return float((self.law.theta or 0) * self.law.sigma)
 
-    def add_consistency(self, weight: Array) -> None:
-        """Add S^T diag(weight) S to the stiffness, in place (collective).
-
-        S: normal stress per free unknown. weight: (n,), mm3/N. Normal stress depends on the nodes
-        of one cell, so that the blocks of the stiffness have place for all entries.
-        """
-        self.stiffness.add(self.stress, weight)
-
     def with_law(self, law: ContactLaw) -> ContactProblem:
         """This problem with another law of the same method and theta; what does not depend on it
         is shared (collective).
@@ -173,7 +165,8 @@ class ContactProblem:
         other._tangents = self._tangents  # the other problem may be gone before its tangents are
         if self.consistency:
             other.stiffness = self.stiffness.copy()
-            other.add_consistency(self.consistency * (self.weight - other.weight))
+            change = self.consistency * (self.weight - other.weight)
+            other.stiffness.add(self.stress, change)
         return other
 
     def add_consistency_forces(self, stress: Array, out: PETSc.Vec) -> None:
@@ -354,6 +347,6 @@ def reduce_problem(
         start_gap=interface.initial_gap,
         start_stress=np.zeros_like(gap_per_approach),
     )
-    if problem.consistency:
-        problem.add_consistency(-problem.consistency * problem.weight)
+    if problem.consistency:  # normal stress depends on the nodes of one cell, as blocks do
+        reduced.add(problem.stress, -problem.consistency * problem.weight)
     return problem

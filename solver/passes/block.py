@@ -114,7 +114,7 @@ class Block:
         return compat.dof_points(self._assembled[0].space)
 
     def at(self, axis: int, value: float) -> NDArray[np.bool_]:
-        """Mask (n,) of the nodes whose coordinate of this axis has a value, mm."""
+        """Mask (n,) of the nodes on a plane: their coordinate number `axis` is `value`, mm."""
         scale = max(float(np.abs(each).max()) for each in self.axes)
         return np.asarray(np.abs(self.nodes[:, axis] - value) < NEAR * scale)
 

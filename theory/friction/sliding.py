@@ -70,9 +70,9 @@ def stress(contact: Hertz, friction: float, poisson: float, points: ArrayLike) -
     a, b, total = contact.a, contact.b, np.zeros((len(xyz), 6))
     angles = math.pi / DIRECTIONS * (np.arange(DIRECTIONS)[:, None] + 0.5)
     for t in np.array_split(angles, 1 + DIRECTIONS * len(xyz) // AT_ONCE):
-        across = np.array([b * np.cos(t), a * np.sin(t)])
-        length = np.linalg.norm(across, axis=0)
-        e = across / length
+        e = np.array([b * np.cos(t), a * np.sin(t)])
+        length = np.linalg.norm(e, axis=0)
+        e /= length
         i_0, i_1 = _ellipse_waves(contact, e, x * e[0] + y * e[1], depth)
         waves = _plane_wave(i_0, i_1, e, friction, poisson)
         total += np.einsum("t,tnc->nc", (a * b / length**2).ravel(), waves)
