@@ -16,7 +16,7 @@ from sweep_command import one_after_the_other
 
 from railhead.meshing import mesh
 from railhead.planning import cost
-from railhead.postprocess.pictures.plots import diagrams
+from railhead.postprocess.pictures import diagrams
 from railhead.sweeps import worker_pool
 from railhead.theory.elastic.hertz import Ellipse, contact_modulus, point_contact
 

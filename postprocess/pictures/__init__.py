@@ -1,1 +1,1 @@
-"""Pictures of one result: diagrams (plots/) and views in space (views/)."""
+"""Pictures of results, sweeps and profiles: diagrams, and bodies in space."""

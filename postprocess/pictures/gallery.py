@@ -1,24 +1,123 @@
-"""All pictures of one result."""
+"""The pictures of one result: what they show, the file that keeps it, and all that are drawn."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields, is_dataclass
 from functools import partial
+from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from railhead.meshing.bodies import RAIL
-from railhead.postprocess.pictures.kept import Shown
-from railhead.postprocess.pictures.plots import (
-    diagrams,
-    friction_plots,
-    passes_plots,
-    plastic_plots,
-)
-from railhead.postprocess.pictures.plots.diagrams import Drawing
-from railhead.theory.elastic.line import LineContact
+from railhead.theory.elastic.line import Hertz, LineContact
 
 if TYPE_CHECKING:
     import meshio
+
+    from railhead.postprocess.findings import Findings
+    from railhead.postprocess.pass_rows import Passes
+    from railhead.postprocess.pictures.diagrams import Drawing
+    from railhead.postprocess.pictures.plastic_plots import Yielded
+    from railhead.postprocess.symmetry import Planes
+    from railhead.solver.system.solution import FrictionSolution
+
+ROOMS = (
+    "postprocess.findings",
+    "postprocess.pass_rows",
+    "postprocess.pictures.gallery",
+    "postprocess.pictures.plastic_plots",
+    "solver.system.solution",
+    "theory.elastic.hertz",
+    "theory.elastic.line",
+)
+"""Modules whose dataclasses a file may hold."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shown:
+    """What the pictures of one result show, but for the cells of the bodies.
+
+    found: findings with the whole contact surface, title, units and notes.
+    exact: exact Hertz contact, or None; a line contact of finite elements only of a section.
+    poisson: Poisson's ratio of the body of `found.axis`.
+    coefficient: of friction.
+    axes: along which the pressure of finite elements varies: 0 for x, 1 for s, of a section one.
+    planes: unit normals of the symmetry planes at which `friction` was cut.
+    cut: of those at which the cells of solution.vtu were cut.
+    friction: tractions at contact points; None without friction.
+    yielded: what yield left; None where nothing yields.
+    passes: None without them.
+    """
+
+    found: Findings
+    exact: Hertz | None
+    poisson: float
+    coefficient: float
+    axes: Sequence[int] = (0, 1)
+    planes: Planes = ()
+    cut: Planes = ()
+    friction: FrictionSolution | None = None
+    yielded: Yielded | None = None
+    passes: Passes | None = None
+
+
+def save(shown: Shown, path: Path) -> None:
+    """Write what pictures show into a .npz file: its arrays, and all else as JSON. OSError: it
+    cannot be written.
+    """
+    arrays: list[Any] = []
+    plain = json.dumps(_plain(shown, arrays), default=lambda value: value.item())  # of numpy
+    np.savez_compressed(path, *arrays, plain=plain)
+
+
+def load(path: Path) -> Shown:
+    """What pictures show, of a file. Raises ValueError (one line) for a file that is missing,
+    damaged, or of another version of the program.
+    """
+    modules = [vars(import_module(f"railhead.{name}")) for name in ROOMS]
+    known = {
+        name: value for names in modules for name, value in names.items() if is_dataclass(value)
+    }
+    try:
+        with np.load(path) as file:
+            shown = _restored(json.loads(str(file["plain"])), file, known)
+        if not isinstance(shown, Shown):
+            raise TypeError
+    except Exception:  # the kind of error depends on the damaged part
+        text = "is missing, damaged, or of another version; run the scene again for its pictures"
+        raise ValueError(f"{path.name} {text}") from None
+    return shown
+
+
+def _plain(value: Any, arrays: list[Any]) -> Any:
+    """A value as JSON knows it: an array by its number in `arrays`, to which it is added, an object
+    of a dataclass as a table of its fields and its class.
+    """
+    if isinstance(value, np.ndarray):
+        arrays.append(value)
+        return {"array": f"arr_{len(arrays) - 1}"}
+    if is_dataclass(value):
+        table = {each.name: _plain(getattr(value, each.name), arrays) for each in fields(value)}
+        return {"class": type(value).__name__, **table}
+    if isinstance(value, Mapping):
+        return {key: _plain(each, arrays) for key, each in value.items()}
+    return [_plain(each, arrays) for each in value] if isinstance(value, list | tuple) else value
+
+
+def _restored(value: Any, arrays: Mapping[str, Any], known: Mapping[str, Any]) -> Any:
+    """The value that `_plain` made this of, with tuples as lists. known: classes by name."""
+    if isinstance(value, list):
+        return [_restored(each, arrays, known) for each in value]
+    if not isinstance(value, dict):
+        return value
+    if "array" in value:
+        return arrays[value["array"]]
+    held = {key: _restored(each, arrays, known) for key, each in value.items() if key != "class"}
+    return known[value["class"]](**held) if "class" in value else held
 
 
 def drawings(
@@ -31,6 +130,8 @@ def drawings(
         included; called by the pictures that need it. steel: "friction" of the result in
         summary.json, empty without friction.
     """
+    from railhead.postprocess.pictures import diagrams, friction_plots, plastic_plots
+
     found, exact = shown.found, shown.exact
     every: dict[str, Drawing]
     if found.subject.method != "half-spaces":
@@ -45,9 +146,11 @@ def drawings(
     else:
         every = {"patch.png": partial(diagrams.patch, found, exact)}
     if shown.passes is not None:
-        every["passes.png"] = partial(passes_plots.draw, shown.passes, found)
+        every["passes.png"] = partial(plastic_plots.draw_passes, shown.passes, found)
         if len(shown.passes.sections[-1].y) > 1:
-            every["passes_section.png"] = partial(passes_plots.draw_section, shown.passes, found)
+            every["passes_section.png"] = partial(
+                plastic_plots.draw_passes_section, shown.passes, found
+            )
     if shown.friction is not None:
         every["friction.png"] = partial(
             friction_plots.draw_tractions,
@@ -62,7 +165,7 @@ def drawings(
 def _of_bodies(shown: Shown, cells: Callable[[], meshio.Mesh]) -> dict[str, Drawing]:
     """Pictures of pressure and stress in meshed bodies; arguments as of `drawings`."""
     from railhead.postprocess import vtu
-    from railhead.postprocess.pictures.views import render, section_views
+    from railhead.postprocess.pictures import diagrams, render, stress_cuts
 
     found, exact = shown.found, shown.exact
 
@@ -77,15 +180,15 @@ def _of_bodies(shown: Shown, cells: Callable[[], meshio.Mesh]) -> dict[str, Draw
     if len(shown.axes) == 1:
         (axis,) = shown.axes
         return every | {
-            "wheel_rail.png": in_cells(section_views.bodies, axis, found),
-            "stress_cut.png": in_cells(section_views.stress_cut, axis, found),
+            "wheel_rail.png": in_cells(render.section, axis, found),
+            "stress_cut.png": in_cells(stress_cuts.of_section, axis, found),
         }
     if found.subject.rolls:
-        every["stress_cut_along.png"] = in_cells(render.stress_cut, 0, found)
+        every["stress_cut_along.png"] = in_cells(stress_cuts.of_solid, 0, found)
     contact = vtu.contact_grid({RAIL: found.surface})  # of any body: it is drawn without light
     return every | {
         "patch.png": partial(diagrams.patch, found, exact),
         "wheel_rail.png": in_cells(render.wheel_rail, found),
-        "stress_cut.png": in_cells(render.stress_cut, 1, found),
+        "stress_cut.png": in_cells(stress_cuts.of_solid, 1, found),
         "patch_on_rail.png": partial(render.patch_on_rail, contact, found, exact),
     }

@@ -34,7 +34,7 @@ from railhead.scene.scene import Scene, SceneError, assigned, checked
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from railhead.postprocess.pictures.plots.diagrams import Drawing
+    from railhead.postprocess.pictures.diagrams import Drawing
 
 CLEARANCE = 0.05  # mm, largest gap of a contact, of the size of elastic approaches
 SHIFTS = np.linspace(-10.0, 10.0, 81)  # mm, of pictures and positions.csv
@@ -158,7 +158,7 @@ class Location(terminal.Drawn):
 
     def drawings(self, units: Units = BASE_UNITS) -> dict[str, Drawing]:
         """Functions that draw the pictures, by name of their PNG file. units: of their numbers."""
-        from railhead.postprocess.pictures.plots import profile_plots
+        from railhead.postprocess.pictures import profile_plots
 
         scene, pair, swept = self.scene, self.pair, self.swept
         wheel, rail = Path(scene.wheel.profile).name, Path(scene.rail.profile).name
@@ -317,7 +317,7 @@ class ExaminedProfile(terminal.Drawn):
 
     def drawings(self, units: Units = BASE_UNITS) -> dict[str, Drawing]:
         """Function that draws the picture, by name of its PNG file. units: of its numbers."""
-        from railhead.postprocess.pictures.plots import profile_plots
+        from railhead.postprocess.pictures import profile_plots
 
         subject = Subject(units=units)
         draw = partial(profile_plots.draw_profile, self.measured, self.worn, subject)

@@ -20,8 +20,8 @@ from railhead.scene.scene import Scene
 if TYPE_CHECKING:
     import meshio
 
-    from railhead.postprocess.pictures.kept import Shown
-    from railhead.postprocess.pictures.plots.diagrams import Drawing
+    from railhead.postprocess.pictures.diagrams import Drawing
+    from railhead.postprocess.pictures.gallery import Shown
 
 TABLE, PASSES, STATE = "result.csv", "passes.csv", "passes.npz"
 PROFILE, SHOWN = "rail_profile.csv", "pictures.npz"
@@ -60,12 +60,10 @@ def write(
         with attempt(SHOWN):
             shown = _shown(solved, units, whole=whole)
             if shown is not None:
-                from railhead.postprocess.pictures import kept
+                from railhead.postprocess.pictures import gallery
 
-                kept.save(shown, work / SHOWN)
+                gallery.save(shown, work / SHOWN)
         if pictures and shown is not None:
-            from railhead.postprocess.pictures import gallery
-
             result_folder.draw(gallery.drawings(shown, cells, _friction(summary)), work, attempt)
         if report:
             with attempt("report.html"):
@@ -110,11 +108,11 @@ def kept_drawings(folder: Path, summary: Mapping[str, Any], units: Units) -> dic
     """
     from meshio import vtu
 
-    from railhead.postprocess.pictures import gallery, kept
+    from railhead.postprocess.pictures import gallery
 
     if summary["result"] is None:
         raise ValueError("there is nothing to draw: nothing touches")
-    shown = kept.load(folder / SHOWN)
+    shown = gallery.load(folder / SHOWN)
     subject = replace(shown.found.subject, units=units)
     shown = replace(shown, found=replace(shown.found, subject=subject))
     cells = cache(lambda: symmetry.grid(vtu.read(folder / "solution.vtu"), shown.cut))
@@ -181,13 +179,13 @@ def _shown(solved: Solved, units: Units, *, whole: bool = False) -> Shown | None
     found, plan = solved.findings, solved.plan
     if found is None:
         return None
-    from railhead.postprocess.pictures import kept
+    from railhead.postprocess.pictures import gallery
 
     after = solved.after.items()
     needed = tuple(f"{name.replace('_', ' ')}: {each.why}" for name, each in after if each.needed)
     found = replace(found, notes=needed, subject=subject(plan, solved.load, units))
     passes = solved.passes if solved.passes is not None and solved.passes.rows else None
-    shown = kept.Shown(
+    shown = gallery.Shown(
         found=found,
         # Hertz's ellipse lies at the first contact, which need not be the most loaded of several.
         exact=solved.ellipse if len(found.patch.each) < 2 else None,
@@ -203,7 +201,7 @@ def _shown(solved: Solved, units: Units, *, whole: bool = False) -> Shown | None
     found = replace(found, surface=symmetry.surface(found.surface, planes))
     yielded = None
     if residual is not None and elastic is not None and elastic.findings:
-        from railhead.postprocess.pictures.plots import plastic_plots
+        from railhead.postprocess.pictures import plastic_plots
 
         yielded = plastic_plots.read(fields, residual, found, elastic.findings)
     return replace(

@@ -20,7 +20,7 @@ from railhead.scene.catalogue import as_path
 from railhead.scene.scene import SceneError
 
 if TYPE_CHECKING:
-    from railhead.postprocess.pictures.plots.diagrams import Drawing
+    from railhead.postprocess.pictures.diagrams import Drawing
     from railhead.solver.system.fields import Fields
     from railhead.solver.system.solution import FrictionSolution
     from railhead.theory.elastic.line import Hertz
@@ -247,7 +247,7 @@ class Result(terminal.Drawn):
         whole: whether the mirror images of what symmetry left out are added.
         ValueError: nothing touches, off rank 0, half-spaces, or a loaded result.
         """
-        from railhead.postprocess.pictures.views.camera import load_pyvista
+        from railhead.postprocess.pictures.render import load_pyvista
         from railhead.results import files
 
         pv, stresses = load_pyvista(), files.nodal_stress(self.solved)

@@ -268,7 +268,7 @@ def _write(
         label of y in the pictures.
     """
     from railhead.postprocess import vtu
-    from railhead.postprocess.pictures.plots import sweep_plots as plots
+    from railhead.postprocess.pictures import sweep_plots as plots
 
     grid, folder, failures = sweep.grid, sweep.folder, list[str]()
 

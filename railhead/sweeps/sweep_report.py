@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from railhead.postprocess.findings import Units
-from railhead.postprocess.pictures.plots.sweep_plots import PANELS
+from railhead.postprocess.pictures.sweep_plots import PANELS
 from railhead.results import result_folder
 from railhead.results.report import html
 from railhead.scene.scene import Scene

@@ -24,7 +24,7 @@ from railhead.sweeps import parallel, store, sweep_report, sweep_table
 from railhead.sweeps.grid import ParameterGrid, column
 
 if TYPE_CHECKING:
-    from railhead.postprocess.pictures.plots.diagrams import Drawing
+    from railhead.postprocess.pictures.diagrams import Drawing
 
 Row = dict[str, Any]
 
@@ -72,7 +72,7 @@ class Sweep(terminal.Drawn, list[Result]):
 
     def drawings(self, units: Units = BASE_UNITS) -> dict[str, Drawing]:
         """Functions that draw the pictures, by name of their PNG file. units: of their numbers."""
-        from railhead.postprocess.pictures.plots import sweep_plots as plots
+        from railhead.postprocess.pictures import sweep_plots as plots
 
         columns = [column(key) for key in self.keys]
         title = f"sweep of {self._name} over {' and '.join(self.keys)}"

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 
 from railhead.meshing.mesh import MeshError
 from railhead.planning import simulation_plan as planning
-from railhead.postprocess.pictures.plots.diagrams import new_figure
+from railhead.postprocess.pictures.diagrams import new_figure
 from railhead.results import pipeline
 from railhead.run.progress import Progress
 from railhead.scene import catalogue

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from railhead.planning import simulation_plan as planning
-from railhead.postprocess.pictures.plots.diagrams import new_figure
+from railhead.postprocess.pictures.diagrams import new_figure
 from railhead.results import pipeline
 from railhead.run.progress import Progress
 from railhead.run.quantities import numeric_values

@@ -17,7 +17,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import FuncFormatter
 
-from railhead.postprocess.pictures.plots.diagrams import new_figure
+from railhead.postprocess.pictures.diagrams import new_figure
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene
 from studies import tables

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 
 from railhead.geometry import profiles
 from railhead.geometry.placement import ProfilePair, Track, place
-from railhead.postprocess.pictures.plots.diagrams import FE, GREY, HERTZ, new_figure
+from railhead.postprocess.pictures.diagrams import FE, GREY, HERTZ, new_figure
 from studies import tables
 from studies.mechanics import creep_runs as changes
 from studies.mechanics import creep_runs as curves

@@ -20,7 +20,7 @@ from railhead.planning.simulation_plan import Plan
 from railhead.postprocess import read
 from railhead.postprocess.findings import Array, Frame
 from railhead.postprocess.patch import compare
-from railhead.postprocess.pictures.plots.diagrams import FE, HERTZ, new_figure
+from railhead.postprocess.pictures.diagrams import FE, HERTZ, new_figure
 from railhead.run import mesh_solution
 from railhead.run.progress import Progress
 from railhead.scene import catalogue

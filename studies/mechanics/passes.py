@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import railhead as rh
-from railhead.postprocess.pictures.plots.diagrams import FE, GREY, HERTZ, new_figure
+from railhead.postprocess.pictures.diagrams import FE, GREY, HERTZ, new_figure
 from railhead.run.half_spaces import pass_contact, passes_of_scene
 from railhead.scene import catalogue
 from railhead.solver.material.elasticity import Material

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import railhead as rh
-from railhead.postprocess.pictures.plots.diagrams import FE, GREY, HERTZ, new_figure
+from railhead.postprocess.pictures.diagrams import FE, GREY, HERTZ, new_figure
 from railhead.scene import catalogue
 from railhead.theory.elastic import indentation
 from studies import tables

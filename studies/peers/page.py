@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from railhead.postprocess.pictures.plots.diagrams import FE, new_figure
+from railhead.postprocess.pictures.diagrams import FE, new_figure
 from railhead.run.quantities import numeric_values
 from railhead.theory.elastic import hertz
 from studies import processes, tables

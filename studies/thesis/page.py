@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array, AxisPressure, DepthAxis, Findings, Surface
 from railhead.postprocess.patch.surface import facing_facets, triangulated
-from railhead.postprocess.pictures.plots.diagrams import FE, GREY, HERTZ, new_figure
+from railhead.postprocess.pictures.diagrams import FE, GREY, HERTZ, new_figure
 from railhead.postprocess.stress.gauss_points import nodal_stress
 from railhead.solver.system.fields import Fields
 from railhead.theory.elastic.hertz import Ellipse

@@ -7,7 +7,7 @@ import pytest
 from matplotlib.axes import Axes
 
 from railhead.postprocess.findings import Subject, Units
-from railhead.postprocess.pictures.plots import sweep_plots as plots
+from railhead.postprocess.pictures import sweep_plots as plots
 from railhead.sweeps import store, sweep_table
 
 

@@ -273,7 +273,7 @@ def _views(
     if found is None or solved.fields is None:
         return [], "", "nothing touches"
     try:
-        from railhead.postprocess.pictures.views import turning
+        from railhead.postprocess.pictures import turning
 
         views = [
             {**vars(view), "scene": _encoded(view.scene), "still": picture(view.still)}

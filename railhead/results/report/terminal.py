@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from railhead.postprocess.pictures.plots.diagrams import Drawing
+    from railhead.postprocess.pictures.diagrams import Drawing
 
 WIDTH = 80  # characters where there is no terminal
 WIDEST = 80  # characters of a table of numbers, which are never cut: it goes on below
@@ -87,7 +87,7 @@ class Drawn(Printed):
         ValueError: there is no such picture (the message names those that are), or another number
             of axes; nothing touches, off rank 0, or a folder without pictures.npz.
         """
-        from railhead.postprocess.pictures.plots import diagrams
+        from railhead.postprocess.pictures import diagrams
 
         return diagrams.draw_one(self.drawings(), picture, ax)
 

@@ -11,7 +11,7 @@ from solved import draw_only, solved
 from railhead.planning import effects
 from railhead.planning import simulation_plan as planning
 from railhead.planning.effects import assumptions, interface
-from railhead.postprocess.pictures.plots import diagrams
+from railhead.postprocess.pictures import diagrams
 from railhead.results.report import terminal
 from railhead.scene import catalogue
 from railhead.scene.scene import SceneError

@@ -12,8 +12,7 @@ from railhead.postprocess import vtu
 from railhead.postprocess.findings import Frame, Subject
 from railhead.postprocess.patch import patch
 from railhead.postprocess.patch.separate_patches import separate_patches
-from railhead.postprocess.pictures.plots import diagrams
-from railhead.postprocess.pictures.views import render
+from railhead.postprocess.pictures import diagrams, render
 
 
 def lopsided(case):

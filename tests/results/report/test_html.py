@@ -17,8 +17,7 @@ from PIL import Image
 from railhead import api
 from railhead.planning.effects import in_words
 from railhead.postprocess.findings import Units
-from railhead.postprocess.pictures import gallery
-from railhead.postprocess.pictures.views import turning
+from railhead.postprocess.pictures import gallery, turning
 from railhead.results import quantity_rows, result_folder
 from railhead.results.report import html, output_units, terminal
 from railhead.results.subject import subject

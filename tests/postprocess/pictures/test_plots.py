@@ -9,7 +9,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.image import imread
 
 from railhead.postprocess.findings import OnePatch
-from railhead.postprocess.pictures.plots import diagrams
+from railhead.postprocess.pictures import diagrams
 
 
 def image(path):

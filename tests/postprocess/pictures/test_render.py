@@ -14,9 +14,8 @@ from matplotlib.image import imread
 
 from railhead.postprocess import vtu
 from railhead.postprocess.findings import Findings, Frame
-from railhead.postprocess.pictures.plots import diagrams
-from railhead.postprocess.pictures.views import render, turning
-from railhead.postprocess.pictures.views.camera import Camera, load_pyvista
+from railhead.postprocess.pictures import diagrams, render, stress_cuts, turning
+from railhead.postprocess.pictures.render import Camera, load_pyvista
 from railhead.solver.space.kinematics import Kinematics
 from railhead.solver.system.fields import Fields
 
@@ -32,7 +31,7 @@ def draw(case: Any, folder) -> dict[str, Any]:
     volume = case.volume
     contact = vtu.contact_grid({1: case.findings.surface})
     render.wheel_rail(volume, case.findings, folder / "wheel_rail.png")
-    render.stress_cut(volume, 1, case.findings, folder / "stress_cut.png")
+    stress_cuts.of_solid(volume, 1, case.findings, folder / "stress_cut.png")
     render.patch_on_rail(contact, case.findings, case.ellipse, folder / "patch_on_rail.png")
     return {path.stem: image(path) for path in folder.iterdir()}
 

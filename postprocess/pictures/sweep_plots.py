@@ -17,7 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from railhead.postprocess.findings import Array, Subject, Units
-from railhead.postprocess.pictures.plots.diagrams import FE, HERTZ, Drawing, Target, new_figure
+from railhead.postprocess.pictures.diagrams import FE, HERTZ, Drawing, Target, new_figure
 
 Rows = Sequence[Mapping[str, Any]]
 PLACE = "patch y [mm]"

@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 
 from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array, Findings, Subject, brief
-from railhead.postprocess.pictures.plots.diagrams import (
+from railhead.postprocess.pictures.diagrams import (
     FE,
     GREY,
     HERTZ,

@@ -14,7 +14,7 @@ from railhead.geometry.measured.measured_profile import Measured, inner
 from railhead.geometry.measured.standards import LaidStandard
 from railhead.geometry.placement import ContactPoint, Placed, ProfilePair, Side
 from railhead.postprocess.findings import Array, Subject
-from railhead.postprocess.pictures.plots.diagrams import Target, minus, new_figure
+from railhead.postprocess.pictures.diagrams import Target, minus, new_figure
 
 RAIL, WHEEL, MARK, FURTHER = "#555555", "#1f4e79", "#c8502d", "#7b4fa3"
 SAMPLES = 1500

@@ -13,13 +13,14 @@ import numpy as np
 
 from railhead.postprocess import vtu
 from railhead.postprocess.findings import Array, Findings
-from railhead.postprocess.pictures.views.camera import Camera, load_pyvista
-from railhead.postprocess.pictures.views.render import (
+from railhead.postprocess.pictures.render import (
     EDGE,
     FREE_SURFACE,
     SHADE,
+    Camera,
     behind,
     bodies_of,
+    load_pyvista,
     outer,
     split,
 )

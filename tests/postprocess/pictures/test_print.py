@@ -13,9 +13,15 @@ from matplotlib.text import Text
 
 from railhead.postprocess import vtu
 from railhead.postprocess.findings import AxisPressure, OnePatch, Subject, Units
-from railhead.postprocess.pictures.plots import diagrams, friction_plots, plastic_plots, sweep_plots
-from railhead.postprocess.pictures.plots.plastic_plots import Yielded
-from railhead.postprocess.pictures.views import render
+from railhead.postprocess.pictures import (
+    diagrams,
+    friction_plots,
+    plastic_plots,
+    render,
+    stress_cuts,
+    sweep_plots,
+)
+from railhead.postprocess.pictures.plastic_plots import Yielded
 
 TITLE = "a case of many words: 110.3 kN, wheel R 420 mm, tread cone20, on rail 54E1, half-spaces"
 
@@ -81,7 +87,7 @@ def test_all_patches_are_in_every_picture(blocks, sheets: list[Figure], tmp_path
     grid = vtu.contact_grid({1: found.surface})
     render.wheel_rail(volume, found, tmp_path / "w.png")
     render.patch_on_rail(grid, found, None, tmp_path / "o.png")
-    render.stress_cut(volume, 1, found, tmp_path / "s.png")
+    stress_cuts.of_solid(volume, 1, found, tmp_path / "s.png")
     diagrams.patch(found, None, tmp_path / "p.png")
     places = (1, 0, 0, 0)  # of the panel
     for figure, place in zip(sheets, places, strict=True):
@@ -99,7 +105,7 @@ def test_a_cut_along_the_rail_says_where_it_is(blocks, sheets: list[Figure], tmp
     case = blocks(cut=False)
     found = two_patches(case)
     found = replace(found, along=replace(found.along, at=0.5))
-    render.stress_cut(case.volume, 0, found, tmp_path / "s.png")
+    stress_cuts.of_solid(case.volume, 0, found, tmp_path / "s.png")
     (figure,) = sheets
     assert figure.axes[0].get_xlabel() == found.subject.label(0)
     edges = [line for line in figure.axes[0].lines if line.get_gid() == "contact patch"]
@@ -124,7 +130,7 @@ def test_long_labels_do_not_leave_the_sheet(blocks, sheets: list[Figure], tmp_pa
     }
     names = {"rail": "lower cylinder", "wheel": "upper cylinder"}
     found = replace(case.findings, largest=largest, subject=Subject(TITLE, names))
-    render.stress_cut(case.volume, 1, found, tmp_path / "s.png")
+    stress_cuts.of_solid(case.volume, 1, found, tmp_path / "s.png")
     diagrams.depth(found, case.ellipse, 0.3, tmp_path / "d.png")
     for figure in sheets:
         assert not cut_off(figure)

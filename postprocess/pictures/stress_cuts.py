@@ -1,15 +1,16 @@
-"""Bands of stress in a cut through both bodies: sigma_3 and the largest shear stress."""
+"""Stresses in a cut through both bodies: bands of sigma_3 and of the largest shear stress."""
 
 from __future__ import annotations
 
 from typing import Any
 
+import meshio
 import numpy as np
 from matplotlib.figure import Figure
 
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.postprocess.findings import Array, Findings
-from railhead.postprocess.pictures.plots.diagrams import (
+from railhead.postprocess.pictures.diagrams import (
     BANDS,
     Target,
     levels,
@@ -17,13 +18,53 @@ from railhead.postprocess.pictures.plots.diagrams import (
     new_figure,
     rounded,
 )
+from railhead.postprocess.pictures.render import bodies_of
 
 LABELS = (r"smallest principal stress $\sigma_3$, MPa", r"largest shear stress $\tau$, MPa")
 LONG = 66  # letters of a label: two longer ones do not fit beside each other
 MAPS = ("YlGnBu_r", "YlOrRd")
 
 
-def draw_fringes(
+def of_solid(grid: meshio.Mesh, axis: int, findings: Findings, target: Target = None) -> Figure:
+    """The smallest principal stress and the largest shear stress in a plane cut through the
+    contact: across the rail, at the x of the frame's origin, or along it and normal to the patch,
+    at the s of the largest pressure.
+
+    grid: cells with nodal stresses, as `vtu.volume_grid` makes them. axis: 1 across, 0 along.
+        findings: frame, patch and largest stresses.
+    """
+    frame, patch = findings.frame, findings.patch
+    ends = patch.box if axis else (patch.main.min(axis=0), patch.main.max(axis=0))
+    low, high = (each[axis] for each in ends)
+    half = np.array([1.2 * (high - low), min(0.9 * (high - low), 5 * (patch.b, patch.a)[axis])])
+    centre, cut = np.array([(low + high) / 2, 0.0]), 0.0 if axis else findings.along.at
+    beside = cut + 1e-3 * min(patch.a, patch.b)  # at x = 0 itself there may be faces of cells
+    origin = frame.place(beside, 0.0) if axis else frame.place(0.0, beside)
+    sections = [
+        part.slice(normal=frame.axes[1 - axis], origin=origin).triangulate()
+        for part in bodies_of(grid).values()
+    ]
+    return _draw_fringes(sections, axis, cut, (centre - half, centre + half), findings, target)
+
+
+def of_section(grid: meshio.Mesh, axis: int, findings: Findings, target: Target = None) -> Figure:
+    """The smallest principal stress and the largest shear stress around the contact, of a section
+    in two dimensions; solids are drawn by `of_solid`.
+
+    grid: cells of the whole section with nodal stresses, as `vtu.volume_grid` makes them. axis:
+        0 where the section runs along x, 1 along s.
+    """
+    patch = findings.patch
+    reach = np.array([2.4, 1.8]) * (patch.a, patch.b)[axis]
+    centre = np.array([patch.centre[axis], 0.0])
+    sections = [
+        part.extract_surface(nonlinear_subdivision=1, algorithm="dataset_surface").triangulate()
+        for part in bodies_of(grid).values()
+    ]
+    return _draw_fringes(sections, axis, None, (centre - reach, centre + reach), findings, target)
+
+
+def _draw_fringes(
     sections: list[Any],
     axis: int,
     cut: float | None,

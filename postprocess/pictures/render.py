@@ -1,26 +1,28 @@
-"""Pictures of a solid in space, as PNG files about 1600 pixels wide, or on given axes.
+"""Pictures of the bodies and their mesh, by a parallel camera: PNG files about 1600 pixels wide.
 
-The grids are those of `vtu`, of whole bodies with the images of what symmetry left out; nothing is
-deformed.
+Images of meshes are shaded; lines and labels are placed over them in mm. The grids are those of
+`vtu`, of whole bodies with the images of what symmetry left out; nothing is deformed. All text is
+set by matplotlib. VTK's own colour bars and scales are not used: their number formats go through
+std::regex, which ends the process once the libraries of dolfinx are loaded beside VTK.
 """
 
 from __future__ import annotations
 
+import os
+from dataclasses import dataclass, field
 from typing import Any
 
 import meshio
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import griddata
 from scipy.spatial import cKDTree
 
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.postprocess.findings import Array, Findings, Frame, Patch
-from railhead.postprocess.pictures.plots.diagrams import FE, Target, new_figure
-from railhead.postprocess.pictures.views.camera import Camera, load_pyvista
-from railhead.postprocess.pictures.views.fringes import draw_fringes
+from railhead.postprocess.pictures.diagrams import FE, Target, new_figure
 from railhead.theory.elastic.line import Hertz
 
 COLOURS = {"rail": "#b4c3d3", "wheel": "#dcc9a3"}
@@ -31,6 +33,94 @@ LABELS = 0.83, 0.92  # of half the picture: the middles of words stay within, no
 SEVERAL = 1.2  # times as much is seen of several patches: the lines stand beside one of them
 MESH = {"show_edges": True, "edge_color": EDGE, "edge_opacity": 0.6, "line_width": 0.8}
 SHADE = {"ambient": 0.45, "diffuse": 0.6}
+
+
+def load_pyvista() -> Any:
+    """The pyvista module, imported at first use because the import is slow. Without a DISPLAY it is
+    set to draw off screen through EGL.
+    """
+    if not os.environ.get("DISPLAY"):
+        os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+    import pyvista
+
+    return pyvista
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A camera with parallel projection, for images of pyvista meshes.
+
+    focal (3,): point in space in the middle of the image, mm.
+    towards (3,): direction from that point to the eye, of any length, not along `up`.
+    half_width, half_height: half the width and height of the visible rectangle, mm.
+    up (3,): direction in space whose projection points upwards in the image; z by default.
+    pixels: number of pixels along the longer side of the image.
+    """
+
+    focal: Array
+    towards: Array
+    half_width: float
+    half_height: float
+    up: Array = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
+    pixels: int = 1200
+
+    @property
+    def axes(self) -> Array:
+        """(3, 3) rows: unit vectors to the right in the image, upwards in the image, and from the
+        focal point to the eye.
+        """
+        eye = self.towards / np.linalg.norm(self.towards)
+        right = np.cross(self.up, eye)
+        right /= np.linalg.norm(right)
+        return np.array([right, np.cross(eye, right), eye])
+
+    def project(self, points: Array) -> Array:
+        """Image coordinates (n, 2) of points (n, 3) in space: mm to the right of and above the
+        middle of the image.
+        """
+        return np.asarray((points - self.focal) @ self.axes[:2].T)
+
+    def shoot(self, meshes: list[tuple[Any, dict[str, Any]]]) -> NDArray[np.uint8]:
+        """RGB image (h, w, 3), uint8, of pyvista meshes, each given with its keyword arguments for
+        `Plotter.add_mesh`.
+        """
+        plotter = self.plotter(meshes)
+        image = plotter.screenshot(return_img=True)
+        plotter.close()
+        return np.asarray(image)
+
+    def plotter(self, meshes: list[tuple[Any, dict[str, Any]]]) -> Any:
+        """A pyvista plotter, off screen, with the meshes and this camera. Each mesh comes with its
+        keyword arguments for `Plotter.add_mesh`. The caller must close the plotter.
+        """
+        half = np.array([self.half_width, self.half_height])
+        size = np.round(half / half.max() * self.pixels).astype(int)
+        pv = load_pyvista()
+        plotter = pv.Plotter(off_screen=True, window_size=size.tolist(), lighting="none")
+        plotter.add_light(pv.Light(light_type="headlight"))
+        plotter.set_background("white")
+        for mesh, options in meshes:
+            plotter.add_mesh(mesh, show_scalar_bar=False, **options)
+        right, upwards, eye = self.axes
+        camera = plotter.camera
+        camera.focal_point = self.focal
+        camera.position = self.focal + 10 * half.max() * eye
+        camera.up = upwards
+        camera.parallel_projection = True
+        camera.parallel_scale = self.half_height
+        plotter.renderer.reset_camera_clipping_range()
+        return plotter
+
+    def show(self, axes: Axes, image: NDArray[np.uint8], origin: Array | None = None) -> None:
+        """Draw an image (h, w, 3) of this camera on matplotlib axes, whose data coordinates then
+        are mm in the image. The zero of these coordinates is at the projection of `origin` (3,),
+        a point in space in mm, or at the middle of the image if it is None.
+        """
+        shift = np.zeros(2) if origin is None else self.project(origin[None])[0]
+        w, h = self.half_width, self.half_height
+        left, low = -w - shift[0], -h - shift[1]
+        axes.imshow(image, extent=(left, left + 2 * w, low, low + 2 * h))
+        axes.grid(False)
 
 
 def wheel_rail(grid: meshio.Mesh, findings: Findings, target: Target = None) -> Figure:
@@ -77,26 +167,44 @@ def wheel_rail(grid: meshio.Mesh, findings: Findings, target: Target = None) -> 
     return figure
 
 
-def stress_cut(grid: meshio.Mesh, axis: int, findings: Findings, target: Target = None) -> Figure:
-    """The smallest principal stress and the largest shear stress in a plane cut through the
-    contact: across the rail, at the x of the frame's origin, or along it and normal to the patch,
-    at the s of the largest pressure.
+def section(grid: meshio.Mesh, axis: int, findings: Findings, target: Target = None) -> Figure:
+    """Two panels: the whole section with its mesh, and the mesh around the
+    contact.
 
-    grid: cells with nodal stresses, as `vtu.volume_grid` makes them. axis: 1 across, 0 along.
-        findings: frame, patch and largest stresses.
+    grid: cells of the whole section, as `vtu.volume_grid` makes them. axis: 0 where the section
+        runs along x, 1 along s.
     """
-    frame, patch = findings.frame, findings.patch
-    ends = patch.box if axis else (patch.main.min(axis=0), patch.main.max(axis=0))
-    low, high = (each[axis] for each in ends)
-    half = np.array([1.2 * (high - low), min(0.9 * (high - low), 5 * (patch.b, patch.a)[axis])])
-    centre, cut = np.array([(low + high) / 2, 0.0]), 0.0 if axis else findings.along.at
-    beside = cut + 1e-3 * min(patch.a, patch.b)  # at x = 0 itself there may be faces of cells
-    origin = frame.place(beside, 0.0) if axis else frame.place(0.0, beside)
-    sections = [
-        part.slice(normal=frame.axes[1 - axis], origin=origin).triangulate()
-        for part in bodies_of(grid).values()
-    ]
-    return draw_fringes(sections, axis, cut, (centre - half, centre + half), findings, target)
+    from matplotlib.collections import PolyCollection
+    from matplotlib.patches import Patch as Swatch
+
+    half, middle = (findings.patch.a, findings.patch.b)[axis], findings.patch.centre[axis]
+    names, skins = findings.subject.names, {k: outer(part) for k, part in bodies_of(grid).items()}
+    with new_figure(target, 10, 6.2, findings) as figure:
+        left, right = figure.subplots(1, 2, width_ratios=(1.4, 1))
+        for axes in (left, right):
+            for name, skin in skins.items():
+                corners = findings.frame.local(skin.points)[:, [axis, 2]][skin.regular_faces]
+                look: dict[str, Any] = {"facecolors": COLOURS[name], "edgecolors": EDGE}
+                axes.add_collection(PolyCollection(list(corners), linewidths=0.3, **look))
+            axes.set(aspect="equal", xlabel=findings.subject.label(axis))
+            axes.grid(False)
+        left.autoscale_view()
+        left.set(title="the section that is solved", ylabel="height over the contact, mm")
+        for line in findings.patch.outlines:
+            ends = [line[:, axis].min(), line[:, axis].max()]
+            right.plot(ends, [0, 0], color=CONTACT, lw=3, gid="contact patch")
+        for name in set(BODY_NAMES.values()) - set(skins):
+            for axes in (left, right):
+                axes.axhline(0.0, color="black", lw=1.2, zorder=0)
+            text, side = f"{names[name]}: rigid, not meshed", 0.25 if name == "rail" else 0.75
+            right.text(0.5, side, text, transform=right.transAxes, ha="center")
+        reach = 2.5 * half
+        right.set(xlim=(middle - reach, middle + reach), ylim=(-1.2 * reach, 1.2 * reach))
+        right.set_title("close")
+        swatches = [Swatch(fc=COLOURS[name], ec=EDGE, label=names[name]) for name in skins]
+        swatches.append(Swatch(fc=CONTACT, label="contact patch"))
+        figure.legend(handles=swatches, loc="outside lower center", ncols=3)
+    return figure
 
 
 def patch_on_rail(

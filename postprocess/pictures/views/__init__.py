@@ -1,1 +1,0 @@
-"""Three-dimensional pictures: bodies, stresses in a cut, views that turn."""
