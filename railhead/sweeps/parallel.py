@@ -24,7 +24,7 @@ from railhead.run import process, refinement
 from railhead.run.progress import Progress, Tell
 from railhead.scene.catalogue import copy_files, places, portable
 from railhead.scene.scene import Scene, SceneError
-from railhead.sweeps import runner, store, sweep_report, sweep_table, worker_pool
+from railhead.sweeps import runner, store, sweep_table, worker_pool
 from railhead.sweeps.grid import ParameterGrid, column
 
 Row = dict[str, Any]
@@ -292,7 +292,7 @@ def _write(
             if text == sweep_table.PASSED
         }
         vtu.series(files, folder / f"{name}.pvd")
-    for name in (*store.PICTURES, sweep_report.NAME):
+    for name in (*store.PICTURES, sweep_table.REPORT):
         for suffix in (Path(name).suffix, *store.BESIDE):
             (folder / name).with_suffix(suffix).unlink(missing_ok=True)
     keys = [column(key) for key in grid.keys]
@@ -308,8 +308,8 @@ def _write(
     with attempt(""):
         result_folder.stamp(folder)
     if pictures:
-        with attempt(sweep_report.NAME):
-            sweep_report.write(
+        with attempt(sweep_table.REPORT):
+            sweep_table.write_report(
                 title, grid.scenes, keys, outcome.rows, folder, store.PICTURES, sweep.units
             )
     return outcome

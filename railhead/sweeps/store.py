@@ -16,7 +16,7 @@ from typing import Any, Literal
 from railhead.results import result_folder
 from railhead.scene.catalogue import INPUT
 from railhead.scene.scene import SceneError, dotted
-from railhead.sweeps import sweep_report, sweep_table
+from railhead.sweeps import sweep_table
 
 REQUEST, RECORDS, VTU, TABLE = "sweep.json", "records", "vtu", "sweep.csv"
 PICTURES = ("sweep.png", "patches.png")
@@ -30,7 +30,7 @@ LATER = (
     RECORDS,
     VTU,
     TABLE,
-    sweep_report.NAME,
+    sweep_table.REPORT,
     *PICTURES,
     *(f"{Path(name).stem}{suffix}" for name in PICTURES for suffix in BESIDE),
     *(f"{name}.pvd" for name in SERIES),

@@ -20,7 +20,7 @@ from railhead.results.result import Result
 from railhead.run.progress import Tell
 from railhead.scene.catalogue import as_path
 from railhead.scene.scene import Scene, SceneError, warn_of_units
-from railhead.sweeps import parallel, store, sweep_report, sweep_table
+from railhead.sweeps import parallel, store, sweep_table
 from railhead.sweeps.grid import ParameterGrid, column
 
 if TYPE_CHECKING:
@@ -60,12 +60,12 @@ class Sweep(terminal.Drawn, list[Result]):
         numbers; None: mm, N, MPa.
         """
         units = units or BASE_UNITS
-        names = [*map(column, self.keys), *sweep_report.SHORT]
+        names = [*map(column, self.keys), *sweep_table.SHORT]
         table = Table(box=box.SIMPLE)
         for name in names:
             table.add_column(Text(units.unit(name)), overflow="fold")
         for row in self._rows:
-            table.add_row(*(Text(sweep_report.cell(row, name, units)) for name in names))
+            table.add_row(*(Text(sweep_table.cell(row, name, units)) for name in names))
         console.print(table)
         for line in sweep_table.verdict(self._rows, units):
             console.print(line, markup=False, highlight=False)
