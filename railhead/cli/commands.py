@@ -264,7 +264,6 @@ def run(
 
     from railhead import api
     from railhead.cli import launch
-    from railhead.planning import budget as budgets
     from railhead.planning import cost
     from railhead.planning import simulation_plan as planning
 
@@ -274,7 +273,7 @@ def run(
     folder = _folder(out, scene.name, "run", scene, force=force)
     planned = planning.make(scene)
     if not process.under_mpi():
-        budgets.check_memory(planned, cost.free_memory())
+        planned.check_memory(cost.free_memory())
         count = ranks or launch.number_of_processes(planned)
         if count > 1:
             launch.restart(count, arguments)

@@ -40,6 +40,11 @@ SECTION_CELLS = 8.5  # cells of web and foot for each mm of a whole rail (measur
 TOLERANCE_SHARE = 0.02  # of an error envelope of the mesh: the residual adds 4 % to it at most
 LARGEST_TOLERANCE = 1e-3  # of Newton's method on meshes whose envelopes are larger than the values
 UNSIGNED_TOLERANCE = 1e-6  # of Newton's method where no error of the mesh is known
+MEMORY_SHARE = 0.8  # largest predicted memory over the free memory
+
+
+class NoMemoryError(SceneError):
+    """The mesh of a scene that is solved once does not fit into the memory that is free now."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -452,6 +457,23 @@ class Plan:
             each += cost.CONDENSING_BYTES if self.condenses else cost.FRICTION_BYTES
         passes = cost.PASS_BYTES[self.contact.line] if self.effects["passes"].on else 0
         return cost.BASE_BYTES + max(each * self.unknowns, passes)
+
+    def fits(self, free: int) -> bool:
+        """Whether the predicted memory is at most 0.8 (MEMORY_SHARE) of the free memory (bytes)."""
+        return self.memory <= MEMORY_SHARE * free
+
+    def check_memory(self, free: int) -> None:
+        """Refuse a scene that is solved on one mesh where this mesh does not fit into the free
+        memory (bytes): NoMemoryError.
+        Nothing is refused where the scene has several meshes: the first is coarse, and a finer one
+        that does not fit is left out.
+        """
+        if self.scene.one_mesh and not self.fits(free):
+            raise NoMemoryError(
+                "mesh.patch_size",
+                f"{self.patch_size:.3g} mm makes about {self.unknowns:.2g} unknowns, which need "
+                f"{self.memory / 1e9:.3g} GB of {free / 1e9:.3g} GB free; give a larger one",
+            )
 
     @property
     def seconds_of_two(self) -> float:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from mpi4py import MPI
 
-from railhead.planning import budget, cost, error_envelopes
+from railhead.planning import cost, error_envelopes
 from railhead.planning.simulation_plan import Plan
 from railhead.planning.sizing import LINEAR_REFINEMENT
 from railhead.run import estimates, quantities
@@ -19,6 +19,7 @@ from railhead.scene.units import show
 
 MAX_LEVELS = 5
 ONE_MESH = "one mesh"
+BUDGET_SHARE = 0.85  # largest predicted time over the budget
 ONE_MESH_SHARE = 0.9  # share of the accuracy that a single mesh is planned for
 # Error over the change with twice the load steps: 1.3 to 1.9 from two steps on, 2.1 from one
 # (pressure of a sphere at 2 to 10 times its first-yield load, beside 16 and 32 steps).
@@ -52,7 +53,7 @@ def refine(
         mesh that does not fit ends it.
     MeshError: gmsh fails.
     """
-    budget.check_memory(plan, comm.bcast(cost.free_memory()))
+    plan.check_memory(comm.bcast(cost.free_memory()))
     if plan.scene.one_mesh:
         return [mesh_and_solve(plan, progress, comm)], Ending(ONE_MESH)
     return _refine(plan, progress, comm)
@@ -93,7 +94,7 @@ def _refine(
     scene, known = plan.scene, plan.family
     wanted = plan.sizing.resolution
     if scene.budget is not None:
-        wanted = budget.affordable(plan, wanted)
+        wanted = _affordable(plan, wanted)
     low = error_envelopes.RANGE[0] * (LINEAR_REFINEMENT if plan.order == 1 else 1.0)
     coarse = max(wanted / error_envelopes.STEP ** (1 if known else 2), low)
     least = 2
@@ -129,6 +130,26 @@ def _refine(
             return meshes, Ending(stop or "too many meshes", cost)
         meshes.append(mesh_and_solve(finer, progress, comm))
         spent += sum(meshes[-1].seconds.values())
+
+
+def _affordable(plan: Plan, wanted: float) -> float:
+    """Finest resolution (elements per smaller semi-axis) at which the predicted seconds of a coarse
+    and a fine mesh are within 0.85 (BUDGET_SHARE) of the budget of the scene; the least one, 4.8,
+    where none is.
+
+    wanted: largest resolution that is returned where the scene has an accuracy, unless it is below
+        4.8. Without an accuracy the largest one is the finest that the error laws cover, or 60
+        without laws.
+    """
+    budget = BUDGET_SHARE * float(plan.scene.budget or 0.0)
+    best = n = error_envelopes.RANGE[0] * error_envelopes.STEP
+    limit = wanted
+    if plan.scene.accuracy is None:
+        known = plan.family
+        limit = error_envelopes.STEP * known.resolution[1] if known else error_envelopes.RANGE[1]
+    while n <= limit and plan.at_resolution(n).seconds_of_two <= budget:
+        best, n = n, 1.05 * n
+    return best
 
 
 def _with_load_step_errors(
@@ -192,7 +213,7 @@ def _obstacle(plan: Plan, spent: float) -> str:
     """Reason why the mesh of a plan is not solved (memory, or the budget after `spent` seconds;
     `spent` 0 leaves the budget out); empty if there is none.
     """
-    if not budget.fits(plan, cost.free_memory()):
+    if not plan.fits(cost.free_memory()):
         return f"memory: the next mesh needs about {plan.memory / 1e9:.1f} GB"
     limit = plan.scene.budget
     if limit is not None and spent and cost.START + spent + plan.solving > limit:

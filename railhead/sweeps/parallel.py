@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from railhead.planning import budget
 from railhead.planning import simulation_plan as planning
 from railhead.postprocess.findings import BASE_UNITS, Subject, Units
 from railhead.results import files, result_folder
@@ -235,7 +234,7 @@ def _solve(
     plans = {number: planning.make(scene) for number, scene in group.items()}
     solved = runner.solve_group(plans, over, Progress(quiet=True), MPI.COMM_SELF)
     for number, result in solved:
-        if isinstance(result, budget.NoMemoryError):  # another time it may fit
+        if isinstance(result, planning.NoMemoryError):  # another time it may fit
             faults[number] = str(result)
             continue
         if vtu and not isinstance(result, Exception):

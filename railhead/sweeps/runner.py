@@ -17,7 +17,7 @@ from typing import Any
 from mpi4py import MPI
 
 from railhead.meshing.mesh import ContactMesh, MeshError
-from railhead.planning import budget, cost
+from railhead.planning import cost
 from railhead.planning import simulation_plan as planning
 from railhead.planning.simulation_plan import Plan
 from railhead.results import pipeline
@@ -137,7 +137,7 @@ def _assemble(
     load; None where gmsh cannot mesh them or where they do not fit into the memory.
     """
     largest = plans[-1]
-    if not budget.fits(largest, comm.bcast(cost.free_memory())):
+    if not largest.fits(comm.bcast(cost.free_memory())):
         return None
     # The patches set the smallest elements, the bodies of the largest load the largest: those of a
     # small load's own block, throughout a large load's, would be most of the mesh.

@@ -5,7 +5,6 @@ from solved import planned, solved
 from sweep_command import refused, rows
 
 import railhead as rh
-from railhead.planning import budget
 from railhead.planning import simulation_plan as planning
 from railhead.results import pipeline
 from railhead.run import mesh_solution, refinement
@@ -92,7 +91,7 @@ def test_what_the_shared_mesh_suits_is_solved_on_it(two_loads) -> None:
     ("module", "name", "found"),
     [(refinement, "unplanned_yield", lambda level, comm: "it yields"),
      (mesh_solution, "_remesh_for_found_patch", lambda plan, fields: plan),
-     (budget, "fits", lambda plan, free: False)],
+     (planning.Plan, "fits", lambda plan, free: False)],
     ids=["it yields", "another patch than the forecast one", "no memory"],
 )  # fmt: skip
 def test_what_the_shared_mesh_does_not_suit_is_solved_alone(

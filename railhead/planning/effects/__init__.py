@@ -9,7 +9,7 @@ from functools import partial
 from railhead.contact.dimension import Dimension
 from railhead.contact.solid import Contact
 from railhead.planning.context import Context, Effect, PostSolveVerdict
-from railhead.planning.effects import assumptions, interface, material, passes, shape
+from railhead.planning.effects import interface, material, passes, shape
 from railhead.postprocess.findings import Findings
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.elastic.line import Hertz
@@ -134,9 +134,9 @@ EFFECTS = {
     ),
 }
 ASSUMPTIONS: dict[str, tuple[str, Weigh]] = {
-    "small_patch": ("patch small beside the radii (after)", assumptions.small_patch),
-    "inside_the_bodies": ("patch away from the edges (after)", assumptions.inside_the_bodies),
-    "thick_bodies": ("bodies thick enough (after)", assumptions.thick_bodies),
+    "small_patch": ("patch small beside the radii (after)", shape.small_patch),
+    "inside_the_bodies": ("patch away from the edges (after)", shape.inside_the_bodies),
+    "thick_bodies": ("bodies thick enough (after)", shape.thick_bodies),
 }
 """Words, and the verdict on a solution, by name of each assumption."""
 

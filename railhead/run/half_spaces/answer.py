@@ -15,7 +15,7 @@ import numpy as np
 
 from railhead.planning import effects
 from railhead.planning.context import PostSolveVerdict
-from railhead.planning.effects import assumptions, interface, shape
+from railhead.planning.effects import interface, shape
 from railhead.planning.references import boundary_elements
 from railhead.planning.references.allowance import added_stress
 from railhead.planning.simulation_plan import Plan
@@ -186,7 +186,7 @@ def _edge_distance(plan: Plan, found: Findings) -> float:
     """
     patch, frame = found.patch, found.frame
     across = [frame.place(float(x), float(s))[1] for line in patch.outlines for x, s in line]
-    room = [abs(end - y) for end in assumptions.edges(plan.context) for y in across]
+    room = [abs(end - y) for end in shape.edges(plan.context) for y in across]
     return min(room) / min(patch.a, patch.b)
 
 

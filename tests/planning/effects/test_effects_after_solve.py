@@ -10,7 +10,7 @@ from solved import draw_only, solved
 
 from railhead.planning import effects
 from railhead.planning import simulation_plan as planning
-from railhead.planning.effects import assumptions, interface
+from railhead.planning.effects import interface, shape
 from railhead.postprocess.pictures import diagrams
 from railhead.results.report import terminal
 from railhead.scene import catalogue
@@ -97,7 +97,7 @@ def test_a_rim_or_a_block_that_is_thin_is_named(thesis) -> None:
 
     def judged(*assignments: str) -> effects.PostSolveVerdict:
         scene = plan.scene.replace(["rail.profile=arc", "rail.crown_radius=300", *assignments])
-        return assumptions.thick_bodies(replace(plan.context, scene=scene), thesis.findings)
+        return shape.thick_bodies(replace(plan.context, scene=scene), thesis.findings)
 
     assert not again(thesis)["thick_bodies"].needed
     for thin, body in (("wheel.rim_depth=3", "wheel"), ("rail.depth=3", "rail")):
