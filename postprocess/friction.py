@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhead.postprocess.findings import Array
-from railhead.theory.friction import shakedown, wear
+from railhead.theory.friction import damage
 from railhead.theory.friction.rolling import TangentialSolution
 
 if TYPE_CHECKING:
@@ -232,7 +232,7 @@ def wear_and_shakedown(
         for a line, that at which the largest traction is k.
     With k: p0_over_k; surface_fatigue_index, (largest traction - k) / p0; and the state: 'elastic'
         up to first yield, 'shakes down' up to the limit, else 'ratchets'. A patch that is no line
-        is 'open' instead where its index is not positive and p0/k at most `shakedown.CIRCLE`.
+        is 'open' instead where its index is not positive and p0/k at most `damage.CIRCLE`.
     """
     forces, patch, stress = result["friction"], result["patch"], result["stress"]
     pressure, hardest = result["pressure"]["max_MPa"], stress["von_mises_max_MPa"]
@@ -248,12 +248,12 @@ def wear_and_shakedown(
     normal = forces["limit_N"] / coefficient
     used = math.hypot(forces["force_along_N"], forces["force_across_N"]) / normal
     first, local = math.sqrt(3) * pressure / hardest, forces["traction_max_MPa"] / pressure
-    surface = 1 / local if line else shakedown.surface_limit(local, poisson)
-    limit = min(shakedown.shakedown_limit(coefficient, poisson, used), surface)
+    surface = 1 / local if line else damage.surface_limit(local, poisson)
+    limit = min(damage.shakedown_limit(coefficient, poisson, used), surface)
     density = forces["t_gamma_N"] / patch["area_mm2"]
     out |= {
         "t_gamma_over_area_MPa": density,
-        "wear_regime": wear.regime(density, wear.TWIN_DISC),
+        "wear_regime": damage.wear_regime(density, damage.TWIN_DISC),
         "traction_coefficient": used,
         "first_yield_p0_over_k": first,
         "shakedown_limit_p0_over_k": limit,
@@ -261,13 +261,13 @@ def wear_and_shakedown(
     if shear_yield is None:
         return out
     ratio = pressure / shear_yield
-    index = shakedown.surface_fatigue_index(forces["traction_max_MPa"], pressure, shear_yield)
+    index = damage.surface_fatigue_index(forces["traction_max_MPa"], pressure, shear_yield)
     if ratio <= first:
         state = "elastic"
     elif ratio <= limit:
         state = "shakes down"
     else:
-        state = "ratchets" if line or index > 0 or ratio > shakedown.CIRCLE else "open"
+        state = "ratchets" if line or index > 0 or ratio > damage.CIRCLE else "open"
     return out | {
         "shear_yield_MPa": shear_yield,
         "p0_over_k": ratio,

@@ -23,7 +23,7 @@ from railhead.postprocess.pictures.diagrams import (
     rounded,
 )
 from railhead.solver.system.solution import FrictionSolution
-from railhead.theory.friction import shakedown
+from railhead.theory.friction import damage
 
 STICK, SLIP, ACROSS = "#d3e4f3", "#e08a4f", "#3f7d54"  # light and dark: told apart in grey, too
 ARROWS = 17  # along the longer side of the patch
@@ -161,8 +161,8 @@ def draw_shakedown(
     shares = np.linspace(0.0, max(WIDE, 1.1 * used), POINTS)
     with new_figure(target, 7, 4.8, subject) as figure:
         axes = figure.subplots()
-        limits = [shakedown.shakedown_limit(each, poisson) for each in shares]
-        elastic = [shakedown.elastic_limit(each, poisson) for each in shares]
+        limits = [damage.shakedown_limit(each, poisson) for each in shares]
+        elastic = [damage.elastic_limit(each, poisson) for each in shares]
         axes.plot(shares, limits, color=HERTZ, label="shakedown limit of a line")
         axes.plot(shares, elastic, "--", color=HERTZ, label="elastic limit of a line")
         sliding = shares[shares > 1 / (2 * HIGH)]
@@ -175,7 +175,7 @@ def draw_shakedown(
         )
         axes.plot(
             0,
-            shakedown.CIRCLE,
+            damage.CIRCLE,
             "^",
             color=HERTZ,
             clip_on=False,

@@ -16,7 +16,7 @@ from railhead.scene import catalogue
 from railhead.solver.material.elasticity import Material
 from railhead.solver.material.hardening import Hardening
 from railhead.theory.elastic.subsurface import von_mises
-from railhead.theory.friction import shakedown
+from railhead.theory.friction import damage
 from studies import tables
 
 COUNT, QUICK = 20, 2  # passes of the axle
@@ -108,7 +108,7 @@ def left_out(*keys: str, what: str) -> Row:
 
 def mapped(traction: float, share: float, law: str) -> Row:
     """Verdict on a line contact in full slip whose pressure is kept, at a share of the limit."""
-    limit = shakedown.shakedown_limit(traction, POISSON)
+    limit = damage.shakedown_limit(traction, POISSON)
     material = Material(YOUNG, POISSON, LAWS[law])
     modulus, p0 = YOUNG / (1 - POISSON**2), share * limit * SHEAR
     contact = pass_contact.line_contact(
@@ -215,8 +215,8 @@ def draw(axle: Sequence[Row], points: Sequence[Row], path: Path) -> None:
         left.legend()
         traction = np.linspace(0.0, max(TRACTIONS), 13)
         for limit, label, style in (
-            (shakedown.shakedown_limit, "shakedown", "-"),
-            (shakedown.elastic_limit, "first yield", ":"),
+            (damage.shakedown_limit, "shakedown", "-"),
+            (damage.elastic_limit, "first yield", ":"),
         ):
             values = [limit(float(q), POISSON) for q in traction]
             right.plot(traction, values, style, color=GREY, label=label)

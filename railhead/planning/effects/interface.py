@@ -17,8 +17,8 @@ from railhead.scene.scene import SceneError
 from railhead.scene.sections import refuse_first
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.friction import kalker
+from railhead.theory.friction.damage import flash_temperature
 from railhead.theory.friction.rolling import Creepage
-from railhead.theory.friction.wear import flash_temperature
 
 OMITTED = "not simulated: falling friction, third bodies, roughness, dynamics (docs/limits.md)"
 HOT = 100.0  # K, least flash temperature that matters (a choice)

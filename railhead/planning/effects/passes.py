@@ -14,7 +14,7 @@ from railhead.scene.catalogue import portable
 from railhead.scene.scene import Rail, Scene, SceneError
 from railhead.scene.sections import refuse_first
 from railhead.theory.elastic.line import LineContact
-from railhead.theory.friction import shakedown
+from railhead.theory.friction import damage
 from railhead.theory.friction.partial_slip import carter_share
 
 STEADY = {"hertz": 5.5, "contact": 6.0}  # largest p0/k that perfect plasticity has an answer for
@@ -200,7 +200,7 @@ def _indicator(context: Context) -> tuple[float, float, str]:
     if isinstance(hertz, LineContact):
         limit, beside = line_limit(context), f" at Q/P = {share:.2g}"
     else:
-        limit = min(shakedown.ellipse_limit(hertz.a / hertz.b), 2 * first)
+        limit = min(damage.ellipse_limit(hertz.a / hertz.b), 2 * first)
         beside = f" without tractions, and less with Q/P up to {share:.2g}"
     text = f"p0/k = {ratio:.3g} of the elastic pressure, first yield {first:.3g}, shakedown limit "
     return ratio, limit, f"{text}{limit:.3g}{beside if share else ''}"
@@ -215,7 +215,7 @@ def line_limit(context: Context) -> float:
     kinematic = scene.rail.hardens and scene.rail.kinematic_fraction == 1
     friction = scene.friction.coefficient if share else 0.0
     poisson = scene.rail.poisson_ratio
-    return shakedown.shakedown_limit(friction, poisson, share, kinematic=kinematic)
+    return damage.shakedown_limit(friction, poisson, share, kinematic=kinematic)
 
 
 def _flow_stress(rail: Rail, strain: float) -> float:

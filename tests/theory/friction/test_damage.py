@@ -1,26 +1,33 @@
-"""Limits of repeated rolling against printed values."""
+"""Limits of repeated rolling against printed values; wear regimes; flash temperatures against
+CONTACT and the heat equation along the middle line.
+"""
 
 import math
 
 import numpy as np
 import pytest
 
-from railhead.theory.friction import shakedown
+from railhead.theory.elastic.hertz import Ellipse
+from railhead.theory.elastic.line import LineContact
+from railhead.theory.friction import damage
+
+A, B, FORCE, FRICTION, SLIP, SPEED = 5.88, 10.54, 1e5, 0.3, 1 / 30, 30.0  # mm, N, 1, 1, m/s
+EFFUSIVITY = math.sqrt(50.0 * 7850.0 * 450.0)
 
 
 def test_a_line_shakes_down_below_four_without_friction() -> None:
     """Johnson, Contact Mechanics, 9.2: 4.0, then p0 over the largest shear stress xz."""
     known = {0.0: 4.0, 0.05: 3.772, 0.1: 3.564, 0.15: 3.375, 0.2: 3.202, 0.25: 3.044, 0.3: 2.900}
     for friction, limit in known.items():
-        assert shakedown.shakedown_limit(friction, 0.3) == pytest.approx(limit, rel=1e-3)
+        assert damage.shakedown_limit(friction, 0.3) == pytest.approx(limit, rel=1e-3)
 
 
 def test_a_surface_that_cannot_be_compressed_bears_a_traction_of_k() -> None:
     """With Poisson's ratio 1/2 rho_yy balances yy everywhere; otherwise less is borne."""
     for friction in (0.4, 0.5, 1.0):
-        assert shakedown.surface_limit(friction, 0.5) == pytest.approx(1 / friction, rel=1e-4)
+        assert damage.surface_limit(friction, 0.5) == pytest.approx(1 / friction, rel=1e-4)
     for friction, limit in ((0.35, 2.669), (0.4, 2.359), (0.5, 1.913)):
-        found = shakedown.shakedown_limit(friction, 0.3)
+        found = damage.shakedown_limit(friction, 0.3)
         assert limit * 0.975 < found < limit < 0.97 / friction  # those are of a grid in depth
 
 
@@ -36,14 +43,14 @@ def test_a_back_stress_leaves_the_smallest_ball_around_the_stresses_of_the_surfa
     for step in range(1, 20_000):
         centre += (path[np.argmax(np.linalg.norm(path - centre, axis=1))] - centre) / (step + 1)
     radius = np.linalg.norm(path - centre, axis=1).max()
-    found = shakedown.shakedown_limit(mu, 0.3, kinematic=True)
+    found = damage.shakedown_limit(mu, 0.3, kinematic=True)
     assert found == pytest.approx(1 / radius, rel=1e-3)
-    assert shakedown.shakedown_limit(mu, 0.3) < 0.99 * found
+    assert damage.shakedown_limit(mu, 0.3) < 0.99 * found
 
 
 def test_below_the_surface_kinematic_hardening_bears_any_traction() -> None:
     for friction in (0.0, 0.1, 0.2):
-        limit = shakedown.shakedown_limit(friction, 0.3, kinematic=True)
+        limit = damage.shakedown_limit(friction, 0.3, kinematic=True)
         assert limit == pytest.approx(4.0, rel=1e-3)
 
 
@@ -60,28 +67,68 @@ def test_partial_slip_lowers_the_limit_of_the_surface(share: float) -> None:
     r, s = (np.linspace(*ends, 301)[:, None] for ends in ((-0.5, 1.5), (-0.6, 0.6)))
     squares = [((d + one) ** 2 - (d + one) * (e + s) + (e + s) ** 2) / 3 + q**2 for one in r]
     least = math.sqrt(min(float(each.max(axis=1).min()) for each in squares))
-    found = shakedown.surface_limit(mu, nu, c)
+    found = damage.surface_limit(mu, nu, c)
     assert found == pytest.approx(1 / least, rel=0.005)
     assert found < 0.95 / q.max()
-    assert shakedown.shakedown_limit(mu, nu, share * mu) == pytest.approx(found, rel=1e-9)
+    assert damage.shakedown_limit(mu, nu, share * mu) == pytest.approx(found, rel=1e-9)
 
 
 def test_a_line_yields_below_its_shakedown_limit() -> None:
     """0.5575 p0 without friction (Poisson's ratio 0.3)."""
-    assert shakedown.elastic_limit(0.0, 0.3) == pytest.approx(math.sqrt(3) / 0.5575, rel=1e-3)
+    assert damage.elastic_limit(0.0, 0.3) == pytest.approx(math.sqrt(3) / 0.5575, rel=1e-3)
     for friction in (0.0, 0.2, 0.4, 0.6):
-        assert shakedown.elastic_limit(friction, 0.3) < shakedown.shakedown_limit(friction, 0.3)
+        assert damage.elastic_limit(friction, 0.3) < damage.shakedown_limit(friction, 0.3)
 
 
 def test_the_surface_fatigue_index_is_how_far_the_friction_is_beyond_the_limit() -> None:
     a, b, load, k = 7.1, 5.7, 110e3, 300.0
     pressure = 3 * load / (2 * math.pi * a * b)
-    index = shakedown.surface_fatigue_index(0.3 * pressure, pressure, k)
+    index = damage.surface_fatigue_index(0.3 * pressure, pressure, k)
     assert index == pytest.approx(0.3 - 2 * math.pi * a * b * k / (3 * load))
     assert index > 0
-    assert shakedown.surface_fatigue_index(k, pressure, k) == 0
+    assert damage.surface_fatigue_index(k, pressure, k) == 0
 
 
 def test_an_ellipse_shakes_down_as_lines_and_circles_do():
-    values = [shakedown.ellipse_limit(ratio) for ratio in (1e-6, 1.0, 1.25, 2.0)]
+    values = [damage.ellipse_limit(ratio) for ratio in (1e-6, 1.0, 1.25, 2.0)]
     assert values == pytest.approx([4.0, 4.675, 4.939, 5.777], abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    "value, limits, regime",
+    [
+        (10.3, damage.TWIN_DISC, "mild"), (10.4, damage.TWIN_DISC, "severe"),
+        (77.2, damage.TWIN_DISC, "catastrophic"), (20.0, (5.0, 15.0), "catastrophic"),
+    ],
+)  # fmt: skip
+def test_limits_of_wear_belong_to_the_regime_above_them(value, limits, regime) -> None:
+    assert damage.wear_regime(value, limits) == regime
+
+
+def along_the_middle(flux: np.ndarray, t: np.ndarray) -> float:
+    """Largest of int q(s) ds/(2 sqrt(pi k rho c v (x - s))) in K; q in W/m2 over t = x/a."""
+    best = 0.0
+    for x in np.linspace(-0.9, 1.0, 96):
+        root = (np.arange(2000) + 0.5) * math.sqrt(x + 1) / 2000
+        q = np.interp(x - root**2, t, flux)
+        best = max(best, 2 * q.mean() * math.sqrt(x + 1))
+    return best / 2 * math.sqrt(1e-3 * A / SPEED / math.pi) / EFFUSIVITY
+
+
+def test_the_flash_temperature_of_an_ellipse_is_that_of_contact() -> None:
+    """Ertz and Knothe's case: 166.8 K by CONTACT (examples/ertz_temperature.ref_out)."""
+    area = math.pi * A * B
+    rise = damage.flash_temperature(
+        FRICTION * FORCE * SLIP, area, A, SPEED, Ellipse.middle_over_mean
+    )
+    assert rise == pytest.approx(166.8, rel=0.1)
+    t = np.linspace(-1, 1, 2001)
+    flux = FRICTION * 1.5 * FORCE / (1e-6 * area) * SLIP * SPEED * np.sqrt(1 - t**2)
+    assert rise == pytest.approx(along_the_middle(flux, t), rel=0.02)
+
+
+def test_the_flash_temperature_of_a_band_is_that_of_the_heat_equation() -> None:
+    length = 70.0
+    rise = damage.flash_temperature(1000.0, 2 * A * length, A, SPEED, LineContact.middle_over_mean)
+    flux = np.full(3, 1000.0 * SPEED / (2e-6 * A * length))
+    assert rise == pytest.approx(along_the_middle(flux, np.array([-1.0, 0.0, 1.0])), rel=0.003)
