@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from railhead.solver.material.hardening import Hardening, History, radial_return
-from railhead.solver.passes.streams import Streams, follow
+from railhead.solver.passes.rolling_block import Streams, follow
 
 MU = 80e3
 
