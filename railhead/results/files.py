@@ -76,10 +76,10 @@ def write(
 
 def _write_passes(passes: Passes, scene: Scene, work: Path) -> None:
     """Write the table of passes, the state after them, and the rail's new profile."""
-    from railhead.run.half_spaces import passes_file
+    from railhead.run.half_spaces import passes_of_scene
 
     (work / PASSES).write_bytes(result_folder.encoded(result_folder.signed(passes.table())))
-    passes_file.save(passes, scene, work / STATE)
+    passes_of_scene.save(passes, scene, work / STATE)
     if passes.profile is not None:
         reach = passes.sections[-1].y[-1]
         holds = f"the groove is followed {reach:.3g} mm to each side of the patch"

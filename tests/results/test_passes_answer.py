@@ -18,7 +18,7 @@ from railhead.postprocess.pass_rows import RailState
 from railhead.postprocess.pictures import plastic_plots
 from railhead.results import pipeline, quantity_rows
 from railhead.results.report import terminal
-from railhead.run.half_spaces import passes_file
+from railhead.run.half_spaces import passes_of_scene
 
 KEYS = [
     "load=1150kN",
@@ -114,7 +114,7 @@ def test_a_folder_that_is_gone_on_from_is_not_set_aside(result, here, capsys):
 @pytest.mark.parametrize("kind", ["empty", "no archive", "of others", "truncated", "damaged"])
 def test_what_holds_no_passes_is_refused_in_one_line(kind, result, tmp_path):
     path, content = tmp_path / "passes.npz", kind.replace("empty", "").encode()
-    passes_file.save(result.solved.passes, result.plan.scene, path)
+    passes_of_scene.save(result.solved.passes, result.plan.scene, path)
     kept = path.read_bytes()
     if kind == "truncated":
         content = kept[:-2000]

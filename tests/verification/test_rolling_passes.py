@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from solved import scene_of
 
-from railhead.run.half_spaces import pass_contact, passes_file, passes_of_scene
+from railhead.run.half_spaces import pass_contact, passes_of_scene
 from railhead.solver.material.elasticity import Material
 from railhead.solver.material.hardening import Hardening
 from railhead.theory.elastic import hertz
@@ -111,8 +111,8 @@ def test_passes_in_two_runs_are_those_of_one(tmp_path):
     contact = line(4.2, keeps=True)
     whole = passes_of_scene.roll(block, contact, (1.0, 1.0), 3)
     first = passes_of_scene.roll(block, contact, (1.0, 1.0), 2)
-    passes_file.save(first, scene_of("long_roller"), tmp_path / "passes.npz")
-    held = passes_file.load(str(tmp_path / "passes.npz"), block)
+    passes_of_scene.save(first, scene_of("long_roller"), tmp_path / "passes.npz")
+    held = passes_of_scene.load(str(tmp_path / "passes.npz"), block)
     rest = passes_of_scene.roll(block, contact, (1.0, 1.0), 1, before=held)
     assert rest.rows == whole.rows
     assert (rest.verdict, rest.words) == (whole.verdict, whole.words)
@@ -122,7 +122,7 @@ def test_passes_in_two_runs_are_those_of_one(tmp_path):
         rail(0.0), (1.0, 1.0), line=True, half=False, per_length=4, reach=19
     )
     with pytest.raises(ValueError, match="another block"):
-        passes_file.load(str(tmp_path / "passes.npz"), shorter)
+        passes_of_scene.load(str(tmp_path / "passes.npz"), shorter)
 
 
 @pytest.mark.slow

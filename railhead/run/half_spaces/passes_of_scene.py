@@ -1,4 +1,5 @@
-"""Passes of the wheel of a solved scene over its rail, which yields.
+"""Passes of the wheel of a solved scene over its rail, which yields; and the file from which a
+later run goes on.
 
 Below the patch the rail is a block of quadratic cells, whose far faces are held (`solver.passes`);
 what rolls is in `run.half_spaces.pass_contact`. Lengths in mm, forces in N, stresses in MPa; z
@@ -7,17 +8,19 @@ points out of the rail.
 
 from __future__ import annotations
 
+import json
 import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 from scipy.interpolate import CubicSpline, LinearNDInterpolator
 
 from railhead.planning.context import Context
-from railhead.planning.effects.passes import line_limit
+from railhead.planning.effects.passes import alike, line_limit, read
 from railhead.planning.references import boundary_elements
 from railhead.planning.references.boundary_elements import Developed
 from railhead.postprocess.pass_rows import (
@@ -31,13 +34,15 @@ from railhead.postprocess.pass_rows import (
     verdict,
     words,
 )
-from railhead.run.half_spaces import pass_contact, passes_file
+from railhead.run.half_spaces import pass_contact
 from railhead.run.half_spaces.answer import Solved
 from railhead.run.half_spaces.pass_contact import RollingContact
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.model_setup import hardening
 from railhead.run.progress import Progress
+from railhead.scene.scene import Scene
 from railhead.solver.material.elasticity import Material
+from railhead.solver.material.hardening import History
 from railhead.solver.passes.block import Block, graded, mirrored
 from railhead.solver.passes.rolling_block import RollingBlock
 from railhead.solver.system.solution import FrictionSolution
@@ -57,6 +62,7 @@ DEEP, ASIDE = {True: 3.4, False: 2.6}, 2.2  # plastic strain is followed, over h
 INNER, BELOW = 1.5, {True: 2.2, False: 1.4}  # where the elements are small
 TOLD = 5e-4  # strain of the first pass from which its energy is compared
 SETTLED = 2e-3  # of the first plastic work: less is no longer compared with the resistance
+SAME = 1e-6  # of the largest coordinate: axes of one block
 COARSER = 0.75  # size of the block by which errors are estimated: elements and reach, relative
 
 
@@ -80,7 +86,7 @@ def solve(solved: Solved, progress: Progress) -> Passes:
             contact,
             half_lengths,
             count,
-            before=None if path is None else passes_file.load(path, rolling),
+            before=None if path is None else load(path, rolling),
             stage=progress.stage,
         )
         if scene.accuracy is not None and path is None:
@@ -235,6 +241,52 @@ def groove_on_profile(surface: Developed, centre: float, inclination: float) -> 
         return np.column_stack([turned.real, turned.imag])
 
     return laid
+
+
+def save(passes: Passes, scene: Scene, path: Path) -> None:
+    """Write the passes of a scene into a .npz file. OSError: it cannot be written."""
+    state = passes.state
+    assert state is not None and state.displacement is not None
+    np.savez_compressed(
+        path,
+        scene=json.dumps(alike(scene)),
+        rows=json.dumps(passes.rows),
+        axes=passes.axes,
+        **vars(state.history),
+        residual=state.residual,
+        surface=np.stack([state.profile.along, state.profile.up]),
+        displacement=state.displacement,
+        each_stress=np.stack([each.stress for each in passes.sections]),
+        each_strain=np.stack([each.strain for each in passes.sections]),
+        each_up=np.stack([each.up for each in passes.sections]),
+    )
+
+
+def load(path: str, rolling: RollingBlock) -> Passes:
+    """Passes of a file, as far as more passes over a block need them; verdict and checks are not
+    there. Raises ValueError for those of another block.
+    """
+    held = read(path)[1]
+    axes, start = np.concatenate(rolling.block.axes), rolling.start
+    apart = np.inf
+    if held["axes"].shape == axes.shape:
+        apart = np.abs(held["axes"] - axes).max() / np.abs(axes).max()
+    if apart > SAME or held["plastic"].shape != start.history.plastic.shape:
+        raise ValueError(f"the passes in {path} are those of another block")
+    rows = json.loads(str(held["rows"]))
+    along, up = held["surface"]
+    state = replace(
+        start,
+        history=History(held["plastic"], held["back"], held["equivalent"]),
+        residual=held["residual"],
+        profile=replace(start.profile, along=along, up=up),
+        displacement=held["displacement"],
+        count=len(rows),
+    )
+    empty = rail_state(rolling, state)
+    each = zip(held["each_stress"], held["each_strain"], held["each_up"], strict=True)
+    sections = [replace(empty, stress=s, strain=strain, up=u) for s, strain, u in each]
+    return Passes(rows=rows, verdict="", sections=sections, state=state)
 
 
 def _of_scene(
