@@ -43,10 +43,7 @@ DPI = 160  # of every PNG file
 BANDS = 10
 CENTRED = 0.01  # of a half length: that near to the first contact is at it
 OFF_AXIS = 0.01  # of the largest shear stress on the axis: one higher by that is named beside it
-SURFACE = 1e-3  # of the smaller half length: a depth below it is none
 SEEN = 0.98  # of the largest pressure: a cut that reaches it goes through the peak
-OFF_CUT = 0.2  # of its depth (at least that share of the smaller half length): a point farther off
-# a cut is said to be so
 STYLE = {
     "font.size": 11,
     "axes.grid": True,
@@ -419,28 +416,6 @@ def _stresses(
     panels[0].plot(principal(stress), at, style, **look)
     panels[1].plot(max_shear(stress), at, style, label=name, **look)
     panels[1].plot(peak[1], peak[0], "+", color=colour, ms=16, mew=1.8, zorder=4)
-
-
-def mark_largest(axes: Axes, findings: Findings, across: int, cut: float) -> None:
-    """Mark the place of the largest shear stress of each body in a picture of x or s over height.
-
-    across: 0 where the horizontal axis is x, 1 where it is s. cut: the other coordinate of the cut,
-        mm. Legend entries give the value, the depth and, if the place lies off the cut, how far.
-    """
-    half, subject = min(findings.patch.a, findings.patch.b), findings.subject
-    for body, largest in findings.largest.items():
-        peak = largest.tau
-        local = findings.frame.local(np.array([peak.place]))[0]
-        depth = subject.units.text(peak.depth, "mm", 3)
-        deep = "at the surface" if peak.depth < SURFACE * half else f"{depth} deep"
-        value = subject.units.text(peak.value, "MPa")
-        label = rf"$\tau_{{max}}$ in the {subject.names[body]}: {value}, {deep}"
-        if abs(off := local[1 - across] - cut) > OFF_CUT * max(peak.depth, OFF_CUT * half):
-            sign, way = "+" if off > 0 else "", (subject.across, subject.along)[across]
-            label += minus(f", {sign}{subject.units.text(off, 'mm', 2)} {way}")
-        marker = "v" if body == "rail" else "^"
-        look: dict[str, Any] = {"ms": 10, "mfc": "white", "mec": "black", "ls": "none"}
-        axes.plot(local[across], local[2], marker, label=label, **look)
 
 
 def _name_curves(axes: Axes, axis: DepthAxis) -> None:

@@ -6,6 +6,7 @@ from typing import Any
 
 import meshio
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from railhead.meshing.bodies import BODY_NAMES
@@ -14,7 +15,7 @@ from railhead.postprocess.pictures.diagrams import (
     BANDS,
     Target,
     levels,
-    mark_largest,
+    minus,
     new_figure,
     rounded,
 )
@@ -22,6 +23,9 @@ from railhead.postprocess.pictures.render import bodies_of
 
 LABELS = (r"smallest principal stress $\sigma_3$, MPa", r"largest shear stress $\tau$, MPa")
 LONG = 66  # letters of a label: two longer ones do not fit beside each other
+SURFACE = 1e-3  # of the smaller half length: a depth below it is none
+OFF_CUT = 0.2  # of its depth (at least that share of the smaller half length): a point farther off
+# a cut is said to be so
 MAPS = ("YlGnBu_r", "YlOrRd")
 
 
@@ -134,7 +138,7 @@ def _draw_fringes(
         if cut is not None:
             units, half = findings.subject.units, (findings.patch.b, findings.patch.a)[axis]
             marked += f", cut at {'sx'[axis]} = {rounded(units, cut, half)} {units.unit('mm')}"
-        mark_largest(panels[1], findings, axis, cut or 0.0)
+        _mark_largest(panels[1], findings, axis, cut or 0.0)
         handles, labels = panels[1].get_legend_handles_labels()
         mark = Line2D([], [], color="black", marker="|", ms=12, mew=1.6, ls="none")
         long = max(map(len, [*labels, marked])) > LONG
@@ -146,3 +150,25 @@ def _draw_fringes(
             fontsize=10,
         )
     return figure
+
+
+def _mark_largest(axes: Axes, findings: Findings, across: int, cut: float) -> None:
+    """Mark the place of the largest shear stress of each body in a picture of x or s over height.
+
+    across: 0 where the horizontal axis is x, 1 where it is s. cut: the other coordinate of the cut,
+        mm. Legend entries give the value, the depth and, if the place lies off the cut, how far.
+    """
+    half, subject = min(findings.patch.a, findings.patch.b), findings.subject
+    for body, largest in findings.largest.items():
+        peak = largest.tau
+        local = findings.frame.local(np.array([peak.place]))[0]
+        depth = subject.units.text(peak.depth, "mm", 3)
+        deep = "at the surface" if peak.depth < SURFACE * half else f"{depth} deep"
+        value = subject.units.text(peak.value, "MPa")
+        label = rf"$\tau_{{max}}$ in the {subject.names[body]}: {value}, {deep}"
+        if abs(off := local[1 - across] - cut) > OFF_CUT * max(peak.depth, OFF_CUT * half):
+            sign, way = "+" if off > 0 else "", (subject.across, subject.along)[across]
+            label += minus(f", {sign}{subject.units.text(off, 'mm', 2)} {way}")
+        marker = "v" if body == "rail" else "^"
+        look: dict[str, Any] = {"ms": 10, "mfc": "white", "mec": "black", "ls": "none"}
+        axes.plot(local[across], local[2], marker, label=label, **look)
