@@ -96,7 +96,6 @@ def test_every_fault_is_seen(ends, fault: str, monkeypatch) -> None:
 
 def test_the_page_lists_faults_and_counts_outcomes() -> None:
     right = ended(1, "valid", status=0, deviation=0.01, allowed=0.04)
-    lost = ended(2, "odd value", fault="the process crashed")
-    text = study.page([right, lost], [1.0, 2.0])
+    text = study.page([right, ended(2, "odd value", fault="the process crashed")], [1.0, 2.0])
     assert "- odd value, seed 2: the process crashed" in text and "0.25" in text
     assert study.MOST <= 15_000

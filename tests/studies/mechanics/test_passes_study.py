@@ -1,7 +1,6 @@
-"""The study of passes: a place of the map, and the page on made-up rows."""
+"""The study of passes: its page and its picture on made-up rows."""
 
 import matplotlib.image
-import pytest
 
 from studies.mechanics import passes
 
@@ -70,19 +69,3 @@ def test_a_picture_shows_both_tractions(tmp_path):
     points = [place(0.9, "perfect", "shakes down"), place(1.1, "perfect", "ratchets")]
     passes.draw([*rolled("free"), *rolled("driven")], points, path)
     assert matplotlib.image.imread(path).std() > 0.02
-
-
-@pytest.mark.slow
-def test_places_beside_the_limit_have_their_verdicts():
-    assert passes.mapped(0.2, 0.97, "perfect")["verdict"] == "shakes down"
-    above = passes.mapped(0.2, 1.2, "perfect")
-    assert above["verdict"] == "ratchets" and above["ratio"] == pytest.approx(3.84, abs=0.01)
-
-
-@pytest.mark.slow
-def test_the_quick_study_writes_its_files(tmp_path):
-    passes.main(tmp_path, quick=True)
-    assert {file.name for file in tmp_path.iterdir()} == {
-        "page.md", "passes_axle.csv", "passes_map.csv", "passes_study.png",
-    }  # fmt: skip
-    assert "0.9 of the limit" not in (tmp_path / "page.md").read_text()

@@ -21,11 +21,10 @@ def within(row: study.Row) -> bool:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SHOWN)
 @pytest.mark.parametrize("noise", [2.0, 10.0])
-@pytest.mark.parametrize("spacing", [0.1, 0.25, 0.5])
+@pytest.mark.parametrize("spacing", [0.1, 0.5])
 def test_all_worn_pairs_give_the_true_pressure_and_area(name, noise, spacing, request) -> None:
     if (name, noise, spacing) == ("54E1 crown 2 mm, 1:20", 2.0, 0.5):
-        reason = "3.002 % in pressure, 3 % asked"
-        request.applymarker(pytest.mark.xfail(strict=True, reason=reason))
+        request.applymarker(pytest.mark.xfail(strict=True, reason="3.002 % in pressure, 3 % asked"))
     row = study.compared(CASES[name], spacing, noise, SEEDS)
     assert within(row), row
 
@@ -39,12 +38,4 @@ def test_without_noise_the_profile_is_the_true_one(name: str) -> None:
 
 @pytest.mark.slow
 def test_20_um_open_no_contact_that_is_not_there() -> None:
-    row = study.compared(CASES["S1002 root 2 mm, 60E1"], 0.25, 20.0, 3)
-    assert row["more"] == 0
-
-
-@pytest.mark.slow
-def test_quick_study_writes_its_page(tmp_path) -> None:
-    study.main(tmp_path, quick=True)
-    assert {path.name for path in tmp_path.iterdir()} == {"page.md", "profiles.csv"}
-    assert "54E1 crown 1 mm" in (tmp_path / "page.md").read_text()
+    assert study.compared(CASES["S1002 root 2 mm, 60E1"], 0.25, 20.0, 3)["more"] == 0
