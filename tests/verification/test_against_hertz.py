@@ -6,7 +6,6 @@ from solved import passed, solved
 
 from railhead.postprocess import read
 from railhead.postprocess.stress import gauss_points, peaks
-from railhead.scene import catalogue
 from railhead.theory.elastic import subsurface
 
 
@@ -34,18 +33,12 @@ def test_hertz_ellipse_at_default_settings(default) -> None:
     assert summary["checks"]["hertzian"]
 
 
-@pytest.mark.parametrize(
-    ("size", "limits"),
-    [(0.6, (1e-3, 2e-3)), pytest.param(0.3, (2e-4, 5e-4), marks=pytest.mark.slow)],
-)
-def test_hertz_ellipse_converges(size: float, limits: tuple[float, float]) -> None:
-    """From 1.2 mm on, half the size divides the largest error of a and b by four at least."""
-    case = catalogue.find("hertz_ellipse")
-    coarse = passed(case.replace(["mesh.patch_size=1.2"])).summary
-    fine = passed(case.replace([f"mesh.patch_size={size}"])).summary
+def test_hertz_ellipse_converges() -> None:
+    """Half the size divides the largest error of a and b by four at least."""
+    coarse, fine = (passed("hertz_ellipse", f"mesh.patch_size={h}").summary for h in (1.2, 0.6))
     error = worst(fine, "a_mm", "b_mm")
-    assert error < limits[0] and worst(fine, "max_MPa") < limits[1]
-    assert worst(coarse, "a_mm", "b_mm") / error > (1.2 / size) ** 2
+    assert error < 1e-3 and worst(fine, "max_MPa") < 2e-3
+    assert worst(coarse, "a_mm", "b_mm") / error > 2**2
 
 
 def test_pressure_field_follows_the_semi_ellipsoid(default) -> None:
@@ -73,101 +66,67 @@ def test_subsurface_stresses_follow_the_exact_ones(default) -> None:
 
 def test_sphere_on_rigid_plane() -> None:
     """Cornell's example as a solid: a = 1.0096 mm, p0 = 88.29 MPa, approach 0.12742 mm."""
-    scene = catalogue.find("sphere_on_plane").replace(["effects.axisymmetry=off"])
-    result = passed(scene).summary["result"]
+    result = passed("sphere_on_plane", "effects.axisymmetry=off").summary["result"]
     assert result["patch"]["a_mm"] == pytest.approx(1.0096354444581297, rel=2e-3)
     assert result["patch"]["b_mm"] == pytest.approx(1.0096354444581297, rel=2e-3)
     assert result["pressure"]["max_MPa"] == pytest.approx(88.29036906939236, rel=2e-3)
     assert result["approach_mm"] == pytest.approx(0.12742046633827064, rel=2e-3)
 
 
-SCENES = {
-    "100 N": ["load=100"],
-    "1 MN": ["load=1e6"],
-    "axis ratio 10": ["wheel.rolling_radius=9000"],
-    "axis ratio 1/6": ["rail.crown_radius=6000", "mesh.patch_size=0.6"],
-    "concave wheel": ["wheel.profile=arc", "wheel.transverse_radius=-500"],
-    "soft wheel": ["wheel.young_modulus=70000", "wheel.poisson_ratio=0.35"],
-    "soft rail": ["rail.young_modulus=3000", "rail.poisson_ratio=0.45"],
-    "rigid wheel": ["wheel.young_modulus=inf"],
-    "by approach": ["approach=0.03"],
-    "penalty": ["solver.method=penalty"],
-    "theta 0": ["solver.theta=0"],
-    "theta -1": ["solver.theta=-1"],
+GROUPS = {
+    "patch": ("a_mm", "b_mm"),
+    "pressure": ("max_MPa",),
+    "approach": ("approach_mm",),
+    "stress": ("tau_max_MPa", "von_mises_max_MPa"),
 }
+USUAL = {"patch": 0.003, "pressure": 0.003, "approach": 0.003, "stress": 0.01}
+SCENES = {
+    "axis ratio 10": (["wheel.rolling_radius=9000"], USUAL),
+    "axis ratio 1/6": (["rail.crown_radius=6000", "mesh.patch_size=0.6"], USUAL),
+    "concave wheel": (["wheel.profile=arc", "wheel.transverse_radius=-500"], USUAL),
+    # Its pressure wavers: 0.1 to 0.7 % among meshes of the default size.
+    "penalty": (["solver.method=penalty"], USUAL | {"pressure": 0.007}),
+    "theta 0": (["solver.theta=0"], USUAL),
+    "linear tetrahedra": (["mesh.order=1"], {"patch": 0.02, "pressure": 0.02}),
+    "linear hexahedra": (
+        ["mesh.cell=hexahedron", "mesh.patch_size=0.5"], {"patch": 0.02, "pressure": 0.02}
+    ),
+    "quadratic hexahedra": (
+        ["mesh.cell=hexahedron", "mesh.order=2", "mesh.patch_size=1.2", "effects.symmetry=on"],
+        {"patch": 0.005, "pressure": 0.005},
+    ),
+    # At the trace bound itself a layer that contracts not sideways stretches freely: shear was 4 to
+    # 13 times as much.
+    **{f"layers of order {order}": (
+        ["mesh.cell=hexahedron", f"mesh.order={order}", f"mesh.patch_size={0.6 * order}",
+         "rail.poisson_ratio=0.01", "wheel.poisson_ratio=0.01", "effects.symmetry=on"],
+        {"patch": 0.02, "pressure": 0.02, "stress": 0.02},
+    ) for order in (1, 2)},
+}  # fmt: skip
+QUICK = "axis ratio 1/6", "linear tetrahedra"
 
 
 @pytest.mark.parametrize(
-    "assignments",
+    ("keys", "limits"),
     [
-        pytest.param(keys, id=name, marks=[] if name == "axis ratio 1/6" else [pytest.mark.slow])
-        for name, keys in SCENES.items()
+        pytest.param(*given, id=name, marks=[] if name in QUICK else [pytest.mark.slow])
+        for name, given in SCENES.items()
     ],
 )
-def test_other_hertz_scenes_are_as_accurate(assignments: list[str]) -> None:
-    summary = passed("hertz_ellipse", *assignments).summary
-    assert worst(summary, "a_mm", "b_mm", "approach_mm") < 0.003
-    # The pressure of the penalty method wavers: 0.1 to 0.7 % among meshes of the default size.
-    assert worst(summary, "max_MPa") < (0.007 if "solver.method=penalty" in assignments else 0.003)
-    assert worst(summary, "tau_max_MPa", "von_mises_max_MPa") < 0.01
+def test_other_half_spaces_and_elements_are_as_accurate(keys: list[str], limits: dict) -> None:
+    summary = passed("hertz_ellipse", *keys).summary
     assert summary["checks"]["force_balance"] < 1e-8
+    for group, limit in limits.items():
+        assert worst(summary, *GROUPS[group]) < limit, group
 
 
-@pytest.mark.slow
-def test_a_penalty_on_fine_linear_cells_takes_few_steps() -> None:
-    """Linear solves that end too early let it wander: 14 Newton steps instead of 5."""
-    keys = ["solver.method=penalty", "mesh.order=1", "mesh.patch_size=0.22"]
-    case = catalogue.find("hertz_ellipse").replace([*keys, "solver.linear=multigrid"])
-    cost = solved(case).summary["cost"]
-    assert cost["newton_iterations"] <= 6
-    assert cost["linear_iterations"] <= 130
-
-
-@pytest.mark.parametrize(
-    "ratio", [*(pytest.param(nu, marks=pytest.mark.slow) for nu in (0.46, 0.49)), 0.4999]
-)
-def test_nearly_incompressible_bodies_do_not_lock(ratio: float) -> None:
+def test_nearly_incompressible_bodies_do_not_lock() -> None:
     """Ordinary quadratic cells leave the pressure 75 % wrong at 0.4999."""
-    keys = [f"{body}.poisson_ratio={ratio}" for body in ("rail", "wheel")]
-    case = catalogue.find("hertz_ellipse").replace([*keys, "mesh.patch_size=0.85"])
-    summary = passed(case).summary
+    keys = ["rail.poisson_ratio=0.4999", "wheel.poisson_ratio=0.4999", "mesh.patch_size=0.85"]
+    summary = passed("hertz_ellipse", *keys).summary
     assert summary["plan"]["effects"]["mean_dilatation"]["on"]
     assert worst(summary, "a_mm", "b_mm", "max_MPa", "approach_mm") < 0.005
     assert worst(summary, "tau_max_MPa", "von_mises_max_MPa") < 0.01
-
-
-ELEMENTS = {
-    "linear tetrahedra": (["mesh.order=1"], 0.02),
-    "linear hexahedra": (["mesh.cell=hexahedron", "mesh.patch_size=0.5"], 0.02),
-    "quadratic hexahedra": (
-        ["mesh.cell=hexahedron", "mesh.order=2", "mesh.patch_size=1.2", "effects.symmetry=on"],
-        0.005,
-    ),
-}
-
-
-@pytest.mark.parametrize(
-    "assignments, bound",
-    [
-        pytest.param(*given, id=name, marks=[pytest.mark.slow] if "hexahedra" in name else [])
-        for name, given in ELEMENTS.items()
-    ],
-)
-def test_other_elements_reach_what_they_can(assignments: list[str], bound: float) -> None:
-    summary = passed("hertz_ellipse", *assignments).summary
-    assert worst(summary, "a_mm", "b_mm", "max_MPa") < bound
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("order, size", [(1, 0.6), (2, 1.2)])
-def test_layers_of_hexahedra_are_stable_where_nothing_contracts_sideways(
-    order: int, size: float
-) -> None:
-    """At the trace bound itself a layer stretches freely: shear was 4 to 13 times as much."""
-    keys = [f"mesh.order={order}", f"mesh.patch_size={size}", "mesh.cell=hexahedron"]
-    keys += ["rail.poisson_ratio=0.01", "wheel.poisson_ratio=0.01", "effects.symmetry=on"]
-    summary = passed("hertz_ellipse", *keys).summary
-    assert worst(summary, "a_mm", "b_mm", "max_MPa", "tau_max_MPa", "von_mises_max_MPa") < 0.02
 
 
 # The largest stress is that of both bodies, wherever it is, and never one outside them.
@@ -177,20 +136,15 @@ THIN += ["rail.width=10", "rail.depth=5"]
 UNLIKE = {
     "ellipse": ("hertz_ellipse", 0.4, 0.1, []),
     "needle": ("hertz_ellipse", 0.05, 0.45, ["wheel.rolling_radius=4000", "load=300"]),
-    "nearly incompressible rail": ("hertz_ellipse", 0.4999, 0.0, []),
-    "soft wheel": ("hertz_ellipse", 0.25, 0.0, ["wheel.young_modulus=3000"]),
     "long roller": ("long_roller", 0.45, 0.0, []),
     "circle": ("sphere_on_plane", 0.1, 0.49, ["rail.young_modulus=3000"]),
 }
 
 
-LONG = "needle", "nearly incompressible rail", "soft wheel"
-
-
 @pytest.mark.parametrize(
     ("case", "rail", "wheel", "more"),
     [
-        pytest.param(*scene, id=name, marks=[pytest.mark.slow] if name in LONG else [])
+        pytest.param(*scene, id=name, marks=[pytest.mark.slow] if name == "needle" else [])
         for name, scene in UNLIKE.items()
     ],
 )
@@ -221,19 +175,16 @@ def test_no_stress_is_read_below_the_foot_of_a_thin_rail() -> None:
     axis, found = result.findings.depth["rail"], result.summary["result"]["stress"]
     assert axis.depth[-1] == pytest.approx(5, rel=1e-6)
     assert np.abs(axis.stress).max() < 1.5 * result.summary["result"]["pressure"]["max_MPa"]
-    finer = catalogue.find("uic54_thesis").replace([*THIN, "mesh.patch_size=0.3"])
-    reference = passed(finer).summary["result"]["stress"]
+    reference = passed("uic54_thesis", *THIN, "mesh.patch_size=0.3").summary["result"]["stress"]
     for name in ("tau_max_MPa", "von_mises_max_MPa"):
         assert found[name] == pytest.approx(reference[name], rel=0.03)
         assert found["axis"][name] == pytest.approx(reference["axis"][name], rel=0.03)
 
 
-@pytest.mark.parametrize("size", [0.9, pytest.param(0.5, marks=pytest.mark.slow)])
-def test_patch_that_is_no_ellipse_has_its_largest_stress_beside_the_axis(size: float) -> None:
-    """S1002 on 60E1: within 3 % of boundary elements, so on both meshes the same; nodal averages
-    overshoot by a few per cent on the coarser one."""
+def test_patch_that_is_no_ellipse_has_its_largest_stress_beside_the_axis() -> None:
+    """S1002 on 60E1, within 3 % of boundary elements. Averages at nodes overshoot it a little."""
     short = "rail.length=60", "wheel.segment_length=60"
-    result = passed("s1002_60e1", f"mesh.patch_size={size}", *short)
+    result = passed("s1002_60e1", "mesh.patch_size=0.9", *short)
     nodal = gauss_points.nodal_stress(result.fields)
     found = result.summary["result"]["stress"]
     for name, invariant in (
@@ -242,30 +193,11 @@ def test_patch_that_is_no_ellipse_has_its_largest_stress_beside_the_axis(size: f
     ):
         assert found[name] > 1.05 * found["axis"][name]
         overshoot = invariant(nodal).max() / found[name] - 1
-        assert -0.03 < overshoot < (0.03 if size == 0.5 else 0.08)
+        assert -0.03 < overshoot < 0.08
     context = result.mesh_solution.plan.context
     foreseen = context.von_mises(context.scene.rail.poisson_ratio)  # by boundary elements
     assert foreseen == pytest.approx(found["von_mises_max_MPa"], rel=0.03)
     assert abs(context.hertz.p0 / result.summary["result"]["pressure"]["max_MPa"] - 1) > 0.03
-
-
-OTHERS = {
-    "turned": ["wheel.rolling_radius=300", "rail.crown_radius=420"],
-    "whole": ["effects.symmetry=off", "mesh.patch_size=0.8"],
-}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("which", OTHERS)
-def test_symmetry_and_direction_do_not_matter(which: str) -> None:
-    """A quarter and the whole model, and the same ellipse turned by a right angle."""
-    scene = catalogue.find("hertz_ellipse").replace(["wheel.poisson_ratio=0.1"])
-    one, other = (
-        passed(each).summary["result"]["stress"] for each in (scene, scene.replace(OTHERS[which]))
-    )
-    assert other["tau_max_body"] == other["von_mises_max_body"] == "wheel"
-    for name in ("tau_max_MPa", "von_mises_max_MPa"):
-        assert other[name] == pytest.approx(one[name], rel=0.005)
 
 
 @pytest.mark.slow
@@ -288,6 +220,5 @@ def test_a_peak_without_neighbours_is_read_where_it_is(monkeypatch: pytest.Monke
     result = passed("uic54_thesis", *THIN)
     usual = result.findings.largest["rail"].tau.value
     monkeypatch.setattr(peaks, "FIT_REACH", 1e-9)
-    again = read.findings(result.fields, result.plan.contact.frame)
-    found = again.largest["rail"].tau.value
+    found = read.findings(result.fields, result.plan.contact.frame).largest["rail"].tau.value
     assert found == pytest.approx(usual, rel=0.05)

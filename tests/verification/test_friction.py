@@ -7,7 +7,6 @@ import coupled_punch
 import meshio
 import numpy as np
 import pytest
-from friction_cases import plane
 from friction_data import ENTRIES
 from mpi4py import MPI
 from one_line import refusal
@@ -19,7 +18,6 @@ from railhead.postprocess.friction import quantities
 from railhead.run import mesh_solution, model_setup
 from railhead.solver.friction.history import FrictionHistory
 from railhead.solver.friction.pressed_surfaces import surface_tangents
-from railhead.solver.plasticity.load_stepping import PlasticResponse
 from railhead.solver.system.contact_system import LoadCase
 from railhead.sweeps import sweep_table
 from railhead.theory.friction import partial_slip
@@ -40,17 +38,11 @@ def ellipse(**changes: object) -> rh.Scene:
     return scene.replace(mesh={"patch_size": 0.87}).replace(**changes)
 
 
-def mindlin(contact, *, across: bool) -> partial_slip.CattaneoMindlin:
-    compliance = partial_slip.initial_compliance(contact.a, contact.b, 207e3 / 2.6, 0.3)[across]
-    return partial_slip.CattaneoMindlin(MU * contact.load, compliance)
-
-
 @pytest.mark.parametrize("entry", [CARTER[0], pytest.param(CARTER[3], marks=SLOW)],
                          ids=lambda entry: entry["id"])  # fmt: skip
 def test_a_strip_that_rolls_is_carter_s(entry) -> None:
     creepage, share = entry["creepage_xi"], entry["Q_over_muP"]
-    found = passed(roller(rolling={"creepage_along": creepage, "speed": "72 km/h"}))
-    answer = friction(found)
+    answer = friction(passed(roller(rolling={"creepage_along": creepage, "speed": "72 km/h"})))
     assert answer["force_along_N"] / answer["limit_N"] == pytest.approx(share, abs=0.012)
     assert answer["stick_share"] == pytest.approx(entry["stick_half_width_over_a"], abs=0.03)
     assert answer["newton_steps"] <= 20
@@ -87,9 +79,10 @@ def test_a_strip_that_is_shifted_is_cattaneo_s(share: float) -> None:
 def test_a_patch_that_is_shifted_there_and_back_is_mindlin_s() -> None:
     """With the far field of Cerruti the displacement is that of half-spaces."""
     force = 0.5 * MU * 25e3
-    scene = ellipse(friction={"force_along": force, "cycle": True}, mesh={"patch_size": 1.0})
+    scene = ellipse(friction={"force_along": force, "cycle": True}, mesh={"patch_size": 1.2})
     found = passed(scene)
-    exact = mindlin(found.ellipse, across=False)
+    along, _ = partial_slip.initial_compliance(found.ellipse.a, found.ellipse.b, 207e3 / 2.6, 0.3)
+    exact = partial_slip.CattaneoMindlin(MU * found.ellipse.load, along)
     answer, checks = friction(found), found.as_dict()["checks"]
     assert checks["second_opinion_shift"] < 0.02
     assert answer["shift_along_mm"] == pytest.approx(exact.approach(force), rel=0.001)
@@ -100,14 +93,6 @@ def test_a_patch_that_is_shifted_there_and_back_is_mindlin_s() -> None:
     assert answer["energy_per_cycle_Nmm"] == pytest.approx(energy, rel=0.005)
     there, back, again = found.mesh_solution.solution.friction.load_steps[:, 2]
     assert -back == pytest.approx(there, rel=1e-3) and again == pytest.approx(there, rel=1e-3)
-
-
-@pytest.mark.slow
-def test_a_shift_across_is_mindlin_s_too() -> None:
-    force = 0.5 * MU * 25e3
-    found = passed(ellipse(friction={"force_across": force}))
-    exact = mindlin(found.ellipse, across=True)
-    assert friction(found)["shift_across_mm"] == pytest.approx(exact.approach(force), rel=0.02)
 
 
 @pytest.mark.parametrize(
@@ -125,47 +110,18 @@ def test_unlike_bodies_stick_where_a_growing_punch_does(poisson: float, coeffici
     assert friction(found)["stick_share"] == pytest.approx(expected, abs=0.01)
 
 
-@pytest.mark.slow
-def test_the_steps_of_a_growing_patch_are_enough() -> None:
-    """Eight equal steps had 0.03 less that sticks, and a point that stuck at the edge. Where new
-    points touch had been found under the tractions of the step before."""
-    model, case, pressed = growing(rh.find("sphere_on_plane").replace(["friction.coefficient=0.2"]))
-    settings = model.setup.friction
-    assert settings is not None and len(settings.load_steps) == 8
-    fine = tuple((math.sin(step / 64 * math.pi) ** 3, 0.0) for step in range(1, 33))
-    shares = []
-    for steps in (settings.load_steps, fine):
-        rubs = replace(settings, load_steps=steps)
-        solution = FrictionHistory(model, model.response(), rubs, case, pressed).solve()
-        found = solution.friction
-        assert solution.newton.converged and found is not None
-        sticks, size = found.sticks, np.linalg.norm(found.traction, axis=1)
-        r = np.linalg.norm(found.points[:, :2], axis=1)
-        assert r[sticks].max() < r[~sticks].min()  # a disc
-        area = found.weights @ (found.pressure > 0)
-        shares.append([found.weights @ sticks / area, found.weights @ size / found.friction_limit])
-    assert shares[0] == pytest.approx(shares[1], abs=0.01)
-
-
-def growing(scene: rh.Scene):
-    """A scene pressed without friction."""
-    plan = planning.make(scene)
-    model = mesh_solution.assemble(
-        plan, mesh_solution.generate(plan, plan.grading(), MPI.COMM_SELF)
-    )
-    points = model.setup.kinematics.lift(model.interface.points)
-    case = LoadCase(load=scene.load, active=plan.forecast.touching(points))
-    return model, case, model.response().press(case)
-
-
 def test_unlike_bodies_rest_where_spence_says() -> None:
     """While a patch grows all is similar, so that what sticks rests at C x |x|. In the first of the
     eight steps this was 20 times as much: the place under the full load was mixed in."""
     scene = roller(load=20e3, wheel={"young_modulus": math.inf}, rail={"extent": "half-space"})
-    model, case, pressed = growing(scene)
-    settings = model.setup.friction
-    history = FrictionHistory(model, model.response(), settings, case, pressed)
-    assert settings is not None and history.solve().newton.converged
+    plan = planning.make(scene)
+    made = mesh_solution.generate(plan, plan.grading(), MPI.COMM_SELF)
+    model = mesh_solution.assemble(plan, made)
+    points = model.setup.kinematics.lift(model.interface.points)
+    case = LoadCase(load=scene.load, active=plan.forecast.touching(points))
+    pressed = model.response().press(case)
+    history = FrictionHistory(model, model.response(), model.setup.friction, case, pressed)
+    assert history.solve().newton.converged
     x = history.contact.points[:, 0] / np.abs(history.contact.points[history.was_active, 0]).max()
     factor = history.rest[:, 0] / (x * np.abs(x))
     sticks = (np.abs(x) > 0.25) & (np.abs(x) < 0.4)
@@ -197,10 +153,9 @@ def test_a_shift_makes_bodies_yield_further(yielded) -> None:
     _, found = yielded
     assert found.newton.converged
     rubbing, plain = found.friction, found.reference
-    assert plain.reference is not None and rubbing.coupling_iterations > 4
+    assert rubbing.coupling_iterations > 4
     assert rubbing.force[0] == pytest.approx(60e3, rel=1e-3)
-    size = np.linalg.norm(rubbing.traction, axis=1)
-    assert np.all(size <= MU * rubbing.pressure * (1 + 1e-9))
+    assert np.all(np.linalg.norm(rubbing.traction, axis=1) <= MU * rubbing.pressure * (1 + 1e-9))
     shear = found.plastic_strain.equivalent.max() / plain.plastic_strain.equivalent.max()
     assert shear > 1.05  # the shift adds to what the load has done
 
@@ -211,11 +166,10 @@ def test_unloaded_half_spaces_are_pulled_by_nothing(
     """What lies beyond them followed the shift, and is back where it was."""
     model, found = yielded
     left = found.plasticity.residual_state
-    assert left is not None and left.newton.converged
+    assert left.newton.converged
     held = model.supports(model.bulk.space).fixed
     for state, least, most in ((found, 1e-4, 1.0), (left, 0.0, 0.0)):
-        moved = abs(state.displacement.array.reshape(-1, 2)[held, 0]).max()
-        assert least <= moved <= most
+        assert least <= abs(state.displacement.array.reshape(-1, 2)[held, 0]).max() <= most
 
 
 def test_a_shift_is_taken_in_steps_where_bodies_grow_or_yield() -> None:
@@ -251,7 +205,6 @@ def sheared():
         plan, mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
     )
     response = model.response()
-    assert isinstance(response, PlasticResponse)
     response.problem.surface.history.plastic[:, 3] = np.sqrt(2) * 1e-3  # Mandel's notation
     return model, response
 
@@ -295,18 +248,9 @@ def test_what_turns_about_the_tangents_acts_as_creepage_along_does() -> None:
 
 
 @pytest.mark.slow
-def test_a_yield_that_is_not_passed_changes_no_bit() -> None:
-    far = {"yield_stress": 1000.0, "hardening_modulus": 5e3}
-    scene = roller(friction={"force_along": 20e3}, mesh={"patch_size": 1.0})
-    one, other = (solved(scene.replace(rail=steel)).as_dict() for steel in ({}, far))
-    assert one["result"] == other["result"]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("along, across, spin", [(1e-3, 0.0, 0.0), (0.0, 1e-3, 1e-4)])
-def test_a_patch_that_rolls_is_kalker_s(along: float, across: float, spin: float) -> None:
+def test_a_patch_that_rolls_is_kalker_s() -> None:
     """Against boundary elements; on six elements a semi-axis, as by default."""
-    motion = {"creepage_along": along, "creepage_across": across, "spin": spin}
+    motion = {"creepage_across": 1e-3, "spin": 1e-4}
     found = passed(ellipse(rolling=motion, mesh={"patch_size": None}))
     second = found.as_dict()["half_space_friction"]["boundary elements"]
     answer = friction(found)
@@ -336,21 +280,6 @@ def test_at_a_large_creepage_everything_slips() -> None:
     assert stress["von_mises_max_MPa"] > 1.05 * 0.56 * found.pressure.max
 
 
-@pytest.mark.slow
-def test_the_other_way_round_is_the_other_way_round() -> None:
-    one, other = (
-        friction(solved(plane(MU, rolling={"creepage_along": xi}))) for xi in (4e-4, -4e-4)
-    )
-    assert other["force_along_N"] == pytest.approx(-one["force_along_N"], rel=0.002)
-
-
-@pytest.mark.slow
-def test_however_little_friction_there_is_a_shift_is_cattaneo_s() -> None:
-    scene = roller(friction={"coefficient": 1e-3, "force_along": 0.5 * 1e-3 * 110e3})
-    answer = friction(solved(scene))
-    assert answer["stick_share"] == pytest.approx(math.sqrt(0.5), abs=0.03)
-
-
 def test_nothing_pushes_a_sphere_aside_that_is_pressed() -> None:
     """A meridian section has no motion along: tractions vanish on the axis and point inwards."""
     found = passed(rh.find("sphere_on_plane").replace(friction={"coefficient": MU}))
@@ -368,8 +297,7 @@ def test_tractions_on_a_curved_surface_carry_their_part_of_the_load() -> None:
     ball = rh.Wheel(profile="arc", rolling_radius=20, transverse_radius=20, young_modulus=3000)
     plane = rh.Rail(profile="arc", crown_radius=math.inf, young_modulus=math.inf)
     scene = rh.Scene(load=1e4, rail=plane, wheel=ball, mesh={"patch_size": 0.5})
-    found = passed(scene.replace(friction={"coefficient": MU}))
-    solution = found.mesh_solution.solution
+    solution = passed(scene.replace(friction={"coefficient": MU})).mesh_solution.solution
     push = -solution.friction.weights @ solution.friction.traction[:, 2]
     assert 200 < push < 300
     assert solution.load == pytest.approx(solution.reaction, rel=1e-9)
@@ -379,24 +307,8 @@ def test_tractions_on_a_curved_surface_carry_their_part_of_the_load() -> None:
 def test_bodies_of_different_shape_drive_without_creepage_whatever_the_law(method: str) -> None:
     """A disc and a block of one steel are pressed differently: 0.0032 mu P on meshes three times as
     fine."""
-    scene = roller(rolling={"creepage_along": 0.0}, solver={"method": method})
-    answer = friction(solved(scene))
+    answer = friction(solved(roller(rolling={"creepage_along": 0.0}, solver={"method": method})))
     assert answer["force_along_N"] / answer["limit_N"] == pytest.approx(0.0032, abs=8e-4)
-
-
-@pytest.mark.slow
-def test_exchanged_bodies_exchange_the_force() -> None:
-    """Unlike half-planes (E ratio 69) drive without creepage; which one is soft sets the sign."""
-    forces = []
-    for soft in ("rail", "wheel"):
-        moduli = {body: {"young_modulus": 3000.0 if body == soft else 207e3}
-                  for body in ("rail", "wheel")}  # fmt: skip
-        rolls = {"creepage_along": 0.0}
-        scene = plane(MU, rolling=rolls, **moduli, mesh={"patch_size": 3.0})
-        answer = friction(solved(scene))
-        forces.append(answer["force_along_N"] / answer["limit_N"])
-    assert forces[1] == pytest.approx(-forces[0], rel=1e-6)
-    assert forces[0] == pytest.approx(-0.72, abs=0.03)
 
 
 def test_friction_that_nothing_calls_for_changes_no_bit() -> None:
@@ -410,12 +322,10 @@ def test_friction_that_nothing_calls_for_changes_no_bit() -> None:
 
 def test_unlike_bodies_dissipate_what_slips() -> None:
     """A rigid wheel is driven at a creepage above 0: forces times creepages would be a gain."""
-    scene = roller(rolling={"creepage_along": 5e-4}, wheel={"young_modulus": math.inf})
-    found = solved(scene)
+    found = solved(roller(rolling={"creepage_along": 5e-4}, wheel={"young_modulus": math.inf}))
     answer = friction(found)
     assert answer["force_along_N"] < 0 < answer["t_gamma_N"]
-    row = sweep_table.row(sweep_table.record({}, found))
-    assert row["T-gamma [N]"] == answer["t_gamma_N"]
+    assert sweep_table.row(sweep_table.record({}, found))["T-gamma [N]"] == answer["t_gamma_N"]
 
 
 @pytest.mark.parametrize(
@@ -448,8 +358,7 @@ def test_what_cannot_be_is_one_line(keys, line: str) -> None:
 def test_the_files_show_stick_slip_and_tractions(tmp_path, monkeypatch) -> None:
     draw_only(monkeypatch, "friction")
     force = CARTER[1]["Q_over_muP"] * MU * CARTER[1]["load_N"]
-    found = solved(roller(rolling={"force_along": force}))
-    found.save(tmp_path / "out", report=False)
+    solved(roller(rolling={"force_along": force})).save(tmp_path / "out", report=False)
     points = meshio.read(tmp_path / "out" / "traction.vtu").point_data
     size = np.linalg.norm(points["traction"], axis=1)
     assert (size <= MU * points["pressure"] * (1 + 1e-9)).all()

@@ -56,6 +56,7 @@ def stands(yaw: float) -> dict:
         friction={"coefficient": MU},
         rolling={"from_wheelset": True},
         effects={"finite_bodies": "off"},
+        mesh={"patch_size": 1.0},
     )
     return solved(scene).as_dict()
 
@@ -181,8 +182,7 @@ def test_what_is_not_resolved_is_said(creepage: float) -> None:
 
 
 def test_the_patch_stands_in_the_shakedown_map_where_the_steel_is_known() -> None:
-    steel = {"yield_stress": 500}
-    found = solved(plane(0.3, rail=steel))
+    found = solved(plane(0.3, rail={"yield_stress": 500}))
     answer, k = friction(found), 500 / math.sqrt(3)
     assert answer["shear_yield_MPa"] == pytest.approx(k)
     assert answer["p0_over_k"] == pytest.approx(found.pressure.max / k)

@@ -132,8 +132,7 @@ GRADIENT = np.array([[1e-3, 2e-4, 0], [2e-4, -5e-4, 1e-4], [0, 1e-4, 7e-4]])
 def test_bulk_constant_stress(blocks, wide, cell, degree, kinematics) -> None:
     """K u of a linear displacement vanishes at inner nodes and gives its constant stress, out of
     the plane of a section too; a ring takes u_r = e r, u_z = f z."""
-    materials = (STEEL, STEEL)
-    made, setup = blocks(cell=cell, materials=materials, degree=degree, kinematics=kinematics)
+    made, setup = blocks(cell=cell, materials=(STEEL, STEEL), degree=degree, kinematics=kinematics)
     model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
     axes, dim = kinematics.axes, kinematics.dim
     points = model.bulk.space.tabulate_dof_coordinates()[:, :dim]
@@ -158,21 +157,22 @@ def test_bulk_constant_stress(blocks, wide, cell, degree, kinematics) -> None:
     np.testing.assert_allclose(found, expected, rtol=1e-8, atol=1e-8 if dim == 3 else 1e-7)
 
 
+def mean_of_3_r(r: np.ndarray) -> np.ndarray:
+    """Means over triangles with corners r (n, 3) of a section that turns about the axis: 3 int r^2
+    / int r = 3 (S + (sum r_i)^2) / (4 sum r_i), S the sum of squares of the corners."""
+    total = r.sum(axis=1)
+    return 3 * ((r**2).sum(axis=1) + total**2) / (4 * total)
+
+
 def test_mean_dilatation_of_a_ring_is_that_of_its_volume() -> None:
-    """u_r = r^2 has tr eps = 3 r, whose mean over a triangle of corners r_i is 3 int r^2 / int r =
-    3 (S + (sum r_i)^2) / (4 sum r_i), S the sum of their squares; its energy is lambda V mean^2."""
+    """u_r = r^2 has tr eps = 3 r; the energy of its mean is lambda V mean^2."""
     ring = replace(RING, mean_dilatation=True)
     made, setup = two_half_blocks(degree=2, kinematics=ring)
-    model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
-    slave = model.interface.slave
-    r = slave.nodes[:, :3, 0]
-    total = r.sum(axis=1)
-    mean = 3 * ((r**2).sum(axis=1) + total**2) / (4 * total)
-    every = np.arange(len(slave))
-    divergence = slave.divergence(every, np.full((len(slave), 2), 0.1))
-    points = slave.dof_points()
-    found = np.einsum("mdc,mdc->m", divergence, points[..., :1] ** 2 * [1.0, 0.0])
-    np.testing.assert_allclose(found, mean, rtol=1e-12)
+    slave = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup).interface.slave
+    divergence = slave.divergence(np.arange(len(slave)), np.full((len(slave), 2), 0.1))
+    squares = slave.dof_points()[..., :1] ** 2 * [1.0, 0.0]
+    found = np.einsum("mdc,mdc->m", divergence, squares)
+    np.testing.assert_allclose(found, mean_of_3_r(slave.nodes[:, :3, 0]), rtol=1e-12)
 
     soft = dict.fromkeys((RAIL, WHEEL), Material(1000.0, 0.4))
     none = dict.fromkeys((RAIL, WHEEL), Material(1000.0 / 1.4, 0.0))  # the same mu
@@ -182,14 +182,11 @@ def test_mean_dilatation_of_a_ring_is_that_of_its_volume() -> None:
         u = stiffness.createVecRight()
         u.array[:] = (bulk.space.tabulate_dof_coordinates()[:, :2] ** 2 * [1.0, 0.0]).ravel()
         energies.append(u.dot(stiffness * u))
-    r = made.mesh.geometry.x[compat.cell_nodes(made.mesh)][:, :, 0]
     x = made.mesh.geometry.x[compat.cell_nodes(made.mesh)][:, :, :2]
     area = np.abs(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])) / 2
-    total = r.sum(axis=1)
-    mean = 3 * ((r**2).sum(axis=1) + total**2) / (4 * total)
-    volume = 2 * np.pi * area * total / 3
-    lam = soft[RAIL].lame[0]
-    assert energies[0] - energies[1] == pytest.approx(lam * volume @ mean**2, rel=1e-10)
+    volume = 2 * np.pi * area * x[..., 0].mean(axis=1)
+    expected = soft[RAIL].lame[0] * volume @ mean_of_3_r(x[..., 0]) ** 2
+    assert energies[0] - energies[1] == pytest.approx(expected, rel=1e-10)
 
 
 @pytest.mark.parametrize(
@@ -277,8 +274,7 @@ def test_approach_control_and_load_control_meet(wheel: float) -> None:
 def test_exchanging_the_roles_of_the_surfaces() -> None:
     """Quadrature on the wheel instead of the rail: the same within the discretisation error."""
     one = press(contact_model(h=1.0))
-    gap = ParabolicGap(1 / 2000, 1 / 1600, -1)
-    two = press(contact_model(h=1.0, slave=WHEEL, gap=gap))
+    two = press(contact_model(h=1.0, slave=WHEEL, gap=ParabolicGap(1 / 2000, 1 / 1600, -1)))
     assert two.newton.converged
     assert two.approach == pytest.approx(one.approach, rel=2e-3)
 
@@ -300,8 +296,7 @@ def test_frame_invariance() -> None:
         direction=tuple(turn @ np.array([0.0, 0.0, -1.0])),
         planes=tuple((tag, tuple(turn @ np.array(normal))) for tag, normal in other.planes),
     )
-    model = ContactModel(turned.mesh, turned.cell_tags, turned.facet_tags, setup)
-    solution = press(model)
+    solution = press(ContactModel(turned.mesh, turned.cell_tags, turned.facet_tags, setup))
     assert solution.approach == pytest.approx(reference.approach, rel=1e-8)
     np.testing.assert_allclose(
         solution.pressure, reference.pressure, atol=1e-8 * reference.pressure.max()
@@ -386,8 +381,7 @@ def test_quarter_and_whole_model_agree_on_mirrored_meshes() -> None:
     full = press(model)
     assert full.newton.converged
     assert full.approach == pytest.approx(quarter.approach, rel=1e-8)
-    points = model.interface.points
-    images = cKDTree(points)
+    images = cKDTree(model.interface.points)
     for x, y in ((1, 1), (-1, 1), (1, -1), (-1, -1)):
         distance, partner = images.query(part.interface.points * [x, y, 1])
         assert distance.max() < 1e-9

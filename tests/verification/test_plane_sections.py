@@ -22,25 +22,14 @@ from railhead.theory.elastic import line
 from railhead.theory.elastic.hertz import line_contact
 
 
-@pytest.fixture(scope="module")
-def nafems() -> dict:
-    return passed("roller_on_block").summary
-
-
-def test_nafems_roller_on_block(nafems) -> None:
+def test_nafems_roller_on_block() -> None:
     """p0 3585.4 MPa and half width 6.215 mm by Hertz, within 1 % (a/R = 0.124)."""
+    nafems = passed("roller_on_block").summary
     result = nafems["result"]
     assert result["patch"]["a_mm"] == pytest.approx(6.2146278668664685, rel=0.01)
     assert result["pressure"]["max_MPa"] == pytest.approx(3585.362230884501, rel=0.01)
     assert nafems["hertz"]["pressure"]["max_MPa"] == pytest.approx(3585.362230884501, rel=1e-9)
     assert nafems["checks"]["force_balance"] < 1e-8
-
-
-def test_nafems_roller_is_converged_in_the_mesh(nafems) -> None:
-    fine = passed("roller_on_block", "mesh.patch_size=0.25").summary["result"]
-    found = nafems["result"]
-    assert found["patch"]["a_mm"] == pytest.approx(fine["patch"]["a_mm"], rel=5e-4)
-    assert found["pressure"]["max_MPa"] == pytest.approx(fine["pressure"]["max_MPa"], rel=5e-4)
 
 
 HALF_SPACES = {
@@ -90,17 +79,14 @@ def test_stresses_are_alike_around_the_axis(nu: float) -> None:
     dilatation on as well."""
     keys = [f"wheel.poisson_ratio={nu}", "effects.mean_dilatation=on"]
     found = solved("sphere_on_plane", *keys).findings
-    assert found is not None
     s_x, s_y = found.axis.stress[:, :2].T
     assert np.abs(s_x - s_y).max() < 0.005 * found.patch.max_pressure
 
 
 @pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
 def test_linear_cells_reach_one_per_cent(cell: str) -> None:
-    scene = catalogue.find("long_roller").replace(
-        ["rail.extent=half-space", f"mesh.cell={cell}", "mesh.order=1"]
-    )
-    off = passed(scene).summary["difference"]
+    keys = "rail.extent=half-space", f"mesh.cell={cell}", "mesh.order=1"
+    off = passed("long_roller", *keys).summary["difference"]
     assert np.abs([off["patch"]["a_mm"], off["pressure"]["max_MPa"]]).max() < 0.01
 
 
@@ -178,19 +164,14 @@ def test_bar_on_a_canted_rail_head() -> None:
     """Section of a straight bar on 54E1 inclined 1:20: touches beside the crown. The head is 35 mm
     to either side of a patch 4 mm wide, so Hertz holds to a few per cent."""
     scene = Scene(load=5e5).replace(
-        ["wheel.rolling_radius=inf", "rail.length=100", "rail.inclination=1:40"]
+        [
+            "wheel.rolling_radius=inf",
+            "rail.length=100",
+            "rail.inclination=1:40",
+            "mesh.patch_size=0.3",
+        ]
     )
     summary = passed(scene).summary
     assert abs(summary["difference"]["patch"]["b_mm"]) < 0.05
     assert abs(summary["difference"]["pressure"]["max_MPa"]) < 0.03
     assert summary["difference"]["patch"]["a_mm"] == 0.0
-
-
-def test_asked_accuracy_is_met_in_a_section() -> None:
-    scene = catalogue.find("long_roller").replace(["rail.extent=half-space", "accuracy=0.5%"])
-    summary = passed(scene).summary
-    assert summary["accuracy"]["reached"]
-    errors = {**summary["difference"]["patch"], **summary["difference"]["pressure"]}
-    errors |= summary["difference"]["stress"] | {"x": summary["difference"]["approach_mm"]}
-    for name, bound in summary["accuracy"]["bound"].items():
-        assert abs(errors.get(name, errors["x"])) <= bound

@@ -32,7 +32,6 @@ def judged(summary) -> dict[str, float | str]:
 #: Ranks, case, keys, and how far off numbers may be. Of hexahedra each rank has one body: no
 #: facets, or no slave.
 RANKS = {
-    "2": (2, "uic54_thesis", ["mesh.patch_size=1.7"], SAME),
     "2, hexahedra": (
         2, "uic54_thesis", ["mesh.patch_size=0.6", "mesh.cell=hexahedron"], SAME
     ),

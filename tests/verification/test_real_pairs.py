@@ -21,7 +21,6 @@ from railhead.postprocess.patch.moments import moments
 from railhead.run import estimates, mesh_solution
 from railhead.run.mesh_solution import MeshSolution, forecast_from_solution, mesh_and_solve
 from railhead.run.progress import Progress
-from railhead.scene import catalogue
 from railhead.solver import compat
 from railhead.theory.elastic.hertz import line_contact
 
@@ -29,7 +28,7 @@ from railhead.theory.elastic.hertz import line_contact
 def test_tread_and_gauge_corner_are_two_patches_of_the_right_size() -> None:
     """S1002 on 60E1, shifted by 5 mm: two tangent planes, 10 degrees apart."""
     short = "rail.length=60", "wheel.segment_length=60"
-    keys = "wheelset.shift=5", "mesh.patch_size=0.65", "effects.plasticity=off", *short
+    keys = "wheelset.shift=5", "mesh.patch_size=0.68", "effects.plasticity=off", *short
     summary = passed(SCENE, *keys).summary
     result, half_space = summary["result"], summary["half_space"]
     tread, corner = result["patches"]
@@ -54,39 +53,7 @@ def test_a_yawed_wheel_has_the_patch_of_the_straight_one() -> None:
     assert difference["patch"]["area_mm2"] == pytest.approx(0, abs=0.01)
 
 
-@pytest.mark.slow
-def test_bound_covers_the_ridge_at_a_joint_of_two_arcs() -> None:
-    """54E1 at 1:40: the patch crosses the R300-R80 joint, where the pressure has a ridge.
-    Half-spaces do not turn under the load as the head does."""
-    choice = ["rail.inclination=1:40", "accuracy=4%", "effects.rail_section=off"]
-    choice += ["effects.plasticity=off"]
-    scene = catalogue.find("uic54_22t5_axle").replace(choice)
-    summary = passed(scene).summary
-    assert not summary["checks"]["hertzian"]
-    assert len(summary["accuracy"]["levels"]) == 1  # the laws do not reach a coarser mesh
-    found, other = summary["result"]["pressure"], summary["half_space"]["pressure"]
-    turned = summary["half_space"]["allowance"]["max_MPa"]
-    error = abs(found["max_MPa"] / other["max_MPa"] - 1)
-    assert 0.015 < turned["twist"] < 0.02
-    assert error < summary["accuracy"]["bound"]["max_MPa"] + turned["total"]
-    assert summary["accuracy"]["bound"]["max_MPa"] < 0.04
-
-
-# Patches many times longer than wide: stretched elements against exact Hertz, and their cost.
-
-
-@pytest.mark.slow
-def test_a_needle_meets_exact_hertz_at_two_thirds_of_the_unknowns() -> None:
-    """Axis ratio 9.9: 143 000 unknowns with elements as long as wide."""
-    summary = passed("hertz_ellipse", "rail.crown_radius=10").summary
-    assert summary["checks"]["hertzian"]
-    difference = summary["difference"]
-    for part in ("patch", "pressure"):
-        assert max(map(abs, difference[part].values())) < 0.005
-    for key in ("tau_max_MPa", "tau_max_depth_mm", "von_mises_max_MPa"):
-        assert abs(difference["stress"][key]) < 0.005
-    assert abs(difference["approach_mm"]) < 0.005
-    assert summary["cost"]["dofs"] < 100_000
+# Patches many times longer than wide: stretched elements, and their cost.
 
 
 @pytest.mark.slow
@@ -105,13 +72,6 @@ def test_a_stretched_wheel_lies_on_its_exact_surface(choice: tuple[str, ...]) ->
     x = x[(beside[:, 0] < 2 * zone.a) & (np.hypot(beside[:, 1], beside[:, 2]) < 3 * zone.b)]
     assert len(x) > 300 and beside[:, 0].max() > 1.5 * zone.a
     assert plan.gap_contact.gap(WHEEL).off_surface(x).max() < 1e-6
-
-
-@pytest.mark.slow
-def test_quality_is_that_of_the_unstretched_elements() -> None:
-    plan = planned("hertz_ellipse", "rail.crown_radius=10", "mesh.patch_size=0.3")
-    made = mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
-    assert made.quality > 0.3 > 3 * mesh.MIN_QUALITY
 
 
 def test_nearly_round_patches_keep_their_elements() -> None:
@@ -141,8 +101,8 @@ def test_unknowns_of_stretched_meshes_are_foreseen(radius: float, cell: str) -> 
     plan = plan.at_resolution(plan.sizing.default_resolution / 2)
     assert plan.grading().stretch > 1
     made = mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
-    unknowns = mesh_solution.assemble(plan, made).unknowns
-    assert 1 / 1.5 < plan.unknowns / unknowns < 1.5
+    assert made.quality > 0.3 > 3 * mesh.MIN_QUALITY  # as of elements that are not stretched
+    assert 1 / 1.5 < plan.unknowns / mesh_solution.assemble(plan, made).unknowns < 1.5
 
 
 @pytest.mark.slow
@@ -196,25 +156,13 @@ def test_strips_on_layers_hold_their_estimates(depth: float) -> None:
     mesh_solution = meshed("long_roller", RIGID, f"rail.depth={depth}mm")
     length = mesh_solution.fields.kinematics.thickness
     half, peak = elastic_layer.strip(110e3 / length, 420.0, YOUNG, POISSON, depth)
-    truth = {"a_mm": half, "area_mm2": 2 * half * length, "max_MPa": peak}
-    holds(mesh_solution, truth, 1e-3)
+    holds(mesh_solution, {"a_mm": half, "area_mm2": 2 * half * length, "max_MPa": peak}, 1e-3)
 
 
 def test_an_elliptic_patch_on_a_layer_holds_its_estimates() -> None:
     """By second moments alone its area is 1.46 % small."""
     truth = elastic_layer.patch(25e3, (420.0, 300.0), YOUNG, POISSON, 3.0, (3.5, 2.95))
-    mesh_solution = meshed("hertz_ellipse", *BLOCK, "rail.depth=3mm")
-    holds(mesh_solution, truth, 2e-3)
-
-
-@pytest.mark.slow
-def test_a_head_that_is_nearly_a_half_space_has_its_patch() -> None:
-    """54E1 under a cylinder: what an ellipse by second moments reads is right, and stays so."""
-    mesh_solution = meshed("uic54_thesis")
-    exact = mesh_solution.ellipse
-    truth = {"a_mm": exact.a, "b_mm": exact.b, "area_mm2": exact.area, "max_MPa": exact.p0}
-    holds(mesh_solution, truth, 1e-3)
-    assert estimates.resolved_values(mesh_solution)["max_MPa"] == pytest.approx(exact.p0, rel=1e-3)
+    holds(meshed("hertz_ellipse", *BLOCK, "rail.depth=3mm"), truth, 2e-3)
 
 
 def test_spheres_on_blocks_and_conformal_cylinders_hold_their_estimates() -> None:
@@ -222,6 +170,5 @@ def test_spheres_on_blocks_and_conformal_cylinders_hold_their_estimates() -> Non
     4.777 mm. By second moments alone they are 1.969 and 4.809 mm."""
     half = 1.954
     truth = {"a_mm": half, "b_mm": half, "area_mm2": math.pi * half**2}
-    ball = meshed("sphere_on_plane", "rail.extent=head", "load=1500")
-    holds(ball, truth, 2e-3)
+    holds(meshed("sphere_on_plane", "rail.extent=head", "load=1500"), truth, 2e-3)
     holds(meshed("two_cylinders", *CYLINDERS), {"b_mm": 4.773}, 2e-3)

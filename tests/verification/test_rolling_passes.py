@@ -36,8 +36,10 @@ def line(ratio: float, *, keeps: bool, traction: float = 0.0) -> pass_contact.Ro
 
 @cache
 def rolled(ratio: float, hardening: float, traction: float, *, count: int, keeps: bool = True):
-    """Passes of a line contact, six elements on the half width."""
-    block = passes_of_scene.block(rail(hardening), (1.0, 1.0), line=True, half=False, per_length=6)
+    """Passes of a line contact, six elements on the half width (in contact four)."""
+    block = passes_of_scene.block(
+        rail(hardening), (1.0, 1.0), line=True, half=False, per_length=6 if keeps else 4
+    )
     contact = line(ratio, keeps=keeps, traction=traction)
     return passes_of_scene.roll(block, contact, (1.0, 1.0), count)
 
@@ -79,10 +81,9 @@ def test_two_passes_of_a_line_are_those_of_another_program(number):
 
 def test_in_contact_the_resistance_is_what_yield_takes():
     found = rolled(4.5, 0.0, 0.0, count=3, keeps=False)
-    assert found.energy_error is not None and found.energy_error < 0.03
+    assert found.energy_error < 0.03
     for row in found.rows:
-        spent = row["work_N"] + row["stored_N"]
-        assert row["resistance_N"] == pytest.approx(spent, rel=0.03)
+        assert row["resistance_N"] == pytest.approx(row["work_N"] + row["stored_N"], rel=0.03)
     assert found.rows[0]["stored_N"] > 0.05 * found.rows[0]["work_N"]  # most of it in the first
     assert found.rows[2]["resistance_N"] == pytest.approx(found.rows[2]["work_N"], rel=0.03)
     given = rolled(4.5, 0.0, 0.0, count=1)
@@ -104,25 +105,11 @@ def test_without_yield_the_contact_is_the_elastic_one():
     assert found.rows[0]["pressure_max_MPa"] == pytest.approx(3.0 * SHEAR, rel=2e-3)
 
 
-def test_passes_in_two_runs_are_those_of_one(tmp_path):
-    block = passes_of_scene.block(
-        rail(0.0), (1.0, 1.0), line=True, half=False, per_length=4, reach=20
-    )
-    contact = line(4.2, keeps=True)
-    whole = passes_of_scene.roll(block, contact, (1.0, 1.0), 3)
-    first = passes_of_scene.roll(block, contact, (1.0, 1.0), 2)
-    passes_of_scene.save(first, scene_of("long_roller"), tmp_path / "passes.npz")
-    held = passes_of_scene.load(str(tmp_path / "passes.npz"), block)
-    rest = passes_of_scene.roll(block, contact, (1.0, 1.0), 1, before=held)
-    assert rest.rows == whole.rows
-    assert (rest.verdict, rest.words) == (whole.verdict, whole.words)
-    for one, other in zip(rest.sections, whole.sections, strict=True):
-        assert all((vars(one)[name] == vars(other)[name]).all() for name in vars(one))
-    shorter = passes_of_scene.block(
-        rail(0.0), (1.0, 1.0), line=True, half=False, per_length=4, reach=19
-    )
+def test_passes_over_another_block_are_refused(tmp_path):
+    passes_of_scene.save(rolled(3.9, 0.0, 0.0, count=3), scene_of("long_roller"), tmp_path / "old.npz")
+    other = passes_of_scene.block(rail(0.0), (1.0, 1.0), line=True, half=False, per_length=3)
     with pytest.raises(ValueError, match="another block"):
-        passes_of_scene.load(str(tmp_path / "passes.npz"), shorter)
+        passes_of_scene.load(str(tmp_path / "old.npz"), other)
 
 
 @pytest.mark.slow
@@ -169,60 +156,6 @@ def test_half_the_tolerance_changes_nothing():
             assert other[key] == pytest.approx(one[key], rel=5e-3), key
 
 
-@pytest.mark.slow
-def test_a_mirrored_load_leaves_a_mirrored_state():
-    """Tractions across the rail, and the same to the other side, on a solid solved as a whole."""
-    exact = ellipse()
-    half_lengths = exact.a, exact.b
-    plain = pass_contact.ellipse_contact(exact, keeps=False)
-    block = passes_of_scene.block(
-        rail(10e3), half_lengths, line=False, half=False, per_length=1.5, reach=4
-    )
-    across = 0.2 * plain.pressure
-    one, other = (
-        passes_of_scene.roll(
-            block,
-            replace(plain, traction=np.stack([np.zeros_like(across), sign * across])),
-            half_lengths,
-            2,
-        )
-        for sign in (1, -1)
-    )
-    odd = {"iterations", "change", "place_mm", "traction_work_N", "resistance_N", "lean_mm"}
-    for row, mirrored in zip(one.rows, other.rows, strict=True):
-        for key in row.keys() - odd:
-            assert mirrored[key] == pytest.approx(row[key], rel=1e-3, abs=1e-7), key
-    left, right = one.sections[-1], other.sections[-1]
-    signs = np.array([1.0, 1.0, 1.0, -1.0, 1.0, -1.0])
-    scale = np.abs(left.stress).max()
-    assert right.stress[::-1] * signs == pytest.approx(left.stress, abs=1e-3 * scale)
-    assert right.up[::-1] == pytest.approx(left.up, abs=1e-3 * np.abs(left.up).max())
-    assert np.abs(left.stress[::-1] * signs - left.stress).max() > 0.05 * scale  # no mirror itself
-
-
-@pytest.mark.slow
-def test_half_of_a_symmetric_solid_is_the_whole():
-    """With tractions along the rail."""
-    exact = ellipse()
-    half_lengths = exact.a, exact.b
-    plain = pass_contact.ellipse_contact(exact, keeps=False)
-    along = 0.1 * plain.pressure
-    contact = replace(plain, traction=np.stack([along, np.zeros_like(along)]))
-    found = []
-    for half in (True, False):
-        block = passes_of_scene.block(
-            rail(10e3), half_lengths, line=False, half=half, per_length=1.5, reach=3
-        )
-        found.append(passes_of_scene.roll(block, contact, half_lengths, 1).rows[0])
-    keys = "strain_increment_max", "forward_mm", "groove_mm", "residual_along_MPa", "work_N"
-    for key in (*keys, "traction_work_N"):
-        assert found[1][key] == pytest.approx(found[0][key], rel=2e-3), key
-    assert abs(found[1]["place_mm"][0]) == pytest.approx(found[0]["place_mm"][0], abs=0.1)
-    assert found[0]["strain_increment_max"] > 3e-3
-    for each in found:  # the patch is as wide as Hertz's, and wider for the groove
-        assert 1.0 < each["width_mm"] / (2 * exact.b) < 1.4
-
-
 def ellipse() -> hertz.Ellipse:
     """Ellipse with half lengths 1 along and 0.7995 across and p0 = 5 k, of two elastic bodies."""
     modulus, ratio = MODULUS / 2, 0.7995
@@ -255,5 +188,4 @@ def test_yield_beyond_the_region_that_is_followed_is_told(monkeypatch):
     block = passes_of_scene.block(
         rail(0.0), (1.0, 1.0), line=True, half=False, per_length=3, reach=12
     )
-    found = passes_of_scene.roll(block, line(4.2, keeps=True), (1.0, 1.0), 1)
-    assert found.rim > 0.01
+    assert passes_of_scene.roll(block, line(4.2, keeps=True), (1.0, 1.0), 1).rim > 0.01
