@@ -44,6 +44,5 @@ def process(*arguments: str, cwd, **changes: str) -> subprocess.CompletedProcess
 
 def until(running: subprocess.Popen[str], words: str) -> None:
     """Wait for a line with these words on standard error of a process that runs."""
-    assert running.stderr is not None
     while words not in running.stderr.readline():
         assert running.poll() is None

@@ -1,5 +1,6 @@
 """Commands that stand in pages as lines of their own: all run, on a coarse mesh without pictures,
-with one pass in the place of ten; sweeps are planned, studies are those of tests/studies/."""
+with one pass in the place of ten on a coarser one; sweeps are planned, studies are those of
+tests/studies/. Those of the README are planned in every run of the tests."""
 
 import re
 import shlex
@@ -13,8 +14,9 @@ from railhead.cli import study
 
 ROOT = Path(__file__).parents[1]
 LINE = re.compile(r"^    (?:\.venv/bin/)?railhead (.+?)(?:\s+#.*)?$", re.MULTILINE)
-COARSE = ("--set", "mesh.patch_size=1.5", "--no-pictures")
+COARSE = ("--no-pictures", "--set")
 FEWER = {"rolling.passes=10": "rolling.passes=1"}
+SHORTER = {"wheelset.shift=0:10:0.5mm": "wheelset.shift=0:10:5mm"}
 
 
 def commands(page: Path) -> list[list[str]]:
@@ -30,10 +32,16 @@ PAGES = [page for page in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.m
 def files(folder: Path) -> None:
     """The files that commands of pages name."""
     block = re.search(r'(?ms)^    load = "25 kN"\n.*?(?=\n\n)', (ROOT / "README.md").read_text())
-    assert block is not None
     (folder / "my_scene.toml").write_text(re.sub(r"(?m)^    ", "", block[0]))
     shutil.copyfile(ROOT / "examples" / "worn_60e1.csv", folder / "worn.csv")
     (folder / "positions.csv").write_text("wheelset.shift [mm],wheelset.yaw [mrad]\n0,0\n2,1\n")
+
+
+@pytest.mark.parametrize("words", commands(ROOT / "README.md"), ids=" ".join)
+def test_commands_of_the_readme_are_accepted(words: list[str], here: Path) -> None:
+    files(here)
+    first, *others = [SHORTER.get(word, word) for word in words]
+    assert command.status("plan" if first in ("run", "sweep") else first, *others) == 0
 
 
 @pytest.mark.slow
@@ -46,7 +54,8 @@ def test_commands_of_a_page_run(page: Path, tmp_path: Path) -> None:
             continue
         if first == "sweep":
             first = "plan"
-        given = COARSE if first == "run" and "--accuracy" not in others else ()
+        size = f"mesh.patch_size={4 if 'rolling.passes=1' in others else 1.5}"
+        given = (*COARSE, size) if first == "run" and "--accuracy" not in others else ()
         done = command.process(first, *others, *given, cwd=tmp_path)
         good = (0, 1) if given else (0,)  # a coarse mesh may fail a check
         assert done.returncode in good and "NOT WRITTEN" not in done.stderr, (others, done.stderr)

@@ -14,7 +14,6 @@ from pathlib import Path
 
 import command
 import pytest
-import pyvista
 from click.shell_completion import BashComplete
 from solved import solved
 
@@ -28,13 +27,6 @@ ROOT = Path(__file__).parents[2]
 
 def files(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.rglob("*"))
-
-
-def test_list_names_every_case(capsys) -> None:
-    assert command.status("list") == 0
-    printed = capsys.readouterr().out
-    for name in ("uic54_thesis", "hertz_ellipse", "sphere_on_plane", "uic54_22t5_axle"):
-        assert name in printed
 
 
 def test_plan_solves_and_writes_nothing(here, capsys) -> None:
@@ -122,17 +114,9 @@ def test_scene_toml_is_the_scene_that_was_solved(result) -> None:
     assert rh.find(result / "scene.toml") == scene
 
 
-def test_vtu_files_open_in_pyvista(result) -> None:
-    volume = pyvista.read(result / "solution.vtu")
-    assert {"displacement", "stress", "principal_stresses", "von_mises"} <= set(volume.point_data)
-    assert "body" in volume.cell_data
-    contact = pyvista.read(result / "contact.vtu")
-    assert {"pressure", "gap"} <= set(contact.point_data)
-
-
 NO_HALF_SPACE = {"two_cylinders": 0.01}  # patch over radius 0.12
-ELASTIC = {"uic54_22t5_axle": ["effects.plasticity=off"]}
-LONG = "cone20_uninclined_uic54", "hertz_ellipse", "s1002_60e1", "uic54_22t5_axle", "uic54_thesis"
+LONG = "cone20_uninclined_uic54", "s1002_60e1"
+IN_README = "hertz_ellipse", "uic54_22t5_axle", "uic54_thesis"  # see test_readme
 
 
 @pytest.mark.parametrize(
@@ -140,11 +124,12 @@ LONG = "cone20_uninclined_uic54", "hertz_ellipse", "s1002_60e1", "uic54_22t5_axl
     [
         pytest.param(case, marks=[pytest.mark.slow] if case in LONG else [])
         for case in catalogue.shipped()
+        if case not in IN_README
     ],
 )
 def test_every_case_meets_theory(case: str) -> None:
     """Exact Hertz, or boundary elements on the same profiles where the patch is no ellipse."""
-    result = solved(case, *ELASTIC.get(case, ()))
+    result = solved(case)
     summary = result.summary
     assert result.passed and summary["case"] == case
     hertzian = summary["checks"]["hertzian"] or summary["half_space"] is None
@@ -271,7 +256,13 @@ def test_two_results_are_compared(tmp_path, capsys) -> None:
     """Numbers are those of both; Hertz's area grows as load^(2/3); what only one has is named."""
     fast = "effects.finite_bodies=off"
     light, heavy = solved("sphere_on_plane", fast), solved("sphere_on_plane", fast, "load=200")
-    other = solved("hertz_ellipse", fast, "friction.coefficient=0.3", "friction.force_along=1kN")
+    other = solved(
+        "hertz_ellipse",
+        fast,
+        "friction.coefficient=0.3",
+        "friction.force_along=1kN",
+        "mesh.patch_size=1",
+    )
     for name, result in (("a", light), ("b", heavy), ("c", other)):
         result.save(tmp_path / name, pictures=False)
     a, b, c = (str(tmp_path / name) for name in "abc")

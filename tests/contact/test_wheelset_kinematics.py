@@ -17,7 +17,7 @@ from railhead.run import model_setup
 from railhead.run.half_spaces import normal_contact
 from railhead.run.half_spaces.tangential_contact import solve_by_boundary_elements
 from railhead.theory.friction import tangential
-from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction, TangentialSolution
+from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction
 
 FORCES = "force_along_N", "force_across_N"
 
@@ -71,10 +71,10 @@ def turning_radius(given: rh.Scene, axle: str) -> float:
 
 @pytest.mark.parametrize("axle", ["free", pytest.param("nominal", marks=pytest.mark.slow)])
 def test_points_slip_as_those_of_a_rigid_wheelset(axle: str) -> None:
-    """11 shifts, yaw 0 to 50 mrad, every contact to 0.5 mm of clearance and places beside it."""
+    """Six shifts, yaw 0 to 50 mrad, every contact to 0.5 mm of clearance and places beside it."""
     several = 0
-    for number, shift in enumerate(np.linspace(-4.0, 6.0, 11)):
-        given = scene(shift, 5e-3 * number, rolling={"from_wheelset": True, "axle": axle})
+    for shift in (-4.0, -2.0, 0.0, 2.0, 5.0, 6.0):
+        given = scene(shift, 5e-3 * (shift + 4.0), rolling={"from_wheelset": True, "axle": axle})
         contact = solid.locate(given)
         moves = wheelset_kinematics.wheelset_creepage(contact).creepage
         touches = contact.touches(0.5)
@@ -97,35 +97,6 @@ def test_points_slip_as_those_of_a_rigid_wheelset(axle: str) -> None:
     assert several >= 2
 
 
-@pytest.mark.slow
-def test_an_axle_without_torque_drives_one_wheel_as_much_as_it_brakes_the_other() -> None:
-    for shift in (0.0, 3.0):
-        right, left = (stands(scene(way * shift)) for way in (1, -1))
-        assert right["axle"] == "free"
-        assert right["creepage_along"] == pytest.approx(-left["creepage_along"], abs=1e-5)
-    centred = stands(scene(rolling={"from_wheelset": True, "axle": "nominal"}))
-    assert centred["axle"] == "nominal" and centred["creepage_along"] > 1e-4
-
-
-@pytest.mark.parametrize("given", [{}, {"creepage_along": 1e-3}])
-def test_an_axle_is_not_said_where_the_wheelset_gives_nothing(given: dict) -> None:
-    rolling = {"from_wheelset": False, "axle": "nominal", **given}
-    line = refusal(lambda: scene(rolling=rolling))
-    assert line == "rolling.axle: nominal is not allowed without from_wheelset"
-
-
-def rolled_alone(contact: Contact, pressed, slip: np.ndarray) -> TangentialSolution:
-    """A patch of half-spaces under its pressure at a rigid slip (2, nx, ns)."""
-    modes = np.zeros((4, *slip.shape))
-    modes[3] = slip
-    steel = contact.scene.rail.young_modulus, contact.scene.rail.poisson_ratio
-    pair = tangential.pair(*steel, *steel)
-    body = HalfSpaceFriction(
-        pressed.x, pressed.s, pressed.pressure, MU, pair, rolling=True, modes=modes
-    )
-    return body.solve(Creepage())
-
-
 def independent(contact: Contact, known, radius: float) -> dict[str, float]:
     """Forces over mu N and T-gamma, N, of half-spaces under the pressures of a solution; places of
     their cells on the rail's profile and their slip are made here."""
@@ -135,6 +106,8 @@ def independent(contact: Contact, known, radius: float) -> dict[str, float]:
     s = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(y), np.diff(rail.height(y))))])
     s -= np.interp(touch.y, y, s)
     total, limit, work = np.zeros(3), 0.0, 0.0
+    steel = contact.scene.rail.young_modulus, contact.scene.rail.poisson_ratio
+    pair = tangential.pair(*steel, *steel)
     for each in known.windows:
         place = np.interp(each.s, s, y)
         x = np.repeat(each.x, each.s.size)
@@ -144,7 +117,11 @@ def independent(contact: Contact, known, radius: float) -> dict[str, float]:
         across /= np.linalg.norm(across, axis=1)[:, None]
         moved = passing(contact, radius, points)
         slip = np.array([moved[:, 0], (moved * across).sum(axis=1)])
-        rolled = rolled_alone(contact, each, slip.reshape(2, *each.pressure.shape))
+        modes = np.zeros((4, 2, *each.pressure.shape))
+        modes[3] = slip.reshape(modes[3].shape)
+        rolled = HalfSpaceFriction(
+            each.x, each.s, each.pressure, MU, pair, rolling=True, modes=modes
+        ).solve(Creepage())
         traction = rolled.traction.reshape(2, -1)
         force = traction[0, :, None] * [1.0, 0.0, 0.0] + traction[1, :, None] * across
         total += rolled.cell * force.sum(axis=0)
@@ -250,27 +227,34 @@ def test_the_plan_says_the_numbers_and_the_axle() -> None:
 @pytest.mark.parametrize("key, value", [("creepage_along", 0.0), ("creepage_across", 1e-3),
                                         ("spin", 1e-4), ("force_across", 10.0)])  # fmt: skip
 def test_what_the_wheelset_gives_is_not_given_twice(key: str, value: float) -> None:
-    line = refusal(lambda: scene(rolling={key: value}))
-    assert line == f"rolling.{key}: is not allowed beside from_wheelset, which gives it"
-
-
-def test_a_torque_gives_the_force_along_in_the_place_of_its_creepage() -> None:
-    plan = planning.make(scene(4.0, 3e-3, rolling={"force_along": 2e3, "speed": 20}))
-    settings = model_setup.setup(plan).friction
-    given = plan.summary()["wheelset"]
-    assert settings is not None and settings.force_controlled == ((0, 2000.0),)
-    assert list(settings.creepage) == [0.0, given["creepage_across"], given["spin_per_mm"]]
-    assert given["creepage_across"] < 0 and given["spin_per_mm"] < 0
-    both = model_setup.setup(planning.make(scene(4.0))).friction
-    assert both is not None and both.force_controlled == () and both.creepage[0] < 0
+    line = f"rolling.{key}: is not allowed beside from_wheelset, which gives it"
+    assert refusal(lambda: scene(rolling={key: value})) == line
 
 
 @pytest.mark.parametrize("case, what", [("hertz_ellipse", "half-spaces have no wheelset"),
                                         ("long_roller", "a section has no wheelset")])  # fmt: skip
 def test_without_a_wheelset_it_is_one_line(case: str, what: str) -> None:
     given = rh.find(case).replace(friction={"coefficient": 0.3}, rolling={"from_wheelset": True})
-    line = refusal(lambda: rh.plan(given))
-    assert line.startswith(f"rolling.from_wheelset: true is not allowed: {what}")
+    line = f"rolling.from_wheelset: true is not allowed: {what}"
+    assert refusal(lambda: rh.plan(given)).startswith(line)
+
+
+@pytest.mark.parametrize("given", [{}, {"creepage_along": 1e-3}])
+def test_an_axle_is_not_said_where_the_wheelset_gives_nothing(given: dict) -> None:
+    rolling = {"from_wheelset": False, "axle": "nominal", **given}
+    line = "rolling.axle: nominal is not allowed without from_wheelset"
+    assert refusal(lambda: scene(rolling=rolling)) == line
+
+
+def test_a_torque_gives_the_force_along_in_the_place_of_its_creepage() -> None:
+    plan = planning.make(scene(4.0, 3e-3, rolling={"force_along": 2e3, "speed": 20}))
+    settings = model_setup.setup(plan).friction
+    given = plan.summary()["wheelset"]
+    assert settings.force_controlled == ((0, 2000.0),)
+    assert list(settings.creepage) == [0.0, given["creepage_across"], given["spin_per_mm"]]
+    assert given["creepage_across"] < 0 and given["spin_per_mm"] < 0
+    both = model_setup.setup(planning.make(scene(4.0))).friction
+    assert both.force_controlled == () and both.creepage[0] < 0
 
 
 def test_a_further_contact_creeps_as_its_own_radius_says() -> None:

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from one_line import refusal
 from scipy.spatial.transform import Rotation
 
 from railhead.geometry import placement, profiles
@@ -11,7 +12,6 @@ from railhead.geometry.placement import (
     PlacementError,
     Pose,
     ProfilePair,
-    Side,
     Track,
     gauge_face,
     place,
@@ -86,8 +86,9 @@ def test_contact_positions_known_from_geometry() -> None:
 
 def test_profiles_that_do_not_overlap_are_refused() -> None:
     pair = ProfilePair(profiles.rail_head("54E1"), profiles.cone(0, 20, "short"), 420.0)
-    with pytest.raises(placement.PlacementError, match="over the rail"):
-        pair.touches(upright(420.0, 80.0))
+    assert "over the rail" in refusal(
+        lambda: pair.touches(upright(420.0, 80.0)), placement.PlacementError
+    )
 
 
 def test_two_contacts_are_both_found_and_their_gap_is_the_clearance() -> None:
@@ -176,11 +177,9 @@ def test_manchester_geometry_puts_the_rail_at_760_53_mm() -> None:
 
 
 def test_gauge_is_measured_14_mm_below_the_top_of_the_rail() -> None:
-    face = gauge_face(RAIL)
-    assert RAIL.height(face) == pytest.approx(top(RAIL)[1] - 14, abs=1e-9)
+    assert RAIL.height(gauge_face(RAIL)) == pytest.approx(top(RAIL)[1] - 14, abs=1e-9)
     assert gauge_face(profiles.rail_head("54E1")) == pytest.approx(-35.0, abs=1e-2)
-    with pytest.raises(PlacementError, match="ends"):
-        gauge_face(profiles.single_radius(300, 35))
+    assert "ends" in refusal(lambda: gauge_face(profiles.single_radius(300, 35)), PlacementError)
 
 
 def search(
@@ -214,18 +213,12 @@ def search(
     return points[best], float(gap[best])
 
 
-def random_position(seed: int) -> tuple[float, float]:
-    random = np.random.default_rng(seed)
-    return random.uniform(-7, 7), random.uniform(-0.024, 0.024)
-
-
 def deviation(seed: int, curve: float = 0.0) -> tuple[float, float]:
     """Distance of the contacts found and searched (mm), and the gap left (mm): both wheels."""
-    shift, yaw = random_position(seed)
+    shift, yaw = np.random.default_rng(seed).uniform([-7, -0.024], [7, 0.024])
     placed = place(PAIR, TRACK, shift, yaw, clearance=1e-6)
     off, left = [], []
-    sides: list[tuple[int, Side]] = [(1, placed.right), (-1, placed.left)]
-    for side, found in sides:
+    for side, found in ((1, placed.right), (-1, placed.left)):
         point, gap = search(PAIR, shift, yaw, placed.roll, placed.height, side, curve)
         off.append(min(np.linalg.norm(point - [t.x, t.y, t.z]) for t in found.touches))
         left.append(abs(gap))
@@ -268,8 +261,9 @@ def test_rolling_radius_difference_is_continuous_between_jumps() -> None:
 
 
 def test_a_wheelset_beside_the_rails_is_refused() -> None:
-    with pytest.raises(PlacementError, match="over the rail"):
-        place(PAIR, Track(back_to_back=1000.0, gauge=1435.0))
+    assert "over the rail" in refusal(
+        lambda: place(PAIR, Track(back_to_back=1000.0, gauge=1435.0)), PlacementError
+    )
 
 
 def test_the_equivalent_conicity_is_that_of_the_motion() -> None:

@@ -75,8 +75,7 @@ def test_only_arcs_between_lines_become_sharp() -> None:
 @pytest.mark.parametrize("name", ["54E1", "60E1"])
 def test_head_is_r300_r80_r13_with_tangent_joints(name: str) -> None:
     head = profiles.rail_head(name)
-    radii = [piece.radius for piece in head.pieces]
-    assert radii == pytest.approx([13, 80, 300, 80, 13], rel=1e-9)
+    assert [piece.radius for piece in head.pieces] == pytest.approx([13, 80, 300, 80, 13], rel=1e-9)
     for joint in head.joints:
         left, right = joint - 1e-9, joint + 1e-9
         assert head.height(left) == pytest.approx(float(head.height(right)), abs=1e-6)

@@ -118,8 +118,7 @@ def test_meshio_reads_what_gmsh_wrote(tmp_path) -> None:
     assert sum(len(block) for block in read.cells if block.type == "tetra10") == cells
     assert {"rail", "wheel", "rail_contact", "wheel_support"} <= set(read.field_data)
     read.write(tmp_path / "mesh.vtu")
-    again = meshio.read(tmp_path / "mesh.vtu")
-    np.testing.assert_allclose(again.points, read.points)
+    np.testing.assert_allclose(meshio.read(tmp_path / "mesh.vtu").points, read.points)
 
 
 TILTED = Grading((0.0, 5.0, -0.1), 6.0, 2.0, 0.05, 0.3)
@@ -132,8 +131,7 @@ FUNCTIONS = {"Sqrt": math.sqrt, "Max": max, "Min": min, "Abs": abs}  # of gmsh's
 def test_the_formula_of_sizes_gives_the_numbers(grading: Grading, y: float, z: float) -> None:
     """In the plane x = 0 through the centre of the patch."""
     for section in (True, False):
-        text = grading.expression(section=section)
-        found = eval(text, FUNCTIONS | {"x": 0.0, "y": y, "z": z})
+        found = eval(grading.expression(section=section), FUNCTIONS | {"x": 0.0, "y": y, "z": z})
         assert found == pytest.approx(grading.at(y, z), rel=1e-6)
 
 

@@ -50,8 +50,7 @@ def reached(solution: MeshSolution, **changes: object) -> MeshSolution:
 
 def asked(solution: MeshSolution, *assignments: str) -> MeshSolution:
     """Of another scene."""
-    scene = solution.plan.scene.replace(assignments)
-    context = replace(solution.plan.context, scene=scene)
+    context = replace(solution.plan.context, scene=solution.plan.scene.replace(assignments))
     return replace(solution, plan=replace(solution.plan, context=context))
 
 
@@ -167,8 +166,7 @@ def test_another_second_opinion_fails(mesh_solution, quantity) -> None:
         other = {**second, table: {**second[table]}}
         other[table][quantity] = mesh_solution.result[table][quantity] * factor
         assert failed(mesh_solution, other) == names
-    wide = {**other, "allowance": {quantity: {"total": 0.05}}}
-    assert failed(mesh_solution, wide) == []
+    assert failed(mesh_solution, {**other, "allowance": {quantity: {"total": 0.05}}}) == []
 
 
 def test_without_an_estimate_a_number_may_be_off_by_one_in_twenty(mesh_solution) -> None:
@@ -259,6 +257,5 @@ def test_loads_beyond_small_strain_or_any_steel_are_not_signed(modulus, load, na
     """A sphere of 8 mm on a rigid plane: p0/E* 0.177 and 0.202; 4.0 and 4.3 GPa in steel;
     4.4 GPa in a body that is no steel, and no harder."""
     scene = catalogue.find("sphere_on_plane").replace(load=load, wheel={"young_modulus": modulus})
-    plan = planning.make(scene)
-    found = mesh_and_solve(plan, Progress(quiet=True), MPI.COMM_SELF)
+    found = mesh_and_solve(planning.make(scene), Progress(quiet=True), MPI.COMM_SELF)
     assert {"small_strain", "pressure_of_steel"} & set(failed(found)) == names

@@ -32,8 +32,7 @@ def test_half_spaces_are_drawn_without_bodies(
         words.extend(text.get_text() for text in self.findobj(Text))
 
     monkeypatch.setattr(Figure, "savefig", spy)
-    result = solved(case, "effects.finite_bodies=off", *assignments)
-    result.save(tmp_path / "out", report=False)
+    solved(case, "effects.finite_bodies=off", *assignments).save(tmp_path / "out", report=False)
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert {name for name in names if name.endswith(".png")} == pictures
     assert not [name for name in names if name.endswith(".vtu")]

@@ -15,7 +15,6 @@ import railhead as rh
 from railhead.postprocess import vtu
 from railhead.postprocess.pictures import gallery
 from railhead.results import files, result_folder
-from railhead.scene.scene import SceneError
 
 FAST = ["--set", "mesh.patch_size=1.2", "--no-pictures", "--quiet"]
 
@@ -169,19 +168,18 @@ def test_another_result_is_never_replaced_unasked(here: Path, capsys) -> None:
         result.save(out, pictures=False)
     kept = (out / "scene.toml").read_text()
     assert kept.startswith(f"# railhead run {rh.__version__}, 20") and "N, mm, MPa" in kept
-    with pytest.raises(SceneError, match="another kind of result"):
-        result_folder.check_free(out, "locate", result.plan.scene, force=False)
+    assert "another kind of result" in refusal(
+        lambda: result_folder.check_free(out, "locate", result.plan.scene, force=False)
+    )
     assert run("sphere_on_plane", "--out", "out") == 2  # another size of the elements
     (line,) = capsys.readouterr().err.splitlines()
     assert "--out: 'out' holds a result of another scene" in line and "--force" in line
     (out / "scene.toml").write_text(kept.replace("[rail]", "# mine\n[rail]"))
-    with pytest.raises(SceneError, match="or an edited scene.toml"):
-        result.save(out, pictures=False)
+    assert "or an edited scene.toml" in refusal(lambda: result.save(out, pictures=False))
     result.save(out, pictures=False, force=True)
     assert "mine" not in (out / "scene.toml").read_text()
     write(Path("swept"), "{}", "sweep.json")
-    with pytest.raises(SceneError, match="another kind of result"):
-        result.save("swept", pictures=False)
+    assert "another kind of result" in refusal(lambda: result.save("swept", pictures=False))
 
 
 def test_without_out_another_result_is_moved(here: Path, capsys) -> None:

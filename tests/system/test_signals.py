@@ -66,7 +66,7 @@ def test_sigterm_ends_meshing_at_once(tmp_path) -> None:
 
 def test_sigint_ends_a_library_at_once_and_the_next_command_tidies_up(tmp_path) -> None:
     running = start(tmp_path, DEAF, "study", "long")
-    assert running.stderr is not None and running.stderr.readline() == "begun\n"
+    assert running.stderr.readline() == "begun\n"
     time.sleep(0.2)  # until it is in the call
     result_folder.settle(tmp_path / "out")
     (work,) = tmp_path.iterdir()  # of a process that runs: it stays

@@ -25,7 +25,7 @@ from railhead.run import quantities
 from railhead.scene.sections import SceneError
 
 CHROMIUM = shutil.which("chromium")
-HEADLESS = [
+HEADLESS = (
     "--no-sandbox",
     "--headless=new",
     "--use-gl=angle",
@@ -35,13 +35,8 @@ HEADLESS = [
     "--enable-logging=stderr",
     "--v=0",
     "--virtual-time-budget=8000",
-]
+)
 UNITS = output_units.parse("um,kN,GPa")
-
-
-def cells_of(text: str) -> dict[str, str]:
-    """Text of the cells of the finite elements by their keys."""
-    return dict(re.findall(r'data-key="([^"]+)">([^<]*)<', text))
 
 
 def tables_of(text: str) -> list[str]:
@@ -83,7 +78,8 @@ def test_one_file_without_a_network(folder: Path) -> None:
 
 def test_numbers_are_those_of_the_summary(folder: Path) -> None:
     summary = json.loads((folder / "summary.json").read_text())
-    cells = cells_of((folder / html.NAME).read_text(encoding="utf-8"))
+    text = (folder / html.NAME).read_text(encoding="utf-8")
+    cells = dict(re.findall(r'data-key="([^"]+)">([^<]*)<', text))  # of the finite elements
     assert len(cells) == len(quantities.rows("contact"))
     factor = {"mm": 1e3, "mm2": 1e6, "MPa": 1e-3}
     compared = 0
@@ -149,7 +145,6 @@ def with_passes(result):
 def test_passes_are_a_table(result, folder: Path) -> None:
     text = brief_of(with_passes(result), folder)
     table = re.search(r'<table id="passes">.*?</table>', text, re.S)
-    assert table is not None
     numbers = [int(each) for each in re.findall(r'<tr><td class="n">([0-9]+)</td>', table[0])]
     assert numbers == [1, 2, 3, 30]
     rows = terminal.passes_table(with_passes(result).summary["result"]["passes"], UNITS)
@@ -172,8 +167,7 @@ def test_report_and_pictures_are_left_out_when_asked(
 def test_a_failed_check_comes_first(result) -> None:
     checks = result.summary["checks"]
     name = next(iter(checks["limits"]))
-    failed = {**checks, "failed": [name], "advice": {name: "do better"}}
-    rows = html._checks(failed)
+    rows = html._checks({**checks, "failed": [name], "advice": {name: "do better"}})
     assert [row[3] for row in rows] == [False, *[True] * (len(rows) - 1)]
     assert rows[0][5] == "do better"
 
@@ -239,8 +233,8 @@ def test_unknown_units_are_refused(wrong: str) -> None:
         output_units.parse(wrong)
 
 
-def browse(*options: str, file: Path) -> str:
-    command = [str(CHROMIUM), *HEADLESS, *options, file.as_uri()]
+def browse(*options: str, file: Path, begun: tuple[str, ...] = HEADLESS) -> str:
+    command = [str(CHROMIUM), *begun, *options, file.as_uri()]
     done = subprocess.run(command, capture_output=True, timeout=120, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return done.stdout + done.stderr
@@ -251,8 +245,7 @@ def browse(*options: str, file: Path) -> str:
 def test_a_browser_draws_it(folder: Path, tmp_path: Path) -> None:
     shot = tmp_path / "shot.png"
     said = browse("--window-size=1000,2200", f"--screenshot={shot}", file=folder / html.NAME)
-    wrong = [line for line in said.splitlines() if "CONSOLE" in line and "Error" in line]
-    assert not wrong
+    assert not [line for line in said.splitlines() if "CONSOLE" in line and "Error" in line]
     picture = imread(shot)[:, :, :3]
     coloured = (picture[:, :, 0] - picture[:, :, 2] > 0.35).sum(axis=1) > 20
     assert coloured.sum() > 400  # rows of both views, before any picture
@@ -276,9 +269,7 @@ def test_reports_are_printed_and_a_brief_one_on_one_page(
 @pytest.mark.slow
 @pytest.mark.skipif(CHROMIUM is None, reason="no chromium")
 def test_without_webgl_the_views_are_pictures(folder: Path) -> None:
-    address = (folder / html.NAME).as_uri()
-    flat = ["--disable-gpu", "--disable-software-rasterizer", "--disable-3d-apis"]
-    for options, shown in ((HEADLESS, False), ((*HEADLESS[:2], *flat), True)):
-        command = [str(CHROMIUM), *options, "--dump-dom", address]
-        done = subprocess.run(command, capture_output=True, timeout=120, text=True, check=True)
-        assert ('<body class="flat">' in done.stdout) is shown
+    flat = (*HEADLESS[:2], "--disable-gpu", "--disable-software-rasterizer", "--disable-3d-apis")
+    for begun, shown in ((HEADLESS, False), (flat, True)):
+        page = browse("--dump-dom", file=folder / html.NAME, begun=begun)
+        assert ('<body class="flat">' in page) is shown

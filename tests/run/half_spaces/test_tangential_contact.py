@@ -75,8 +75,7 @@ def test_what_sticks_in_any_patch_is_the_patch_of_the_force_that_is_left() -> No
         for load in (1e4, 5e3)
     )
     limit = MU * whole[0].pressed.force
-    force = (0.5 * limit, 0.0)
-    found = friction_found(limit, force=force)
+    found = friction_found(limit, force=(0.5 * limit, 0.0))
     answer = solve_by_boundary_elements(plan, found, lambda cells: whole, (24, 48))
     share = half[0].pressed.area / whole[0].pressed.area
     assert answer["stick_share"] == pytest.approx(share, abs=0.03)

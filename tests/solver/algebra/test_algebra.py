@@ -22,8 +22,7 @@ IDS = ["theta=1", "theta=0", "theta=-1", "penalty"]
 
 def loaded(model):
     """The model's problem under a load, and a state near its solution."""
-    solution = press(model, load=2000.0)
-    return model.problem, solution
+    return model.problem, press(model, load=2000.0)
 
 
 def solved_linearly(
@@ -95,8 +94,7 @@ def test_what_is_added_to_the_stiffness_may_couple_to_the_approach() -> None:
     y.setRandom()
     changed.add(rows, problem.weight)
     expected = (problem.stiffness * y).array + weighted(rows, problem.weight, y)
-    size = np.abs(expected).max()
-    np.testing.assert_allclose((changed * y).array, expected, atol=1e-12 * size)
+    np.testing.assert_allclose((changed * y).array, expected, atol=1e-12 * np.abs(expected).max())
 
 
 def test_hub_moves_as_one() -> None:
@@ -144,8 +142,7 @@ def test_what_other_points_leave_is_the_error_of_the_linear_problem(law) -> None
     indicator = problem.indicator(y)
     active = indicator > 0
     moved = y + x
-    after = problem.indicator(moved)
-    assert np.any((after > 0) != active)
+    assert np.any((problem.indicator(moved) > 0) != active)
     linearised = problem.residual(y, problem.pressure(y)) + problem.tangent(active) * x
     error = problem.residual(moved, problem.pressure(moved)) - linearised
     left = problem.active_set_residual(active, indicator)(x)
@@ -180,8 +177,7 @@ def test_coarse_tangent_is_the_galerkin_product(law) -> None:
         product = model.problem.assembled_tangent(radius < limit).ptap(q)
         y = q.createVecRight()
         y.setRandom()
-        empty = product.getDiagonal().array == 0
-        y.array[empty] = 0.0
+        y.array[product.getDiagonal().array == 0] = 0.0
         expected = product * y
         coarse.fill(radius < limit)
         assert (coarse.matrix * y - expected).norm() < 1e-12 * expected.norm()
@@ -269,8 +265,7 @@ def test_prolongation_carries_rigid_motion_and_the_approach() -> None:
     y = q.createVecRight()
     y.setRandom()
     direct = full * (reduction.matrix * y)
-    reduced = model.reduction.matrix * (q * y)
-    assert (direct - reduced).norm() < 1e-12 * direct.norm()
+    assert (direct - (model.reduction.matrix * (q * y))).norm() < 1e-12 * direct.norm()
 
 
 def test_bodies_that_never_touch_are_named_not_solved() -> None:

@@ -43,5 +43,4 @@ def test_the_plan_asks_for_a_fiftieth_of_the_smallest_envelope() -> None:
     n = plan.forecast.minor / plan.patch_size
     assert plan.newton_tolerance == min(plan.family.mesh(key, n) for key in plan.family.laws) / 50
     keys = "rail.yield_stress=400", "effects.plasticity=on"
-    yielding = planning.make(rh.find("hertz_ellipse").replace(keys))
-    assert yielding.newton_tolerance == 1e-6
+    assert planning.make(rh.find("hertz_ellipse").replace(keys)).newton_tolerance == 1e-6

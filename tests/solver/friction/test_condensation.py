@@ -21,7 +21,6 @@ def test_movements_are_reciprocal(rigid: tuple[str, ...]) -> None:
         plan, mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
     )
     settings, response = model.setup.friction, model.response()
-    assert settings is not None
     touching = plan.forecast.touching(model.setup.kinematics.lift(model.interface.points))
     pressed = response.press(LoadCase(load=plan.scene.load or 0.0, active=touching))
     contact = StaticCondensation(model, response, settings, pressed).condense(pressed)

@@ -44,13 +44,11 @@ def test_the_section_answers_as_the_closed_form(line):
     followed = (ends[1:] + ends[:-1]) / 2 > -2.0
     assert areas.sum() == pytest.approx(np.diff(ends)[followed].sum())
     assert profile.along[0] == pytest.approx(2 * (x_z * areas).sum(), rel=1e-6)
-    sinks = 2 * mu / (lam + 2 * mu) * (z_zz * areas).sum()
-    assert profile.up[0] == pytest.approx(sinks, rel=1e-6)
+    assert profile.up[0] == pytest.approx(2 * mu / (lam + 2 * mu) * (z_zz * areas).sum(), rel=1e-6)
 
 
 def test_points_outside_of_the_followed_depth_are_left_out(line):
-    depths = -line.streams.places[:, 1]
-    assert 1.5 < depths.max() < 3.0
+    assert 1.5 < (-line.streams.places[:, 1]).max() < 3.0
     assert len(line.streams.x) == 3 * (len(line.block.axes[0]) - 1)
 
 

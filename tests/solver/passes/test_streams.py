@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from one_line import refusal
 
 from railhead.solver.material.hardening import Hardening, History, radial_return
 from railhead.solver.passes.rolling_block import Streams, follow
@@ -25,10 +26,8 @@ def test_points_are_sorted_from_the_largest_x_down():
 def test_points_that_do_not_line_up_are_refused(shift):
     points = np.array([[x, 0.0, z] for x in (0.0, 1.0) for z in (-1.0, -2.0)])
     points[3, 2] += shift
-    with pytest.raises(ValueError, match="do not line up"):
-        Streams.of(points)
-    with pytest.raises(ValueError, match="columns of different sizes"):
-        Streams.of(points[:3])
+    assert "do not line up" in refusal(lambda: Streams.of(points), ValueError)
+    assert "columns of different sizes" in refusal(lambda: Streams.of(points[:3]), ValueError)
 
 
 @pytest.mark.parametrize("hardening", [Hardening.linear(480.0), Hardening.linear(480.0, 6e3, 1.0)])
