@@ -106,7 +106,9 @@ def test_without_yield_the_contact_is_the_elastic_one():
 
 
 def test_passes_over_another_block_are_refused(tmp_path):
-    passes_of_scene.save(rolled(3.9, 0.0, 0.0, count=3), scene_of("long_roller"), tmp_path / "old.npz")
+    passes_of_scene.save(
+        rolled(3.9, 0.0, 0.0, count=3), scene_of("long_roller"), tmp_path / "old.npz"
+    )
     other = passes_of_scene.block(rail(0.0), (1.0, 1.0), line=True, half=False, per_length=3)
     with pytest.raises(ValueError, match="another block"):
         passes_of_scene.load(str(tmp_path / "old.npz"), other)
