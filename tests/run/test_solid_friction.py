@@ -40,8 +40,8 @@ def sampled(case: str, *keys: str) -> tuple[SolidFriction, LoadCase]:
 
 @pytest.fixture(scope="module")
 def half_spaces() -> SolidFriction:
-    """R 420 x 300, 25 kN, on three elements a semi-axis; a whole model that rolls."""
-    keys = ("rolling.creepage_across=0.1%", "mesh.patch_size=1.2")
+    """R 420 x 300, 25 kN, on two elements a semi-axis; a whole model that rolls."""
+    keys = ("rolling.creepage_across=0.1%", "mesh.patch_size=1.5")
     return sampled("hertz_ellipse", *keys)[0]
 
 
