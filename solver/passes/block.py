@@ -105,7 +105,8 @@ class Block:
 
     @cached_property
     def _assembled(self) -> tuple[Any, PETSc.Mat]:
-        """Displacement space and stiffness on all dofs."""
+        """Displacement space and stiffness on all dofs. Matrices of earlier blocks are freed."""
+        compat.collect(MPI.COMM_SELF)
         return assemble(self.mesh, self._tags, {TAG: self.material}, 2, self.kinematics)
 
     @cached_property
@@ -215,6 +216,7 @@ class Block:
         map_.multTranspose(load, rhs)
         ksp.solve(rhs, y)
         map_.multAdd(y, start, start)
+        compat.collect(MPI.COMM_SELF)
         return np.array(start.array)
 
     def force(self) -> PETSc.Vec:
