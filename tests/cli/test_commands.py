@@ -15,7 +15,7 @@ from pathlib import Path
 import command
 import pytest
 from click.shell_completion import BashComplete
-from solved import solved
+from solved import scene_of, solved
 
 import railhead as rh
 from railhead.cli.commands import railhead
@@ -110,8 +110,7 @@ def test_summary_differs_from_hertz_by_shares(summary) -> None:
 
 def test_scene_toml_is_the_scene_that_was_solved(result) -> None:
     assert tomllib.loads((result / "scene.toml").read_text())["mesh"]["patch_size"] == 1.2
-    scene = catalogue.find("uic54_thesis").replace(["mesh.patch_size=1.2"])
-    assert rh.find(result / "scene.toml") == scene
+    assert rh.find(result / "scene.toml") == scene_of("uic54_thesis", "mesh.patch_size=1.2")
 
 
 NO_HALF_SPACE = {"two_cylinders": 0.01}  # patch over radius 0.12

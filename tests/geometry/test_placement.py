@@ -42,8 +42,7 @@ def lowered(
 ) -> tuple[placement.ContactPoint, Pose]:
     """First contact and the wheel's pose in contact."""
     hanging = Pose(turned(yaw, roll), np.array([0.0, shift, 0.0]))
-    gap = pair.touches(hanging)[0].gap
-    pose = Pose(hanging.rotation, np.array([0.0, shift, -gap]))
+    pose = Pose(hanging.rotation, np.array([0.0, shift, -pair.touches(hanging)[0].gap]))
     return pair.touches(pose)[0], pose
 
 

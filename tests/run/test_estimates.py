@@ -160,8 +160,7 @@ def test_circles_are_within_their_estimates_on_the_meshes_that_runs_take(
 ) -> None:
     """Balls of one kind have one mesh at each n: the shear stress was 1.14 times its estimate at
     the default 12, an area 1.07 times at 3.75."""
-    balls = ["wheel.rolling_radius=300", *keys]
-    found = solved(HALF_SPACES, *balls)
+    found = solved(HALF_SPACES, "wheel.rolling_radius=300", *keys)
     accuracy, exact = found.summary["accuracy"], exact_quantities(found.mesh_solution)
     assert accuracy["levels"][-1]["elements_per_semi_axis"] == pytest.approx(n)
     values, truth = map(quantities.numeric_values, (found.summary["result"], exact))
@@ -277,8 +276,7 @@ def test_a_second_hill_of_shear_is_part_of_the_depth() -> None:
 
 
 def test_a_scene_outside_all_families_has_no_estimate_by_default() -> None:
-    scene = catalogue.find("long_roller").replace(["solver.gamma_factor=100"])
-    summary = pipeline.run(scene).summary
+    summary = solved("long_roller", "solver.gamma_factor=100").summary
     assert summary["accuracy"]["bound"] == {}
     assert "no calibrated family" in summary["accuracy"]["source"]
 

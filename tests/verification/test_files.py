@@ -6,11 +6,9 @@ import pyvista as pv
 from scipy.spatial import cKDTree
 from solved import solved
 
-import railhead as rh
 
-
-def saved(scene: rh.Scene, folder, *, whole: bool = True):
-    solved(scene).save(folder, pictures=False, whole=whole)
+def saved(folder, case: str, *keys: str, whole: bool = True):
+    solved(case, *keys).save(folder, pictures=False, whole=whole)
     return folder
 
 
@@ -34,8 +32,7 @@ def carried(surface) -> float:
 
 def test_both_surfaces_meet_under_the_same_pressure(tmp_path) -> None:
     """A 54E1 head and a wheel, warped by their displacement: 22 um apart before."""
-    scene = rh.find("uic54_thesis").replace(["mesh.patch_size=1.2"])
-    found = surfaces(saved(scene, tmp_path / "out"))
+    found = surfaces(saved(tmp_path / "out", "uic54_thesis", "mesh.patch_size=1.2"))
     assert set(found) == {1, 2}
     rail, wheel = (found[body].warp_by_vector("displacement") for body in (1, 2))
     for surface in (rail, wheel):
@@ -54,7 +51,7 @@ def test_both_surfaces_meet_under_the_same_pressure(tmp_path) -> None:
 def test_gaps_far_from_the_contact_are_those_of_the_surfaces(tmp_path) -> None:
     """Of two cylinders side on, whose surfaces turn away from each other: no gap is less than the
     distance to the other cylinder, nor falls away from the contact."""
-    found = pv.read(saved(rh.find("two_cylinders"), tmp_path / "out") / "contact.vtu")
+    found = pv.read(saved(tmp_path / "out", "two_cylinders") / "contact.vtu")
     moved = (found.points + found["displacement"])[:, 1:]
     for body, other in ((1, 2), (2, 1)):
         parts = [found.extract_cells(found["body"] == each) for each in (body, other)]
@@ -69,7 +66,7 @@ def test_gaps_far_from_the_contact_are_those_of_the_surfaces(tmp_path) -> None:
 
 def test_a_section_is_written_as_two_lines_and_a_rigid_body_not_at_all(tmp_path) -> None:
     """A section has two lines; of a rigid plane there is no surface."""
-    strip = pv.read(saved(rh.find("long_roller"), tmp_path / "strip") / "contact.vtu")
+    strip = pv.read(saved(tmp_path / "strip", "long_roller") / "contact.vtu")
     parts = [strip.extract_cells(strip["body"] == body) for body in (1, 2)]
     assert strip.celltypes.tolist() == [pv.CellType.LINE] * strip.n_cells
     tops = [part["pressure"].max() for part in parts]
@@ -77,5 +74,5 @@ def test_a_section_is_written_as_two_lines_and_a_rigid_body_not_at_all(tmp_path)
     for part in parts:
         assert part.bounds[0] == pytest.approx(-part.bounds[1])
         assert np.abs(part["gap"][part["status"] == 1]).max() < 1e-4 < part["gap"].max()
-    sphere = saved(rh.find("sphere_on_plane"), tmp_path / "sphere", whole=False)
+    sphere = saved(tmp_path / "sphere", "sphere_on_plane", whole=False)
     assert set(pv.read(sphere / "contact.vtu")["body"]) == {2}

@@ -272,8 +272,7 @@ def test_a_load_that_could_not_be_taken_away_leaves_nothing_to_tell(five: rh.Res
     *before, last = solution.plasticity.newton_results
     failed = (*before, replace(last, reason="stalled"))
     solution = replace(solution, plasticity=replace(solution.plasticity, newton_results=failed))
-    frame = five.findings.frame
-    state = mesh_solution._read_residual_state(None, solution, five.fields, frame)
+    state = mesh_solution._read_residual_state(None, solution, five.fields, five.findings.frame)
     assert state.zone.strain > 0
     assert (state.unloaded, state.largest_von_mises, state.indentation) == (None, None, {})
 

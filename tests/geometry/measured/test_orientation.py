@@ -224,8 +224,7 @@ def test_a_head_with_its_underside_stands_upright(name: str, flip: int) -> None:
     outline = standards._outline(name)[0]
     crown = outline[:, 1] > -3
     every = np.arange(len(outline)) % np.where(crown, 200, 10) == 0
-    points = outline[every]
-    _, said = turned(points * [1, flip], unit="mm")
+    _, said = turned(outline[every] * [1, flip], unit="mm")
     assert ("turned upside down" in said) is (flip < 0)
 
 

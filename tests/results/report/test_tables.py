@@ -20,8 +20,7 @@ from railhead.run import quantities
 @pytest.fixture(scope="module")
 def full() -> dict:
     """A summary with all the columns that a table may have, and long numbers."""
-    scene = rh.find("hertz_ellipse").replace(["mesh.patch_size=1.2"])
-    summary = solved(scene).summary
+    summary = solved("hertz_ellipse", "mesh.patch_size=1.2").summary
     result = {**summary["result"], "approach_mm": 0.0123456}
     beside = {"half_space": summary["hertz"], "elastic": result}
     return {**summary, **beside, "result": result, "accuracy": {"bound": {"max_MPa": 0.0123}}}

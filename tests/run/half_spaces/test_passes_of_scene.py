@@ -4,11 +4,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from solved import scene_of
+from solved import planned, scene_of
 
 import railhead as rh
 from railhead.contact import solid
-from railhead.planning import simulation_plan as planning
 from railhead.planning.references import boundary_elements
 from railhead.postprocess.pass_rows import Passes, RailState
 from railhead.results import pipeline
@@ -65,8 +64,7 @@ ROLLS = "rolling.passes=4 rolling.creepage_along=0.02 effects.finite_bodies=off"
 )
 def test_beyond_melan_s_limit_a_line_does_not_shake_down(keys, limit):
     """A verdict of a mesh that is too coarse at the surface is undecided."""
-    scene = rh.find("long_roller").replace(f"{LINE} {ROLLS} {keys}".split())
-    context = planning.make(scene).context
+    context = planned("long_roller", *f"{LINE} {ROLLS} {keys}".split()).context
     for share in (0.99, 1.02, 1.04, 1.2):
         rows = [{"pressure_max_MPa": share * (limit or 2.316) * 300 / 3**0.5}]
         said = Passes(rows=rows, verdict="shakes down", words="as it was")

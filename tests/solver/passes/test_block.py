@@ -59,8 +59,7 @@ def test_a_uniform_plastic_strain_moves_the_outflow_as_the_section_says(line):
     change = np.column_stack([0.3 * fade, -0.5 * fade, 0.2 * fade, 0.0 * fade])
     pushed, profile, stress = line.outgoing(change)
     every = np.broadcast_to(change, (len(line.streams.x), *change.shape))
-    force = line.block.plastic_force(line.streams.scattered(every))
-    moved = line.block.solve(force, pushed)
+    moved = line.block.solve(line.block.plastic_force(line.streams.scattered(every)), pushed)
     strain = line.streams.gathered(line.block.strains(moved))
     assert line.stress(strain - change)[len(strain) // 2] == pytest.approx(
         stress, abs=1e-6 * np.abs(stress).max()
