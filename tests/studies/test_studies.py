@@ -8,10 +8,10 @@ from types import SimpleNamespace
 import command
 import matplotlib.image
 import pytest
+from one_line import refusal
 
 from railhead.cli import study
 from railhead.scene import catalogue
-from railhead.scene.scene import SceneError
 
 #: Files beside the page, and what it says.
 QUICK = {
@@ -80,8 +80,7 @@ def test_studies_are_no_part_of_what_is_installed() -> None:
 
 def test_a_folder_with_other_files_is_left_alone(tmp_path) -> None:
     (tmp_path / "page.md").write_text("mine")
-    with pytest.raises(SceneError, match="--out"):
-        study.run("load_sweep", tmp_path, quick=True)
+    assert "--out" in refusal(lambda: study.run("load_sweep", tmp_path, quick=True))
     assert (tmp_path / "page.md").read_text() == "mine"
 
 
