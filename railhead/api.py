@@ -94,11 +94,11 @@ def solve(
     `Result.passed`.
     """
     from railhead.results import pipeline
-    from railhead.run import refinement
+    from railhead.run.progress import show_progress
 
     scene = with_accuracy(scene, accuracy, budget)
     warn_of_units(scene)
-    with refinement.show_progress(quiet=quiet, tell=progress) as shown:
+    with show_progress(quiet=quiet, tell=progress) as shown:
         return pipeline.run(scene, shown)
 
 

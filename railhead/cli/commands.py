@@ -199,11 +199,11 @@ def plan(
     from railhead.results.report import terminal
 
     if lists or over_file:
-        from railhead.run import refinement
+        from railhead.run.progress import show_progress
         from railhead.sweeps import runner, worker_pool
 
         grid = _grid(api.with_accuracy(scene, accuracy, None), lists, over_file)
-        with refinement.show_progress(quiet=as_json) as progress:
+        with show_progress(quiet=as_json) as progress:
             found = runner.forecast(grid, worker_pool.workers(1), progress)
         if as_json:
             click.echo(result_folder.to_json(found), nl=False)
@@ -282,10 +282,10 @@ def run(
 
     from railhead.results import pipeline
     from railhead.results.report import terminal
-    from railhead.run import refinement
+    from railhead.run.progress import show_progress
 
     quiet = quiet or as_json
-    with refinement.show_progress(quiet=quiet, since=start) as progress:
+    with show_progress(quiet=quiet, since=start) as progress:
         result = pipeline.solve(planned, progress)
         first, problem = result.comm.rank == 0, None
         progress.stage("writing files" + ("" if no_pictures else " and pictures"))

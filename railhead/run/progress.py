@@ -7,7 +7,11 @@ from collections.abc import Callable
 from datetime import timedelta
 from typing import Self
 
+from mpi4py import MPI
 from rich.console import Console
+
+from railhead.scene.scene import SceneError
+from railhead.scene.units import show
 
 Tell = Callable[[float, str], object]
 """Takes the seconds since the start and what is done now."""
@@ -79,3 +83,14 @@ class Progress:
             left = (now - start) * (total - done) / (done - first)
             text += f", {timedelta(seconds=round(left))} left"
         self._say(text)
+
+
+def show_progress(*, quiet: bool, since: float | None = None, tell: Tell | None = None) -> Progress:
+    """Progress display of a run, on the first MPI rank only; arguments as those of `Progress`.
+    Raises SceneError for a `tell` that is no function.
+    """
+    if tell is not None and not callable(tell):
+        raise SceneError("progress", f"{show(tell)} is no function; give one of seconds and text")
+    if MPI.COMM_WORLD.rank:
+        return Progress(quiet=True)
+    return Progress(quiet=quiet, since=since, tell=tell)

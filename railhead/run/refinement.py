@@ -1,4 +1,4 @@
-"""From a scene to its result: one mesh at default settings, a sequence for an asked accuracy."""
+"""From a plan to its solved meshes: one at default settings, a sequence for an asked accuracy."""
 
 from __future__ import annotations
 
@@ -13,9 +13,7 @@ from railhead.planning.sizing import LINEAR_REFINEMENT
 from railhead.run import estimates, quantities
 from railhead.run.estimates import STEP_ORDER
 from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
-from railhead.run.progress import Progress, Tell
-from railhead.scene.scene import SceneError
-from railhead.scene.units import show
+from railhead.run.progress import Progress
 
 MAX_LEVELS = 5
 ONE_MESH = "one mesh"
@@ -71,17 +69,6 @@ def unplanned_yield(solved: MeshSolution, comm: MPI.Intracomm) -> str:
     return comm.bcast(after.why)
 
 
-def show_progress(*, quiet: bool, since: float | None = None, tell: Tell | None = None) -> Progress:
-    """Progress display of a run, on the first MPI rank only; arguments as those of `Progress`.
-    Raises SceneError for a `tell` that is no function.
-    """
-    if tell is not None and not callable(tell):
-        raise SceneError("progress", f"{show(tell)} is no function; give one of seconds and text")
-    if MPI.COMM_WORLD.rank:
-        return Progress(quiet=True)
-    return Progress(quiet=quiet, since=since, tell=tell)
-
-
 def _refine(
     plan: Plan, progress: Progress, comm: MPI.Intracomm
 ) -> tuple[list[MeshSolution], Ending]:
@@ -121,13 +108,13 @@ def _refine(
             return meshes, Ending("budget spent" if spent <= limit else over)
         n, covered = comm.bcast(_next(meshes, worst, wanted))
         finer = done.plan.at_resolution(n)
-        cost = finer.unknowns, finer.solving
+        would_cost = finer.unknowns, finer.solving
         # The second mesh was priced beforehand.
         stop = comm.bcast(_obstacle(finer, spent if len(meshes) > 1 else 0.0))
         if not covered:
             stop = stop or "the error laws end at coarser meshes"
         if stop or len(meshes) == MAX_LEVELS:
-            return meshes, Ending(stop or "too many meshes", cost)
+            return meshes, Ending(stop or "too many meshes", would_cost)
         meshes.append(mesh_and_solve(finer, progress, comm))
         spent += sum(meshes[-1].seconds.values())
 

@@ -19,8 +19,8 @@ from railhead.postprocess.findings import BASE_UNITS, Subject, Units
 from railhead.results import files, result_folder
 from railhead.results.result import Result
 from railhead.results.subject import shared_y
-from railhead.run import process, refinement
-from railhead.run.progress import Progress, Tell
+from railhead.run import process
+from railhead.run.progress import Progress, Tell, show_progress
 from railhead.scene.catalogue import copy_files, places, portable
 from railhead.scene.scene import Scene, SceneError
 from railhead.sweeps import runner, store, sweep_table, worker_pool
@@ -138,7 +138,7 @@ def run(
     with ExitStack() as claim:
         if comm.rank == 0:
             try:
-                with refinement.show_progress(quiet=quiet, tell=tell) as progress:
+                with show_progress(quiet=quiet, tell=tell) as progress:
                     plans = runner.plan_all(sweep.grid, progress)
                 groups, y_label = runner.group_by_mesh(plans), shared_y(plans)
                 store.begin(sweep.folder, sweep.request, other)
