@@ -2,11 +2,13 @@
 
     sigma = sigma_r(y, z) + sigma_e + C (E u - D),    K u = E^T w C D
 
-sigma_r is the residual stress that the earlier passes left, sigma_e the elastic stress of the load
-on a half-space, and u the displacement that the change D of the plastic strain in this pass makes.
+sigma_r is the residual stress that the earlier passes left, sigma_e the elastic stress of the load,
+and u the displacement that the change D of the plastic strain in this pass makes. E takes u to the
+strain at the Gauss points, w are their weights, C is the elastic tensor, K the stiffness.
 D follows at the Gauss points by radial return from one to the next along x, from upstream, where it
 is zero, down. Nothing depends on time (Dang Van and Maitournam, J. Mech. Phys. Solids 41, 1993).
-The outflow moves along x by the answer of the section to D of the last column.
+The nodes of the outflow have the u_x that D of the last column makes in a slab which does not
+change along x.
 """
 
 from __future__ import annotations
@@ -114,7 +116,7 @@ class SurfaceMotion:
         return np.asarray(self.moved[..., -1])
 
 
-Pressing = Callable[[SurfaceMotion, ProfileChange], Array]
+ElasticStress = Callable[[SurfaceMotion, ProfileChange], Array]
 """(surface of this pass, profile of the passes before) -> elastic stress of the load (columns,
 lines, m) at the points of `RollingBlock`, MPa, in Mandel's notation of the block."""
 
@@ -145,9 +147,9 @@ class RollingPass:
     profile: change of the surface in this pass.
     growth: increase of the equivalent plastic strain (lines,) in this pass.
     shear: increase of the plastic shear 2 eps_xz (lines,), z upwards, in this pass.
-    work: plastic work of this pass over the way, N: per mm of depth of the section in plane strain.
-    stored: elastic energy over the way that this pass adds to what residual stresses store, N, the
-        same.
+    work: plastic work of this pass per rolled length, N; in plane strain per mm of width.
+    stored: elastic energy per rolled length that this pass adds to what residual stresses store,
+        N; in plane strain per mm of width.
     iterations: number of fixed-point iterations.
     change: stress change of the last iteration over the yield stress in shear.
     rim: largest growth on the outermost lines of the region where plastic strain is followed.
@@ -181,8 +183,8 @@ class RollingBlock:
         return Streams.of(self.block.points.points)
 
     @cached_property
-    def places(self) -> Array:
-        """Points (columns, lines, 3) in space, mm."""
+    def points(self) -> Array:
+        """Gauss points (columns, lines, 3) in space, mm."""
         return self.streams.gathered(self.block.points.points)
 
     @cached_property
@@ -200,7 +202,9 @@ class RollingBlock:
 
     @cached_property
     def _areas(self) -> Array:
-        """Area (lines,) of the section that belongs to each line, mm2; of plane strain per mm."""
+        """Area (lines,) of the section that belongs to each line, mm2; in plane strain per mm of
+        width.
+        """
         weights = self._slab_streams.gathered(self.slab.points.weights)
         return np.asarray(weights.sum(axis=0) / self.slab.axes[0][-1])
 
@@ -223,7 +227,7 @@ class RollingBlock:
     @property
     def start(self) -> SectionState:
         """State without plastic strain or residual stress."""
-        lines, size = self.places.shape[1], 3 + len(self.block.kinematics.shears)
+        lines, size = self.points.shape[1], 3 + len(self.block.kinematics.shears)
         y = self._surface_nodes[1]
         zero = np.zeros(len(y))
         return SectionState(
@@ -280,22 +284,27 @@ class RollingBlock:
         return values[self._outflow_order, 0], profile, self.stress(strain - change)
 
     def stored(self, state: SectionState) -> float:
-        """Elastic energy of the residual stresses of a state over the way, N, in plane strain per
-        mm: -1/2 int sigma_r : eps_p dA, as residual stresses do no work on the section's strains.
+        """Elastic energy of the residual stresses of a state per rolled length, N, in plane strain
+        per mm of width: -1/2 int sigma_r : eps_p dA. Residual stresses do no work on the strains of
+        the section.
         """
         product = np.einsum("lm,lm->l", state.residual, state.history.plastic)
         return -0.5 * float(product @ self._areas)
 
     def surface(self, displacement: Array) -> SurfaceMotion:
-        """Rise of the surface z = 0 in a displacement on all dofs (n c,), mm."""
+        """Displacement of the surface z = 0, taken from that of all dofs (n c,), mm."""
         x, y, numbers = self._surface_nodes
         return SurfaceMotion(x, y, displacement.reshape(-1, self.block.dim)[numbers])
 
-    def roll(self, state: SectionState, pressing: Pressing) -> RollingPass:
-        """One more pass of a load over a state."""
+    def roll(self, state: SectionState, pressing: ElasticStress) -> RollingPass:
+        """One more pass of a load over a state, by a fixed-point iteration on the displacement. It
+        ends after 250 iterations (ITERATIONS) even where the tolerance is not met.
+
+        pressing: gives the elastic stress of the load.
+        """
         block, streams = self.block, self.streams
         mu = block.material.lame[1]
-        mus = np.full(self.places.shape[1], mu)
+        mus = np.full(self.points.shape[1], mu)
         incoming = state.history
         u: Array = np.zeros(block.nodes.size)
         if state.displacement is not None and state.count > 1:  # the first pass is unlike the rest

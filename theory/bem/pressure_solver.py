@@ -26,7 +26,8 @@ Angle = Callable[[Array], Array]
 """Places s (n,), mm -> tilt (n,) of the surface's normal from the load, rad."""
 Window = tuple[tuple[float, float], tuple[float, float]]
 """Centre and half sizes of a rectangle, each (x, s), mm."""
-SEARCH_CELLS, SEARCHES, ITERATIONS = 64, 60, 3000  # cells an axis in the search, and its limits
+SEARCH_CELLS, SEARCHES = 64, 60  # cells along each axis in the search; most sets of domains
+ITERATIONS = 3000  # of the pressure on one set of grids, at most
 FAR = 1e9  # mm; a wider gap never closes
 FILL_RANGE, FILL = (0.6, 0.9), 0.8  # share of the domain's width that the patch takes up
 APART = 1.6  # times their size: patches that are still apart then get a domain each

@@ -27,10 +27,11 @@ from railhead.theory.array_types import Array
 from railhead.theory.elastic import line
 from railhead.theory.friction import sliding
 
-CIRCLE = 4.68  # p0/k without friction
+CIRCLE = 4.68  # shakedown limit p0/k of a circular patch without friction
 DEPTHS, PLACES = 81, 161  # where the shear stress of a strip is looked for
-#: T-gamma over the area of the patch, N/mm2: wheel R8T on rail UIC60 900A, twin discs. Lewis and
-#: Dwyer-Joyce, Proc. IMechE J 218 (2004), as in src/usfd of github.com/thiernodms/KPFASTSIMUSFD.
+#: Limits between wear regimes, T-gamma over the area of the patch, N/mm2: wheel R8T on rail UIC60
+#: 900A, twin discs. Lewis and Dwyer-Joyce, Proc. IMechE J 218 (2004), as in src/usfd of
+#: github.com/thiernodms/KPFASTSIMUSFD.
 TWIN_DISC = (10.4, 77.2)
 REGIMES = ("mild", "severe", "catastrophic")
 CONDUCTIVITY = 50.0  # W/(m K)
@@ -55,8 +56,9 @@ def shakedown_limit(
     """Largest p0/k (largest pressure over yield stress in shear) at which a line contact shakes
     down, to 1e-3.
 
-    friction: coefficient; poisson: Poisson's ratio; used: tangential over normal force, not
-        negative, in steady rolling with Carter's tractions; None: the whole patch slips.
+    friction: coefficient; poisson: Poisson's ratio.
+    used: traction coefficient, tangential over normal force, not negative, in steady rolling with
+        Carter's tractions; None: the whole patch slips.
     kinematic: whether the steel hardens kinematically without end: its back stress shifts the
         shear stress xz, of which half the range of a passage is left.
     """
@@ -192,7 +194,8 @@ def flash_temperature(
     area: of the patch, mm2.
     half_length: a, half length of the patch along the rail, mm.
     speed: v, m/s.
-    middle_over_mean: mean pressure on that line over that of the patch, as of `Ellipse`.
+    middle_over_mean: mean pressure on that line over that of the patch: 3 pi/8 of an ellipse,
+        1 of a line contact.
     The heat is distributed as the pressure; half of it flows into each body.
     """
     flux = dissipated * speed / (1e-6 * area) * middle_over_mean

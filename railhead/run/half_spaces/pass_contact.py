@@ -89,7 +89,7 @@ class Pressing:
 
     patch: pressure of the last call; None: there was none.
     traction_work: work of the tractions in the last call on the displacement of the surface by the
-        pass, over the rolled distance, N; 0 without tractions.
+        pass, per rolled length, N; 0 without tractions.
     """
 
     def __init__(self, rolling: RollingBlock, contact: RollingContact) -> None:
@@ -105,7 +105,7 @@ class Pressing:
             self._across = cell_means(surface.y, across)
         else:
             self._across = np.ones((2, 1))
-            points = rolling.places.reshape(-1, 3)
+            points = rolling.points.reshape(-1, 3)
             poisson = rolling.block.material.poisson_ratio
             self._strips = Strips(along, points[:, 0], -points[:, 2], poisson)
         self._kept: Array | None = None
@@ -131,7 +131,7 @@ class Pressing:
         return stress
 
     def _work(self, surface: SurfaceMotion) -> float:
-        """Work of the tractions q over the way, N: -int q . du/dx dA, as the rail flows to -x."""
+        """Work of the tractions q per rolled length, N: -int q . du/dx dA. The rail flows to -x."""
         contact, total = self._contact, 0.0
         assert contact.traction is not None
         for axis, traction in enumerate(contact.traction):
@@ -152,11 +152,11 @@ class Pressing:
         of the block, below the pressure and the tractions of a line contact.
         """
         assert self.patch is not None
-        places, traction = self._rolling.places, self._contact.traction
+        shape, traction = self._rolling.points.shape[:2], self._contact.traction
         along = None if traction is None else traction[0, :, 0]
         found = self._strips.stress(self.patch.pressure[:, 0], along)
         mandel = found[:, [0, 2, 1, 3]] * [1.0, 1.0, 1.0, math.sqrt(2)]
-        return np.asarray(mandel.reshape(*places.shape[:2], 4))
+        return np.asarray(mandel.reshape(*shape, 4))
 
     def _block_stress(self) -> Array:
         """Elastic stress (columns, lines, 6), MPa, in Mandel's notation, at the Gauss points of a

@@ -52,6 +52,7 @@ from railhead.theory.elastic.line import LineContact
 BEYOND = 1.03  # p0/k over Melan's limit, from which a line does not shake down
 SPACING = 0.2  # mm, of the points of the profile with its groove
 Laid = Callable[[RailState], Array]
+"""Lays the groove of a state on the rail: state -> profile (n, 2), see `groove_on_profile`."""
 ELEMENTS = {True: (3.0, 16.0), False: (2.0, 5.0)}
 """Fewest and most elements of the block on a half length of a line contact, and of a solid."""
 # By whether the contact is a line:

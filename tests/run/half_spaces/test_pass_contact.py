@@ -37,7 +37,7 @@ def test_the_stress_of_the_block_is_that_of_a_sliding_ellipse(half):
     block = passes_of_scene.block(STEEL, HALF, line=False, half=half, per_length=2, reach=6)
     pressing = pass_contact.Pressing(block, solid(ELLIPSE, 0.3))
     found = pressing(block.surface(np.zeros(block.block.nodes.size)), block.start.profile)
-    places = block.places
+    places = block.points
     near = np.abs(places[..., 0]) < 1.2 * HALF[0]
     near &= (np.abs(places[..., 1]) < HALF[1]) & (places[..., 2] > -1.5 * HALF[1])
     near &= places[..., 2] < -0.25 * HALF[1]
