@@ -1,10 +1,9 @@
-"""Diagrams of the findings against exact Hertz.
+"""Figure and units of every picture, and diagrams of the findings against exact Hertz.
 
 Functions that draw a picture end with an argument `target`: the path of a PNG file that is written,
 axes of another figure, as many as the picture has panels, or None. They return the figure. Without
-axes it is a new one, so no state is shared. `ellipse` is the exact Hertz
-contact, also a line contact, or None: then only the computed result is drawn. Its middle is at the
-origin of the contact frame.
+axes it is a new one, so no state is shared. `hertz` is the exact Hertz contact, point or line, or
+None: then only the computed result is drawn. Its middle is at the origin of the contact frame.
 """
 
 from __future__ import annotations
@@ -215,11 +214,11 @@ def draw_one(drawings: Mapping[str, Drawing], picture: str, ax: object = None) -
     return found
 
 
-def pressure(findings: Findings, ellipse: Hertz | None, target: Target = None) -> Figure:
+def pressure(findings: Findings, hertz: Hertz | None, target: Target = None) -> Figure:
     """Contact pressure (MPa) along x and along s (mm), on the lines `Findings.along` and `across`
     through the most loaded patch.
 
-    ellipse: exact Hertz contact, drawn beside the result, or None. Of a meridian section there is
+    hertz: exact Hertz contact, drawn beside the result, or None. Of a meridian section there is
         one panel, over the radius.
     """
     count = 1 if findings.subject.revolved else 2  # along and across are the same
@@ -232,9 +231,9 @@ def pressure(findings: Findings, ellipse: Hertz | None, target: Target = None) -
             name += f" (of another {units.text(largest, 'MPa')})"
         else:
             name = f"{method}, largest pressure {units.text(largest, 'MPa')}"
-        _pressure(left, findings, ellipse, 0, name)
+        _pressure(left, findings, hertz, 0, name)
         for right in others:
-            _pressure(right, findings, ellipse, 1, name)
+            _pressure(right, findings, hertz, 1, name)
         left.set_ylabel("contact pressure, MPa")
         left.set_ylim(bottom=0)
         handles = left.get_legend_handles_labels()
@@ -266,9 +265,9 @@ def loaded(line: AxisPressure) -> tuple[Array, Array]:
     return at[order], value[order]
 
 
-def _pressure(axes: Axes, findings: Findings, ellipse: Hertz | None, axis: int, name: str) -> None:
+def _pressure(axes: Axes, findings: Findings, hertz: Hertz | None, axis: int, name: str) -> None:
     """Draw on `axes` the computed pressure along x (axis 0) or s (axis 1) through the most loaded
-    patch, and that of exact Hertz (`ellipse`) unless that is None.
+    patch, and that of exact Hertz (`hertz`) unless that is None.
     """
     line: AxisPressure = (findings.along, findings.across)[axis]
     axes.plot(*loaded(line), "o-", color=FE, lw=0.8, ms=3.5, label=name)
@@ -280,10 +279,10 @@ def _pressure(axes: Axes, findings: Findings, ellipse: Hertz | None, axis: int, 
         if (count := len(findings.patch.each)) > 1:
             title += f", most loaded of {count} patches"
         axes.set_title(title, fontsize=11)
-    if ellipse is not None:
-        half = (ellipse.a, ellipse.b)[axis]
-        label = f"exact Hertz, largest pressure {findings.subject.units.text(ellipse.p0, 'MPa')}"
-        axes.plot(*exact_line(ellipse, axis), color=HERTZ, label=label, zorder=3)
+    if hertz is not None:
+        half = (hertz.a, hertz.b)[axis]
+        label = f"exact Hertz, largest pressure {findings.subject.units.text(hertz.p0, 'MPa')}"
+        axes.plot(*exact_line(hertz, axis), color=HERTZ, label=label, zorder=3)
         axes.axvline(-half, color=HERTZ, lw=0.8, ls=":")
         axes.axvline(half, color=HERTZ, lw=0.8, ls=":")
 
@@ -298,14 +297,14 @@ def exact_line(contact: Hertz, axis: int) -> tuple[Array, Array]:
 
 def depth(
     findings: Findings,
-    ellipse: Hertz | None,
+    hertz: Hertz | None,
     poisson: float,
     target: Target = None,
 ) -> Figure:
     """Principal stresses and largest shear stress (MPa) over the depth (mm) below the centre of the
     most loaded patch, in two panels; the body shown is that of `Findings.axis`.
 
-    ellipse: exact Hertz contact, drawn beside the result, or None. poisson: Poisson's ratio of the
+    hertz: exact Hertz contact, drawn beside the result, or None. poisson: Poisson's ratio of the
         body shown, for the exact stresses.
     """
     axis = findings.axis
@@ -324,12 +323,12 @@ def depth(
         name = label(f"{findings.subject.method}, {names[axis.body]}", *peak)
         name += _elsewhere(findings)
         _stresses(panels, axis.depth, axis.stress, "o", FE, name, peak)
-        if ellipse is not None:
-            name = f"exact Hertz, {ellipse.shape}"
+        if hertz is not None:
+            name = f"exact Hertz, {hertz.shape}"
             name += ", no friction" if findings.subject.has_friction else ""
             name += "" if _centred(findings) else ", below its own centre"
-            normal = ellipse.axis_stress(poisson, fine)
-            exact = ellipse.axis_extrema(poisson)
+            normal = hertz.axis_stress(poisson, fine)
+            exact = hertz.axis_extrema(poisson)
             peak = exact.tau_max_depth, exact.tau_max
             stress = np.hstack((normal, np.zeros_like(normal)))  # no shear
             _stresses(panels, fine, stress, "-", HERTZ, label(name, *peak), peak)
@@ -436,17 +435,17 @@ def _name_curves(axes: Axes, axis: DepthAxis) -> None:
         )
 
 
-def patch(findings: Findings, ellipse: Hertz | None, target: Target = None) -> Figure:
+def patch(findings: Findings, hertz: Hertz | None, target: Target = None) -> Figure:
     """Pressure in bands over all patches, with axes x and s in the tangent plane, and their
     outlines; not of a section.
 
-    findings: with the whole contact surface, images included. ellipse: exact Hertz contact, whose
+    findings: with the whole contact surface, images included. hertz: exact Hertz contact, whose
         outline is drawn too, or None.
     """
     from matplotlib.path import Path as Path2D
 
     surface, outlines = findings.surface, findings.patch.outlines
-    curves = outlines + ([] if ellipse is None else [ellipse.outline])
+    curves = outlines + ([] if hertz is None else [hertz.outline])
     low, high = np.min([c.min(0) for c in curves], 0), np.max([c.max(0) for c in curves], 0)
     margin = 0.12 * (high - low).max()
     width, height = high - low + 2 * margin
@@ -463,8 +462,8 @@ def patch(findings: Findings, ellipse: Hertz | None, target: Target = None) -> F
         for number, line in enumerate(outlines):
             name = findings.subject.method if number == 0 else None
             axes.plot(*line.T, color=FE, lw=2.2, label=name)
-        if ellipse is not None:
-            axes.plot(*ellipse.outline.T, "--", color="black", lw=1.2, label="exact Hertz")
+        if hertz is not None:
+            axes.plot(*hertz.outline.T, "--", color="black", lw=1.2, label="exact Hertz")
         axes.set(
             xlabel=findings.subject.label(0),
             ylabel=findings.subject.label(1),

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from railhead.postprocess.symmetry import Planes
     from railhead.solver.system.solution import FrictionSolution
 
-ROOMS = (
+MODULES = (
     "postprocess.findings",
     "postprocess.pass_rows",
     "postprocess.pictures.gallery",
@@ -34,7 +34,7 @@ ROOMS = (
     "theory.elastic.hertz",
     "theory.elastic.line",
 )
-"""Modules whose dataclasses a file may hold."""
+"""Modules whose dataclasses a file of `save` may hold."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,7 +78,7 @@ def load(path: Path) -> Shown:
     """What pictures show, of a file. Raises ValueError (one line) for a file that is missing,
     damaged, or of another version of the program.
     """
-    modules = [vars(import_module(f"railhead.{name}")) for name in ROOMS]
+    modules = [vars(import_module(f"railhead.{name}")) for name in MODULES]
     known = {
         name: value for names in modules for name, value in names.items() if is_dataclass(value)
     }
@@ -121,13 +121,13 @@ def _restored(value: Any, arrays: Mapping[str, Any], known: Mapping[str, Any]) -
 
 
 def drawings(
-    shown: Shown, cells: Callable[[], meshio.Mesh], steel: Mapping[str, Any]
+    shown: Shown, cells: Callable[[], meshio.Mesh], friction: Mapping[str, Any]
 ) -> dict[str, Drawing]:
     """The pictures of one result by name of their PNG file. Nothing is drawn here. Pictures of the
     patch from above are those of a solid and of half-spaces that are no line contact.
 
     cells: returns the grid of the cells, with nodal stresses, images of what symmetry left out
-        included; called by the pictures that need it. steel: "friction" of the result in
+        included; called by the pictures that need it. friction: "friction" of the result in
         summary.json, empty without friction.
     """
     from railhead.postprocess.pictures import diagrams, friction_plots, plastic_plots
@@ -138,8 +138,8 @@ def drawings(
         every = _of_bodies(shown, cells)
         if shown.yielded is not None:
             every["plastic.png"] = partial(plastic_plots.draw, shown.yielded, found, exact)
-        if "p0_over_k" in steel:
-            given = steel, shown.poisson, found.subject
+        if "p0_over_k" in friction:
+            given = friction, shown.poisson, found.subject
             every["shakedown.png"] = partial(friction_plots.draw_shakedown, *given)
     elif isinstance(exact, LineContact):
         every = {"pressure.png": partial(diagrams.pressure, found, exact)}

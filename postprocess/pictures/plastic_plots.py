@@ -122,14 +122,14 @@ def draw(yielded: Yielded, found: Findings, exact: Hertz | None, target: Target 
     pressure, and height of the surfaces after the load. exact: Hertz contact, or None.
     """
     with new_figure(target, 11, 8.6, found) as figure:
-        (strain, stress), (pressure, depth) = figure.subplots(2, 2)
+        (strain, stress), (pressure, height) = figure.subplots(2, 2)
         for axes, values, label in (
             (strain, 100 * yielded.strain, "equivalent plastic strain, %"),
             (stress, yielded.residual, "residual von Mises stress, MPa"),
         ):
             _cut(figure, axes, found, yielded, values, label)
         _pressures(pressure, found, yielded.elastic, exact, yielded.axis)
-        _heights(depth, yielded, found)
+        _heights(height, yielded, found)
     return figure
 
 
@@ -165,8 +165,8 @@ def draw_passes(passes: Passes, found: Findings, target: Target = None) -> Figur
             groove.set(ylabel="residual height, um")
             groove.legend()
         else:
-            depth = [1e3 * row["groove_mm"] for row in rows]
-            groove.plot(np.arange(1, count + 1), depth, "o-")
+            sunk = [1e3 * row["groove_mm"] for row in rows]
+            groove.plot(np.arange(1, count + 1), sunk, "o-")
             groove.set(xlabel="pass", ylabel="the surface has sunk by, um")
     return figure
 

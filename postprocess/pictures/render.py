@@ -1,4 +1,4 @@
-"""Pictures of the bodies and their mesh, by a parallel camera: PNG files about 1600 pixels wide.
+"""Pictures of the bodies and their mesh: of solids by a parallel camera, of sections as polygons.
 
 Images of meshes are shaded; lines and labels are placed over them in mm. The grids are those of
 `vtu`, of whole bodies with the images of what symmetry left out; nothing is deformed. All text is
@@ -208,12 +208,12 @@ def section(grid: meshio.Mesh, axis: int, findings: Findings, target: Target = N
 
 
 def patch_on_rail(
-    grid: meshio.Mesh, findings: Findings, ellipse: Hertz | None, target: Target = None
+    grid: meshio.Mesh, findings: Findings, hertz: Hertz | None, target: Target = None
 ) -> Figure:
     """The pressure on the contact surface, seen obliquely from above, with outlines and dimensions
     of the patch.
 
-    grid: the contact surface, as `vtu.contact_grid` makes it. ellipse: exact Hertz contact,
+    grid: the contact surface, as `vtu.contact_grid` makes it. hertz: exact Hertz contact,
         whose outline is drawn too, or None.
     """
     from matplotlib.cm import ScalarMappable
@@ -237,8 +237,8 @@ def patch_on_rail(
         for number, line in enumerate(patch.outlines):
             name = findings.subject.method if number == 0 else None
             axes.plot(*camera.project(_on(surface, frame, line)).T, color=FE, lw=2.2, label=name)
-        if ellipse is not None:
-            line = camera.project(_on(surface, frame, ellipse.outline))
+        if hertz is not None:
+            line = camera.project(_on(surface, frame, hertz.outline))
             axes.plot(*line.T, "--", color="black", lw=1.4, label="exact Hertz")
         _dimensions(axes, camera, findings)
         colours = ScalarMappable(Normalize(*shown), "YlOrRd")

@@ -152,10 +152,10 @@ def _draw_fringes(
     return figure
 
 
-def _mark_largest(axes: Axes, findings: Findings, across: int, cut: float) -> None:
+def _mark_largest(axes: Axes, findings: Findings, axis: int, cut: float) -> None:
     """Mark the place of the largest shear stress of each body in a picture of x or s over height.
 
-    across: 0 where the horizontal axis is x, 1 where it is s. cut: the other coordinate of the cut,
+    axis: 0 where the horizontal axis is x, 1 where it is s. cut: the other coordinate of the cut,
         mm. Legend entries give the value, the depth and, if the place lies off the cut, how far.
     """
     half, subject = min(findings.patch.a, findings.patch.b), findings.subject
@@ -166,9 +166,9 @@ def _mark_largest(axes: Axes, findings: Findings, across: int, cut: float) -> No
         deep = "at the surface" if peak.depth < SURFACE * half else f"{depth} deep"
         value = subject.units.text(peak.value, "MPa")
         label = rf"$\tau_{{max}}$ in the {subject.names[body]}: {value}, {deep}"
-        if abs(off := local[1 - across] - cut) > OFF_CUT * max(peak.depth, OFF_CUT * half):
-            sign, way = "+" if off > 0 else "", (subject.across, subject.along)[across]
+        if abs(off := local[1 - axis] - cut) > OFF_CUT * max(peak.depth, OFF_CUT * half):
+            sign, way = "+" if off > 0 else "", (subject.across, subject.along)[axis]
             label += minus(f", {sign}{subject.units.text(off, 'mm', 2)} {way}")
         marker = "v" if body == "rail" else "^"
         look: dict[str, Any] = {"ms": 10, "mfc": "white", "mec": "black", "ls": "none"}
-        axes.plot(local[across], local[2], marker, label=label, **look)
+        axes.plot(local[axis], local[2], marker, label=label, **look)
