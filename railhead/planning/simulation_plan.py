@@ -39,7 +39,7 @@ SECTION_PER_TURN = 5  # elements on a full turn of a fillet of a whole rail (4: 
 SECTION_CELLS = 8.5  # cells of web and foot for each mm of a whole rail (measured)
 TOLERANCE_SHARE = 0.02  # of an error envelope of the mesh: the residual adds 4 % to it at most
 LARGEST_TOLERANCE = 1e-3  # of Newton's method on meshes whose envelopes are larger than the values
-UNSIGNED_TOLERANCE = 1e-6  # of Newton's method where no error of the mesh is known
+DEFAULT_TOLERANCE = 1e-6  # of Newton's method where no error of the mesh is known
 MEMORY_SHARE = 0.8  # largest predicted memory over the free memory
 
 
@@ -192,7 +192,7 @@ class Plan:
         effect = replace(self.effects["plasticity"], called_for=True, on=True, why=why)
         return replace(self, context=self.context.with_decision("plasticity", effect))
 
-    def price(self, name: str) -> tuple[int, float]:
+    def effect_cost(self, name: str) -> tuple[int, float]:
         """Unknowns and seconds that the present state of the named effect is predicted to cost more
         than its other state; negative if it saves. Forecast and element size stay as they are, but
         for axisymmetry that is called for, whose other state is planned anew. 0 where `flipped`
@@ -379,7 +379,7 @@ class Plan:
 
         That error is the smallest envelope of elastic, frictionless bodies on this mesh. Without
         envelopes, or with yield, it is the accuracy of the scene. Without an accuracy, and with
-        effects `beyond_envelopes`, the tolerance is 1e-6 (UNSIGNED_TOLERANCE).
+        effects `beyond_envelopes`, the tolerance is 1e-6 (DEFAULT_TOLERANCE).
         """
         family, n = self.family, self.forecast.minor / self.patch_size
         if self.scene.solver.tolerance is not None:
@@ -389,18 +389,18 @@ class Plan:
         elif self.scene.accuracy and not self.beyond_envelopes:
             smallest = self.scene.accuracy
         else:
-            return UNSIGNED_TOLERANCE
+            return DEFAULT_TOLERANCE
         return min(TOLERANCE_SHARE * smallest, LARGEST_TOLERANCE)
 
     @property
     def seconds(self) -> float:
-        """Predicted seconds of the whole process with one mesh: imports, `solving` and passes,
+        """Predicted seconds of the whole process with one mesh: imports, `mesh_seconds` and passes,
         pictures not included.
         """
-        return cost.START + self.solving + self._seconds_of_passes
+        return cost.START + self.mesh_seconds + self._seconds_of_passes
 
     @property
-    def solving(self) -> float:
+    def mesh_seconds(self) -> float:
         """Predicted seconds of one mesh on this machine: meshing, assembly, solution with load
         steps and friction, and reading. Imports are not included. Where half-spaces answer, the
         seconds of boundary elements.
@@ -415,7 +415,7 @@ class Plan:
             more, beside = cost.FRICTION, cost.FRICTION_SECONDS
         elif self.effects["friction"].on and not self.plane_model:
             more += cost.CONDENSING * self.unknowns / cost.CONDENSING_AT
-        return cost.correction() * (self.cost.time(self.unknowns) * (1 + more) + beside)
+        return cost.correction() * (self.cost_per_unknown.time(self.unknowns) * (1 + more) + beside)
 
     @property
     def _seconds_of_passes(self) -> float:
@@ -434,9 +434,9 @@ class Plan:
         return self.plane_model or interface.unlike(self.context) or self.effects["plasticity"].on
 
     @property
-    def cost(self) -> cost.Cost:
+    def cost_per_unknown(self) -> cost.Cost:
         """Seconds and bytes per unknown of a meshed model of this kind, elastic and frictionless,
-        on the machine of reference (`planning.cost`). Predicted seconds are those of `solving`.
+        on the machine of reference (`planning.cost`), without the correction for this machine.
         """
         return cost.cost(
             self.scene.mesh.cell,
@@ -450,7 +450,7 @@ class Plan:
         """Predicted peak of the memory of the process, bytes; that of the libraries where
         half-spaces answer.
         """
-        each = self.cost.bytes
+        each = self.cost_per_unknown.bytes
         if self.effects["plasticity"].on:
             each += cost.YIELD_BYTES
         if self.effects["friction"].on:
@@ -483,8 +483,8 @@ class Plan:
         """
         coarse = replace(self, patch_size=error_envelopes.STEP * self.patch_size)
         twice = replace(coarse, load_steps=2 * coarse.load_steps)
-        again = twice.solving if self.effects["plasticity"].on else 0.0
-        return self.seconds + coarse.solving + again
+        again = twice.mesh_seconds if self.effects["plasticity"].on else 0.0
+        return self.seconds + coarse.mesh_seconds + again
 
     def prices(self) -> list[dict[str, Any]] | None:
         """Predicted cost of several accuracies, coarsest first; None where no family of error laws
@@ -553,7 +553,7 @@ class Plan:
                 name: {
                     **effect.summary(),
                     "predicted_cost": dict(
-                        zip(("unknowns", "seconds"), self.price(name), strict=True)
+                        zip(("unknowns", "seconds"), self.effect_cost(name), strict=True)
                     ),
                 }
                 for name, effect in self.effects.items()

@@ -82,5 +82,5 @@ def _record_speed(levels: list[MeshSolution]) -> None:
     """
     for level in levels:
         if level.plan.elastic_laws_hold and level.unknowns >= cost.LEAST_UNKNOWNS:
-            predicted = level.plan.cost.time(level.unknowns)
+            predicted = level.plan.cost_per_unknown.time(level.unknowns)
             cost.record(sum(level.seconds.values()), predicted)

@@ -108,7 +108,7 @@ def _refine(
             return meshes, Ending("budget spent" if spent <= limit else over)
         n, covered = comm.bcast(_next(meshes, worst, wanted))
         finer = done.plan.at_resolution(n)
-        would_cost = finer.unknowns, finer.solving
+        would_cost = finer.unknowns, finer.mesh_seconds
         # The second mesh was priced beforehand.
         stop = comm.bcast(_obstacle(finer, spent if len(meshes) > 1 else 0.0))
         if not covered:
@@ -203,6 +203,6 @@ def _obstacle(plan: Plan, spent: float) -> str:
     if not plan.fits(cost.free_memory()):
         return f"memory: the next mesh needs about {plan.memory / 1e9:.1f} GB"
     limit = plan.scene.budget
-    if limit is not None and spent and cost.START + spent + plan.solving > limit:
-        return f"budget: the next mesh needs about {plan.solving:.0f} s"
+    if limit is not None and spent and cost.START + spent + plan.mesh_seconds > limit:
+        return f"budget: the next mesh needs about {plan.mesh_seconds:.0f} s"
     return ""

@@ -48,5 +48,5 @@ def test_no_run_takes_more_memory_than_predicted(reference, case, keys, megabyte
     ],
 )
 def test_time_is_predicted_within_a_factor_of_two(reference, case, keys, seconds) -> None:
-    predicted = planned(case, *keys).solving
+    predicted = planned(case, *keys).mesh_seconds
     assert seconds / 2 < predicted < 2 * seconds

@@ -29,9 +29,9 @@ def test_every_effect_has_a_choice_a_reason_and_a_predicted_cost() -> None:
 
 def test_symmetry_halves_and_deformable_bodies_double_the_predicted_unknowns() -> None:
     plan = planned("hertz_ellipse")
-    assert plan.price("symmetry_x")[0] == pytest.approx(-plan.unknowns, rel=1e-3)
-    assert plan.price("deformable_wheel")[0] == pytest.approx(plan.unknowns / 2, rel=1e-3)
-    assert plan.price("far_field") == (0, 0.0)
+    assert plan.effect_cost("symmetry_x")[0] == pytest.approx(-plan.unknowns, rel=1e-3)
+    assert plan.effect_cost("deformable_wheel")[0] == pytest.approx(plan.unknowns / 2, rel=1e-3)
+    assert plan.effect_cost("far_field") == (0, 0.0)
 
 
 @pytest.mark.parametrize("ratio, deforms", [(998, True), (1001, False)])
@@ -134,8 +134,8 @@ def test_steel_that_yields_has_error_laws_of_its_own(
 def test_axisymmetry_that_was_switched_off_has_no_price_where_on_is_refused() -> None:
     """A chosen symmetry, which bounds the meridian section anyway, refuses it there."""
     plan = planned("sphere_on_plane", "effects.axisymmetry=off", "effects.symmetry=on")
-    assert plan.price("axisymmetry") == (0, 0.0)
-    assert planned("sphere_on_plane", "effects.axisymmetry=off").price("axisymmetry")[0] > 0
+    assert plan.effect_cost("axisymmetry") == (0, 0.0)
+    assert planned("sphere_on_plane", "effects.axisymmetry=off").effect_cost("axisymmetry")[0] > 0
 
 
 @pytest.mark.parametrize("share, yields", [(1.0001, True), (0.99, False)])
@@ -186,7 +186,7 @@ def test_a_body_that_is_rigid_by_choice_is_unlike_the_other(name: str) -> None:
     assert off.setting.stiffness == 0.0
     both = planned("hertz_ellipse", *keys)
     assert not both.condenses and len(model_setup.friction_steps(both)) == 1
-    assert off.price("deformable_rail") and off.price("deformable_wheel")
+    assert off.effect_cost("deformable_rail") and off.effect_cost("deformable_wheel")
     other = both.flipped(f"deformable_{name}")
     assert other.condenses and name not in other.context.deformable
 

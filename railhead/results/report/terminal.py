@@ -103,7 +103,7 @@ def show_plan(plan: Plan, console: Console) -> None:
         table.add_column(column, overflow="fold")
     idle = []  # effects that cost and save nothing: here they have no part
     for name, effect in plan.effects.items():
-        price = plan.price(name)
+        price = plan.effect_cost(name)
         if any(price) or effect.on or effect.called_for or effect.override:
             table.add_row(name, _state(effect), effect.why, _cost(*price))
         else:
