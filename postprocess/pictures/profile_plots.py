@@ -16,7 +16,8 @@ from railhead.geometry.placement import ContactPoint, Placed, ProfilePair, Side
 from railhead.postprocess.findings import Array, Subject
 from railhead.postprocess.pictures.diagrams import Target, minus, new_figure
 
-RAIL, WHEEL, MARK, FURTHER = "#555555", "#1f4e79", "#c8502d", "#7b4fa3"
+RAIL_COLOUR, WHEEL_COLOUR = "#555555", "#1f4e79"
+MARK, FURTHER = "#c8502d", "#7b4fa3"
 SAMPLES = 1500
 JUMP = 2.0  # mm on the tread between neighbouring shifts: a jump, not a motion
 LIFT = 25.0  # mm between wheel and rail in the picture of the positions
@@ -42,10 +43,10 @@ def profiles(pair: ProfilePair, placed: Placed, subject: Subject, target: Target
             axes, (placed.left, placed.right), ("left", "right"), strict=True
         ):
             y = np.linspace(*pair.rail.domain, SAMPLES)
-            ax.plot(y, pair.rail.height(y), color=RAIL, label="rail")
+            ax.plot(y, pair.rail.height(y), color=RAIL_COLOUR, label="rail")
             tread = np.linspace(*pair.wheel.domain, SAMPLES)
             outline = pair.outline(side.pose, tread).points
-            ax.plot(*outline[:, 1:].T, color=WHEEL, label="wheel")
+            ax.plot(*outline[:, 1:].T, color=WHEEL_COLOUR, label="wheel")
             for number, touch in enumerate(side.touches):
                 colour = FURTHER if number else MARK
                 ax.plot(touch.y, touch.z, "o", color=colour)
@@ -63,8 +64,9 @@ def profiles(pair: ProfilePair, placed: Placed, subject: Subject, target: Target
                     arrowprops={"arrowstyle": "-", "color": colour},
                 )
             left, right = ("field", "gauge") if name == "left" else ("gauge", "field")
-            ax.text(0.01, 0.65, f"{left} side", transform=ax.transAxes, color=RAIL)
-            ax.text(0.99, 0.65, f"{right} side", transform=ax.transAxes, ha="right", color=RAIL)
+            look = {"transform": ax.transAxes, "color": RAIL_COLOUR}
+            ax.text(0.01, 0.65, f"{left} side", **look)
+            ax.text(0.99, 0.65, f"{right} side", ha="right", **look)
             ax.set_title(f"{name} rail")
             ax.set_xlabel("y from the crown centre to the field side, mm")
             ax.set_aspect("equal")
@@ -91,15 +93,15 @@ def positions(
     from matplotlib.collections import LineCollection
     from matplotlib.colors import LinearSegmentedColormap
 
-    dark = LinearSegmentedColormap.from_list("shift", [WHEEL, FURTHER, MARK])
+    dark = LinearSegmentedColormap.from_list("shift", [WHEEL_COLOUR, FURTHER, MARK])
     with new_figure(target, 9, 4.6, subject) as figure:
         ax = figure.subplots()
         y = np.linspace(*pair.rail.domain, SAMPLES)
-        ax.plot(y, pair.rail.height(y), color=RAIL, label="rail")
+        ax.plot(y, pair.rail.height(y), color=RAIL_COLOUR, label="rail")
         shift, placed = min(swept, key=lambda each: abs(each[0]))
         offset = float(placed.right.pose.origin[1]) - shift  # y of the wheel's origin at shift 0
         tread = np.linspace(*pair.wheel.domain, SAMPLES)
-        ax.plot(tread + offset, LIFT - pair.wheel.height(tread), color=WHEEL, label="wheel")
+        ax.plot(tread + offset, LIFT - pair.wheel.height(tread), color=WHEEL_COLOUR, label="wheel")
         lines, shifts = [], []
         for shift, placed in swept:
             for touch in placed.right.touches:
@@ -139,7 +141,7 @@ def rolling_radius(
         _broken(upper, shifts, difference, breaks, MARK, None)
         upper.set_ylabel("rolling radius difference,\nright less left, mm")
         further: str | None = "further contact, with a small gap"
-        for name, colour in (("right", WHEEL), ("left", RAIL)):
+        for name, colour in (("right", WHEEL_COLOUR), ("left", RAIL_COLOUR)):
             y = np.array([_side(placed, name).touches[0].y for _, placed in swept])
             _broken(lower, shifts, y, _jump(swept, name), colour, f"{name} rail, first contact")
         for name in ("right", "left"):

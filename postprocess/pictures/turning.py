@@ -125,10 +125,10 @@ def _hill(fields: Fields, findings: Findings) -> tuple[Any, list[Any]]:
     contact = vtu.contact_grid({fields.slave: findings.surface})
     pressed, free = split(outer(load_pyvista().from_meshio(contact)), frame, patch)
     rim = np.abs(pressed["outside"]) < 1e-6 * np.ptp(patch.main)
-    pressed["pressure"] = np.where(rim, 0.0, pressed["pressure"])
+    pressed[PRESSURE] = np.where(rim, 0.0, pressed[PRESSURE])
     long, wide = sorted(np.ptp(patch.main, axis=0), reverse=True)
     size = float(wide if long > 6 * wide else long)  # not a tower
-    raised = _raised(findings, pressed["pressure"], size)
+    raised = _raised(findings, pressed[PRESSURE], size)
     pressed.points = pressed.points + raised[:, None] * frame.axes[2]
     return pressed, [free]
 

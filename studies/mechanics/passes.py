@@ -114,7 +114,7 @@ def mapped(traction: float, share: float, law: str) -> Row:
     contact = pass_contact.line_contact(
         1.0, math.pi * p0 / 2, 2 * p0 / modulus, modulus, keeps=True, slips=traction
     )
-    block = passes_of_scene.block(
+    block = passes_of_scene.rolling_block(
         material, (1.0, 1.0), line=True, half=False, per_length=PER_LENGTH, reach=REACH
     )
     found = passes_of_scene.roll(block, contact, (1.0, 1.0), MAPPED)

@@ -37,7 +37,7 @@ def line(ratio: float, *, keeps: bool, traction: float = 0.0) -> pass_contact.Ro
 @cache
 def rolled(ratio: float, hardening: float, traction: float, *, count: int, keeps: bool = True):
     """Passes of a line contact, six elements on the half width (in contact four)."""
-    block = passes_of_scene.block(
+    block = passes_of_scene.rolling_block(
         rail(hardening), (1.0, 1.0), line=True, half=False, per_length=6 if keeps else 4
     )
     contact = line(ratio, keeps=keeps, traction=traction)
@@ -109,7 +109,9 @@ def test_passes_over_another_block_are_refused(tmp_path):
     passes_of_scene.save(
         rolled(3.9, 0.0, 0.0, count=3), scene_of("long_roller"), tmp_path / "old.npz"
     )
-    other = passes_of_scene.block(rail(0.0), (1.0, 1.0), line=True, half=False, per_length=3)
+    other = passes_of_scene.rolling_block(
+        rail(0.0), (1.0, 1.0), line=True, half=False, per_length=3
+    )
     with pytest.raises(ValueError, match="another block"):
         passes_of_scene.load(str(tmp_path / "old.npz"), other)
 
@@ -126,7 +128,7 @@ def test_passes_over_another_block_are_refused(tmp_path):
 )
 def test_the_verdict_turns_at_melan_s_limit(ratio, traction, count, verdict):
     """Three per cent below and above 4.00 and 3.202."""
-    block = passes_of_scene.block(rail(0.0), (1.0, 1.0), line=True, half=False)
+    block = passes_of_scene.rolling_block(rail(0.0), (1.0, 1.0), line=True, half=False)
     contact = line(ratio, keeps=True, traction=traction)
     assert passes_of_scene.roll(block, contact, (1.0, 1.0), count).verdict == verdict
 
@@ -134,7 +136,7 @@ def test_the_verdict_turns_at_melan_s_limit(ratio, traction, count, verdict):
 def test_a_longer_block_changes_nothing():
     found = []
     for reach in (15, 45):
-        block = passes_of_scene.block(
+        block = passes_of_scene.rolling_block(
             rail(0.0), (1.0, 1.0), line=True, half=False, per_length=4, reach=reach
         )
         found.append(passes_of_scene.roll(block, line(4.2, keeps=True), (1.0, 1.0), 1).rows[0])
@@ -147,7 +149,7 @@ def test_a_longer_block_changes_nothing():
 def test_half_the_tolerance_changes_nothing():
     found = []
     for tolerance in (1e-4, 5e-5):
-        block = passes_of_scene.block(
+        block = passes_of_scene.rolling_block(
             rail(0.0), (1.0, 1.0), line=True, half=False, per_length=4, reach=20
         )
         block = replace(block, tolerance=tolerance)
@@ -176,7 +178,7 @@ def test_an_ellipse_in_contact_yields_half_as_much_and_shakes_down():
     assert (exact.a, exact.p0 / SHEAR) == pytest.approx((1.0, 5.0))
     half_lengths = exact.a, exact.b
     contact = pass_contact.ellipse_contact(exact, keeps=False)
-    block = passes_of_scene.block(rail(10e3), half_lengths, line=False, half=True)
+    block = passes_of_scene.rolling_block(rail(10e3), half_lengths, line=False, half=True)
     found = passes_of_scene.roll(block, contact, half_lengths, 3)
     first, other = found.rows[0], REFERENCE["ellipse"]["contact"][0]
     assert first["strain_increment_max"] == pytest.approx(other["dq"], rel=0.15)
@@ -187,7 +189,7 @@ def test_an_ellipse_in_contact_yields_half_as_much_and_shakes_down():
 
 def test_yield_beyond_the_region_that_is_followed_is_told(monkeypatch):
     monkeypatch.setitem(passes_of_scene.DEEP, True, 1.0)
-    block = passes_of_scene.block(
+    block = passes_of_scene.rolling_block(
         rail(0.0), (1.0, 1.0), line=True, half=False, per_length=3, reach=12
     )
     assert passes_of_scene.roll(block, line(4.2, keeps=True), (1.0, 1.0), 1).rim > 0.01

@@ -3,7 +3,8 @@
 A second opinion beside Hertz where the patch is no ellipse, and a forecast of the patch. Lengths
 are in mm, forces in N, stresses in MPa; x runs along the rail and s across it. A curved surface is
 developed: s runs along it, and its normal is tilted by an angle (rad) from the load, along which
-the bodies approach. A domain of cells is (2, 2): its centre (x, s) and its half sizes, mm.
+the bodies approach. A domain of cells is (2, 2): its centre (x, s) and its half sizes, mm;
+a `Window` holds the same in tuples.
 """
 
 from __future__ import annotations
@@ -198,9 +199,9 @@ def solve_developed(
             if above[lowest].min() >= 0:
                 where = [_towards(above[lowest], where[lowest], grids[lowest])]
                 continue
-        patches = equilibrium(grids, undeformed, contact_modulus, load, approach, tolerance, found)
-        found = BoundaryElementSolution(tuple(patches), contact_modulus, coarse if fine else None)
-        better = _suited(patches, where, fine=fine, split=split)
+        solved = equilibrium(grids, undeformed, contact_modulus, load, approach, tolerance, found)
+        found = BoundaryElementSolution(tuple(solved), contact_modulus, coarse if fine else None)
+        better = _suited(solved, where, fine=fine, split=split)
         settled = len(better) == len(where) and all(map(np.array_equal, better, where))
         if settled and (fine or cells <= SEARCH_CELLS):
             return found
@@ -321,25 +322,25 @@ def _interpolated(guess: BoundaryElementSolution, grid: Grid) -> Array:
 
 
 def _suited(
-    patches: Sequence[PatchSolution], domains: Sequence[Array], *, fine: bool, split: bool
+    solved: Sequence[PatchSolution], domains: Sequence[Array], *, fine: bool, split: bool
 ) -> list[Array]:
     """Rectangular domains (2, 2) for the next solution: centres and half sizes, mm.
 
     A domain that suits its patch remains, one whose patch meets the border grows, and one that the
     patch does not fill shrinks. With `split`, separate patches in a domain get domains of their
     own. With `fine`, domains only grow, and none is split. A domain without contact is dropped.
-    Overlapping domains are merged. patches: solution of each domain, of all patches in it.
+    Overlapping domains are merged. solved: solution of each domain, of all patches in it.
     """
     better = []
-    for patch, domain in zip(patches, domains, strict=True):
-        touching = patch.pressure > 0
+    for solution, domain in zip(solved, domains, strict=True):
+        touching = solution.pressure > 0
         if not touching.any():
             continue
         apart = _apart(touching, domain) if split and not fine else []
         if len(apart) > 1:
             better += apart
             continue
-        fitted = [_window(np.any(touching, axis=1 - k), domain[:, k], fine) for k in (0, 1)]
+        fitted = [_next_interval(np.any(touching, axis=1 - k), domain[:, k], fine) for k in (0, 1)]
         better.append(np.transpose(fitted))
     return _merged(better)
 
@@ -409,7 +410,7 @@ def _around(boxes: Array) -> Array:
     return np.array([(low + high) / 2, (high - low) / 2])
 
 
-def _window(used: Mask, domain: Array, fine: bool) -> tuple[float, float]:
+def _next_interval(used: Mask, domain: Array, fine: bool) -> tuple[float, float]:
     """Middle and half width (mm) of the next domain along one axis; twice as wide, towards the
     border, where the patch meets one. used: cells with pressure (n,); domain: present middle and
     half width; fine: the domain may only grow.

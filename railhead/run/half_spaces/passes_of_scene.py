@@ -77,11 +77,16 @@ def solve(solved: Solved, progress: Progress) -> Passes:
         contact, half_lengths, half, laid = _of_scene(solved)
         size, (fewest, most) = scene.mesh.patch_size, ELEMENTS[contact.line]
         per_length = None if size is None else min(max(min(half_lengths) / size, fewest), most)
-        alone = partial(
-            block, material, half_lengths, line=contact.line, half=half, per_length=per_length
+        below = partial(
+            rolling_block,
+            material,
+            half_lengths,
+            line=contact.line,
+            half=half,
+            per_length=per_length,
         )
         path, count, errors = scene.rolling.passes_from, scene.rolling.passes or 1, {}
-        rolling = alone()
+        rolling = below()
         found = roll(
             rolling,
             contact,
@@ -92,7 +97,7 @@ def solve(solved: Solved, progress: Progress) -> Passes:
         )
         if scene.accuracy is not None and path is None:
             progress.stage("passes on a coarser block")
-            other = roll(alone(coarser=COARSER), contact, half_lengths, count)
+            other = roll(below(coarser=COARSER), contact, half_lengths, count)
             pairs = {key: (found.rows[-1][key], other.rows[-1][key]) for key in PASS_ERRORS}
             factor = COARSER / (1 - COARSER)  # Richardson: errors fall with the size at least
             errors = {key: factor * abs(1 - two / one) for key, (one, two) in pairs.items() if one}
@@ -104,7 +109,7 @@ def solve(solved: Solved, progress: Progress) -> Passes:
     return replace(found, profile=profile, errors=errors, seconds=seconds)
 
 
-def block(
+def rolling_block(
     material: Material,
     half_lengths: tuple[float, float],
     *,

@@ -34,7 +34,7 @@ def test_the_pressure_of_a_gap_is_hertz_s():
 
 @pytest.mark.parametrize("half", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_the_stress_of_the_block_is_that_of_a_sliding_ellipse(half):
-    block = passes_of_scene.block(STEEL, HALF, line=False, half=half, per_length=2, reach=6)
+    block = passes_of_scene.rolling_block(STEEL, HALF, line=False, half=half, per_length=2, reach=6)
     pressing = pass_contact.Pressing(block, solid(ELLIPSE, 0.3))
     found = pressing(block.surface(np.zeros(block.block.nodes.size)), block.start.profile)
     places = block.points
