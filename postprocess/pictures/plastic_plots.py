@@ -118,8 +118,8 @@ def read(pressed: Fields, residual: Fields, found: Findings, elastic: Findings) 
 
 
 def draw(yielded: Yielded, found: Findings, exact: Hertz | None, target: Target = None) -> Figure:
-    """Four panels: equivalent plastic strain, residual von Mises stress, contact
-    pressure, and height of the surfaces after the load. exact: Hertz contact, or None.
+    """Four panels: equivalent plastic strain, residual von Mises stress, contact pressure, and
+    height of the surfaces after the load. exact: Hertz contact, or None.
     """
     with new_figure(target, 11, 8.6, found) as figure:
         (strain, stress), (pressure, height) = figure.subplots(2, 2)

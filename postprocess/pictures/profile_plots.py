@@ -25,8 +25,8 @@ RAW, SMOOTH, STANDARD, LOST = "#9a9a9a", "#1f4e79", "#c8502d", "#9a5f00"
 
 
 def profiles(pair: ProfilePair, placed: Placed, subject: Subject, target: Target = None) -> Figure:
-    """Two panels: the left and the right wheel on their rails, seen along the
-    track, with all contact points.
+    """Two panels: the left and the right wheel on their rails, seen along the track, with all
+    contact points.
 
     The left panel is mirrored, so that it stands as the left side does; its labels of y grow
     towards the field side as those of the right panel do.
@@ -82,8 +82,8 @@ def positions(
     subject: Subject,
     target: Target = None,
 ) -> Figure:
-    """The right wheel, lifted above the right rail. Lines join each contact on
-    the rail with the same contact on the wheel, coloured by the lateral shift.
+    """The right wheel, lifted above the right rail. Lines join each contact on the rail with the
+    same contact on the wheel, coloured by the lateral shift.
 
     pair: profiles of rail and wheel.
     swept: lateral shift to the right, mm, and placed wheelset, at least one.
@@ -126,8 +126,8 @@ def positions(
 def rolling_radius(
     swept: Sequence[tuple[float, Placed]], subject: Subject, target: Target = None
 ) -> Figure:
-    """Two panels over the lateral shift: the rolling radius difference, right
-    less left, and the places y of the contacts on both rails, all in mm.
+    """Two panels over the lateral shift: the rolling radius difference, right less left, and the
+    places y of the contacts on both rails, all in mm.
 
     swept: lateral shift to the right, mm, and placed wheelset, in ascending order of shift.
     subject: title and units.
@@ -189,8 +189,8 @@ def _broken(
 def draw_profile(
     found: Measured, worn: LaidStandard, subject: Subject, target: Target = None
 ) -> Figure:
-    """Four panels over y: the profile, the difference of measured and
-    smoothed heights, the curvature, and the material lost to wear.
+    """Four panels over y: the profile, the difference of measured and smoothed heights, the
+    curvature, and the material lost to wear.
 
     found: measured and smoothed profile.
     worn: the nearest standard profile, laid on the measured one.

@@ -124,8 +124,8 @@ class Camera:
 
 
 def wheel_rail(grid: meshio.Mesh, findings: Findings, target: Target = None) -> Figure:
-    """Two panels: the bodies cut open across the rail at the contact, with
-    their mesh, and the mesh around the patch.
+    """Two panels: the bodies cut open across the rail at the contact, with their mesh, and the mesh
+    around the patch.
 
     grid: cells of the whole bodies, as `vtu.volume_grid` makes them. findings: frame, patch,
         surface and names.
@@ -168,8 +168,7 @@ def wheel_rail(grid: meshio.Mesh, findings: Findings, target: Target = None) -> 
 
 
 def section(grid: meshio.Mesh, axis: int, findings: Findings, target: Target = None) -> Figure:
-    """Two panels: the whole section with its mesh, and the mesh around the
-    contact.
+    """Two panels: the whole section with its mesh, and the mesh around the contact.
 
     grid: cells of the whole section, as `vtu.volume_grid` makes them. axis: 0 where the section
         runs along x, 1 along s.

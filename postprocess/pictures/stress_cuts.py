@@ -24,8 +24,9 @@ from railhead.postprocess.pictures.render import bodies_of
 LABELS = (r"smallest principal stress $\sigma_3$, MPa", r"largest shear stress $\tau$, MPa")
 LONG = 66  # letters of a label: two longer ones do not fit beside each other
 SURFACE = 1e-3  # of the smaller half length: a depth below it is none
-OFF_CUT = 0.2  # of its depth (at least that share of the smaller half length): a point farther off
-# a cut is said to be so
+# Of its depth (at least that share of the smaller half length): a point farther off a cut is said
+# to be so.
+OFF_CUT = 0.2
 MAPS = ("YlGnBu_r", "YlOrRd")
 
 
@@ -76,8 +77,8 @@ def _draw_fringes(
     findings: Findings,
     target: Target = None,
 ) -> Figure:
-    """Two panels: bands of the smallest principal stress and of the largest
-    shear stress in all bodies of a plane cut through the contact.
+    """Two panels: bands of the smallest principal stress and of the largest shear stress in all
+    bodies of a plane cut through the contact.
 
     sections: pyvista surfaces of triangles, one a body, with the point data "principal_stresses"
         and "max_shear", MPa. axis: 0 where the horizontal axis of the picture is x, 1 where it is

@@ -53,8 +53,8 @@ def drawings(
 def curves(
     columns: Sequence[str], rows: Rows, y: str, subject: Subject, target: Target = None
 ) -> Figure:
-    """Panels of the largest pressure, area, place in y and largest shear
-    stress over the varied column with the most values; bars are error estimates.
+    """Panels of the largest pressure, area, place in y and largest shear stress over the varied
+    column with the most values; bars are error estimates.
 
     columns: headers of the one or two columns that are varied. rows: of sweep.csv, cells by column
         header. y: label of the place in y. subject: title and units. There is a line for each value
