@@ -44,40 +44,21 @@ class Ending:
 def refine(
     plan: Plan, progress: Progress, comm: MPI.Intracomm
 ) -> tuple[list[MeshSolution], Ending]:
-    """Solved meshes of a plan, coarsest first, and why the sequence ended (collective). A scene
-    without accuracy and budget has one mesh.
+    """Solved meshes of a plan, coarsest first, and why the sequence ended (collective).
 
-    SceneError: the one mesh of such a scene does not fit into the memory. In a sequence a finer
-        mesh that does not fit ends it.
+    A scene without accuracy and budget has one mesh. Others have a coarse and a fine one, and finer
+    ones until the estimates meet the accuracy, at most five (MAX_LEVELS); without an accuracy,
+    until there are estimates. Outside the calibrated families a third mesh, coarser still, is
+    solved first. Where the error envelopes do not cover the coarse mesh, that mesh confirms nothing
+    and is left out.
+
+    SceneError: the only mesh of a scene does not fit into the memory. In a sequence a finer mesh
+        that does not fit ends it.
     MeshError: gmsh fails.
     """
     plan.check_memory(comm.bcast(cost.free_memory()))
     if plan.scene.one_mesh:
         return [mesh_and_solve(plan, progress, comm)], Ending(ONE_MESH)
-    return _refine(plan, progress, comm)
-
-
-def unplanned_yield(solved: MeshSolution, comm: MPI.Intracomm) -> str:
-    """Reason why bodies yield that were planned as elastic, the same on all ranks (collective).
-    Empty where bodies do not yield, where yield is already simulated or switched off, and where
-    friction excludes it.
-    """
-    effect, after = solved.plan.effects["plasticity"], solved.after.get("plasticity")
-    kept = effect.on or effect.override or "on" in effect.refused
-    if after is None or not after.needed or kept:
-        return comm.bcast("")
-    return comm.bcast(after.why)
-
-
-def _refine(
-    plan: Plan, progress: Progress, comm: MPI.Intracomm
-) -> tuple[list[MeshSolution], Ending]:
-    """Solve on a coarse and a fine mesh, and on finer ones until the estimates meet the accuracy,
-    at most five (MAX_LEVELS). Without an accuracy, until there are estimates (collective).
-
-    Outside the calibrated families a third mesh, coarser still, is solved first. Where the error
-    envelopes do not cover the coarse mesh, that mesh confirms nothing and is left out.
-    """
     scene, known = plan.scene, plan.family
     wanted = plan.sizing.resolution
     if scene.budget is not None:
@@ -117,6 +98,18 @@ def _refine(
             return meshes, Ending(stop or "too many meshes", would_cost)
         meshes.append(mesh_and_solve(finer, progress, comm))
         spent += sum(meshes[-1].seconds.values())
+
+
+def unplanned_yield(solved: MeshSolution, comm: MPI.Intracomm) -> str:
+    """Reason why bodies yield that were planned as elastic, the same on all ranks (collective).
+    Empty where bodies do not yield, where yield is already simulated or switched off, and where
+    friction excludes it.
+    """
+    effect, after = solved.plan.effects["plasticity"], solved.after.get("plasticity")
+    kept = effect.on or effect.override or "on" in effect.refused
+    if after is None or not after.needed or kept:
+        return comm.bcast("")
+    return comm.bcast(after.why)
 
 
 def _affordable(plan: Plan, wanted: float) -> float:

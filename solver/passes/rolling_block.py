@@ -209,11 +209,6 @@ class RollingBlock:
         return np.asarray(weights.sum(axis=0) / self.slab.axes[0][-1])
 
     @property
-    def _shear(self) -> int:
-        """Number of the component xz in Mandel's notation."""
-        return 3 + self.block.kinematics.shears.index((0, self.block.dim - 1))
-
-    @property
     def hardening(self) -> Hardening:
         """Flow curve of the block."""
         assert self.block.material.hardening is not None
@@ -329,7 +324,8 @@ class RollingBlock:
         mean = (total + np.concatenate([total[:1], total[:-1]])) / 2
         work = float(np.einsum("clm,clm,l->", mean, plastic - before, self._areas))
         gained = after.equivalent - incoming.equivalent
-        step = np.sqrt(2) * (after.plastic - incoming.plastic)[:, self._shear]
+        xz = 3 + block.kinematics.shears.index((0, block.dim - 1))  # in Mandel's notation
+        shear = np.sqrt(2) * (after.plastic - incoming.plastic)[:, xz]
         left = SectionState(
             history=after,
             residual=state.residual + residual,
@@ -341,7 +337,7 @@ class RollingBlock:
             state=left,
             profile=profile,
             growth=gained,
-            shear=step,
+            shear=shear,
             work=work,
             stored=self.stored(left) - self.stored(state),
             iterations=iterations,
