@@ -13,6 +13,7 @@ def test_pressures_of_exact_hertz_lie_on_both_axes(thesis_ellipse) -> None:
     a, b = thesis_ellipse.a, thesis_ellipse.b
     frame = Frame((0.0, 0.0, 0.0), 0.0)
     found = half_space.of_hertz(thesis_ellipse, frame, {"rail": 0.3}, section=False)
+    assert found.patch.centre == (0, 0)
     for line, half, axis in ((found.along, a, 0), (found.across, b, 1)):
         t, none = line.coordinate, np.zeros_like(line.coordinate)
         assert (t[0], t[-1]) == pytest.approx((-1.05 * half, 1.05 * half))

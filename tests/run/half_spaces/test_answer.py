@@ -70,6 +70,8 @@ def test_half_spaces_are_within_their_estimate_of_finite_elements(
     for key, (value, own) in solved.items():
         assert found[key] == pytest.approx(value, rel=bound[key] + own), key
         assert bound[key] < 0.045
+    stress = result.as_dict()["result"]["stress"]
+    assert abs(stress["tau_max_place_mm"][0]) < 0.1 * stress["tau_max_depth_mm"]  # mirrored in x
 
 
 def test_yield_that_is_called_for_and_left_out_is_a_failed_check() -> None:

@@ -113,6 +113,7 @@ def test_tangent_is_the_derivative_of_the_residual(law) -> None:
     """Central differences of R along a random direction, relative error below 1e-6."""
     problem, solution = loaded(contact_model(law=law))
     y = solution.newton.y
+    assert problem.contact_force(0 * solution.pressure) == 0
     rng = np.random.default_rng(3)
     step = y.duplicate()
     step.array[:] = rng.standard_normal(step.local_size) * 1e-4 * abs(y.array).max()

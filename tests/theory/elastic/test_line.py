@@ -25,6 +25,11 @@ def contact() -> line.LineContact:
     )
 
 
+def test_the_outline_is_the_rectangle_of_the_patch(contact) -> None:
+    corners = np.abs(contact.outline) / (contact.a, contact.b)
+    assert np.all(corners == 1) and len(np.unique(contact.outline, axis=0)) == 4
+
+
 def test_surface_carries_the_pressure_and_nothing_else(contact) -> None:
     t = np.array([-1.7, -0.8, 0.0, 0.3, 0.99, 1.4]) * contact.half_width
     found = stress(contact, t, 0 * t)

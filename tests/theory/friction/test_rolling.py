@@ -201,7 +201,7 @@ def holds_the_law(rolled: TangentialSolution) -> None:
     q, s, g = rolled.traction[:, inside], rolled.slip[:, inside], rolled.bound[inside]
     size = np.linalg.norm(q, axis=0)
     assert np.all(size <= g * (1 + 1e-9))
-    assert np.all(rolled.traction[:, ~inside] == 0)
+    assert np.all(rolled.traction[:, ~inside] == 0) and np.all(rolled.slip[:, ~inside] == 0)
     speed = np.linalg.norm(s, axis=0)
     slips = size > g * (1 - 1e-9)
     rigid = np.hypot(rolled.creepage.along, rolled.creepage.across)
