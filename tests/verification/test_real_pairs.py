@@ -29,9 +29,11 @@ def test_tread_and_gauge_corner_are_two_patches_of_the_right_size() -> None:
     """S1002 on 60E1, shifted by 5 mm: two tangent planes, 10 degrees apart."""
     short = "rail.length=60", "wheel.segment_length=60"
     keys = "wheelset.shift=5", "mesh.patch_size=0.68", "effects.plasticity=off", *short
-    summary = passed(SCENE, *keys).summary
-    result, half_space = summary["result"], summary["half_space"]
+    solved = passed(SCENE, *keys)
+    result, half_space = solved.summary["result"], solved.summary["half_space"]
     tread, corner = result["patches"]
+    (below,) = solved.findings.also
+    assert below.line[0] == pytest.approx(corner["centre_mm"], abs=0.05)
     assert tread["load_share"] + corner["load_share"] == pytest.approx(1, abs=1e-9)
     assert tread["area_mm2"] + corner["area_mm2"] == pytest.approx(result["patch"]["area_mm2"])
     assert result["patch"]["area_mm2"] == pytest.approx(half_space["patch"]["area_mm2"], rel=0.04)
