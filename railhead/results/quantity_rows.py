@@ -61,7 +61,8 @@ def rows(summary: Mapping[str, Any], table: str) -> list[Row]:
             del others["half-space"]
     elif table == "friction":
         methods = summary.get("half_space_friction") or {}
-        flat = {"without creepage": friction.get("resolution", {}), **methods}
+        drift = friction.get("resolution", {}) if answer == ANSWERS[0] else {}  # else zero
+        flat = {"without creepage": drift, **methods}
         others = {name: {"friction": of} for name, of in flat.items() if "reason" not in of}
     found = []
     for each in quantities.rows(table):

@@ -82,8 +82,8 @@ class FrictionSolution:
     coupling_iterations: number of times, over all load steps, that the tractions were solved.
     rigid_slip: slip (n, 3) of rigid bodies with the motion `rigid_motion`, in the unit of `slip`.
     newton_steps: largest number of steps of Newton's method on the tractions.
-    without_creepage: for finite bodies that roll, the tractions at the same pressure without any
-        rigid slip; otherwise None.
+    without_creepage: where the wheel rolls, the tractions at the same pressure without any rigid
+        slip; otherwise None.
     """
 
     points: Array

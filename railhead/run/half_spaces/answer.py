@@ -397,4 +397,16 @@ def _at_cells(
     coefficient = plan.scene.friction.coefficient
     solution = friction.at_cells(found, coefficient, places, tangents, touches, sheared.share)
     along, across, moment = sheared.share * np.sum([each.forces for each in found], axis=0)
-    return replace(solution, force=(float(along), float(across)), moment=float(moment))
+    still = replace(
+        solution,
+        traction=0 * solution.traction,
+        sticks=solution.pressure > 0,
+        force=(0.0, 0.0),
+        moment=0.0,
+    )
+    return replace(
+        solution,
+        force=(float(along), float(across)),
+        moment=float(moment),
+        without_creepage=still if plan.scene.rolling.prescribed else None,
+    )
