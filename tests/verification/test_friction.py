@@ -76,6 +76,18 @@ def test_a_strip_that_is_shifted_is_cattaneo_s(share: float) -> None:
     assert friction(found)["stick_share"] == pytest.approx(stick, abs=0.03)
 
 
+def test_a_strip_that_is_shifted_there_and_back_dissipates_what_slips() -> None:
+    """What the first load slips, s' = 2 mu p0/(E* a) sqrt(x^2 - c^2) outside of the zone c that
+    sticks, slips twice over on the way back and again on the way there, against mu p."""
+    found = passed(roller(friction={"force_along": 0.5 * MU * 110e3, "cycle": True}))
+    a, modulus = found.plan.hertz.half_width, 207e3 / (2 * (1 - 0.3**2))
+    p0, c = 2 * 110e3 / 70 / (math.pi * a), a * math.sqrt(0.5)
+    x, width = (np.arange(2000) + 0.5) / 2000 * (a - c) + c, (a - c) / 2000
+    slip = 2 * MU * p0 / (modulus * a) * np.cumsum(np.sqrt(x**2 - c**2)) * width
+    energy = 70 * 8 * float(MU * p0 * np.sqrt(1 - (x / a) ** 2) @ slip) * width
+    assert friction(found)["energy_per_cycle_Nmm"] == pytest.approx(energy, rel=0.02)
+
+
 def test_a_patch_that_is_shifted_there_and_back_is_mindlin_s() -> None:
     """With the far field of Cerruti the displacement is that of half-spaces."""
     force = 0.5 * MU * 25e3
