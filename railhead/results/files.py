@@ -185,16 +185,18 @@ def _shown(solved: Solved, units: Units, *, whole: bool = False) -> Shown | None
     needed = tuple(f"{name.replace('_', ' ')}: {each.why}" for name, each in after if each.needed)
     found = replace(found, notes=needed, subject=subject(plan, solved.load, units))
     passes = solved.passes if solved.passes is not None and solved.passes.rows else None
+    answer = solved if isinstance(solved, HalfSpaceSolution) else solved.solution
     shown = gallery.Shown(
         found=found,
         # Hertz's ellipse lies at the first contact, which need not be the most loaded of several.
         exact=solved.ellipse if len(found.patch.each) < 2 else None,
         poisson=plan.reported_body.poisson_ratio,
         coefficient=plan.scene.friction.coefficient,
+        friction=answer.friction and replace(answer.friction, without_creepage=None),
         passes=passes and replace(passes, state=None),
     )
     if isinstance(solved, HalfSpaceSolution):
-        return replace(shown, friction=solved.friction)
+        return shown
     fields = solved.fields
     assert fields is not None
     planes, residual, elastic = fields.mirrors, solved.unloaded_fields, solved.elastic_reference
@@ -210,7 +212,6 @@ def _shown(solved: Solved, units: Units, *, whole: bool = False) -> Shown | None
         axes=fields.kinematics.varying,
         planes=planes,
         cut=() if whole else planes,
-        friction=solved.solution.friction,
         yielded=yielded,
     )
 

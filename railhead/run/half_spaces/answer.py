@@ -383,8 +383,8 @@ def _at_cells(
     plan: Plan, sheared: PatchTractions, points: half_space.SurfaceMap
 ) -> FrictionSolution:
     """Tractions at the cells that touch, in the form of those of finite elements, with forces
-    along, across and moment of the wheel on the rail. points: maps x, s (n,) to points (n, 3) on
-    the rail's surface, mm.
+    along, across and moment of the wheel on the rail. Rolling without creepage has no tractions.
+    points: maps x, s (n,) to points (n, 3) on the rail's surface, mm.
     """
     places, tangents, found = [], [], sheared.found
     for window in (patch.pressed for patch in sheared.patches):
@@ -397,6 +397,9 @@ def _at_cells(
     coefficient = plan.scene.friction.coefficient
     solution = friction.at_cells(found, coefficient, places, tangents, touches, sheared.share)
     along, across, moment = sheared.share * np.sum([each.forces for each in found], axis=0)
+    solution = replace(solution, force=(float(along), float(across)), moment=float(moment))
+    if not plan.scene.rolling.prescribed:
+        return solution
     still = replace(
         solution,
         traction=0 * solution.traction,
@@ -404,9 +407,4 @@ def _at_cells(
         force=(0.0, 0.0),
         moment=0.0,
     )
-    return replace(
-        solution,
-        force=(float(along), float(across)),
-        moment=float(moment),
-        without_creepage=still if plan.scene.rolling.prescribed else None,
-    )
+    return replace(solution, without_creepage=still)
