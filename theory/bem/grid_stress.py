@@ -31,7 +31,7 @@ def stress(
     patch: PatchSolution, poisson: float, points: Array, traction: Array | None = None
 ) -> Array:
     """Stress (n, 6), columns xx, yy, zz, xy, xz, yz, MPa, tension positive, at points (n, 3), z <
-    0, mm, below the pressure of a grid on a half-space.
+    0, mm, of a half-space under the pressure of a patch.
 
     traction: (2, nx, ns), MPa, along x and s, that acts on the half-space; None: none.
     """
@@ -61,8 +61,8 @@ def _corners(patch: PatchSolution, points: Array) -> tuple[Array, Array, Array, 
 def _below_pressure(patch: PatchSolution, poisson: float, points: Array) -> Array:
     """Stress (n, 6) at points (n, 3) by the pressure of a patch, as in `stress`."""
     X, Y, z, R, strength = _corners(patch, points)
-    over_y = _share(R, Y, X**2 + z**2) / R  # 1 / (R (R + Y))
-    over_x = _share(R, X, Y**2 + z**2) / R
+    over_y = _inverse_sum(R, Y, X**2 + z**2) / R  # 1 / (R (R + Y))
+    over_x = _inverse_sum(R, X, Y**2 + z**2) / R
     xx, yy = (z * X * over_y) @ strength, (z * Y * over_x) @ strength
     shears = (z / R, z**2 * over_y, z**2 * over_x)
     logs = (
@@ -87,8 +87,8 @@ def _below_traction(patch: PatchSolution, poisson: float, points: Array) -> Arra
     pi G) (Johnson, Contact Mechanics, 3.2); F and F1 are harmonic.
     """
     X, Y, z, R, strength = _corners(patch, points)
-    beside, over_y = 1 / (R + z), _share(R, Y, X**2 + z**2)
-    F_xz, F_yz = -np.log(over_y), -np.log(_share(R, X, Y**2 + z**2))
+    beside, over_y = 1 / (R + z), _inverse_sum(R, Y, X**2 + z**2)
+    F_xz, F_yz = -np.log(over_y), -np.log(_inverse_sum(R, X, Y**2 + z**2))
     F_xyy, F_xzz = Y * beside / R, z * over_y / R
     columns = (
         2 * F_xz + 2 * poisson * Y * beside + z * (F_xyy + F_xzz),
@@ -102,17 +102,17 @@ def _below_traction(patch: PatchSolution, poisson: float, points: Array) -> Arra
 
 
 def largest_von_mises(patch: PatchSolution, poisson: float) -> float:
-    """Largest von Mises stress (MPa) below the pressure of a patch, without tractions, at the
-    places of `lattice`. poisson: Poisson's ratio of the half-space.
+    """Largest von Mises stress (MPa) of a half-space under the pressure of a patch, without
+    tractions, at the places of `lattice`. poisson: Poisson's ratio of the half-space.
     """
     return float(subsurface.von_mises(stress(patch, poisson, lattice(patch))).max())
 
 
 def lattice(patch: PatchSolution) -> Array:
-    """Places (n, 3) at which the largest stress below a patch is looked for, mm: below the
-    crossings of four lines each way, of which one goes through the cell of the largest pressure.
-    One depth is 1e-3 (SURFACE) of a cell; 16 others (DEPTHS) go from half a cell to the smaller
-    half length.
+    """Places (n, 3) at which the largest stress under a patch is looked for, mm: below the
+    crossings of four lines each way. These go through the first, middle and last cell with pressure
+    and through that of the largest pressure. One depth is 1e-3 (SURFACE) of a cell; 16 others
+    (DEPTHS) go from half a cell to the smaller half length.
     """
     top = np.unravel_index(int(np.argmax(patch.pressure)), patch.pressure.shape)
     lines = [
@@ -129,8 +129,9 @@ def lattice(patch: PatchSolution) -> Array:
 
 
 def surface(patch: PatchSolution) -> Array:
-    """Places (n, 3) just below the surface of a patch, mm: below the last cell of each line of
-    cells along the rail, at the trailing edge, and below every fourth cell of every fourth line.
+    """Places (n, 3) just below the surface of a patch, mm: below the cell with the smallest x of
+    each line of cells along the rail, where the trailing edge is, and below every fourth cell of
+    every fourth line.
     """
     filled = patch.pressure > 0
     chosen = np.zeros_like(filled)
@@ -145,11 +146,11 @@ def peaks(
     patch: PatchSolution, poisson: float, traction: Array | None = None
 ) -> list[tuple[Array, float]]:
     """Places (3,), mm, and values (MPa) of the largest shear and of the largest von Mises stress,
-    in this order, below the pressure and the tractions of a patch; arguments are those of `stress`.
+    in this order, under the pressure and tractions of a patch; arguments are those of `stress`.
 
-    Each is the largest at the places of `lattice` and, with tractions, `surface`; then uphill by
-    the simplex method of Nelder and Mead. A place less deep than half a cell stays, and none is led
-    to: nearer to the surface the stress is that of the cells.
+    Each search starts at the largest value at the places of `lattice` and, with tractions, of
+    `surface`, and climbs by the simplex method of Nelder and Mead. It goes no nearer to the surface
+    than half a cell: there the stress is that of single cells. A start that is nearer is kept.
     """
     places, least = lattice(patch), (patch.x[1] - patch.x[0]) / 2
     if traction is not None:
@@ -167,7 +168,7 @@ def peaks(
             return np.array([x, s, min(start[2] * np.exp(way[2] * steps[2]), -least)])
 
         def lower(way: Array, invariant: Invariant = invariant, moved: Moved = moved) -> float:
-            """Minus the invariant (MPa) there."""
+            """Minus the invariant (MPa) at the point `moved(way)`."""
             return -float(invariant(stress(patch, poisson, moved(way)[None], traction))[0])
 
         if -start[2] >= least:
@@ -179,6 +180,6 @@ def peaks(
     return found
 
 
-def _share(R: Array, side: Array, rest: Array) -> Array:
+def _inverse_sum(R: Array, side: Array, rest: Array) -> Array:
     """1 / (R + side) with rest = R^2 - side^2, without cancellation where side is negative."""
     return np.where(side > 0, 1 / (R + np.abs(side)), (R + np.abs(side)) / rest)

@@ -103,7 +103,7 @@ def logarithms(X: Array, S: Array) -> tuple[Array, Array]:
 
 
 def fast_shape(size: tuple[int, int]) -> tuple[int, int]:
-    """Shape of a grid (nx, ns) padded by at least as many zeros, for which the FFT is fast."""
+    """Shape (px, ps), at least (2 nx, 2 ns), of a grid (nx, ns) padded for a fast FFT."""
     nx, ns = size
     return next_fast_len(2 * nx, real=True), next_fast_len(2 * ns, real=True)
 

@@ -42,8 +42,8 @@ class BoundaryElementSolution:
 
     windows: the solved pressure of each window.
     contact_modulus: E*, MPa; 1/E* is the sum of (1 - nu^2)/E of both bodies.
-    coarse: the same contact on the coarser grids of the search; None where those grids were the
-        last ones.
+    coarse: the same contact on the coarser grids of the search; None where no finer grids than
+        those of the search were asked for.
     """
 
     windows: tuple[PatchSolution, ...]
@@ -411,9 +411,10 @@ def _around(boxes: Array) -> Array:
 
 
 def _next_interval(used: Mask, domain: Array, fine: bool) -> tuple[float, float]:
-    """Middle and half width (mm) of the next domain along one axis; twice as wide, towards the
-    border, where the patch meets one. used: cells with pressure (n,); domain: present middle and
-    half width; fine: the domain may only grow.
+    """Middle and half width (mm) of the next domain along one axis: twice as wide, towards the
+    border, where the patch meets one; the present one where the patch takes up 60 to 90 % of it;
+    else so wide that the patch takes up 80 % (FILL). used: cells with pressure (n,); domain:
+    present middle and half width; fine: the domain may only grow.
     """
     (middle, half), n, (first, last) = domain, used.size, np.flatnonzero(used)[[0, -1]]
     if first == 0 or last == n - 1:

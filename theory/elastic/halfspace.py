@@ -139,13 +139,13 @@ def free_edge(distance: float, poisson: float) -> float:
     """Curvature (1/mm^3, over F (1 - nu^2)/(pi E)) of the surface that a free edge at right angles
     adds, under a force F at a distance D (mm) from the edge: psi/(4 D^3).
 
-    The edge acts as a force psi F at the mirrored place; psi is that of `image` (R. Guilbault,
-    Journal of Tribology 133, 2011).
+    The edge acts as a force psi F at the mirrored place; psi is that of `image_force` (R.
+    Guilbault, Journal of Tribology 133, 2011).
     """
-    return image(poisson) / (4 * distance**3)
+    return image_force(poisson) / (4 * distance**3)
 
 
-def image(poisson: float) -> float:
+def image_force(poisson: float) -> float:
     """Force at the mirrored place that stands for a free edge, over the real force: Guilbault's psi
     = 1.29 - (0.08 - 0.5 nu)/(1 - nu).
     """
@@ -167,7 +167,7 @@ def own_approach(a: float, b: float) -> float:
     return 1.5 * float(elliprf(0, a * a, b * b))
 
 
-def change(curvature: float, a: float, b: float) -> float:
+def pressure_rise(curvature: float, a: float, b: float) -> float:
     """Relative rise v of the largest pressure by an additional curvature; the area is divided by
     1 + v.
 

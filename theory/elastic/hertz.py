@@ -22,7 +22,7 @@ from railhead.theory.elastic.subsurface import EllipsoidalPressure, on_axis
 
 @dataclass(frozen=True, kw_only=True)
 class Ellipse(EllipsoidalPressure):
-    """Hertz point contact of two elastic bodies: their pressure, and the following.
+    """Hertz point contact of two elastic bodies, with the pressure's attributes a, b, p0 and:
 
     approach: approach of distant points of the bodies, mm.
     load: normal force, N.
@@ -117,7 +117,7 @@ class Strip:
 
     def axis_stress(self, poisson: float, depth: ArrayLike) -> Array:
         """Normal stresses s_x, s_y, s_z (n, 3), MPa, at depths (n,), mm, below the middle of the
-        strip, here along x, in plane strain.
+        strip, in plane strain. The line of contact lies along x here.
 
         With b the half width, z the depth and R = sqrt(b^2 + z^2): s_y = -p0 b^3/(R (R + z)^2), s_z
         = -p0 b/R, s_x = nu (s_y + s_z) (Johnson, Contact Mechanics, 4.46, multiplied out against

@@ -23,8 +23,8 @@ from railhead.theory.elastic.subsurface import AxisExtrema, extrema
 
 @dataclass(frozen=True, kw_only=True)
 class LineContact:
-    """Hertz line contact over a finite length, with the attributes of
-    `theory.elastic.hertz.Ellipse`.
+    """Hertz line contact over a finite length, with the attributes and methods of
+    `theory.elastic.hertz.Ellipse` but `gap`, `curvature_x` and `curvature_y`.
 
     strip: half width, pressure and load per length.
     length: length of the contact line, mm.
@@ -144,7 +144,7 @@ class LineContact:
 
 
 Hertz = Ellipse | LineContact
-"""Hertz's point contact or line contact, with the same attributes."""
+"""Hertz's point contact or line contact; `LineContact` says which attributes both have."""
 
 
 def contact(

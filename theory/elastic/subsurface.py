@@ -69,7 +69,7 @@ class EllipsoidalPressure:
 
     def axis_extrema(self, poisson: float) -> AxisExtrema:
         """Largest shear and largest von Mises stress on the z axis below the patch, MPa, with their
-        depths, mm.
+        depths, mm, down to twice the smaller semi-axis.
 
         Slender patches have one maximum below and another near or at the surface, which is larger
         when Poisson's ratio is small. The axis is sampled first, then the best sample is refined by
@@ -158,7 +158,7 @@ def principal(s: Array) -> Array:
 
 def directions(s: Array) -> Array:
     """Principal directions (n, 3, 3) of stresses (n, 6), columns xx, yy, zz, xy, xz, yz: row k is
-    the unit vector of the k-th principal stress, largest first.
+    the unit vector of the k-th principal stress, largest first, with either sign.
     """
     return np.asarray(np.linalg.eigh(_tensors(s))[1].transpose(0, 2, 1)[:, ::-1])
 

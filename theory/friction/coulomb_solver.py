@@ -85,7 +85,8 @@ class CoulombSolver:
 
     def _newton(self, z: Array, ratio: Array, right: Array) -> Array:
         """Newton step dq (2, nx, ny): solution of (I - D + r D C) dq = right, D being the
-        derivative of the projection at z, by GMRES to 1 % (LINEAR_TOLERANCE).
+        derivative of the projection at z, by GMRES to 1 % (LINEAR_TOLERANCE) or, without an error,
+        as near as 200 iterations (KRYLOV) come.
 
         ratio: scaling factor (nx, ny) of the projection; right: (2, nx, ny). The preconditioner
             contains the part of C by which cells of a line along x influence each other. It is

@@ -39,15 +39,13 @@ DENSITY = 7850.0  # kg/m3
 SPECIFIC_HEAT = 450.0  # J/(kg K)
 
 
-def _strip(share: float) -> line.LineContact:
-    """Line contact whose half width is `share` times that of the reference strip, with the same
-    curvature.
-    """
-    load = 1e-3 * share**2
+def _strip(scale: float) -> line.LineContact:
+    """Line contact whose half width is `scale` times that of STRIP, with the same curvature."""
+    load = 1e-3 * scale**2
     return line.contact(1e-3, (1.0, 1.0), (0.0, 0.0), length=1.0, across=False, load=load)
 
 
-STRIP = _strip(1.0)  # the limits are the same for all
+STRIP = _strip(1.0)  # the reference strip: the limits are the same for all
 
 
 def shakedown_limit(
@@ -74,8 +72,8 @@ def ellipse_limit(ratio: float) -> float:
     """Largest p0/k at which an ellipse without friction shakes down, an upper bound: p0 over the
     largest shear stress xz of the middle plane.
 
-    ratio: half length along the way over that across. With (t^2 - 1)(2 t - 1) = ratio^2 it is
-    2 t (t + 1)/sqrt(2 t - 1): 4 of a line across the way, 4.67 of a circle.
+    ratio: half length along the rolling direction over that across. With (t^2 - 1)(2 t - 1) =
+        ratio^2 the limit is 2 t (t + 1)/sqrt(2 t - 1): 4 of a line across, 4.67 of a circle.
     """
     root = brentq(lambda t: (t * t - 1) * (2 * t - 1) - ratio**2, 1.0, 2.0 + ratio)
     t = float(root)
@@ -92,11 +90,13 @@ def surface_limit(
     wave = -np.cos(np.linspace(0.0, math.pi, PLACES))
     beside = np.linspace(1.0, 3.0, PLACES)
     x = np.concatenate([-beside, wave, 1 - stick + stick * wave, beside])
-    return STRIP.p0 / _balanced(_stress(friction, stick, poisson, x, np.zeros_like(x)), kinematic)
+    return STRIP.p0 / _least_shear_yield(
+        _stress(friction, stick, poisson, x, np.zeros_like(x)), kinematic
+    )
 
 
 def _stress(friction: float, stick: float, poisson: float, x: Array, depth: Array) -> Array:
-    """Stress (n, 6), columns xx, yy, zz, xy, xz, yz, MPa, under the reference strip with Carter's
+    """Stress (n, 6), columns xx, yy, zz, xy, xz, yz, MPa, under STRIP with Carter's
     tractions. x, depth: (n,), over the half width; stick: half width that sticks, from the
     leading edge on, over the half width.
     """
@@ -113,7 +113,7 @@ def _stress(friction: float, stick: float, poisson: float, x: Array, depth: Arra
     return total
 
 
-def _balanced(stress: Array, kinematic: bool) -> float:
+def _least_shear_yield(stress: Array, kinematic: bool) -> float:
     """Smallest yield stress in shear k (MPa) for which one residual stress rho_xx and one rho_yy
     keep the stresses at n places of one depth within von Mises' limit.
 
@@ -133,7 +133,7 @@ def _balanced(stress: Array, kinematic: bool) -> float:
         return half, yy - zz + v[1] - half, xz + kinematic * v[2]
 
     def room(v: Array) -> Array:
-        """k^2 - J_2 (n,) with what `parts` takes and k^2 = v[3], over p0^2."""
+        """k^2 - J_2 (n,), over p0^2, with k^2 = v[3]; v[:3] as of `parts`."""
         half, other, shear = parts(v)
         return np.asarray(v[3] - half**2 - other**2 / 3 - shear**2)
 

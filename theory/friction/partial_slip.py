@@ -23,7 +23,7 @@ from railhead.theory.elastic.hertz import Strip
 def carter_share(strip: Strip, friction: float, creepage: float) -> float:
     """Force of the wheel on the rail along x over mu times normal force, -1 to 1, of Carter's strip
     that rolls at a creepage xi: 1 - (1 - |xi| R/(mu w))^2 with the sign of xi. Beyond the smallest
-    creepage of full slip, mu w/R, its size is 1. friction: coefficient mu.
+    creepage of full slip, mu w/R, it is 1 or -1. friction: coefficient mu.
     """
     part = min(abs(creepage) / (friction * strip.b * strip.curvature), 1.0)
     return math.copysign(part * (2 - part), creepage)

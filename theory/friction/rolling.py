@@ -7,9 +7,10 @@ to the rail's over the rolling speed; spin turns about that normal:
 
     rigid slip = (along - spin y, across + spin x)
 
-or, on a surface that is not flat or whose motion is about another place, whatever its modes are:
-four fields of rigid slip, those of creepages and a spin of 1 and, once, that of the wheel's turning
-about axes in the tangent plane, which adds nothing in a plane.
+On a surface that is not flat, or for a spin about another place, rigid slip is a sum of four given
+fields, its modes: those of unit creepage along, of unit creepage across and of unit spin, and a
+fixed one with the factor 1. The fixed one is that of the wheel's turning about axes in the tangent
+plane; it is zero in a plane.
 Forces are those of the wheel on the rail and have the creepage's sign (Kalker's have the other
 one); each does the work of its creepage, so that the moment acts about the place of the spin.
 Lengths in mm, forces in N, stresses in MPa, spin in 1/mm.
@@ -225,12 +226,12 @@ def solve_dissimilar(
     patch: the same contact without friction.
     pair: materials.
     friction: coefficient.
-    shear: solves for the tractions of the body that it is given, at that body's pressure, e.g.
-        `lambda body: body.solve(creepage)`.
+    shear: returns the tractions under the pressure of the `HalfSpaceFriction` that it is given,
+        e.g. `lambda body: body.solve(creepage)`.
     modes: rigid slip (4, 2, nx, ny) of unit creepages, unit spin and the fixed mode; None: a plane.
-    The load along its direction stays that of `patch`. The contact modulus is G/(1 - nu) of the
-    pair. Where the pair has no mismatch the pressure stays, too. ValueError: no convergence in 40
-    turns.
+    The load along its direction stays that of `patch`; the pressure found is `bound`/friction of
+    the result. The contact modulus is G/(1 - nu) of the pair. Where the pair has no mismatch the
+    pressure stays, too. ValueError: no convergence in 40 turns.
     """
     modulus = pair.shear_modulus / (1 - pair.poisson)
     influence = TractionInfluence(patch.x, patch.s, pair, rolling=False)

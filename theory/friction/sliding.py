@@ -80,17 +80,18 @@ def stress(contact: Hertz, friction: float, poisson: float, points: ArrayLike) -
 
 
 def peak_below_surface(contact: Hertz, friction: float, poisson: float) -> PeakStress:
-    """Largest von Mises stress, to 1e-4, in the plane along x through the middle of the patch,
-    between depths of 0.1 and 1.5 times the smaller half length; of a line contact its half width.
-    friction: coefficient mu.
+    """Largest von Mises stress, to 1e-4 (relative), in the plane along x through the middle of the
+    patch, between depths of 0.1 and 1.5 times the smaller half length; of a line contact its half
+    width. friction: coefficient mu.
     """
     depth = min(contact.half_lengths)
     return _highest(contact, friction, poisson, (0.1 * depth, 1.5 * depth))
 
 
 def peak_at_surface(contact: Hertz, friction: float, poisson: float) -> PeakStress:
-    """Largest von Mises stress on the surface, to 1e-3, on the line along x through the middle of
-    the patch. With friction it lies at the trailing edge, x = -a. friction: coefficient mu.
+    """Largest von Mises stress on the surface, to 1e-3 (relative), on the line along x through the
+    middle of the patch. With friction it lies at the trailing edge, x = -a. friction: coefficient
+    mu.
     """
     return _highest(contact, friction, poisson, (0.0, 0.0))
 

@@ -32,14 +32,14 @@ class SmoothTractions:
 
     centre: (x, y) of the patch, mm.
     half: half lengths (a, b) of the patch, mm.
-    x, y: cell centres (nx,), (ny,), an even number an axis, mm.
+    x, y: cell centres (nx,), (ny,), an even number along each axis, mm.
     fields: P beta at the cells (3, nx, ny), without dimension.
     """
 
     def __init__(
         self, centre: tuple[float, float], half: tuple[float, float], largest: float
     ) -> None:
-        """largest: of the sides of a cell, mm."""
+        """largest: limit of the sides of a cell, mm."""
         self.centre, self.half = centre, half
         self.x, self.y = (
             middle + WIDTH * each * _centres(2 * math.ceil(WIDTH * each / largest))
@@ -67,8 +67,8 @@ class SmoothTractions:
 
     def coefficients(self, x: Array, y: Array, traction: Array) -> Array:
         """Coefficients (3, 2) of the smooth traction that has the moments of a traction (2, nx, ny)
-        in the cells of another grid x (nx,), y (ny,), mm: of P, by component; in the unit of the
-        traction.
+        in the cells of another grid x (nx,), y (ny,), mm: a row for each P, a column for each
+        component; in the unit of the traction.
         """
         return np.asarray(self._weights(x, y) @ traction.reshape(2, -1).T)
 
@@ -81,8 +81,8 @@ class SmoothTractions:
         return np.asarray(cell * np.linalg.solve(self._gram[:LINEAR, :LINEAR], linear))
 
     def read(self, field: Array, *, derivative: bool) -> Array:
-        """Coefficients (10, 2) of e in span Q, by component, read from a field d (2, nx, ny) in the
-        cells of this grid; derivative: e is dd/dx, else d.
+        """Coefficients (10, 2) of e in span Q, a column for each component, read from a field d
+        (2, nx, ny) in the cells of this grid; derivative: whether e is dd/dx instead of d.
         """
         tests = -self._slopes if derivative else self._tests
         moments = self.cell * np.einsum("iab,kab->ik", tests, field)

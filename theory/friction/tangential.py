@@ -1,7 +1,8 @@
 """Influence coefficients: tangential displacement of two half-spaces by tractions on grid cells.
 
 Displacements are those of the wheel's surface relative to the rail's, tractions those of the wheel
-on the rail: a traction leaves the wheel behind. Lengths in mm, tractions and moduli in MPa.
+on the rail: a traction along +x moves the wheel's surface to -x.
+Lengths in mm, tractions and moduli in MPa.
 """
 
 from __future__ import annotations
@@ -129,8 +130,8 @@ class TractionInfluence:
 
     def opening(self, traction: Array) -> Array:
         """Change of the normal gap (nx, ny), mm, by tractions (2, nx, ny), MPa, where materials
-        differ; not in rolling. By reciprocity its kernel is that of `of_pressure` with x and y
-        reversed.
+        differ; only of an influence with `rolling` False. By reciprocity its kernel is that of
+        `of_pressure` with x and y reversed.
         """
         spectra = transform(self._kernels(self._boussinesq, SHIFT), self._padded)
         moved = (spectra * transform(traction, self._padded)).sum(axis=0)

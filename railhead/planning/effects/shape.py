@@ -343,7 +343,7 @@ def thick_bodies(context: Context, found: Findings) -> PostSolveVerdict | None:
         weight = modulus / closed_forms.plane_strain_modulus(scene, tag)
         deep = placed_bodies.depth(scene, tag)
         curvature = weight * halfspace.held_below(deep, scene.bodies[body].poisson_ratio)
-        changes[body, deep] = halfspace.change(curvature, patch.a, patch.b)
+        changes[body, deep] = halfspace.pressure_rise(curvature, patch.a, patch.b)
     (body, deep), change = max(changes.items(), key=lambda each: each[1])
     thin = bool(change > limit)
     side = "above" if thin else "below"

@@ -78,7 +78,7 @@ class _Body:
         at free edges and held face, over F/(pi E*): a matrix (n, n), 1/mm. A displacement common
         to all places is left out.
         """
-        psi = halfspace.image(self.poisson)
+        psi = halfspace.image_force(self.poisson)
         apart = [abs(s - end) for end in self.ends]
         edges = sum(psi / (distance[:, None] + distance) for distance in apart)
         below = halfspace.held_below(self.depth, self.poisson) * (s[:, None] - s) ** 2 / 2
@@ -174,11 +174,11 @@ def _bodies(contact: Contact, deformable: Sequence[int], surface: Developed) -> 
 
 
 def _size(patch: _Patch, around: list[_Body]) -> float:
-    """Relative change of the largest pressure of a patch, as `halfspace.change`, by held and free
-    faces of the bodies, whose curvatures add up.
+    """Relative change of the largest pressure of a patch, as `halfspace.pressure_rise`, by held
+    and free faces of the bodies, whose curvatures add up.
     """
     curvature = sum(body.curvature(patch.s) for body in around)
-    return halfspace.change(curvature, *patch.half_extents)
+    return halfspace.pressure_rise(curvature, *patch.half_extents)
 
 
 def _conformity(patch: _Patch, contact_modulus: float) -> float:

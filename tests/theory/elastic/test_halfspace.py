@@ -151,7 +151,7 @@ def test_curvature_of_a_bonded_layer_is_that_of_its_displacement(poisson: float)
 
 
 def test_an_edge_is_felt_as_its_image() -> None:
-    step, distance, psi = 0.1, 6.0, halfspace.image(0.3)
+    step, distance, psi = 0.1, 6.0, halfspace.image_force(0.3)
     assert psi == pytest.approx(1.39)
     left, middle, right = (psi / (2 * distance + x) for x in (-step, 0, step))
     curvature = (left - 2 * middle + right) / step**2
@@ -173,7 +173,7 @@ def test_a_curvature_in_both_directions_changes_hertz_by_as_much() -> None:
     exact = point_contact(1 / 400, 1 / 400, MODULUS, LOAD)
     more = point_contact(1.3 / 400, 1.3 / 400, MODULUS, LOAD)
     added = 0.3 / 400 / (LOAD / (np.pi * MODULUS))
-    change = halfspace.change(added, exact.a, exact.b)
+    change = halfspace.pressure_rise(added, exact.a, exact.b)
     assert (change, change) == pytest.approx(
         (more.p0 / exact.p0 - 1, exact.area / more.area - 1), rel=1e-9
     )
