@@ -179,7 +179,7 @@ def _sweep(
     face = occ.addPlaneSurface([occ.addCurveLoop(curves)])
     if options.half:
         groups.setdefault((2, SYMMETRY_X), []).append(face)
-    ahead, across = _swept(body, grading).T[:2]
+    ahead, across = _sweep_directions(body, grading).T[:2]
     structured: dict[str, Any] = {}
     if options.cell == "hexahedron":
         ends = grading.layers(body.reach)
@@ -203,7 +203,7 @@ def _sweep(
         _group_faces(body, lateral, options, groups)
 
 
-def _swept(body: Body, grading: Grading) -> Array:
+def _sweep_directions(body: Body, grading: Grading) -> Array:
     """Directions (3, 3) of a swept body in the coordinates that gmsh meshes in, as columns: along
     the sweep, across it, upwards. There x of space is divided by the stretch.
     """
@@ -213,10 +213,11 @@ def _swept(body: Body, grading: Grading) -> Array:
 
 
 def undo_stretch(bodies: list[Body], grading: Grading) -> None:
-    """Move the nodes of the current gmsh model from the stretched coordinates to space.
+    """Move the nodes of the current gmsh model from coordinates in which x is divided by the
+    stretch to space. Nothing is done for a stretch of 1.
 
     The elements get their true length along x. A wheel with an axle, which was meshed as a straight
-    prism, is bent around the axle. Nothing is done for a stretch of 1.
+    prism, is bent around the axle.
     """
     if grading.stretch == 1:
         return
@@ -224,7 +225,7 @@ def undo_stretch(bodies: list[Body], grading: Grading) -> None:
     for body, volume in swept:  # two sweeps share their section, which stays where it is
         tags, points, _ = gmsh.model.mesh.getNodes(3, volume, includeBoundary=True)
         beside = np.asarray(points).reshape(-1, 3) - body.pose.origin
-        x, y, z = np.linalg.solve(_swept(body, grading), beside.T)
+        x, y, z = np.linalg.solve(_sweep_directions(body, grading), beside.T)
         if body.axle is not None:
             height, radius = body.axle
             angle, distance = x / radius, height - z

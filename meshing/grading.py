@@ -37,8 +37,8 @@ class Grading:
     a: semi-axis of the patch along x, mm.
     b: semi-axis of the patch along the tangent across the rail, mm.
     angle: of that tangent to the horizontal, rad; positive where z rises with y.
-    size: element size inside the ellipsoid, mm; gmsh makes none smaller than a fifth of it, as on
-        curved edges.
+    size: element size inside the ellipsoid, mm. On curved edges gmsh makes smaller elements, down
+        to a fifth of it.
     growth: increase of the size per distance from the ellipsoid.
     coarsest: largest element size, mm; gmsh gets it apart from the formula. Those of further
         patches have no effect.
@@ -81,12 +81,12 @@ class Grading:
         return self.depth / (self.size * spared)
 
     @property
-    def _lines(self) -> list[tuple[float, float]]:
-        """(size in mm at the ellipsoid, growth) of one or two straight lines over the distance; the
-        smallest line gives the element size.
+    def _linear_sizes(self) -> list[tuple[float, float]]:
+        """(size in mm at the ellipsoid, growth per distance) of one or two sizes that grow linearly
+        with the distance; the smaller one is the element size.
 
         With a stretch there are two, because long elements far from a patch would miss how its
-        field changes along the rail. The second line starts coarser and grows more slowly.
+        field changes along the rail. The second size starts coarser and grows more slowly.
         """
         near = self.size, self.growth
         if self.stretch == 1:
@@ -99,7 +99,7 @@ class Grading:
         patch alone and without the limit `coarsest`. Both are in mm of the coordinates in which x
         is divided by `stretch`.
         """
-        return np.minimum.reduce([size + growth * distance for size, growth in self._lines])
+        return np.minimum.reduce([size + growth * distance for size, growth in self._linear_sizes])
 
     def turned(self) -> Grading:
         """The grading for a section along the rail, where x takes the place of y: centre (0, x, z),
@@ -137,8 +137,8 @@ class Grading:
         beyond = [f"Max(0,Abs({x})-({e:.15g}))" for x, e in terms]
         box = f"Sqrt({'+'.join(f'{d}*{d}' for d in beyond)}+1e-300)"
         distance = f"Max({box},{ellipsoid})"
-        lines = [f"{size:.15g}+{growth:.15g}*{distance}" for size, growth in self._lines]
-        own = lines[0] if len(lines) == 1 else f"Min({','.join(lines)})"
+        sizes = [f"{size:.15g}+{growth:.15g}*{distance}" for size, growth in self._linear_sizes]
+        own = sizes[0] if len(sizes) == 1 else f"Min({','.join(sizes)})"
         for other in self.also:
             also = other.expression(section=section, coordinates=coordinates)
             own = f"Min({own},{also})"
@@ -187,11 +187,11 @@ class Grading:
 
     def predicted_cells(self, reach: float, *, hexahedra: bool = False) -> float:
         """Predicted number of cells of one whole body, not cut at symmetry planes: the integral of
-        1/size^3 times a factor that fits gmsh's meshes, without the limit `coarsest`.
+        1/size^3 times a factor that fits gmsh's meshes, without the limit `coarsest`. The cells of
+        all further patches are added.
 
         reach: distance that the body extends from the patch along the rail, mm.
-        hexahedra: whether the cells are hexahedra swept in layers, otherwise tetrahedra. The cells
-            of all further patches are added.
+        hexahedra: whether the cells are hexahedra swept in layers, otherwise tetrahedra.
         """
         others = (other.predicted_cells(reach, hexahedra=hexahedra) for other in self.also)
         return self._predicted_cells(reach, hexahedra) + sum(others)

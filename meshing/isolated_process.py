@@ -61,7 +61,7 @@ def die_with_parent() -> None:
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
-def fill_memory() -> None:
+def zero_new_memory() -> None:
     """Let memory that this process allocates from now on hold zeros, as fresh pages do.
 
     gmsh's optimiser of tetrahedra (HXT) reads memory that it has not written to. Without zeros its
@@ -77,10 +77,11 @@ def _serve(connection: Connection, work: Callable[..., Any], arguments: tuple[An
     """Body of the child process: call `work(*arguments)` and send (result, '') or, after an
     exception, (None, its text in one line).
 
-    connection: end of the pipe to the parent process. SIGTERM and SIGINT get their default action.
+    connection: end of the pipe to the parent process. SIGTERM and SIGINT get their default action,
+    new memory holds zeros, and the process dies with its parent.
     """
     die_with_parent()
-    fill_memory()
+    zero_new_memory()
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, signal.SIG_DFL)
     try:

@@ -16,7 +16,8 @@ from railhead.meshing.grading import Grading
 
 MIN_QUALITY = 0.01
 RETRIES = (1.0, 0.95, 0.9)  # of the element size, where gmsh leaves a flat element or gives up
-PATIENCE, PACE = 60.0, 1e-3  # s, and s a cell, which usually takes a seventh: gmsh hangs
+PATIENCE, PACE = 60.0, 1e-3  # s, and s a predicted cell, of which gmsh usually takes a seventh;
+# beyond them it hangs
 
 
 class MeshError(RuntimeError):
@@ -60,8 +61,8 @@ def generate(
     options: type of the cells, degree, symmetry, plane.
     comm: communicator of the mesh. Cells are distributed, gmsh runs on its rank 0 alone.
     meanwhile: what every rank calls while gmsh works; rank 0 calls it again with each new trial.
-    Raises MeshError on every rank when in the last trial gmsh fails, takes too long, or an element
-    is inverted or nearly flat.
+    Raises MeshError on every rank when in the last trial gmsh fails, an element is inverted or
+    nearly flat, or gmsh takes longer than 60 s (PATIENCE), for solids plus 1 ms a predicted cell.
     """
     found, shapes, problem = None, np.zeros(0), ""
     if comm.rank:

@@ -55,7 +55,8 @@ def alone(comm: MPI.Comm, folder: Path) -> Iterator[None]:
 
     comm: ranks that compile together; only rank 0 takes the lock. folder: cache folder.
     An OSError on rank 0 is raised on all ranks, another error where it arises (collective). Without
-    write access to the folder nothing is locked; an error on rank 0 then raises that lack.
+    write access to the folder nothing is locked. Any error on rank 0 is then replaced by the
+    OSError of the refused access, on all ranks.
     dolfinx 0.5 and setuptools log each form at INFO; such messages are suppressed in the context.
     """
     disabled = logging.root.manager.disable
@@ -86,7 +87,8 @@ def alone(comm: MPI.Comm, folder: Path) -> Iterator[None]:
 
 @contextmanager
 def _compiling(mesh: Any, **options: Any) -> Iterator[dict[str, Any]]:
-    """Context in which this process alone compiles forms and elements; yields keywords for dolfinx.
+    """Context in which no other process of this program compiles forms and elements; yields
+    keywords for dolfinx.
 
     mesh: mesh whose ranks compile together. options: options of the compiler.
     The cache folder is this program's own, because only its processes respect the lock and expect
@@ -177,7 +179,7 @@ def straight_mesh(comm: MPI.Comm, cells: NDArray, points: NDArray[np.float64], c
     """dolfinx mesh of straight-sided cells.
 
     comm: communicator of the mesh.
-    cells: (m, k) points of each cell by row number of `points`, in basix order.
+    cells: (m, k) corners of each cell as row numbers of `points`, in basix order.
     points: (n, d), mm.
     cell: 'tetrahedron', 'hexahedron', 'triangle' or 'quadrilateral'.
     """

@@ -54,7 +54,7 @@ class ContactModel(ContactSystem):
             approach control it is allowed only with a far field, which it scales.
         approach: mm, under approach control.
         active: (n,) contact points of this rank that touch at the start of the iterations; where no
-            rank has one, the points with the smallest gap.
+            rank has one, the twelve points with the smallest initial gap.
         max_steps: largest number of Newton's steps in each solve of the pressure.
         progress: called with the number and the relative residual of each of Newton's steps.
         force: forces on the meshed part at the dofs that this process owns, in the order of

@@ -27,10 +27,9 @@ SMOOTHING_STEPS = 3  # of Chebyshev's method, before and after the coarse level
 OPTIONS_PREFIX = "railhead_coarse_"  # of PETSc's options of the P1 level
 GAMG_THRESHOLD = 0.01  # of strong couplings in GAMG: with all of them (its default) the P1 level of
 # `hertz_ellipse` with 374 000 unknowns takes 54 instead of 32 iterations to 1e-6
-AGGRESSIVE_LEVELS = (
-    2  # levels coarsened by the squared graph: with one (its default) the next one is so
-)
-# full that the set-up of 1 000 000 unknowns takes 3.7 instead of 2.2 s, for as many iterations
+AGGRESSIVE_LEVELS = 2  # levels coarsened by the squared graph: with one (its default) the next
+# level is so full that the set-up of 1 000 000 unknowns takes 3.7 instead of 2.2 s, for as many
+# iterations
 SUBSET = PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN
 
 
@@ -59,11 +58,11 @@ class PMultigrid(Preconditioner):
     coarse: tangent on that level.
     flexible: whether that level is solved by a Krylov method with algebraic multigrid.
 
-    It is set up again for small changes of the active set. `s1002_60e1` takes 54 iterations where a
-    tenth of the active area may have changed, 41 with a thirtieth, and 32 with a hundredth and a
-    third set-up, worth five. A load 4 % lower on the same mesh takes half of the time with
-    a hundredth: with the preconditioner of the load before, Newton's method needs six steps, not
-    two or three.
+    It is set up again for small changes of the active set (`outdated_share`). `s1002_60e1` takes 54
+    iterations where a tenth of the active area may have changed, and 41 with a thirtieth. With a
+    hundredth it takes 32 and a third set-up, which costs as much as five. A load 4 % lower on the
+    same mesh takes half of the time with a hundredth: with the preconditioner of the load before,
+    Newton's method needs six steps, not two or three.
     """
 
     outdated_share = 0.01

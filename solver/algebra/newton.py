@@ -77,9 +77,9 @@ class NewtonStep:
 
     residual: norm of the residual R(y) over that of the nodal contact forces; None where it is not
         finite or not known.
-    active: number of active contact points of all ranks.
+    active: number of active contact points of all ranks; 0 where the linear solve failed.
     linear_iterations: number of Krylov iterations of the solve.
-    length: step length t, by which the solution of the solve was multiplied.
+    length: step length t, by which the solution of the solve was multiplied; 0 where it failed.
     factor: `gamma_factor` of the contact law in the solve, which changes from stage to stage
         (`ContactLaw.stages`).
     problem: why there is no residual: nothing touches, a value is not finite, or the linear solve
@@ -158,7 +158,7 @@ def solve(
         the linear problem in which exactly these touch.
     start: free unknowns to start from; `active` then has no effect.
     rtol: tolerance of the norm of the residual over that of the nodal contact forces. A residual
-        that is down to rounding converges at any tolerance.
+        that is down to rounding counts as converged at any tolerance.
     max_steps: largest number of states.
     progress: called with the number and the relative residual of each state, infinite where
         nothing touches.
@@ -262,7 +262,7 @@ def _clear(result: NewtonResult) -> None:
 
 
 class _SeenActiveSets:
-    """Counter of how often each active set of all ranks comes back.
+    """Counts how often each active set of all ranks comes back.
 
     comm: communicator of the ranks.
     last: hash of the last active set.

@@ -43,7 +43,7 @@ class Tangent:
     """
 
     def __init__(self, problem: ContactProblem, active: Mask) -> None:
-        """Collective."""
+        """Select the rows of the active points (collective)."""
         self.problem = weakref.proxy(problem)
         self.active = active
         points, symmetric = np.flatnonzero(active), problem.law.symmetric
@@ -142,7 +142,7 @@ class ContactProblem:
 
     def _combined(self, factor: float) -> PETSc.Mat:
         """Matrix factor S + tau N with one row for each contact point, MPa/mm. S: normal
-        stress, N: gap per free unknown, tau: stiffness of the contact law at the points, MPa/mm.
+        stress, N: gap per free unknown, tau: parameter of the contact law at the points, MPa/mm.
         """
         matrix = self.gap.copy()
         matrix.diagonalScale(L=vector(self.gap, self.tau))
@@ -179,7 +179,7 @@ class ContactProblem:
     def indicator(self, y: PETSc.Vec) -> Array:
         """Pressure before its negative part is set to zero (n,), MPa, at the free unknowns y:
         -(sigma s + tau g) with normal stress s and gap g, positive where the surfaces touch;
-        sigma is 1 of Nitsche's method and 0 of a penalty, tau the stiffness of the contact law.
+        sigma is 1 for Nitsche's method and 0 for a penalty, tau the parameter of the contact law.
         """
         return np.asarray(-((self.normal_operator * y).array + self.offset))
 

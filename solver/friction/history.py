@@ -167,8 +167,8 @@ class FrictionHistory:
     def _touching(self, before: Array) -> Array:
         """Tangential displacement (n, k) of the wheel relative to the rail, mm, at the moment at
         which points come into contact while the load grows: interpolated between the start of the
-        load step and the present pressure and tractions. In the first step only before there are
-        tractions: what sticks would come to rest where it began.
+        load step and the present pressure and tractions. In the first load step it is taken only
+        before there are tractions: otherwise points that stick would come to rest where they began.
 
         The length of the patch is taken to grow evenly: where p = p0 sqrt(1 - r^2), its border
         passes a point at r.

@@ -22,7 +22,7 @@ ROOT = np.sqrt(2.0 / 3.0)
 
 @dataclass(frozen=True)
 class Hardening:
-    """Curve of uniaxial true stress over plastic strain, straight between its k points.
+    """Curve of uniaxial true stress over plastic strain, linear between its k points.
 
     strain: plastic strain of the points (k,), ascending, the first 0.
     stress: stress of the points (k,), MPa; the first is the initial yield stress.
@@ -154,9 +154,7 @@ def deviator(tensors: Array) -> Array:
 
 
 def yield_radius(state: History, hardening: Hardening) -> Array:
-    """Size (n,) of the deviator of the stress less the back stress beyond which points yield, MPa;
-    state: plastic state of the points.
-    """
+    """Norm |dev s - alpha| (n,) beyond which points yield, MPa; state: state of the points."""
     first = hardening.initial_yield_stress
     curve, _ = hardening.stress_and_slope(state.equivalent)
     radius = first + (1 - hardening.kinematic) * (curve - first)
@@ -174,7 +172,7 @@ def radial_return(
     before: state at the start of the step.
     hardening: flow curve of all points.
     The trial stress returns along the radius to the yield surface (Simo and Hughes 1998, box 3.2).
-    The growth of the equivalent plastic strain solves a scalar equation that is straight in pieces.
+    The growth of the equivalent plastic strain solves a scalar equation, linear in pieces.
     """
     trial = 2 * mu[:, None] * (deviator(strain) - before.plastic) - before.back
     size = np.sqrt(np.einsum("nm,nm->n", trial, trial))
@@ -185,7 +183,7 @@ def radial_return(
     normal = trial[yielding] / size[:, None]
     start = before.equivalent[yielding]
     curve, _ = hardening.stress_and_slope(start)
-    # 2 mu q / ROOT + ROOT k(q) = reached, whose left side is straight in pieces and grows with q.
+    # 2 mu q / ROOT + ROOT k(q) = reached, whose left side is linear in pieces and grows with q.
     strain_at, stress_at, slopes = hardening.segments
     reached = size + 2 * mu * start / ROOT + ROOT * share * (curve - first)
     at_points = 2 * mu[:, None] * strain_at / ROOT + ROOT * stress_at

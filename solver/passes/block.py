@@ -34,8 +34,9 @@ NEAR = 1e-9  # of the largest coordinate: nodes on a face
 
 
 def graded(inner: float, size: float, reach: float, growth: float) -> Array:
-    """Ascending coordinates from 0 to `reach`, mm: cells of at most `size` up to `inner`, beyond
-    them each wider by the factor `growth`, the last one at most that wide.
+    """Ascending coordinates from 0 to `reach` or, if that is less, to `inner`, mm. Cells are at
+    most `size` wide up to `inner`. Beyond, each is wider than the last by the factor `growth`, and
+    all are narrowed by one factor so that they end at `reach`.
     """
     count = max(int(np.ceil(inner / size - 1e-9)), 1)
     nodes = list(np.linspace(0.0, inner, count + 1))
@@ -126,8 +127,8 @@ class Block:
 
     @cached_property
     def reduction(self) -> constraints.Reduction:
-        """Map from free unknowns to dofs. The bottom is held; the faces across x, and of a solid
-        those across y, move in their planes. Tied planes leave x free.
+        """Map from free unknowns to dofs. The bottom is held. The faces normal to x, unless `tied`,
+        and in a solid those normal to y, move in their planes.
         """
         unit = np.eye(self.dim)
         planes = [
@@ -202,7 +203,7 @@ class Block:
 
     def solve(self, force: PETSc.Vec, prescribed: Array | None = None) -> Array:
         """Displacement on all dofs (n c,), mm, under forces on all dofs, N, and a prescribed u_x
-        (n,) of the outflow's nodes, mm; None: zero.
+        (k,) of the k nodes of the outflow, mm; None: zero.
         """
         map_, ksp = self._solver
         start = self.stiffness.createVecRight()
@@ -220,7 +221,7 @@ class Block:
         return np.array(start.array)
 
     def force(self) -> PETSc.Vec:
-        """Zero forces on all dofs."""
+        """New vector of zero forces on all dofs."""
         out = self.stiffness.createVecLeft()
         out.set(0.0)
         return out
@@ -243,7 +244,7 @@ class Block:
 
 
 def slab(block: Block) -> Block:
-    """Slab of one cell along x with the section of a block, whose planes are tied."""
+    """Slab of one cell along x, with tied planes and the section of a block."""
     width = float(np.diff(block.axes[-1]).max())
     axes: Sequence[Array] = (np.array([0.0, width]), *block.axes[1:])
     return Block(tuple(axes), block.material, block.half, block.depth, block.aside, tied=True)

@@ -128,7 +128,8 @@ class SectionState:
     history: plastic state of the lines.
     residual: residual stress (lines, m), MPa, in Mandel's notation of the block.
     profile: displacement of the surface.
-    displacement: u (n c,), mm, of the last pass, from which the next one starts; None: zero.
+    displacement: u (n c,), mm, of the last pass, from which the iterations of the next one start,
+        but not those of the second pass; None: zero.
     count: number of passes so far.
     """
 
@@ -143,7 +144,7 @@ class SectionState:
 class RollingPass:
     """A pass, and the state after it.
 
-    state: what is left.
+    state: what all passes so far left in the section.
     profile: change of the surface in this pass.
     growth: increase of the equivalent plastic strain (lines,) in this pass.
     shear: increase of the plastic shear 2 eps_xz (lines,), z upwards, in this pass.
@@ -151,8 +152,10 @@ class RollingPass:
     stored: elastic energy per rolled length that this pass adds to what residual stresses store,
         N; in plane strain per mm of width.
     iterations: number of fixed-point iterations.
-    change: stress change of the last iteration over the yield stress in shear.
-    rim: largest growth on the outermost lines of the region where plastic strain is followed.
+    change: stress change of the last iteration over the yield stress in shear; not below the
+        tolerance of the block: not converged.
+    rim: largest `growth` on the lines in the lowest and, in a solid, the outermost cells where
+        plastic strain is followed.
     """
 
     state: SectionState
@@ -171,7 +174,7 @@ class RollingBlock:
     """A block over which a load rolls.
 
     block: the block; its material has a flow curve.
-    tolerance: of the fixed point, stress over the yield stress in shear.
+    tolerance: of the fixed point: change of the stress over the yield stress in shear.
     """
 
     block: Block
@@ -258,7 +261,7 @@ class RollingBlock:
 
     @cached_property
     def _outflow_order(self) -> Array:
-        """Node of the slab for each node of the outflow, in the order of its mask."""
+        """Number (k,) of the slab's node for each node of the outflow, in their order."""
         slab, block = self.slab, self.block
         own = np.flatnonzero(slab.outflow)
         place = {tuple(np.round(slab.nodes[i, 1:], 9)): i for i in own}
@@ -293,7 +296,8 @@ class RollingBlock:
 
     def roll(self, state: SectionState, pressing: ElasticStress) -> RollingPass:
         """One more pass of a load over a state, by a fixed-point iteration on the displacement. It
-        ends after 250 iterations (ITERATIONS) even where the tolerance is not met.
+        ends after 250 iterations (ITERATIONS) even where the tolerance is not met, see
+        `RollingPass.change`.
 
         pressing: gives the elastic stress of the load.
         """
@@ -347,7 +351,9 @@ class RollingBlock:
 
     @cached_property
     def _rim(self) -> Array:
-        """Mask (lines,) of the lines in the outermost cells where plastic strain is followed."""
+        """Mask (lines,) of the lines in the lowest and, in a solid, the outermost cells where
+        plastic strain is followed.
+        """
         y, z = self.streams.places.T
         out = z <= np.unique(z)[2]
         if self.block.dim == 3:

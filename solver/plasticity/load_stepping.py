@@ -112,8 +112,8 @@ class LoadStepping:
         first_share: float,
     ) -> None:
         """share: share of the load case at which yield begins; first: elastic solution under
-        another share, `first_share`. Without one near the first step its first iterations yield
-        where the solution does not.
+        another share, `first_share`, best near that of the first step. Far from it, points yield in
+        the first iterations that do not yield in the solution.
         """
         self.system, self.problem, self.case = system, problem, case
         self.preconditioner = system.preconditioner
@@ -195,7 +195,8 @@ class LoadStepping:
     def _history(self, share: float) -> State:
         """Histories of the bulk and of the contact points from which the radial return of the step
         to a share of the load starts (BDF2). Extrapolated at the points that yielded in the last
-        step; the last state where the load turns back or this step is much longer.
+        step; the last state where the load turns back or this step is over twice as long
+        (LARGEST_GROWTH).
         """
         before, earlier = self.earlier
         last, now = self.share - before, share - self.share

@@ -74,7 +74,7 @@ class Reduction:
         local = int(self.free.sum()) + (self.approach >= 0)
         return int(self.matrix.comm.tompi4py().allreduce(local))
 
-    def norms(self) -> PETSc.Vec:
+    def squared_norms(self) -> PETSc.Vec:
         """Squared norms of the columns of the map P from free unknowns to dofs, as a distributed
         vector: the diagonal of P^T P.
         """
@@ -99,7 +99,7 @@ class Reduction:
     @cached_property
     def _divisors(self) -> PETSc.Vec:
         """Squared norms of the columns of P, and 1 where a column is zero."""
-        out = self.norms()
+        out = self.squared_norms()
         out.array[:] = np.where(out.array > 0, out.array, 1.0)
         return out
 
@@ -186,7 +186,7 @@ def reduced_prolongation(full: PETSc.Mat, fine: Reduction, coarse: Reduction) ->
         unchanged.
     """
     q = fine.matrix.transposeMatMult(full.matMult(coarse.matrix))
-    scale = fine.norms()
+    scale = fine.squared_norms()
     if fine.rigid_approach:  # it moves no node: it is carried over as it is
         entry = PETSc.Mat().createAIJ(q.getSizes(), nnz=1, comm=q.comm)
         if fine.approach >= 0:

@@ -48,8 +48,8 @@ class ContactLaw:
     """Contact law: method and parameters.
 
     method: 'nitsche' or 'penalty'.
-    theta: variant of Nitsche's method: 1 (symmetric), 0 or -1; None: `suited` chooses. Without
-        effect on a penalty but for the limit in `suited`.
+    theta: variant of Nitsche's method: 1 (symmetric), 0 or -1; None: `suited` chooses. For a
+        penalty it only decides whether `suited` limits the parameter: not with 1.
     gamma_factor: parameter over the smallest stable one or, for a penalty, over ten times
         (PENALTY_FACTOR) the trace bound; positive.
     Raises ValueError for other values.
@@ -77,8 +77,8 @@ class ContactLaw:
 
     @property
     def symmetric(self) -> bool:
-        """Whether the tangent is symmetric: for a penalty, and for Nitsche's method with theta
-        = 1.
+        """Whether the tangent is symmetric: for a penalty, and for Nitsche's method with theta = 1,
+        not with None.
         """
         return self.method == "penalty" or self.theta == 1
 

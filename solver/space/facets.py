@@ -186,7 +186,7 @@ def pair(points: Array, normals: Array, master: FacetSet) -> tuple[Index, Array]
 
 
 def _outside(xi: Array, master: FacetSet) -> Array:
-    """Distance (n,) of facet coordinates xi (n, c - 1) from the reference facet, in its units: 0
+    """Largest amount (n,) by which coordinates xi (n, c - 1) lie outside of the reference facet: 0
     inside, infinite for coordinates that are not finite.
     """
     high = xi.sum(axis=1) if master.cell == "tetrahedron" else xi.max(axis=1)

@@ -65,8 +65,8 @@ class Kinematics:
 
     @property
     def varying(self) -> list[int]:
-        """Axes of space, beside the upward one, along which fields vary: 0 for x and 1 for y of a
-        solid, one of them of a section.
+        """Numbers of the horizontal axes of space (0: x, 1: y) along which fields vary: both in a
+        solid, one of them in a section.
         """
         return [int(np.argmax(np.abs(axis))) for axis in self.axes[:-1]]
 
@@ -82,7 +82,7 @@ class Kinematics:
 
     def flatten(self, vectors: Array) -> Array:
         """Components (..., d) along the d coordinates of the mesh, from vectors in space (..., 3);
-        the part normal to a section is dropped. Points must first be taken from `offset`.
+        the part normal to a section is dropped. Of points subtract `offset` first.
         """
         return vectors if self.dim == 3 else vectors @ self.axes.T
 

@@ -43,7 +43,8 @@ class LoadCase:
         also scales the far field.
     approach: of the moving body along the direction of the setup, mm, under approach control;
         without effect under load control.
-    active: (n,) contact points of this rank that touch at the start.
+    active: (n,) contact points of this rank that touch at the start; where no rank has one, the
+        twelve points with the smallest initial gap.
     max_steps: largest number of Newton's steps in each solve of the pressure; what has not
         converged by then is returned as not converged.
     progress: called with the number and the relative residual of each of Newton's steps.
@@ -214,8 +215,8 @@ class ContactSystem:
         return values
 
     def press(self, case: LoadCase) -> Solution:
-        """Solution of a load case with elastic bodies and without friction (collective). Where no
-        point is active at the start, the twelve points with the smallest initial gap are.
+        """Solution of a load case with elastic bodies and without friction, converged or not
+        (collective).
         """
         prescribed = self.apply(self.problem, case)
         if not self.comm.allreduce(int(case.active.sum())):
@@ -314,7 +315,7 @@ class ContactSystem:
 
         With the translations T, the residual R and the tangent K_A at the active set of the state,
         y <- y - T (T^T K_A T)^-1 T^T R.
-        problem: that was solved; its pressure in the result changes, too.
+        problem: the problem that was solved. The pressure in the result changes, too.
         """
         residual = problem.residual(result.y, result.pressure)
         tangent = problem.tangent(result.pressure > 0)

@@ -101,11 +101,11 @@ class FrictionSettings:
     def resultants(
         self, points: Array, weights: Array, traction: Array, planes: Sequence[Any]
     ) -> tuple[tuple[float, float], float]:
-        """Force (along, across), N, and moment about the normal at the origin, N mm, of tractions
-        (n, 3), MPa, at points (n, 3), mm, of the whole model; its images cancel the force normal to
-        a symmetry plane and, with any plane, the moment.
+        """Force (along, across), N, and moment about the normal at the origin, N mm, of the whole
+        model, from tractions (n, 3), MPa, at points (n, 3) of the meshed part, mm. Images cancel
+        the force normal to a symmetry plane and, with any plane, the moment.
 
-        weights: area of each point (n,), mm2, images included. planes: of the `Setup`.
+        weights: area of each point (n,), mm2, images included. planes: `Setup.planes`.
         """
         total = weights @ traction
         for _, normal in planes:

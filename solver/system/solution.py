@@ -80,7 +80,8 @@ class FrictionSolution:
     dissipated_energy: work of friction after the full tangential force was reached for the first
         time, N mm; zero for rolling.
     coupling_iterations: number of times, over all load steps, that the tractions were solved.
-    rigid_slip: slip (n, 3) of rigid bodies with the motion `rigid_motion`, in the unit of `slip`.
+    rigid_slip: slip (n, 3) of rigid bodies with the motion `rigid_motion`, in the unit of `slip`;
+        for rolling the fourth motion of `FrictionSettings.rigid_slip` is included.
     newton_steps: largest number of steps of Newton's method on the tractions.
     without_creepage: where the wheel rolls, the tractions at the same pressure without any rigid
         slip; otherwise None.
