@@ -26,7 +26,7 @@ Place = tuple[float, float, float]
 HERTZIAN = 0.02  # relative deviation from an ellipsoid below which semi-axes are those of one
 ROW, COLUMN = np.array([0, 1, 2, 0, 0, 1]), np.array([0, 1, 2, 1, 2, 2])  # of six components
 SYMMETRIC = np.array([[0, 3, 4], [3, 1, 5], [4, 5, 2]])  # places of a tensor among them
-FLAT = 0.01  # relative
+FLAT = 0.01  # relative: values so near to the largest are as large, see `DepthAxis.flatness`
 RIVAL = 0.005  # relative: which of two hills is higher is not known below it
 NO_DEPTH = 1e-9  # of a semi-axis: rounding at the surface
 TURNED = 0.02  # rad: on planes turned by less, areas differ by 0.1 % (S1002 on 60E1, 0.016 rad)
@@ -125,7 +125,8 @@ class OnePatch:
     a, b: half lengths along x and along s, mm.
     area: on the tangent plane, mm2.
     max_pressure: largest pressure, MPa.
-    share: integral of the patch's pressure over that of all patches, images included, 0 to 1.
+    share: integral of the pressure of the patch as listed over that of all patches and all their
+        images, 0 to 1.
     """
 
     centre: tuple[float, float, float]
@@ -142,10 +143,10 @@ class Patch:
     """The contact patch, with the mirror images of a model that was cut at symmetry planes; x and s
     are those of the contact frame, `Findings.frame`.
 
-    a, b: half lengths of the smooth pressure along x and s, mm: up to a shape error of 1 % those of
-        Hertz's ellipsoid by the moments of the pressure. Of a line contact one is the half width
-        and the other the half length of the line. Of several patches they are those of the most
-        loaded one.
+    a, b: half lengths of the smooth pressure along x and s, mm; where the shape error is at most
+        1 %, those of Hertz's ellipsoid by the moments of the pressure. Of a line contact one is the
+        half width and the other the half length of the line. Of several patches they are those of
+        the most loaded one.
     centre: (x, s) of the centre of pressure, mm; of several patches that of the most loaded one.
     area: of all patches, each on its own tangent plane, mm2.
     max_pressure: largest pressure of all patches, MPa.
@@ -351,7 +352,7 @@ class Units:
 
     @property
     def others(self) -> str:
-        """Displayed units that differ from the base units, as text; empty where none does."""
+        """Displayed units that differ from mm, N and MPa, as text like "kN, in", or empty."""
         return ", ".join(to for base, to in self.chosen.items() if base not in (to, "um"))
 
 
@@ -430,14 +431,16 @@ class Findings:
         patch.
     edge_distance: smallest distance of a point with pressure from an edge of the bodies, over the
         smaller half length of the patch; infinite without edges. Of half-spaces by boundary
-        elements it is the distance across of the patch; NaN of exact Hertz.
-    misfit: largest relative difference of smooth and element stresses around the largest ones.
+        elements the distance is that in y from the outlines to the ends of the profiles; NaN of
+        exact Hertz.
+    misfit: largest relative difference of smooth and element stresses around the places of the
+        largest ones.
     opposite: fields on the contact surface of the other body; None where that is rigid or no facet
         of it faces the slave, and for half-spaces.
     dissipated: energy dissipated by friction per rolled length, N; NaN where nothing rolls, and
         until friction is read.
-    unread_peak: relative error of the largest stresses from the cusps at the border of stick; 0
-        where nothing slips, and in sections.
+    unread_peak: relative error of the largest stresses, made by the cusps at the border of stick;
+        0 where nothing slips, and in sections.
     """
 
     frame: Frame

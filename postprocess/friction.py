@@ -235,9 +235,9 @@ def wear_and_shakedown(
     Rolling: T-gamma, the energy dissipated per rolled length, over the area, with its wear regime;
         traction_coefficient, tangential over normal force; first_yield_p0_over_k, the largest
         pressure p0 over k at which this patch begins to yield; shakedown_limit_p0_over_k. The limit
-        is the smaller of two: that of a line that rolls with this share of the friction
-        coefficient, and that of a surface that slips everywhere at the largest traction over p0;
-        for a line, that at which the largest traction is k.
+        is the smaller of two: that of a line that rolls with this traction coefficient, and that of
+        a surface that slips everywhere at the largest traction over p0. For a line the second is
+        the p0/k at which the largest traction is k.
     With k: p0_over_k; surface_fatigue_index, (largest traction - k) / p0; and the state: 'elastic'
         up to first yield, 'shakes down' up to the limit, else 'ratchets'. A patch that is no line
         is 'open' instead where its index is not positive and p0/k at most `damage.CIRCLE`.

@@ -76,19 +76,21 @@ class Passes:
     words: the verdict in a sentence.
     sections: state of the section after each pass.
     state: what the last pass left, from which more go on; None where there are no passes.
-    axes: of the block (see `solver.passes.block.Block`), one after the other, mm.
+    axes: `solver.passes.block.Block.axes`, joined to one array, mm.
     half_lengths: of the elastic patch, along and across, mm.
     profile: the rail's profile with the groove on it (n, 2), y and z as the file of rail.profile
         has them, mm; None of a half-space and of a section.
     converged: whether every pass met the tolerance of the fixed point.
-    energy_error: largest difference of the resistance from plastic work and elastic energy that
-        stays, over both; None under a kept pressure, and where nothing yields.
+    energy_error: largest difference of the rolling resistance from the sum of plastic work and
+        elastic energy that stays, over this sum; None under a kept pressure, and where little or
+        nothing yields.
     rim: largest plastic increment at the rim of the region where yield is followed, over the
-        largest.
+        largest anywhere.
     errors: estimated relative errors after the last pass by key of its row, from a coarser and
         shorter block; empty without an accuracy.
-    unknowns: of the block. seconds: of all passes.
-    reason: why there are none; empty where there are.
+    unknowns: number of unknowns of the block.
+    seconds: time that all passes took.
+    reason: why there are no passes; empty where there are some.
     """
 
     rows: list[dict[str, Any]]
@@ -122,8 +124,8 @@ class Passes:
 
     def summary(self) -> dict[str, Any]:
         """Entries of "result" in summary.json: "passes", "passes_verdict", "passes_words", and
-        "passes_after" with depth, residual stresses and strain below the middle and the surface
-        after the last pass, and what the solution took.
+        "passes_after". The last holds depth, residual stresses and strain below the middle, the
+        surface after the last pass, estimated errors, unknowns and seconds. There must be a pass.
         """
         last = self.sections[-1]
         stress, strain = last.below()
@@ -217,13 +219,13 @@ def verdict(
     hardens: whether the flow curve rises without end; then nothing ratchets for ever, and no
         limit lies between shakedown and ratchetting: such passes are undecided.
 
-    Elastic: nothing yields in the first pass. Shakedown: nothing yields in the last two; or the
-    last two increments each fall below 0.9 of the one before, and all that a geometric series adds
-    to them is below a tenth of their sum. Closed cycles: the increments are steady and the forward
-    displacement is zero or, of a curve that rises without end, falls. Ratchetting: both are steady.
-    In between, increments fall slowly, at the limit of shakedown. Fewer than three passes are
-    undecided, before the fourth only shakedown is told, and a forward displacement that still grows
-    or turns round is undecided.
+    Elastic: nothing yields in any pass. Shakedown: nothing yields in the last two; or the last two
+    increments each fall below 0.9 of the one before, and all that a geometric series adds to them
+    is below a tenth of the sum of all; if it is more, they are undecided. Closed cycles: the
+    increments are steady and the forward displacement is zero or, of a curve that rises without
+    end, falls. Ratchetting: both are steady. In between, increments fall slowly, at the limit of
+    shakedown. Fewer than three passes are undecided, before the fourth only shakedown is told, and
+    a forward displacement that still grows or turns round is undecided.
     """
     small = [value <= noise for value in increments]
     if small and small[0] and all(small):
@@ -253,7 +255,7 @@ def _ratios(values: Sequence[float]) -> list[float]:
 
 
 def _ratio(values: Sequence[float]) -> float:
-    """Larger of the last two ratios of a value to the one before, in size."""
+    """Larger absolute value of the last two ratios of a value to the one before."""
     return max(abs(each) for each in _ratios(values))
 
 

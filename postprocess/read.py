@@ -34,12 +34,13 @@ def findings(
     """Read the patch, the smooth fields on the contact surfaces and the stresses in every meshed
     body out of a solution.
 
-    fields: the solution, in which some contact points carry pressure. frame: axes at the first
-        contact; those of the most loaded patch are used instead where it has a plane of its own
-        (`contact_frame`). friction_solution: solution with friction, or None.
-        parabolic: whether Hertz's theory is exact, that is for elastic half-spaces whose gap is
-        quadratic; second moments of the pressure then give the semi-axes. Title, notes and
-        dissipated energy of the findings are left at their defaults.
+    fields: the solution, in which some contact points carry pressure.
+    frame: axes at the first contact; those of the most loaded patch are used instead where it has a
+        plane of its own (`contact_frame`).
+    friction_solution: solution with friction, or None.
+    parabolic: whether Hertz's theory is exact, that is for elastic half-spaces whose gap is
+        quadratic; second moments of the pressure then give the semi-axes.
+    Subject, notes and dissipated energy of the findings are left at their defaults.
     """
     flat = fields.kinematics.dim == 2
     separate = separate_patches(fields)

@@ -1,4 +1,4 @@
-"""The solution as grids, which `views` draws, and as .vtu files for ParaView."""
+"""The solution as grids, which pictures show, and as .vtu files for ParaView."""
 
 from __future__ import annotations
 
@@ -56,8 +56,8 @@ def volume_grid(fields: Fields, stress: Array) -> meshio.Mesh:
     stress (n, 6): at the nodes, components xx, yy, zz, xy, xz, yz in global axes, MPa.
     Point data: displacement (n, 3) mm; stress (n, 9) MPa, the full tensor row by row, which
         ParaView labels XX, XY, ... ZZ; principal_stresses (n, 3), descending, and
-        principal_direction_1, _2, _3 (n, 3), unit vectors, in the same order; von_mises and
-        max_shear (n,), MPa.
+        principal_direction_1, _2, _3 (n, 3), unit vectors with either sign, in the same order;
+        von_mises and max_shear (n,), MPa.
     Cell data: body, 1 the rail, 2 the wheel; in solutions with plastic strain
         equivalent_plastic_strain (m,) and the tensor plastic_strain (m, 9), row by row, averages of
         the Gauss points of each cell.

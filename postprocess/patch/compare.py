@@ -59,7 +59,8 @@ def from_findings(found: Findings, load: float, approach: float) -> Quantities:
 
 def _one(patch: OnePatch, axis: DepthAxis | None = None) -> Quantities:
     """Quantities of one separate patch: centre, contact angle, half lengths, area, largest
-    pressure, share of the load, and the largest stresses on the axis below the patch, if given.
+    pressure, share of the normal force, and the largest stresses on the axis below the patch, if
+    given.
     """
     stress = {} if axis is None else {"stress": _largest_in(axis.body, axis.largest)}
     return {
@@ -111,9 +112,9 @@ def from_half_space(
         single patch is measured on that tangent plane unless it is turned from it.
     Of several patches the areas are those on their own tangent planes; a and b, half the extents,
     are those of the most loaded one. "patches" lists those with more than 0.2 % of the force. The
-    load is vertical, the mean pressure is the integral of the pressure over the area. Stresses are
-    not among the quantities. "grid_error", where a coarser solution is known: relative change from
-    the coarser grids of the search; that of a and b is always 0.4 % (EXTENTS).
+    load is vertical, the mean pressure is the integral of the pressure over the area. Stresses and
+    contact point are not among the quantities. "grid_error", where a coarser solution is known:
+    relative change from the coarser grids of the search; that of a and b is always 0.4 % (EXTENTS).
     """
     main = solution.patches[0]
     if has_own_plane([patch.plane for patch in solution.patches], plane):

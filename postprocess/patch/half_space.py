@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from railhead.solver.system.solution import FrictionSolution
 
 SurfaceMap = Callable[[Array, Array], Array]
+"""Places x (n,), s (n,), mm, on the developed surface -> points (n, 3) in space, mm."""
 DEEP = 3.0  # smaller half lengths: end of the axes below the patches
 DEPTHS = 61  # points on each of them
 LINES = 65  # of the grid on which an exact pressure is drawn, each way
@@ -106,7 +107,7 @@ def of_boundary_elements(
     poisson: Mapping[str, float],
 ) -> Findings:
     """Findings of boundary elements on a developed surface, without friction. Stresses are those
-    below the coarser grid of the solution, or below its own where there is none.
+    of the pressure on the coarser grid of the solution, or on its own where there is none.
 
     values: quantities of the solution, by `compare.from_half_space`. points: maps x, s (n,) to
         points (n, 3) on the surface, mm. frame: axes at the first contact; those of the

@@ -181,7 +181,7 @@ class _Reading:
 
     frame: tangent plane of the patch; of a single patch the contact frame.
     square: smooth p^2.
-    shape: extents and peak of that p^2.
+    shape: extents and peak of that p^2; where bodies yield the peak is of the reconstructed p^2.
     scatter: relative uncertainties of a, b, area and max_pressure, by these names.
     """
 
@@ -230,7 +230,7 @@ def smooth_square(
     mm, its largest pressure, MPa, and its uncertainties. measure: function that measures the
     extents of a p^2.
     """
-    share = 1.0 if given.yields and given.line else general_shape_share(shape_error)
+    share = 1.0 if given.yields and given.section else general_shape_weight(shape_error)
     square, scatter = zero_squared_pressure(given), dict.fromkeys(MEASURES, 0.0)
     if share > 0 or given.yields:
         square, scatter = reconstruct_general_shape(given, measure)
@@ -275,7 +275,7 @@ class SmoothPatch:
         return np.asarray(np.sqrt(np.maximum(self.square(x, s), 0.0)))
 
     def nearest(self, others: list[SmoothPatch]) -> SmoothPatch:
-        """The one of other patches with the nearest centre of pressure; ValueError: no others."""
+        """The one of `others` with the nearest centre of pressure; ValueError: there are none."""
         return min(others, key=lambda each: math.dist(each.frame.origin, self.frame.origin))
 
 
@@ -310,7 +310,7 @@ def _smooth(fields: Fields, frame: Frame, facets: Array, *, parabolic: bool) -> 
     from second moments alone, which is exact for Hertz.
     """
     found, given = moments(fields, frame), samples(fields, frame, facets)
-    share = general_shape_share(found.shape_error)
+    share = general_shape_weight(found.shape_error)
     square = reconstruct(given) if share > 0 else zero_squared_pressure(given)
     half, _ = nearly_elliptic(found, float(given.size.mean()), parabolic=parabolic)
     peak = largest_pressure(fields, frame, found)
@@ -340,7 +340,7 @@ def reconstruct_general_shape(
     }
 
 
-def general_shape_share(shape_error: float) -> float:
+def general_shape_weight(shape_error: float) -> float:
     """Weight (0 to 1) of the p^2 that is reconstructed for any shape; the rest is the weight of an
     ellipsoid.
 

@@ -48,6 +48,7 @@ DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e-9, 1e6  # of the tangent, over i
 SETTLED = 1e-8  # of the functional: what Newton's method may still promise at the end
 EDGE = 0.02  # of the largest pressure: below it the tangent of sqrt(F) is that of this pressure
 Box = tuple[tuple[float, float], tuple[float, float]]
+"""(lowest, highest) place along x and along s, mm."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,8 +64,9 @@ class Samples:
     even: whether the patch is symmetric about x = 0, where the model was cut; True for a section.
     limits: (lowest, highest) place of the contact surface along x and along s, mm; of a section
         (-1, 1) along x.
-    line: whether the points are those of a section, whose pressure depends on s only.
-    circle: whether that section is a meridian of a body of revolution.
+    section: whether the points are those of a plane or meridian section, where the pressure depends
+        on s only.
+    revolved: whether that section is a meridian of a body of revolution.
     thickness: length of a plane section across its plane, mm.
     yields: whether the solution has plastic strains.
     """
@@ -76,8 +78,8 @@ class Samples:
     size: Array
     even: bool
     limits: Box
-    line: bool = False
-    circle: bool = False
+    section: bool = False
+    revolved: bool = False
     thickness: float = 1.0
     yields: bool = False
 
@@ -86,14 +88,14 @@ class Samples:
         """Highest power of x in the polynomial for p^2; higher where bodies yield, 0 of a
         section.
         """
-        return 0 if self.line else YIELD_DEGREE if self.yields else DEGREE
+        return 0 if self.section else YIELD_DEGREE if self.yields else DEGREE
 
     def measure(self, s: Array) -> Array:
         """Weight at s (n,) by which an integral over (x, s) becomes one over the contact area: 1
         for bodies in space. Of a section it is the length of the contact at s, mm: the
         thickness, or half a circle pi |s|.
         """
-        return np.pi * np.abs(s) if self.circle else np.full_like(s, self.thickness)
+        return np.pi * np.abs(s) if self.revolved else np.full_like(s, self.thickness)
 
 
 @dataclass(frozen=True)
@@ -174,13 +176,13 @@ def reconstruct(
 
     inner = knots[3:-3]
     width = np.diff(inner)
-    count = LINE_ROWS if samples.line else ROWS
+    count = LINE_ROWS if samples.section else ROWS
     s = (inner[:-1, None] + width[:, None] * (np.arange(count) + 0.5) / count).ravel()
     rows = np.repeat(width / count, count) * samples.measure(s)
     across = _splines(knots, s)
     along: Array = np.ones((1, 1))
     cell: Array = rows
-    if not samples.line:
+    if not samples.section:
         x = (np.arange(COLUMNS) + 0.5) * 2 / COLUMNS - 1
         along, cell = x ** powers[:, None], rows * 2 * half / COLUMNS
     force = samples.force / top
@@ -334,11 +336,11 @@ def ellipsoid(
     return replace(like, coefficients=peak**2 * c)
 
 
-def blend(one: SquaredPressure, other: SquaredPressure, share: float) -> SquaredPressure:
-    """Weighted mean of two p^2 with the same box, knots and powers: share times `one` plus (1 -
-    share) times `other`.
+def blend(one: SquaredPressure, other: SquaredPressure, weight: float) -> SquaredPressure:
+    """Weighted mean of two p^2 with the same box, knots and powers: weight times `one` plus (1 -
+    weight) times `other`.
     """
-    mixed = share * one.coefficients + (1 - share) * other.coefficients
+    mixed = weight * one.coefficients + (1 - weight) * other.coefficients
     return replace(one, coefficients=mixed)
 
 
@@ -354,5 +356,5 @@ def _start(samples: Samples, like: SquaredPressure) -> Array:
         for t, m in ((samples.x, xc), (samples.s, sc))
     )
     peak = 1.5 * float(samples.force.sum()) / (np.pi * a * b) / float(samples.pressure.max())
-    peak = 1.0 if samples.line else peak
+    peak = 1.0 if samples.section else peak
     return ellipsoid(like, (xc, sc), (a, b), peak).coefficients.ravel()

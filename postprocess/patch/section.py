@@ -1,4 +1,4 @@
-"""Findings of a section: a line contact in plane strain, or a circle of revolution."""
+"""The contact patch of a section: a line contact in plane strain, or a circle of revolution."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from railhead.postprocess.patch.surface import recover_surfaces
 from railhead.solver.system.fields import Fields
 
 SECTION_SIZE_FACTOR = 0.03  # as `patch.SOLID_SIZE_FACTOR`, of sections
-PRESSURE_POINTS = 61  # of the pressure along the contact line
+PRESSURE_POINTS = 61  # at which the pressure along the section is given
 LINE_POINTS = 2000  # at which p^2 is evaluated to find its zeros and its maximum
 Value = TypeVar("Value")
 
@@ -106,8 +106,8 @@ def samples(fields: Fields, frame: Frame) -> Samples:
         size=size,
         even=True,
         limits=limits,
-        line=True,
-        circle=revolved,
+        section=True,
+        revolved=revolved,
         thickness=thickness,
         yields=fields.plastic_strain is not None,
     )

@@ -1,9 +1,11 @@
 """Figure and units of every picture, and diagrams of the findings against exact Hertz.
 
 Functions that draw a picture end with an argument `target`: the path of a PNG file that is written,
-axes of another figure, as many as the picture has panels, or None. They return the figure. Without
-axes it is a new one, so no state is shared. `hertz` is the exact Hertz contact, point or line, or
-None: then only the computed result is drawn. Its middle is at the origin of the contact frame.
+axes of another figure, as many as the picture has panels, or None. Without axes the figure is new,
+so no state is shared. They return what was drawn on: a figure, the part of one between title and
+notes, or `GivenAxes`; the attribute `figure` of each is the whole. `hertz` is the exact Hertz
+contact, point or line, or None: then only the computed result is drawn. Its middle is at the origin
+of the contact frame.
 """
 
 from __future__ import annotations
@@ -32,6 +34,7 @@ from railhead.theory.elastic.line import Hertz
 from railhead.theory.elastic.subsurface import max_shear, principal
 
 Target = Path | Sequence[Axes] | None
+"""PNG file to write, axes of another figure, or None: a new figure that is not written."""
 
 Drawing = Callable[[Target], Any]
 """Draws a picture on a target and returns its figure, or None where there is nothing to draw."""
@@ -57,11 +60,11 @@ STYLE = {
 
 
 class GivenAxes:
-    """Axes of another figure in the place of a figure: what a picture asks of its figure.
+    """Axes of another figure in the place of a figure, with what a picture asks of its figure.
 
     axes: as many as the picture has panels, row by row.
     figure: the other figure.
-    colorbar: its method that draws a colour bar.
+    colorbar: the method of that figure that draws a colour bar.
     """
 
     def __init__(self, axes: Sequence[Axes]) -> None:
@@ -112,7 +115,7 @@ def new_figure(
 ) -> Iterator[Figure]:
     """Context manager: a matplotlib figure of width by height inches, to which title and notes are
     added. The Agg backend draws it; at the end its axes get the units of the subject, and it is
-    saved if `target` is the path of a PNG file; beside it in the format `savefig.format` of
+    saved if `target` is the path of a PNG file, and again in the format `savefig.format` of
     matplotlib's settings. If `target` is axes, these are the figure, with the style of their owner,
     and there is no title.
 
@@ -153,6 +156,7 @@ class ReaderTicks(AutoLocator):
     """Ticks at round numbers of a unit of which there are `factor` in that of the axis."""
 
     def __init__(self, factor: float) -> None:
+        """factor: number of the reader's units in one unit of the axis."""
         super().__init__()
         self.factor = factor
 

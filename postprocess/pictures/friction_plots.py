@@ -49,8 +49,9 @@ def draw_tractions(
     a section it shows those along its line, over the coordinate along it. Only points with pressure
     are used.
 
-    found: at points of the part that `planes` leave. coefficient: of friction, mu. planes: unit
-        normals of the symmetry planes at which the model was cut; the images are drawn too.
+    found: solution at the points of the part that is left of a model cut at `planes`.
+    coefficient: of friction, mu.
+    planes: unit normals of those symmetry planes; the images are drawn too.
     """
     frame, patch, subject = findings.frame, findings.patch, findings.subject
     touches = found.pressure > 0

@@ -42,15 +42,17 @@ class Shown:
     """What the pictures of one result show, but for the cells of the bodies.
 
     found: findings with the whole contact surface, title, units and notes.
-    exact: exact Hertz contact, or None; a line contact of finite elements only of a section.
+    exact: exact Hertz contact, or None; of finite elements a line contact only with a section.
     poisson: Poisson's ratio of the body of `found.axis`.
     coefficient: of friction.
-    axes: along which the pressure of finite elements varies: 0 for x, 1 for s, of a section one.
+    axes: those along which the pressure of finite elements varies, 0 for x, 1 for s: both of a
+        solid, one of a section.
     planes: unit normals of the symmetry planes at which `friction` was cut.
-    cut: of those at which the cells of solution.vtu were cut.
+    cut: unit normals of those at which the cells of solution.vtu were cut; none where that file
+        holds the images.
     friction: tractions at contact points; None without friction.
     yielded: what yield left; None where nothing yields.
-    passes: None without them.
+    passes: passes over a rail that yields; None where there are none.
     """
 
     found: Findings
@@ -75,8 +77,8 @@ def save(shown: Shown, path: Path) -> None:
 
 
 def load(path: Path) -> Shown:
-    """What pictures show, of a file. Raises ValueError (one line) for a file that is missing,
-    damaged, or of another version of the program.
+    """Read what `save` wrote; tuples come back as lists. Raises ValueError (one line) for a
+    file that is missing, damaged, or of another version of the program.
     """
     modules = [vars(import_module(f"railhead.{name}")) for name in MODULES]
     known = {

@@ -292,8 +292,8 @@ def _heights(axes: Axes, yielded: Yielded, found: Findings) -> None:
 
 
 def _increments(axes: Axes, rows: list[dict[str, Any]], units: Units) -> None:
-    """Draw the largest plastic increment and the forward displacement over the passes, on
-    logarithmic axes where they are not zero.
+    """Draw the largest plastic increment and the absolute forward displacement of each pass; zeros
+    are left out. The vertical axis is logarithmic unless nothing yields.
     """
     number = np.arange(1, len(rows) + 1)
     for key, factor, label in (

@@ -23,7 +23,7 @@ from railhead.postprocess.pictures.render import bodies_of
 
 LABELS = (r"smallest principal stress $\sigma_3$, MPa", r"largest shear stress $\tau$, MPa")
 LONG = 66  # letters of a label: two longer ones do not fit beside each other
-SURFACE = 1e-3  # of the smaller half length: a depth below it is none
+SURFACE = 1e-3  # of the smaller half length: a depth that is less counts as none
 # Of its depth (at least that share of the smaller half length): a point farther off a cut is said
 # to be so.
 OFF_CUT = 0.2

@@ -37,7 +37,8 @@ def drawings(
 ) -> dict[str, Drawing]:
     """The pictures of a sweep, `curves` and `patches`, by name of their PNG file; arguments as of
     these, with any number of columns. Rows that are not all combinations of the values of their
-    columns are numbered; of all combinations of three or more columns there are no pictures.
+    columns are numbered. Empty without rows or columns, and where rows are all combinations of
+    three or more columns.
     """
     if len(columns) > 1 and math.prod(len(_values(name, rows)) for name in columns) != len(rows):
         columns = ["combination"]

@@ -50,8 +50,8 @@ class Solid:
         self._simplices = np.array(_SIMPLICES[fields.cell])
 
     def near(self, point: Array, reach: float) -> NDArray[np.int64]:
-        """Rows (0 to m - 1) of the cells of which some point may lie within `reach` (mm) of a point
-        (3,); all that do are among them, with nodes as far away as `reach` up to rounding.
+        """Rows (0 to m - 1) of the cells that may have a point within `reach` (mm) of a point (3,);
+        all cells that have one, up to rounding, are among them.
         """
         square = ((self.middles - point) ** 2).sum(axis=1)
         return np.flatnonzero(square < ((1 + ROUNDING) * (self.sizes + reach)) ** 2)
@@ -64,8 +64,8 @@ class Solid:
         return bool(np.any(found.min(axis=2) > -ROUNDING))
 
     def extent(self, start: Array, direction: Array, reach: float) -> float:
-        """Distance, mm, from start (3,) along a unit vector to where the line leaves the body; at
-        most `reach`.
+        """Distance, mm, from start (3,) along a unit vector to where the line first leaves the
+        body; at most `reach`.
 
         The line may enter the body beyond its start, as one from a tangent plane does. A line that
         does not meet the body within `reach` gives `reach`.

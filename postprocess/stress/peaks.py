@@ -67,7 +67,7 @@ class Search:
         sizes = np.zeros(len(nodes))
         np.maximum.at(sizes, number, solid.sizes[:, None])
         self._sizes = sizes
-        self._sound = self._is_sound(self._nodes, sizes)
+        self._far = self._far_from_edges(self._nodes, sizes)
 
     @cached_property
     def _lattice(self) -> Array:
@@ -77,8 +77,8 @@ class Search:
         points = np.asarray(basix.create_lattice(kind, LATTICE, even, True))
         return tabulate(fields.cell, fields.degree, points)[0]
 
-    def _is_sound(self, points: Array, sizes: Array) -> Array:
-        """(n,) whether points (n, 3), mm, are far enough from every sharp edge: farther than two
+    def _far_from_edges(self, points: Array, sizes: Array) -> Array:
+        """(n,) whether points (n, 3), mm, are far from every sharp edge: farther than two
         elements (EDGE_ELEMENTS) and than 0.3 (EDGE_OF_PATCH) of the smaller semi-axis of the patch.
         sizes (n,): half sizes of the cells that hold them, as `Solid.sizes`, mm.
         """
@@ -105,7 +105,7 @@ class Search:
         also = also[np.array([self._solid.holds(place) for place in also], dtype=bool)]
         sizes = np.array([self._element(place) for place in also])
         hills = self._hills(invariant(self._average))
-        hills = np.concatenate([hills, also[self._is_sound(also, sizes)]])
+        hills = np.concatenate([hills, also[self._far_from_edges(also, sizes)]])
         if not len(hills):
             return None
         values = invariant(self._recovery.at(hills))
@@ -119,14 +119,14 @@ class Search:
 
     def _largest_sample(self, invariant: Invariant) -> float:
         """Largest value of an invariant at the Gauss points of cells away from sharp edges, MPa."""
-        sound = self._is_sound(self._recovery.points.mean(axis=1), self._solid.sizes)
-        return float(invariant(self._recovery.stress[sound].reshape(-1, 6)).max())
+        far = self._far_from_edges(self._recovery.points.mean(axis=1), self._solid.sizes)
+        return float(invariant(self._recovery.stress[far].reshape(-1, 6)).max())
 
     def at_edges(self, invariant: Invariant, value: float) -> Peak | None:
         """Largest nodal average of an invariant near sharp edges, as a peak, if it exceeds `value`,
         MPa; otherwise None.
         """
-        values = np.where(self._sound, -np.inf, invariant(self._average))
+        values = np.where(self._far, -np.inf, invariant(self._average))
         top = int(np.argmax(values))
         if values[top] <= value:
             return None
@@ -137,7 +137,7 @@ class Search:
         largest, at a distance from each other and from sharp edges. average (k,): of an invariant,
         at all k corner nodes of the body, MPa.
         """
-        candidates = np.flatnonzero(self._sound)
+        candidates = np.flatnonzero(self._far)
         if not len(candidates):
             return self._nodes[:0]
         candidates = candidates[average[candidates] > HILL_SHARE * average[candidates].max()]
@@ -177,7 +177,7 @@ class Search:
         near = ((points - place) ** 2).sum(axis=1) <= reach**2
         sizes = np.repeat(self._solid.sizes[cells], len(self._lattice))[near]
         points = points[near]
-        points = points[self._is_sound(points, sizes)]
+        points = points[self._far_from_edges(points, sizes)]
         if not len(points):
             return place
         return np.asarray(points[np.argmax(invariant(around(points)))])
@@ -198,8 +198,8 @@ class Search:
         limit = FIT_REACH / STENCIL
         moved = place + step * (directions @ np.clip(move, -limit, limit)) @ axes
         moved[self._planes] = np.abs(moved[self._planes])
-        sound = self._is_sound(moved[None], np.array([self._element(place)]))[0]
-        return moved if sound and self._solid.holds(moved) else place
+        far = self._far_from_edges(moved[None], np.array([self._element(place)]))[0]
+        return moved if far and self._solid.holds(moved) else place
 
     def _peak(self, value: float, place: Array) -> Peak:
         """Peak of a value (MPa) at a place (3,), mm, with the distance of the place from the

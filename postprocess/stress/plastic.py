@@ -111,7 +111,9 @@ def residual_state(
 
 def plastic_zone(fields: Fields, frame: Frame) -> PlasticZone:
     """Place, volume, depths and largest strain of the zone in which the equivalent plastic strain
-    exceeds 1e-9 (TRACE). frame: of the contact; depths are along its normal.
+    exceeds 1e-9 (TRACE).
+
+    fields: of a solution with plastic strain. frame: of the contact; depths are along its normal.
     """
     assert fields.plastic_strain is not None
     points, weights = _samples(fields)

@@ -18,7 +18,7 @@ from railhead.solver.system.fields import Fields
 
 NEIGHBOURS = 1200  # samples of one local fit: about three element sizes around
 FLAT_NEIGHBOURS = {"triangle": 120, "quadrilateral": 60}  # the same in a section
-MEAN = 4  # one in so many of them, the nearest ones, is asked whether the fit keeps their mean
+MEAN = 4  # `misfit` compares the means of the nearest ones: of all of them over this number
 DEGREE = 3
 BLOCK = 16  # fits at a time, so that they stay in the cache
 RIDGE = 1e-13  # of the trace: lets too few samples have a solution, and changes no other
@@ -27,7 +27,7 @@ OUTSIDE = 1.5  # radii of the nearest cell: a point farther from it lies outside
 
 class Recovery:
     """The stresses of one body, in global axes, tension positive, as a polynomial of degree 3
-    around any point. Points outside of the body are not told: the polynomial is extrapolated.
+    around any point. No point is refused: outside of the body the polynomial is extrapolated.
 
     Each polynomial is fitted to the stresses at the Gauss points of the cells around, the mirror
     images across symmetry planes included (moving least squares, Lancaster and Salkauskas 1981;

@@ -98,7 +98,7 @@ def test_numbers_do_not_jump_where_an_ellipse_becomes_another_shape() -> None:
             return 1 - x**2 / 4 - s**2 / 3 - power * s**4 / 9
 
         fields = painted(square, (2.6, 2.2), 0.3, 0.02, even=True)
-        shares.append(patch.general_shape_share(pressure.moments(fields, FRAME).shape_error))
+        shares.append(patch.general_shape_weight(pressure.moments(fields, FRAME).shape_error))
         read.append(_numbers(_read(fields)) / measured(square, (2.6, 2.2)))
     assert shares[0] == 0.0
     assert shares[-1] == 1.0
