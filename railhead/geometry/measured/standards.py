@@ -238,4 +238,4 @@ def _outline(name: str) -> tuple[Array, Array, cKDTree]:
     tangent = np.gradient(outline, axis=0)
     normal = np.column_stack([-tangent[:, 1], tangent[:, 0]])
     normal /= np.linalg.norm(normal, axis=1)[:, None]
-    return outline, normal, cKDTree(outline)
+    return outline, normal, cKDTree(outline, leafsize=32, compact_nodes=False)  # quick far off too
