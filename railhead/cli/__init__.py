@@ -12,8 +12,8 @@ if TYPE_CHECKING:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run the command `railhead` with arguments, None: those of the process. Signals terminate the
-    process from the first import on.
+    """Run the command `railhead` with arguments, None: those of the process, and exit with its
+    status. Ctrl-C ends the process at once, also during imports.
     """
     process.end_at_once()
     from railhead.cli import commands
@@ -22,8 +22,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def run_case(scene: Scene) -> None:
-    """Run `railhead run` on a shipped scene, with the options of the process: `python
-    cases/<case>.py`.
+    """Run `railhead run` on a shipped scene, with the options of the process, and exit with its
+    status: `python cases/<case>.py`.
     """
     from railhead.cli import commands
 

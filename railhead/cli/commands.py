@@ -36,7 +36,9 @@ SERIAL = ("list", "plan", "show", "diff", "locate", "profile")
 
 
 def _completing(words: Callable[[], Iterable[str]]) -> Callable[..., list[str]]:
-    """A function by which click completes a word in a shell, of a function that returns words."""
+    """The function for click's shell completion that offers those words that begin as typed.
+    words: returns all of them.
+    """
     return lambda context, parameter, begun: [each for each in words() if each.startswith(begun)]
 
 
@@ -61,7 +63,7 @@ _over_file = click.option(
 
 
 def _beside_png(_: click.Context, __: click.Parameter, kind: str | None) -> None:
-    """Let matplotlib write pictures in this format, too."""
+    """Let matplotlib write each picture in the format `kind` beside PNG; None: in PNG alone."""
     if kind is not None:
         import matplotlib
 

@@ -96,7 +96,9 @@ class Location(terminal.Drawn):
 
     @cached_property
     def swept(self) -> list[tuple[float, Placed]]:
-        """Lateral shift to the right (mm, rising) and placed wheelset, where both wheels touch."""
+        """Lateral shift to the right (mm, rising) and placed wheelset, for shifts from -10 to 10 mm
+        (SHIFTS) at which both wheels touch.
+        """
         scene, found = self.scene, []
         track = Track(scene.wheelset.back_to_back, scene.rail.gauge)
         for shift in map(float, SHIFTS):

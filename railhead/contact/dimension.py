@@ -73,7 +73,7 @@ def _curvatures(scene: Scene) -> tuple[float, float] | None:
 
 def circular(scene: Scene) -> tuple[bool, str]:
     """Whether both bodies, and their loads, are symmetric about the normal of the contact, with a
-    text that says why or why not. Of the switches of effects only that of friction is looked at.
+    text that says why or why not. Of the keys of effects only `friction` is looked at.
     """
     curvatures = _curvatures(scene)
     if curvatures is None:
@@ -119,9 +119,9 @@ def _across(scene: Scene) -> Dimension:
 
 def _along(scene: Scene) -> Dimension:
     """Plane section along the rail for a cylinder on a flat crown or one nearly so, else a solid.
-    Curved across, it needs a predicted semi-axis across of 5 times (SLENDER) half the common width,
-    and a strip that is not wider than long. Where plane strain is forced, once is enough, and the
-    strip may be wider.
+    Curved across, it needs a predicted semi-axis across of at least 5 times (SLENDER) half the
+    common width, and a strip that is not wider than long. Where plane strain is forced, half the
+    common width is enough, and the strip may be wider.
     Raises SceneError where the forced plane strain or the geometry does not allow the choice.
     """
     forced = scene.effects.plane_strain

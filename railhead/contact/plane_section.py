@@ -106,7 +106,9 @@ class LongitudinalSection(SectionContact):
         return []
 
     def exact_approach(self, hertz: Hertz) -> float | None:
-        """As of half-spaces; None in plane strain for bodies that end."""
+        """Approach along the vertical, mm, as of half-spaces, for a closed form; None in plane
+        strain for bodies that end.
+        """
         return super().exact_approach(hertz) if self.half_space or self.revolved else None
 
     def why_asymmetric_in_x(self) -> str | None:
@@ -243,7 +245,7 @@ class TransverseSection(SectionContact):
     @property
     def discs(self) -> dict[int, float]:
         """Radius in mm by tag (RAIL, WHEEL) of the bodies that are half a disc: those whose depth
-        is their radius and whose width is not less than two radii.
+        is their radius and whose width is not given or at least two radii.
         """
         rail, wheel = self.scene.rail, self.scene.wheel
         found = {}

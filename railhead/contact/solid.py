@@ -40,9 +40,9 @@ TREAD_HALF_WIDTH = 67.5  # mm, of a cylinder, cone or arc
 
 
 def rail_profile(scene: Scene, stretch: float = 1.0) -> Profile:
-    """Crown z(y) of the rail as it stands, inclination included. Standard rails and arcs are turned
-    about the crown centre, files about their origin. Raises SceneError for a file that cannot be
-    used.
+    """Crown z(y) of the rail as it stands, mm, inclination included. Standard rails and arcs are
+    turned about the crown centre, files about their origin. Raises SceneError for a file that
+    cannot be used.
 
     stretch: factor on the smoothing wavelengths of a measured profile.
     """
@@ -57,7 +57,7 @@ def rail_profile(scene: Scene, stretch: float = 1.0) -> Profile:
 
 
 def wheel_profile(scene: Scene, stretch: float = 1.0) -> Profile:
-    """Tread profile z(y), outwards from the nominal rolling radius, y = 0 at the tape circle.
+    """Tread profile z(y), mm, outwards from the nominal rolling radius, y = 0 at the tape circle.
     Raises SceneError for a file that cannot be used.
 
     stretch: factor on the smoothing wavelengths of a measured profile.

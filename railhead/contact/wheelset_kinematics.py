@@ -8,8 +8,8 @@ pass with
 
 of which the components in the rail's tangent plane are the rigid slip. W about the normal at P1 is
 the spin. A wheelset turns about its axle e by 2 pi in 2 pi R: W = e/R, xi_1 = e_x + W x (P1 - C)
-with C on the axle, in the pose where it stands. An R of `wheel.rolling_radius` needs a torque; the
-mean of both wheels' rolling radii is an approximation of none.
+with C on the axle, in the pose where it stands. An R of `wheel.rolling_radius` needs a torque on
+the axle; with the mean of both wheels' rolling radii there is nearly none.
 """
 
 from __future__ import annotations

@@ -171,8 +171,8 @@ class ProfilePair:
         return self._touch(pose, at, at_edge)
 
     def _touch(self, pose: Pose, tread: float, at_edge: bool) -> ContactPoint:
-        """Contact point on the wheel's circle at profile coordinate tread (mm), where that circle
-        is nearest to the rail (`outline`), with the curvatures of both bodies and the gap there.
+        """Contact point on the wheel's circle at profile coordinate tread (mm), at the point of the
+        contact locus (`outline`), with the curvatures of both bodies and the gap there.
         at_edge: the point is the end of a profile.
         """
         outline = self.outline(pose, tread)

@@ -38,7 +38,7 @@ SAFETY = 2.0  # factor on the change, chosen on six seeds of each pair of the st
 AIM = 0.9  # share of the prescribed accuracy that the mesh may take
 RANGE = (3.0, 60.0)  # elements per smaller semi-axis that are considered
 PLACES = ("tau_max_depth_mm",)
-"""Quantities that are places of a maximum: their scale is how flat that is."""
+"""Quantities that are places of a maximum: their scale is how flat the maximum is."""
 TURNED = {"a_mm": "b_mm", "b_mm": "a_mm"}
 """Half lengths along and across the rail change places in line contacts across it."""
 USUAL = {"half-spaces": "ellipse", "bodies": "bodies"}
@@ -279,7 +279,7 @@ def family(setting: Setting) -> Family | None:
 @dataclass(frozen=True)
 class Uncertainty:
     """Relative error of sizes and values of the answer that measured profiles may hide: twice
-    (SAFETY) the largest change that was found.
+    (SAFETY) the largest change where they are smoothed more or less (`around`).
     relative: relative error of the largest pressure or of the area, the larger one; infinite where
         boundary elements find no patch.
     reason: why the error is infinite, else empty.

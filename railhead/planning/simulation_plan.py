@@ -210,16 +210,18 @@ class Plan:
 
     @cached_property
     def uncertainty(self) -> Uncertainty | None:
-        """Relative error of largest pressure and area, one number, that measured profiles may hide.
-        Solved by boundary elements at the first call; infinite where these find no patch. None
-        where no profile is measured, for half-spaces, and in sections.
+        """Relative error of largest pressure and area, one number, that measured profiles may hide:
+        by boundary elements on profiles that are smoothed more and less, solved at the first call.
+        Infinite where these find no patch. None where no profile is measured, for half-spaces, and
+        in sections.
         """
         return error_envelopes.of_profiles(self.context)
 
     @property
     def profile_error(self) -> float:
-        """Relative error that measured profiles may hide, 0 without measured profiles, infinite
-        where boundary elements find no patch; no mesh makes it smaller.
+        """Relative error of largest pressure and area that measured profiles may hide
+        (`uncertainty`): 0 where that is None, infinite where boundary elements find no patch. No
+        mesh makes it smaller.
         """
         return self.uncertainty.relative if self.uncertainty else 0.0
 
@@ -305,8 +307,8 @@ class Plan:
 
     @property
     def options(self) -> Options:
-        """Options of the mesher: cell, geometric order, symmetry at x = 0, plane and elements per
-        full turn.
+        """Options of the mesher: cell, geometric order, symmetry at x = 0, plane of a section and
+        elements per full turn of a fillet.
         """
         curved = self.order > 1 and not self.contact.half_space
         cell = self.scene.mesh.cell
@@ -337,7 +339,9 @@ class Plan:
 
     @cached_property
     def sizing(self) -> Sizing:
-        """Inputs of the element sizes of this plan."""
+        """The rules of element size for the contact, forecast, cells, patch size and reach of this
+        plan.
+        """
         return Sizing(
             contact=self.contact,
             gap_contact=self.gap_contact,
@@ -577,9 +581,9 @@ class Plan:
 
 def make(scene: Scene) -> Plan:
     """The plan of a scene; nothing is meshed. Its bodies are outlined once as a check.
-    Raises SceneError for a pair that cannot be solved as a point or line contact, and for an
-    accuracy that no mesh is expected to meet. So it does for effects that a person cannot choose,
-    and for bodies that cannot be built.
+    Raises SceneError for a pair that cannot be solved as a point or line contact, and, where no
+    budget is given, for an accuracy that no mesh is expected to meet. So it does for effects that a
+    person cannot choose, and for bodies that cannot be built.
     """
     plan = _decided(scene)
     if scene.accuracy is not None and scene.budget is None and plan.family is not None:

@@ -45,7 +45,7 @@ def reach(contact: Contact, hertz: Hertz, forecast: Forecast, *, friction: bool)
 
 @dataclass(frozen=True, kw_only=True)
 class Sizing:
-    """Inputs of the element sizes of a plan.
+    """Rules of the element sizes of a plan, and what they depend on.
     contact: first contact of the undeformed bodies, with their own profiles.
     gap_contact: contact whose profiles make the gap: circles of curvature where `true_profile` is
         off.

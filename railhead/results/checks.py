@@ -95,7 +95,7 @@ def allowed(estimates: Mapping[str, Estimate], key: str) -> float:
 
 
 def deviation(value: float, target: float) -> float:
-    """Size of the relative deviation of a value from a target; infinite for a target of 0."""
+    """Absolute value of the relative deviation from a target; infinite for a target of 0."""
     return abs(value / target - 1) if target else math.inf
 
 

@@ -37,20 +37,24 @@ MANIFEST = ".railhead"  # names of the files in a result folder that are replace
 
 
 def foreign(folder: Path) -> list[str]:
-    """Sorted names of the files and folders in a folder that no result wrote, after its list of own
-    names (MANIFEST).
+    """Sorted names of the files and folders in a folder that are not in the list of its result's
+    files (MANIFEST); all where there is no list.
     """
     return sorted(set(os.listdir(folder)) - {MANIFEST, *_listed(folder)})
 
 
 def _listed(folder: Path) -> list[str]:
-    """The own names of the result in a folder (MANIFEST), of which some may not be there."""
+    """Names in the list of a result's files in its folder (MANIFEST), of which some may not be
+    there; empty without a list.
+    """
     path = folder / MANIFEST
     return path.read_text("utf-8", errors="replace").splitlines() if path.is_file() else []
 
 
 def _list(folder: Path, names: Collection[str]) -> None:
-    """Write the own names of a result into its folder (MANIFEST). OSError: it cannot be written."""
+    """Write the list of a result's files into its folder (MANIFEST). OSError: it cannot be
+    written.
+    """
     text = "".join(f"{name}\n" for name in sorted(names))
     (folder / MANIFEST).write_text(text, encoding="utf-8")
 

@@ -39,8 +39,9 @@ APART = 1 + 1 / SCATTER_FACTOR  # ratio of two meshes whose change times that fa
 RESIDUAL_FACTOR = 2.0
 STEP_ORDER = 1.5  # of the error of load steps; 1.5 to 2.2 were measured from two steps on
 RIDGE_STRESS_FACTOR = 2.0
-"""Uncertainty of the largest stresses below a ridge of the pressure, over that of the ridge: chosen
-on the scenes of seed 1, of which one alone makes three quarters of the law if it is 1."""
+"""Uncertainty of the largest stresses in the bodies under a ridge of the pressure, over that of the
+ridge: chosen on the scenes of seed 1, of which one alone makes three quarters of the law if it is
+1."""
 NARROWEST_PEAK = 0.02  # least width of a maximum of the shear stress, over the element size
 
 
@@ -159,9 +160,12 @@ def error_scales(found: Findings, result: Mapping[str, Any]) -> dict[str, float]
 
 
 def reading_errors(found: Findings, tolerance: float = RIVAL) -> dict[str, float]:
-    """Relative difference of two ways of reading the same solution, by key. For the depth of the
-    largest shear stress: the distance over that depth to other maxima that are lower by less than
-    `tolerance` (relative); infinite at the surface.
+    """Relative difference of two ways of reading the same solution, by key.
+
+    For the depth of the largest shear stress: the distance over that depth to other maxima that are
+    lower by less than `tolerance` (relative); infinite at the surface. For the largest stresses:
+    the estimated peak of friction that no point reads, and, where the patch is not Hertz's, twice
+    (RIDGE_STRESS_FACTOR) the error of the largest pressure.
     """
     peaks = {body: each.tau for body, each in found.largest.items()}
     top = max(peaks.values(), key=lambda peak: peak.value)

@@ -458,8 +458,8 @@ def _rounded(zone: Zone) -> Zone:
 class _Clock:
     """Stopwatch of the stages of a run.
 
-    seconds: time by stage "mesh", "assemble", "solve" and "postprocess", s; the same dictionary in
-        every solution made meanwhile.
+    seconds: time by stage "mesh", "assemble", "solve" and "postprocess", s; every solution that is
+        made with this clock holds the same dictionary.
     """
 
     def __init__(self) -> None:

@@ -24,7 +24,8 @@ def end_at_once() -> None:
 def prepare() -> None:
     """Set up a process that only runs a command, before numpy and MPI are loaded: streams that can
     be written to, environment variables, and freed memory kept for the next arrays. There is one
-    BLAS thread, unless OMP_NUM_THREADS is set.
+    BLAS thread, unless OMP_NUM_THREADS is set. Under MPI the process is killed when its launcher
+    ends.
     """
     for name in ("stdout", "stderr"):  # closed by who started it: libraries write to them
         if getattr(sys, name) is None:

@@ -52,7 +52,7 @@ class Progress:
         self._status.stop()
 
     def _say(self, text: str) -> None:
-        """Show a text with the elapsed seconds."""
+        """Show a text with the elapsed seconds, or call `tell` with both."""
         elapsed = time.perf_counter() - self._start
         if self._tell is not None:
             self._tell(elapsed, text)

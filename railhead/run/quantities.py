@@ -35,7 +35,8 @@ class Quantity:
         `estimates.friction_values` chooses those that are estimated as well.
     over_friction_limit: whether its errors are relative to mu N and not to the value.
     scatter: name in `Patch.scatter` of the difference between two readings; empty: none.
-    ridge_stress: whether it is a stress below the largest pressure, with the uncertainty of that.
+    ridge_stress: whether it is a largest stress in the bodies, whose reading error follows from
+        that of the largest pressure (`estimates.reading_errors`).
     compared: whether an estimated quantity is compared with a second method.
     record: class of the record below this key; None where the key holds a value or a list.
     path: keys from "result" of summary.json down to the value; filled in `QUANTITIES` only.

@@ -271,7 +271,8 @@ class SolidFriction:
     def press_again(self, case: LoadCase, found: list[TangentialSolution]) -> Solution:
         """Solution of the bodies under tractions, whose `load` includes what these carry on
         inclined surfaces (collective). `pressures` become those of this solution. A solution that
-        did not converge, or in which patches have merged, says so and leaves them.
+        did not converge, or in which patches have merged, says so and leaves `pressures` as they
+        were.
 
         case: load case, with forces that are added to those of the tractions.
         found: tractions of each patch.

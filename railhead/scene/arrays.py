@@ -29,8 +29,8 @@ def is_array(value: object) -> bool:
 
 
 def file_of(value: object, kind: str, columns: dict[str, str]) -> str:
-    """Absolute path of a .csv file with the rows of an array (n, 2); its name is `kind` and digits
-    of the content's SHA-256.
+    """Absolute path of a .csv file with the rows of an array (n, 2); its name is `kind` and twelve
+    digits of the content's SHA-256. Writing a new one removes files older than 90 days (KEPT).
 
     value: numbers, or a quantity of pint where both columns have one unit.
     columns: header of each column, and its unit, empty for none.

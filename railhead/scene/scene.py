@@ -101,7 +101,7 @@ USUAL = {
     "wheel.rolling_radius": (250.0, 650.0),
     "load": (5e3, 250e3),
 }
-"""Range in base units of steel wheels on rails, by dotted key."""
+"""Usual range of values for steel wheels on rails, in base units, by dotted key."""
 FACTORS = (1e-3, 1e3, 1e6)  # GPa for MPa, m for mm, kN for N; kPa and Pa for MPa
 
 
@@ -186,7 +186,7 @@ class Scene(Section):
     rolling: steady rolling, a `Rolling`.
     solver: contact method and linear solver, a `Solver`.
     mesh: the elements, a `Mesh`.
-    effects: switches of the effects, an `Effects`.
+    effects: physical effects and simplifications, each "auto", "on" or "off", an `Effects`.
     """
 
     name: Annotated[str, BeforeValidator(_name)] = "scene"
@@ -207,9 +207,9 @@ class Scene(Section):
 
     @model_validator(mode="after")
     def _keys_of_several_tables(self) -> Self:
-        """Raise SceneError for the first rule that is broken: exactly one of load and approach; a
-        patch size or an accuracy or budget; rolling or a force of [friction], which a cycle needs;
-        a body that deforms.
+        """Raise SceneError for the first rule that is broken: exactly one of load and approach; no
+        patch size beside accuracy or budget; no force of [friction] beside rolling; no cycles
+        beside passes; a force of [friction] for friction.cycle; at least one body that deforms.
         """
         friction, rolling = self.friction, self.rolling
         shifted = friction.force_along or friction.force_across
@@ -390,8 +390,8 @@ class Scene(Section):
         return self.from_mapping(data)
 
     def value(self, key: str) -> object:
-        """The value of a dotted key, in its base unit (N, mm, MPa, s, rad); None where it has none,
-        of a table a dictionary. Raises KeyError for an unknown key.
+        """The value of a dotted key, in its base unit (`unit`); None where it is not given, for a
+        table a dictionary. Raises KeyError for an unknown key.
         """
         return reduce(getitem, OTHER_NAMES.get(key, key).split("."), self.model_dump())
 

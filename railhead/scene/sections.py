@@ -495,7 +495,8 @@ class Rolling(Section):
     @model_validator(mode="after")
     def _one_of_each(self) -> Self:
         """Raise SceneError for a creepage and a force in one direction, for a key that
-        from_wheelset gives, for an axle without from_wheelset and for a speed without rolling.
+        from_wheelset gives, for an axle without from_wheelset, for a speed without rolling, and for
+        a pressure or passes_from without passes.
         """
         along = None not in (self.creepage_along, self.force_along)
         across = None not in (self.creepage_across, self.force_across)
@@ -540,11 +541,11 @@ class Rolling(Section):
 
 
 class Effects(Section):
-    """Switches of the physical effects and of the simplifications: "on", "off", or "auto", which
-    leaves the choice to the plan. A state that is not allowed raises SceneError when the scene is
-    planned. Where half-spaces answer (finite_bodies off), effects of meshed bodies cannot be on.
+    """Physical effects and simplifications: each is "on", "off", or "auto", which leaves the choice
+    to the plan. A value that is not allowed raises SceneError when the scene is planned. Where
+    half-spaces answer (finite_bodies off), effects of meshed bodies cannot be on.
 
-    symmetry: state of symmetry_x and symmetry_y where these are "auto".
+    symmetry: value of symmetry_x and symmetry_y where these are "auto".
     plane_strain: on: a line contact is solved in a plane section. off: as a solid; not allowed
         without curvature along or across the rail. on is not allowed where the contact is no line.
     axisymmetry: on: bodies of revolution about the contact's normal are solved in a meridian
@@ -601,9 +602,8 @@ class Effects(Section):
     heat: Switch = "auto"
 
     def state(self, name: str) -> Switch:
-        """The switch ("auto", "on" or "off") of the effect `name`, as it was given, whether or not
-        it is allowed. The switch `symmetry` replaces those of symmetry_x and symmetry_y that are
-        "auto".
+        """The value ("auto", "on" or "off") of the key `name`, as it was given, whether or not it
+        is allowed; for symmetry_x and symmetry_y that are "auto", the value of `symmetry`.
         """
         choice: Switch = getattr(self, name)
         return self.symmetry if choice == "auto" and name.startswith("symmetry") else choice

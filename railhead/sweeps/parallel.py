@@ -186,7 +186,7 @@ def _solve_all(
     numbers_of = {}
     for group, wanted in zip(groups, missing, strict=True):
         scenes = {number: sweep.grid.scenes[number] for number in group}
-        for part in share(wanted, busy, workers):
+        for part in split_among_workers(wanted, busy, workers):
             over = {number: sweep.values(number) for number in part}
             job = submit(_solve, sweep.folder, over, scenes, sweep.vtu, sweep.keep_results)
             numbers_of[job] = part
@@ -206,10 +206,10 @@ def _solve_all(
     return {number: faults[number] or LOST_RECORD for number in without_record}
 
 
-def share(numbers: Sequence[int], groups: int, workers: int) -> list[Sequence[int]]:
-    """The numbers of one of `groups` groups, split into as many parts as there are processes for
-    each group; workers: number of processes. Each process makes the mesh of the whole group again,
-    as it would otherwise wait for that mesh.
+def split_among_workers(numbers: Sequence[int], groups: int, workers: int) -> list[Sequence[int]]:
+    """The numbers of the scenes of one group, split into as many parts as there are processes for
+    each group. groups: number of groups; workers: number of processes. Each process makes the mesh
+    of the whole group again, as it would otherwise wait for that mesh.
     """
     parts = min(len(numbers), max(1, workers // max(1, groups)))
     return [numbers[first::parts] for first in range(parts)]

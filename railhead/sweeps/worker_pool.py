@@ -99,7 +99,7 @@ class _Process(SpawnProcess):
 
 
 class _Context(SpawnContext):
-    """Context of `multiprocessing` with such processes."""
+    """Context of `multiprocessing` whose processes are `_Process`."""
 
     Process = _Process
 

@@ -2,9 +2,9 @@
 
 MiniProf (.ban rail, .whl wheel: header lines key=value, an empty line, then columns), Simpack (.prr
 rail, .prw wheel: commented sections, points between point.begin and point.end), and tables of text.
-Separator and decimal mark of a table are those that make most lines rows of numbers, of long files
-most of some 2000 lines. The columns of y and z are those that a header line names; without one the
-table must have two columns, y before z.
+Separator and decimal mark of a table are those with which the most lines are rows of numbers; of a
+long file only some 2000 lines are tried. The columns of y and z are those that a header line names;
+without one the table must have two columns, y before z.
 """
 
 from __future__ import annotations
@@ -69,10 +69,10 @@ class Table:
     """Points of a file, before they are turned into the axes of the project.
     points: (n, 2) of y, and z up or down, in the order and the unit of the file; of a Simpack file
         after the shifts and mirrors of its header.
-    unit: unit that the file states, a key of UNIT_NAMES; '' where it states none. Where the user
-        gives the unit, also another one, or two joined by ' and '.
+    unit: unit that the file states, a key of UNIT_NAMES; '' where it states none. With
+        `unit_is_given` also one of OTHER_UNITS, or two units joined by ' and '.
     body: 'rail', 'wheel', or '' where the file does not say.
-    format: name of the format.
+    format: 'MiniProf', 'Simpack', or 'table by ' and the name of the separator.
     remarks: what was left out or computed while reading.
     lines: (n,) line number of each point.
     """
@@ -140,9 +140,10 @@ def _numbers(line: str, separator: str, decimal: str) -> list[float] | None:
 def _rows(
     name: str, lines: Sequence[str], span: range, layout: tuple[str, str], comment: re.Pattern[str]
 ) -> tuple[list[list[float]], tuple[int, ...], tuple[str, ...]]:
-    """Numbers in the lines with indices in a span, the line number of each row (n,), and a remark
-    on rows that are commented out, if any.
+    """Rows of numbers, one for each line of a span that is not empty or commented out; the line
+    number of each row (n,); and a remark on rows that are commented out, () if there are none.
     name: file name, for messages.
+    span: indices of the lines.
     layout: separator (regular expression) and decimal mark.
     comment: what begins a comment line.
     Raises FormatError for a line that is no row, and where there is none.
@@ -181,7 +182,8 @@ def _points(
 
 
 def _miniprof(name: str, lines: Sequence[str], body: str) -> Table:
-    """Table of a MiniProf file. Lines that begin with a quotation mark are commented out. Raises
+    """Table of a MiniProf file, in mm. Points are its columns X and Y by the header's ColumnDef,
+    else the first two. Lines that begin with #, % or a quotation mark are commented out. Raises
     FormatError for a file without header or without points, and for a line that is no point.
     name: file name, for messages; body: 'rail' or 'wheel', by the extension.
     """
@@ -225,8 +227,8 @@ def _simpack(name: str, lines: Sequence[str], body: str) -> Table:
             keys.setdefault(key.strip(), (at, value.strip()))
 
     def number(key: str, default: float = 0.0) -> float:
-        """Number of a header key, or the default. Raises FormatError where the value is none, is
-        not finite, or is a unit of 0.
+        """Number of a header key, or the default where the header lacks it. Raises FormatError for
+        a value that is no finite number, and for a unit's factor of 0.
         """
         line, text = keys.get(key, (0, str(default)))
         value = float(text) if NUMBER.fullmatch(text) else math.nan

@@ -151,7 +151,7 @@ def read(
     slope: float = 0.0,
     stretch: float = 1.0,
 ) -> Measured:
-    """The profile of a 'rail' or 'wheel' in a file, read once and kept.
+    """The profile of a 'rail' or 'wheel' in a file; cached until the file changes.
     given: what the user says of the axes of the file.
     wavelength: of waves that keep half of their height, mm, or None to choose by the noise.
     slope: tangent of the angle by which the profile is turned about the origin, positive towards y

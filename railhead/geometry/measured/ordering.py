@@ -105,8 +105,8 @@ def resampled(points: Array, step: float) -> Array:
 
 def refuse_rounded(points: Array) -> None:
     """Raises PointError where coordinates of points (n, 2), mm, in their order, are rounded:
-    heights to more than 0.01 mm (ROUNDED), or y so that neighbours have the same one.
-    The middle half of the width tells, where no face is vertical.
+    heights to more than 0.01 mm (ROUNDED), or y so that more than a quarter of the neighbours have
+    the same one. For y only the middle half of the width counts, where no face is vertical.
     """
     y, heights = points[:, 0], np.unique(np.round(points[:, 1], 6))
     steps = np.diff(heights)
@@ -125,9 +125,9 @@ def refuse_outlier(points: Array) -> None:
     is an outlier.
 
     At an outlier the way through the points turns by more than 143 deg (BACK), more than 0.3 mm
-    (LEAST_OFFSET) away from both neighbours. It is then three times as far from the line through
-    its neighbours as half their distance. At either end a turn of 60 deg (ASIDE) suffices where the
-    end's step is twice as long (LONG) as the next one.
+    (LEAST_OFFSET) away from both neighbours. Midway between them it is then three times as far from
+    the line through them as half their distance. At either end a turn of 60 deg (ASIDE) suffices
+    where the end's step is twice as long (LONG) as the next one.
     """
     steps = np.diff(chord_lengths(points))
     angle = np.degrees(turns(points))

@@ -112,23 +112,25 @@ def all_laid(points: Array, body: str) -> list[LaidStandard]:
 
 
 def roughly_laid(points: Array, body: str) -> LaidStandard:
-    """One standard of a 'rail' or 'wheel' laid on points (n, 2), mm, of any spacing, in few
-    iterations: enough to compare orientations by `distance`.
+    """The standard 60E1 of a 'rail', S1002 of a 'wheel', laid on points (n, 2), mm, of any spacing,
+    in few iterations: enough to compare orientations by `distance`.
     """
     return _laid(STANDARDS[body][-1], points, body == "rail", ROUGH)
 
 
 def _laid(name: str, points: Array, turns: bool, iterations: int = ITERATIONS) -> LaidStandard:
     """The standard `name` laid on points (n, 2), mm, by a least-squares fit.
-    turns: the standard may be turned, as a rail is, else only displaced; iterations: at most; with
-        fewer than 100 (ITERATIONS) only a rough fit.
+    turns: the standard may be turned, as a rail is, else only displaced.
+    iterations: at most; any other number than 100 (ITERATIONS) makes only a rough fit.
+    A move is a displacement (dy, dz) in mm of the points, and, where it turns, an angle in rad.
     """
     outline, normal, tree = _outline(name)
     places: dict[bytes, Index] = {}
 
     def place(move: Array) -> tuple[Array, Index, Mask]:
         """Points (n, 2) displaced by move, indices (n,) of the nearest ones of the outline, and
-        whether (n,) they lie within its ends and on the head. Those of the last move are kept.
+        whether (n,) they lie within its ends and on the head. The indices of the last move are
+        cached.
         """
         moved, key = _moved(points, move), move.tobytes()
         if key not in places:

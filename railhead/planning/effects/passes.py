@@ -170,9 +170,9 @@ def decide_plasticity_wheel(context: Context) -> Effect:
 
 
 def traction(context: Context) -> float:
-    """Tangential over normal force in rolling: the given one, in a line contact that of Carter's
-    creepage (Johnson, Contact Mechanics, 8.6), else the coefficient of friction; 0 without
-    friction.
+    """Tangential over normal force in rolling: of given forces, at most the coefficient of
+    friction; without them in a line contact that of Carter for the creepage (Johnson, Contact
+    Mechanics, 8.6), else the coefficient. 0 without friction.
     """
     scene, hertz = context.scene, context.hertz
     coefficient = scene.friction.coefficient

@@ -38,7 +38,7 @@ EDGE = 1.1  # factor on the semi-axis across that must lie within both profiles
 
 def decide_plane_strain(context: Context) -> Effect:
     """Plane strain is called for, and simulated, where the contact was found to be a line
-    (`dimension.choose`, which heeds a person's switch).
+    (`dimension.choose`, which heeds effects.plane_strain of the scene).
     """
     kind = context.dimension
     refused = {} if kind.line else {"on": kind.plane_strain}

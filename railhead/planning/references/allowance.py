@@ -57,7 +57,7 @@ class _Body:
 
     weight: its (1 - nu^2)/E over the sum of those of both bodies, 0 to 1.
     poisson: Poisson's ratio.
-    depth: distance from the contact to the held face, mm.
+    depth: nominal depth at which it is held, mm, as `placed_bodies.depth`.
     ends: positions s of its free edges on the developed rail, mm.
     """
 
@@ -73,10 +73,10 @@ class _Body:
         edges = sum(halfspace.free_edge(abs(s - end), self.poisson) for end in self.ends)
         return self.weight * (halfspace.held_below(self.depth, self.poisson) + edges)
 
-    def between(self, s: Array) -> Array:
-        """Displacement of places s (n,), mm, by unit forces at the same places through the images
-        at free edges and held face, over F/(pi E*): a matrix (n, n), 1/mm. A displacement common
-        to all places is left out.
+    def influence(self, s: Array) -> Array:
+        """Influence matrix (n, n), 1/mm, of the faces where the body ends: displacement at places
+        s (n,), mm, over F/(pi E*), by forces F at the same places through the images at free edges
+        and held face. A displacement common to all places is left out.
         """
         psi = halfspace.image_force(self.poisson)
         apart = [abs(s - end) for end in self.ends]
@@ -118,7 +118,7 @@ def allowance(
     around = _bodies(contact, deformable, surface)
     size = max(_size(patch, around) for patch in patches)
     conformity = max(_conformity(patch, solved.contact_modulus) for patch in patches)
-    shift = _shares(patches, around)
+    shift = _force_changes(patches, around)
     areas = np.array([patch.area for patch in patches])
     common = {"size": size, "conformity": conformity}
     shares = {
@@ -192,14 +192,15 @@ def _conformity(patch: _Patch, contact_modulus: float) -> float:
     return sum(1 - math.cos(slope) for slope in (patch.normals / 2, a * along, b * across))
 
 
-def _shares(patches: list[_Patch], around: list[_Body]) -> Array:
-    """Size (n,) of the relative change of the force on each of n patches by held and free faces,
-    the sum of forces being fixed: force changes by 3/2 of the relative change of its compression.
+def _force_changes(patches: list[_Patch], around: list[_Body]) -> Array:
+    """Magnitude (n,) of the relative change of the force on each of n patches by held and free
+    faces, the sum of forces being fixed; 0 for a single patch. A force changes by 3/2 of the
+    relative change of its patch's compression.
     """
     force = np.array([patch.force for patch in patches])
     if len(patches) == 1:
         return np.zeros(1)
     s = np.array([patch.s for patch in patches])
-    rest = sum(body.between(s) @ force for body in around)
+    rest = sum(body.influence(s) @ force for body in around)
     stiffness = [1.5 / halfspace.own_approach(*patch.half_extents) for patch in patches]
     return np.asarray(np.abs(rest - np.average(rest, weights=stiffness)) * stiffness / force)

@@ -28,8 +28,8 @@ CENTRE: float = MEASURED["centre_mm"]  # depth of the centre of twist below the 
 
 
 def lever(contact: Contact, centre: float = CENTRE) -> float:
-    """Distance in y of the contact normal from the centre of twist, at the height of that, mm,
-    positive on the field side.
+    """Distance in y of the contact normal from the centre of twist, at the height of this centre,
+    mm, positive on the field side.
     centre: depth of the centre of twist below the crown, mm.
     """
     touch, inclination = contact.touch, contact.scene.rail.inclination

@@ -48,7 +48,8 @@ CAPTIONS = {
     "wheel_rail": "The bodies that were solved, cut open, and their mesh at the contact.",
     "shakedown": "Pressure and traction against the limits of repeated rolling.",
 }
-"""By picture; those of a report of one page are the first two that there are."""
+"""Captions by name of the picture; a report of one page has the first two of these pictures that
+there are."""
 CHECKS = {
     "effects_left_out": "effects that are called for are simulated",
     "converged": "the solver converged",

@@ -61,7 +61,7 @@ def recorded(show: Callable[[Console], None]) -> Console:
 
 
 class Printed:
-    """What `show` prints on a console; a notebook shows the same."""
+    """Base class of what a method `show` prints on a console; a notebook shows the same text."""
 
     show: Callable[..., None]
 
@@ -72,7 +72,9 @@ class Printed:
 
 
 class Drawn(Printed):
-    """A table with pictures: `drawings` gives functions that draw them, by name of the PNG file."""
+    """Base class of tables with pictures: a method `drawings` returns functions that draw them, by
+    name of the PNG file.
+    """
 
     drawings: Callable[..., Mapping[str, Drawing]]
 

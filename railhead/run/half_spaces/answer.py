@@ -285,7 +285,7 @@ class PatchTractions:
 
     patches: the pressed patches.
     found: the tractions of each.
-    share: factor on areas and forces: load of the contact over that of the patches, as the strip of
+    scale: factor on areas and forces: load of the contact over that of the patches, as the strip of
         a line contact is longer than the contact; else about 1.
     grid_error: larger change of the force along and of that across from a grid of half as many
         cells each way, over mu N; for unlike bodies UNLIKE_MARGIN times as much.
@@ -293,11 +293,11 @@ class PatchTractions:
 
     patches: Sequence[PressedPatch]
     found: Sequence[TangentialSolution]
-    share: float
+    scale: float
     grid_error: float
 
     @property
-    def shares(self) -> Array:
+    def relative_force(self) -> Array:
         """Forces along and across over mu N (2,)."""
         forces = np.sum([each.forces[:2] for each in self.found], axis=0)
         return np.asarray(forces / sum(each.limit for each in self.found))
@@ -308,7 +308,7 @@ class PatchTractions:
         load is that of the pressure less this.
         """
         pairs = zip(self.patches, self.found, strict=True)
-        return self.share * sum(
+        return self.scale * sum(
             each.cell * float((each.traction[1] * np.sin(patch.pressed.angle)).sum())
             for patch, each in pairs
         )
@@ -352,14 +352,15 @@ def _tractions(
             rolling=scene.rolling.prescribed,
             start=_onto(start, patches),
         )
-        return PatchTractions(patches=patches, found=sheared, share=1 / longer, grid_error=0.0)
+        return PatchTractions(patches=patches, found=sheared, scale=1 / longer, grid_error=0.0)
 
     if before is not None:
         return replace(on_grid(many, before.found), grid_error=before.grid_error)
     coarse = on_grid(few, None)
     fine = on_grid(many, coarse.found)
     margin = 1.0 if plan.context.tangential_pair.like else UNLIKE_MARGIN
-    return replace(fine, grid_error=margin * float(np.abs(fine.shares - coarse.shares).max()))
+    change = float(np.abs(fine.relative_force - coarse.relative_force).max())
+    return replace(fine, grid_error=margin * change)
 
 
 def _onto(
@@ -383,7 +384,8 @@ def _at_cells(
     plan: Plan, sheared: PatchTractions, points: half_space.SurfaceMap
 ) -> FrictionSolution:
     """Tractions at the cells that touch, in the form of those of finite elements, with forces
-    along, across and moment of the wheel on the rail. Rolling without creepage has no tractions.
+    along, across and moment of the wheel on the rail. In rolling its `without_creepage` has zero
+    tractions.
     points: maps x, s (n,) to points (n, 3) on the rail's surface, mm.
     """
     places, tangents, found = [], [], sheared.found
@@ -395,8 +397,8 @@ def _at_cells(
         tangents.append(np.stack([np.broadcast_to([1.0, 0.0, 0.0], across.shape), across], axis=2))
     touches = [each.bound > 0 for each in found]
     coefficient = plan.scene.friction.coefficient
-    solution = friction.at_cells(found, coefficient, places, tangents, touches, sheared.share)
-    along, across, moment = sheared.share * np.sum([each.forces for each in found], axis=0)
+    solution = friction.at_cells(found, coefficient, places, tangents, touches, sheared.scale)
+    along, across, moment = sheared.scale * np.sum([each.forces for each in found], axis=0)
     solution = replace(solution, force=(float(along), float(across)), moment=float(moment))
     if not plan.scene.rolling.prescribed:
         return solution

@@ -120,7 +120,7 @@ class PressedPatch:
     angular: Array = field(default_factory=lambda: PLANE)
 
     @property
-    def middle(self) -> Array:
+    def mean_modes(self) -> Array:
         """Modes of rigid slip, averaged with the pressure as weight, (4, 2): along the rail, along
         the profile.
         """

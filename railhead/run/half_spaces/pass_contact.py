@@ -36,7 +36,7 @@ class RollingContact:
     grid: cells of the pressure; of a line contact two across, each 1e4 (LENGTH) half widths long.
     gap: undeformed gap (nx, ns) at the cells, mm.
     pressure: elastic pressure (nx, ns), MPa.
-    load: force of the pressure, N, along the load.
+    load: component of the force of the pressure on the grid along the wheel's load, N.
     modulus: contact modulus E*, MPa.
     line: whether it is a line contact, in plane strain.
     keeps: whether the pressure stays as it is, however the passes move the surface.
@@ -58,8 +58,9 @@ class RollingContact:
 
     def patch(self, moved: Array, guess: PatchSolution | None) -> PatchSolution:
         """Pressure where the rail's surface has moved up by `moved` (nx, ns), mm; guess: an earlier
-        one, from which the iterations start, or None. Raises ValueError where boundary elements
-        find no balance, and for a patch that grows beyond the grid.
+        one, from which the iterations start, or None. Where the contact `keeps` it, the elastic
+        pressure. Raises ValueError where boundary elements find no balance, and for a patch that
+        grows beyond the grid.
         """
         if self.keeps:
             grid = self.grid
@@ -131,7 +132,10 @@ class Pressing:
         return stress
 
     def _work(self, surface: SurfaceMotion) -> float:
-        """Work of the tractions q per rolled length, N: -int q . du/dx dA. The rail flows to -x."""
+        """Work of the tangential tractions q of the wheel on the rail, per rolled length, N:
+        -int q . du/dx dA with the displacement u of the surface by this pass. The rail moves to -x
+        below the wheel.
+        """
         contact, total = self._contact, 0.0
         assert contact.traction is not None
         for axis, traction in enumerate(contact.traction):

@@ -128,7 +128,7 @@ def rolling_block(
     per_length: elements on each half length; None: 8 of a line, 4 of a solid (PER_LENGTH).
     reach: of the block to each side, over the larger half length; None: 50 of a line, 12 of a solid
         (REACH).
-    coarser: factor on both.
+    coarser: factor on the number of elements and on the reach.
     """
     count, growth = coarser * (per_length or PER_LENGTH[line]), GROWTH[line]
     a, b = half_lengths
@@ -153,8 +153,9 @@ def roll(
     stage: Callable[[str], None] = lambda name: None,
 ) -> Passes:
     """Roll `count` times over a block, on from the passes `before`, which come first in what is
-    returned; None: the rail is new. stage: called with words before each pass. Raises ValueError
-    where boundary elements find no balance.
+    returned; None: the rail is new. stage: called with words before each pass. A pass that does not
+    converge ends nothing; `Passes.converged` is then False. Raises ValueError where boundary
+    elements find no balance.
     """
     pressing = pass_contact.Pressing(rolling, contact)
     rows, sections = ([*before.rows], [*before.sections]) if before else ([], [])
@@ -299,8 +300,9 @@ def _of_scene(
     solved: Solved,
 ) -> tuple[RollingContact, tuple[float, float], bool, Laid | None]:
     """What rolls in a solved scene, the half lengths of its elastic patch along and across, mm,
-    whether it is symmetric about y = 0, and what lays the groove on its profile. Raises ValueError
-    for several patches, and where boundary elements fail.
+    whether it is symmetric about y = 0, and what lays the groove on its profile, None for line
+    contacts and half-spaces. Raises ValueError for several patches, and where boundary elements
+    fail.
     """
     plan, load = solved.plan, solved.plan.scene.load
     hertz = solved.ellipse if load is None else plan.hertz  # which is the same on any ranks

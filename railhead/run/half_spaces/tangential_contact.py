@@ -328,7 +328,7 @@ def _ellipses(
         a, b = patch.pressed.semi_axes
         if not 1 / SLENDER < a / b < SLENDER:
             raise ValueError(f"the linear theory's tables end before an axis ratio of {a / b:.3g}")
-        along, across = moved @ patch.middle
+        along, across = moved @ patch.mean_modes
         local = Creepage(along, across, float(moved @ patch.spin))
         yield patch, a, b, kalker.coefficients(a / b, pair.poisson), local
 
@@ -338,4 +338,4 @@ def _work(patch: PressedPatch, forces: Sequence[float]) -> Array:
     each mode of rigid slip: N, N, N mm for the spin, and N for the wheel's own rotation.
     """
     along, across, moment = forces
-    return np.asarray(patch.middle @ [along, across] + moment * patch.spin)
+    return np.asarray(patch.mean_modes @ [along, across] + moment * patch.spin)

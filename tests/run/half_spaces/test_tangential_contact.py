@@ -104,12 +104,12 @@ def test_patches_share_one_motion(two: planning.Plan, patches) -> None:
     place = boundary_elements.develop(two.contact).points(np.array([x]), np.array([s]))[0]
     away = (place - two.contact.origin) @ [0.0, math.cos(t), math.sin(t)]
     assert away == pytest.approx(11.0, abs=0.2)
-    assert tread.middle[2, 0] == pytest.approx(-away, rel=0.01)
-    assert tread.middle[1, 1] == pytest.approx(math.cos(0.2998 - 0.1273), abs=1e-3)
+    assert tread.mean_modes[2, 0] == pytest.approx(-away, rel=0.01)
+    assert tread.mean_modes[1, 1] == pytest.approx(math.cos(0.2998 - 0.1273), abs=1e-3)
     turn = math.cos(0.2998) / 460
     assert tread.spin[3] == pytest.approx(turn * math.sin(0.2998 - 0.1273), rel=0.01)
     height = (place - two.contact.origin) @ [0.0, -math.sin(t), math.cos(t)]
-    assert tread.middle[3, 0] == pytest.approx(turn * height, rel=0.02)
+    assert tread.mean_modes[3, 0] == pytest.approx(turn * height, rel=0.02)
 
 
 def test_forces_of_patches_add_up_in_space(two: planning.Plan, patches) -> None:
