@@ -61,10 +61,10 @@ def test_combinations_with_a_mesh_of_their_own_are_single_runs(radii: Path) -> N
 
 def test_one_group_of_loads_is_shared_among_idle_processes() -> None:
     """Every load once; where there is a group for each process, none is split."""
-    assert parallel.share([0, 1, 2, 3, 4], groups=1, workers=2) == [[0, 2, 4], [1, 3]]
-    assert parallel.share([3, 4], groups=1, workers=8) == [[3], [4]]
-    assert parallel.share([0, 1, 2], groups=2, workers=3) == [[0, 1, 2]]
-    assert parallel.share([0, 1, 2], groups=3, workers=1) == [[0, 1, 2]]
+    assert parallel.split_among_workers([0, 1, 2, 3, 4], groups=1, workers=2) == [[0, 2, 4], [1, 3]]
+    assert parallel.split_among_workers([3, 4], groups=1, workers=8) == [[3], [4]]
+    assert parallel.split_among_workers([0, 1, 2], groups=2, workers=3) == [[0, 1, 2]]
+    assert parallel.split_among_workers([0, 1, 2], groups=3, workers=1) == [[0, 1, 2]]
 
 
 def test_shared_loads_give_the_same_numbers(
