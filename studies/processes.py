@@ -33,8 +33,9 @@ class FailedError(RuntimeError):
 
 
 def run(command: Sequence[str], folder: Path, limit: float = LIMIT) -> Cost:
-    """Run a command in a folder, with THREADS threads for each library. FailedError: it takes
-    longer than `limit` (s) or its status is not 0."""
+    """Run a command in a folder, with THREADS threads for each library, and return its cost. Raises
+    FailedError where it takes longer than `limit` (s) or its status is not 0.
+    """
     done = subprocess.run(
         [sys.executable, "-I", __file__, "cost.json", "timeout", f"{limit:g}", *command],
         cwd=folder,

@@ -37,7 +37,8 @@ COLUMNS = {
 
 
 def columns(result: Mapping[str, Any], names: Iterable[str]) -> dict[str, float]:
-    """The named columns of a "result" of a summary, of its "hertz" or of its "difference"."""
+    """Values by the names of columns (`COLUMNS`); result: "result", "hertz" or "difference" of a
+    summary."""
     values = numeric_values(result)
     return {name: values[COLUMNS[name]] for name in names}
 
@@ -47,9 +48,9 @@ def publish(
 ) -> None:
     """Write the page of a study and its CSV files into its folder.
 
-    csvs: rows by the name of the file (none: no file), one column for each key; None is an empty
-        cell.
-    units: by key; the column is named <key>_<unit>.
+    csvs: rows by the name of the file, one column for each key of the first row; None is an empty
+        cell. Without rows no file is written.
+    units: unit by key; the column is named <key>_<unit>.
     """
     for name, rows in csvs.items():
         if rows:
@@ -107,7 +108,7 @@ def groups(rows: Iterable[Row], *keys: str) -> dict[Any, list[Row]]:
 
 
 def cells(rows: Iterable[Row], *formats: str) -> list[list[str]]:
-    """The lines of a table: a row each, with its values in the places of the formats."""
+    """The cells of a table: for each row its values, put into each of the format strings."""
     return [[each.format_map(row) for each in formats] for row in rows]
 
 
@@ -123,7 +124,9 @@ def percent(value: float | None) -> str:
 
 
 def render(name: str, /, **values: Any) -> str:
-    """The text of templates/<name>.md.j2 with the values in their places, all of them given."""
+    """The text of templates/<name>.md.j2 with the values in their places. Raises
+    jinja2.UndefinedError where the template needs a value that is not given.
+    """
     pages = Environment(
         loader=PackageLoader("studies"),
         undefined=StrictUndefined,
@@ -136,9 +139,8 @@ def render(name: str, /, **values: Any) -> str:
 
 
 def power_law(x: Sequence[float], y: Sequence[float]) -> tuple[float, float]:
-    """(c, n) of y = c x^n by least squares of log y over log x; x and y positive, two or more.
-
-    ValueError: fewer than two different x, or a value that is not positive.
+    """(c, n) of y = c x^n by least squares of log y over log x. Raises ValueError for fewer than
+    two different x, or a value that is not positive.
     """
     if len(set(x)) < 2 or min(*x, *y) <= 0:
         raise ValueError(f"no power law through x = {list(x)}, y = {list(y)}")
@@ -147,7 +149,7 @@ def power_law(x: Sequence[float], y: Sequence[float]) -> tuple[float, float]:
 
 
 def front(rows: Sequence[Row]) -> list[Row]:
-    """The rows, by growing seconds, that no other row beats in seconds and in error."""
+    """The rows that no other row beats in both seconds and error, by growing seconds."""
     found: list[Row] = []
     for row in sorted(rows, key=lambda each: (each["seconds"], each["error"])):
         if not found or row["error"] < found[-1]["error"]:
@@ -161,7 +163,7 @@ def factor_ten(rows: Sequence[Row]) -> float:
 
 
 def counts(newton: NewtonResult) -> Row:
-    """Columns of what Newton's method needed."""
+    """Columns: numbers of Newton and Krylov iterations, and whether Newton's method converged."""
     return {
         "newton_iterations": len(newton.history),
         "linear_iterations": sum(step.linear_iterations for step in newton.history),
@@ -170,17 +172,19 @@ def counts(newton: NewtonResult) -> Row:
 
 
 def processor_seconds() -> float:
-    """Seconds that processors spent on this process and on its children that have ended, s."""
+    """Processor seconds of this process and of its children that have ended."""
     return sum(os.times()[:4])
 
 
 def solved(plan: Plan) -> MeshSolution:
-    """A plan solved in silence. Raises MeshError where gmsh cannot mesh the bodies."""
+    """Solution of a plan on its one mesh; no progress is shown. Raises MeshError where gmsh cannot
+    mesh the bodies.
+    """
     return mesh_and_solve(plan, Progress(quiet=True), MPI.COMM_WORLD)
 
 
 def plain_ticks(axis: Any, multiples: Sequence[float]) -> None:
-    """Ticks of a logarithmic axis at these multiples of powers of ten, as plain numbers."""
+    """Set the ticks of a logarithmic axis to these multiples of powers of ten, as plain numbers."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     axis.set_major_locator(LogLocator(subs=multiples))

@@ -76,7 +76,7 @@ def main(out: Path, *, quick: bool) -> None:
 
 
 def reference(scene: Scene) -> Exact:
-    """Exact Hertz; where there is none, this program's own result on a fine mesh."""
+    """Exact Hertz; for NO_FORMULA this program's own result on a fine mesh (REFERENCE)."""
     if scene.name not in NO_FORMULA:
         return columns(pipeline.run(scene).summary["hertz"], COLUMNS)
     fine = scene.replace([f"mesh.patch_size={_minor(scene) / REFERENCE!r}"])
@@ -180,6 +180,7 @@ def _recorded(run: dict[str, Any], done: dict[str, Any] | str, exact: Exact, sta
 
 
 def _errors(result: dict[str, Any] | None, exact: Exact) -> dict[str, Any]:
+    """Columns of relative errors of a "result"; empty where it is None."""
     found = columns(result, COLUMNS) if result else {}
     errors = {f"error_{key}": abs(value / exact[key] - 1) for key, value in found.items()}
     if errors:
@@ -256,7 +257,8 @@ def _factor_ten(rows: Sequence[Row]) -> dict[str, Any] | None:
 
 
 def _rival(rows: Sequence[Row], which: tuple[str, str], quantity: str = "error") -> list[tuple]:
-    """For each run of the default: its error beside the best of another element as quick."""
+    """For each run of the default: its error beside the least of another element in no more time,
+    as cells of a table."""
     lines = []
     for run in _fixed(rows, DEFAULT):
         rivals = [row for row in _fixed(rows, which) if row["case"] == run["case"]]
@@ -269,16 +271,17 @@ def _rival(rows: Sequence[Row], which: tuple[str, str], quantity: str = "error")
 
 
 def _size(row: Row) -> str:
+    """Elements per semi-axis of a run, or the asked accuracy, as text."""
     n = row["elements_per_semi_axis"]
     return f"asked {percent(row['asked'])}" if n is None else f"b/{n:g}"
 
 
 def draw(rows: Sequence[Row], path: Path) -> None:
-    """Rows hold case, method, element, asked, seconds (of processors), error (relative), converged.
+    """Draw error over processor seconds, a panel for each case.
 
-    One line for each method and element; runs that did not converge are crosses, the Pareto front
-    of all runs is shaded (for what time which error can be had), runs with an asked accuracy are
-    stars with what was asked.
+    One line for each method and element. Runs that did not converge are crosses, the Pareto front
+    of all runs (for what time which error can be had) is a broad line, runs with an asked accuracy
+    are stars with what was asked.
     """
     cases = groups(rows, "case")
     with new_figure(path, max(12.5, 1.5 + 4.7 * len(cases)), 5.8) as figure:
@@ -296,6 +299,7 @@ def draw(rows: Sequence[Row], path: Path) -> None:
 
 
 def _panel(axes: Axes, rows: Sequence[Row]) -> None:
+    """Draw the runs of one case that have an error."""
     lines = groups(_fixed(rows), "element", "method")
     for element, (colour, marker) in LOOKS.items():
         for method in (each for each in LINES if (element, each) in lines):

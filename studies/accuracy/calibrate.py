@@ -63,7 +63,8 @@ OF_PLACES = (1.45, 0.0)
 
 
 def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Row]:
-    """Errors of a scene on some meshes; none where a mesh or its solution fails.
+    """Errors of a scene of the recipe `name` on meshes of these resolutions; none of a mesh that
+    fails or is not solved.
 
     A row is one quantity on one mesh; error (without what the plan leaves out), reading, overlap:
     relative; scale: see `estimates.error_scales`.
@@ -105,7 +106,8 @@ def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Row]:
 
 
 def envelope(n: np.ndarray, errors: np.ndarray) -> ErrorEnvelope:
-    """The law below which all errors lie: slope from the rms at each of the resolutions."""
+    """Law above all errors (relative) at the resolutions n: slope from the rms at each of them,
+    value 1.1 times (HEADROOM) the least that holds."""
     at = np.round(np.log(n), 1)
     levels = np.unique(at)
     rms = np.array([np.sqrt(np.mean(errors[at == level] ** 2)) for level in levels])
@@ -115,7 +117,7 @@ def envelope(n: np.ndarray, errors: np.ndarray) -> ErrorEnvelope:
 
 
 def middle(n: np.ndarray, values: np.ndarray) -> ErrorEnvelope:
-    """The law of the same slope above and below which are half of the values."""
+    """The law of the slope of `envelope` that half of the values exceed."""
     order = envelope(n, values).order
     return ErrorEnvelope(max(float(np.median(values * (n / 6.0) ** order)), LEAST), order)
 
@@ -150,7 +152,8 @@ def fit(
 
 
 def measured(name: str, count: int) -> list[Row]:
-    """Errors of random scenes of a family; those that give nothing are named and left out."""
+    """Errors of `count` random scenes of a recipe; those that give nothing are left out, with the
+    reason on standard error."""
     resolutions = families.RECIPES[name].resolutions
     jobs = [(name, scene, resolutions) for scene in islice(families.scenes(name, SEED), count)]
     records: list[Row] = []
@@ -162,7 +165,7 @@ def measured(name: str, count: int) -> list[Row]:
 
 def main(out: Path, *, quick: bool) -> None:
     """Write cells.json and twist.json, then calibrate.csv, laws.json and page.md, anew after each
-    family; quick: three scenes of the cheap ones alone."""
+    family; quick: the last three alone, from three scenes of each of the cheap families."""
     names = CHEAP if quick else [n for n, each in families.RECIPES.items() if each.resolutions]
     laws: dict[str, Any] = {"seed": SEED, "families": {}}
     records: list[Row] = []
@@ -219,7 +222,8 @@ def measure_cells() -> dict[str, dict[str, dict[str, float]]]:
 
 
 def share(name: str, *changes: str) -> float:
-    """Unknowns of the mesh of a shipped case with changes over those that were predicted."""
+    """Unknowns of the mesh of a shipped case, divided by the predicted ones; changes: assignments
+    to keys of its scene."""
     plan = planning.make(catalogue.find(name).replace(changes))
     mesh = mesh_solution.generate(
         plan, plan.grading(), MPI.COMM_WORLD
@@ -261,7 +265,8 @@ def measure_twist() -> dict[str, Any]:
 
 
 def solved(profile: str, inclination: str) -> MeshSolution:
-    """A whole rail under half an axle."""
+    """A rail with web and foot under half of the load of an axle, solved; profile and inclination:
+    values of the scene's keys."""
     scene = catalogue.find("uic54_22t5_axle").replace(
         [
             f"rail.profile={profile}",
@@ -292,6 +297,6 @@ def turn(solved: MeshSolution) -> tuple[float, float]:
 
 
 def two_digits(values: Sequence[float]) -> float:
-    """The mean, rounded to what the fit is worth."""
+    """The mean, rounded to two digits, as many as the fit is worth."""
     mean = float(np.mean(values))
     return round(mean, 1 - math.floor(math.log10(abs(mean))))

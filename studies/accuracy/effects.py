@@ -135,7 +135,7 @@ def wrong(runs: Sequence[Row]) -> list[Row]:
 
 
 def verdict(runs: Sequence[Row]) -> str:
-    """In words, with the numbers that decide."""
+    """Whether the plan left out too much, in words, with the numbers that decide."""
     left = _left(runs)
     kept = [row for row in runs if row["effect"] and not _simulates_more(row)]
     return tables.render(
@@ -152,11 +152,12 @@ def verdict(runs: Sequence[Row]) -> str:
 
 
 def _left(runs: Sequence[Row]) -> list[Row]:
-    """Runs that simulate more than the plan did, of its own accord."""
+    """Runs that simulate something which the plan, not the scene, had left out."""
     return [r for r in runs if r["effect"] and _simulates_more(r) and not _overruled(r)]
 
 
 def _simulates_more(row: Row) -> bool:
+    """Whether a run simulates what the plan left out: an effect on, or a reduction off."""
     return bool(row["on"] != (row["effect"] in REDUCTIONS))
 
 
@@ -166,6 +167,7 @@ def _overruled(row: Row) -> bool:
 
 
 def _change(row: Row) -> float:
+    """Largest relative change of the judged quantities from the run as planned."""
     return max(abs(row[f"change_{key}"]) for key in JUDGED)
 
 
@@ -210,6 +212,7 @@ def compare(repeats: int, patch_size: float = 0.25) -> list[dict[str, Any]]:
 
 
 def _planned(scene: Scene) -> tuple[int, float]:
+    """Unknowns and largest pressure, MPa, by way of a plan."""
     plan = planning.make(scene)
     model = mesh_solution.assemble(
         plan, mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
@@ -219,7 +222,8 @@ def _planned(scene: Scene) -> tuple[int, float]:
 
 
 def _unplanned(scene: Scene) -> tuple[int, float]:
-    """One elastic block under Hertz's gap against a rigid plane, by meshing and solver alone."""
+    """Unknowns and largest pressure, MPa, of one elastic block under Hertz's gap against a rigid
+    plane, by meshing and solver alone."""
     wheel, radius, load = scene.wheel, scene.wheel.rolling_radius, float(scene.load or 0.0)
     modulus = wheel.young_modulus / (1 - wheel.poisson_ratio**2)
     ellipse = hertz.point_contact(1 / radius, 1 / radius, modulus, load)

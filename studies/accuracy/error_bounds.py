@@ -47,22 +47,24 @@ MAIN = ("max_MPa", "area_mm2", "tau_max_MPa")  # quantities that must have an es
 
 
 def signed(row: Row) -> bool:
-    """Whether the number is one that the program stands for: no check failed but that of the asked
-    accuracy, where numbers and estimates stand and the accuracy is said to be missed."""
+    """Whether the program stands for the number: no check failed but that of the asked accuracy,
+    which the program then says is missed."""
     return row["failed"] in ("", "accuracy")
 
 
 def asked(name: str, index: int) -> float | None:
-    """The accuracy that is asked of a scene."""
+    """Relative accuracy that is asked of the scene number `index` of a family and a seed; None:
+    default settings."""
     choice = OTHERS_ASKED.get(name, ASKED)
     return choice[index % len(choice)]
 
 
 def measure(name: str, scene: Scene, accuracy: float | None) -> list[Row]:
-    """Solve a scene and hold each estimate against the true error; nothing if not converged.
+    """Solve a scene and compare each estimate with the true error; no rows if not converged.
 
     A row is one quantity of the scene; estimate None where there is none; passed: status 0;
     seconds: of the processor; price: these over the predicted ones; failed: names of checks.
+    accuracy: as from `asked`.
     """
     if accuracy is not None:
         scene = scene.replace([f"accuracy={accuracy!r}"])

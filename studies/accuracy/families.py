@@ -25,15 +25,15 @@ from studies import tables
 Make = Callable[[np.random.Generator], list[str]]
 BODIES = ("rail", "wheel")
 HALF_SPACE = {"rail": {"profile": "arc", "crown_radius": 300, "extent": "half-space"}}
-INCOMPRESSIBLE = (0.4, 0.4999)  # Poisson's ratios of a family of its own; those of ...
 SHALLOW = 0.12  # Poisson's ratio below which the largest stresses of long ellipses lie so near to
 # the surface that they are read less well
+INCOMPRESSIBLE = (0.4, 0.4999)  # Poisson's ratios of a family of its own; those of ...
 LOCKING = (0.43, 0.4999)  # ... sections: where the safe parameter is cut and theta becomes -1
 NEARLY = 0.48  # Poisson's ratio up to which circles lock little
 SOFT, HARD = (0.1, 1.0), (1.0, 10.0)  # contact law's factor: an overlap below, noise above
 LINES = (3.0, 3.75, 4.0, 5.0, 6.5, 8.0, 10.0, 12.0, 13.0, 18.0, 24.0)
-"""Resolutions of sections. Circles have one mesh at each n: the default 12 is there, and 3.75, the
-second mesh of a rough accuracy."""
+"""Resolutions n of sections. All circles of one n have the same mesh. The default 12 is among them,
+and 3.75, that of the second mesh for a rough accuracy."""
 FINE = 1.6  # times the finest calibrated resolution: the truth of real profiles
 
 
@@ -82,8 +82,8 @@ DEFAULT: dict[str, Sequence[Any]] = {
 
 
 def materials(rng: np.random.Generator, low: float = 0.0, high: float = 0.4) -> list[str]:
-    """E ratio 1e-3 to 1e3, one body in five rigid; the larger Poisson's ratio from low to high, in
-    one scene of four the highest."""
+    """Assignments of materials: ratio of E from 1e-3 to 1e3, in one scene of five one rigid body;
+    one Poisson's ratio from low to high, in one scene of four `high`, the other from 0 to high."""
     ratios = [high if rng.random() < 0.25 else rng.uniform(low, high), rng.uniform(0.0, high)]
     rng.shuffle(ratios)
     soft, other = BODIES[::-1] if rng.random() < 0.5 else BODIES
@@ -94,7 +94,7 @@ def materials(rng: np.random.Generator, low: float = 0.0, high: float = 0.4) -> 
 
 
 def poisson(ratios: Sequence[float]) -> list[str]:
-    """Poisson's ratios of rail and wheel."""
+    """Assignments of Poisson's ratios, those of rail and wheel."""
     return [f"{body}.poisson_ratio={nu!r}" for body, nu in zip(BODIES, ratios, strict=True)]
 
 
@@ -107,7 +107,8 @@ def shallow(rng: np.random.Generator) -> list[str]:
 
 
 def ellipse(rng: np.random.Generator, *, longest: float = 10.0) -> list[str]:
-    """Radii of an axis ratio from 1 to `longest`, either way, and a load."""
+    """Assignments of a load and of radii that make an ellipse with an axis ratio from 1 to
+    `longest`, along or across the rail."""
     ratio, radius = longest ** rng.uniform(), 10 ** rng.uniform(1.5, 3)
 
     def excess(log: float) -> float:
@@ -121,7 +122,8 @@ def ellipse(rng: np.random.Generator, *, longest: float = 10.0) -> list[str]:
 
 
 def law(method: str, thetas: Sequence[int | None]) -> Make:
-    """Another contact law with a factor from 0.1 to 10."""
+    """Function that draws ellipses with a contact law, one of the thetas, and a gamma_factor from
+    0.1 to 10."""
 
     def make(rng: np.random.Generator) -> list[str]:
         theta = thetas[int(rng.integers(len(thetas)))]
@@ -133,7 +135,8 @@ def law(method: str, thetas: Sequence[int | None]) -> Make:
 
 
 def cells(key: str, longest: float) -> Make:
-    """Cells that lock in volume: Poisson's ratio up to 0.4, axis ratio up to `longest`."""
+    """Function that draws ellipses on cells that lock in volume: Poisson's ratio up to 0.4, axis
+    ratio up to `longest`; key: assignment that chooses the cells."""
     return lambda rng: [*ellipse(rng, longest=longest), *materials(rng), key]
 
 
@@ -149,7 +152,7 @@ def outside(rng: np.random.Generator) -> list[str]:
 
 
 def roller(rng: np.random.Generator) -> list[str]:
-    """A line contact between half-spaces, in one scene of two across the rail."""
+    """A line contact between half-spaces; in one scene of two the line lies along the rail."""
     radius, length = 10 ** rng.uniform(1.5, 3), rng.uniform(20, 80)
     load = f"load={radius * 10 ** rng.uniform(1, 2.5)!r}"
     if rng.random() < 0.5:
@@ -162,7 +165,7 @@ def roller(rng: np.random.Generator) -> list[str]:
 
 
 def lines(rng: np.random.Generator) -> list[str]:
-    """Materials of line contacts: one body in four has no Poisson's ratio at all."""
+    """Materials of line contacts: in one scene of four the rail's Poisson's ratio is 0."""
     keys = materials(rng, 0.0, LOCKING[0])
     return keys + (["rail.poisson_ratio=0.0"] if rng.random() < 0.25 else [])
 
@@ -394,8 +397,8 @@ def scenes(name: str, seed: int) -> Iterator[Scene]:
 def solved(
     scene: Scene, n: float | None = None, load_steps: int | None = None
 ) -> MeshSolution | None:
-    """One mesh, at n elements per smaller semi-axis and with as many load steps, or as planned
-    where these are None. None where gmsh cannot make it."""
+    """A scene on one mesh, at n elements per smaller semi-axis and with so many load steps; as
+    planned where these are None. Returns None where gmsh cannot mesh it."""
     plan = planning.make(scene)
     plan = replace(plan, load_steps=load_steps or plan.load_steps)
     try:
@@ -405,8 +408,8 @@ def solved(
 
 
 def truth(name: str, scene: Scene, mesh_solution: MeshSolution) -> dict[str, float]:
-    """The quantities as they should be: exact Hertz under the load found, or a fine mesh. For an
-    asked accuracy that has twice the load steps of the solution, too."""
+    """True values of the quantities: exact Hertz under the load found, or those on a fine mesh;
+    empty where that is not solved. For an asked accuracy it has twice the solution's load steps."""
     recipe = RECIPES[name]
     if recipe.exact:
         return quantities.numeric_values(exact_quantities(mesh_solution))

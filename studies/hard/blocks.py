@@ -45,12 +45,13 @@ TRANSFORMS: dict[str, tuple[Array, float, float]] = {
 
 
 def near(radius: float = 3.0) -> Start:
-    """Points within a radius of the axis touch: close to the patch of LOAD."""
+    """Start at which the points within a radius (mm) of the axis touch, close to the patch of
+    LOAD."""
     return lambda model: np.linalg.norm(model.interface.points[:, :2], axis=1) < radius
 
 
 def random(share: float) -> Start:
-    """A random share of all points touches."""
+    """Start at which a random share of all points touches, the same in each run."""
     generator = np.random.default_rng(1)
     return lambda model: generator.random(len(model.interface.points)) < share
 
@@ -85,7 +86,8 @@ class Solved:
     def measured(
         self, deviation: float, limit: float, name: str, findings: Findings | None = None
     ) -> CaseErrors:
-        """The deviation of what is named, its limit, the failed checks and the costs."""
+        """Errors of the case: a named deviation with its limit, the failed checks and the costs;
+        findings: judged by their noise, too."""
         history = self.solution.newton.history
         noise = None if findings is None else findings.noise
         rough = noise is not None and not noise <= NOISE_LIMIT
@@ -122,8 +124,8 @@ def offset(distance: float, gap: Gap = block_pairs.GAP) -> Gap:
 
 
 def start_from(share: float | None = None, distance: float = 0.0, law: str = "") -> CaseErrors:
-    """From a bad active set, a random share of all points (None: a good one), the bodies
-    `distance` mm apart: the answer must be that of a good start. law: of LAWS."""
+    """Start from bodies `distance` mm apart and a bad active set, a random share of all points
+    (None: a good one): the answer must be that of a good start. law: key of LAWS."""
     made, setup = block_pairs.two_blocks(law=LAWS[law])
     start = near() if share is None else random(share)
     good = solve(made, setup, near())
@@ -206,8 +208,8 @@ def against(good: Solved, found: Solved, limit: float) -> CaseErrors:
 
 
 def slivers(quality: float, count: int, limit: float) -> CaseErrors:
-    """`count` cells at the contact face squashed to a scaled Jacobian: the regular mesh is the
-    reference for approach and largest pressure."""
+    """`count` cells at the contact face squashed to a scaled Jacobian of `quality`: the regular
+    mesh is the reference for approach and largest pressure."""
     made, setup = block_pairs.two_blocks(h=1.0)
     good = solve(*block_pairs.two_blocks(h=1.0), near())
     squashed = squash(made, setup.fixed, quality, count)

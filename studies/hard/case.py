@@ -92,7 +92,7 @@ class HardCase:
         return f"{self.group}: {self.name}"
 
     def fault(self, found: CaseErrors) -> str:
-        """The part of the rule that errors of this case break, in words; empty if none is."""
+        """The part of the rule that these errors of the case break, in words; empty if none."""
         if self.known:
             if any(each.startswith(self.known) for each in found.failed):
                 return ""

@@ -40,15 +40,15 @@ those that have a reference; fault: what must not happen, else empty.
 
 
 def ended(seed: int, kind: str, **changes: Any) -> Fuzzed:
-    """A row without numbers but those given."""
+    """A row of the table: seed, kind and `changes`, that is further columns; the rest is empty."""
     empty = {"command": "run", "status": None, "said": "", "reference": "", "quantity": ""}
     numbers = {"deviation": None, "allowed": None, "fault": ""}
     return {"seed": seed, "kind": kind, **empty, **numbers, **changes}
 
 
 def valid(seed: int) -> str:
-    """A scene file that the plan accepts and that is cheap by the size of its elements: by default
-    two thirds of the usual number, in one of five scenes any."""
+    """Text of a scene file that the plan accepts and whose mesh is cheap: two thirds (FINE) of the
+    usual elements per semi-axis, in one of five scenes 0.05 to 1.5 times as many."""
     for attempt in itertools.count():
         source = Seeded(1_000_000 * attempt + seed)
         try:
@@ -110,7 +110,8 @@ def command_line(arguments: list[str]) -> tuple[int | None, str, str]:
 
 @contextlib.contextmanager
 def _standard_error() -> Iterator[list[str]]:
-    """What anybody writes to standard error in the block, libraries included, once it has ended."""
+    """Context that yields a list. At its end the list gets all text that was written to standard
+    error in the context, by libraries too."""
     said: list[str] = []
     kept = os.dup(2)
     with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as file:
@@ -127,6 +128,7 @@ def _standard_error() -> Iterator[list[str]]:
 
 
 def _judged(seed: int, kind: str, file: Path, options: list[str] | None) -> Fuzzed:
+    """Run the command with a scene file and judge its end; options None: plan it only."""
     out = file.parent / "result"
     command = "plan" if options is None else "run"
     options = [] if options is None else [*options, "--no-pictures", "--json", "--out", str(out)]
@@ -165,9 +167,9 @@ def _judged(seed: int, kind: str, file: Path, options: list[str] | None) -> Fuzz
 
 
 def truth(summary: dict[str, Any]) -> tuple[str, dict[str, Deviation]]:
-    """What a result is held against, and its deviations from that. Both references are elastic and
-    without friction, so that of a scene with yield or friction its plain answer is held, which has
-    no estimate."""
+    """Name of the reference of a result, and deviations from it; '' and none where there is none.
+    Both references are elastic and without friction. So a scene with yield or friction is judged by
+    its elastic, frictionless answer, which has no estimate."""
     if summary["result"] is None:
         return "", {}
     if kind := reference_name(summary):
@@ -220,6 +222,8 @@ def page(found: Sequence[Fuzzed], seconds: Sequence[float]) -> str:
 
 
 def _counts(kind: str, own: Sequence[Fuzzed]) -> list[Any]:
+    """Cells of a table: counts of one kind by status, the largest share of what is allowed,
+    faults."""
     status = Counter(each["status"] for each in own)
     solved = [each for each in own if each["status"] == 0 and each["deviation"] is not None]
     shares = [each["deviation"] / each["allowed"] for each in solved if each["allowed"]]

@@ -95,8 +95,8 @@ def scene(source: Source) -> Scene:
 
 
 def wild(source: Source) -> Scene:
-    """One of them with up to two keys that few people touch. Raises SceneError where they do not go
-    together."""
+    """A random scene (`scene`) with up to two further keys that few people use. Raises SceneError
+    where they do not go together."""
 
     def number(key: str, low: float, high: float) -> str:
         return f"{key}={source.number(low, high)!r}"
@@ -197,7 +197,7 @@ EXTREME = {
     "wheel.segment_length": (-6, 9),
     "solver.gamma_factor": (-30, 30),
 }
-"""Keys with decades, far beyond what is physical."""
+"""Keys with the range of their exponents of ten, far beyond what is physical."""
 POINTS = {
     "empty": "",
     "header only": "y,z\n",
@@ -217,11 +217,13 @@ POINTS = {
 
 
 def _put(tables: Tables, key: str, value: Any) -> None:
+    """Set a key such as 'rail.profile' of the tables of a scene."""
     section, dot, leaf = key.rpartition(".")
     (tables.setdefault(section, {}) if dot else tables)[leaf] = value
 
 
 def _keys() -> list[str]:
+    """All keys of a scene, as 'load' or 'rail.profile'."""
     named = []
     for name, field in Scene.model_fields.items():
         inner = getattr(field.annotation, "model_fields", None)
@@ -288,7 +290,8 @@ MUTATIONS: dict[str, Callable[[Source, Tables, Path], None]] = {
 
 
 def write(source: Source, file: Path) -> str:
-    """Write a scene file and what it names beside it; returns what is wrong with it."""
+    """Write a scene file that is wrong or extreme, and the profile file that it may name; returns
+    the kind of change, a key of MUTATIONS or 'bytes'."""
     kind = source.choice([*MUTATIONS, "odd value", "extreme value", "extreme value", "bytes"])
     tables = scene(source).model_dump(exclude_none=True)
     if kind in MUTATIONS:

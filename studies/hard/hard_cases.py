@@ -97,13 +97,13 @@ QUICK = [case for case in CASES.values() if case.quick]
 
 
 def solve(key: str) -> CaseErrors:
-    """Errors of the case with a key of CASES, solved here."""
+    """Solve the case with a key of CASES in this process; returns its errors."""
     return CASES[key].solve()
 
 
 def row(outcome: CaseOutcome) -> dict[str, Any]:
-    """The columns of a case; None where it ended without a result. quantity: the one nearest to
-    what is allowed."""
+    """The columns of a case; numbers are None where it ended without a result. quantity: the one
+    with the largest share of what is allowed."""
     case, found = outcome.case, outcome.measured
     name, worst = found.worst or ("", None) if found else ("", None)
     return {

@@ -79,14 +79,14 @@ def refusable(solve: Callable[..., CaseErrors]) -> Callable[..., CaseErrors]:
 
 
 def resolved(scene: Scene, n: float) -> Scene:
-    """The scene with n elements per smaller semi-axis of the predicted patch; as it is for 0."""
+    """The scene with n elements per smaller semi-axis of the predicted patch; unchanged for 0."""
     if not n:
         return scene
     return scene.replace([f"mesh.patch_size={planning.make(scene).forecast.minor / n!r}"])
 
 
 def quantities(summary: Summary) -> dict[str, float]:
-    """Result by name; empty where there is none."""
+    """Numbers of the "result" of a summary by name; empty where there is no result."""
     return numeric_values(summary["result"] or {})
 
 
@@ -121,7 +121,8 @@ def deviations(
 def against_boundary_elements(
     summary: Summary, other: Summary, limit: float = LIMIT
 ) -> dict[str, Deviation]:
-    """other: "half_space" of a summary, with its grid error and its allowance for the bodies."""
+    """Deviations of a summary from boundary elements; other: "half_space" of a summary, with its
+    grid error and its allowance for the bodies."""
     unknown = {
         name: other["allowance"][name]["total"] + error
         for name, error in other["grid_error"].items()
@@ -131,7 +132,7 @@ def against_boundary_elements(
 
 
 def against_fine_mesh(result: pipeline.Result, finer: Summary, limit: float) -> CaseErrors:
-    """The patch of a result against a summary of the same scene on a finer mesh."""
+    """Errors of the patch of a result against a summary of the same scene on a finer mesh."""
     bound = finer["accuracy"]["bound"]
     return measure(result, deviations(result.summary, quantities(finer), PATCH, limit, bound))
 
@@ -256,8 +257,8 @@ def plastic_measured(
 
 @refusable
 def finer_plastic(scene: Scene, multiple: float = 0.0) -> CaseErrors:
-    """Against a mesh FINE times as fine with twice the load steps; multiple: of the load of first
-    yield of a sphere, 0: the scene's own load."""
+    """A scene that yields against a mesh FINE times as fine with twice the load steps; multiple:
+    load over that of first yield of a sphere; 0: the scene's own load."""
     if multiple:
         scene = scene.replace(load=multiple * first_yield(scene))
 
@@ -273,7 +274,8 @@ def finer_plastic(scene: Scene, multiple: float = 0.0) -> CaseErrors:
 
 @refusable
 def same_plastic(scene: Scene, multiple: float, cycles: int = 1, length: float = 1.0) -> CaseErrors:
-    """A sphere pressed `cycles` times, or `length` times smaller, against itself."""
+    """A sphere that yields, pressed `cycles` times or made `length` times smaller, against itself;
+    multiple: load over that of first yield."""
     scene = scene.replace(load=multiple * first_yield(scene))
     other = scene.replace(
         load=float(scene.load or 0.0) / length**2,
@@ -292,7 +294,8 @@ def same_plastic(scene: Scene, multiple: float, cycles: int = 1, length: float =
 
 @refusable
 def friction(scene: Scene, reference: str) -> CaseErrors:
-    """Forces (over mu N) or the share of stick against one of the references that are known."""
+    """Forces (over mu N) or the share of the patch that sticks against a reference: 'boundary
+    elements', 'cattaneo', 'carter', 'the given force' or 'other programs'."""
     result = pipeline.run(scene)
     found = (result.summary["result"] or {}).get("friction")
     if found is None:
@@ -354,7 +357,8 @@ def true_profile(scene: Scene, rail: str, wear: Sequence[float], noise: float) -
 
 
 def random_plans(count: int) -> CaseErrors:
-    """Every valid scene has a plan with finite numbers or a refusal in one line."""
+    """Share of `count` random valid scenes whose plan has numbers that are not finite, or whose
+    refusal has more than one line; none may."""
     refused = broken = 0
     for seed in range(count):
         try:
@@ -366,8 +370,8 @@ def random_plans(count: int) -> CaseErrors:
 
 
 def random_scene(number: int) -> CaseErrors:
-    """A random scene that the plan accepts, found by a seed of its own: of odd numbers half-spaces
-    against Hertz, of even ones profiles against boundary elements."""
+    """A random scene that the plan accepts, one for each `number`: half-spaces against Hertz for
+    odd numbers, profiles against boundary elements for even ones."""
     flat = number % 2 == 1
     drawn = runnable(
         RANDOM_SEED + 1000 * (number - 1), lambda each: (each.rail.extent == "half-space") == flat

@@ -50,8 +50,8 @@ STRESSES = {
 
 def main(out: Path, *, quick: bool) -> None:
     """Write creep.csv, creep_costs.csv, creep_left_out.csv, creep_sliding.csv, creep.png,
-    creep_sliding.png, png and page.md; quick: two points of a coarse mesh, and
-    sections."""
+    friction_axes.png, creep_sliding.png and page.md; quick: two motions on a coarse mesh, one scene
+    and one coefficient of a section."""
     points, costs, left = [], [], []
     for curve in curves.QUICK if quick else curves.CURVES:
         print(f"{curve.case}: {len(curve.motions)} motions", file=sys.stderr)
@@ -76,7 +76,7 @@ def main(out: Path, *, quick: bool) -> None:
 def page(
     points: Sequence[Row], costs: Sequence[Row], left: Sequence[Row], slid: Sequence[Row]
 ) -> str:
-    """All of it; differences over mu N are the largest of a case."""
+    """Text of the page; differences of forces, over mu N, are the largest of a case."""
     forces = {case: _forces(own) for case, own in groups(points, "case").items()}
     sliding = groups(slid, "case")
     return tables.render(
@@ -137,7 +137,9 @@ def _forces(points: Sequence[Row]) -> tuple[list[tuple], dict[str, float]]:
 
 
 def _stresses(slid: Sequence[Row]) -> list[list[str]]:
-    """Finite elements beside the exact field at the same coefficients."""
+    """Rows of a table: largest von Mises stress and its depth by finite elements beside the exact
+    field, for each coefficient of friction.
+    """
     rows = []
     for found in (s for s in slid if s["by"] == "railhead"):
         same = {s["by"]: s for s in slid if math.isclose(s["coefficient"], found["coefficient"])}
@@ -156,11 +158,13 @@ def _stresses(slid: Sequence[Row]) -> list[list[str]]:
 
 
 def _change(before: float, after: float) -> str:
+    """Relative change as text, in %."""
     return f"{100 * (after / before - 1):+.2f} %"
 
 
 def draw_curves(points: Sequence[Row], path: Path) -> None:
-    """A row a case; the motions that have one part only."""
+    """Draw forces over creepage or spin: a row of panels for each case, with those motions alone
+    that have one component."""
     cases = groups(points, "case")
     with new_figure(path, 11, 3.6 * len(cases)) as figure:
         rows = figure.subplots(len(cases), 3, squeeze=False, sharey="row")
@@ -177,8 +181,8 @@ def draw_curves(points: Sequence[Row], path: Path) -> None:
 
 
 def draw_sliding(slid: Sequence[Row], path: Path) -> None:
-    """The largest von Mises stress, and its depth, with the exact largest below and at the
-    surface."""
+    """Draw the largest von Mises stress over the coefficient of friction, with the exact largest
+    ones below and at the surface."""
     cases = groups(slid, "case")
     with new_figure(path, 4.6 * len(cases), 3.8) as figure:
         panels = figure.subplots(1, len(cases), squeeze=False, sharey=True)[0]
@@ -199,7 +203,7 @@ ORIGIN = (0.0, 0.0)
 
 
 def draw_axes(path: Path) -> None:
-    """The wheel from the front and the patch from above."""
+    """Draw the axes and signs of friction: the wheel from the front and the patch from above."""
     with new_figure(path, 12, 4.1) as figure:
         front, above = figure.subplots(1, 2, width_ratios=(1, 1.05))
         _front(front)
@@ -210,6 +214,7 @@ def draw_axes(path: Path) -> None:
 
 
 def _front(axes: Axes) -> None:
+    """Draw wheel and rail from the front, with y, normal and shift."""
     pair = ProfilePair(profiles.rail_head("60E1", 1 / 40), profiles.s1002(), 460.0)
     side = place(pair, Track(gauge=1435.0), shift=SHIFT).right
     touch, y = side.touches[0], np.linspace(*pair.rail.domain, 801)
@@ -229,6 +234,7 @@ def _front(axes: Axes) -> None:
 
 
 def _above(axes: Axes) -> None:
+    """Draw the patch from above, with creepages, spin and forces."""
     turn, arc = np.linspace(0, 2 * np.pi, 181), np.radians(np.linspace(200, 340, 60))
     axes.fill(6 * np.cos(turn), 4.6 * np.sin(turn), color=STEEL, lw=0)
     x, y = 2.6 * np.cos(arc), 2.6 * np.sin(arc)
@@ -255,7 +261,7 @@ def _above(axes: Axes) -> None:
 
 
 def _out_of_the_page(axes: Axes, at: Point) -> None:
-    """The point of an arrow towards the reader."""
+    """Draw the point of an arrow towards the reader."""
     axes.plot(*at, "o", color=FE, ms=11, mfc="white", mew=2)
     axes.plot(*at, "o", color=FE, ms=4)
 

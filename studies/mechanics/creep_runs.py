@@ -1,5 +1,5 @@
 """Runs with friction: creep curves of finite elements beside boundary elements, FASTSIM and linear
-theory; what leaving friction out changes; the hardest places under full sliding."""
+theory; what leaving friction out changes; the largest stresses under full sliding."""
 
 import math
 import time
@@ -74,11 +74,11 @@ QUICK = (CreepCurve("hertz_ellipse", ALONG[2:5:2], COARSE),)
 
 Point = dict[str, Any]
 """Forces over mu N of a case at a motion (along, across, spin), by a method (by); stick: share of
-the patch."""
+the patch that sticks, None by linear theory."""
 Cost = dict[str, Any]
-"""Of a curve: unknowns, and processor seconds of assembly (gmsh is a process of its own), of
-pressing without friction, of sampling what finite bodies add and, on the average, of a point with
-its own pressing."""
+"""Cost of a curve: unknowns, and processor seconds of assembly (without gmsh, a process of its
+own), of pressing without friction, of sampling what finite bodies add and, on the average, of a
+point with its own pressing."""
 
 
 def rolled(curve: CreepCurve) -> tuple[list[Point], Cost]:
@@ -126,6 +126,7 @@ def _point(
     across: float,
     stick: float | None,
 ) -> Point:
+    """Point of a curve; along and across: forces over mu N."""
     return {
         "case": curve.case,
         "along": motion.along,
@@ -139,6 +140,7 @@ def _point(
 
 
 def _plan(curve: CreepCurve) -> Plan:
+    """Elastic plan of a curve's scene, of a whole model where a motion is lateral or spins."""
     across = any(each.across or each.spin for each in curve.motions)
     scene = catalogue.find(curve.name).replace(
         friction={"coefficient": COEFFICIENT},
@@ -151,6 +153,7 @@ def _plan(curve: CreepCurve) -> Plan:
 
 
 def _others(plan: Plan, curve: CreepCurve) -> Iterator[Point]:
+    """Points by boundary elements, FASTSIM and linear theory, at each motion of a curve."""
     scene, ellipse = plan.scene, plan.hertz
     assert isinstance(ellipse, Ellipse) and scene.load is not None
     pair = plan.context.tangential_pair
@@ -206,13 +209,13 @@ JUDGED = {
 
 
 Slid = dict[str, Any]
-"""The largest von Mises stress over Hertz's p0, its depth over the smaller half width, of a case
-at a coefficient of friction, by finite elements or the exact field."""
+"""The largest von Mises stress over Hertz's p0, and its depth over the smaller half length, of a
+case at a coefficient of friction, by finite elements or the exact field."""
 
 
 def left_out(name: str, changes: dict[str, Any], creepage: float) -> dict[str, Any]:
-    """The columns of JUDGED with friction and without, of one run, which holds both; force: over
-    mu N."""
+    """What leaving friction out changes: the columns of JUDGED with and without friction, of one
+    run, which holds both; force: over mu N. changes: of the keys of the scene."""
     found = rh.solve(_rolling(name, COEFFICIENT, creepage).replace(**changes), quiet=True).as_dict()
     forces = found["result"]["friction"]
     row = {
@@ -227,7 +230,9 @@ def left_out(name: str, changes: dict[str, Any], creepage: float) -> dict[str, A
 
 
 def slid(name: str, coefficients: Sequence[float], given: dict[str, Any]) -> Iterator[Slid]:
-    """Finite elements that slide, and the exact field below Hertz's pressure."""
+    """Rows of finite elements in full sliding at each coefficient, then of the exact field under
+    Hertz's pressure at those of EXACT. given: changed keys of the scene.
+    """
 
     def row(mu: float, by: str, ellipse: Hertz, von_mises: float, depth: float) -> Slid:
         return {
@@ -250,13 +255,15 @@ def slid(name: str, coefficients: Sequence[float], given: dict[str, Any]) -> Ite
 
 
 def crossover(slid: Sequence[Slid]) -> float:
-    """The coefficient above which the surface is hardest, between two of a case's own."""
+    """Coefficient of friction above which the exact largest von Mises stress lies at the surface,
+    interpolated; the first or last coefficient where there is no change between them."""
     below, surface = ([s for s in slid if s["by"] == by] for by in EXACTLY)
     ahead = [t["von_mises"] - s["von_mises"] for s, t in zip(below, surface, strict=True)]
     return float(np.interp(0.0, ahead, [s["coefficient"] for s in below]))
 
 
 def _rolling(name: str, friction: float, creepage: float) -> rh.Scene:
+    """A shipped scene that rolls with a coefficient of friction and a creepage along the rail."""
     return rh.find(name).replace(
         friction={"coefficient": friction}, rolling={"creepage_along": creepage}
     )

@@ -53,7 +53,7 @@ LABELS = {
     "approach": ("approach, µm", 1e3),
     "tau_max": ("largest shear stress, MPa", 1.0),
 }
-"""Name of an axis and its unit over that of the rows."""
+"""Label of an axis, and factor from the unit of the rows to that of the label."""
 PANELS = (
     ("load", "p_max"),
     ("load", "a"),
@@ -84,7 +84,8 @@ def main(out: Path, *, quick: bool) -> None:
 
 
 def around_smallest(plan: Plan, lowest: float) -> Grading:
-    """Fine enough for the patch of the lowest load, growing outwards over the larger ones."""
+    """Grading that is fine enough for the patch of the lowest load (N) and grows outwards over the
+    larger patches."""
     small = closed_forms.hertz_contact(plan.scene, plan.contact, lowest)
     size = min(small.a, small.b) / ELEMENTS_PER_SEMI_AXIS
     angle, coarsest = plan.contact.touch.angle, plan.sizing.coarsest
@@ -119,6 +120,7 @@ def sweep(name: str, loads: Sequence[float], progress: Progress) -> list[Row]:
 def _row(
     plan: Plan, ellipse: Ellipse, model: ContactModel, frame: Frame, solution: Solution
 ) -> dict[str, Any]:
+    """Row of one load, without seconds."""
     fields, newton = gather(model, solution), solution.newton
     assert fields is not None  # one process
     findings = read.findings(fields, frame, parabolic=plan.contact.half_space)
@@ -156,6 +158,7 @@ def exponents(rows: Sequence[Row]) -> dict[tuple[str, str], float]:
 
 
 def _case(rows: Sequence[Row]) -> dict[str, Any]:
+    """Values of the page's template for the rows of one case."""
     fitted, further = exponents(rows), rows[1:]
     return {
         "name": rows[0]["case"],
@@ -173,12 +176,13 @@ def _case(rows: Sequence[Row]) -> dict[str, Any]:
 
 
 def _load(row: Row) -> list[str]:
+    """Cells of a table for one load: quantities with their differences from Hertz."""
     load = f"{row['load'] / 1000:.4g}" + ("" if row["converged"] else " (not converged)")
     return [load, *(f"{row[key]:.4g} ({row[f'difference_{key}']:+.2%})" for key in QUANTITIES)]
 
 
 def draw(series: Mapping[str, Sequence[Row]], path: Path) -> None:
-    """Five quantities with fitted exponents beside exact Hertz, and the differences from it.
+    """Draw five quantities with fitted exponents beside exact Hertz, and the differences from it.
 
     series: rows of one or two cases by the name of the case; Hertz is drawn for the first one.
     """
@@ -193,7 +197,7 @@ def draw(series: Mapping[str, Sequence[Row]], path: Path) -> None:
 
 
 def _panel(axes: Axes, series: Mapping[str, Sequence[Row]], x: str, y: str) -> None:
-    """The points of each case, the curve of Hertz and their exponents."""
+    """Draw the points of each case and Hertz's curve, with exponents; x, y: keys of LABELS."""
     first, units = next(iter(series.values())), (LABELS[x][1], LABELS[y][1])
 
     def plot(label: str, values: Sequence[Array], **look: Any) -> None:
@@ -218,12 +222,12 @@ def _exact(rows: Sequence[Row], key: str) -> Array:
 
 
 def _plain_ticks(axis: Axis, low: float, high: float) -> None:
-    """1, 2, 5 and their decades; closer where the range is below a decade."""
+    """Set the ticks to 1, 2, 5 and their decades; closer where the range is below a decade."""
     tables.plain_ticks(axis, (1, 2, 5) if high > 10 * low else (1, 1.5, 2, 3, 4, 6, 8))
 
 
 def _differences(axes: Axes, series: Mapping[str, Sequence[Row]]) -> None:
-    """(FE - Hertz) / Hertz: the colour names the case, the line the quantity."""
+    """Draw (FE - Hertz) / Hertz: the colour shows the case, the line style the quantity."""
     cases = zip(series.values(), LOOKS, strict=False)
     for (rows, look), (key, (style, _)) in itertools.product(cases, DIFFERENCES.items()):
         values = [100 * row[f"difference_{key}"] for row in rows]

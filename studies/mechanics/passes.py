@@ -56,7 +56,11 @@ Row = dict[str, Any]
 
 
 def run_in(*keys: str, traction: str) -> tuple[list[Row], Row]:
-    """Rows of the passes of the axle, and what stays after them; seconds of the processor."""
+    """Rows of the passes of the axle, and one row of what stays after them, with the processor
+    seconds.
+
+    keys: assignments to keys of the scene. traction: its name in tables.
+    """
     start = time.process_time()
     found = rh.solve(AXLE.replace([*FAST, *keys]), quiet=True)
     result, spent = found.summary["result"], time.process_time() - start
@@ -92,7 +96,8 @@ def run_in(*keys: str, traction: str) -> tuple[list[Row], Row]:
 
 
 def left_out(*keys: str, what: str) -> Row:
-    """The axle without passes: elastic, or pressed once with yield."""
+    """Row of the axle without passes, elastic or pressed once with yield, as `keys` say; what: its
+    name in the table."""
     start = time.process_time()
     found = rh.solve(AXLE.replace(keys), quiet=True).summary
     plastic = found["result"].get("plastic") or {}
@@ -107,7 +112,10 @@ def left_out(*keys: str, what: str) -> Row:
 
 
 def mapped(traction: float, share: float, law: str) -> Row:
-    """Verdict on a line contact in full slip whose pressure is kept, at a share of the limit."""
+    """Row with the verdict on a line contact in full slip whose pressure is kept.
+
+    traction: Q/P. share: p0 over that of the shakedown limit. law: of LAWS.
+    """
     limit = damage.shakedown_limit(traction, POISSON)
     material = Material(YOUNG, POISSON, LAWS[law])
     modulus, p0 = YOUNG / (1 - POISSON**2), share * limit * SHEAR
@@ -159,7 +167,7 @@ def main(out: Path, *, quick: bool) -> None:
 def page(
     axle: Sequence[Row], after: Sequence[Row], others: Sequence[Row], points: Sequence[Row]
 ) -> str:
-    """Passes of the axle, what they cost and what leaving them out costs, and the map."""
+    """Text of the page: passes of the axle, what they and leaving them out cost, and the map."""
     by_place = tables.groups(points, "traction", "share")
     return tables.render(
         "passes",
@@ -198,7 +206,7 @@ def page(
 
 
 def draw(axle: Sequence[Row], points: Sequence[Row], path: Path) -> None:
-    """What each pass of the axle adds, and the map of verdicts with its limits."""
+    """Draw what each pass of the axle adds, and the map of verdicts with its limits."""
     with new_figure(path, 11.0, 4.4) as figure:
         left, right = figure.subplots(1, 2)
         for (traction, rows), colour in zip(

@@ -45,15 +45,16 @@ RADIUS, YIELD, YOUNG, POISSON = 100.0, 480.0, 207e3, 0.3  # of the sphere: mm, M
 
 Load = dict[str, Any]
 """The thesis's pair under one load: exact Hertz, the elastic solution and that with yield.
-multiple: load over that of first yield, 0 where nothing yields; strain: largest equivalent
-plastic one; depth: how far the rail stays pushed in; seconds: of the run that ended there."""
+multiple: load over that of first yield, 0 where nothing yields; strain: largest equivalent plastic
+strain; depth: largest residual depth of the rail; seconds: of the run with yield."""
 Sphere = dict[str, Any]
-"""A rigid sphere in a half-space that yields; approach, radius and residual depth over those
-of first yield, mean pressure over the yield stress. by: who says so."""
+"""A rigid sphere in a half-space that yields: approach and residual depth over the approach of
+first yield, radius of the patch over that of first yield, mean pressure over the yield stress. by:
+'railhead' or the authors of a formula."""
 
 
 def pressed(load: float) -> Load:
-    """Solve the thesis's pair (kN) with R260 and ER7, and elastic."""
+    """Solve the thesis's pair with R260 and ER7, and elastic; load: kN."""
     scene = catalogue.find("uic54_thesis").replace(load=1e3 * load, **STEELS)
     found = rh.solve(scene, quiet=True).as_dict()
     plain = rh.solve(scene.replace(effects={"plasticity": "off"}), quiet=True).as_dict()
@@ -133,7 +134,8 @@ def residual_depth(approach: float) -> float:
 
 
 def indented(multiple: float) -> list[Sphere]:
-    """Finite elements and the formulas of others at a multiple of the first-yield load."""
+    """Rows of finite elements and, above first yield, of formulas at a multiple of the load of
+    first yield."""
     modulus, radius = YOUNG / (1 - POISSON**2), first_yield()[1]
     scene = sphere(multiple)
     found = rh.solve(scene, quiet=True).as_dict()
@@ -182,7 +184,7 @@ def main(out: Path, *, quick: bool) -> None:
 
 
 def page(loads: Sequence[Load], spheres: Sequence[Sphere]) -> str:
-    """Tables, and from which load on the elastic answer misleads."""
+    """Text of the page: tables, and from which load on the elastic answer misleads."""
     misled = [r["load"] for r in loads if r["elastic"] > (1 + USEFUL) * r["p_max"]]
     fine = [r["load"] for r in loads if r["load"] not in misled]
     return tables.render(
@@ -222,7 +224,7 @@ def page(loads: Sequence[Load], spheres: Sequence[Sphere]) -> str:
 
 
 def draw(loads: Sequence[Load], spheres: Sequence[Sphere], path: Path) -> None:
-    """Largest pressure over the load, and the sphere's mean pressure over its load."""
+    """Draw the largest pressure over the load, and the sphere's mean pressure over its load."""
     with new_figure(path, 10.5, 4.2) as figure:
         left, right = figure.subplots(1, 2)
         for key, label, look in LINES:

@@ -85,8 +85,8 @@ class WornCase:
         base = {"name": "worn", "load": 1e5, "wheel": {"rolling_radius": 460}}
         return Scene.from_mapping(base).replace(self.keys)
 
-    def true(self) -> ProfilePair:
-        """The pair with what is worn off, and without noise."""
+    def true_pair(self) -> ProfilePair:
+        """The two profiles after wear and without noise, the truth of the case."""
         pair = solid.pair(self.scene)
         new: Profile = getattr(pair, self.worn)
         pieces = tuple(Worn(piece, self.wear) for piece in new.pieces)
@@ -94,9 +94,12 @@ class WornCase:
         return ProfilePair(bodies["rail"], bodies["wheel"], pair.rolling_radius)
 
     def measured(self, folder: Path, spacing: float, noise: float, seed: int) -> Scene:
-        """The scene with the points of a gauge in a file; spacing along the profile in mm, noise of
-        the heights in um."""
-        profile: Profile = getattr(self.true(), self.worn)
+        """The scene whose worn profile is that of the file <seed>.csv, written here with points as
+        of a gauge.
+
+        spacing: between points along the profile, mm. noise: standard deviation of z, um.
+        """
+        profile: Profile = getattr(self.true_pair(), self.worn)
         y = np.linspace(profile.domain[0] + EDGE, profile.domain[1] - EDGE, 40001)
         length = np.hypot(np.diff(y), np.diff(profile.height(y))).cumsum()
         y = np.interp(np.arange(0, length[-1], spacing), length, y[1:])
@@ -169,13 +172,14 @@ CASES: tuple[WornCase, ...] = (
 
 
 Row = dict[str, Any]
-"""Relative errors of the largest pressure (mean, and what 90 % of the seeds are within) and of
-the area (alike); more: seeds with more contacts than there are, or none; open: median
-uncertainty that the plan says; held: share of the seeds whose pressure is within it."""
+"""Relative errors of the largest pressure (pressure_mean; pressure: what 90 % of the seeds stay
+within) and of the area (alike). more: number of seeds with more contacts than there are, or without
+an answer. open: median uncertainty that the plan gives; held: share of the seeds whose pressure is
+within it."""
 
 
 def solved(scene: Scene, pair: ProfilePair | None = None) -> BoundaryElementSolution:
-    """Half-spaces of a scene, or of other profiles in it."""
+    """Boundary-element solution of a scene as half-spaces; pair: profiles, None: the scene's."""
     contact = solid.locate(scene, pair)
     return boundary_elements.solve(contact, closed_forms.ellipse(scene, contact), scene.load)
 
@@ -186,8 +190,10 @@ def contacts(found: BoundaryElementSolution) -> int:
 
 
 def compared(case: WornCase, spacing: float, noise: float, seeds: int) -> Row:
-    """Some seeds of a case against its truth."""
-    true = solved(case.scene, case.true())
+    """Row of a case: its answers with noise of so many seeds (one without noise) against the truth.
+    spacing: mm. noise: um.
+    """
+    true = solved(case.scene, case.true_pair())
     pressures, areas, opens, more = [], [], [], 0
     seeds = seeds if noise else 1
     with tempfile.TemporaryDirectory() as folder:
@@ -233,7 +239,7 @@ def main(out: Path, *, quick: bool) -> None:
 
 
 def missed(row: Row) -> str:
-    """Which of the limits a row is beyond."""
+    """Names of the limits that a row exceeds, in words; empty where it exceeds none."""
     judged, seeds = row["noise"] in LIMITS, f"{row['more']} of {row['seeds']}"
     found = {
         "p_max": judged and row["pressure"] > LIMITS[row["noise"]],
@@ -244,7 +250,7 @@ def missed(row: Row) -> str:
 
 
 def page(rows: Sequence[Row]) -> str:
-    """A table of all rows, and how many are within the limits."""
+    """Text of the page: a table of all rows, and how many are within the limits."""
     shares = ("pressure_mean", "pressure", "area", "open", "held")
     judged = [r for r in rows if r["noise"] in LIMITS]
     return tables.render(

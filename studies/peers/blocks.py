@@ -82,7 +82,8 @@ def _layers(size: float, fine: float, end: float) -> Array:
 
 
 def _hexahedra(size: float, order: int, sign: int) -> tuple[Array, Array]:
-    """Linear ones, whatever the order."""
+    """Points (n, 3), mm, and cells (m, 8) of linear hexahedra in a flat block, whatever the order;
+    sign: 1 above z = 0, -1 below."""
     x, y, z = (
         _layers(size, fine, end) for fine, end in zip(FINE, (WIDTH, WIDTH, DEPTH), strict=True)
     )
@@ -96,6 +97,8 @@ def _hexahedra(size: float, order: int, sign: int) -> tuple[Array, Array]:
 
 
 def _tetrahedra(size: float, order: int, sign: int) -> tuple[Array, Array]:
+    """Points (n, 3), mm, and cells (m, 4 or 10) of tetrahedra in a flat block; sign: 1 above z = 0,
+    -1 below."""
     import gmsh
 
     def wanted(dim: int, tag: int, x: float, y: float, z: float, lc: float) -> float:

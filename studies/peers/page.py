@@ -141,6 +141,7 @@ def page(
 
 
 def _row(run: Row) -> tuple[Any, ...]:
+    """Cells of the page's table for one run; errors in %."""
     errors = [run[f"error_{name}"] for name in ERRORS]
     return (
         run["code"],

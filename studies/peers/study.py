@@ -49,8 +49,9 @@ def install() -> None:
             elif why := _failure(["dpkg", "-s", *peer.DEBIAN]):
                 why = _failure(["apt-get", "update", "-q"]) or _failure([*APT, *peer.DEBIAN])
             if why:
-                _note(peer).write_text(f"{wanted(peer)}: {why}", encoding="utf-8")
-                print(f"railhead: not installed: {wanted(peer)}: {why}", file=sys.stderr)
+                failed = f"{install_command(peer)}: {why}"
+                _note(peer).write_text(failed, encoding="utf-8")
+                print(f"railhead: not installed: {failed}", file=sys.stderr)
 
 
 def python(peer: Peer) -> str:
@@ -59,25 +60,27 @@ def python(peer: Peer) -> str:
 
 
 def reason(peer: Peer, said: str) -> str:
-    """Why a code that said so is not there, in one line: what its installation said, if it was
-    tried; else how it is installed."""
+    """Why a code is not there, in one line: what its installation said, if that failed; else what
+    the code said, and how it is installed."""
     failed = _note(peer)
-    return failed.read_text(encoding="utf-8") if failed.exists() else f"{said} ({wanted(peer)})"
+    if failed.exists():
+        return failed.read_text(encoding="utf-8")
+    return f"{said} ({install_command(peer)})"
 
 
-def wanted(peer: Peer) -> str:
+def install_command(peer: Peer) -> str:
     """The command that installs a code by hand."""
     program = "apt-get" if peer.DEBIAN else "pip"
     return f"{program} install {' '.join(peer.DEBIAN or peer.PIP)}"
 
 
 def _note(peer: Peer) -> Path:
-    """Where it is noted why a code could not be installed."""
+    """Path of the file that says why a code could not be installed."""
     return VENV / f"failed_{peer.TITLE}.txt"
 
 
 def _failure(command: Sequence[str]) -> str:
-    """Why a command failed, in one line; empty if it did not."""
+    """Run a command; returns why it failed, in one line; empty if it did not."""
     try:
         done = subprocess.run(command, capture_output=True, text=True, check=False)
     except OSError as error:
@@ -173,7 +176,8 @@ def solve(
 
 
 def _asked(peer: Peer, job: Mapping[str, Any] | None, work: Path) -> tuple[Any, Cost]:
-    """What a code answers in a process of its own, in an empty folder."""
+    """What a code answers to a job (None: its version), run in a process of its own in an empty
+    folder, and the cost of that process. Raises FailedError as `processes.run` does."""
     with tempfile.TemporaryDirectory(dir=work) as empty:
         folder = Path(empty)
         (folder / "job.json").write_text(json.dumps(job), encoding="utf-8")
@@ -183,7 +187,8 @@ def _asked(peer: Peer, job: Mapping[str, Any] | None, work: Path) -> tuple[Any, 
 
 
 def _own(setting: str, options: Sequence[str], work: Path) -> Row:
-    """`railhead run hertz_ellipse --no-pictures` as a person starts it."""
+    """Row of `railhead run hertz_ellipse --no-pictures` with further options, as a person starts
+    it."""
     head = OURS, "finite elements", setting
     start = [sys.executable, "-c", "from railhead.cli import main; main()"]
     command = [*start, "run", CASE, "--no-pictures", "--out", "own", *options]

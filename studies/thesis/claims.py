@@ -146,8 +146,8 @@ Rule = Callable[[Facts], Finding]
 def number(
     what: str, thesis: float | str, exact: float, unit: str = "", ours: float | None = None
 ) -> ClaimCheck:
-    """A number; given as printed (a string), half a unit of its last digit passes as well. Where
-    there are finite elements (ours), both must bear it out: the worse grade counts."""
+    """Check of a number of the thesis. As printed (a string) it holds within half a unit of its
+    last digit, too. Where there are finite elements (ours), the worse of both grades counts."""
     value = float(thesis)
     grade = grade_number(value, exact)
     if isinstance(thesis, str) and abs(value - exact) <= half_last_digit(thesis):
@@ -174,7 +174,8 @@ def half_last_digit(printed: str) -> float:
 def equation(
     what: str, printed: ArrayLike, exact: ArrayLike, ours: ArrayLike | None = None
 ) -> ClaimCheck:
-    """Two sides of an equation, evaluated; shown is the largest difference of their entries."""
+    """Check of an equation by the values of its sides; it shows the largest difference of their
+    entries. ours: values of the exact side by another computation."""
     off = _apart(printed, exact)
     grade = Grade.HOLDS if off < 1e-9 else Grade.FAILS
     text = "equal" if grade == Grade.HOLDS else f"off by {off:.3g}"
@@ -190,12 +191,12 @@ def statement(
     unit: str = "",
     ours: float | str | None = None,
 ) -> ClaimCheck:
-    """Something that is true or not, with the numbers that show it."""
+    """Check of something that holds or not, with the numbers that show it."""
     return ClaimCheck(what, thesis, exact, Grade.HOLDS if holds else Grade.FAILS, unit, ours)
 
 
 def itself(what: str, printed: str, implied: float, unit: str = "") -> ClaimCheck:
-    """A printed number against what the thesis's own numbers imply."""
+    """Check of a printed number against what the thesis's own numbers imply."""
     agrees = abs(float(printed) - implied) <= half_last_digit(printed)
     return ClaimCheck(
         what, float(printed), implied, Grade.HOLDS if agrees else Grade.CONTRADICTS, unit

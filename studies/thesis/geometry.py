@@ -176,6 +176,7 @@ def contact_residuals(
 
 
 def _pair(angle: float) -> tuple[float, float]:
+    """Cosine and sine."""
     return float(np.cos(angle)), float(np.sin(angle))
 
 
@@ -213,19 +214,19 @@ def rail(s1: float, s2: float) -> Array:
 
 
 def proper(matrix: Array) -> ClaimCheck:
-    """Whether a matrix (3, 3) keeps lengths and is right-handed."""
+    """Check whether a matrix (3, 3) keeps lengths and is right-handed."""
     skew, det = float(np.abs(matrix.T @ matrix - np.eye(3)).max()), float(np.linalg.det(matrix))
     shown = f"det {det:.3g}, A'A - I {skew:.2g}"
     return statement("rotation", shown, "det 1, A'A - I 0", skew < 1e-12 and abs(det - 1) < 1e-12)
 
 
 def turn(axis: str, printed: Array, exact: Array, note: str = "") -> Rule:
-    """A printed rotation about one axis."""
+    """Rule of a printed rotation about one axis."""
     return lambda f: Finding([proper(printed), equation(f"about {axis}", printed, exact)], note)
 
 
 def product(printed: Array, exact: Array, note: str = "") -> Rule:
-    """A printed product of rotations against the product of the printed factors."""
+    """Rule of a printed product of rotations against the product of the printed factors."""
     return lambda f: Finding(
         [equation("product of the printed factors", printed, exact), proper(printed)], note
     )
@@ -245,7 +246,8 @@ def heading(s: float, exponent: int) -> float:
 
 
 def off_tangent(name: str, index: int) -> ClaimCheck:
-    """Angle of a tangent of eq 3.21 to the derivative of the rail's surface, degrees."""
+    """Check of the angle of a tangent of eq 3.21 to the derivative of the rail's surface, degrees;
+    name: 't1' or 't2', index: of the derivative."""
     one, other = LEVEL[f"3.21 {name}"], tangents(rail, 0.0, 0.0)[index]
     cosine = abs(one @ other) / np.linalg.norm(one) / np.linalg.norm(other)
     angle = math.degrees(math.acos(min(1.0, float(cosine))))
@@ -253,7 +255,7 @@ def off_tangent(name: str, index: int) -> ClaimCheck:
 
 
 def wheel_tangent(index: int, exact: list[float]) -> Rule:
-    """Eq 3.38 (index 0) or 3.40 (1) against the derivative of eq 3.27."""
+    """Rule of eq 3.38 (index 0) or 3.40 (1) against the derivative of eq 3.27."""
     printed = wheel_tangents_printed(cone, S1, S2)[index]
     ours = tangents(wheel, S1, S2)[index]
     return lambda f: Finding([equation("derivative of eq 3.27", printed, exact, ours)])

@@ -59,14 +59,14 @@ def orientation(facts: Facts) -> Finding:
 
 
 def strength(name: str, low: float, high: float, least: float) -> ClaimCheck:
-    """A range of tensile strengths beside the least of EN 13674-1, MPa."""
+    """Check whether a range of tensile strengths holds the least of EN 13674-1, MPa."""
     inside = max(grade_number(low, least), Grade.CLOSE) if low <= least <= high else Grade.FAILS
     return ClaimCheck(f"{name} quality", f"{low}-{high}", f">= {least}", inside, "MPa")
 
 
 def curved_change(thesis: float, index: int, unit: str, note: str) -> Rule:
-    """A printed change of K4 (index 1) or theta (2) from straight track, with wheel and rail at
-    CURVE_ANGLE."""
+    """Rule of a printed change of K4 (index 1) or theta (2) from straight track to wheel and rail
+    at CURVE_ANGLE; note: a remark with a place for the value."""
 
     def rule(facts: Facts) -> Finding:
         found = facts.at_angle(CURVE_ANGLE)

@@ -85,6 +85,7 @@ def page(facts: Facts, judged: Sequence[Judged], runs: Sequence[Mapping[str, Any
 
 
 def _mises(contact: Ellipse, facts: Facts) -> float:
+    """Largest von Mises stress on the axis of a contact, MPa."""
     return contact.axis_extrema(facts.poisson).von_mises_max
 
 
@@ -102,6 +103,7 @@ def _chapter(judged: Sequence[Judged]) -> tuple[list[list[str]], list[tuple[int,
 
 
 def _cells(check: ClaimCheck) -> list[str]:
+    """Cells of a table: what is checked, thesis, exact, ours with its difference from exact."""
     unit = f", {check.unit}" if check.unit else ""
     ours = "" if check.ours is None else _value(check.ours)
     if isinstance(check.ours, float) and isinstance(check.exact, float) and check.exact:
@@ -120,7 +122,8 @@ def _at(runs: Sequence[Mapping[str, Any]], load: float) -> Mapping[str, Any] | N
 
 
 def _elements(facts: Facts, runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Linear hexahedra with a penalty beside the default, at 25 kN."""
+    """Values of the page's template: linear hexahedra with a penalty beside the default, at 25 kN;
+    `coarse` alone, as None, without finite elements."""
     own, best = [r for r in runs if r["elements"] == HEXAHEDRA], _at(runs, LOAD)
     if best is None:
         return {"coarse": None}
@@ -141,7 +144,7 @@ def _elements(facts: Facts, runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]
 
 
 def _strength(facts: Facts, runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """25 kN and a real wheel against yield and shakedown."""
+    """Values of the page's template: 25 kN and a real wheel against yield and shakedown."""
     c, lines = facts.ellipse, []
     for contact in (facts.under(LOAD), facts.real):
         fe = _at(runs, contact.load)
@@ -222,7 +225,7 @@ def sample(fields: Fields, found: Findings) -> Sampled:
 
 
 def patch(facts: Facts, fe: Sampled | None, path: Path) -> None:
-    """Figures 6.1 to 6.3: principal stresses on the patch; colours: finite elements, or exact
+    """Draw figures 6.1 to 6.3: principal stresses on the patch; colours: finite elements, or exact
     where there are none; lines: exact. The thesis has one value for each, at the centre."""
     c = facts.ellipse
     x, y = np.meshgrid(np.linspace(-1.3, 1.3, 131) * c.a, np.linspace(-1.3, 1.3, 131) * c.b)
@@ -256,7 +259,8 @@ def patch(facts: Facts, fe: Sampled | None, path: Path) -> None:
 
 
 def lines(facts: Facts, fe: Sampled | None, path: Path) -> None:
-    """Figures 6.4 to 6.7: along the major radius on the surface, and against depth."""
+    """Draw figures 6.4 to 6.7: stresses along the major radius on the surface, and over depth; fe:
+    None without finite elements."""
     c = facts.ellipse
     t = 1.5 * c.a * np.sin(np.linspace(-1, 1, 241) * np.pi / 2)
     zero = np.zeros_like(t)
@@ -288,7 +292,8 @@ def lines(facts: Facts, fe: Sampled | None, path: Path) -> None:
 
 
 def loads(facts: Facts, fe: Sequence[Mapping[str, float]], path: Path) -> None:
-    """Figures 6.8 to 6.10. fe: load (N), a (mm) and p0 (MPa) of each finite-element run."""
+    """Draw figures 6.8 to 6.10: p0 and a over the load, p0 over a. fe: load (N), a (mm) and p0
+    (MPa) of each finite-element run."""
     c = facts.ellipse
     load = np.geomspace(1e3, 150e3, 61)
     growth = np.cbrt(load / c.load)
@@ -326,7 +331,8 @@ def loads(facts: Facts, fe: Sequence[Mapping[str, float]], path: Path) -> None:
 
 
 def _four(axes: Axes, at: Array, stresses: Array, route: int, named: bool = False) -> None:
-    """Principal stresses and largest shear of stresses (k, 6); named: names beside the curves."""
+    """Draw principal stresses and largest shear of stresses (k, 6), MPa, over `at` (k,), mm; route:
+    index in ROUTES; named: whether names stand beside the curves."""
     curves = np.column_stack((principal(stresses), max_shear(stresses)))
     axes.plot(at, curves, **ROUTES[route][1])
     for i, (share, x, y) in enumerate(PLACES if named else ()):

@@ -150,7 +150,8 @@ def tensile_load(facts: Facts) -> Finding:
 
 
 def nail(facts: Facts, what: str, size: float, key: str) -> ClaimCheck:
-    """A side of the patch in mm; nails of fingers are about 5 to 15 mm wide."""
+    """Check whether a side of the patch, `size` mm, is as wide as a fingernail, 5 to 15 mm; key: of
+    the semi-axis in `Facts.fe`."""
     ours = 2 * facts.fe[key] if facts.fe else None
     return statement(f"{what} of the patch", "5-15", size, 5 <= size <= 15, "mm", ours)
 
@@ -168,7 +169,8 @@ def least_shear(facts: Facts) -> Finding:
 
 
 def yields(facts: Facts, contact: Ellipse, key: str) -> ClaimCheck:
-    """The largest von Mises stress of a contact against the yield stress of R260."""
+    """Check whether the largest von Mises stress of a contact is below the yield stress of R260;
+    key: of that stress in `Facts.fe`."""
     value = contact.axis_extrema(facts.poisson).von_mises_max
     what = f"largest von Mises stress at {contact.load / 1000:.4g} kN"
     limit, ours = f"< {YIELD[1]:g}", facts.fe.get(key)

@@ -127,6 +127,7 @@ def fe_facts(found: Findings, base: Row, exact: Ellipse) -> dict[str, float]:
 
 
 def _row(elements: str, result: Result) -> Row:
+    """Row of one run; elements: their name in the table."""
     summary, solved = result.summary, result.mesh_solution
     found, error, hertz = summary["result"], summary["difference"], summary["hertz"]
     surface = np.array(found["stress"]["surface_centre_MPa"])

@@ -43,7 +43,7 @@ def solve(case, mesh, element, contact, penalty, solver):
 
 
 def deck(case, mesh, element, contact, penalty, solver) -> str:
-    """The wheel's far end is moved down on the clamped rail, in one step."""
+    """Text of the input deck: in one step the wheel's far end moves down on the clamped rail."""
     first_node = {"rail": 1, "wheel": 1 + len(mesh["rail_points"])}
     first_cell = {"rail": 1, "wheel": 1 + len(mesh["rail_cells"])}
     lines = ["*NODE"]
@@ -125,7 +125,7 @@ def _tresca(s) -> float:
 
 
 def _row(values) -> str:
-    """At most eleven entries a line."""
+    """Values with commas between them, on a second line those after the eleventh."""
     return ", ".join(map(str, values[:11])) + (
         ",\n" + ", ".join(map(str, values[11:])) if len(values) > 11 else ""
     )
