@@ -228,8 +228,8 @@ class DepthAxis:
     pressure of a patch.
 
     body: 'rail' or 'wheel'.
-    depth (k,): below the tangent plane, mm, ascending; of boundary elements the first is just below
-        zero depth.
+    depth (k,): distance from the tangent plane into the body, mm, ascending, from 0; of boundary
+        elements from just below the surface.
     stress (k, 6): components (xx, ss, nn, xs, xn, sn) in the contact frame of the patch, n out of
         the rail in both bodies, MPa, tension positive.
     line: start of the axis in space (mm) and its unit vector into the body.
@@ -342,7 +342,7 @@ class Units:
         return value
 
     def text(self, value: float, unit: str, digits: int = 4) -> str:
-        """Value with so many digits, and its displayed unit."""
+        """Text of a value, with so many significant digits, and of its unit, both as displayed."""
         return f"{brief(self.value(value, unit), digits)} {self.unit(unit)}"
 
     def place(self, point: Sequence[float]) -> str:
@@ -357,7 +357,7 @@ class Units:
 
 
 def brief(value: float, digits: int = 4) -> str:
-    """Text of a number with so many digits, without a power of ten up to 1e7."""
+    """Text of a number with so many significant digits, without a power of ten up to 1e7."""
     rounded = float(f"{value:.{digits}g}") + 0.0  # -0 is 0
     return f"{rounded:.0f}" if 1e4 <= abs(rounded) < 1e7 else f"{rounded:.{digits}g}"
 
@@ -416,14 +416,15 @@ class Findings:
     frame: axes of the contact; of several patches those of the most loaded one.
     patch: the contact patch.
     surface: fields on the contact surface of the slave, the body whose facets carry the pressure.
-    depth: stresses on the axis below the most loaded patch, by body name.
+    depth: stresses on the axis into each body from the centre of the most loaded patch, by body
+        name.
     along, across: smooth pressure along x and along s through the most loaded patch.
     shape_error: largest deviation of the third and fourth moments of the most loaded patch's
         pressure from those of Hertz's pressure, as `PressureMoments.shape_error`.
     hertzian: whether the pressure is nearly Hertz's: there is one patch, and its shape error is
         below 2 %.
     largest: largest stresses anywhere in the body but near sharp edges, by body name.
-    also: axes below the other patches, in the order of `Patch.each`, in the body of `axis`.
+    also: axes from the other patches, in the order of `Patch.each`, into the body of `axis`.
     notes: remarks that every picture shows below it.
     subject: words for titles and labels of pictures.
     noise: relative L2 difference of computed and smooth pressure.

@@ -43,12 +43,12 @@ RATCHETS, LIMIT, UNDECIDED = "ratchets", "at the limit", "undecided"
 class RailState:
     """State of the rail's section after a pass, at the Gauss points of the section.
 
-    y: from the middle of the patch across (ny,), ascending, mm.
-    depth: below the surface (nz,), ascending, mm.
+    y: places of the points across, from the middle of the patch, (ny,), ascending, mm.
+    depth: their depths below the surface (nz,), ascending, mm.
     stress: residual stress xx, yy, zz, xy, xz, yz (ny, nz, 6), MPa.
     strain: equivalent plastic strain (ny, nz).
     across: nodes of the surface (n,), ascending, mm.
-    up: displacement of the surface out of the rail (n,), mm.
+    up: displacement of these nodes out of the rail (n,), mm.
     """
 
     y: Array
@@ -59,8 +59,8 @@ class RailState:
     up: Array
 
     def below(self) -> tuple[Array, Array]:
-        """Residual stress (nz, 6), MPa, and plastic strain (nz,) below the middle: means of the
-        points nearest to it on both sides.
+        """Residual stress (nz, 6), MPa, and plastic strain (nz,) below the middle of the patch:
+        means of the points nearest to it on both sides.
         """
         distance = np.abs(self.y)
         near = distance < distance.min() + 1e-6 * np.ptp(self.depth)
@@ -76,7 +76,8 @@ class Passes:
     words: the verdict in a sentence.
     sections: state of the section after each pass.
     state: what the last pass left, from which more go on; None where there are no passes.
-    axes: `solver.passes.block.Block.axes`, joined to one array, mm.
+    axes: coordinates of the block's nodes along x, in a solid y, and z, one axis after the other,
+        mm.
     half_lengths: of the elastic patch, along and across, mm.
     profile: the rail's profile with the groove on it (n, 2), y and z as the file of rail.profile
         has them, mm; None of a half-space and of a section.
@@ -87,7 +88,7 @@ class Passes:
     rim: largest plastic increment at the rim of the region where yield is followed, over the
         largest anywhere.
     errors: estimated relative errors after the last pass by key of its row, from a coarser and
-        shorter block; empty without an accuracy.
+        shorter block; empty where the scene asks for no accuracy.
     unknowns: number of unknowns of the block.
     seconds: time that all passes took.
     reason: why there are no passes; empty where there are some.

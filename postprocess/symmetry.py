@@ -48,14 +48,14 @@ def _signs(normal: Normal) -> Array:
 
 
 def repeated(values: NDArray[Scalar], planes: Planes) -> NDArray[Scalar]:
-    """Scalars (n, ...) of a part and, behind them, of its images (2^k n, ...)."""
+    """Scalars (n, ...) of a part and, behind them, of its images in k planes: (2^k n, ...)."""
     return np.concatenate([values] * 2 ** len(planes))
 
 
 def vectors(values: Array, planes: Planes) -> Array:
-    """Vectors or points (n, 2 or 3) of a part and of its images (2^k n, 2 or 3). The first of their
-    axes is parallel to x, and with a plane y = 0 the second to y. Points are taken from an origin
-    on the planes.
+    """Vectors or points (n, 2 or 3) of a part and, behind them, of its images in k planes: (2^k n,
+    2 or 3). The first of their axes is parallel to x, and with a plane y = 0 the second to y.
+    Points are taken from an origin on the planes.
     """
     for normal in planes:
         values = np.concatenate([values, values * _signs(normal)[: values.shape[1]]])
@@ -63,8 +63,8 @@ def vectors(values: Array, planes: Planes) -> Array:
 
 
 def stresses(values: Array, planes: Planes) -> Array:
-    """Stresses (n, 6) of a part and of its images (2^k n, 6), components xx, yy, zz, xy, xz, yz:
-    those with one index along a plane's normal change their sign.
+    """Stresses (n, 6) of a part and, behind them, of its images in k planes: (2^k n, 6). Of the
+    components xx, yy, zz, xy, xz, yz those with one index along a plane's normal change their sign.
     """
     for normal in planes:
         values = np.concatenate([values, values * _signs(normal)[ROW] * _signs(normal)[COLUMN]])

@@ -292,8 +292,8 @@ def _surface(
 
 def _shape_error(patch: PatchSolution) -> float:
     """Largest deviation of the moments <t^3> and <t^4> of a pressure from those of a semi-
-    ellipsoid; t runs from the centre of pressure along x or s. That of <t^3> is its size over
-    <t^2>^(3/2), that of <t^4> is relative to 15/7 <t^2>^2.
+    ellipsoid; t runs from the centre of pressure along x or s. That of <t^3> is |<t^3>|
+    over <t^2>^(3/2), that of <t^4> is relative to 15/7 <t^2>^2.
     """
     errors = [0.0]
     sums = patch.pressure.sum(axis=1), patch.pressure.sum(axis=0)

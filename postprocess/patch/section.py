@@ -143,8 +143,8 @@ def _shape(square: SquaredPressure, fields: Fields) -> PatchShape:
 
 
 def _along_across(axis: int, own: Value, other: Value) -> tuple[Value, Value]:
-    """Values along x and along s, of the one along the section and the other one; axis: as of
-    `Kinematics.varying`.
+    """The value along x and the value along s, given that along the section (`own`) and the other
+    one. axis: 0 where the section runs along x, 1 along s.
     """
     return (own, other)[axis], (own, other)[1 - axis]
 

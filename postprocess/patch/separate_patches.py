@@ -29,8 +29,8 @@ class SeparatePatch:
     frame: tangent plane of the patch, with its origin at the centre of pressure.
     a, b: largest distances of its contact points from that centre along x and s, mm.
     force: integral of the pressure over the patch, images included, N.
-    share: that force over the force on all patches and their images in all planes. Of a patch
-        beside a plane that it does not touch it is without the part of its image.
+    share: that force over the force on all patches and their images in all planes. An image in a
+        plane that its patch does not touch counts in the second force alone.
     """
 
     fields: Fields

@@ -101,7 +101,7 @@ class GivenAxes:
         return every.squeeze()[()] if squeeze else every
 
     def legend(self, *handles: Any, loc: str = "", ncols: int = 1, **look: Any) -> None:
-        """Draw the legend of the figure above the first axes."""
+        """Draw the legend of the figure above the first axes; loc and ncols have no effect."""
         place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.08), "borderaxespad": 0.0}
         self.axes[0].legend(*handles, **place, **look)
 

@@ -59,7 +59,7 @@ class Yielded:
     rises: by name of the body, its contact surface after the load (n, 3): x and s of its nodes, mm,
         and their displacement along the rail's outward normal, um.
     carrier: name of the body that carries the contact points.
-    elastic: smooth pressure of the same load without yield, along the axis.
+    elastic: smooth pressure of the same load without yield, on a line along `axis`.
     axis: horizontal axis of the picture: 0 for x, 1 for s.
     window: middle on that axis, and half the side, of the square that is shown, mm.
     """

@@ -44,8 +44,9 @@ INNER = 0.6  # of the way from the middle of a facet to its nodes: where it stic
 class BodyStresses:
     """Stresses inside all meshed bodies.
 
-    axes: by body name, the stresses along the normal below the centre of the most loaded patch.
-    other_axes: stresses below the centres of the other patches, in the rail, or in the wheel if the
+    axes: by body name, the stresses along the normal into the body from the centre of the most
+        loaded patch.
+    other_axes: the same from the centres of the other patches, in the rail, or in the wheel if the
         rail is rigid.
     largest: by body name, the largest stresses anywhere, with those near sharp edges apart.
     edges (n, 3): points in space on the sharp edges of all bodies, mm.

@@ -71,7 +71,8 @@ def stress_of_total_strain(
 ) -> tuple[Array, Array, Array]:
     """Position (m, 3) mm, stress (m, 6) MPa and |det J| (m,) at one reference point of m cells. The
     stress is the elastic one of the total strain, with plastic strain ignored; components xx,
-    yy, zz, xy, xz, yz in global axes.
+    yy, zz, xy, xz, yz in global axes. Its dilatation is averaged over the cell, or taken at the
+    cell's centroid, where `Kinematics` has that (`averaged`, `mean_dilatation`).
     """
     x, strain, size = _strain(fields, cells, reference)
     dilatation = strain

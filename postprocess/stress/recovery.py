@@ -112,7 +112,7 @@ class StressPolynomial:
 
 
 def monomials(x: Array) -> Array:
-    """All products (n, m, k) of at most three coordinates of points (n, k, d); the first is 1."""
+    """All m products (n, m, k) of at most three coordinates of points (n, k, d); first comes 1."""
     factors = [np.ones(x.shape[:2]), *np.moveaxis(x, -1, 0)]
     chosen = list(combinations_with_replacement(range(len(factors)), DEGREE))
     out = np.empty((len(x), len(chosen), x.shape[1]))
@@ -164,8 +164,8 @@ def stress_at(fields: Fields, points: Array, body: str | None = None) -> Array:
 
 
 def _turned(stress: Array, angle: Array) -> Array:
-    """Stresses (n, 6), components xx, yy, zz, xy, xz, yz, turned about the axis z by angles (n,),
-    rad.
+    """Stresses (n, 6), components xx, yy, zz, xy, xz, yz, turned with the material about the axis z
+    by angles (n,), rad; the axes of the components stay.
     """
     cosine, sine, zero = np.cos(angle), np.sin(angle), np.zeros_like(angle)
     rows = (cosine, -sine, zero), (sine, cosine, zero), (zero, zero, zero + 1.0)

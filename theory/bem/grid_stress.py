@@ -128,7 +128,7 @@ def lattice(patch: PatchSolution) -> Array:
     return np.column_stack([each.ravel() for each in places])
 
 
-def surface(patch: PatchSolution) -> Array:
+def surface_places(patch: PatchSolution) -> Array:
     """Places (n, 3) just below the surface of a patch, mm: below the cell with the smallest x of
     each line of cells along the rail, where the trailing edge is, and below every fourth cell of
     every fourth line.
@@ -149,12 +149,13 @@ def peaks(
     in this order, under the pressure and tractions of a patch; arguments are those of `stress`.
 
     Each search starts at the largest value at the places of `lattice` and, with tractions, of
-    `surface`, and climbs by the simplex method of Nelder and Mead. It goes no nearer to the surface
-    than half a cell: there the stress is that of single cells. A start that is nearer is kept.
+    `surface_places`, and climbs by the simplex method of Nelder and Mead. It goes no nearer to the
+    surface than half a cell: there the stress is that of single cells. A start that is nearer is
+    kept.
     """
     places, least = lattice(patch), (patch.x[1] - patch.x[0]) / 2
     if traction is not None:
-        places = np.vstack([places, surface(patch)])
+        places = np.vstack([places, surface_places(patch)])
     known = stress(patch, poisson, places, traction)
     steps = np.append(np.ptp(places[:, :2], axis=0) / (4 * PLACES), 0.1)
     found = []
@@ -163,7 +164,9 @@ def peaks(
         start, top = places[np.argmax(values)], float(values.max())
 
         def moved(way: Array, start: Array = start) -> Array:
-            """The point (3,) at `way` (3,) steps in x, s and ln(depth) from the start."""
+            """The point (3,) at `way` (3,) steps in x, s and ln(depth) from the start, at least as
+            deep as `least`, mm.
+            """
             x, s = start[:2] + way[:2] * steps[:2]
             return np.array([x, s, min(start[2] * np.exp(way[2] * steps[2]), -least)])
 

@@ -239,8 +239,8 @@ def cylinder_approach(strip: Strip, radius: float, young: float, poisson: float)
 
 class Strips:
     """Stresses of the half-plane at n points below m strips side by side, each with a constant
-    pressure and traction. With F as in the module's text, and G the same of the traction, the
-    stresses are (Johnson, Contact Mechanics, 2.5)
+    pressure and traction. With F(zeta) = int p/(zeta - t) dt at zeta = x + i d, and G the same of
+    the traction, the stresses are (Johnson, Contact Mechanics, 2.5)
 
         xx = (Im F + d Re F' - 2 Re G + d Im G')/pi      zz = (Im F - d Re F' - d Im G')/pi
         xz = (d Im F' - Im G - d Re G')/pi               yy = nu (xx + zz)
@@ -274,6 +274,8 @@ class Strips:
         return np.asarray(np.column_stack(columns) / np.pi, dtype=np.float64)
 
     def _potential(self, values: Array) -> tuple[Complex, Complex]:
-        """F and its derivative (n,) for values (m,) on the strips."""
+        """int v/(zeta - t) dt and its derivative by zeta at the points, each (n,), of values v (m,)
+        on the strips.
+        """
         jumps = np.diff(values, prepend=0.0, append=0.0).astype(np.complex128)
         return self._log @ jumps, self._slope @ jumps

@@ -86,7 +86,7 @@ class TangentialSolution:
     @property
     def forces(self) -> tuple[float, float, float]:
         """Forces of the wheel on the rail (along, across, N) and moment about the normal at the
-        place of the spin (N mm), as works on the modes.
+        place of the spin (N mm): each is the work of the tractions on a unit creepage or spin.
         """
         along, across, moment, _ = self._works
         return float(along), float(across), float(moment)
@@ -200,7 +200,7 @@ class HalfSpaceFriction:
         return np.asarray(np.einsum("fcij,mcij->fm", self._modes[:2], changes) * found.cell)
 
     def _slip(self, creepage: Creepage) -> Array:
-        """Slip (2, nx, ny) of surfaces without tractions at a creepage."""
+        """Slip (2, nx, ny) of surfaces without tractions at a creepage, less what is `drawn`."""
         return np.asarray(np.tensordot(creepage.motion, self._modes, axes=1) - self._drawn)
 
 

@@ -44,8 +44,8 @@ class PeakStress:
 
 def stress(contact: Hertz, friction: float, poisson: float, points: ArrayLike) -> Array:
     """Stress (n, 6), columns xx, yy, zz, xy, xz, yz, MPa, at points (n, 3), mm, of the half-space z
-    <= 0 under Hertz's pressure p and a traction friction * p that acts on it along +x. Points and
-    components are in the axes of the module, from the centre of the patch at its surface.
+    <= 0 under Hertz's pressure p and a traction friction * p that acts on it along +x. Axes lie
+    at the centre of the patch: x along the rail, y across it, z out of the body.
 
     The pressure is a sum of plane waves, and a wave of pressure and traction needs only plane
     strain and shear out of its plane. Of the waves of one direction e, those of all lengths add up

@@ -27,8 +27,9 @@ LINEAR = 3  # the first of them, P
 
 
 class SmoothTractions:
-    """The three fields P beta on a grid of cells over an ellipse 1.5 times (WIDTH) as wide as a
-    patch.
+    """The three fields P beta, P = 1, u, v, on a grid of cells over an ellipse 1.5 times (WIDTH) as
+    wide as a patch; beta falls to 0 at its edge. Fields are read from there in the ten powers Q =
+    u^i v^j (POWERS). u and v are coordinates from the centre over the half lengths.
 
     centre: (x, y) of the patch, mm.
     half: half lengths (a, b) of the patch, mm.
@@ -61,7 +62,7 @@ class SmoothTractions:
         return float((self.x[1] - self.x[0]) * (self.y[1] - self.y[0]))
 
     def _basis(self, x: Array, y: Array) -> Array:
-        """Q (10, nx, ny) at x (nx,) and y (ny,), mm; the first three are P."""
+        """The ten powers Q (10, nx, ny) at x (nx,) and y (ny,), mm; the first three are P."""
         u, v = ((t - c) / h for t, c, h in zip((x, y), self.centre, self.half, strict=True))
         return np.stack([u[:, None] ** i * v**j for i, j in POWERS])
 
@@ -81,8 +82,8 @@ class SmoothTractions:
         return np.asarray(cell * np.linalg.solve(self._gram[:LINEAR, :LINEAR], linear))
 
     def read(self, field: Array, *, derivative: bool) -> Array:
-        """Coefficients (10, 2) of e in span Q, a column for each component, read from a field d
-        (2, nx, ny) in the cells of this grid; derivative: whether e is dd/dx instead of d.
+        """Coefficients (10, 2) of a sum e of the powers Q, a column for each component, read from a
+        field d (2, nx, ny) in the cells of this grid; derivative: whether e is dd/dx, not d.
         """
         tests = -self._slopes if derivative else self._tests
         moments = self.cell * np.einsum("iab,kab->ik", tests, field)
@@ -90,7 +91,7 @@ class SmoothTractions:
 
     def response(self, matrix: Array, x: Array, y: Array) -> Callable[[Array], Array]:
         """Linear map from a traction (2, nx, ny) in the cells x (nx,), y (ny,) to a field (2, nx,
-        ny) in span Q.
+        ny), a sum of the powers Q.
 
         matrix: (20, 6), from the coefficients (3, 2) of the smooth traction with the same moments
             to those of the field (10, 2), both flattened.
@@ -106,8 +107,8 @@ class SmoothTractions:
         return field
 
     def values(self, coefficients: Array, x: Array, y: Array) -> Array:
-        """Values (2, nx, ny) of the field in span Q with coefficients (10, 2), at x (nx,) and y
-        (ny,), mm.
+        """Values (2, nx, ny) at x (nx,) and y (ny,), mm, of the sum of the powers Q with
+        coefficients (10, 2), a column for each component.
         """
         return np.asarray(np.einsum("ik,iab->kab", coefficients, self._basis(x, y)))
 
