@@ -152,8 +152,8 @@ class ContactProblem:
 
     @property
     def consistency(self) -> float:
-        """Factor of the stress term S^T w S in the tangent: theta for Nitsche's method, 0 for a
-        penalty; S: normal stress per free unknown, w: area over the law's parameter.
+        """Factor theta of the term -theta S^T w S of the tangent; 0 for a penalty. S: normal stress
+        per free unknown, w: area over the law's parameter.
         """
         return float((self.law.theta or 0) * self.law.sigma)
 

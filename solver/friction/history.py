@@ -151,9 +151,9 @@ class FrictionHistory:
         return solution
 
     def _end_step(self, force_share: float) -> None:
-        """Record the results of a step that converged: displacement at rest, work of friction,
-        force and motion; force_share: share of the prescribed tangential forces at its end, from -1
-        (reversed) to 1.
+        """Record the results of a step that converged: displacement at rest, work of friction after
+        the full force was reached, force and motion; force_share: share of the prescribed
+        tangential forces at its end, from -1 (reversed) to 1.
         """
         state = self.tangential_state
         if self.rest is not None:

@@ -132,7 +132,7 @@ def gather(model: ContactSystem, solution: Solution, *, facing: bool = True) -> 
         normals=kinematics.in_space(interface.normals),
         facet=interface.facet + offset,
         xi=interface.xi,
-        facet_nodes=outer_nodes(interface.slave),
+        facet_nodes=facet_dofs(interface.slave),
     )
     plastic = solution.plastic_strain
     if plastic is not None:
@@ -180,7 +180,7 @@ class MasterSurface:
     gap: Array
 
 
-def outer_nodes(facets: FacetSet) -> NDArray[np.int64]:
+def facet_dofs(facets: FacetSet) -> NDArray[np.int64]:
     """Global block dofs (m, k) that lie on each of m facets, corners first, basix order."""
     closure = facet_closure(facets.cell, facets.degree)
     return np.take_along_axis(facets.dofs, closure[facets.local_facet], axis=1)
@@ -201,7 +201,7 @@ def master_surface(
     points: position of all nodes of the mesh in space (n, 3), mm.
     displacement: displacement of these nodes in space (n, 3), mm.
     """
-    faces = outer_nodes(master)
+    faces = facet_dofs(master)
     nodes = np.unique(faces)
     kinematics = slave.kinematics
     placed = kinematics.flatten(points[nodes] - np.array(kinematics.offset))

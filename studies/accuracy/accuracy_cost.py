@@ -92,8 +92,8 @@ def _minor(scene: Scene) -> float:
 def fixed_meshes(
     scene: Scene, exact: Exact, sizes: int | None, progress: Progress
 ) -> Iterator[Row]:
-    """Every element, method and size; before an element's first run, a warm-up that is not timed
-    (imports, compilation of the forms)."""
+    """Rows of every element, method and size; before an element's first run, a warm-up that is not
+    timed (imports, compilation of the forms). sizes: number of sizes of each; None: all."""
     for element, (cell, order, resolutions) in ELEMENTS.items():
         base = scene.replace([f"mesh.cell={cell}", f"mesh.order={order}"])
         minor = _minor(base)
@@ -115,7 +115,8 @@ def fixed_meshes(
 def cubic_meshes(
     scene: Scene, exact: Exact, sizes: int | None, progress: Progress
 ) -> Iterator[Row]:
-    """Cubic tetrahedra with Nitsche's method, after a warm-up."""
+    """Rows of cubic tetrahedra with Nitsche's method, after a warm-up. sizes: how many of
+    CUBIC_SIZES; None: all."""
     plan = replace(planning.make(scene), order=3)
     progress.stage(f"{scene.name}: {CUBIC[1]}, warm-up")
     tables.solved(plan.at_resolution(CUBIC_SIZES[0]))
@@ -135,7 +136,8 @@ def cubic_meshes(
 def asked_accuracies(
     scene: Scene, exact: Exact, count: int | None, progress: Progress
 ) -> Iterator[Row]:
-    """Runs that choose their meshes for an asked accuracy; their seconds are of all meshes."""
+    """Rows of runs that choose their meshes for an asked accuracy, without those that have no
+    estimate; their seconds are of all meshes. count: how many of ASKED; None: all."""
     for asked in ASKED[:count]:
         progress.stage(f"{scene.name}: asked accuracy {asked}")
         accurate = scene.replace([f"accuracy={asked}"])

@@ -120,8 +120,9 @@ def main(out: Path, *, quick: bool) -> None:
 
 
 def verdict(records: Sequence[Row]) -> dict[str, float]:
-    """Share of the signed estimates that hold, worst ratio of error over estimate, median
-    effectivity, share of the main quantities that have an estimate, share of runs with status 0."""
+    """holds: share of the signed estimates that hold; worst: largest error over estimate;
+    effectivity: median of estimate over error; estimated: share of the main quantities that have an
+    estimate; passed: share of the runs with status 0."""
     known = [r for r in records if signed(r) and r["estimate"] and r["error"] > ROUNDING]
     ratios = np.array([r["error"] / r["estimate"] for r in known] or [math.nan])
     wanted = [r for r in records if r["quantity"] in MAIN]

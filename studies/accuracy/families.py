@@ -141,7 +141,8 @@ def cells(key: str, longest: float) -> Make:
 
 
 def outside(rng: np.random.Generator) -> list[str]:
-    """Contact laws far from the safe parameter, and penalty on cells of other families."""
+    """Assignments outside all families: a contact law far from the safe parameter, a penalty on
+    linear cells, or quadratic hexahedra."""
     odd = (
         [f"solver.gamma_factor={10 ** rng.uniform(-2, -1)!r}"],
         [f"solver.gamma_factor={10 ** rng.uniform(1, 3)!r}"],
@@ -377,7 +378,8 @@ def parts(name: str) -> dict[str, dict[str, Sequence[Any]]]:
 
 
 def scenes(name: str, seed: int) -> Iterator[Scene]:
-    """Endless random scenes of a family, those left out that make no contact of its kind."""
+    """Endless random scenes of a recipe, the same for a seed; those that the plan refuses or that
+    lie outside of the family are left out."""
     recipe = RECIPES[name]
     rng = np.random.default_rng([seed, *name.encode()])
     where = bounds({**DEFAULT, **recipe.where})

@@ -24,7 +24,8 @@ class Deviation:
 
     @property
     def share(self) -> float:
-        """Deviation over the allowed one; infinite where the deviation is not a number."""
+        """Deviation over the allowed one; infinite where the deviation is not finite, or not 0 and
+        nothing is allowed."""
         if not math.isfinite(self.value):
             return math.inf
         return self.value / self.allowed if self.allowed else (math.inf if self.value else 0.0)

@@ -125,8 +125,8 @@ def wild(source: Source) -> Scene:
 
 
 def plans(given: Scene) -> planning.Plan | None:
-    """The plan, None where it refuses the pair in one line; raises ValueError for a plan with
-    numbers that are not finite."""
+    """The plan of a scene; None where it is refused in one line. Raises ValueError for a longer
+    refusal, and for a plan with numbers that are not finite and positive."""
     try:
         made = planning.make(given)
     except SceneError as error:

@@ -162,8 +162,8 @@ def against_hertz(scene: Scene, n: float = 4.0, limit: float = LIMIT) -> CaseErr
 
 def half_space(scene: Scene, solution: MeshSolution) -> Summary:
     """Boundary elements on the profiles of a scene with a load, twice as fine as beside a result,
-    nested as "half_space" of a summary; solution: one of the scene. ValueError: where they know
-    no answer."""
+    nested as "half_space" of a summary; solution: one of the scene. Raises ValueError where
+    boundary elements have no answer."""
     plan = planning.make(scene)
     contact = plan.contact
     assert isinstance(contact, Contact) and isinstance(plan.hertz, Ellipse)
@@ -245,7 +245,8 @@ def plastic(summary: Summary) -> dict[str, float]:
 def plastic_measured(
     scene: Scene, reference: Callable[[], Mapping[str, float]], limits: Mapping[str, float]
 ) -> CaseErrors:
-    """A scene that yields against reference values."""
+    """Errors of a scene that yields against reference values, with relative limits; a failed check
+    where the result has no yield."""
     result = pipeline.run(scene)
     if not (found := plastic(result.summary)):
         return CaseErrors(failed=("no plastic answer", *result.summary["checks"]["failed"]))

@@ -76,12 +76,12 @@ class Claim:
 
     @property
     def expected_verdict(self) -> Verdict:
-        """The reference's verdict as one of ours."""
+        """Verdict of the reference table as a `Verdict`, by the first word of it."""
         return EXPECTED[self.expected.split()[0]]
 
     @property
     def chapter(self) -> str:
-        """The first chapter it appears in; "all" for the work as a whole."""
+        """Number of the first chapter that the claim appears in; 'all' for the work as a whole."""
         return next((letter for letter in self.where if letter.isdigit()), "all")
 
 
@@ -109,9 +109,9 @@ class ClaimCheck:
 class Finding:
     """What was computed about a claim.
 
-    checks: its values beside the exact ones.
+    checks: values of the thesis beside the exact ones.
     note: a remark.
-    not_computable: why it cannot be computed; empty if it can.
+    not_computable: why the claim cannot be computed; empty if it can.
     effect: largest relative effect of an error on the results; None: not known.
     """
 

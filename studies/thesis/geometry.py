@@ -262,7 +262,8 @@ def wheel_tangent(index: int, exact: list[float]) -> Rule:
 
 
 def contact_conditions(facts: Facts) -> Finding:
-    """Eqs 4.1 to 4.4 at the true contact of a 1:20 cone on a crown of one radius."""
+    """Whether eqs 4.1 to 4.4 hold at the true contact of a 1:20 cone on a crown of one radius, and
+    exclude a gap of 1 mm there."""
     y = -RAIL_RADIUS * CONE / math.hypot(1, CONE)
     s1 = HALF_AXLE + y
     height = np.array([0.0, 0.0, crown(y) + cone(s1)])
@@ -287,7 +288,8 @@ def contact_conditions(facts: Facts) -> Finding:
 
 
 def constant_coefficients(facts: Facts) -> Finding:
-    """Factors of k cos(s2w) in eqs 4.23 and 4.25."""
+    """Whether the factors of k cos(s2w) in eqs 4.23 and 4.25 follow from eq 4.21, and depend on the
+    angles."""
     r = difference_printed(YAW, BANK, HALF_AXLE, (1.0, 0.0, HALF_AXLE), 0.0)
     printed = angle_coefficients(YAW, BANK)
     spread = float(np.ptp([angle_coefficients(*pair) for pair in ANGLES], axis=0).max())
@@ -301,7 +303,7 @@ def constant_coefficients(facts: Facts) -> Finding:
 
 
 def rail_position(facts: Facts) -> Finding:
-    """Eqs 4.31 and 4.32 beside the wheel lowered on the real profile."""
+    """Position on the rail by eqs 4.31 and 4.32 against a wheel lowered on the real profile."""
     largest = max(abs(each.numerator) for each in REDUCED) / HALF_AXLE
     b3 = reduced_equations(YAW, BANK, HALF_AXLE).b3
     step = difference_printed(YAW, BANK, HALF_AXLE, (0.0, 0.0, HALF_AXLE), 1.0)

@@ -34,7 +34,7 @@ PRINTED_B = (
 
 
 def semi_axes(facts: Facts) -> Finding:
-    """Eqs 4.35 and 4.36 with exact m and n."""
+    """Semi-axes by eqs 4.35 and 4.36 with exact m and n against exact Hertz."""
     c, route = facts.ellipse, facts.route
     m, n = exact_coefficients(route.theta_deg)
     base = math.cbrt(3 * c.load / (4 * c.contact_modulus * route.k3))
@@ -47,7 +47,7 @@ def semi_axes(facts: Facts) -> Finding:
 
 
 def orientation(facts: Facts) -> Finding:
-    """The longer semi-axis lies along the smaller relative curvature, both ways round."""
+    """Whether the longer semi-axis lies along the smaller relative curvature, both ways round."""
     c = facts.ellipse
     turned = point_contact(c.curvature_y, c.curvature_x, c.contact_modulus, 1.0)
     return Finding(
@@ -81,7 +81,7 @@ def curved_change(thesis: float, index: int, unit: str, note: str) -> Rule:
 
 
 def table(facts: Facts) -> Finding:
-    """All 23 rows of table 5.3: the worst m and the worst n."""
+    """All 23 rows of table 5.3 against exact Hertz: checks of the worst m and the worst n."""
     exact = np.transpose([exact_coefficients(theta) for theta in TABLE_5_3[0]])
     errors = np.abs(TABLE_5_3[1:] / exact - 1)
     checks = [
@@ -96,7 +96,7 @@ def table(facts: Facts) -> Finding:
 
 
 def inverse_proportion(facts: Facts) -> Finding:
-    """p0 against the semi-axes at one load, and over loads."""
+    """Whether p0 falls with the semi-axes: at one load, and where the load makes them grow."""
     c = facts.ellipse
     softer = point_contact(c.curvature_x, c.curvature_y, c.contact_modulus / 2, c.load)
     ratio = facts.under(8 * c.load).p0 / c.p0
@@ -112,7 +112,7 @@ def inverse_proportion(facts: Facts) -> Finding:
 
 
 def vanishes(facts: Facts) -> Finding:
-    """Pressure on and beyond the edge."""
+    """Whether the pressure is zero on the edge of the patch and beyond."""
     c, t = facts.ellipse, np.linspace(0, 2 * math.pi, 9)
     beyond = c.pressure(np.outer((1, 1.5), c.a * np.cos(t)), np.outer((1, 1.5), c.b * np.sin(t)))
     share = float(beyond.max()) / c.p0

@@ -40,7 +40,7 @@ def tension(facts: Facts) -> Finding:
 
 
 def equal_stresses(facts: Facts) -> Finding:
-    """s_x over s_y at the centre and where the shear is largest."""
+    """Whether s_x = s_y, by their ratio at the centre and where the shear is largest."""
     depth, fe = facts.extrema.tau_max_depth, facts.fe
     top, below = facts.stress(0.0), facts.stress(depth)
     ours = fe["s_x"] / fe["s_y"] if fe else None
@@ -54,7 +54,8 @@ def equal_stresses(facts: Facts) -> Finding:
 
 
 def formula(component: int, names: dict[str, int]) -> Rule:
-    """Eq 5.2 (component 0, s_x and s_y) or 5.3 (1, s_z), on a circular patch and on this one.
+    """Rule of eq 5.2 (component 0, s_x and s_y) or 5.3 (1, s_z), against exact stresses on a
+    circular patch and on that of the case.
 
     names: index among s_x, s_y, s_z of each stress that the equation is for.
     """
@@ -85,7 +86,8 @@ def formula(component: int, names: dict[str, int]) -> Rule:
 
 
 def shear_plane(facts: Facts) -> Finding:
-    """Shear on planes through s_x, turned from s_z: largest at 45 degrees."""
+    """Angle to s_3 at which the shear on planes that hold the direction of s_x is largest, against
+    45 degrees."""
     _, s_y, s_z = facts.stress(facts.extrema.tau_max_depth)
     best = minimize_scalar(
         lambda angle: -abs((s_y - s_z) * math.sin(angle) * math.cos(angle)),
@@ -110,7 +112,7 @@ def falls_with_depth(facts: Facts) -> bool:
 
 
 def highest_in_the_outer_layer(facts: Facts) -> Finding:
-    """Where von Mises stress and shear are largest."""
+    """Depths of the largest von Mises stress and shear, against the surface."""
     found, fe = facts.extrema, facts.fe
     top = np.append(facts.stress(0.0), np.zeros(3))[None]
     mises, shear = "depth of the largest von Mises stress", "depth of the largest shear"
@@ -126,7 +128,8 @@ def highest_in_the_outer_layer(facts: Facts) -> Finding:
 
 
 def stress_with_depth(facts: Facts) -> Finding:
-    """Fig 6.7: the formulas behind it over three semi-axes of depth."""
+    """Largest differences of the curves of figure 6.7, drawn by the thesis's formulas, from exact
+    stresses, down to three semi-axes."""
     depth = np.linspace(0, 3 * facts.ellipse.a, 61)
     exact = facts.ellipse.axis_stress(facts.poisson, depth)
     off = np.abs(thesis_axis_stress(P0, A, facts.poisson, depth) - exact).max(axis=0)
@@ -139,7 +142,7 @@ def stress_with_depth(facts: Facts) -> Finding:
 
 
 def tensile_load(facts: Facts) -> Finding:
-    """The least pressure anywhere, in and around the patch."""
+    """Whether the least pressure anywhere, in and around the patch, is tensile."""
     c = facts.ellipse
     x, y = np.meshgrid(np.linspace(0, 2 * c.a, 41), np.linspace(0, 2 * c.b, 41))
     least = float(c.pressure(x, y).min())
