@@ -105,8 +105,8 @@ def _rail(contact: Contact, reach: float, *, whole_section: bool, half: bool) ->
 def _wheel(contact: Contact, reach: float, *, half: bool) -> Body:
     """The wheel as a ring segment in its pose, its middle at the first contact, or a half-space. A
     segment reaches at most 1.2 times the rolling radius to each side. `wheel.width` cuts the tread
-    at half of it to each side of the first contact. Raises SceneError where the rim is not less
-    deep than the wheel, or the segment is too thin for its length.
+    at half of it to each side of the first contact. Arguments: as of `bodies`. Raises SceneError
+    where the rim is not less deep than the wheel, or the segment is too thin for its length.
     """
     scene = contact.scene
     wheel = scene.wheel

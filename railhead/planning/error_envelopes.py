@@ -47,7 +47,7 @@ LAWS = Path(__file__).with_name("data") / "laws.json"
 
 
 def drop_beside_maximum(beside: float) -> float:
-    """Relative drop of a quantity beside its maximum, after a parabola.
+    """Relative drop of a quantity beside its maximum, which is taken for a parabola.
     beside: distance from the maximum over the half range in which the quantity stays within 1 %
         (FLAT) of the maximum.
     """

@@ -49,8 +49,8 @@ class Zone:
 
 
 def touches_nearby(known: cKDTree, touches: Mask, reach: float, points: Array) -> Mask:
-    """Whether each of the points (n, 3) in space, mm, has a known point closer than `reach` (mm),
-    of which the nearest touches: (n,) booleans.
+    """Whether the known point nearest to each of the points (n, 3) in space, mm, touches and is
+    closer than `reach` (mm): (n,) booleans.
     known: KD tree of the known points (m, 3), mm; touches: (m,) whether each of them touches.
     """
     distance, index = known.query(points)

@@ -171,8 +171,9 @@ class Plan:
 
     def flipped(self, name: str) -> Plan:
         """The plan with the named effect in its other state, all other decisions kept; unchanged in
-        a section where that state is refused. Axisymmetry that is called for makes a new plan, or
-        none where that is refused. In a solid, states that are refused are not heeded.
+        a section where that state is refused. For axisymmetry that is called for the scene is
+        planned anew; the plan is unchanged where that is refused. In a solid, states that are
+        refused are not heeded.
         """
         effect = self.effects[name]
         if self.plane_model and ("off" if effect.on else "on") in effect.refused:
@@ -451,8 +452,8 @@ class Plan:
 
     @property
     def memory(self) -> int:
-        """Predicted peak of the memory of the process, bytes; that of the libraries where
-        half-spaces answer.
+        """Predicted peak of the memory of the process, bytes; that of the libraries and of passes
+        where half-spaces answer.
         """
         each = self.cost_per_unknown.bytes
         if self.effects["plasticity"].on:
@@ -550,7 +551,8 @@ class Plan:
     def summary(self) -> dict[str, Any]:
         """The entry 'plan' of summary.json: effects with their predicted cost, predicted unknowns
         and seconds, overruled effects ('chosen'), patch size, slave body, contact angle, wheelset
-        creepage where the wheelset prescribes it, forecast and measured profiles.
+        creepage where the wheelset prescribes it, forecast, measured profiles and their
+        uncertainty.
         """
         return {
             "effects": {

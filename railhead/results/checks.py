@@ -156,9 +156,9 @@ def friction(
 
 def passes(solved: Solved) -> Iterator[Check]:
     """Checks of the passes of a wheel over a rail that yields: each met the tolerance of its fixed
-    point, nothing yields at the rim of the region where yield is followed, and in contact the
-    resistance of the leaning pressure is what yield takes: plastic work, and the elastic energy
-    that residual stresses keep. None without passes.
+    point, and nothing yields at the rim of the region where yield is followed. Where the pressure
+    follows from the rail, the resistance to rolling is what yield takes: plastic work, and the
+    elastic energy that residual stresses keep. None without passes.
     """
     found = solved.passes
     if found is None:

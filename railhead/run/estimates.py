@@ -164,8 +164,8 @@ def reading_errors(found: Findings, tolerance: float = RIVAL) -> dict[str, float
 
     For the depth of the largest shear stress: the distance over that depth to other maxima that are
     lower by less than `tolerance` (relative); infinite at the surface. For the largest stresses:
-    the estimated peak of friction that no point reads, and, where the patch is not Hertz's, twice
-    (RIDGE_STRESS_FACTOR) the error of the largest pressure.
+    the peak that no point reads (`Findings.unread_peak`), and, where the patch is not Hertz's,
+    twice (RIDGE_STRESS_FACTOR) the error of the largest pressure.
     """
     peaks = {body: each.tau for body, each in found.largest.items()}
     top = max(peaks.values(), key=lambda peak: peak.value)
@@ -185,7 +185,7 @@ def reading_errors(found: Findings, tolerance: float = RIVAL) -> dict[str, float
 Numbers = Mapping[str, float]
 """Values by key of summary.json."""
 FRICTION_SHARES = {each.key for each in QUANTITIES if each.over_friction_limit}
-"""Keys of forces of friction: as `friction_values`, they are compared as shares of mu N."""
+"""Keys of forces of friction, whose values are over mu N (`friction_values`)."""
 
 
 def mesh_errors(
@@ -247,8 +247,8 @@ def _steps(n: float, before: Sequence[tuple[float, Numbers, Numbers]]) -> list[N
 
 
 def _change(one: Numbers, other: Numbers, name: str) -> float:
-    """Relative change of the quantity `name` from `other` to `one`; for forces of friction, which
-    are shares of mu N, the difference. Infinite where `other` is 0.
+    """Absolute value of the relative change of the quantity `name` from `other` to `one`, infinite
+    where `other` is 0; for forces of friction, which are over mu N, that of the difference.
     """
     if name in FRICTION_SHARES:
         return abs(one[name] - other[name])

@@ -92,7 +92,7 @@ def materials(plan: Plan) -> dict[int, Material]:
 
 
 def hardening(part: BodySection) -> Hardening:
-    """Flow curve of a body that yields, MPa."""
+    """Flow curve (MPa) of a body that yields, and the kinematic share of its hardening."""
     strain, stress = zip(*part.curve, strict=True)
     share, slope = part.kinematic_fraction or 0.0, part.hardening_modulus or 0.0
     return Hardening(strain, stress, share, slope)

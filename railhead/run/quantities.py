@@ -218,7 +218,7 @@ class StressQuantities:
 @dataclass(frozen=True, kw_only=True)
 class FrictionResolution:
     """Friction that a mesh shows for bodies of one material that roll without creepage, where
-    half-spaces have none: the error of each quantity. All are sizes, never negative.
+    half-spaces have none: the error of each quantity. All are absolute values.
 
     force_along: force along the rail, N.
     force_across: force across the rail, N.
@@ -264,7 +264,7 @@ class FrictionQuantities:
         of solid half-spaces that of distant points, mm; None in rolling.
     turn_rad: rotation of the wheel over the rail about the normal, rad; None in rolling.
     stick_share: share of the patch's area that sticks, 0 to 1.
-    traction_max: largest size of the traction, MPa.
+    traction_max: largest magnitude of the traction, MPa.
     t_gamma: energy dissipated per rolled length, N; None of a shift.
     power_W: t_gamma times the speed, W; None without `rolling.speed`.
     energy_per_cycle_Nmm: energy dissipated in a cycle of the forces, N mm; None without a cycle.

@@ -102,8 +102,8 @@ def refine(
 
 def unplanned_yield(solved: MeshSolution, comm: MPI.Intracomm) -> str:
     """Reason why bodies yield that were planned as elastic, the same on all ranks (collective).
-    Empty where bodies do not yield, where yield is already simulated or switched off, and where
-    friction excludes it.
+    Empty where bodies do not yield, where yield is already simulated or a person chose its state,
+    and where friction excludes it.
     """
     effect, after = solved.plan.effects["plasticity"], solved.after.get("plasticity")
     kept = effect.on or effect.override or "on" in effect.refused

@@ -58,16 +58,16 @@ class GridPatch:
 
     patch: frame, symmetry planes and smooth pressure of the patch.
     x, y: cell centres (CELLS,) along x and s of the patch's frame, mm.
-    points: points of the surfaces below the parts of the cells.
+    points: points of the surfaces on the normals of the plane through the parts of the cells.
     divided: number of parts of a cell each way.
     modes: rigid slip (4, 2, nx, ny) along the tangents at the cells, in the four motions and units
         of `FrictionSettings.rigid_slip`; zero where the surfaces end.
     tangents: (nx, ny, 2, 3) unit tangents along and across at the cells, in space; zero where the
         surfaces end.
-    places: (nx, ny, 3) points of the slave below the cells in space, mm; zero where the surfaces
-        end.
+    places: (nx, ny, 3) points of the slave on the normals through the cells, in space, mm; zero
+        where the surfaces end.
     smooth: smooth tractions.
-    around: points of the surfaces below the cells of the smooth tractions.
+    around: points of the surfaces on the normals through the cells of the smooth tractions.
     """
 
     def __init__(self, patch: SmoothPatch, response: SurfaceResponse, edge: float) -> None:
@@ -82,24 +82,24 @@ class GridPatch:
                 for middle, half in zip(patch.centre, patch.half, strict=True)
             ]
 
-        def below(x: Array, y: Array) -> SurfacePoints:
-            """Points of the surfaces below the places of x (nx,) and y (ny,) in the frame, mm."""
+        def on_surfaces(x: Array, y: Array) -> SurfacePoints:
+            """Points of the surfaces on the normals of the plane at x (nx,) and y (ny,), mm."""
             places = np.asarray(frame.origin + _places(x, y) @ frame.axes[:2])
             return response.at(places, frame.axes[2], patch.mirrors)
 
         largest = edge / CELLS_PER_EDGE
         self.patch = patch
         self.divided = max(1, int(np.ceil(2 * MARGIN * max(patch.half) / CELLS / largest)))
-        self.points = below(*axes(CELLS * self.divided))
+        self.points = on_surfaces(*axes(CELLS * self.divided))
         self.x, self.y = axes(CELLS)
-        cells, grid = below(self.x, self.y), (CELLS, CELLS)
+        cells, grid = on_surfaces(self.x, self.y), (CELLS, CELLS)
         slip = response.settings.rigid_slip(cells.points)
         modes = np.nan_to_num(np.einsum("mnc,nkc->nmk", slip, cells.tangents))
         self.modes = cells.spread(modes).reshape(*grid, 4, 2).transpose(2, 3, 0, 1)
         self.tangents = cells.spread(cells.tangents).reshape(*grid, 2, 3)
         self.places = cells.spread(cells.points).reshape(*grid, 3)
         self.smooth = SmoothTractions(patch.centre, patch.half, largest)
-        self.around = below(self.smooth.x, self.smooth.y)
+        self.around = on_surfaces(self.smooth.x, self.smooth.y)
 
     @property
     def cell(self) -> float:

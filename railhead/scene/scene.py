@@ -171,8 +171,8 @@ class Scene(Section):
     load: N, vertical load on the wheel; at an inclined contact the normal force is larger. None:
         approach is given.
     approach: mm, by which the supports of the bodies come closer, vertically; None: load is given.
-    accuracy: largest relative error of the results, 0.0005 to 0.2: meshes are refined until the
-        estimates meet it; None: not given.
+    accuracy: largest relative error of the estimated quantities (`Result.estimate`), 0.0005 to 0.2:
+        meshes are refined until the estimates meet it; None: not given.
     budget: s of computing time for the best possible accuracy; None: not given. With neither one
         mesh is solved.
     unload: whether bodies that yield are unloaded after the load; no effect where nothing yields.

@@ -60,8 +60,8 @@ class Measured:
 
     @property
     def sharpest(self) -> tuple[float, float]:
-        """Largest size of the curvature before and after smoothing, 1/mm, without the outermost 2 %
-        of the width at each end.
+        """Largest magnitude of the curvature before and after smoothing, 1/mm, without the
+        outermost 2 % of the width at each end.
         """
         smoothed, (start, end) = self.smoothed, inner(self.profile)
         y = self.points[1:-1, 0]

@@ -276,7 +276,7 @@ def _lengths(curve: BSpline, s: Array, points: Array) -> Array:
 
 
 def _developed(curve: BSpline, s: Array) -> CubicSpline:
-    """Height (mm) over arc length of the curve bent open, as a spline.
+    """Height (mm) over arc length, up to the last of s (n,), of the curve bent open, as a spline.
     Its second derivative is the curvature, positive to the left, so that nothing depends on how the
     profile lies, and every circle is a parabola.
     """

@@ -27,8 +27,8 @@ class EffectRules:
     check: function of context, decision and findings that evaluates the indicator of the effect on
         the solution; gives None where it does not apply.
     numerical_only: the exact answer is the same with and without the effect.
-    beyond_half_spaces: half-spaces that a result of finite bodies is compared with lack the effect,
-        too.
+    beyond_half_spaces: the half-spaces that a result of finite bodies is compared with lack the
+        effect, so the comparison holds also where a person overruled it.
     of_bodies: only meshed bodies have the effect. Where half-spaces answer it is off; what it would
         change is a part of their error estimate.
     in_half_spaces: half-spaces always have the effect; where they answer it cannot be off.
@@ -203,8 +203,8 @@ def left_out(
     """Reason by name for each effect that is needed but not simulated.
     effects: decisions by name; after: verdicts on the solution, which count in place of the plan's
         where present.
-    Effects that a person overruled, and those that do not change the exact answer, are left out.
-    Passes simulate yield.
+    Effects that a person overruled, and those that do not change the exact answer, do not count.
+    Where passes are simulated, so is yield.
     """
     out = {}
     rolled = "passes" in effects and effects["passes"].on

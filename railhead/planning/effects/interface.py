@@ -29,8 +29,9 @@ def decide_friction(context: Context) -> Effect:
     """Friction is called for by a tangential force, by creepage or spin, or between bodies whose
     surfaces slip when pressed together: Dundurs' beta != 0 (Johnson, Contact Mechanics, 5.1 and
     5.4).
-    With a coefficient of 0 it is not called for. Raises SceneError for a force that would slide, a
-    motion that a section does not have, and linear cells.
+    With a coefficient of 0 it is not called for, and 'on' is refused, as where half-spaces answer
+    and cannot have it. Raises SceneError for a force that would slide, a motion that a section does
+    not have, and linear cells.
     """
     scene = context.scene
     coefficient = scene.friction.coefficient

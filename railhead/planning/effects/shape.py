@@ -328,7 +328,7 @@ def edges(context: Context) -> list[float]:
 
 
 def thick_bodies(context: Context, found: Findings) -> PostSolveVerdict | None:
-    """Verdict on the rise of the pressure by a body that is held just below the patch, against the
+    """Verdict on the rise of the pressure because a body is held at a finite depth, against the
     accuracy (`theory.elastic.halfspace.held_below`). A standard rail is left to the effect
     rail_section. None without profiles across the rail.
     """

@@ -100,7 +100,7 @@ def solve(
     ellipse: exact Hertz for the first contact, of which contact modulus and approach are used.
     load: vertical load, N; None for the approach along the vertical, the ellipse's over the cosine
         of the contact angle.
-    cells: cells each way in a patch.
+    cells: number of cells along each axis of a patch.
     Where the solution leaves a point of the wheel's contact locus inside the rail, a patch was
     missed and is added. Raises ValueError for half-spaces, where there is no closed patch within
     the profiles, and where patches are still missed after five solutions (MAX_SOLUTIONS).

@@ -68,8 +68,8 @@ def twisted(contact: Contact, angle: float, aside: float) -> Contact:
 
 
 def change(contact: Contact, before: BoundaryElementSolution, angle: float, aside: float) -> float:
-    """Larger relative change of the largest pressure and of the area where the rail is turned by
-    `angle` (rad) and moved by -aside (mm), by boundary elements.
+    """Relative change of the largest pressure or of the area, the larger one and never negative,
+    where the rail is turned by `angle` (rad) and moved by -aside (mm), by boundary elements.
     before: solution without twist, under the same load.
     Raises ValueError where the wheel misses the twisted rail or there is no closed patch.
     """

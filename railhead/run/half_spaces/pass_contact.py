@@ -36,7 +36,8 @@ class RollingContact:
     grid: cells of the pressure; of a line contact two across, each 1e4 (LENGTH) half widths long.
     gap: undeformed gap (nx, ns) at the cells, mm.
     pressure: elastic pressure (nx, ns), MPa.
-    load: component of the force of the pressure on the grid along the wheel's load, N.
+    load: component of the force of the pressure on the grid along the normal of the patch's plane,
+        N.
     modulus: contact modulus E*, MPa.
     line: whether it is a line contact, in plane strain.
     keeps: whether the pressure stays as it is, however the passes move the surface.
@@ -113,7 +114,8 @@ class Pressing:
 
     def __call__(self, surface: SurfaceMotion, profile: ProfileChange) -> Array:
         """Elastic stress (columns, lines, m), MPa, in Mandel's notation, at the Gauss points of the
-        block; m is 4 of a line contact, 6 of a solid.
+        block: a column has the points with one x, a line those that the steel flows through. m is 4
+        of a line contact, 6 of a solid.
 
         surface: displacement of the surface by this pass.
         profile: displacement that the passes before left.
@@ -267,10 +269,10 @@ def solid_contact(
 ) -> RollingContact:
     """Contact of solids that rolls.
 
-    half_lengths: of the elastic patch, along and across, mm. load: N. gap: undeformed gap (n,) at
-        x, s (n,), mm from the middle of the patch. modulus: E*, MPa. angle: tilt (n,), rad, of the
-        normal at s from the load; None: zero. keeps: whether the elastic pressure stays. Raises
-        ValueError where boundary elements find no balance.
+    half_lengths: of the elastic patch, along and across, mm. load: as of `RollingContact`, N. gap:
+        undeformed gap (n,) at x, s (n,), mm from the middle of the patch. modulus: E*, MPa. angle:
+        tilt (n,), rad, of the normal at s from the direction of `load`; None: zero. keeps: whether
+        the elastic pressure stays. Raises ValueError where boundary elements find no balance.
     """
     ticks = (2 * np.arange(SOLID_CELLS) + 1) / SOLID_CELLS - 1
     x, s = (ROOM * half * ticks for half in half_lengths)

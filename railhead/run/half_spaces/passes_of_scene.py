@@ -69,7 +69,8 @@ COARSER = 0.75  # size of the block by which errors are estimated: elements and 
 
 def solve(solved: Solved, progress: Progress) -> Passes:
     """Passes of the wheel of a solved scene over its rail; on this process alone. Where half-spaces
-    find no balance there are none, with a reason.
+    find no balance, or several patches, and for a file of another block, there are no rows but a
+    `reason`.
     """
     start, scene = time.perf_counter(), solved.plan.scene
     material = Material(scene.rail.young_modulus, scene.rail.poisson_ratio, hardening(scene.rail))
@@ -153,9 +154,9 @@ def roll(
     stage: Callable[[str], None] = lambda name: None,
 ) -> Passes:
     """Roll `count` times over a block, on from the passes `before`, which come first in what is
-    returned; None: the rail is new. stage: called with words before each pass. A pass that does not
-    converge ends nothing; `Passes.converged` is then False. Raises ValueError where boundary
-    elements find no balance.
+    returned; None: the rail is new. half_lengths: as of `rolling_block`. stage: called with words
+    before each pass. A pass that does not converge ends nothing; `Passes.converged` is then False.
+    Raises ValueError where boundary elements find no balance.
     """
     pressing = pass_contact.Pressing(rolling, contact)
     rows, sections = ([*before.rows], [*before.sections]) if before else ([], [])
@@ -384,7 +385,9 @@ def _with_tractions(
 
 
 def _slipping(solved: Solved) -> float:
-    """Tangential force of the wheel on the rail along it over that of full slip, -1 to 1."""
+    """Tangential force of the wheel on the rail along it over that of full slip, -1 to 1; 0 without
+    rolling with friction.
+    """
     rolls = solved.plan.scene.rolling.prescribed
     found = (solved.result or {}).get("friction") if rolls else None
     coefficient = solved.plan.scene.friction.coefficient

@@ -62,7 +62,7 @@ def half_space_friction(
 ) -> NumbersByMethod | None:
     """Entry "half_space_friction" of summary.json: by method, the quantities of friction under the
     motion (rolling) or the forces (a shift) of finite elements, or {"reason": ...}. None without
-    friction, where nothing touches, and off rank 0. As of the pressure, both half-spaces have the
+    friction, where nothing touches, and off rank 0. As for the pressure, both half-spaces have the
     scene's moduli, also where a body is rigid by choice.
 
     profiles: half-space solution of the profiles, or the reason why it failed; None: it is solved
