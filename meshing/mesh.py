@@ -61,8 +61,9 @@ def generate(
     options: type of the cells, degree, symmetry, plane.
     comm: communicator of the mesh. Cells are distributed, gmsh runs on its rank 0 alone.
     meanwhile: what every rank calls while gmsh works; rank 0 calls it again with each new trial.
-    Raises MeshError on every rank when in the last trial gmsh fails, an element is inverted or
-    nearly flat, or gmsh takes longer than 60 s (PATIENCE), for solids plus 1 ms a predicted cell.
+    Raises MeshError on every rank when in the last trial gmsh fails or takes too long, or an
+    element is inverted or nearly flat. Too long is 60 s (PATIENCE), for solids plus 1 ms (PACE) a
+    predicted cell.
     """
     found, shapes, problem = None, np.zeros(0), ""
     if comm.rank:

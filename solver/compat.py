@@ -131,9 +131,7 @@ def cellwise_constant(mesh: Any, values: NDArray[np.float64]) -> Any:
 
 
 def form(expression: ufl.Form, mesh: Any) -> Any:
-    """Compile a UFL form on a mesh with the optimiser of the C compiler switched on; returns the
-    dolfinx form.
-    """
+    """Compile a UFL form on a mesh with -O3 -march=native; returns the dolfinx form."""
     with _compiling(mesh, cffi_extra_compile_args=["-O3", "-march=native"]) as how:
         return fem.form(expression, **how)
 

@@ -1,4 +1,4 @@
-"""p-multigrid: Chebyshev-Jacobi on the quadratic cells, a Galerkin product on linear cells below.
+"""p-multigrid: Chebyshev-Jacobi on the quadratic cells, a Galerkin product on linear cells.
 
 The fine tangent is never assembled: the smoother needs its product and its diagonal only. With the
 prolongation Q the tangent on the linear cells is
@@ -35,7 +35,7 @@ SUBSET = PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN
 
 @dataclass(frozen=True)
 class Hierarchy:
-    """Level of linear (P1) cells below a contact problem on quadratic cells.
+    """Coarse level of linear (P1) cells for a contact problem on quadratic cells.
 
     prolongation: matrix Q from the P1 unknowns to those of the problem.
     stiffness: stiffness of the P1 cells in their unknowns. It uses the quadrature of the quadratic

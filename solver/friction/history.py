@@ -152,8 +152,9 @@ class FrictionHistory:
 
     def _end_step(self, force_share: float) -> None:
         """Record the results of a step that converged: displacement at rest, work of friction after
-        the full force was reached, force and motion; force_share: share of the prescribed
-        tangential forces at its end, from -1 (reversed) to 1.
+        the full force was reached, force and motion.
+
+        force_share: share of the prescribed tangential forces at its end, -1 (reversed) to 1.
         """
         state = self.tangential_state
         if self.rest is not None:

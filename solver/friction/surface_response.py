@@ -43,7 +43,7 @@ class SurfacePoints:
     points: (m, 3) in space, mm; in a model cut at symmetry planes some may lie in the part left
         out.
     tangents: (m, 2, 3) unit vectors in space: along the rail, and across it in the tangent plane.
-    jump: J, two rows a point, of which each rank holds a share.
+    jump: J, two rows a point, distributed over the ranks.
     images: number of symmetric parts of the patch, of which one is meshed.
     """
 

@@ -324,9 +324,9 @@ class PlasticResponse(ElasticResponse):
         self._start = self.problem.state if self.stepping is None else self.stepping.state
 
     def press_again(self, solution: Solution, case: LoadCase) -> Solution:
-        """Solution of the last load step again, under a load case whose force holds tangential
-        tractions (collective). Where pressing stayed elastic, the load case is pressed as a new
-        one, and may yield.
+        """Solution of the last load step again, under a load case whose force includes that of
+        tangential tractions (collective). Where pressing stayed elastic, the load case is pressed
+        as a new one, and the bodies may yield.
 
         It starts from the history at the start of the friction load step. It takes over reference
         and load history of `solution`, the last one.

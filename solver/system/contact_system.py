@@ -83,7 +83,7 @@ class ContactSystem:
     number of contact points of this rank.
 
     comm: communicator of the mesh.
-    setup: input of the model.
+    setup: bodies, contact law, supports and further settings of the model.
     cell_tags, facet_tags: MeshTags of the cells and facets.
     materials: cell tag of each deformable body -> its material.
     bulk: displacement space and elastic constants of the cells.
@@ -274,7 +274,7 @@ class ContactSystem:
         )
 
     def _newton(self, case: LoadCase) -> newton.NewtonResult:
-        """Result of Newton's method for a load case that the problem already holds (collective).
+        """Result of Newton's method for a load case that `apply` wrote before (collective).
 
         Softer contact laws are solved first, up to the law of the setup. A stage whose linear
         solves fail is solved again with a factorisation. The history holds the steps of all stages.
@@ -386,7 +386,7 @@ class ContactSystem:
         where they overlap (collective).
 
         displacement: on all dofs, mm. approach: mm; without effect where the moving body is meshed,
-            because the displacement then holds it.
+            because the displacement then contains it.
         """
         gap = self.interface.initial_gap + (self.interface.gap * displacement).array
         return np.asarray(

@@ -33,8 +33,8 @@ class ElasticResponse:
         """
 
     def press_again(self, solution: Solution, case: LoadCase) -> Solution:
-        """Solution of a load case whose force holds tangential tractions; solution: the last one,
-        which elastic bodies do not need.
+        """Solution of a load case whose force includes that of tangential tractions; solution: the
+        last one, without effect on elastic bodies.
         """
         return self.press(case)
 

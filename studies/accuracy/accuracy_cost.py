@@ -281,9 +281,9 @@ def _size(row: Row) -> str:
 def draw(rows: Sequence[Row], path: Path) -> None:
     """Draw error over processor seconds, a panel for each case.
 
-    One line for each method and element. Runs that did not converge are crosses, the Pareto front
-    of all runs (for what time which error can be had) is a broad line, runs with an asked accuracy
-    are stars with what was asked.
+    One line for each method and element. Runs that did not converge are crosses, runs with an asked
+    accuracy are stars with what was asked. A broad line is the Pareto front of all converged runs:
+    which error can be had in what time.
     """
     cases = groups(rows, "case")
     with new_figure(path, max(12.5, 1.5 + 4.7 * len(cases)), 5.8) as figure:

@@ -172,7 +172,8 @@ def _change(row: Row) -> float:
 
 
 def _scene(rows: Sequence[Row]) -> tuple[Row, list[Row], list[list[Any]]]:
-    """The run as planned, the whole model if there is one, and the lines of the table."""
+    """Of one scene: the run as planned, that of the whole model if there is one, and the rows of
+    the table."""
     first = rows[0]
     whole = [row for row in rows if row["effect"] == "symmetry" and not row["on"]]
     lines = []

@@ -131,7 +131,7 @@ class CaseOutcome:
 
     @property
     def refused(self) -> bool:
-        """Whether the case holds because its result is refused."""
+        """Whether the case counts as right because its result is refused."""
         return not self.fault and self.measured is not None and bool(self.measured.failed)
 
     @property

@@ -1,5 +1,5 @@
-"""Does any scene break the program, or get a wrong number signed? Fuzzed scenes go through the
-command line, and results are held against what is exact."""
+"""Does any scene break the program, or get a wrong number with status 0? Fuzzed scenes go through
+the command line, and results are compared with exact Hertz or boundary elements."""
 
 import contextlib
 import io

@@ -214,8 +214,8 @@ case at a coefficient of friction, by finite elements or the exact field."""
 
 
 def left_out(name: str, changes: dict[str, Any], creepage: float) -> dict[str, Any]:
-    """What leaving friction out changes: the columns of JUDGED with and without friction, of one
-    run, which holds both; force: over mu N. changes: of the keys of the scene."""
+    """What leaving friction out changes: the columns of JUDGED with and without friction, both from
+    one run; force: over mu N. changes: changed keys of the scene."""
     found = rh.solve(_rolling(name, COEFFICIENT, creepage).replace(**changes), quiet=True).as_dict()
     forces = found["result"]["friction"]
     row = {

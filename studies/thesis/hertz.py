@@ -59,7 +59,7 @@ def orientation(facts: Facts) -> Finding:
 
 
 def strength(name: str, low: float, high: float, least: float) -> ClaimCheck:
-    """Check whether a range of tensile strengths holds the least of EN 13674-1, MPa."""
+    """Check whether a range of tensile strengths contains the least of EN 13674-1, MPa."""
     inside = max(grade_number(low, least), Grade.CLOSE) if low <= least <= high else Grade.FAILS
     return ClaimCheck(f"{name} quality", f"{low}-{high}", f">= {least}", inside, "MPa")
 

@@ -90,7 +90,7 @@ def _mises(contact: Ellipse, facts: Facts) -> float:
 
 
 def _chapter(judged: Sequence[Judged]) -> tuple[list[list[str]], list[tuple[int, str, str]]]:
-    """Lines of the table; number, why not computable and note of the claims that have a remark."""
+    """Rows of the table; number, why not computable and note of the claims that have a remark."""
     rows = []
     for claim, finding in judged:
         verdict = f"**{finding.verdict}**" + (", harmless" if finding.harmless else "")

@@ -86,8 +86,8 @@ def formula(component: int, names: dict[str, int]) -> Rule:
 
 
 def shear_plane(facts: Facts) -> Finding:
-    """Angle to s_3 at which the shear on planes that hold the direction of s_x is largest, against
-    45 degrees."""
+    """Angle to s_3 at which the shear on planes through the direction of s_x is largest, against 45
+    degrees."""
     _, s_y, s_z = facts.stress(facts.extrema.tau_max_depth)
     best = minimize_scalar(
         lambda angle: -abs((s_y - s_z) * math.sin(angle) * math.cos(angle)),
