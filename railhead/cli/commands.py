@@ -542,7 +542,7 @@ def study(name: str | None, out: Path | None, quick: bool, install: bool) -> Non
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command with arguments, None: those of the process. Exits with status 0 (solved), 1
-    (a check failed, or files could not be written) or 2 (wrong input).
+    (a check failed, or bodies could not be meshed or files not written) or 2 (wrong input).
     """
     process.prepare()
     sys.exit(_status(arguments))

@@ -291,9 +291,11 @@ class ExaminedProfile(terminal.Drawn):
     ) -> None:
         """Write the files of `railhead profile` into a folder.
 
-        pictures: whether profile.png is written. units: of the picture; None: mm. force: whether
-        another result is replaced. Raises SceneError for a folder with other files and, without
-        `force`, with another result; OSError where it cannot be written.
+        pictures: whether profile.png is written.
+        units: of the picture; None: mm.
+        force: whether another result is replaced.
+        Raises SceneError for a folder with other files and, without `force`, with another result;
+        OSError where it cannot be written.
         """
         profile = self.measured.profile
         start, end = profile.domain

@@ -40,10 +40,11 @@ def write(
     """Write all files of a solved scene, numbers first, on the rank that calls (rank 0); they
     replace those of an earlier result in the folder.
 
-    summary: content of summary.json. pictures: whether PNG files are written; none where nothing
-        touches. report: whether report.html is written; "brief": on one page. whole:
-        whether the files for ParaView hold the mirror images of what symmetry left out. units: of
-        pictures and report.
+    summary: content of summary.json.
+    pictures: whether PNG files are written; none where nothing touches.
+    report: whether report.html is written; "brief": on one page.
+    whole: whether the files for ParaView hold the mirror images of what symmetry left out.
+    units: of pictures and report.
     OSError: the numbers cannot be written; or, a line for each, other files that could not be
         written, after all the others are.
     """

@@ -88,7 +88,10 @@ class _Body:
 class _Patch(NamedTuple):
     """A patch of half-spaces on the developed surface of the rail.
 
-    force: N. area: mm2. s: of its centre, mm. half_extents: along the rail and across it, mm.
+    force: N.
+    area: mm2.
+    s: of its centre, mm.
+    half_extents: along the rail and across it, mm.
     normals: range of the angles of the rail's normals in it, largest less smallest, rad.
     """
 

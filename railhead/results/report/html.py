@@ -133,10 +133,12 @@ def render(
     brief: bool = False,
 ) -> str:
     """HTML text of the report, with those pictures of the folder in it that have a caption
-    (CAPTIONS), and its scene.toml, which must be there. found: findings with titles; None where
-    nothing touches. cells: returns the grid of the whole bodies for the views. brief: whether it is
-        one page: verdict, answer, two pictures, failed checks, what was asked. Raises OSError for
-        a file that cannot be read.
+    (CAPTIONS), and its scene.toml, which must be there.
+
+    found: findings with titles; None where nothing touches.
+    cells: returns the grid of the whole bodies for the views.
+    brief: whether it is one page: verdict, answer, two pictures, failed checks, what was asked.
+    Raises OSError for a file that cannot be read.
     """
     scene = solved.plan.scene
     views, viewer, missing = ([], "", "") if brief else _views(solved, found, cells)

@@ -201,8 +201,9 @@ def strip_grid(half_width: float, curvature: float, cells: int, wider: float) ->
     """Grid of a line contact, `cells` over its width, taken along x, by two along the line, which
     is 1e4 (LENGTH) half widths long; and the undeformed gap (cells, 2) at the cells, mm.
 
-    half_width: mm. curvature: relative curvature across the line, 1/mm. wider: width of the grid
-        over that of the contact.
+    half_width: of the contact, mm.
+    curvature: relative curvature across the line, 1/mm.
+    wider: width of the grid over that of the contact.
     """
     x = wider * half_width * ((2 * np.arange(cells) + 1) / cells - 1)
     s = LENGTH * half_width / 4 * np.array([-1.0, 1.0])

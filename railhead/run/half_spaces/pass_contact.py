@@ -33,7 +33,8 @@ TOLERANCE = 1e-7  # of the gap over the largest displacement
 class RollingContact:
     """What rolls: the undeformed gap, the elastic pressure in it, and the tractions.
 
-    grid: cells of the pressure; of a line contact two across, each 1e4 (LENGTH) half widths long.
+    grid: cells of the pressure; of a line contact two across, both together 1e4 (LENGTH) half
+        widths long.
     gap: undeformed gap (nx, ns) at the cells, mm.
     pressure: elastic pressure (nx, ns), MPa.
     load: component of the force of the pressure on the grid along the normal of the patch's plane,
@@ -42,8 +43,8 @@ class RollingContact:
     line: whether it is a line contact, in plane strain.
     keeps: whether the pressure stays as it is, however the passes move the surface.
     traction: of the wheel on the rail along x and across (2, nx, ns), MPa; None: none.
-    width: of a line contact, mm.
-    share: of the grid that the contact covers: width of a line contact over that of its grid.
+    width: of a line contact along its line, mm.
+    share: share of the grid's length along that line that the contact covers; 1 of a solid.
     """
 
     grid: Grid
@@ -216,10 +217,16 @@ def line_contact(
 ) -> RollingContact:
     """Line contact that rolls, of half-spaces.
 
-    half_width: mm. load: N/mm. curvature: relative, 1/mm. modulus: E*, MPa. keeps: whether Hertz's
-        pressure stays. slips: coefficient of friction, with the sign of the force of the wheel on
-        the rail. sticks: half width that sticks, from the leading edge on, over the half width
-        (Carter; Johnson, Contact Mechanics, 8.3). width: of the contact, mm.
+    half_width: of the contact, mm.
+    load: N/mm.
+    curvature: relative, 1/mm.
+    modulus: E*, MPa.
+    keeps: whether Hertz's pressure stays.
+    slips: coefficient of friction, with the sign of the force of the wheel on the rail; 0: no
+        tractions.
+    sticks: half width that sticks, from the leading edge on, over the half width (Carter; Johnson,
+        Contact Mechanics, 8.3).
+    width: of the contact along its line, mm.
     """
     grid, gap = strip_grid(half_width, curvature, STRIP_CELLS, ROOM)
     edges, _ = grid.edges
@@ -269,10 +276,13 @@ def solid_contact(
 ) -> RollingContact:
     """Contact of solids that rolls.
 
-    half_lengths: of the elastic patch, along and across, mm. load: as of `RollingContact`, N. gap:
-        undeformed gap (n,) at x, s (n,), mm from the middle of the patch. modulus: E*, MPa. angle:
-        tilt (n,), rad, of the normal at s from the direction of `load`; None: zero. keeps: whether
-        the elastic pressure stays. Raises ValueError where boundary elements find no balance.
+    half_lengths: of the elastic patch, along and across, mm.
+    load: as of `RollingContact`, N.
+    gap: undeformed gap (n,) at x, s (n,), mm from the middle of the patch.
+    modulus: E*, MPa.
+    angle: tilt (n,), rad, of the normal at s from the direction of `load`; None: zero.
+    keeps: whether the elastic pressure stays.
+    Raises ValueError where boundary elements find no balance.
     """
     ticks = (2 * np.arange(SOLID_CELLS) + 1) / SOLID_CELLS - 1
     x, s = (ROOM * half * ticks for half in half_lengths)

@@ -284,9 +284,10 @@ def fastsim(
     """Forces of the wheel on the rail, stick share and T-gamma of rolling patches by FASTSIM on
     ellipses with equal second moments and forces, by the keys of summary.json.
 
-    limit: friction coefficient times normal force of all patches, N. pair: materials. motion:
-        creepage along, across and spin (1/mm), at the first contact. Raises ValueError for an
-        ellipse too slender.
+    limit: friction coefficient times normal force of all patches, N.
+    pair: materials.
+    motion: creepage along, across and spin (1/mm), at the first contact.
+    Raises ValueError for an ellipse too slender.
     """
     sticks, touches = 0.0, 0.0
     total: Array = np.zeros(4)
