@@ -291,9 +291,9 @@ class TransverseSection(SectionContact):
 
 def locate(scene: Scene, dimension: Dimension) -> Contact:
     """First contact of a scene as a solid or in the section that dimension names.
-    Raises SceneError for a profile's file that cannot be used; as a solid with profiles, and in a
-    section across the rail, also where a wheel misses its rail or the pair has no contact with a
-    common tangent.
+    Raises SceneError for a profile's file that cannot be used. As a solid with profiles, and in a
+    section across the rail, it is also raised where a wheel misses its rail or the pair has no
+    contact with a common tangent.
     """
     if dimension.kind == "solid":
         return solid.locate(scene)

@@ -117,8 +117,8 @@ def _turning_radius(contact: Contact) -> float:
 
 def _angular_velocity(contact: Contact) -> Array:
     """Angular velocity (3,) of the wheel per rolled length, in the axes of space, 1/mm: the unit
-    vector of its axle, towards +y, over `_turning_radius`. 0 for half-spaces and sections, which
-    are planes, and for a wheel that does not roll.
+    vector of its axle, towards +y, over `_turning_radius`.
+    It is 0 for half-spaces and sections, which are planes, and for a wheel that does not roll.
     """
     if contact.pose is None or contact.plane or not contact.scene.rolling.prescribed:
         return np.zeros(3)

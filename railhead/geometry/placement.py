@@ -152,8 +152,8 @@ class ProfilePair:
 
     def _polish(self, pose: Pose, tread: Array, over: Mask, index: int) -> ContactPoint:
         """The contact point at the minimum of height near sample `index` of the wheel coordinates
-        tread (n,), where wheel and rail have the same slope; the sample itself at an edge, and
-        where the slopes do not cross between its neighbours.
+        tread (n,), where wheel and rail have the same slope. At an edge, and where the slopes do
+        not cross between its neighbours, it is the sample itself.
         over: (n,) whether the sample is over the rail; a sample without two neighbours over the
             rail is an edge.
         """

@@ -251,8 +251,8 @@ def rolled(profile: Profile, slope: float) -> Profile:
 
 def osculating(profile: Profile, y: float) -> Profile:
     """The circle of curvature of a profile at y (mm), as a profile within the same domain, at most
-    0.95 of the radius to each side; a straight line where the modulus of the curvature is below
-    1e-9/mm (STRAIGHT).
+    0.95 of the radius to each side. It is a straight line where the magnitude of the curvature is
+    below 1e-9/mm (STRAIGHT).
     Both profiles have the same height, slope and curvature at y.
     """
     start, end = profile.domain

@@ -160,7 +160,7 @@ class Context:
             return str(error)
 
     def von_mises(self, poisson: float) -> float:
-        """Largest von Mises stress (MPa) in a half-space below the contact, elastic and
+        """Largest von Mises stress (MPa) in a half-space under the contact pressure, elastic and
         frictionless, for a Poisson's ratio.
         The stress follows from the pressure of the boundary elements, or from exact Hertz where
         these are not used.

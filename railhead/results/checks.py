@@ -270,9 +270,9 @@ def left_out(solved: Solved) -> Check:
 
 def resolution(solved: MeshSolution) -> Iterator[Check]:
     """Checks of a solution in which the bodies touch: elements across the patch (of a solid in the
-    direction that has fewer), noise of the pressure, and overlap of the bodies; vertical force that
-    the elements' stresses carry in each body, smooth stresses against those of the elements, and
-    distance of the patch from edges.
+    direction that has fewer), noise of the pressure, and overlap of the bodies. Then the vertical
+    force that the elements' stresses carry in each body, smooth stresses against those of the
+    elements, and distance of the patch from edges.
     """
     from railhead.postprocess.stress.flux import contact_force
 

@@ -43,7 +43,7 @@ def write(
     summary: content of summary.json.
     pictures: whether PNG files are written; none where nothing touches.
     report: whether report.html is written; "brief": on one page.
-    whole: whether the files for ParaView hold the mirror images of what symmetry left out.
+    whole: whether the files for ParaView contain the mirror images of what symmetry left out.
     units: of pictures and report.
     OSError: the numbers cannot be written; or, a line for each, other files that could not be
         written, after all the others are.
@@ -175,7 +175,7 @@ def _friction(summary: Mapping[str, Any]) -> Mapping[str, Any]:
 
 def _shown(solved: Solved, units: Units, *, whole: bool = False) -> Shown | None:
     """What the pictures of a solved scene show, but for its cells; None where nothing touches and
-    off rank 0. whole: whether solution.vtu holds images of what symmetry left out.
+    off rank 0. whole: whether solution.vtu contains images of what symmetry left out.
     """
     found, plan = solved.findings, solved.plan
     if found is None:

@@ -356,8 +356,8 @@ class Result(terminal.Drawn):
     @property
     def ellipse(self) -> Hertz:
         """Exact Hertz for the curvatures at the first contact, an ellipse or a line contact, under
-        the load of the solution, of half-spaces under the load of the scene; its own load is the
-        normal force. ValueError: the result was read from a folder.
+        the load of the solution, of half-spaces under the load of the scene. Its own load is the
+        normal force. ValueError: the result was loaded.
         """
         return self.solved.ellipse
 

@@ -110,9 +110,9 @@ def resolved_values(solved: MeshSolution) -> dict[str, float]:
 
     Forces of rolling are over mu N, and a creepage or shift is there where its force is prescribed
     (`friction_values`). Left out is the depth of the largest shear stress where it is less than one
-    element, the peak is narrower than 0.02 (NARROWEST_PEAK) elements, or bodies yield: there the
-    stress is about the same in the whole region that yields. So is the length of a line contact,
-    which is given.
+    element, the peak is narrower than 0.02 (NARROWEST_PEAK) elements, or bodies yield. Where bodies
+    yield the stress is about the same in the whole region. Left out is also the length of a line
+    contact, which is given.
     """
     values = numeric_values(solved.result) | friction_values(solved)
     values.pop(solved.plan.contact.prescribed_length or "", None)

@@ -155,8 +155,8 @@ def friction_steps(plan: Plan) -> tuple[tuple[float, float], ...]:
 
 def near_patches(zones: Sequence[Zone], points: Array) -> Mask:
     """Mask (n,) of the points (n, 3) in space, mm, near which yield is followed: in ellipsoids
-    around the patches (zones), with half axes of three times (YIELD_REACH) the patch's half lengths
-    and, in depth, three times the smaller one.
+    around the patches (zones). Their half axes are three times (YIELD_REACH) the patch's half
+    lengths and, in depth, three times the smaller one.
     """
     near = np.zeros(len(points), dtype=bool)
     for zone in zones:
@@ -178,8 +178,8 @@ def hertz_far_field(
     mm, under Hertz's pressure of a load (N). The first contact is at the origin, x runs along the
     rail, the surface is the plane z = 0.
 
-    It is zero at infinity, under a line contact below its middle at the depth `LineContact.datum`,
-    and everywhere in a rigid body.
+    It is zero at infinity, of a line contact instead at the depth `LineContact.datum` under its
+    middle, and everywhere in a rigid body.
 
     scene, contact: for the moduli and curvatures of both bodies.
     materials: elastic constants by body tag.

@@ -142,7 +142,7 @@ class PressureQuantities:
 
 @dataclass(frozen=True, kw_only=True)
 class AxisStress:
-    """Largest stresses on the normal below the centre of the most loaded patch, in one body.
+    """Largest stresses in one body on the normal through the centre of the most loaded patch.
 
     body: "rail", or "wheel" where the rail is rigid.
     tau_max: largest shear stress, MPa.
@@ -176,7 +176,7 @@ class StressQuantities:
     von_mises_max_depth: its depth below the surface, mm; 0 at the surface.
     von_mises_max_body: "rail" or "wheel", where it lies.
     von_mises_max_place: its place (x, y, z), mm.
-    axis: largest stresses on the normal below the centre of the most loaded patch.
+    axis: largest stresses on the normal through the centre of the most loaded patch.
     surface_centre: normal stresses along x, along the tangent across and along the normal, at the
         centre of the most loaded patch, in the body of `axis`, MPa, tension positive.
     at_edges: larger stresses at sharp edges and held faces, where they depend on the mesh:
@@ -383,9 +383,8 @@ class PlasticQuantities:
     body: "rail" or "wheel", where it lies.
     place: its place (x, y, z) in space, mm, as the places of `StressQuantities`.
     volume_mm3: volume that yields, of the whole model, mm3.
-    depth: depth of the lower end of the region that yields, below the tangent plane of the patch,
-        mm.
-    top: depth of its upper end, mm.
+    depth: largest depth of the region that yields, from the tangent plane of the patch, mm.
+    top: its smallest depth, mm.
     residual_depth_rail: largest depth of the imprint in the rail after unloading, mm; None for a
         rigid rail, and where the load is not removed.
     residual_depth_wheel: the same of the wheel.

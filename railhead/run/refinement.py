@@ -114,8 +114,8 @@ def unplanned_yield(solved: MeshSolution, comm: MPI.Intracomm) -> str:
 
 def _affordable(plan: Plan, wanted: float) -> float:
     """Finest resolution (elements per smaller semi-axis) at which the predicted seconds of a coarse
-    and a fine mesh are within 0.85 (BUDGET_SHARE) of the budget of the scene; the least one, 4.8,
-    where none is.
+    and a fine mesh are within 0.85 (BUDGET_SHARE) of the budget of the scene. Where none is, it is
+    the least one, 4.8.
 
     wanted: largest resolution that is returned where the scene has an accuracy, unless it is below
         4.8. Without an accuracy the largest one is the finest that the error laws cover, or 60
@@ -136,8 +136,8 @@ def _with_load_step_errors(
     solved: MeshSolution, progress: Progress, comm: MPI.Intracomm
 ) -> MeshSolution:
     """The coarse solution with twice its load steps, which is solved here (collective). Its plan
-    has as many steps as the accuracy needs, at most 16 times (MOST_STEPS) the usual number. It
-    holds the relative error of the usual number: twice (STEP_ERROR) the change.
+    has as many steps as the accuracy needs, at most 16 times (MOST_STEPS) the usual number. Its
+    `load_step_errors` are those of the usual number: twice (STEP_ERROR) the change.
     """
     plan = solved.plan
     twice = replace(plan, load_steps=2 * plan.load_steps)

@@ -68,8 +68,8 @@ def read_curve(path: str) -> list[tuple[float, float]]:
 
     Raises ValueError (one line) for fewer than two points, a row that is not two numbers, a first
     strain other than 0 and strains that do not increase. It raises it too for a stress out of range
-    or below the one before it (softening has no unique answer), and for a file that is no text;
-    OSError where the file cannot be read.
+    or below the one before it (softening has no unique answer), and for a file that is no text.
+    Raises OSError where the file cannot be read.
     """
     points: list[tuple[float, float]] = []
     try:

@@ -1,8 +1,8 @@
 """Numbers with units: read from what a person writes, checked against a range, in base units.
 
-Each type of number in a scene (`Force`, `BodyLength`, ...) is an annotated float or int: pydantic
-calls its validator, which converts the value to the base unit (N, mm, MPa, s, rad) and refuses what
-is no such quantity or out of range, in one line.
+Each type of number in a scene (`Force`, `BodyLength`, ...) is an annotated float or int. Pydantic
+calls its validator, which converts the value to the base unit (N, mm, MPa, s, rad). What is no such
+quantity or out of range is refused in one line.
 """
 
 import math

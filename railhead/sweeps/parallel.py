@@ -258,9 +258,9 @@ def _write(
     *,
     pictures: bool,
 ) -> Outcome:
-    """Write the table beside the records; with `pictures` report.html, and PNG files where at most
-    two keys are set or the scenes are rows of a table; with `sweep.vtu` .pvd files, for ParaView,
-    of the scenes that passed. Older pictures and reports are deleted in any case.
+    """Write the table beside the records. With `pictures` write report.html, and PNG files where at
+    most two keys are set or the scenes are rows of a table. With `sweep.vtu` write .pvd files, for
+    ParaView, of the scenes that passed. Older pictures and reports are deleted in any case.
 
     rows: of the table, by number of the scene from 0; completed in place. results: of the outcome.
         faults: reasons by number for scenes without a record, which get a row with it. y_label:

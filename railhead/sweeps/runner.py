@@ -134,7 +134,7 @@ def _assemble(
     plans: Sequence[Plan], progress: Progress, comm: MPI.Intracomm
 ) -> tuple[ContactMesh, ContactModel] | None:
     """Mesh and model for all plans of a group (collective), with bodies of the size for the largest
-    load; None where gmsh cannot mesh them or where they do not fit into the memory.
+    load. None where gmsh cannot mesh them or where they do not fit into the memory.
     """
     largest = plans[-1]
     if not largest.fits(comm.bcast(cost.free_memory())):

@@ -140,8 +140,8 @@ def _numbers(line: str, separator: str, decimal: str) -> list[float] | None:
 def _rows(
     name: str, lines: Sequence[str], span: range, layout: tuple[str, str], comment: re.Pattern[str]
 ) -> tuple[list[list[float]], tuple[int, ...], tuple[str, ...]]:
-    """Rows of numbers, one for each line of a span that is not empty or commented out; the line
-    number of each row (n,); and a remark on rows that are commented out, () if there are none.
+    """Rows of numbers, one for each line of a span that is not empty or commented out, and the line
+    number of each row (n,). Also a remark on rows that are commented out, () if there are none.
     name: file name, for messages.
     span: indices of the lines.
     layout: separator (regular expression) and decimal mark.

@@ -158,8 +158,8 @@ def read(
         < 0, as a rail leans.
     stretch: factor on the wavelengths, given or chosen.
     Raises FormatError, with the line of the file, for one that is no profile of this body, and for
-    points that make none; ValueError for a curve that faces nowhere upwards; OSError where the file
-    cannot be read.
+    points that make none. Raises ValueError for a curve that faces nowhere upwards, OSError where
+    the file cannot be read.
     """
     changed = path.stat().st_mtime_ns
     return _read(path, changed, body, given, wavelength, slope, stretch)

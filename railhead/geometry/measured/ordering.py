@@ -104,9 +104,10 @@ def resampled(points: Array, step: float) -> Array:
 
 
 def refuse_rounded(points: Array) -> None:
-    """Raises PointError where coordinates of points (n, 2), mm, in their order, are rounded:
-    heights to more than 0.01 mm (ROUNDED), or y so that more than a quarter of the neighbours have
-    the same one. For y only the middle half of the width counts, where no face is vertical.
+    """Raises PointError where coordinates of points (n, 2), mm, in their order, are rounded.
+    Heights are where fewer than three quarters of them are different, and those by more than
+    0.01 mm (ROUNDED). y is where more than a quarter of the neighbours have the same one, in the
+    middle half of the width, where no face is vertical.
     """
     y, heights = points[:, 0], np.unique(np.round(points[:, 1], 6))
     steps = np.diff(heights)

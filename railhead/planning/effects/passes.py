@@ -208,8 +208,8 @@ def _indicator(context: Context) -> tuple[float, float, str]:
 
 def line_limit(context: Context) -> float:
     """Largest pressure p0 over the rail's yield stress in shear k, before any hardening, up to
-    which a line contact of a scene shakes down, by Melan's theorem: of a rail that hardens
-    kinematically alone with its back stress, of others without hardening.
+    which a line contact of a scene shakes down, by Melan's theorem. A rail that hardens
+    kinematically alone counts with its back stress, others without hardening.
     """
     scene, share = context.scene, traction(context)
     kinematic = scene.rail.hardens and scene.rail.kinematic_fraction == 1

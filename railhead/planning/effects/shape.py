@@ -129,8 +129,8 @@ def half_space_errors(context: Context) -> dict[str, Allowance]:
 
 def _twist(context: Context) -> float:
     """Relative change of the largest pressure or of the area, the larger one, by the twist of the
-    rail; 0 for a block, a rigid rail, a contact in the plane of symmetry, and where both bodies
-    have one radius.
+    rail. It is 0 for a block, a rigid rail, a contact in the plane of symmetry, and where both
+    bodies have one radius.
     """
     rail = context.scene.rail
     still = rail.profile == "arc" or math.isinf(rail.young_modulus)
@@ -224,7 +224,7 @@ def _twists(context: Context) -> tuple[bool, str]:
 
 def decide_true_profile(context: Context) -> Effect:
     """Real profiles are called for where the predicted patch, times 1.1 (MARGIN), reaches across a
-    joint of two arcs of a profile, or the profile is no arc there; otherwise one radius each is
+    joint of two arcs of a profile, or the profile is no arc there. Otherwise one radius each is
     enough.
     """
     contact = context.contact
@@ -293,7 +293,7 @@ def _leaves(contact: Contact, low: float, high: float) -> tuple[bool, str]:
 def small_patch(context: Context, found: Findings) -> PostSolveVerdict:
     """Verdict on the size of the (most loaded) patch: Hertz's parabolas and half-spaces need
     semi-axes far below the relative radii (Johnson, Contact Mechanics, 4.1).
-    The larger of a times curvature_x and b times curvature_y is held against 0.1 (SMALL).
+    The larger of a times curvature_x and b times curvature_y is compared with 0.1 (SMALL).
     """
     touch, patch = context.contact.touch, found.patch
     a, b = patch.a * touch.curvature_x, patch.b * touch.curvature_y
@@ -305,8 +305,8 @@ def small_patch(context: Context, found: Findings) -> PostSolveVerdict:
 
 def inside_the_bodies(context: Context, found: Findings) -> PostSolveVerdict | None:
     """Verdict on the distance in y from the centre of the patch to the nearest edge of a tread or
-    head, held against 1.1 (EDGE) of its half length across. At an edge a stress peak arises that no
-    profile shows. None without profiles across the rail.
+    head, compared with 1.1 (EDGE) of its half length across. At an edge a stress peak arises that
+    no profile shows. None without profiles across the rail.
     """
     if not context.contact.cross_profiles:
         return None

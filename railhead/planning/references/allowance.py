@@ -37,8 +37,8 @@ Allowance = dict[str, float]
 def added_stress(
     contact: Contact, deformable: Sequence[int], solved: BoundaryElementSolution | Ellipse
 ) -> float:
-    """Stress, MPa, that held and free faces of the bodies add below a patch under a force F: F/(2
-    pi H^2) of a face held at the depth H, half of that of an edge at the distance H, as
+    """Stress, MPa, that held and free faces of the bodies add under a patch of force F: F/(2 pi
+    H^2) of a face held at the depth H, half of that of an edge at the distance H, as
     Boussinesq's stresses fall. The face that adds most counts. Arguments: as in `allowance`.
     """
     surface = boundary_elements.develop(contact)
@@ -74,9 +74,9 @@ class _Body:
         return self.weight * (halfspace.held_below(self.depth, self.poisson) + edges)
 
     def influence(self, s: Array) -> Array:
-        """Influence matrix (n, n), 1/mm, of the faces where the body ends: displacement at places
-        s (n,), mm, over F/(pi E*), by forces F at the same places through the images at free edges
-        and held face. A displacement common to all places is left out.
+        """Influence matrix (n, n), 1/mm, of the faces where the body ends, at places s (n,), mm.
+        It is the displacement over F/(pi E*), by forces F at the same places through the images at
+        free edges and held face. A displacement common to all places is left out.
         """
         psi = halfspace.image_force(self.poisson)
         apart = [abs(s - end) for end in self.ends]

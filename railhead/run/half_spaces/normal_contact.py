@@ -76,8 +76,8 @@ def half_space(
 
 def twist_change(solved: MeshSolution) -> float:
     """Relative change of the largest pressure or of the area, the larger one, by the rotation and
-    the movement of the bodies in the solution (rank 0); 0 for a contact that is symmetric about y =
-    0. Raises ValueError where it cannot be computed.
+    the movement of the bodies in the solution (rank 0). It is 0 for a contact that is symmetric
+    about y = 0. Raises ValueError where it cannot be computed.
     """
     contact, moved = solved.plan.contact, motion(solved)
     if contact.why_asymmetric_in_y() is None:
@@ -199,7 +199,7 @@ def _strip(contact: Strip, cells: int) -> list[PressedPatch]:
 
 def strip_grid(half_width: float, curvature: float, cells: int, wider: float) -> tuple[Grid, Array]:
     """Grid of a line contact, `cells` over its width, taken along x, by two along the line, which
-    is 1e4 (LENGTH) half widths long; and the undeformed gap (cells, 2) at the cells, mm.
+    is 1e4 (LENGTH) half widths long. Also the undeformed gap (cells, 2) at the cells, mm.
 
     half_width: of the contact, mm.
     curvature: relative curvature across the line, 1/mm.

@@ -156,7 +156,7 @@ class Pressing:
 
     def _exact_stress(self) -> Array:
         """Exact elastic stress (columns, lines, 4), MPa, in Mandel's notation, at the Gauss points
-        of the block, below the pressure and the tractions of a line contact.
+        of the block, under the pressure and the tractions of a line contact.
         """
         assert self.patch is not None
         shape, traction = self._rolling.points.shape[:2], self._contact.traction

@@ -213,8 +213,9 @@ def roll(
 def within_melan_s_limit(found: Passes, context: Context) -> Passes:
     """The passes; those of a line that are said to shake down beyond the limit are undecided.
 
-    Where the surface sets the limit, the Gauss points below it may miss that it goes on to yield.
-    A rail that hardens isotropically shakes down in the end, so nothing is held against the limit.
+    Where the surface sets the limit, the Gauss points, which lie deeper, may miss that it goes on
+    to yield. A rail that hardens isotropically shakes down in the end, so its passes are not
+    compared with the limit.
     """
     rail = context.scene.rail
     held = isinstance(context.hertz, LineContact)
@@ -301,9 +302,9 @@ def _of_scene(
     solved: Solved,
 ) -> tuple[RollingContact, tuple[float, float], bool, Laid | None]:
     """What rolls in a solved scene, the half lengths of its elastic patch along and across, mm,
-    whether it is symmetric about y = 0, and what lays the groove on its profile, None for line
-    contacts and half-spaces. Raises ValueError for several patches, and where boundary elements
-    fail.
+    whether it is symmetric about y = 0, and what lays the groove on its profile. The last is None
+    for line contacts and half-spaces. Raises ValueError for several patches, and where boundary
+    elements fail.
     """
     plan, load = solved.plan, solved.plan.scene.load
     hertz = solved.ellipse if load is None else plan.hertz  # which is the same on any ranks
@@ -369,7 +370,8 @@ def _with_tractions(
     solved: Solved, contact: RollingContact, x: Array, s: Array, traction: Array
 ) -> RollingContact:
     """Contact of solids with tractions (n, 2), MPa, along and across, found at places x, s (n,),
-    mm from the middle of the patch; nowhere more than friction allows at the elastic pressure.
+    mm from the middle of the patch. Where they exceed the coefficient of friction times the elastic
+    pressure, they are reduced to that.
     """
     if solved.plan.half_y:
         x, s = np.concatenate([x, x]), np.concatenate([s, -s])
