@@ -61,7 +61,7 @@ def test_dimension_lines_are_as_long_as_the_patch(blocks, drawn, tmp_path) -> No
         assert stop - start == pytest.approx(wanted, rel=1e-9)
 
 
-def test_no_pressure_is_coloured_outside_the_outline(blocks, tmp_path) -> None:
+def test_no_pressure_is_coloured_outside_the_outline(blocks, tmp_path, laid_out: None) -> None:
     case = blocks(cut=False)
     small = replace(
         case.findings.patch, outlines=[case.findings.patch.outlines[0] * 0.5]

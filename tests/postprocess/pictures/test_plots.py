@@ -59,7 +59,7 @@ def test_slender_patches_shape_the_picture(
     assert (width > 1.8 * height) if wide else (height > 1.2 * width)
 
 
-def test_nothing_touches_the_edge_and_no_setting_stays(blocks, tmp_path) -> None:
+def test_nothing_touches_the_edge_and_no_setting_stays(blocks, tmp_path, laid_out: None) -> None:
     before = dict(matplotlib.rcParams)
     case = blocks(load=5.0)
     diagrams.pressure(case.findings, case.ellipse, tmp_path / "1.png")

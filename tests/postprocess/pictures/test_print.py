@@ -27,7 +27,7 @@ TITLE = "a case of many words: 110.3 kN, wheel R 420 mm, tread cone20, on rail 5
 
 
 @pytest.fixture()
-def sheets(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
+def sheets(laid_out: None, monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
     """Every figure that would be written, laid out."""
     seen: list[Figure] = []
 
