@@ -147,7 +147,7 @@ def new_figure(
         if target is not None:
             # savefig would draw the whole figure once more, unseen, for its layout.
             sheet.get_layout_engine().execute(sheet)
-            sheet.set_layout_engine("none")
+            sheet.set_layout_engine(None)
             for kind in {"png", matplotlib.rcParams["savefig.format"]}:
                 sheet.savefig(target.with_suffix(f".{kind}"), format=kind)
 
