@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -409,6 +410,7 @@ def place(
         centre = np.array([0.0, side * shift - offset, height])
         return Pose(rotation, centre + track.tape * rotation[:, 1])
 
+    @cache
     def height(side: int, roll: float) -> float:
         """Height of the wheelset's centre at which the wheel of that side touches its rail at a
         roll in rad, mm.

@@ -202,7 +202,7 @@ def test_a_missing_second_opinion_has_its_reason(mesh_solution) -> None:
     [("symmetry_x=off", True), ("symmetry_y=on", True), ("far_field=off", False)],
 )
 def test_the_second_opinion_is_about_the_problem_of_the_scene(given, checked) -> None:
-    summary = solved("hertz_ellipse", f"effects.{given}", "mesh.patch_size=1.7").summary
+    summary = solved("hertz_ellipse", f"effects.{given}", "mesh.patch_size=3").summary
     assert ("second_opinion_max_MPa" in summary["checks"]) == checked
     assert bool(summary["plan"]["chosen"]) != checked
     assert ("second_opinion" in summary["checks"]["not_made"]) != checked

@@ -55,9 +55,16 @@ HALF_SPACES = {
     **{f"circle at {nu}": ("sphere_on_plane", [f"wheel.poisson_ratio={nu}"])
        for nu in (0.45, 0.4999)},
 }  # fmt: skip
+MORE = "two cylinders", "circle of two bodies", "circle at 0.45"
 
 
-@pytest.mark.parametrize("case, assignments", HALF_SPACES.values(), ids=HALF_SPACES)
+@pytest.mark.parametrize(
+    "case, assignments",
+    [
+        pytest.param(*given, id=name, marks=[pytest.mark.slow] if name in MORE else [])
+        for name, given in HALF_SPACES.items()
+    ],
+)
 def test_half_spaces_give_exact_hertz(case: str, assignments: list[str]) -> None:
     """0.2 %, twice that of the mean pressure, which is over an area; 3 % at the surface, where the
     stress is extrapolated. The depth of the largest shear, which is flat there: 0.5 %, 1 % of
@@ -73,7 +80,7 @@ def test_half_spaces_give_exact_hertz(case: str, assignments: list[str]) -> None
     assert np.abs(off["stress"]["surface_centre_MPa"]).max() < 0.03
 
 
-@pytest.mark.parametrize("nu", [0.3, 0.495, 0.4999])
+@pytest.mark.parametrize("nu", [0.3, pytest.param(0.495, marks=pytest.mark.slow), 0.4999])
 def test_stresses_are_alike_around_the_axis(nu: float) -> None:
     """s_x = s_y below the centre of a circle, within 0.5 % of the largest pressure, with the mean
     dilatation on as well."""

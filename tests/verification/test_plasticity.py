@@ -250,7 +250,7 @@ def test_elastic_and_hertz_stand_beside_it(five: rh.Result) -> None:
     assert plastic["body"] == "rail"
 
 
-@pytest.mark.parametrize("multiple", [1.15, 1.5])
+@pytest.mark.parametrize("multiple", [pytest.param(1.15, marks=pytest.mark.slow), 1.5])
 def test_the_largest_pressure_is_that_of_the_middle(multiple: float) -> None:
     """That of the contact point nearest to it: an ellipsoid by moments is 0.4 and 1 % above it."""
     found = solved(pressed(multiple))
@@ -313,8 +313,11 @@ def test_load_steps_are_of_second_order() -> None:
     assert pressure[0] - pressure[1] > 3 * (pressure[1] - pressure[2]) > 0
 
 
-def test_the_files_show_the_load_and_what_it_leaves(five: rh.Result, tmp_path) -> None:
-    five.save(tmp_path / "out", pictures=False)
+def test_files_and_picture_show_the_load_and_what_it_leaves(
+    five: rh.Result, tmp_path, monkeypatch
+) -> None:
+    draw_only(monkeypatch, "plastic")
+    five.save(tmp_path / "out", report=False)
     loaded, left = (
         meshio.read(tmp_path / "out" / f"{name}.vtu") for name in ("solution", "residual")
     )
@@ -325,11 +328,6 @@ def test_the_files_show_the_load_and_what_it_leaves(five: rh.Result, tmp_path) -
         tensor = grid.cell_data["plastic_strain"][0].reshape(-1, 3, 3)
         assert np.abs(np.trace(tensor, axis1=1, axis2=2)).max() < 1e-12
     assert left.point_data["von_mises"].max() < 0.5 * loaded.point_data["von_mises"].max()
-
-
-def test_the_picture_of_yield_is_drawn(five: rh.Result, tmp_path, monkeypatch) -> None:
-    draw_only(monkeypatch, "plastic")
-    five.save(tmp_path / "out", report=False)
     picture = matplotlib.image.imread(tmp_path / "out" / "plastic.png")
     assert picture.shape[0] > 400 and picture[..., :3].std() > 0.05
 

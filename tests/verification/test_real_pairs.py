@@ -152,7 +152,9 @@ def test_the_layer_has_the_limits_of_a_half_plane_and_of_an_oedometer() -> None:
     )
 
 
-@pytest.mark.parametrize("depth", [1.5, 2.0, 3.0, 5.0, 6.0, 20.0])
+@pytest.mark.parametrize(
+    "depth", [1.5, 3.0, 20.0, *(pytest.param(each, marks=pytest.mark.slow) for each in (2, 5, 6))]
+)
 def test_strips_on_layers_hold_their_estimates(depth: float) -> None:
     """By second moments alone a is 1.74, 1.04, 0.40, 0.09, 0.06 and 0.01 % short."""
     mesh_solution = meshed("long_roller", RIGID, f"rail.depth={depth}mm")

@@ -92,7 +92,7 @@ def test_a_reading_that_comes_to_no_minimum_has_no_bound(monkeypatch) -> None:
 def test_numbers_do_not_jump_where_an_ellipse_becomes_another_shape() -> None:
     """A growing fourth power across: the fourth moments pass both thresholds."""
     read, shares = [], []
-    for power in np.linspace(0.0, 0.3, 21):
+    for power in np.linspace(0.0, 0.3, 16):
 
         def square(x: Array, s: Array, power: float = power) -> Array:
             return 1 - x**2 / 4 - s**2 / 3 - power * s**4 / 9

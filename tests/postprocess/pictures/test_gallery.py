@@ -16,7 +16,7 @@ from railhead.results.report import output_units
 YIELDS = ("sphere_on_plane", "wheel.yield_stress=20")  # a meridian section
 SOLID = ("hertz_ellipse", "mesh.patch_size=2")
 FLAT = ("hertz_ellipse", "friction.coefficient=0.3", "friction.force_along=1kN",
-        "effects.finite_bodies=off")  # fmt: skip
+        "mesh.patch_size=0.9", "effects.finite_bodies=off")  # fmt: skip
 LINE = ("long_roller", "mesh.patch_size=1.2")
 KINDS = {"yields": YIELDS, "solid": SOLID, "half-spaces": FLAT, "line": LINE}
 

@@ -183,8 +183,9 @@ def test_a_gap_that_is_mirrored_shifted_or_exchanged_takes_its_pressure_along(ga
     assert exchanged.semi_axes == pytest.approx(patch.semi_axes[::-1], rel=1e-6)
 
 
-@pytest.mark.parametrize("gap", [paraboloid(2.0, turn=0.4), lopsided])
-@pytest.mark.parametrize("control", ["load", "approach"])
+@pytest.mark.parametrize(
+    ("gap", "control"), [(paraboloid(2.0, turn=0.4), "approach"), (lopsided, "load")]
+)
 def test_signorini_conditions_and_equilibrium(gap, control: str) -> None:
     """Displacements come from a direct sum of Love's solution in its logarithmic form."""
     goal = {control: LOAD if control == "load" else 0.04}
