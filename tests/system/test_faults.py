@@ -95,7 +95,8 @@ def test_a_full_disk_leaves_the_earlier_result(tmp_path) -> None:
     folder = tmp_path / "result"
     make(folder, OLD)
     done = subprocess.run(
-        [sys.executable, "-c", SMALL_FILES, "run", "--force", *CASE, str(folder)],
+        [sys.executable, "-c", SMALL_FILES, "run", "--force", "--fast", "--set",
+         "rail.extent=half-space", *CASE, str(folder)],
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 1

@@ -122,7 +122,7 @@ def test_other_half_spaces_and_elements_are_as_accurate(keys: list[str], limits:
 
 def test_nearly_incompressible_bodies_do_not_lock() -> None:
     """Ordinary quadratic cells leave the pressure 75 % wrong at 0.4999."""
-    keys = ["rail.poisson_ratio=0.4999", "wheel.poisson_ratio=0.4999", "mesh.patch_size=0.85"]
+    keys = ["rail.poisson_ratio=0.4999", "wheel.poisson_ratio=0.4999", "mesh.patch_size=0.95"]
     summary = passed("hertz_ellipse", *keys).summary
     assert summary["plan"]["effects"]["mean_dilatation"]["on"]
     assert worst(summary, "a_mm", "b_mm", "max_MPa", "approach_mm") < 0.005
@@ -134,7 +134,7 @@ def test_nearly_incompressible_bodies_do_not_lock() -> None:
 THIN = ["load=100kN", "wheel.width=10", "rail.profile=arc", "rail.crown_radius=inf"]
 THIN += ["rail.width=10", "rail.depth=5"]
 UNLIKE = {
-    "ellipse": ("hertz_ellipse", 0.4, 0.1, []),
+    "ellipse": ("hertz_ellipse", 0.4, 0.1, ["mesh.patch_size=0.85"]),
     "needle": ("hertz_ellipse", 0.05, 0.45, ["wheel.rolling_radius=4000", "load=300"]),
     "long roller": ("long_roller", 0.45, 0.0, []),
     "circle": ("sphere_on_plane", 0.1, 0.49, ["rail.young_modulus=3000"]),
@@ -175,7 +175,7 @@ def test_no_stress_is_read_below_the_foot_of_a_thin_rail() -> None:
     axis, found = result.findings.depth["rail"], result.summary["result"]["stress"]
     assert axis.depth[-1] == pytest.approx(5, rel=1e-6)
     assert np.abs(axis.stress).max() < 1.5 * result.summary["result"]["pressure"]["max_MPa"]
-    reference = passed("uic54_thesis", *THIN, "mesh.patch_size=0.3").summary["result"]["stress"]
+    reference = passed("uic54_thesis", *THIN, "mesh.patch_size=0.4").summary["result"]["stress"]
     for name in ("tau_max_MPa", "von_mises_max_MPa"):
         assert found[name] == pytest.approx(reference[name], rel=0.03)
         assert found["axis"][name] == pytest.approx(reference["axis"][name], rel=0.03)

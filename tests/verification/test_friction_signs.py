@@ -107,6 +107,7 @@ def test_the_hardest_place_is_that_of_a_sliding_strip(coefficient: float, where:
     assert where == "below" or not 0 < answer["von_mises_max_depth_mm"] < 1e-9 * width
     assert "shear_yield_MPa" not in answer
     assert answer["traction_coefficient"] == pytest.approx(coefficient, rel=1e-3)
+    assert answer["stick_share"] == 0
 
 
 @pytest.mark.slow

@@ -287,8 +287,8 @@ def test_a_unit_that_is_given_overrules_the_file_and_is_said(tmp_path) -> None:
         np.testing.assert_allclose(found.profile.height(y), truth, atol=2e-3)
 
 
-@pytest.mark.parametrize("slope", [0.0, 1 / 40])
-def test_a_point_that_stands_off_is_kept_and_said(slope: float, tmp_path) -> None:
+def test_a_point_that_stands_off_is_kept_and_said(tmp_path) -> None:
+    slope = 1 / 40
     points = noisy(rail(), 0.002, 8)
     file = tmp_path / "rail.csv"
     np.savetxt(file, points, delimiter=",")
