@@ -165,14 +165,16 @@ class Setup:
     friction: FrictionSettings | None = None
 
     def __post_init__(self) -> None:
-        """Check slave and linear solver; raises ValueError for a slave that is no deformable body,
-        and for an unknown `linear`.
+        """Check slave, linear solver and load path; raises ValueError for a slave that is no
+        deformable body, an unknown `linear`, and a load path where no body can yield.
         """
         bodies = {body.tag: body for body in (self.fixed, self.moving)}
         if self.slave not in bodies or bodies[self.slave].rigid:
             raise ValueError(f"slave {self.slave} is no body that deforms; there are {[*bodies]}")
         if self.linear not in LINEAR_SOLVERS:
             raise ValueError(f"linear {self.linear!r} is unknown; give one of {LINEAR_SOLVERS}")
+        if self.load_path and not any(body.material.hardening for body in bodies.values()):
+            raise ValueError("load_path needs a body whose material has a hardening")
 
     @property
     def parts(self) -> int:

@@ -15,6 +15,7 @@ from railhead.solver.algebra import linear, multigrid, newton
 from railhead.solver.space import constraints
 from railhead.solver.space.contact_interface import ContactLaw
 from railhead.solver.space.operators import petsc_matrix, vector
+from railhead.solver.system.setup import LoadPath
 
 LAWS = [*(ContactLaw("nitsche", theta) for theta in (1, 0, -1)), ContactLaw("penalty")]
 IDS = ["theta=1", "theta=0", "theta=-1", "penalty"]
@@ -335,6 +336,10 @@ def test_a_set_up_is_given_back_before_the_next_one() -> None:
         (lambda setup: {"law": ContactLaw(gamma_factor=0.0)}, "gamma_factor 0.0 is not allowed"),
         (lambda setup: {"linear": "foo"}, "linear 'foo' is unknown"),
         (lambda setup: {"slave": 7}, "slave 7 is no body that deforms"),
+        (
+            lambda setup: {"load_path": LoadPath(steps=2, cycles=1, unload=False, near=len)},
+            "load_path needs a body",
+        ),
         (lambda setup: {"moving": replace(setup.moving, support=97)}, "no support facet carries"),
         (lambda setup: {"moving": replace(setup.moving, contact=98)}, "no contact facet carries"),
         (lambda setup: {"fixed": replace(setup.fixed, tag=9), "slave": 9}, "no cell carries"),
