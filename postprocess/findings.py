@@ -394,7 +394,7 @@ class Subject:
 
     @property
     def y(self) -> str:
-        """Label, with its unit, of the scene's axis y, on which s is projected."""
+        """Label of the scene's axis y, on which s is projected, in mm whatever `units` is."""
         return "y, mm" if self.revolved else f"y, {self.across}, mm"
 
     def label(self, axis: int) -> str:

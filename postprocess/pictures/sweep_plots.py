@@ -62,7 +62,7 @@ def curves(
         of the other column. Rows whose checks did not pass are ringed; quantities that a row lacks
         are not drawn.
     """
-    over, *others = _by_values(columns, rows)
+    over, *others = _most_varied_first(columns, rows)
     lines = _values(others[0], rows) if others else [None]
     numbers, units = _numbers(over, rows), subject.units
     with new_figure(target, 11, 7.6, subject) as figure:
@@ -118,7 +118,7 @@ def patches(
         fewer values, or one if one column is varied. Patches of rows whose checks did not pass are
         red.
     """
-    over, *others = _by_values(columns, rows)
+    over, *others = _most_varied_first(columns, rows)
     split = others[0] if others else None
     strips = _values(split, rows) if split else [None]
     lines = [[np.array(line) for line in each] for each in outlines]
@@ -176,7 +176,7 @@ def _strip(
     axes.set_xlim(-0.6 * step, (len(each) - 0.4) * step)
 
 
-def _by_values(columns: Sequence[str], rows: Rows) -> list[str]:
+def _most_varied_first(columns: Sequence[str], rows: Rows) -> list[str]:
     """Names of columns by how many different values each has in the rows, most first."""
     return sorted(columns, key=lambda name: -len(_values(name, rows)))
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from railhead.geometry.profiles import Arc, Piece, Polynomial, Profile, data
+from railhead.geometry.profiles import Arc, Piece, Polynomial, Profile, json_data
 from railhead.theory.array_types import Array
 
 SPACING, SAMPLES = 1.0, 20001  # mm between points of splines, and y where their length is taken
@@ -71,7 +71,7 @@ def rail_section(name: str, extent: str, *, half: bool) -> list[Curve]:
     contact curves are the three arcs on each half of the crown, the support is the bottom of the
     foot, or the cut of the head.
     """
-    segments = data("rails.json")[name]["half_section"]
+    segments = json_data("rails.json")[name]["half_section"]
     top = np.array(segments[0]["start"])
     curves = []
     for index, segment in enumerate(segments):
@@ -115,7 +115,7 @@ def head_depth(name: str) -> float:
     """Vertical distance from the crown of 54E1 or 60E1 to the start of the web, where a head alone
     is cut, mm. KeyError: another name.
     """
-    segments = data("rails.json")[name]["half_section"]
+    segments = json_data("rails.json")[name]["half_section"]
     web = next(segment for segment in segments if segment["name"].startswith("web"))
     return float(segments[0]["start"][1] - web["start"][1])
 

@@ -160,12 +160,12 @@ class Profile:
 
 
 @lru_cache
-def data(name: str) -> dict[str, Any]:
-    """Content of the JSON file with that name in the data folder of railhead.geometry; cached, so
-    it must not be changed.
+def json_data(file: str) -> dict[str, Any]:
+    """Content of a JSON file ('rails.json') in the data folder of railhead.geometry; cached, so it
+    must not be changed.
     """
-    file = resources.files("railhead.geometry") / "data" / name
-    content: dict[str, Any] = json.loads(file.read_text())
+    path = resources.files("railhead.geometry") / "data" / file
+    content: dict[str, Any] = json.loads(path.read_text())
     return content
 
 
@@ -192,7 +192,7 @@ def s1002() -> Profile:
     at y < 0.
     """
     pieces: list[Piece] = []
-    for zone in data("s1002.json")["zones"].values():
+    for zone in json_data("s1002.json")["zones"].values():
         start, end = zone["range"]
         if zone["kind"] == "arc":
             pieces.append(Arc(start, end, zone["yc"], zone["zc"], zone["r"], zone["sign"]))
@@ -207,7 +207,7 @@ def rail_head(name: str, inclination: float = 0.0) -> Profile:
     name: "54E1" or "60E1" (STANDARD_RAILS); KeyError for another.
     inclination: slope by which the rail leans towards the track's centre (y < 0), as 1/20.
     """
-    segments = data("rails.json")[name]["half_section"][:3]
+    segments = json_data("rails.json")[name]["half_section"][:3]
     top = np.array(segments[0]["start"])
     c, s = _cos_sin(inclination)
     pieces: list[Arc] = []

@@ -42,7 +42,7 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
     second = {**exact_quantities(solved), "allowance": {}} if plan.contact.half_space else profiles
     second, beside = second or NO_SECTION, rubbed
     other = effects.overruled(plan.effects)
-    if not all(effects.EFFECTS[name].beyond_half_spaces for name in other):
+    if not all(effects.EFFECTS[name].absent_in_half_spaces for name in other):
         second = {"reason": f"another problem than the scene's was chosen: {', '.join(other)}"}
         beside = None if rubbed is None else {"scene": second}
     judged = checks.run(solved, known, second, reached=reached)

@@ -151,8 +151,9 @@ class FrictionHistory:
         return solution
 
     def _end_step(self, force_share: float) -> None:
-        """Record the results of a step that converged: displacement at rest, work of friction after
-        the full force was reached, force and motion.
+        """Close a step that converged: append its force and rigid motion to `step_results`. Unless
+        the wheel rolls, add its slip to `rest`, and its work of friction to `dissipated_energy`
+        where an earlier step has reached the full force.
 
         force_share: share of the prescribed tangential forces at its end, -1 (reversed) to 1.
         """

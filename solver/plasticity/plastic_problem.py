@@ -202,8 +202,8 @@ class PlasticProblem(ContactProblem):
         self.surface.set_prescribed_strain(prescribed)
 
     def reset_history(self) -> None:
-        """Set plastic strain and back stress of all points to zero, in the history and in the last
-        state.
+        """Set plastic strain, equivalent plastic strain and back stress of all points to zero, in
+        the history and in the last state.
         """
         for points in (self.bulk, self.surface):
             points.history = History.virgin(*points.prescribed_strain.shape)

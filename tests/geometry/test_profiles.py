@@ -41,7 +41,7 @@ def section_properties(points: np.ndarray) -> tuple[float, float, float, float]:
 
 @pytest.mark.parametrize("name", ["54E1", "60E1"])
 def test_section_has_the_published_area_centroid_and_inertia(name: str) -> None:
-    published = profiles.data("rails.json")[name]["published"]
+    published = profiles.json_data("rails.json")[name]["published"]
     area, zc, ix, iy = section_properties(polygon(name))
     assert area / 100 == pytest.approx(published["A_cm2"], rel=5e-4)
     assert zc == pytest.approx(published["yc_mm"], rel=5e-4)

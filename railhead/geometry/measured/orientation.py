@@ -146,8 +146,8 @@ def gauge_side(all_laid: Sequence[LaidStandard]) -> tuple[bool, str]:
     no side is a standard's, wear and lean contradict each other, or there is neither. The text
     says which.
     """
-    laid = min(all_laid, key=_less_worn_side)
-    if _less_worn_side(laid) > UNWORN or np.nanmin(laid.loss) < -STANDS_OUT:
+    laid = min(all_laid, key=_distance_of_less_worn_side)
+    if _distance_of_less_worn_side(laid) > UNWORN or np.nanmin(laid.loss) < -STANDS_OUT:
         return False, "no side is a standard rail's"
     left, right = (
         standards.STEP * float(np.maximum(laid.loss[side], 0).sum()) for side in laid.sides
@@ -162,9 +162,9 @@ def gauge_side(all_laid: Sequence[LaidStandard]) -> tuple[bool, str]:
     return False, "no side is worn, the head does not lean"
 
 
-def _less_worn_side(laid: LaidStandard) -> float:
-    """Root mean square distance in mm of the less worn side to the standard; infinite without
-    points on it.
+def _distance_of_less_worn_side(laid: LaidStandard) -> float:
+    """Root mean square distance in mm of the less worn side to the standard. A side without points
+    does not count; infinite where neither has any.
     """
     squares = (laid.loss[side] ** 2 for side in laid.sides if side.any())
     return min((float(np.sqrt(square.mean())) for square in squares), default=np.inf)

@@ -27,7 +27,7 @@ class EffectRules:
     check: function of context, decision and findings that evaluates the indicator of the effect on
         the solution; gives None where it does not apply.
     numerical_only: the exact answer is the same with and without the effect.
-    beyond_half_spaces: the half-spaces that a result of finite bodies is compared with lack the
+    absent_in_half_spaces: the half-spaces that a result of finite bodies is compared with lack the
         effect, so the comparison holds also where a person overruled it.
     of_bodies: only meshed bodies have the effect. Where half-spaces answer it is off; what it would
         change is a part of their error estimate.
@@ -40,7 +40,7 @@ class EffectRules:
     decide: Callable[[Context], Effect]
     check: Callable[[Context, Effect, Findings], PostSolveVerdict | None] = lambda *_: None
     numerical_only: bool = False
-    beyond_half_spaces: bool = False
+    absent_in_half_spaces: bool = False
     of_bodies: bool = False
     in_half_spaces: bool = False
     beyond_envelopes: bool = False
@@ -107,30 +107,30 @@ EFFECTS = {
         words="friction, traction and creepage",
         decide=interface.decide_friction,
         check=interface.check_friction,
-        beyond_half_spaces=True,
+        absent_in_half_spaces=True,
         beyond_envelopes=True,
     ),
     "plasticity": EffectRules(
         words="steel that yields",
         decide=material.decide_plasticity,
         check=material.check_plasticity,
-        beyond_half_spaces=True,
+        absent_in_half_spaces=True,
     ),
     "passes": EffectRules(
         words="a wheel that rolls again and again over a rail that yields",
         decide=passes.decide_passes,
-        beyond_half_spaces=True,
+        absent_in_half_spaces=True,
     ),
     "plasticity_wheel": EffectRules(
         words="yield of the wheel in passes (estimated, not simulated)",
         decide=passes.decide_plasticity_wheel,
-        beyond_half_spaces=True,
+        absent_in_half_spaces=True,
     ),
     "heat": EffectRules(
         words="heat of friction (estimated, not simulated)",
         decide=interface.decide_heat,
         check=interface.check_heat,
-        beyond_half_spaces=True,
+        absent_in_half_spaces=True,
     ),
 }
 ASSUMPTIONS: dict[str, tuple[str, Weigh]] = {

@@ -59,7 +59,7 @@ def decide_passes(context: Context) -> Effect:
     if scene.effects.passes == "off":
         return Effect(yields, True, why)
     given, key = f"{count} is not allowed: ", "rolling.passes"
-    _refuse_bodies(context, given)
+    _refuse_what_has_no_passes(context, given)
     _refuse_other(scene)
     hardened = _flow_stress(scene.rail, LARGEST_STRAIN) / scene.rail.first_yield
     share = traction(context) if isinstance(context.hertz, LineContact) else 0.0
@@ -77,8 +77,11 @@ def decide_passes(context: Context) -> Effect:
     return Effect(yields, True, f"{count} passes; {why}; about {enough} tell")
 
 
-def _refuse_bodies(context: Context, given: str) -> None:
-    """Raise SceneError for bodies that passes do not know; given: the beginning of the text."""
+def _refuse_what_has_no_passes(context: Context, given: str) -> None:
+    """Raise SceneError for what passes cannot simulate: a rigid rail, one without yield stress, a
+    wheel that only its effect makes rigid, a force of [friction], and a section across the way;
+    given: the beginning of the message.
+    """
     key, friction, wheel = "rolling.passes", context.scene.friction, context.scene.wheel
     across = 0 not in context.contact.slips
     refuse_first(

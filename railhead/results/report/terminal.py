@@ -131,7 +131,7 @@ def show_plan(plan: Plan, console: Console) -> None:
     for line in (*lines, *profile_lines(plan.profiles)):
         labelled(console, line)
     if plan.uncertainty:
-        labelled(console, _uncertainty_line(vars(plan.uncertainty)))
+        labelled(console, _smoothing_uncertainty(vars(plan.uncertainty)))
     if plan.forecast.reason:
         console.print(f"The patch is forecast as Hertz's: {plan.forecast.reason}.", markup=False)
     if not plan.by_half_spaces:
@@ -161,8 +161,9 @@ def profile_lines(
         )
 
 
-def _uncertainty_line(found: Mapping[str, Any]) -> str:
-    """Line on the effect of profile noise on the result. found: "profile_uncertainty" of
+def _smoothing_uncertainty(found: Mapping[str, Any]) -> str:
+    """Line on how far the smoothing of measured profiles leaves the largest pressure and the area
+    open, in per cent, or why that is unknown. found: "profile_uncertainty" of the plan in
     summary.json.
     """
     if found["reason"]:
@@ -260,7 +261,7 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
     for line in profile_lines(summary["plan"]["profiles"], units):
         labelled(console, line)
     if found := summary["plan"]["profile_uncertainty"]:
-        labelled(console, _uncertainty_line(found))
+        labelled(console, _smoothing_uncertainty(found))
     if other := summary["plan"]["chosen"]:
         console.print(
             f"Another problem was chosen ({', '.join(other)}): estimates are about that one.",

@@ -185,9 +185,9 @@ def patches(
 
 
 def _strip(contact: Strip, cells: int) -> list[PressedPatch]:
-    """Patch of a line contact on a grid of `cells` cells over its width, taken along x, by two
-    along the line. Both are so long that each is a strip; the load is that of the strip over this
-    length.
+    """Patch of a line contact, solved anew by boundary elements on a grid of `cells` cells over
+    1.25 (WIDER) widths, along x, and two cells along the line. These are so long that each is a
+    strip; the load is the load per length times their length.
     """
     grid, gap = strip_grid(contact.b, contact.curvature, cells, WIDER)
     load = contact.load_per_length * LENGTH * contact.b
