@@ -35,7 +35,7 @@ def test_files_of_instruments_are_the_manchester_pair() -> None:
     def solved(scene: Scene):
         contact = solid.locate(scene)
         ellipse = closed_forms.ellipse(scene, contact)
-        return boundary_elements.solve(contact, ellipse, scene.load)
+        return boundary_elements.solve(contact, ellipse, scene.load, 64)
 
     true = solved(SCENE)
     keys = {"rail": {"profile": BAN, "inclination": 0}, "wheel": {"profile": PRW}}
@@ -137,7 +137,8 @@ def test_command_draws_a_profile_and_says_its_wear(here, capsys) -> None:
 
 
 @pytest.mark.parametrize(
-    ("kind", "words"), [("svg", rb"<\?xml.*railhead "), ("pdf", rb"%PDF")]
+    ("kind", "words"),
+    [("svg", rb"<\?xml.*railhead "), pytest.param("pdf", rb"%PDF", marks=pytest.mark.slow)],
 )  # the first is stamped
 def test_a_picture_has_another_format_beside_png(kind: str, words: bytes, tmp_path) -> None:
     with matplotlib.rc_context():

@@ -285,15 +285,14 @@ def test_a_scene_outside_all_families_has_no_estimate_by_default() -> None:
 def test_a_budget_buys_what_it_can_and_says_what_was_too_dear(monkeypatch) -> None:
     monkeypatch.setattr(cost, "correction", lambda: 1.0)
     case = catalogue.find("long_roller")
-    rich, poor = (pipeline.run(case.replace([f"budget={seconds}s"])).summary for seconds in (2, 1))
+    rich = pipeline.run(case.replace(["budget=2s"])).summary
     assert rich["accuracy"]["asked"] is None and rich["checks"]["passed"]
-    assert max(rich["accuracy"]["bound"].values()) < max(poor["accuracy"]["bound"].values())
     dear = pipeline.run(case.replace(["budget=1s", "accuracy=0.05%"]))
     found = dear.summary["accuracy"]
+    assert max(rich["accuracy"]["bound"].values()) < max(found["bound"].values())
     assert not dear.passed and dear.summary["checks"]["failed"] == ["accuracy"]
     assert found["reached"] is False and "budget" in found["reason"]
     assert found["would_cost"]["seconds"] > 0
-    assert found["bound"]
 
 
 def test_price_grows_with_the_accuracy() -> None:
