@@ -319,9 +319,10 @@ def run(
 
 
 def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: bool) -> Path:
-    """The folder of a result: `out`, or results/<name> where that is None. Raises SceneError where
-    the result of `command` for a scene cannot be written there, or would replace another one in
-    `out` without `force`, or would set aside a folder of which the scene reads a file.
+    """The folder of a result: `out`, or results/<name> where that is None; only checked, not made.
+    Raises SceneError where the result of `command` for a scene cannot be written there. Another
+    result in `out` is refused without `force`. One in results/<name> will be renamed to <name>.1,
+    so it is refused where the scene reads a file of it.
     """
     from railhead.results import result_folder
 

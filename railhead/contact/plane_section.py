@@ -62,6 +62,7 @@ class SectionContact(Contact, ABC):
         curvatures at first contact.
         load: vertical load, N; None takes the approach of the scene instead. The normal force is
             load / cos(contact angle), the normal approach is approach * cos.
+        None only in a meridian section. Raises ValueError as `line.contact`.
         """
         rail, wheel, touch = self.scene.rail, self.scene.wheel, self.touch
         across, cosine = self.plane == "yz", math.cos(touch.angle)

@@ -73,7 +73,7 @@ def _passes(solved: Solved, progress: Progress) -> Passes | None:
         return None
     from railhead.run.half_spaces import passes_of_scene
 
-    return passes_of_scene.solve(solved, progress)
+    return passes_of_scene.solve_passes(solved, progress)
 
 
 def _record_speed(levels: list[MeshSolution]) -> None:

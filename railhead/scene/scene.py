@@ -385,8 +385,8 @@ class Scene(Section):
             else:
                 data[key] = value
         if given.get("rail.extent") == "half-space":
-            bare = self.from_mapping(drop_keys(data, HALF_SPACE - given.keys()))
-            data = drop_keys(data, UNUSED_KEYS[bare._half_space][1] - given.keys())
+            bare = self.from_mapping(without_keys(data, HALF_SPACE - given.keys()))
+            data = without_keys(data, UNUSED_KEYS[bare._half_space][1] - given.keys())
         return self.from_mapping(data)
 
     def value(self, key: str) -> object:
@@ -432,8 +432,10 @@ def refuse_unused(scene: Scene, kind: str) -> None:
         raise SceneError(key, f"{text}{', '.join(sorted(keys - {key}))}); leave it out")
 
 
-def drop_keys(data: Mapping[str, Any], keys: Iterable[str]) -> dict[str, Any]:
-    """A copy of the nested tables of a scene without the given dotted keys."""
+def without_keys(data: Mapping[str, Any], keys: Iterable[str]) -> dict[str, Any]:
+    """Tables of a scene, new ones, without the given keys 'table.key'; keys that are not there do
+    not count.
+    """
     dropped = set(keys)
     return {
         section: {k: v for k, v in table.items() if f"{section}.{k}" not in dropped}

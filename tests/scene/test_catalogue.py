@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from one_line import refusal
 
 from railhead.scene.catalogue import portable, read_scene
-from railhead.scene.scene import HALF_SPACE, Effects, Scene, SceneError, drop_keys
+from railhead.scene.scene import HALF_SPACE, Effects, Scene, SceneError, without_keys
 
 reusing_the_folder = settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 
@@ -88,7 +88,7 @@ def size_or_accuracy(data: dict) -> dict:
     if data.get("solver", {}).get("method") == "penalty":
         data["solver"].pop("theta", None)
     if data.get("rail", {}).get("extent") == "half-space":
-        return drop_keys(data, HALF_SPACE)
+        return without_keys(data, HALF_SPACE)
     return data
 
 

@@ -61,7 +61,8 @@ def in_order(points: Array) -> Array:
     """Points (n, 2), mm, in the order of the file, or sorted by y where the way through them is
     then shorter.
     They run from left to right; those of a closed outline do so on its upper side. Raises
-    PointError where the points run over the same place twice.
+    PointError where they go to and fro over the profile a few times, as in several passes of a
+    scan; with many turns they count as points without an order, which are sorted.
     """
     order = np.argsort(points[:, 0], kind="stable")
     way = points

@@ -67,10 +67,11 @@ SAME = 1e-6  # of the largest coordinate: axes of one block
 COARSER = 0.75  # size of the block by which errors are estimated: elements and reach, relative
 
 
-def solve(solved: Solved, progress: Progress) -> Passes:
-    """Passes of the wheel of a solved scene over its rail; on this process alone. Where half-spaces
-    find no balance, or several patches, and for a file of another block, there are no rows but a
-    `reason`.
+def solve_passes(solved: Solved, progress: Progress) -> Passes:
+    """Passes of the wheel of a solved scene over its rail; on this process alone. There are no rows
+    but a `reason` where half-spaces find no balance or several patches, and where the earlier
+    passes in the file `rolling.passes_from` have another block of elements.
+    progress: shows the stages.
     """
     start, scene = time.perf_counter(), solved.plan.scene
     material = Material(scene.rail.young_modulus, scene.rail.poisson_ratio, hardening(scene.rail))
@@ -310,7 +311,7 @@ def _of_scene(
     hertz = solved.ellipse if load is None else plan.hertz  # which is the same on any ranks
     keeps = plan.scene.rolling.pressure == "hertz"
     if isinstance(hertz, LineContact):
-        strip, share = hertz.strip, _slipping(solved)
+        strip, share = hertz.strip, _share_of_full_slip(solved)
         contact = pass_contact.line_contact(
             strip.b,
             strip.load_per_length,
@@ -386,7 +387,7 @@ def _with_tractions(
     return replace(contact, traction=np.moveaxis(found, -1, 0))
 
 
-def _slipping(solved: Solved) -> float:
+def _share_of_full_slip(solved: Solved) -> float:
     """Tangential force of the wheel on the rail along it over that of full slip, -1 to 1; 0 without
     rolling with friction.
     """
