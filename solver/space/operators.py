@@ -62,11 +62,11 @@ def assemble_strains(
     count, size = values.shape[:2]
     dim = cells.kinematics.dim
     dofs = dim * cells.dofs[index][:, :, None] + np.arange(dim)
-    places = np.broadcast_to(np.arange(count * size).reshape(count, size, 1, 1), values.shape)
     columns = np.broadcast_to(dofs[:, None], values.shape)
     used = values != 0.0
+    entries = np.count_nonzero(used.reshape(count * size, -1), axis=1)
     table = sp.csr_matrix(
-        (values[used], (places[used], columns[used])),
+        (values[used], columns[used], np.concatenate([[0], np.cumsum(entries)])),
         shape=(count * size, comm.allreduce(local)),
     )
     return petsc_matrix(table, local, comm), size
