@@ -260,7 +260,7 @@ def test_two_results_are_compared(tmp_path, capsys) -> None:
         fast,
         "friction.coefficient=0.3",
         "friction.force_along=1kN",
-        "mesh.patch_size=1",
+        "mesh.patch_size=0.9",
     )
     for name, result in (("a", light), ("b", heavy), ("c", other)):
         result.save(tmp_path / name, pictures=False)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from command import refused
 from csv_rows import rows
-from solved import draw_only, scene_of
+from solved import draw_only, scene_of, solved
 
 import railhead as rh
 from railhead.planning import simulation_plan as planning
@@ -194,7 +194,7 @@ def test_half_spaces_in_the_place_of_bodies_have_the_same_passes(result):
 
 
 def test_without_the_key_nothing_of_it_is_there():
-    plain = pipeline.run(scene_of("long_roller", "mesh.patch_size=1.2"))
+    plain = solved("long_roller", "mesh.patch_size=1.2")
     assert not any("passes" in key for key in plain.summary["result"])
     assert not any("passes" in key for key in plain.summary["checks"])
     assert plain.solved.passes is None

@@ -105,7 +105,7 @@ def test_a_given_approach_is_the_same_point_as_its_load(five: rh.Result) -> None
 
 def test_a_load_step_whose_start_stalls_begins_from_the_last_one(monkeypatch) -> None:
     """The linear problem that is solved for a start may be singular; the state is not its own."""
-    usual = rh.solve(coarse(5.0), quiet=True)
+    usual = rh.solve(coarse(5.0, unload=False), quiet=True)
     stalls, solve = [], linear.solve
 
     def stalling(*given, **named) -> int:
@@ -115,7 +115,7 @@ def test_a_load_step_whose_start_stalls_begins_from_the_last_one(monkeypatch) ->
         return solve(*given, **named)
 
     monkeypatch.setattr(linear, "solve", stalling)
-    found = rh.solve(coarse(5.0), quiet=True)
+    found = rh.solve(coarse(5.0, unload=False), quiet=True)
     assert stalls and found.failed == usual.failed
     assert found.approach == pytest.approx(usual.approach, rel=1e-5)
     assert found.pressure.max == pytest.approx(usual.pressure.max, rel=1e-4)
@@ -183,7 +183,7 @@ def test_twenty_steps_of_unloading_leave_the_same_stress(monkeypatch) -> None:
 
 @pytest.mark.parametrize("share, yields", [(0.97, False), (1.03, True)])
 def test_it_yields_from_the_exact_load_on(share: float, yields: bool) -> None:
-    scene = pressed(share)
+    scene = pressed(share, unload=False)
     assert planning.make(scene).effects["plasticity"].on == yields
     summary = rh.solve(scene.replace(effects={"plasticity": "on"}), quiet=True).as_dict()
     assert ("plastic" in summary["result"]) == yields
@@ -294,7 +294,7 @@ def test_an_accuracy_covers_mesh_and_load_steps() -> None:
 
 def test_yield_has_an_estimate_only_where_its_load_steps_were_doubled(monkeypatch) -> None:
     """Also where an error law of the mesh holds."""
-    solved = rh.solve(coarse(2.0), quiet=True).mesh_solution
+    solved = rh.solve(coarse(2.0, unload=False), quiet=True).mesh_solution
     n, law = solved.resolution, error_envelopes.ErrorEnvelope(0.01, 1.0)
     known = replace(error_envelopes.families()[0], resolution=(n / 2, 2 * n), laws={"a_mm": law})
     monkeypatch.setattr(mesh_solution.MeshSolution, "family", known)
@@ -305,7 +305,7 @@ def test_yield_has_an_estimate_only_where_its_load_steps_were_doubled(monkeypatc
 
 def test_load_steps_are_of_second_order() -> None:
     """Twice the steps divide the change by 3.9, on a coarse mesh; by backward Euler it is 1.8."""
-    plan, pressure = planning.make(coarse(5.57)), []
+    plan, pressure = planning.make(coarse(5.57, unload=False)), []
     for steps in (4, 8, 16):
         finer = replace(plan, load_steps=steps)
         found = mesh_solution.mesh_and_solve(finer, Progress(quiet=True), MPI.COMM_WORLD)

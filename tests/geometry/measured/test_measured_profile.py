@@ -288,15 +288,14 @@ def test_a_unit_that_is_given_overrules_the_file_and_is_said(tmp_path) -> None:
 
 
 def test_a_point_that_stands_off_is_kept_and_said(tmp_path) -> None:
-    slope = 1 / 40
     points = noisy(rail(), 0.002, 8)
     file = tmp_path / "rail.csv"
     np.savetxt(file, points, delimiter=",")
-    assert "WARNING" not in " ".join(measured.read(file, "rail", slope=slope).remarks)
+    assert "WARNING" not in " ".join(measured.read(file, "rail", slope=1 / 40).remarks)
     points[len(points) // 2, 1] += 0.5
     spiky = tmp_path / "spiky.csv"
     np.savetxt(spiky, points, delimiter=",", header="y,z")
-    found = measured.read(spiky, "rail", slope=slope)
+    found = measured.read(spiky, "rail", slope=1 / 40)
     assert len(found.points) == len(points)
     words = found.remarks[-1].split("line ")
     assert words[0].startswith("WARNING: it bends by ") and words[1].endswith("taken for shape")

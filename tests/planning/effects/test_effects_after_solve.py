@@ -163,8 +163,8 @@ def test_the_plan_says_what_tractions_and_heat_may_bring() -> None:
 
 
 def test_no_temperature_is_signed_of_a_body_that_is_no_steel() -> None:
-    half_spaces = "rail.extent=half-space", "effects.finite_bodies=off"
-    found = after("long_roller", *HOT[:3], "wheel.young_modulus=3000", *half_spaces)
+    keys = "wheel.young_modulus=3000", "rail.extent=half-space", "effects.finite_bodies=off"
+    found = after("long_roller", *HOT[:3], *keys)
     assert found["heat"]["why"] == interface.UNKNOWN
 
 
