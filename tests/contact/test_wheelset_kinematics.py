@@ -71,9 +71,9 @@ def turning_radius(given: rh.Scene, axle: str) -> float:
 
 @pytest.mark.parametrize("axle", ["free", pytest.param("nominal", marks=pytest.mark.slow)])
 def test_points_slip_as_those_of_a_rigid_wheelset(axle: str) -> None:
-    """Six shifts, yaw 0 to 50 mrad, every contact to 0.5 mm of clearance and places beside it."""
+    """Four shifts, yaw 0 to 50 mrad, every contact to 0.5 mm of clearance and places beside it."""
     several = 0
-    for shift in (-4.0, -2.0, 0.0, 2.0, 5.0, 6.0):
+    for shift in (-4.0, 0.0, 5.0, 6.0):
         given = scene(shift, 5e-3 * (shift + 4.0), rolling={"from_wheelset": True, "axle": axle})
         contact = solid.locate(given)
         moves = wheelset_kinematics.wheelset_creepage(contact).creepage

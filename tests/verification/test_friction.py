@@ -324,8 +324,10 @@ def test_friction_that_nothing_calls_for_changes_no_bit() -> None:
 
 def test_unlike_bodies_dissipate_what_slips() -> None:
     """A rigid wheel is driven at a creepage above 0: forces times creepages would be a gain."""
-    rolls = roller(rolling={"creepage_along": 5e-4}, mesh={"patch_size": 0.6})
-    found = solved(rolls, "wheel.young_modulus=inf")
+    found = solved(
+        roller(rolling={"creepage_along": 5e-4}, mesh={"patch_size": 0.6}),
+        "wheel.young_modulus=inf",
+    )
     answer = friction(found)
     assert answer["force_along_N"] < 0 < answer["t_gamma_N"]
     assert sweep_table.row(sweep_table.record({}, found))["T-gamma [N]"] == answer["t_gamma_N"]

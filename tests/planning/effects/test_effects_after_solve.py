@@ -29,8 +29,8 @@ def test_needed_effects_are_named_in_table_summary_and_pictures(here, monkeypatc
         f"--without={name}" for name in ("true_profile", "plasticity", "friction", "rail_section")
     ]
     draw_only(monkeypatch, "pressure")
-    status = command.status("run", "uic54_22t5_axle", "--no-report", *choice)
-    assert status == 0  # a warning is no failure
+    # A warning is no failure.
+    assert command.status("run", "uic54_22t5_axle", "--no-report", *choice) == 0
     printed = capsys.readouterr().out
     folder = here / "results" / "uic54_22t5_axle"
     summary = json.loads((folder / "summary.json").read_text())
@@ -41,8 +41,8 @@ def test_needed_effects_are_named_in_table_summary_and_pictures(here, monkeypatc
         assert f"{name}: {found[name]['why'][:20]}" in printed
     assert "overstates the pressure" in found["plasticity"]["why"]
     assert summary["plan"]["effects"]["true_profile"]["override"] is True
-    tall = matplotlib.image.imread(folder / "pressure.png").shape[0]
-    assert tall > 4.8 * diagrams.DPI  # four lines more
+    picture = matplotlib.image.imread(folder / "pressure.png")
+    assert picture.shape[0] > 4.8 * diagrams.DPI  # four lines more
 
 
 @pytest.fixture(scope="module")

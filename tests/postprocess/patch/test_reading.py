@@ -33,10 +33,10 @@ def _numbers(found: Patch) -> Array:
 
 @lru_cache
 def _errors(name: str, n: float) -> tuple[Array, Array]:
-    """Relative errors and scatters (4, 4) of four meshes with n elements a smaller half length."""
+    """Relative errors and scatters (3, 4) of three meshes with n elements a smaller half length."""
     square, half, even = SHAPES[name]
     exact = measured(square, half)
-    read = [_read(painted(square, half, exact[:2].min() / n, 0.02, k, even)) for k in range(4)]
+    read = [_read(painted(square, half, exact[:2].min() / n, 0.02, k, even)) for k in range(3)]
     scatter = [[each.scatter[key] for key in ("a", "b", "area", "max_pressure")] for each in read]
     return np.array([_numbers(each) / exact - 1 for each in read]), np.array(scatter)
 
