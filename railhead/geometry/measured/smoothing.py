@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import BSpline, CubicSpline, make_interp_spline
 from scipy.linalg import cho_solve_banded, cholesky_banded
+from scipy.linalg.lapack import dtbtrs
 from scipy.ndimage import gaussian_filter1d, median_filter
 from scipy.sparse import csr_array
 
@@ -191,7 +192,9 @@ class _Fit:
         """Spline fitted to data (n, ...) at the points, with weights penalty (rows,) of the squared
         third differences; it does not go through them.
         """
-        return BSpline(self.knots, self._solved(penalty, self.basis.T @ data), ORDER)
+        factor = self._factor(penalty), True
+        solved = cho_solve_banded(factor, self.basis.T @ data, check_finite=False)
+        return BSpline(self.knots, solved, ORDER)
 
     def most_probable(self, heights: Array, sigma: Array) -> Array:
         """Wavelengths (rows,) in mm of the most probable smoothing, times 1.2 (BENDING).
@@ -201,14 +204,15 @@ class _Fit:
         without an error after 60 updates (UPDATES).
         """
         d, width = self.differences, NEIGHBOURS / self.step
-        right = np.column_stack([self.basis.T @ heights, d.T.toarray()])
+        right, columns = self.basis.T @ heights, d.T.toarray(order="F")
         shortest = SHORTEST * max(self.spacing, self.step)
         least, most = self.penalty(np.array([shortest, LONGEST]))
         penalty = np.full(len(self.places), math.sqrt(most * least))
         for _ in range(UPDATES):
-            solved = self._solved(penalty, right)
-            found = d @ solved[:, 0]
-            unknown = d.multiply(solved[:, 1:].T).sum(axis=1)
+            factor = self._factor(penalty)
+            found = d @ cho_solve_banded((factor, True), right, check_finite=False)
+            # d (L L^T)^-1 d^T has the squared lengths of the columns of L^-1 d^T on its diagonal.
+            unknown = (dtbtrs(factor, columns, uplo="L")[0] ** 2).sum(axis=0)
             known = gaussian_filter1d(1 - np.minimum(penalty * unknown, 1 - 1e-9), width)
             variance = gaussian_filter1d(found**2, width) / known
             better = np.clip(sigma**2 / np.maximum(variance, 1e-300), least, most)
@@ -220,13 +224,12 @@ class _Fit:
         lengths = 2 * math.pi * (penalty * self.unit) ** (1 / (2 * ORDER))
         return np.asarray(BENDING * lengths)
 
-    def _solved(self, penalty: Array, right: Array) -> Array:
-        """Coefficients (m, ...) of the normal equations with weights penalty (rows,) of the squared
-        differences, for right-hand sides (m, ...).
+    def _factor(self, penalty: Array) -> Array:
+        """Lower bands (4, m) of the Cholesky factor of the normal equations with weights penalty
+        (rows,) of the squared differences.
         """
         bands = self.squares + _bands(self.differences.T * penalty @ self.differences)
-        factor = cholesky_banded(bands, lower=True, check_finite=False)
-        return np.asarray(cho_solve_banded((factor, True), right, check_finite=False))
+        return np.asarray(cholesky_banded(bands, lower=True, check_finite=False))
 
 
 def _bands(matrix: Any) -> Array:
