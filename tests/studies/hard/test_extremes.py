@@ -9,7 +9,7 @@ from railhead.planning import simulation_plan
 from railhead.scene import catalogue
 from railhead.scene.scene import SceneError
 
-EXTREMES = [10.0**n for n in (-300, -30, -12, -6, -3, 6, 9, 15, 300)]
+EXTREMES = [10.0**n for n in (-300, -12, -6, -3, 6, 15, 300)]
 KEYS = [
     "load",
     "approach",
