@@ -3,6 +3,7 @@
 import math
 
 import command
+import elastic_layer
 import numpy as np
 import pytest
 from csv_rows import rows
@@ -73,6 +74,18 @@ def test_half_spaces_are_within_their_estimate_of_finite_elements(
         assert bound[key] < 0.045
     stress = result.as_dict()["result"]["stress"]
     assert abs(stress["tau_max_place_mm"][0]) < 0.1 * stress["tau_max_depth_mm"]  # mirrored in x
+
+
+def test_half_spaces_are_within_their_estimate_of_a_layer() -> None:
+    """A rigid wheel on a rail of 10 mm, which is an elastic layer: it has 0.9 % more pressure."""
+    keys = "wheel.young_modulus=inf", "rail.extent=head", "rail.depth=10mm", "rail.width=60"
+    result = fast("hertz_ellipse", *keys, "wheel.width=60")
+    truth = elastic_layer.patch(25e3, (420.0, 300.0), 207e3, 0.3, 10.0, (4.5, 3.6))
+    bound, found = result.as_dict()["accuracy"]["bound"], values(result)
+    for key, true in truth.items():
+        assert found[key] == pytest.approx(true, rel=bound[key]), key
+        assert bound[key] < 0.02
+    assert truth["max_MPa"] > 1.007 * found["max_MPa"]
 
 
 def test_yield_that_is_called_for_and_left_out_is_a_failed_check() -> None:
