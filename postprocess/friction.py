@@ -26,6 +26,7 @@ LOADS = "force_along_N", "force_across_N", "moment_Nmm"
 RESOLVED = 0.05  # relative: a quantity of friction that may be off by more is not signed
 AT_NODES = "traction_max_MPa", "surface_fatigue_index"  # of condensed solids that of one
 # contact point, whose pressure is noisy: 8 to 14 % above Cattaneo's and Mindlin's
+CYCLE_ENERGY = "energy_per_cycle_Nmm"
 BORDER = 3.0  # over n^(-3/4): error of the stick share on a grid with n points in the patch; 0.8 to
 # 2.8 were measured beside grids of 128 and 192 cells, with and without finite bodies
 WEAR = "t_gamma_N", "wear_number_N", "power_W", "t_gamma_over_area_MPa", "wear_regime"
@@ -130,6 +131,7 @@ def quantities(
     Rolling with a speed: the power, W. Rolling of like bodies with centres: the wear number, N.
         Rolling of like bodies with a solution without creepage: the resolution of each quantity.
     Of a cycle: the energy that slip dissipates in it, N mm.
+    Of a shift: names of the quantities that the border of stick hides (`_hidden_by_border`).
     """
     touches = found.pressure > 0
     share = found.weights[found.sticks].sum() / found.weights[touches].sum()
@@ -145,8 +147,11 @@ def quantities(
         "passes": found.coupling_iterations,
     }
     if cycle:
-        out["energy_per_cycle_Nmm"] = found.dissipated_energy
-    if rolling:
+        out[CYCLE_ENERGY] = found.dissipated_energy
+    if not rolling:
+        below = _hidden_by_border(out["stick_share"], _border_error(found))
+        out["below_resolution"] = sorted(below & set(out))
+    else:
         slip = found.rigid_slip if like else found.slip
         wear = float(found.weights @ np.einsum("nc,nc->n", found.traction, slip))
         out["t_gamma_N"] = wear
@@ -168,34 +173,43 @@ def _resolution(
     out: entries of "friction". still: solution without creepage, in which like half-spaces have no
         traction and stick everywhere; its values are the errors. motion: creepage along and across,
         and spin (1/mm); times the forces and the moment of `still` it is the error of T-gamma.
-    "resolution": those errors by quantity, in its unit; that of the stick share includes the part
-    of the area around the border of stick that is not known: 3 n^(-3/4) with n contact points
-    (BORDER), in a section one point.
+    "resolution": those errors by quantity, in its unit; that of the stick share includes that of
+    the border of stick (`_border_error`).
     "below_resolution": names of forces, moment and T-gamma whose error exceeds 5 % (RESOLVED),
-    and of what is computed from them; the stick share where the share that slips is no larger than
-    its error; the largest traction, which grows as the square root of the share that slips, where
-    its error exceeds 5 %.
+    and of what is computed from them; what the border of stick hides (`_hidden_by_border`).
     """
     rest = quantities(still, rolling=False, like=True, speed=None, cycle=False)
     rest["t_gamma_N"] = sum(rest[name] * each for name, each in zip(LOADS, motion, strict=True))
     limits = {name: abs(rest[name]) for name in (*LOADS, "traction_max_MPa", "t_gamma_N")}
-    touches = still.pressure > 0
-    point = still.weights.max() / still.weights[touches].sum()
-    if np.ptp(still.points[touches][:, :2], axis=0).all():  # no section
-        point = BORDER * point**0.75
-    limits["stick_share"] = float(1 - rest["stick_share"] + point)
+    limits["stick_share"] = 1 - rest["stick_share"] + _border_error(still)
     below = {name for name in (*LOADS, "t_gamma_N") if limits[name] > RESOLVED * abs(out[name])}
     if "t_gamma_N" in below:
         below |= set(WEAR)
     force, drift = (np.hypot(*(each[name] for name in LOADS[:2])) for each in (out, rest))
     if drift > RESOLVED * force:
         below.add("traction_coefficient")
-    slips = 1 - out["stick_share"]
-    if slips <= limits["stick_share"]:
-        below.add("stick_share")
-    if limits["stick_share"] > 2 * RESOLVED * slips:
-        below |= set(AT_NODES)
+    below |= _hidden_by_border(out["stick_share"], limits["stick_share"]) - {CYCLE_ENERGY}
     return {"resolution": limits, "below_resolution": sorted(below)}
+
+
+def _border_error(found: FrictionSolution) -> float:
+    """Share of the area around the border of stick that is not known: 3 n^(-3/4) with n contact
+    points (BORDER), in a section one point.
+    """
+    touches = found.pressure > 0
+    point = float(found.weights.max() / found.weights[touches].sum())
+    section = not np.ptp(found.points[touches][:, :2], axis=0).all()
+    return point if section else BORDER * point**0.75
+
+
+def _hidden_by_border(stick_share: float, error: float) -> set[str]:
+    """Names of what a stick share with this error hides: the share itself where what slips is no
+    larger than the error; the largest traction, which grows as the square root of what slips, and
+    the energy of a cycle, where the error exceeds a tenth of what slips.
+    """
+    slips = 1 - stick_share
+    below = {"stick_share"} if slips <= error else set()
+    return below | {*AT_NODES, CYCLE_ENERGY} if error > 2 * RESOLVED * slips else below
 
 
 def unread_peak(found: FrictionSolution | None, elements: float) -> float:
