@@ -21,7 +21,7 @@ test-all: setup lint site
 setup:
 	@./setup.sh
 
-# Every table and picture under docs/: about fifty minutes on two cores.
+# The tables and pictures of studies under docs/, but for error-bounds and peers: about fifty minutes on two cores.
 docs: setup
 	set -e; for study in $(STUDIES); do \
 	    .venv/bin/railhead study $$study --out results/$$study; \

@@ -144,9 +144,11 @@ class Result(terminal.Drawn):
 
     @property
     def _answer(self) -> quantities.Answer:
-        """Quantities of the solution, read from `summary`. ValueError: nothing touches."""
+        """Quantities of the solution, read from `summary`. ValueError: there is no result, as
+        nothing touches or half-spaces did not converge.
+        """
         if self.summary["result"] is None:
-            raise ValueError("there is no result: nothing touches")
+            raise ValueError("there is no result: nothing touches, or it did not converge")
         return quantities.read(quantities.Answer, self.summary["result"])
 
     @property

@@ -298,7 +298,7 @@ def solve_for_forces(
                 break
             share /= 2
         values, now, missing = trial, then, left
-    raise ValueError(f"no creepage found under the forces {target} N")
+    raise ValueError(f"no creepage or shift found under the forces {target} N")
 
 
 def _forces(found: Sequence[TangentialSolution]) -> Array:
