@@ -30,7 +30,7 @@ docs: setup
 	    cp results/$$study/*.csv docs/; \
 	    cp results/$$study/*.png docs/ 2>/dev/null || true; \
 	done
-	PYTHONPATH=. .venv/bin/python -P tests/pages.py docs/tutorial.md docs/nitsche.md docs/gallery.md \
+	PYTHONPATH=. .venv/bin/python -P tests/docs/pages.py docs/tutorial.md docs/nitsche.md docs/gallery.md \
 	    docs/howto-*.md docs/contact-program.md
 	.venv/bin/railhead run uic54_thesis
 	cp results/uic54_thesis/wheel_rail.png docs/uic54_thesis.png
@@ -64,6 +64,6 @@ lint: setup
 	.venv/bin/ruff format --check .
 	rm -rf .built && mkdir -p .built/railhead
 	ln -s $(CURDIR)/railhead/* $(addprefix $(CURDIR)/,$(ROOMS)) .built/railhead
-	ln -s $(CURDIR)/studies $(CURDIR)/tests/block_pairs.py .built
+	ln -s $(CURDIR)/studies .built
 	MYPYPATH=.built .venv/bin/mypy -p railhead -p studies
 	cd .built && ../.venv/bin/lint-imports --config ../pyproject.toml --no-cache && cd ..

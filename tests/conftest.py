@@ -95,11 +95,10 @@ def in_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Of the processes that share all tests the second collects their folders from the last one on:
+    """Of the processes that share all tests the second collects their files from the last one on:
     each reads what the other has compiled."""
     if os.environ.get("PYTEST_XDIST_WORKER") == "gw1" and config.args == ["tests"]:
-        here = Path(__file__).parent
-        config.args = sorted(map(str, [*here.glob("[a-z]*/"), *here.glob("test_*")]), reverse=True)
+        config.args = sorted(map(str, Path(__file__).parent.rglob("test_*.py")), reverse=True)
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
@@ -112,7 +111,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 @pytest.fixture(scope="session")
 def reference():
     """Exact numbers of the thesis case, a 30-digit Hertz evaluation; N, mm, MPa."""
-    path = Path(__file__).parent / "theory" / "data" / "hertz_thesis.json"
+    path = Path(__file__).parent / "rooms" / "theory" / "data" / "hertz_thesis.json"
     return json.loads(path.read_text(encoding="utf-8"))
 
 

@@ -18,14 +18,14 @@ ROOT = Path(__file__).resolve().parents[2]  # of the checkout
 
 
 def modules() -> dict[str, tuple[str, str]]:
-    """Module name of each study and what it shows, by the name of the study. The checkout and its
-    tests are added to `sys.path`; the studies are not imported. Raises SceneError where the package
+    """Module name of each study and what it shows, by the name of the study. The checkout
+    is added to `sys.path`; the studies are not imported. Raises SceneError where the package
     does not lie in a checkout of the repository.
     """
-    folders = [str(ROOT), str(ROOT / "tests")]  # set-ups that studies and tests share
     if not (ROOT / "studies" / "__init__.py").is_file():
         raise SceneError("study", "studies need a checkout of the repository; install it editable")
-    sys.path.extend(folder for folder in folders if folder not in sys.path)
+    if str(ROOT) not in sys.path:
+        sys.path.append(str(ROOT))
     return dict(import_module("studies").STUDIES)
 
 

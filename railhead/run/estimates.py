@@ -35,7 +35,7 @@ from railhead.theory.elastic.subsurface import max_shear
 SCATTER_FACTOR = 2.0
 APART = 1 + 1 / SCATTER_FACTOR  # ratio of two meshes whose change times that factor is first order
 # Relative error of any quantity over the residual of Newton's method: 1.13 at most, measured at a
-# tolerance of 1e-3 (tests/solver/algebra/test_tolerance.py).
+# tolerance of 1e-3 (tests/rooms/solver/algebra/test_tolerance.py).
 RESIDUAL_FACTOR = 2.0
 STEP_ORDER = 1.5  # of the error of load steps; 1.5 to 2.2 were measured from two steps on
 RIDGE_STRESS_FACTOR = 2.0

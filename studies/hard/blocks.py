@@ -4,7 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
-import block_pairs
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
@@ -21,6 +20,7 @@ from railhead.solver.space.contact_interface import ContactLaw, Gap
 from railhead.solver.system.fields import gather
 from railhead.solver.system.setup import ContactBody, Setup
 from railhead.solver.system.solution import Solution
+from studies.hard import block_pairs
 from studies.hard.case import CaseErrors, Deviation
 
 Array = NDArray[np.float64]

@@ -55,7 +55,7 @@ TRACES = ("OMPI_", "PMIX_", "ORTE_", "OPAL_")  # variables that mpirun refuses
 PLASTIC = {"approach_mm": 0.012, "area_mm2": 0.03, "max_MPa": 0.04, "strain_max": 0.08}
 REPEATED = 0.01  # the same yielding scene in other units, or pressed again
 FINE = 1.6  # times the elements per semi-axis, and twice the load steps
-# Within these closed forms are met (tests/verification/test_friction.py), as shares of mu N.
+# Shares of mu N within which closed forms are met (tests/verification/friction/test_friction.py).
 FORCE, STICK, SOLID = 0.012, 0.03, 0.02
 SOFT = -0.72  # mu P at creepage 0 with a rail 69 times softer: two other programs, -0.72 and -0.75
 STEP, EDGE = 0.25, 0.5  # mm between points of a profile gauge, and what it does not reach

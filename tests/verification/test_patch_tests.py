@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from block_pairs import GAP, STEEL, contact_model, press, side, two_blocks
 from dolfinx import mesh as dmesh
 from mpi4py import MPI
 from scipy.spatial import cKDTree
@@ -26,6 +25,7 @@ from railhead.solver.space.contact_interface import ContactLaw
 from railhead.solver.space.kinematics import SOLID, Kinematics
 from railhead.solver.system.fields import gather
 from railhead.solver.system.setup import Setup
+from studies.hard.block_pairs import GAP, STEEL, contact_model, press, side, two_blocks
 
 SOFT = Material(1000.0, 0.0)
 FLAT = {"gap": ParabolicGap(0.0, 0.0, 1), "materials": (SOFT, SOFT), "load_control": False}

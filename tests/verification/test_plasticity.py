@@ -28,7 +28,7 @@ from railhead.solver.plasticity import load_stepping
 from railhead.solver.system.contact_system import LoadCase
 
 REFERENCE = json.loads(
-    (Path(__file__).parents[1] / "theory" / "data" / "plasticity.json").read_text()
+    (Path(__file__).parents[1] / "rooms" / "theory" / "data" / "plasticity.json").read_text()
 )["calculix_axisymmetric"]
 E, NU, Y, R = 207e3, 0.3, 480.0, 100.0
 MODULUS = E / (1 - NU**2)

@@ -15,7 +15,9 @@ from railhead.solver.material.elasticity import Material
 from railhead.solver.material.hardening import Hardening
 from railhead.theory.elastic import hertz
 
-REFERENCE = json.loads((Path(__file__).parents[1] / "theory" / "data" / "passes.json").read_text())
+REFERENCE = json.loads(
+    (Path(__file__).parents[1] / "rooms" / "theory" / "data" / "passes.json").read_text()
+)
 E, NU, Y = 207e3, 0.3, 480.0
 SHEAR = Y / math.sqrt(3)
 MODULUS = E / (1 - NU**2)  # of a rigid wheel

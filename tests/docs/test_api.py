@@ -1,0 +1,285 @@
+"""What a script sees: the public names, their examples, and a host that is left alone."""
+
+import json
+import pickle
+import re
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pages
+import pytest
+import pyvista
+from csv_rows import rows
+from matplotlib.figure import Figure
+from one_line import refusal
+from solved import solved
+
+import railhead
+import railhead as rh
+from railhead.cli import geometry
+from railhead.theory.elastic.hertz import point_contact
+
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = DOCS / "api.md"
+
+
+@pytest.mark.slow
+def test_the_examples_of_the_page_run(here) -> None:
+    found, _ = pages.run(PAGE)
+    result = found["result"]
+    assert result.pressure.max == pytest.approx(result.hertz.pressure.max, rel=0.005)
+    assert (here / "out" / "summary.json").exists()
+    assert float(abs(result.displacement.x.array).max()) > 0.3 * result.approach
+    assert "largest pressure" in re.sub(r"\s+", " ", result._repr_html_()).replace("│", "")
+    assert len(rows(here / "sweep.csv")) == len(found["table"]) == 4
+
+
+def test_the_reference_has_every_name() -> None:
+    page = (DOCS / "python-reference.md").read_text(encoding="utf-8")
+    assert set(re.findall(r":: railhead\.(\w+)(?:\(\))?$", page, re.MULTILINE)) == set(rh.__all__)
+
+
+def test_a_budget_and_an_accuracy_are_keys_of_the_scene() -> None:
+    planned = rh.plan(rh.find("hertz_ellipse"), accuracy="0.1%", quiet=True)
+    assert planned.plan.scene.accuracy == 0.001
+    assert planned.as_dict()["unknowns"] > 1.5 * rh.plan(rh.find("hertz_ellipse")).plan.unknowns
+    assert "budget" in refusal(
+        lambda: rh.solve(rh.find("hertz_ellipse"), budget="soon", quiet=True)
+    )
+
+
+def test_keys_that_are_left_to_the_program_have_rows_too(in_this_process) -> None:
+    table = rh.sweep(rh.find("sphere_on_plane"), {"solver.theta": [None, 1]}, quiet=True)
+    assert [row["solver.theta"] for row in table.rows()] == [None, 1]
+
+
+@pytest.mark.parametrize(
+    "over, values, said",
+    [("load", {}, "no mapping|not a mapping"), ({5: [1]}, {}, "no key"),
+     ({"load": []}, {}, "load: has no values; give one or more"),
+     ({}, {"load": "3 kN"}, "load: .* is not a list of values"),
+     ({}, {"load": 3000}, "load: .* is not a list of values"),
+     ({"load": ["1 N"]}, {"load": ["2 N"]}, "given twice")],
+)  # fmt: skip
+def test_a_wrong_sweep_is_one_line(over, values, said) -> None:
+    with pytest.raises(rh.SceneError, match=said):
+        rh.sweep(rh.find("sphere_on_plane"), over, **values, quiet=True)
+
+
+def test_a_manifest_of_somebody_else_is_no_traceback(tmp_path) -> None:
+    (tmp_path / ".railhead").write_bytes(b"\xff\xfe")
+    (tmp_path / "mine.txt").write_text("kept")
+    assert "mine.txt" in refusal(lambda: solved("sphere_on_plane").save(tmp_path))
+    assert sorted(path.name for path in tmp_path.iterdir()) == [".railhead", "mine.txt"]
+    assert "null" in refusal(lambda: solved("sphere_on_plane").save("a\0b"))
+
+
+def test_the_solver_is_of_use_on_its_own() -> None:
+    """Hertz's sphere within the coarse mesh and the small blocks; the weight is carried too."""
+    page = DOCS / "solver.md"
+    assert max(len(block.splitlines()) for block in pages.blocks(page)) <= 40
+    found, _ = pages.run(page)
+    one, heavy = found["solution"], found["heavy"]
+    exact = point_contact(1 / 500, 1 / 500, 207000 / 2 / (1 - 0.09), 5000.0)
+    assert one.newton.converged and one.pressure.max() == pytest.approx(exact.p0, rel=0.1)
+    assert one.reaction == pytest.approx(5000)
+    assert heavy.load == pytest.approx(5000 + 0.0769 * 500)
+    assert heavy.reaction == pytest.approx(5000 + 0.0769 * 1000)
+
+
+def test_every_public_name_has_an_example() -> None:
+    page = PAGE.read_text(encoding="utf-8")
+    assert dir(railhead) == sorted([*railhead.__all__, "__version__"])
+    for name in railhead.__all__:
+        assert f"rh.{name}" in page or name in ("Result", "Sweep")
+        assert getattr(railhead, name)
+
+
+def test_importing_and_planning_change_nothing() -> None:
+    """Neither do the libraries below: PETSc catches signals, and ffcx logs, warnings too, if they
+    may. (MPI does catch crashes, and where it uses UCX a hangup.)"""
+    code = """
+import logging, os, pathlib, signal, sys, warnings
+from mpi4py import MPI
+def host():
+    status = pathlib.Path("/proc/self/status").read_text().splitlines()
+    masks = [int(line.split()[1], 16) for line in status if line.startswith(("SigCgt", "SigIgn"))]
+    ends = signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGPIPE, signal.SIGTERM
+    caught = [mask >> (number - 1) & 1 for mask in masks for number in ends]
+    logs = logging.root.manager.disable, logging.root.handlers[:], warnings.showwarning
+    return dict(os.environ), logs, caught
+before = host()
+import railhead
+railhead.plan(railhead.find("s1002_60e1"))
+import railhead.solver.contact
+after = host()
+print(before == after)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "True\n"
+
+
+@pytest.mark.parametrize("scene", ["hertz_ellipse", None, {"load": 1e4}])
+def test_what_is_no_scene_is_one_line(scene: object) -> None:
+    for call in (rh.plan, rh.solve, rh.locate, lambda each: rh.sweep(each, load=["1 kN"])):
+        with pytest.raises(rh.SceneError, match="scene: .* is no Scene; give one"):
+            call(scene)
+
+
+def test_a_result_can_be_pickled_and_loaded(tmp_path) -> None:
+    """Arrays and numbers stay; what dolfinx holds is said to be gone in one line."""
+    result = solved("long_roller", "friction.coefficient=0.3", "rolling.force_along=10kN",
+                    "mesh.patch_size=0.6")  # fmt: skip
+    copy = pickle.loads(pickle.dumps(result))
+    assert copy.as_dict() == result.as_dict() and copy.pressure == result.pressure
+    assert np.array_equal(copy.surface.pressure, result.surface.pressure)
+    assert np.array_equal(copy.tractions.traction, result.tractions.traction)
+    point = np.array([[0.0, 0.0, -1.0]])
+    assert np.array_equal(copy.stress_at(point), result.stress_at(point))
+    for name in ("displacement", "mesh"):
+        with pytest.raises(ValueError, match="pickled result has no dolfinx mesh"):
+            getattr(copy, name)
+    copy.save(tmp_path / "out", pictures=False)
+    (tmp_path / "out").rename(tmp_path / ".out.earlier")  # as a killed exchange leaves it
+    loaded = rh.load(tmp_path / "out")
+    assert loaded.pressure == result.pressure and loaded.friction == result.friction
+    assert loaded.passed == result.passed and repr(loaded) == repr(result)
+    assert "largest pressure" in loaded._repr_html_() and "<style>" not in loaded._repr_html_()
+    assert "numbers only" in refusal(lambda: loaded.surface, ValueError)
+    broken = json.loads((tmp_path / "out" / "summary.json").read_text())
+    broken["result"]["patch"]["a_mm"] = {"a": 1}
+    for name, text in (
+        ("a", '{"checks": {}}'),
+        ("b", '{"checks": {}, "result": null, "hertz": {}}'),
+        ("c", 5000 * "["),
+        ("d", json.dumps(broken)),
+    ):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "summary.json").write_text(text)
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    others = tmp_path / "none", "n" * 5000, tmp_path / "loop"
+    for folder in (*(tmp_path / name for name in "abcd"), *others):
+        with pytest.raises(rh.SceneError, match="holds no result of a run or a sweep"):
+            rh.load(folder)
+    for wrong in (
+        lambda: rh.load(3),
+        lambda: result.save(3),
+        lambda: rh.sweep(rh.find("hertz_ellipse"), load=["1 kN"], out=3),
+        lambda: rh.profile(3),
+    ):
+        with pytest.raises(rh.SceneError, match="3 is no path; give text or a pathlib.Path"):
+            wrong()
+
+
+def test_half_spaces_and_sweeps_can_be_pickled(in_this_process) -> None:
+    result = solved("hertz_ellipse", "friction.coefficient=0.3", "friction.force_along=1kN",
+                    "mesh.patch_size=0.9",
+                    "effects.finite_bodies=off")  # fmt: skip
+    copy = pickle.loads(pickle.dumps(result))
+    assert copy.as_dict() == result.as_dict()
+    assert np.array_equal(copy.surface.pressure, result.surface.pressure)
+    assert np.array_equal(copy.tractions.traction, result.tractions.traction)
+    table = rh.sweep(rh.find("sphere_on_plane"), {"effects.finite_bodies": ["off"]}, quiet=True)
+    again = pickle.loads(pickle.dumps(table))
+    assert again.rows() == table.rows() and again.keys == table.keys
+    assert np.array_equal(again[0].surface.pressure, table[0].surface.pressure)
+
+
+def test_grids_are_those_of_the_files(tmp_path) -> None:
+    result = solved("sphere_on_plane", "wheel.yield_stress=20", "mesh.patch_size=0.2")
+    grids = result.to_pyvista()
+    assert set(grids.keys()) == {"contact", "solution", "residual"}
+    result.save(tmp_path / "out", pictures=False)
+    for name in sorted(grids.keys()):
+        written = pyvista.read(tmp_path / "out" / f"{name}.vtu")
+        assert written.n_cells == grids[name].n_cells > 10
+        for array in grids[name].array_names:
+            assert np.array_equal(written[array], grids[name][array])
+    whole = result.to_pyvista(whole=True)["solution"]
+    assert whole.bounds[0] == pytest.approx(-whole.bounds[1]) and grids["solution"].bounds[0] > -0.1
+    assert "no grids: half-spaces answered" in refusal(
+        lambda: solved("sphere_on_plane", "effects.finite_bodies=off").to_pyvista(), ValueError
+    )
+
+
+def test_a_dataset_has_units_and_its_own_points(monkeypatch) -> None:
+    """xarray need not be installed here: its constructor's arguments are looked at."""
+    with monkeypatch.context() as without:
+        without.setitem(sys.modules, "xarray", None)
+        assert "xarray" in refusal(lambda: solved("sphere_on_plane").to_xarray(), ImportError)
+    stand_in = SimpleNamespace(Dataset=lambda *arguments: arguments)
+    monkeypatch.setitem(sys.modules, "xarray", stand_in)
+    result = solved("hertz_ellipse", "friction.coefficient=0.3", "friction.force_along=1kN",
+                    "mesh.patch_size=0.9",
+                    "effects.finite_bodies=off")  # fmt: skip
+    values, coords, attrs = result.to_xarray()
+    assert attrs["load_N"] == result.load and attrs["case"] == "hertz_ellipse"
+    sizes = {"node": len(result.surface.points), "point": len(result.tractions.points),
+             "component": 3}  # fmt: skip
+    for over, array, *_ in (*values.values(), *coords.values()):
+        over = (over,) if isinstance(over, str) else over
+        assert np.shape(array) == tuple(sizes[each] for each in over)
+    units = {name: each[2]["units"] for name, each in values.items()}
+    assert units == {"pressure": "MPa", "gap": "mm", "traction": "MPa", "slip": "mm",
+                     "sticks": "1", "point_pressure": "MPa"}  # fmt: skip
+    assert np.array_equal(values["traction"][1], result.tractions.traction)
+    assert np.array_equal(coords["point_y"][1], result.tractions.points[:, 1])
+
+
+def test_progress_is_told_to_a_function(capfd, in_this_process) -> None:
+    told: list[tuple[float, str]] = []
+    case = rh.find("sphere_on_plane")
+    rh.solve(case, progress=lambda *each: told.append(each))
+    assert [text for _, text in told if "Newton step 1" in text] and told[-1][0] > told[0][0] >= 0
+    assert told[-1][1] == "reading the result"
+
+    def enough(seconds: float, text: str) -> None:
+        raise TimeoutError(text)
+
+    assert "meshing" in refusal(lambda: rh.solve(case, progress=enough), TimeoutError)
+    for call in (rh.solve, lambda *_, **given: rh.sweep(case, load=[100], **given)):
+        with pytest.raises(rh.SceneError, match="progress: 5 is no function; give one"):
+            call(case, progress=5)
+    told.clear()
+    fast = case.replace(effects={"finite_bodies": "off"})
+    rh.sweep(fast, load=[100, 200], progress=lambda *each: told.append(each))
+    assert told[-1][1] == "2 of 2 done"
+    assert capfd.readouterr().err == ""
+
+
+def test_arrays_are_public() -> None:
+    result = solved("sphere_on_plane")
+    surface = result.surface
+    assert surface.pressure.max() == pytest.approx(result.pressure.max, rel=1e-3)
+    touching = surface.pressure > 0.1 * result.pressure.max
+    radius = np.linalg.norm(surface.points[touching], axis=1)
+    exact = result.hertz.pressure.max * np.sqrt(1 - (radius / result.hertz.patch.a) ** 2)
+    assert surface.pressure[touching] == pytest.approx(exact, rel=0.02)
+    assert abs(surface.gap[touching]).max() < 1e-3 * result.approach
+    assert result.tractions is None
+
+
+def test_pictures_are_drawn_on_given_axes(monkeypatch) -> None:
+    """As many as panels, with the content of the picture; a wrong name or number is one line."""
+    result = solved("sphere_on_plane")
+    own = Figure(figsize=(8, 4))
+    left, right = own.subplots(1, 2)
+    assert result.plot("depth", ax=[left, right]) is own
+    for given, new in zip((left, right), result.plot("depth").axes, strict=True):
+        assert np.array_equal(given.lines[0].get_xdata(), new.lines[0].get_xdata())
+        assert given.get_ylim() == new.get_ylim()  # depth downwards in both
+    assert "1 axes for 2 panels" in refusal(lambda: result.plot("depth", ax=left), ValueError)
+    assert "no axes of matplotlib" in refusal(lambda: result.plot("depth", ax="left"), ValueError)
+    assert "'patch' is none of this result; give pressure, depth" in refusal(
+        lambda: result.plot("patch"), ValueError
+    )
+    monkeypatch.setattr(geometry, "SHIFTS", np.linspace(-3.0, 3.0, 3))
+    three = Figure().subplots(1, 3)
+    placed = rh.locate(rh.find("uic54_22t5_axle"))
+    assert placed.plot("profiles", ax=three[:2]) is three[0].figure
+    two = Figure().subplots(2, 1)
+    assert placed.plot("rolling_radius", ax=two) is two[0].figure
+    assert len(three[0].lines) >= 3 and not three[2].lines

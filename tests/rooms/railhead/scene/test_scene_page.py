@@ -1,0 +1,39 @@
+"""docs/scene.md names every key of a scene, with its default."""
+
+import re
+from pathlib import Path
+
+from railhead.scene.scene import Scene
+from railhead.scene.sections import Section
+
+PAGE = Path(__file__).parents[4] / "docs" / "scene.md"
+
+
+def stated() -> dict[str, str]:
+    """Defaults by dotted key, as the page says them."""
+    found: dict[str, str] = {}
+    for part in PAGE.read_text(encoding="utf-8").split("\n## ")[1:]:
+        tables = re.findall(r"\[(\w+)\]", part.split("\n")[0]) or [""]
+        for key, default in re.findall(r"^\| `(\w+)` \| (\S+) \|", part, re.MULTILINE):
+            for table in tables:
+                dotted = f"{table}.{key}".lstrip(".")
+                assert dotted not in found, dotted
+                found[dotted] = default
+    return found
+
+
+def said(default: object) -> str:
+    if default is None or isinstance(default, bool):
+        return str(default).lower()
+    return f"{default:g}" if isinstance(default, float) else str(default)
+
+
+def test_every_key_stands_on_its_page_with_its_default() -> None:
+    known: dict[str, str] = {}
+    for name, field in Scene.model_fields.items():
+        if isinstance(field.default, Section):
+            inner = type(field.default).model_fields.items()
+            known |= {f"{name}.{key}": said(each.default) for key, each in inner}
+        else:
+            known[name] = said(field.default)
+    assert stated() == known

@@ -1,0 +1,115 @@
+"""Newton's method off the beaten track: stiff and soft laws, stalled solves, cycles."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from railhead.solver.algebra import linear, newton
+from railhead.solver.contact import ContactModel
+from railhead.solver.material.elasticity import Material
+from railhead.solver.space.contact_interface import ContactLaw
+from studies.hard.block_pairs import contact_model, press
+
+
+@pytest.fixture(scope="module")
+def reference():
+    """Solution with the usual settings."""
+    return press(contact_model(), load=2000.0)
+
+
+STEEL = (207000.0, Material(207000.0, 0.3).lame)
+
+
+@pytest.mark.parametrize(
+    "law, theta, factor",
+    [
+        (ContactLaw(), 1, 1.0),
+        (ContactLaw(gamma_factor=0.1), -1, 0.1),
+        (ContactLaw(theta=0, gamma_factor=0.1), 0, 0.1),
+        (ContactLaw(theta=1, gamma_factor=0.1), 1, 0.1),
+    ],
+)
+def test_theta_follows_the_factor_unless_it_is_given(law, theta, factor) -> None:
+    suited = law.suited(*STEEL)
+    assert (suited.theta, suited.gamma_factor) == (theta, factor)
+
+
+def test_the_parameter_does_not_grow_with_lambda() -> None:
+    scales = []
+    for nu in (0.49, 0.4999, 0.499999):
+        lam, mu = Material(1000.0, nu).lame
+        law = ContactLaw().suited(1000.0, (lam, mu))
+        assert law.theta == -1
+        scales.append(law.scale * (lam + 2 * mu))
+    np.testing.assert_allclose(scales, 3000.0)
+
+
+class TwoRanks:
+    """Seen from the first one."""
+
+    def __init__(self, other: object) -> None:
+        self.other = other
+
+    def allgather(self, own: object) -> list[object]:
+        return [own, self.other]
+
+
+def test_an_active_set_that_comes_back_is_counted_if_it_does_on_all_ranks() -> None:
+    comm, one, two = TwoRanks(b"a"), np.array([True, False]), np.array([True, True])
+    seen = newton._SeenActiveSets(comm)
+    assert [seen.count(each) for each in (one, one, two, one, two, one)] == [0, 0, 0, 1, 1, 2]
+    comm.other = b"b"
+    assert seen.count(two) == 0
+
+
+@pytest.mark.parametrize(("elsewhere", "count"), [(-1.0, 0), (99.0, 12)])
+def test_the_nearest_points_are_those_of_all_ranks(elsewhere: float, count: int) -> None:
+    interface = SimpleNamespace(initial_gap=np.arange(20.0))
+    model = SimpleNamespace(interface=interface, comm=TwoRanks(np.full(12, elsewhere)))
+    assert ContactModel._nearest(model).sum() == count
+
+
+def test_it_ends_with_the_residual_that_was_asked_for() -> None:
+    """No sooner, and no later."""
+    *before, last = press(contact_model(tolerance=1e-7), load=2000.0).newton.history
+    assert last.residual <= 1e-7 < min(step.residual for step in before)
+
+
+def test_stages_lead_up_to_a_stiff_law() -> None:
+    assert [law.scale for law in ContactLaw(theta=1).stages] == [1.0]
+    stiff = ContactLaw(theta=1, gamma_factor=2e4).stages
+    np.testing.assert_allclose([law.scale for law in stiff], [2.0, 20.0, 200.0, 2e3, 2e4])
+    assert stiff[-1] == ContactLaw(theta=1, gamma_factor=2e4)
+
+
+@pytest.mark.parametrize("factor", [1e-3, 1e2, 1e6])
+def test_nitsche_converges_at_any_factor(reference, factor: float) -> None:
+    solution = press(contact_model(law=ContactLaw(gamma_factor=factor)), load=2000.0)
+    assert solution.newton.converged
+    assert solution.approach == pytest.approx(reference.approach, rel=0.01)
+
+
+def test_a_stalled_linear_solve_is_taken_over_by_a_factorisation(monkeypatch) -> None:
+    reference = press(contact_model(linear="direct"), load=2000.0).approach
+    monkeypatch.setattr(linear, "KRYLOV_LIMIT", 3)
+    stalled = contact_model(linear="multigrid")
+    solution = press(stalled, load=2000.0)
+    assert any(step.residual is None for step in solution.newton.history)
+    assert isinstance(stalled.preconditioner, linear.Direct)
+    assert solution.newton.converged
+    assert solution.approach == pytest.approx(reference, rel=1e-7)
+
+
+@pytest.mark.parametrize("start", ["none", "random"])
+def test_wrong_starts_end_in_the_same_state(reference, start: str) -> None:
+    contact = contact_model()
+    count = len(contact.interface.points)
+    rng = np.random.default_rng(1)
+    active = rng.random(count) < 0.5 if start == "random" else np.zeros(count, bool)
+    solution = contact.solve(load=2000.0, active=active)
+    assert solution.newton.converged and len(solution.newton.history) <= 15
+    assert solution.approach == pytest.approx(reference.approach, rel=1e-7)
+    np.testing.assert_allclose(
+        solution.pressure, reference.pressure, atol=1e-6 * reference.pressure.max()
+    )

@@ -1,0 +1,129 @@
+"""Tabulation on facets, pairing of surfaces, and the trace constant."""
+
+import numpy as np
+import pytest
+
+from railhead.geometry.surfaces import ParabolicGap
+from railhead.meshing.bodies import CONTACT, RAIL, WHEEL
+from railhead.solver.space import contact_interface
+from railhead.solver.space.cells import tabulate
+from railhead.solver.space.contact_interface import ContactLaw
+from railhead.solver.space.facets import FacetSet, facet_closure, pair, reference_facets
+from studies.hard.block_pairs import contact_model
+
+
+@pytest.fixture(scope="module", params=["tetrahedron", "hexahedron"])
+def model(request):
+    return contact_model(cell=request.param)
+
+
+def test_only_nitsches_parameter_is_doubled_where_cells_lie_in_layers(model) -> None:
+    """A penalty needs no coercivity; doubled it put p_max of `uic54_thesis` off by 2.7 %."""
+    found = model.interface
+    times = 2 if surface(model, RAIL).cell == "hexahedron" else 1
+    assert found.stiffness_bound(ContactLaw("nitsche")) == pytest.approx(times * found.trace_bound)
+    assert found.stiffness_bound(ContactLaw("penalty")) == pytest.approx(found.trace_bound)
+
+
+def surface(model, tag: int) -> FacetSet:
+    return FacetSet.on(model.bulk, model.facet_tags.find(CONTACT + tag))
+
+
+def test_quadrature_covers_the_face(model) -> None:
+    _, weights = surface(model, RAIL).quadrature(3)
+    assert weights.sum() == pytest.approx(100.0, rel=1e-12)
+
+
+def test_points_and_tangents_lie_in_the_face(model) -> None:
+    facets = surface(model, RAIL)
+    (facet, xi), _ = facets.quadrature(2)
+    points, tangents = facets.tangents(facet, xi)
+    assert np.abs(points[:, 2]).max() < 1e-12
+    assert np.abs(tangents[:, 2]).max() < 1e-12
+
+
+def test_basis_reproduces_linear_fields_and_their_gradient(model) -> None:
+    facets = surface(model, RAIL)
+    (facet, xi), _ = facets.quadrature(3)
+    value, gradient = facets.basis(facet, facets.reference(facet, xi))
+    slope = np.array([0.3, -0.7, 1.1])
+    nodal = facets.dof_points()[facet] @ slope
+    points, _ = facets.tangents(facet, xi)
+    np.testing.assert_allclose(np.einsum("nd,nd->n", value, nodal), points @ slope, atol=1e-12)
+    found = np.einsum("ndc,nd->nc", gradient, nodal)
+    np.testing.assert_allclose(found, np.tile(slope, (len(facet), 1)), atol=1e-10)
+
+
+def test_closure_lists_the_dofs_on_the_facet(model) -> None:
+    cell, degree = model.interface.slave.cell, 2
+    facets = surface(model, RAIL)
+    points = facets.dof_points()
+    closure = facet_closure(cell, degree)[facets.local_facet]
+    assert np.abs(np.take_along_axis(points[..., 2], closure, axis=1)).max() < 1e-12
+    assert closure.shape[1] == {"tetrahedron": 6, "hexahedron": 9}[cell]
+    assert len(reference_facets(cell)) == {"tetrahedron": 4, "hexahedron": 6}[cell]
+    assert tabulate(cell, degree, np.zeros((1, 3))).shape[0] == 4
+
+
+def test_each_point_is_paired_with_the_one_straight_above(model) -> None:
+    slave, master = surface(model, RAIL), surface(model, WHEEL)
+    (facet, xi), _ = slave.quadrature(3)
+    points, _ = slave.tangents(facet, xi)
+    points = points - [0, 0, 0.1]
+    partner, eta = pair(points, np.tile([0, 0, 1.0], (len(points), 1)), master)
+    assert partner.min() >= 0
+    hit, _ = master.tangents(partner, eta)
+    np.testing.assert_allclose(hit[:, :2], points[:, :2], atol=1e-11)
+
+
+def test_points_that_look_past_the_master_have_no_partner(model) -> None:
+    points = np.array([[5.0, 5.0, 0.0], [25.0, 5.0, 0.0]])
+    partner, _ = pair(points, np.tile([0, 0, 1.0], (2, 1)), surface(model, WHEEL))
+    assert partner[0] >= 0 and partner[1] == -1
+
+
+@pytest.mark.parametrize("degree", [1, 2])
+def test_trace_bound_is_the_warburton_hesthaven_constant(degree) -> None:
+    """(k+1)(k+3)/3 A/V (lambda + 2 mu), sharp on straight tetrahedra for stresses of degree k."""
+    facets = surface(contact_model(degree=degree), RAIL)
+    bound = contact_interface.trace_bound(facets, ParabolicGap(0, 0, 1), 2 * degree)
+    _, _, volumes = facets.quadrature_points(1)
+    _, weights = facets.quadrature(1)
+    k = degree - 1
+    lam, mu = facets.lame.T
+    constant = (k + 1) * (k + 3) / 3 * weights / volumes * (lam + 2 * mu)
+    _, cell, count = np.unique(facets.dofs, axis=0, return_inverse=True, return_counts=True)
+    np.testing.assert_allclose(bound, constant * count[cell], rtol=1e-9)
+
+
+def test_gap_operator_annihilates_common_rigid_motions(model) -> None:
+    """N u = 0 when both bodies move together, S u = 0 for any rigid motion."""
+    points = model.bulk.space.tabulate_dof_coordinates()[: model.owned]
+    vec = model.interface.gap.createVecRight()
+    scale = abs(model.interface.stress.norm())
+    for field in (*np.eye(3), *(np.cross(axis, points) for axis in np.eye(3))):
+        vec.array[:] = np.broadcast_to(field, points.shape).ravel()
+        if np.ndim(field) == 1:
+            assert abs((model.interface.gap * vec).array).max() < 1e-12
+        assert abs((model.interface.stress * vec).array).max() < 1e-12 * scale
+
+
+def test_stress_operator_gives_the_normal_stress_of_a_uniform_strain(model) -> None:
+    points = model.bulk.space.tabulate_dof_coordinates()[: model.owned]
+    vec = model.interface.stress.createVecRight()
+    strain = np.diag([1e-3, -2e-3, 3e-3])
+    vec.array[:] = (points @ strain).ravel()
+    lam, mu = model.setup.fixed.material.lame
+    expected = lam * np.trace(strain) + 2 * mu * strain[2, 2]
+    np.testing.assert_allclose((model.interface.stress * vec).array, expected, rtol=1e-9)
+
+
+def test_a_pull_and_a_wrong_start_are_refused(model) -> None:
+    """A load of -5000 N was solved with nothing to hold the bodies."""
+    every = np.ones(len(model.interface.points), dtype=bool)
+    for load in (-5000.0, np.inf, np.nan):
+        with pytest.raises(ValueError, match="load must be finite and not negative"):
+            model.solve(load=load, active=every)
+    for active in (every[1:], every[:, None], every.astype(float), np.flatnonzero(every), True):
+        with pytest.raises(ValueError, match=f"active must be {len(every)} booleans"):
+            model.solve(load=1.0, active=active)

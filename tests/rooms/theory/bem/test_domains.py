@@ -1,0 +1,163 @@
+"""Domains of boundary elements: several windows of a developed surface, against one grid."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from railhead.theory.bem.pressure_solver import (
+    BoundaryElementSolution,
+    flat,
+    solve,
+    solve_developed,
+)
+from railhead.theory.elastic.hertz import point_contact
+from tests.rooms.theory.bem.test_pressure_solver import LOAD, MODULUS, RADIUS, lopsided, paraboloid
+
+Array = NDArray[np.float64]
+
+
+def bumps(distance: float, lift: float = 0.0):
+    """Radii RADIUS and 50 mm, the sharper one a lift (mm) further away."""
+    one, other = paraboloid(1.0, s0=-distance / 2), paraboloid(RADIUS / 50, s0=distance / 2)
+    return lambda x, s: np.minimum(one(x, s), other(x, s) + lift)
+
+
+def at_angles(steep: float, distance: float):
+    """A surface that is bent at s = 0, between the bumps."""
+    return lambda s: np.where(s < 0, -steep, steep)
+
+
+def both(gap, distance: float, angle=flat) -> BoundaryElementSolution:
+    windows = [((0.0, side * distance / 2), (6.0, 3.0)) for side in (-1, 1)]
+    return solve_developed(gap, MODULUS, windows, angle, load=2 * LOAD, tolerance=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("distance", "lift"),
+    [(7, 0), *(pytest.param(*far, marks=pytest.mark.slow) for far in ((40, 0), (10, 0.01)))],
+)
+def test_windows_are_one_problem_in_a_plane(distance: float, lift: float) -> None:
+    """Far apart and near, against one fine grid over both patches."""
+    gap = bumps(distance, lift)
+    found = both(gap, distance)
+    one = solve(
+        gap, MODULUS, load=2 * LOAD, half_size=(20, distance), cells=384, tolerance=1e-5
+    )  # fmt: skip
+    assert found.approach == pytest.approx(one.approach, rel=2e-4)
+    assert found.max_pressure == pytest.approx(one.max_pressure, rel=2e-3)
+    assert found.area == pytest.approx(one.area, rel=5e-3)
+    expected = sorted((patch.load for patch in one.separate()), reverse=True)
+    assert [patch.load for patch in found.patches] == pytest.approx(expected, rel=1e-3)
+
+
+def test_one_window_in_a_plane_is_the_plain_solution() -> None:
+    plain = solve(lopsided, MODULUS, load=LOAD)
+    found = solve_developed(
+        lopsided, MODULUS, [((0.0, 0.0), (10.0, 10.0))], flat, load=LOAD, tolerance=1e-8
+    )
+    (window,) = found.windows
+    np.testing.assert_array_equal(window.pressure, plain.pressure)
+    assert found.coarse is not None
+    assert found.coarse.max_pressure == pytest.approx(plain.max_pressure, rel=5e-3)
+
+
+def test_a_tilted_plane_carries_the_normal_load() -> None:
+    """A vertical load F on a slope is the normal force F/cos, the vertical approach d/cos."""
+    tilt, exact = 0.7, point_contact(1 / RADIUS, 1.4 / RADIUS, MODULUS, LOAD / math.cos(0.7))
+    found = solve_developed(
+        paraboloid(), MODULUS, [((0.0, 0.0), (10.0, 10.0))], lambda s: flat(s) + tilt, load=LOAD
+    )
+    assert found.load == pytest.approx(LOAD, rel=1e-9)
+    assert found.force == pytest.approx(exact.load, rel=1e-9)
+    assert found.approach * math.cos(tilt) == pytest.approx(exact.approach, rel=5e-5)
+    assert found.max_pressure == pytest.approx(exact.p0, rel=1e-4)
+    assert found.area == pytest.approx(exact.area, rel=2e-3)
+    assert found.patches[0].plane == pytest.approx(tilt)
+
+
+def test_two_slopes_feel_each_other_by_the_cosine_between_their_normals() -> None:
+    """d cos t = Hertz(F/(2 cos t)) + F/(2 cos t) cos(2 t)/(pi E* D), up to (a/D)^2."""
+    steep, distance = 0.5, 40.0
+    one, other = paraboloid(1.0, s0=-distance / 2), paraboloid(1.0, s0=distance / 2)
+    found = both(
+        lambda x, s: np.minimum(one(x, s), other(x, s)), distance, at_angles(steep, distance)
+    )
+    normal = LOAD / math.cos(steep)
+    exact = point_contact(1 / RADIUS, 1 / RADIUS, MODULUS, normal)
+    between = normal * math.cos(2 * steep) / (math.pi * MODULUS * distance)
+    assert found.approach * math.cos(steep) == pytest.approx(exact.approach + between, rel=5e-4)
+    assert between > 0.02 * exact.approach
+    assert [patch.force for patch in found.patches] == pytest.approx([normal, normal], rel=1e-6)
+
+
+def test_conditions_of_contact_hold_across_a_bend() -> None:
+    """Displacements by a direct sum over all cells of all windows (Love's logarithmic form)."""
+    gap, angle = bumps(14.0), at_angles(0.3, 14.0)
+    windows = [((0.0, side * 7.0), (6.0, 3.0)) for side in (-1, 1)]
+    found = solve_developed(gap, MODULUS, windows, angle, load=2 * LOAD, cells=28)
+    assert len(found.windows) == 2
+    for here in found.windows:
+        x, s = np.meshgrid(here.x, here.s, indexing="ij")
+        u = np.zeros_like(x)
+        for there in found.windows:
+            dx, ds = there.x[1] - there.x[0], there.s[1] - there.s[0]
+            for i, j in np.argwhere(there.pressure > 0):
+                share = np.cos(here.angle - there.angle[j]) * there.pressure[i, j]
+                for sign_x in (-1, 1):
+                    for sign_s in (-1, 1):
+                        p = x - there.x[i] + sign_x * dx / 2
+                        q = s - there.s[j] + sign_s * ds / 2
+                        r = np.hypot(p, q)
+                        corner = p * np.log(q + r) + q * np.log(p + r)
+                        u += sign_x * sign_s * share * corner / (math.pi * MODULUS)
+        opened = gap(x, s) + u - found.approach * np.cos(here.angle)
+        touching = here.pressure > 0
+        assert np.abs(opened[touching]).max() < 3e-4 * u.max()
+        assert opened[~touching].min() > -3e-4 * u.max()
+    assert found.load == pytest.approx(2 * LOAD, rel=1e-9)
+
+
+def test_mirrored_surface_has_the_mirrored_patches() -> None:
+    gap = bumps(12.0, 0.005)
+
+    def bend(s: Array) -> Array:
+        return 0.2 + s / 40
+
+    found = both(gap, 12.0, bend)
+    mirrored = both(lambda x, s: gap(x, -s), 12.0, lambda s: -bend(-s))
+    assert mirrored.approach == pytest.approx(found.approach, rel=1e-6)
+    for patch, image in zip(found.patches, mirrored.patches, strict=True):
+        np.testing.assert_allclose(image.s[::-1], -patch.s, atol=1e-6)
+        np.testing.assert_allclose(
+            image.pressure[:, ::-1], patch.pressure, atol=1e-3 * found.max_pressure
+        )
+        assert image.plane == pytest.approx(-patch.plane, abs=1e-6)
+
+
+@pytest.mark.slow
+def test_load_and_approach_control_agree() -> None:
+    by_load = both(bumps(12.0), 12.0, at_angles(0.3, 12.0))
+    by_approach = solve_developed(
+        bumps(12.0), MODULUS, [((0.0, -6.0), (6.0, 3.0)), ((0.0, 6.0), (6.0, 3.0))],
+        at_angles(0.3, 12.0), approach=by_load.approach, tolerance=1e-6,
+    )  # fmt: skip
+    assert by_approach.load == pytest.approx(2 * LOAD, rel=1e-4)
+    assert by_approach.max_pressure == pytest.approx(by_load.max_pressure, rel=1e-3)
+
+
+def test_windows_that_overlap_count_a_point_once() -> None:
+    windows = [((0.0, -1.0), (6.0, 6.0)), ((0.5, 1.0), (6.0, 6.0))]
+    found = solve_developed(paraboloid(), MODULUS, windows, flat, load=LOAD)
+    exact = point_contact(1 / RADIUS, 1.4 / RADIUS, MODULUS, LOAD)
+    assert len(found.windows) == len(found.patches) == 1
+    assert found.area == pytest.approx(exact.area, rel=2e-3)
+
+
+def test_a_window_that_nothing_touches_is_left_out() -> None:
+    found = both(bumps(14.0, lift=1.0), 14.0)
+    (patch,) = found.patches
+    assert patch.load == pytest.approx(2 * LOAD, rel=1e-9)
+    assert patch.centroid == pytest.approx((0, -7), abs=1e-3)
+    assert len(found.windows) == 1
