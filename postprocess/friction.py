@@ -26,7 +26,6 @@ LOADS = "force_along_N", "force_across_N", "moment_Nmm"
 RESOLVED = 0.05  # relative: a quantity of friction that may be off by more is not signed
 AT_NODES = "traction_max_MPa", "surface_fatigue_index"  # of condensed solids that of one
 # contact point, whose pressure is noisy: 8 to 14 % above Cattaneo's and Mindlin's
-CYCLE_ENERGY = "energy_per_cycle_Nmm"
 BORDER = 3.0  # over n^(-3/4): error of the stick share on a grid with n points in the patch; 0.8 to
 # 2.8 were measured beside grids of 128 and 192 cells, with and without finite bodies
 WEAR = "t_gamma_N", "wear_number_N", "power_W", "t_gamma_over_area_MPa", "wear_regime"
@@ -131,7 +130,7 @@ def quantities(
     Rolling with a speed: the power, W. Rolling of like bodies with centres: the wear number, N.
         Rolling of like bodies with a solution without creepage: the resolution of each quantity.
     Of a cycle: the energy that slip dissipates in it, N mm.
-    Of a shift: names of the quantities that the border of stick hides (`_hidden_by_border`).
+    Else: names of the quantities that the border of stick hides (`_hidden_by_border`).
     """
     touches = found.pressure > 0
     share = found.weights[found.sticks].sum() / found.weights[touches].sum()
@@ -147,11 +146,11 @@ def quantities(
         "passes": found.coupling_iterations,
     }
     if cycle:
-        out[CYCLE_ENERGY] = found.dissipated_energy
-    if not rolling:
-        below = _hidden_by_border(out["stick_share"], _border_error(found))
-        out["below_resolution"] = sorted(below & set(out))
-    else:
+        out["energy_per_cycle_Nmm"] = found.dissipated_energy
+    energy = WEAR if rolling else ("energy_per_cycle_Nmm",) * cycle
+    below = _hidden_by_border(out["stick_share"], _border_error(found), energy)
+    out["below_resolution"] = sorted(below)
+    if rolling:
         slip = found.rigid_slip if like else found.slip
         wear = float(found.weights @ np.einsum("nc,nc->n", found.traction, slip))
         out["t_gamma_N"] = wear
@@ -188,7 +187,7 @@ def _resolution(
     force, drift = (np.hypot(*(each[name] for name in LOADS[:2])) for each in (out, rest))
     if drift > RESOLVED * force:
         below.add("traction_coefficient")
-    below |= _hidden_by_border(out["stick_share"], limits["stick_share"]) - {CYCLE_ENERGY}
+    below |= _hidden_by_border(out["stick_share"], limits["stick_share"])
     return {"resolution": limits, "below_resolution": sorted(below)}
 
 
@@ -202,14 +201,14 @@ def _border_error(found: FrictionSolution) -> float:
     return point if section else BORDER * point**0.75
 
 
-def _hidden_by_border(stick_share: float, error: float) -> set[str]:
+def _hidden_by_border(stick_share: float, error: float, energy: Sequence[str] = ()) -> set[str]:
     """Names of what a stick share with this error hides: the share itself where what slips is no
-    larger than the error; the largest traction, which grows as the square root of what slips, and
-    the energy of a cycle, where the error exceeds a tenth of what slips.
+    larger than the error; where the error exceeds a tenth of what slips, the largest traction,
+    which grows as the square root of what slips, and `energy`, what is computed from true slip.
     """
     slips = 1 - stick_share
     below = {"stick_share"} if slips <= error else set()
-    return below | {*AT_NODES, CYCLE_ENERGY} if error > 2 * RESOLVED * slips else below
+    return below | {*AT_NODES, *energy} if error > 2 * RESOLVED * slips else below
 
 
 def unread_peak(found: FrictionSolution | None, elements: float) -> float:

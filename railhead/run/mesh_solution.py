@@ -305,7 +305,7 @@ def read_friction(
         patches=np.array([each.centre for each in found.patch.each] or [found.frame.origin]),
     )
     if plan.condenses and not (plan.plane_model or plan.by_half_spaces):
-        unread = {*quantities.get("below_resolution", ()), *friction.AT_NODES}
+        unread = {*quantities["below_resolution"], *friction.AT_NODES}
         quantities["below_resolution"] = sorted(unread)
     return replace(found, dissipated=quantities.get("t_gamma_N", math.nan)), quantities
 

@@ -274,8 +274,7 @@ class FrictionQuantities:
         answer.
     resolution: friction that the mesh shows without creepage; None of a shift, of unlike materials,
         and of half-spaces.
-    below_resolution: keys of the quantities that the mesh does not resolve; None of unlike
-        materials that roll.
+    below_resolution: keys of the quantities that the mesh does not resolve.
     wear_number: scalar product of force and mean creepage, largest of all patches, N; None of a
         shift and of unlike materials.
     t_gamma_over_area: t_gamma over the area of the patch, N/mm2; None of a shift.

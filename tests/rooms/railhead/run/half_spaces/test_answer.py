@@ -143,7 +143,7 @@ def test_the_largest_traction_of_a_shift_is_cattaneo_s_or_said_to_be_unread(shar
     exact = 0.3 * result.pressure.max * math.sqrt(1 - (1 - share) ** (2 / 3))
     off = abs(result.friction.traction_max / exact - 1)
     below = result.summary["result"]["friction"]["below_resolution"]
-    assert below == (["traction_max_MPa"] if off > 0.05 else []) and off < 0.3
+    assert ("traction_max_MPa" in below) is (off > 0.05) and off < 0.3
 
 
 def test_a_shift_of_half_spaces_is_cattaneo_and_mindlins() -> None:
