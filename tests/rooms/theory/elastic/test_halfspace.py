@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from finite_differences import Array, jacobian
 from scipy.integrate import quad
 from scipy.special import j0, roots_legendre
 
@@ -12,6 +11,7 @@ from railhead.theory.elastic import halfspace
 from railhead.theory.elastic.halfspace import boussinesq_displacement, hertz_displacement
 from railhead.theory.elastic.hertz import Ellipse, contact_modulus, point_contact
 from railhead.theory.elastic.subsurface import stress
+from tests.rooms.theory.finite_differences import Array, jacobian
 
 CURVATURE_RATIOS = [1e-3, 0.2, 1.0, 1 + 1e-9, 5.0]
 WHEEL, RAIL = (210000.0, 0.28), (190000.0, 0.35)

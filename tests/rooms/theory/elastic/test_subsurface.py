@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from finite_differences import Array, jacobian
 
 from railhead.theory.elastic.hertz import Ellipse, Strip, line_contact, point_contact
 from railhead.theory.elastic.subsurface import (
@@ -15,6 +14,7 @@ from railhead.theory.elastic.subsurface import (
     von_mises,
 )
 from studies.thesis.facts import thesis_axis_stress
+from tests.rooms.theory.finite_differences import Array, jacobian
 
 CURVATURE_RATIOS = [1e-3, 0.1, 0.9, 1.0, 1 + 1e-9, 5.0]
 

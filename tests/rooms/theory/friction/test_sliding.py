@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from finite_differences import Array, jacobian
 from friction_data import ENTRIES, named
 
 from railhead.theory.elastic import line, subsurface
 from railhead.theory.elastic.hertz import Ellipse, contact_modulus, point_contact
 from railhead.theory.friction import sliding
+from tests.rooms.theory.finite_differences import Array, jacobian
 
 MODULUS = contact_modulus(207000, 0.3, 207000, 0.3)
 SPHERE = point_contact(1 / 420, 1 / 420, MODULUS, 25000)
