@@ -47,7 +47,7 @@ STUDIES = {
         "the thesis's rail run in over 20 passes under 22.5 t, and the map of shakedown verdicts",
     ),
     "peers": (
-        "studies.peers.study",
+        "studies.peers.peers_study",
         "hertz_ellipse by other codes, measured beside this one (--install gets them)",
     ),
     "plasticity": (
@@ -67,7 +67,7 @@ STUDIES = {
         "time and memory per unknown, contact against one linear elastic solve",
     ),
     "thesis": (
-        "studies.thesis.study",
+        "studies.thesis.thesis_study",
         "every claim of the 2012 thesis recomputed, with a verdict, and its figures drawn again",
     ),
 }

@@ -21,7 +21,7 @@ from railhead.postprocess.pictures.diagrams import new_figure
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene
 from studies import tables
-from studies.hard import blocks, references
+from studies.hard import block_cases, references
 from studies.hard.case import CaseErrors, CaseOutcome, HardCase
 from studies.processes import attempts
 from studies.tables import percent, render
@@ -76,7 +76,7 @@ def one(
         name=name,
         reason=fields["reason"],
         reference=fields.get("reference", REFERENCES.get(against, "invariance")),
-        solve=partial(references.METHODS.get(against) or getattr(blocks, against), **options),
+        solve=partial(references.METHODS.get(against) or getattr(block_cases, against), **options),
         quick=name in quick if isinstance(quick, list) else quick,
         refusable=fields.get("refusable", bool(options.get("noise"))),
         **{key: fields[key] for key in given if key in fields},

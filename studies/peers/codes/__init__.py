@@ -5,7 +5,7 @@
                               runs in Debian's Python, else in the venv
     MODULES                   what must import there
     RUNS                      {label: keywords of `solve`}, coarse to fine; "mesh" is [cell, order,
-                              size in mm] of `studies.peers.blocks`, read before the call
+                              size in mm] of `studies.peers.block_meshes`, read before the call
     solve(case, mesh, **run)  -> {unknowns, force, pressure_max, x, y, pressure, [approach,
                               tau_max, iterations]}, in N, mm and MPa, of the whole contact
 

@@ -10,8 +10,7 @@ from one_line import refusal
 from railhead.results import result_folder
 from railhead.theory.elastic import hertz
 from studies import processes
-from studies.peers import blocks, codes, page
-from studies.peers import study as peers_study
+from studies.peers import block_meshes, codes, peers_page, peers_study
 from studies.peers.codes import calculix
 
 CASE = {
@@ -69,22 +68,22 @@ def made_up(folder, title: str, modules: str = ""):
 
 
 def test_errors_are_against_hertz_at_the_force_that_a_run_carries() -> None:
-    read = page.read(CASE, found(tau_max=1.02 * exact(24e3).axis_extrema(0.3).tau_max))
+    read = peers_page.read(CASE, found(tau_max=1.02 * exact(24e3).axis_extrema(0.3).tau_max))
     for name in ("p_max", "p_fit", "a", "b", "area"):
         assert read[f"error_{name}"] == pytest.approx(0, abs=1e-9)
     assert read["error_tau_max"] == pytest.approx(0.02)
     assert read["error_approach"] is None
-    off = page.read(CASE, found(pressure_max=1.01 * exact(24e3).p0))
+    off = peers_page.read(CASE, found(pressure_max=1.01 * exact(24e3).p0))
     assert off["error_p_max"] == pytest.approx(0.01)
 
 
 def test_a_fit_has_the_axes_in_their_order_and_refuses_what_is_no_ellipse() -> None:
     x, y = (grid.ravel() for grid in np.meshgrid(np.linspace(0, 3, 8), np.linspace(0, 2, 8)))
     p = 5 * np.sqrt(np.maximum(0, 1 - (x / 3) ** 2 - (y / 2) ** 2))
-    assert page.fitted(x, y, p) == pytest.approx((5, 3, 2))
+    assert peers_page.fitted(x, y, p) == pytest.approx((5, 3, 2))
     for flat in (np.ones_like(p), np.zeros_like(p), 1 + x):
         with pytest.raises(ValueError, match="no ellipse"):
-            page.fitted(x, y, flat)
+            peers_page.fitted(x, y, flat)
 
 
 def test_calculix_s_files_are_read(tmp_path) -> None:
@@ -108,7 +107,7 @@ def test_calculix_s_files_are_read(tmp_path) -> None:
 
 @pytest.mark.parametrize("cell, order", [("hexahedron", 1), ("tetrahedron", 2)])
 def test_blocks_lie_on_their_arcs_and_show_their_faces(cell, order, tmp_path) -> None:
-    blocks.write(tmp_path / "mesh.npz", CASE, cell, order, 4.0)
+    block_meshes.write(tmp_path / "mesh.npz", CASE, cell, order, 4.0)
     mesh = dict(np.load(tmp_path / "mesh.npz"))
     for body, sign in (("rail", 1), ("wheel", -1)):
         points, corners = mesh[f"{body}_points"], mesh[f"{body}_corners"]
@@ -118,7 +117,7 @@ def test_blocks_lie_on_their_arcs_and_show_their_faces(cell, order, tmp_path) ->
         a, b, c = points[corners[:, :3]].transpose(1, 0, 2)
         assert (np.sign(np.cross(b - a, c - a)[:, 2]) == sign).all()
         for (owner, side), face in zip(mesh[f"{body}_sides"], corners, strict=True):
-            assert set(mesh[f"{body}_cells"][owner][blocks.FACES[cell][side]]) == set(face)
+            assert set(mesh[f"{body}_cells"][owner][block_meshes.FACES[cell][side]]) == set(face)
         whole = points[mesh[f"{body}_cells"]]
         for middle, (one, other) in enumerate(EDGES if order == 2 else (), start=4):
             away = whole[:, middle] - (whole[:, one] + whole[:, other]) / 2
@@ -177,10 +176,10 @@ def test_each_code_is_whole_and_needs_one_kind_of_package() -> None:
 
 def test_the_page_has_medians_reasons_and_what_failed() -> None:
     fe, cost = "finite elements", {"peak_bytes": 2 * 10**8, "unknowns": 9, "force": 25e3}
-    errors = dict.fromkeys((f"error_{name}" for name in page.ERRORS), 1e-4)
+    errors = dict.fromkeys((f"error_{name}" for name in peers_page.ERRORS), 1e-4)
     own = [
-        page.row(
-            page.OURS,
+        peers_page.row(
+            peers_page.OURS,
             fe,
             "default",
             {**cost, **errors, "error_p_max": -2e-4, "error_p_fit": None}
@@ -188,9 +187,11 @@ def test_the_page_has_medians_reasons_and_what_failed() -> None:
         )
         for s in (2.0, 9.0, 3.0)
     ]
-    other = page.row("Code", fe, "1 mm", COST | page.read(CASE, found()))
-    lost = page.row("Code", fe, "0.1 mm", {}, "singular matrix")
-    text = page.page([own[0], other, own[1], lost, own[2]], [], {}, {"Gone": "no command gone"})
+    other = peers_page.row("Code", fe, "1 mm", COST | peers_page.read(CASE, found()))
+    lost = peers_page.row("Code", fe, "0.1 mm", {}, "singular matrix")
+    text = peers_page.page(
+        [own[0], other, own[1], lost, own[2]], [], {}, {"Gone": "no command gone"}
+    )
     row = next(line for line in text.splitlines() if line.startswith("| railhead | default"))
     assert [cell.strip() for cell in row.split("|")][3:9] == [
         "9",

@@ -10,9 +10,8 @@ from railhead.geometry import placement, profiles
 from railhead.geometry.placement import ProfilePair
 from railhead.scene import catalogue
 from railhead.theory.elastic.hertz import point_contact
-from studies.thesis import geometry, hertz, stress, study
+from studies.thesis import geometry, hertz, stress, thesis_study
 from studies.thesis import geometry as thesis_geometry
-from studies.thesis import study as thesis_runs
 from studies.thesis.claims import Verdict
 
 DIFFERENT: dict[int, Verdict] = {}
@@ -21,12 +20,12 @@ DIFFERENT: dict[int, Verdict] = {}
 
 @pytest.fixture(scope="module")
 def facts():
-    return study.facts(catalogue.find(study.CASE))
+    return thesis_study.facts(catalogue.find(thesis_study.CASE))
 
 
 def test_every_claim_is_judged_as_the_reference_does(facts) -> None:
-    judged = study.judge(facts)
-    assert len(judged) == len(study.RULES) == 89
+    judged = thesis_study.judge(facts)
+    assert len(judged) == len(thesis_study.RULES) == 89
     assert sum(len(each.RULES) for each in (geometry, hertz, stress)) == 89  # one rule a claim
     assert {c.id: f.verdict for c, f in judged if f.verdict != c.expected_verdict} == DIFFERENT
     harmless = {claim.id for claim, _ in judged if "harmless" in claim.expected}
@@ -43,7 +42,7 @@ def test_verdicts_follow_the_numbers(facts) -> None:
         (circle, {61: Verdict.CORRECT, 71: Verdict.CORRECT, 57: Verdict.WRONG, 44: Verdict.WRONG}),
     ):
         changed = replace(facts, ellipse=ellipse)
-        assert {i: study.RULES[i](changed).verdict for i in expected} == expected
+        assert {i: thesis_study.RULES[i](changed).verdict for i in expected} == expected
 
 
 def test_touches_on_the_real_profiles(facts) -> None:
@@ -77,14 +76,14 @@ def test_corrected_equations_hold_on_the_real_profiles() -> None:
 
 @pytest.mark.slow
 def test_finite_elements_agree_with_the_exact_values(facts, monkeypatch) -> None:
-    monkeypatch.setattr(thesis_runs, "LOADS", (25e3,))
-    monkeypatch.setattr(thesis_runs, "ELEMENTS", ())
-    runs, fe, sampled = thesis_runs.measure(catalogue.find(study.CASE), facts.ellipse)
+    monkeypatch.setattr(thesis_study, "LOADS", (25e3,))
+    monkeypatch.setattr(thesis_study, "ELEMENTS", ())
+    runs, fe, sampled = thesis_study.measure(catalogue.find(thesis_study.CASE), facts.ellipse)
     assert len(runs) == 1 and sampled is not None
     axle = {"p0_axle": 0.0, "mises_axle": 0.0}  # of a load that is not run here
     checks = [
         check
-        for _, finding in study.judge(replace(facts, fe=fe | axle))
+        for _, finding in thesis_study.judge(replace(facts, fe=fe | axle))
         for check in finding.checks
         if isinstance(check.ours, float) and isinstance(check.exact, float) and check.ours
     ]

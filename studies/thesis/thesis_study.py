@@ -14,10 +14,10 @@ from railhead.scene.scene import Scene
 from railhead.theory.elastic import subsurface
 from railhead.theory.elastic.hertz import Ellipse
 from studies import tables
-from studies.thesis import geometry, hertz, page, stress
+from studies.thesis import geometry, hertz, stress, thesis_page
 from studies.thesis.claims import Claim, Finding, Rule, read_claims
 from studies.thesis.facts import WHEEL, Facts, facts
-from studies.thesis.page import DEFAULT, HEXAHEDRA
+from studies.thesis.thesis_page import DEFAULT, HEXAHEDRA
 
 CASE = "uic54_thesis"
 RULES: dict[int, Rule] = geometry.RULES | hertz.RULES | stress.RULES
@@ -47,11 +47,13 @@ def main(out: Path, *, quick: bool) -> None:
     rows, fe, sampled = ([], {}, None) if quick else measure(scene, given.ellipse)
     given = replace(given, fe=fe)
     judged = judge(given)
-    page.patch(given, sampled, out / "thesis_patch.png")
-    page.lines(given, sampled, out / "thesis_lines.png")
-    page.loads(given, [r for r in rows if r["elements"] == DEFAULT], out / "thesis_loads.png")
+    thesis_page.patch(given, sampled, out / "thesis_patch.png")
+    thesis_page.lines(given, sampled, out / "thesis_lines.png")
+    thesis_page.loads(
+        given, [r for r in rows if r["elements"] == DEFAULT], out / "thesis_loads.png"
+    )
     checks = [row for pair in judged for row in _rows(*pair)]
-    text = page.page(given, judged, rows)
+    text = thesis_page.page(given, judged, rows)
     tables.publish(out, text, UNITS, thesis=checks, thesis_runs=rows)
 
 
@@ -83,7 +85,9 @@ def _rows(claim: Claim, finding: Finding) -> list[dict[str, Any]]:
     return [head | check for check in checks or [none | {"check": "none"}]]
 
 
-def measure(scene: Scene, exact: Ellipse) -> tuple[list[Row], dict[str, float], page.Sampled]:
+def measure(
+    scene: Scene, exact: Ellipse
+) -> tuple[list[Row], dict[str, float], thesis_page.Sampled]:
     """Solve the case under all loads, and with linear hexahedra; also what the rules and the
     pictures need of the case itself."""
     runs: list[Row] = []
@@ -95,7 +99,7 @@ def measure(scene: Scene, exact: Ellipse) -> tuple[list[Row], dict[str, float], 
             runs.append(_row(DEFAULT, result))
             if load == scene.load:
                 assert result.fields is not None and result.findings is not None
-                sampled = page.sample(result.fields, result.findings)
+                sampled = thesis_page.sample(result.fields, result.findings)
                 fe |= fe_facts(result.findings, runs[-1], exact)
             if load == WHEEL:
                 fe |= {"p0_axle": runs[-1]["p0"], "mises_axle": runs[-1]["mises_max"]}

@@ -13,9 +13,9 @@ from typing import Any
 from railhead.run.progress import Progress
 from railhead.scene import catalogue
 from studies import processes, tables
-from studies.peers import blocks, page
+from studies.peers import block_meshes, peers_page
 from studies.peers.codes import Peer, peers
-from studies.peers.page import OURS, TRAVEL
+from studies.peers.peers_page import OURS, TRAVEL
 from studies.processes import Cost, FailedError
 from studies.tables import Row
 
@@ -104,8 +104,10 @@ def main(out: Path, *, quick: bool) -> None:
                 absent[peer.TITLE] = str(error)
         present = [peer for peer in known if peer.TITLE in versions]
         runs = list(measured(present, Path(work), progress, quick=quick))
-    page.draw(runs, out / "peers.png")
-    tables.publish(out, page.page(runs, present, versions, absent), page.UNITS, peers=runs)
+    peers_page.draw(runs, out / "peers.png")
+    tables.publish(
+        out, peers_page.page(runs, present, versions, absent), peers_page.UNITS, peers=runs
+    )
 
 
 def measured(
@@ -120,7 +122,7 @@ def measured(
     for cell, order, size in dict.fromkeys(tuple(run["mesh"]) for run in runs):
         progress.stage(f"meshing: {cell}, order {order}, {size:g} mm")
         files[cell, order, size] = work / f"{len(files)}.npz"
-        blocks.write(files[cell, order, size], case, cell, order, size)
+        block_meshes.write(files[cell, order, size], case, cell, order, size)
     own = [COARSE] if quick else [OWN_RUNS] * REPEATS
     for theirs, ours in zip_longest(zip_longest(*lists), own, fillvalue=()):
         for peer, chosen in zip(present, theirs, strict=False):
@@ -170,9 +172,9 @@ def solve(
     mesh = str(files[tuple(run["mesh"])]) if "mesh" in run else None
     try:
         found, cost = _asked(peer, {"case": case, "mesh": mesh, "run": options}, work)
-        return page.row(*head, cost | page.read(case, found))
+        return peers_page.row(*head, cost | peers_page.read(case, found))
     except (FailedError, ValueError) as error:
-        return page.row(*head, {}, str(error))
+        return peers_page.row(*head, {}, str(error))
 
 
 def _asked(peer: Peer, job: Mapping[str, Any] | None, work: Path) -> tuple[Any, Cost]:
@@ -195,8 +197,8 @@ def _own(setting: str, options: Sequence[str], work: Path) -> Row:
     try:
         cost = processes.run(command, work)
         summary = json.loads((work / "own" / "summary.json").read_text(encoding="utf-8"))
-        return page.row(*head, cost | page.read_own(summary))
+        return peers_page.row(*head, cost | peers_page.read_own(summary))
     except FailedError as error:
-        return page.row(*head, {}, str(error))
+        return peers_page.row(*head, {}, str(error))
     finally:
         shutil.rmtree(work / "own", ignore_errors=True)
