@@ -73,14 +73,13 @@ def record(taken: float, predicted: float) -> None:
 
 def _ratios() -> list[float]:
     """Ratios of taken to predicted seconds of this machine's runs in the file, latest last; empty
-    without a readable file, and without values outside 0.01 to 1000.
+    without a readable file.
     """
     try:
         kept = json.loads(cache_file().read_text(encoding="utf-8"))
-        ratios = [float(each) for each in kept[platform.node()]]
+        return [float(each) for each in kept[platform.node()]]
     except (OSError, ValueError, KeyError, TypeError):
         return []
-    return [each for each in ratios if 0.01 < each < 1000]
 
 
 def free_memory() -> int:

@@ -209,6 +209,13 @@ class Plan:
         """
         return sum(effect.error for effect in self.effects.values())
 
+    @property
+    def accuracy_of_meshes(self) -> float:
+        """Relative accuracy that meshes have to meet: the asked one less the error of the effects
+        that are left out; 0 less that where none is asked.
+        """
+        return (self.scene.accuracy or 0.0) - self.omission_error
+
     @cached_property
     def uncertainty(self) -> Uncertainty | None:
         """Relative error of largest pressure and area, one number, that measured profiles may hide:
@@ -627,4 +634,4 @@ def _decided(scene: Scene) -> Plan:
     plan = plan.at_resolution(plan.sizing.default_resolution)
     if scene.accuracy is None or plan.family is None:
         return plan
-    return plan.at_resolution(plan.family.finest(scene.accuracy - plan.omission_error))
+    return plan.at_resolution(plan.family.finest(plan.accuracy_of_meshes))

@@ -67,7 +67,7 @@ def refine(
     coarse = max(wanted / error_envelopes.STEP ** (1 if known else 2), low)
     least = 2
     if known is not None and scene.budget is None and not known.covers(coarse):
-        least, coarse = 1, known.finest(ONE_MESH_SHARE * _accuracy_of_meshes(plan))
+        least, coarse = 1, known.finest(ONE_MESH_SHARE * plan.accuracy_of_meshes)
     meshes = [mesh_and_solve(plan.at_resolution(coarse), progress, comm)]
     if meshes[0].solution.plasticity is not None:
         meshes[0] = _with_load_step_errors(meshes[0], progress, comm)
@@ -158,13 +158,6 @@ def _with_load_step_errors(
     return replace(other, plan=replace(plan, load_steps=steps), load_step_errors=error)
 
 
-def _accuracy_of_meshes(plan: Plan) -> float:
-    """Wanted accuracy minus the error of effects that the plan leaves out; without an accuracy 0
-    minus that.
-    """
-    return (plan.scene.accuracy or 0.0) - plan.omission_error
-
-
 def _next(meshes: list[MeshSolution], worst: float, wanted: float) -> tuple[float, bool]:
     """Elements per smaller semi-axis of the next mesh, and whether error estimates exist there.
     worst: largest relative error of the last mesh; wanted: planned elements per smaller semi-axis.
@@ -182,7 +175,7 @@ def _next(meshes: list[MeshSolution], worst: float, wanted: float) -> tuple[floa
         if asked is not None and solved.plan.scene.budget is None:
             found = estimates.reading_errors(solved.findings) if solved.findings is not None else {}
             limited = known.read_no_better(n, found, estimates.load_step_errors(meshes))
-            wanted = limited.finest(_accuracy_of_meshes(solved.plan))
+            wanted = limited.finest(solved.plan.accuracy_of_meshes)
             if solved.solution.plasticity is not None:
                 wanted *= MARGIN
         wanted = max(wanted, 1.25 * n)
@@ -196,6 +189,6 @@ def _obstacle(plan: Plan, spent: float) -> str:
     if not plan.fits(cost.free_memory()):
         return f"memory: the next mesh needs about {plan.memory / 1e9:.1f} GB"
     limit = plan.scene.budget
-    if limit is not None and spent and cost.START + spent + plan.mesh_seconds > limit:
+    if limit is not None and spent and spent + plan.seconds > limit:
         return f"budget: the next mesh needs about {plan.mesh_seconds:.0f} s"
     return ""

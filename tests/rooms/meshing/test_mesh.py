@@ -137,6 +137,8 @@ def test_the_formula_of_sizes_gives_the_numbers(grading: Grading, y: float, z: f
 def test_sizes_grow_with_the_distance_from_the_patch() -> None:
     assert TILTED.at(5.0, -0.1) == pytest.approx(0.3)
     assert TILTED.at(105.0, -0.1) == pytest.approx(0.3 + 0.3 * (100 - 2.3), rel=0.01)
+    needle = replace(TILTED, a=18.0, stretch=3.0)  # far off half as long again: 0.45 of 0.3
+    assert 3 * needle.at(105.0, -0.1) == pytest.approx(1.62 + 0.45 * (100 - 2.3), rel=0.01)
 
 
 def test_layers_grow_away_from_the_patch() -> None:
