@@ -309,7 +309,7 @@ def test_a_budget_pays_for_meshes_and_for_the_start_of_the_process() -> None:
 def test_a_measured_profile_hides_twice_what_pressure_or_area_changes() -> None:
     """Beside an answer with twice its pressure, or twice its area; smoothing moves both by 1 %."""
     scene = catalogue.find("uic54_thesis").replace(
-        [f"rail.profile={Path(__file__).parents[2] / 'examples' / 'worn_60e1.csv'}"]
+        [f"rail.profile={Path(__file__).parents[4] / 'examples' / 'worn_60e1.csv'}"]
     )
     usual = planning.make(scene).context.boundary_elements
     hidden = [
