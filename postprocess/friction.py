@@ -130,7 +130,8 @@ def quantities(
     Rolling with a speed: the power, W. Rolling of like bodies with centres: the wear number, N.
         Rolling of like bodies with a solution without creepage: the resolution of each quantity.
     Of a cycle: the energy that slip dissipates in it, N mm.
-    Else: names of the quantities that the border of stick hides (`_hidden_by_border`).
+    Always "below_resolution": names of the quantities that mesh or grid do not resolve; without the
+        resolution of each those that the border of stick hides (`_hidden_by_border`).
     """
     touches = found.pressure > 0
     share = found.weights[found.sticks].sum() / found.weights[touches].sum()
@@ -147,7 +148,7 @@ def quantities(
     }
     if cycle:
         out["energy_per_cycle_Nmm"] = found.dissipated_energy
-    energy = WEAR if rolling else ("energy_per_cycle_Nmm",) * cycle
+    energy = WEAR if rolling and not like else ("energy_per_cycle_Nmm",) * cycle
     below = _hidden_by_border(out["stick_share"], _border_error(found), energy)
     out["below_resolution"] = sorted(below)
     if rolling:

@@ -56,6 +56,8 @@ STYLE = {
     "lines.markersize": 4.5,
     "legend.framealpha": 0.85,
     "legend.edgecolor": "none",
+    "figure.autolayout": False,  # a person's own setting, which the layout of `new_figure` forbids
+    "figure.constrained_layout.use": False,
 }
 
 

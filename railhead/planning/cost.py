@@ -7,6 +7,7 @@ One shipped number for each kind of model; what finished runs took on this machi
 from __future__ import annotations
 
 import json
+import math
 import platform
 import statistics
 from dataclasses import dataclass
@@ -77,7 +78,7 @@ def _ratios() -> list[float]:
     """
     try:
         kept = json.loads(cache_file().read_text(encoding="utf-8"))
-        return [float(each) for each in kept[platform.node()]]
+        return [float(each) for each in kept[platform.node()] if 0 < float(each) < math.inf]
     except (OSError, ValueError, KeyError, TypeError):
         return []
 

@@ -145,7 +145,7 @@ class Result(terminal.Drawn):
     @property
     def _answer(self) -> quantities.Answer:
         """Quantities of the solution, read from `summary`. ValueError: there is no result, as
-        nothing touches or half-spaces did not converge.
+        nothing touches or the solution did not converge.
         """
         if self.summary["result"] is None:
             raise ValueError("there is no result: nothing touches, or it did not converge")

@@ -226,7 +226,8 @@ class FrictionResolution:
     traction_max: largest traction, MPa.
     t_gamma: work of these forces on the creepages and the spin of the solution, per rolled length,
         N.
-    stick_share: share of the patch that slips, plus the largest share of one contact point.
+    stick_share: share of the patch that slips, plus that around the border of stick that is not
+        known: 3 n^(-3/4) with n contact points, in a section one point.
     """
 
     force_along: float = quantity("force_along_N")
@@ -272,9 +273,10 @@ class FrictionQuantities:
         answer.
     passes: number of times that the tractions were solved, over all load steps; 0 where half-spaces
         answer.
-    resolution: friction that the mesh shows without creepage; None of a shift, of unlike materials,
-        and of half-spaces.
-    below_resolution: keys of the quantities that the mesh does not resolve.
+    resolution: friction that the mesh shows without creepage; None of a shift and of unlike
+        materials.
+    below_resolution: keys of the quantities that mesh or grid do not resolve; None in a result of
+        an older version.
     wear_number: scalar product of force and mean creepage, largest of all patches, N; None of a
         shift and of unlike materials.
     t_gamma_over_area: t_gamma over the area of the patch, N/mm2; None of a shift.

@@ -190,5 +190,5 @@ def _obstacle(plan: Plan, spent: float) -> str:
         return f"memory: the next mesh needs about {plan.memory / 1e9:.1f} GB"
     limit = plan.scene.budget
     if limit is not None and spent and spent + plan.seconds > limit:
-        return f"budget: the next mesh needs about {plan.mesh_seconds:.0f} s"
+        return f"budget: the next mesh needs about {plan.seconds:.0f} s"
     return ""

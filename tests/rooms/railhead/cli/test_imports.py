@@ -37,7 +37,7 @@ def test_a_plan_imports_no_solver() -> None:
 
 
 def test_half_spaces_import_no_solver_and_no_mesh(tmp_path) -> None:
-    fast = command("run", "uic54_thesis", "--fast", "--quiet", "--no-pictures", f"--out={tmp_path}")
+    fast = command("run", "s1002_60e1", "--fast", "--quiet", "--no-pictures", f"--out={tmp_path}")
     assert not {"petsc4py", "dolfinx", "meshio", "matplotlib"} & loaded(fast)
 
 

@@ -297,13 +297,16 @@ def test_a_budget_buys_what_it_can_and_says_what_was_too_dear(monkeypatch) -> No
 
 
 def test_a_budget_pays_for_meshes_and_for_the_start_of_the_process() -> None:
-    """Its imports take 1.3 s."""
-    plan = planning.make(catalogue.find("long_roller").replace(["budget=60s"]))
+    """Its imports take 1.3 s; passes, which come after the meshes, take their time as well."""
+    scene = catalogue.find("long_roller").replace(["budget=60s"])
+    plan = planning.make(scene)
     left = [
         refinement._obstacle(plan, 60 - plan.mesh_seconds - start).split(":")[0]
         for start in (1.2, 1.4)
     ]
     assert left == ["budget", ""]
+    rolls = planning.make(scene.replace(["rail.steel=R260", "load=300kN", "rolling.passes=2"]))
+    assert refinement._obstacle(rolls, 60 - rolls.mesh_seconds - 1.4).startswith("budget")
 
 
 def test_a_measured_profile_hides_twice_what_pressure_or_area_changes() -> None:
