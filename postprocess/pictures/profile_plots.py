@@ -187,13 +187,13 @@ def _broken(
 
 
 def draw_profile(
-    found: Measured, worn: LaidStandard, subject: Subject, target: Target = None
+    found: Measured, worn: LaidStandard | None, subject: Subject, target: Target = None
 ) -> Figure:
-    """Four panels over y: the profile, the difference of measured and smoothed heights, the
-    curvature, and the material lost to wear.
+    """Panels over y: the profile with its reference places, the difference of measured and smoothed
+    heights, the curvature, and, where a standard fits, the material lost to wear.
 
     found: measured and smoothed profile.
-    worn: the nearest standard profile, laid on the measured one.
+    worn: the standard profile laid on the measured one; None where none fits.
     subject: units.
     target: PNG file, four axes, or None (`new_figure`).
     """
@@ -203,9 +203,12 @@ def draw_profile(
         top, left, bend, lost = figure.subplots(
             4, 1, sharex=True, gridspec_kw={"height_ratios": [1.6, 1, 1.4, 1]}
         )
-        top.plot(*worn.outline.T, color=STANDARD, lw=1.2, label=f"{worn.name}, laid on")
+        if worn:
+            top.plot(*worn.outline.T, color=STANDARD, lw=1.2, label=f"{worn.name}, laid on")
         top.plot(*found.points.T, ".", color=RAW, ms=3, label="measured")
         top.plot(y, profile.height(y), color=SMOOTH, label="smoothed")
+        for mark, (name, place) in zip("^sDo", found.places.items(), strict=False):
+            top.plot(*place, mark, color=STANDARD, ms=7, mfc="none", label=name)
         title = f"{found.path.name}: {found.body}, {len(found.points)} points"
         top.set_title(title, parse_math=False)
         top.set_ylabel("z, mm")
@@ -226,23 +229,27 @@ def draw_profile(
         )
         curvature = profile.curvature(y)
         bend.plot(y, curvature, color=SMOOTH, label="smoothed")
-        bend.plot(*_curvature(worn), color=STANDARD, lw=1.2, label=worn.name)
         span = max(float(np.abs(curvature).max()), 0.02)
         bend.set_ylim(min(1.3 * float(curvature.min()), -0.2 * span), 1.3 * span)
         bend.set_ylabel("curvature, 1/mm\n(convex is positive)")
+        if worn:
+            bend.plot(*_curvature(worn), color=STANDARD, lw=1.2, label=worn.name)
+            _draw_loss(lost, worn, subject)
+        else:
+            lost.text(0.5, 0.5, "no standard profile fits", ha="center", transform=lost.transAxes)
+            lost.set_yticks([])
         bend.legend(loc="best")
-        lost.plot(worn.y, worn.loss, color=LOST)
-        lost.plot(
-            worn.y[worn.worst],
-            worn.largest_loss,
-            "o",
-            color=STANDARD,
-            label=f"largest: {subject.units.text(worn.largest_loss, 'mm', 3)}",
-        )
-        lost.legend(loc="upper right")
-        lost.set_ylabel(f"less than\n{worn.name}, mm")
         lost.set_xlabel("y across the track, mm (gauge side and flange on the left)")
     return figure
+
+
+def _draw_loss(ax: Axes, worn: LaidStandard, subject: Subject) -> None:
+    """Draw the material lost against a standard, over y, with the largest loss marked."""
+    ax.plot(worn.y, worn.loss, color=LOST)
+    largest = f"largest: {subject.units.text(worn.largest_loss, 'mm', 3)}"
+    ax.plot(worn.y[worn.worst], worn.largest_loss, "o", color=STANDARD, label=largest)
+    ax.legend(loc="upper right")
+    ax.set_ylabel(f"less than\n{worn.name}, mm")
 
 
 def _curvature(worn: LaidStandard) -> tuple[Array, Array]:

@@ -20,7 +20,7 @@ from rich.table import Table
 
 from railhead.contact import solid
 from railhead.geometry import placement
-from railhead.geometry.measured import BODY_BY_EXTENSION, standards
+from railhead.geometry.measured import BODY_BY_EXTENSION, measured_profile, standards
 from railhead.geometry.measured.measured_profile import Measured, smoothness
 from railhead.geometry.measured.standards import LaidStandard
 from railhead.geometry.placement import ContactPoint, Placed, PlacementError, ProfilePair, Track
@@ -255,12 +255,12 @@ class ExaminedProfile(terminal.Drawn):
     scene: a scene with the profile; its other keys have no meaning.
     measured: the smoothed profile, and how its file was read.
     worn: the nearest standard profile laid on the measured one, and the material lost against that;
-        it need not fit (`worn.fits`).
+        None where none fits.
     """
 
     scene: Scene
     measured: Measured
-    worn: LaidStandard
+    worn: LaidStandard | None
 
     def summary(self) -> dict[str, Any]:
         """Content of summary.json: lengths in mm, areas in mm2, curvatures in 1/mm, in the axes of
@@ -268,17 +268,19 @@ class ExaminedProfile(terminal.Drawn):
         """
         found, worn = self.measured, self.worn
         low, middle, high = smoothness(found.profile)["curvatures"]
+        wear = worn and {
+            "largest_mm": worn.largest_loss,
+            "largest_y_mm": float(worn.y[worn.worst]),
+            "area_mm2": worn.lost_area,
+        }
         return {
             "body": found.body,
             **found.summary(),
+            "profile": {"origin": found.origin, "sides": found.oriented.sides},
             "domain_mm": list(found.profile.domain),
             "curvatures_per_mm": {"5%": low, "50%": middle, "95%": high},
-            "standard": worn.name,
-            "wear": {
-                "largest_mm": worn.largest_loss,
-                "largest_y_mm": float(worn.y[worn.worst]),
-                "area_mm2": worn.lost_area,
-            },
+            "standard": worn and worn.name,
+            "wear": wear,
         }
 
     def save(
@@ -335,10 +337,13 @@ class ExaminedProfile(terminal.Drawn):
         lines = [
             *terminal.profile_lines({self.measured.body: summary}, units),
             f"radius     {_radii(summary['curvatures_per_mm'].values(), units)}",
-            f"wear       against {worn.name}: at most {units.text(worn.largest_loss, 'mm', 3)} at "
-            f"y = {units.text(worn.y[worn.worst], 'mm', 3)}, "
-            f"{units.text(worn.lost_area, 'mm2', 3)} of the section",
         ]
+        if worn:
+            lines.append(
+                f"wear       against {worn.name}: at most {units.text(worn.largest_loss, 'mm', 3)} "
+                f"at y = {units.text(worn.y[worn.worst], 'mm', 3)}, "
+                f"{units.text(worn.lost_area, 'mm2', 3)} of the section"
+            )
         for line in lines:
             terminal.labelled(console, line)
 
@@ -349,27 +354,26 @@ def profile(
     """Read and smooth a measured profile and compare it with a standard profile.
 
     path: of its file, or an array (n, 2) of y and z, mm.
-    body: "rail" or "wheel"; None takes the body of the extension or of the first assignment, else
-        the first of both whose standard profiles fit.
+    body: "rail" or "wheel"; None takes the body of the first assignment, else that of the file: as
+        it says, else a wheel where it has a flange.
     assignments: keys of that body as in a scene, e.g. "rail.profile_unit=inch".
     Raises SceneError for a profile that cannot be read.
     """
-    suffix = "" if is_array(path) else as_path(path, "path").suffix.lower()
     names = (key.partition(".")[0] for key in assigned(assignments))
-    of_key = next((name for name in names if name in ("rail", "wheel")), None)
-    kind = body or BODY_BY_EXTENSION.get(suffix) or of_key
-    problems = []
-    for each in (kind,) if kind else ("rail", "wheel"):
+    kind = body or next((name for name in names if name in ("rail", "wheel")), None)
+    suffix = "" if is_array(path) else as_path(path, "path").suffix.lower()
+    kind = kind or BODY_BY_EXTENSION.get(suffix)
+    scene = Scene.from_mapping({"load": 1.0, kind or "rail": {"profile": path}})
+    if not kind:
         try:
-            data = {"load": 1.0, each: {"profile": path}}
-            scene = Scene.from_mapping(data).replace(assignments)
-            found = solid.from_file(scene, each)
-            worn = standards.nearest(found.resampled(standards.STEP), each)
-            return ExaminedProfile(scene, found, worn)
-        except SceneError as error:
-            problems.append(error)
-    first, text = problems[0], "(as a rail; no wheel either: --body says whose it is)"
-    raise first if kind else SceneError(first.key, f"{first.text} {text}")
+            kind = measured_profile.body_of(Path(scene.rail.profile))
+        except (ValueError, OSError) as error:
+            raise SceneError("rail.profile", str(error)) from None
+        scene = Scene.from_mapping({"load": 1.0, kind: {"profile": path}})
+    scene = scene.replace(assignments)
+    found = solid.from_file(scene, kind)
+    worn = standards.nearest(found.resampled(standards.STEP), kind)
+    return ExaminedProfile(scene, found, worn if worn.fits else None)
 
 
 def _write(

@@ -13,7 +13,7 @@ import numpy as np
 from railhead.geometry import placement, profiles
 from railhead.geometry.measured import measured_profile as measured
 from railhead.geometry.measured.measured_profile import Measured
-from railhead.geometry.measured.orientation import Orientation
+from railhead.geometry.measured.orientation import SYMMETRIC, Orientation
 from railhead.geometry.placement import (
     ContactPoint,
     Placed,
@@ -50,7 +50,7 @@ def rail_profile(scene: Scene, stretch: float = 1.0) -> Profile:
     if rail.profile in profiles.STANDARD_RAILS:
         return profiles.rail_head(rail.profile, rail.inclination)
     if rail.profile != "arc":
-        return from_file(scene, "rail", stretch).profile
+        return sided(from_file(scene, "rail", stretch)).profile
     half_width = rail.width / 2 if rail.width else RAIL_HALF_WIDTH
     crown = profiles.single_radius(float(rail.crown_radius or 0), half_width)
     return profiles.rolled(crown, rail.inclination)
@@ -69,7 +69,28 @@ def wheel_profile(scene: Scene, stretch: float = 1.0) -> Profile:
         return profiles.single_radius(float(wheel.transverse_radius or 0), TREAD_HALF_WIDTH)
     if wheel.profile == "S1002":
         return profiles.s1002()
-    return from_file(scene, "wheel", stretch).profile
+    return sided(from_file(scene, "wheel", stretch)).profile
+
+
+def sided(found: Measured) -> Measured:
+    """The measured profile itself. Raises SceneError where nothing tells its field side and both
+    sides differ by more than 0.05 mm (SYMMETRIC).
+    """
+    if found.oriented.unlike > SYMMETRIC:
+        key = f"{found.body}.profile_mirror"
+        text = f"nothing in {found.path.name} tells its field side, and its sides differ by "
+        text += f"{found.oriented.unlike:.2g} mm; give off if larger y is the field side, else on"
+        raise SceneError(key, text)
+    return found
+
+
+def tape_circle(scene: Scene) -> float:
+    """Distance in mm from the flange back to the tape circle of a scene's wheel: of its file, else
+    given, else 70 mm.
+    """
+    if is_profile_file(scene.wheel.profile):
+        return from_file(scene, "wheel").oriented.tape_circle
+    return scene.wheel.tape_circle or placement.TAPE_CIRCLE
 
 
 def measured_bodies(scene: Scene) -> tuple[str, ...]:
@@ -91,6 +112,8 @@ def from_file(scene: Scene, body: str, stretch: float = 1.0) -> Measured:
         mirror=part.profile_mirror,
         flip=part.profile_flip,
         origin=part.profile_origin,
+        tape_circle=scene.wheel.tape_circle if body == "wheel" else None,
+        shift=part.profile_shift,
     )
     wavelength = None if part.smoothing == "auto" else part.smoothing
     slope = scene.rail.inclination if body == "rail" else 0.0
@@ -309,7 +332,8 @@ def place(
     be used.
     """
     both = both or pair(scene)
-    wheelset_, track = scene.wheelset, Track(scene.wheelset.back_to_back, scene.rail.gauge)
+    wheelset_ = scene.wheelset
+    track = Track(wheelset_.back_to_back, scene.rail.gauge, tape_circle(scene))
     try:
         return both, placement.place(both, track, wheelset_.shift, wheelset_.yaw, clearance)
     except PlacementError as error:

@@ -271,7 +271,7 @@ def turned(yaw: float, roll: float) -> Array:
     return np.asarray(about_z @ about_x)
 
 
-TAPE_CIRCLE = 70.0  # mm from the flange back to the nominal rolling radius
+TAPE_CIRCLE = 70.0  # mm from the flange back to the nominal rolling radius, usually
 GAUGE_DEPTH = 14.0  # mm below the highest point of the rail
 LARGEST_ROLL = 0.1  # rad
 
@@ -282,15 +282,17 @@ class Track:
     back_to_back: distance of the flange backs, mm.
     gauge: distance of the rails 14 mm below their tops, mm; None where the tape circles stand over
         the crown centres.
+    tape_circle: distance from the flange back to the nominal rolling radius, mm.
     """
 
     back_to_back: float = 1360.0
     gauge: float | None = None
+    tape_circle: float = TAPE_CIRCLE
 
     @property
     def tape(self) -> float:
-        """Distance of the tape circle, 70 mm from the flange back, to the wheelset's centre, mm."""
-        return self.back_to_back / 2 + TAPE_CIRCLE
+        """Distance of the tape circle to the wheelset's centre, mm."""
+        return self.back_to_back / 2 + self.tape_circle
 
     def crown(self, rail: Profile) -> float:
         """Distance of the rail's crown centre from the centre of the track, mm: where no gauge is

@@ -64,7 +64,7 @@ _DROPS = {
     "solver.method": ("solver.theta", ("nitsche", "none")),
 }
 OTHER_NAMES = {"friction.tangential_load": "friction.force_along"}
-_WHEELSET = {"rail.gauge", "wheelset.yaw", "wheelset.back_to_back"}
+_WHEELSET = {"rail.gauge", "wheel.tape_circle", "wheelset.yaw", "wheelset.back_to_back"}
 _LINE = {"rail.width", "wheel.width", "wheelset.shift"}
 #: Keys that a half-space in point contact cannot use.
 HALF_SPACE = (

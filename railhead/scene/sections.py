@@ -170,7 +170,25 @@ def _passes_file(value: object) -> str:
 
 
 Switch = Literal["auto", "on", "off"]
-_FILE_KEYS = ("profile_unit", "profile_mirror", "profile_flip", "profile_origin", "smoothing")
+_FILE_KEYS = (
+    "profile_unit",
+    "profile_mirror",
+    "profile_flip",
+    "profile_origin",
+    "profile_shift",
+    "smoothing",
+)
+
+
+def _two(value: object) -> object:
+    """A list of two numbers, or its text "[1, 2]", as a tuple. Raises ValueError (one line) for
+    anything else.
+    """
+    if isinstance(value, str):
+        value = value.strip().removeprefix("[").removesuffix("]").split(",")
+    if not isinstance(value, (list, tuple)) or len(value) != 2:
+        raise ValueError(f"{show(value)} is not allowed; give two lengths [y, z], e.g. [0, -1.5]")
+    return tuple(value)
 
 
 class BodySection(Section):
@@ -193,8 +211,7 @@ class BodySection(Section):
     profile_unit: unit of the file's numbers: "auto", "mm", "m" or "inch".
     profile_mirror: "on": left and right of the file are exchanged, "off": they are not, or "auto".
     profile_flip: "on": up and down of the file are exchanged, "off": they are not, or "auto".
-    profile_origin: "file" keeps the file's origin; "auto" keeps one on the crown or within 8 mm of
-        the tape circle, and else moves the profile to the origin of the standard profiles.
+    profile_shift: mm, (y, z) by which the profile is moved at last, in the axes of profiles.
     smoothing: mm, wavelength of waves that keep half of their height; "auto" chooses by the noise.
     """
 
@@ -209,7 +226,9 @@ class BodySection(Section):
     profile_unit: Literal["auto", "mm", "m", "inch"] = "auto"
     profile_mirror: Switch = "auto"
     profile_flip: Switch = "auto"
-    profile_origin: Literal["auto", "file"] = "auto"
+    profile_shift: Annotated[
+        tuple[units.Displacement, units.Displacement], BeforeValidator(_two)
+    ] = (0.0, 0.0)
     smoothing: units.Wavelength | Literal["auto"] = "auto"
 
     @model_validator(mode="after")
@@ -250,10 +269,10 @@ class BodySection(Section):
             if profile != "arc" and value is not None:
                 raise SceneError(key, f"{value:g} is not allowed; only profile arc takes it")
         for key in _FILE_KEYS:
-            value = getattr(self, key)
-            if value != "auto" and not is_profile_file(profile):
-                text = f"{value} is not allowed; only a profile from a file takes it; give auto"
-                raise SceneError(key, text)
+            value, default = getattr(self, key), type(self).model_fields[key].default
+            if value != default and not is_profile_file(profile):
+                text = f"{value} is not allowed; only a profile from a file takes it; give "
+                raise SceneError(key, text + ("auto" if default == "auto" else str([*default])))
         return self
 
     @property
@@ -293,10 +312,11 @@ class Rail(BodySection):
 
     Inherited from `BodySection`: young_modulus (MPa), poisson_ratio, steel, yield_stress (MPa),
     hardening_modulus (MPa), kinematic_fraction, stress_strain (a file), and for a profile's file
-    profile_unit, profile_mirror, profile_flip, profile_origin and smoothing (mm).
+    profile_unit, profile_mirror, profile_flip, profile_shift and smoothing (mm).
 
     profile: 54E1 (UIC54), 60E1 (UIC60), arc, the path of a file of points, or an array (n, 2) of y
         and z, mm.
+    profile_origin: "file": the file's origin is the crown centre; "auto": as format and shape tell.
     crown_radius: mm, radius of an arc; inf is flat. Required for arc, not allowed (None) otherwise.
     inclination: tangent of the angle by which the rail leans towards the track's middle (y < 0),
         e.g. 1/20; negative: away from it.
@@ -313,6 +333,7 @@ class Rail(BodySection):
     """
 
     profile: Annotated[str, _profile("rail", "54E1", "60E1", "arc")] = "54E1"
+    profile_origin: Literal["auto", "file"] = "auto"
     crown_radius: units.Radius | None = None
     inclination: units.Slope = 0.0
     gauge: units.Gauge | None = None
@@ -329,10 +350,14 @@ class Wheel(BodySection):
 
     Inherited from `BodySection`: young_modulus (MPa), poisson_ratio, steel, yield_stress (MPa),
     hardening_modulus (MPa), kinematic_fraction, stress_strain (a file), and for a profile's file
-    profile_unit, profile_mirror, profile_flip, profile_origin and smoothing (mm).
+    profile_unit, profile_mirror, profile_flip, profile_shift and smoothing (mm).
 
     profile: cylinder, cone20, cone40, arc, S1002, the path of a file of points, or an array (n, 2)
         of y and z, mm.
+    profile_origin: "file": the file's origin is the tape circle; "flange_back": its y begins at the
+        flange back; "auto": as format and shape tell.
+    tape_circle: mm from the flange back to the tape circle; None: as the file of the profile tells,
+        else 70. Not for S1002, which has it at 70.
     rolling_radius: mm, nominal, at the tape circle; inf is a straight bar with the profile of the
         tread, solved in a section across the rail.
     transverse_radius: mm, radius of an arc across the rail; negative is concave, inf is straight.
@@ -347,6 +372,8 @@ class Wheel(BodySection):
     profile: Annotated[str, _profile("wheel", "cylinder", "cone20", "cone40", "arc", "S1002")] = (
         "cylinder"
     )
+    profile_origin: Literal["auto", "file", "flange_back"] = "auto"
+    tape_circle: units.TapeCircle | None = None
     rolling_radius: units.Radius = 420.0
     transverse_radius: units.SignedRadius | None = None
     width: units.BodyLength | None = None
@@ -354,6 +381,14 @@ class Wheel(BodySection):
     segment_length: units.BodyLength | None = None
 
     _ARC_KEYS: ClassVar = ("transverse_radius",)
+
+    @model_validator(mode="after")
+    def _tape_circle_of_the_profile(self) -> Self:
+        """Raise SceneError for another tape circle of S1002 than its own."""
+        if self.profile == "S1002" and self.tape_circle not in (None, 70.0):
+            text = f"{self.tape_circle:g} is not allowed; S1002 has its tape circle at 70"
+            raise SceneError("tape_circle", text)
+        return self
 
 
 class Wheelset(Section):

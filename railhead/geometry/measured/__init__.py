@@ -4,4 +4,5 @@ Scenes read the extensions of the files from here, so nothing is imported.
 """
 
 BODY_BY_EXTENSION = {".ban": "rail", ".whl": "wheel", ".prr": "rail", ".prw": "wheel"}
-EXTENSIONS = (".csv", ".txt", ".dat", ".asc", ".tsv", *BODY_BY_EXTENSION)
+MINIPROF = (".ban", ".whl", ".mpt")
+EXTENSIONS = (".csv", ".txt", ".dat", ".asc", ".tsv", ".mpt", *BODY_BY_EXTENSION)

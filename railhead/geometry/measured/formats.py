@@ -1,7 +1,11 @@
 """Files of profile instruments: which numbers are points, and what the file says of them.
 
-MiniProf (.ban rail, .whl wheel: header lines key=value, an empty line, then columns), Simpack (.prr
-rail, .prw wheel: commented sections, points between point.begin and point.end), and tables of text.
+MiniProf (.ban rail, .whl wheel, .mpt either: a header of any lines, then columns, perhaps in
+sections with names in brackets), Simpack (.prr rail, .prw wheel: commented sections, points between
+point.begin and point.end), and tables of text. Each format says what it defines of the axes: z of a
+Simpack file counts downwards and y to the field side; y of a MiniProf wheel begins at the flange
+back.
+
 Separator and decimal mark of a table are those with which the most lines are rows of numbers; of a
 long file only some 2000 lines are tried. The columns of y and z are those that a header line names;
 without one the table must have two columns, y before z.
@@ -17,16 +21,16 @@ from pathlib import Path
 
 import numpy as np
 
-from railhead.geometry.measured import BODY_BY_EXTENSION
+from railhead.geometry.measured import BODY_BY_EXTENSION, MINIPROF
 from railhead.geometry.measured.smoothing import LEAST_POINTS
 from railhead.theory.array_types import Array
 
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 COMMENT = re.compile(r"[#%!;*]|//")
 COMMENTED_OUT = re.compile(r"[#%!\"]")  # by MiniProf and Simpack
-SIMPACK_UNITS = {1000: "mm", 1: "m", 39: "inch"}  # by the whole part of units.len.f, units a metre
 ACROSS = ("y", "lateral", "lat", "across", "quer")
 UP = ("z", "height", "vertical", "vert", "hoehe", "höhe", "elevation", "elev", "depth", "tiefe")
+MM_OF_UNIT = {"mm": 1.0, "m": 1000.0, "inch": 25.4, "cm": 10.0, "um": 1e-3, "ft": 304.8}
 UNIT_NAMES = {
     "mm": ("mm", "millimetre", "millimeter", "millimetres", "millimeters"),
     "m": ("m", "metre", "meter", "metres", "meters"),
@@ -54,6 +58,7 @@ LAYOUTS = (
     (r"\s+", ",", "blanks, decimal commas"),
 )
 INSTRUMENT_LAYOUT = r"[\s,;]+", "."
+FOLLOWING = 3  # lines of numbers that follow each other begin the points of a MiniProf file
 
 
 class FormatError(ValueError):
@@ -75,6 +80,10 @@ class Table:
     format: 'MiniProf', 'Simpack', or 'table by ' and the name of the separator.
     remarks: what was left out or computed while reading.
     lines: (n,) line number of each point.
+    outward: 1 or -1 where the format defines z: the sign of the z that points out of the metal.
+    field: 1 or -1 where the format defines y: the sign of the y that points to the field side.
+    placed: whether the format defines the origin.
+    tape_circle: distance from the flange back to the tape circle that the header gives, mm.
     """
 
     points: Array
@@ -83,6 +92,10 @@ class Table:
     format: str
     remarks: tuple[str, ...]
     lines: tuple[int, ...]
+    outward: int | None = None
+    field: int | None = None
+    placed: bool = False
+    tape_circle: float | None = None
 
 
 def read(path: Path, unit_is_given: bool = False) -> Table:
@@ -93,12 +106,12 @@ def read(path: Path, unit_is_given: bool = False) -> Table:
     """
     name, lines, extension = path.name, _text(path).splitlines(), path.suffix.lower()
     body = BODY_BY_EXTENSION.get(extension, "")
-    if not body:
-        found = _table(name, lines, unit_is_given)
-    elif extension in (".ban", ".whl"):
+    if extension in MINIPROF:
         found = _miniprof(name, lines, body)
-    else:
+    elif body:
         found = _simpack(name, lines, body)
+    else:
+        found = _table(name, lines, unit_is_given)
     if len(found.points) < LEAST_POINTS:
         text = f"ends after {len(found.points)} points; give at least {LEAST_POINTS}"
         raise FormatError(name, len(lines), text)
@@ -139,9 +152,9 @@ def _numbers(line: str, separator: str, decimal: str) -> list[float] | None:
 
 def _rows(
     name: str, lines: Sequence[str], span: range, layout: tuple[str, str], comment: re.Pattern[str]
-) -> tuple[list[list[float]], tuple[int, ...], tuple[str, ...]]:
-    """Rows of numbers, one for each line of a span that is not empty or commented out, and the line
-    number of each row (n,). Also a remark on rows that are commented out, () if there are none.
+) -> tuple[list[list[float]], tuple[int, ...], int]:
+    """Rows of numbers, one for each line of a span that is not empty or commented out, the line
+    number of each row (n,), and how many rows are commented out.
     name: file name, for messages.
     span: indices of the lines.
     layout: separator (regular expression) and decimal mark.
@@ -164,7 +177,12 @@ def _rows(
     if not rows:
         text = "no points follow; give two numbers y, z a line"
         raise FormatError(name, max(min(span.start + 1, len(lines)), 1), text)
-    return rows, tuple(where), (f"{out} line{'s' * (out > 1)} commented out",) if out else ()
+    return rows, tuple(where), out
+
+
+def _commented_out(count: int) -> tuple[str, ...]:
+    """Remark on a number of rows that are commented out; () if there are none."""
+    return (f"{count} line{'s' * (count > 1)} commented out",) if count else ()
 
 
 def _points(
@@ -182,27 +200,43 @@ def _points(
 
 
 def _miniprof(name: str, lines: Sequence[str], body: str) -> Table:
-    """Table of a MiniProf file, in mm. Points are its columns X and Y by the header's ColumnDef,
-    else the first two. Lines that begin with #, % or a quotation mark are commented out. Raises
-    FormatError for a file without header or without points, and for a line that is no point.
-    name: file name, for messages; body: 'rail' or 'wheel', by the extension.
+    """Table of a MiniProf file, in mm. Lines of any kind come first; the points begin where three
+    (FOLLOWING) lines of numbers follow each other. Points are the columns X and Y of the header's
+    ColumnDef, else the first two. Lines that begin with #, % or a quotation mark are commented out.
+    name: file name, for messages; body: 'rail' or 'wheel' by the extension, or ''.
+    Raises FormatError for a file without points or with two profiles, and for a line that is no
+    point.
     """
-    empty = next((i for i, line in enumerate(lines) if not line.strip()), len(lines))
-    header = dict(line.split("=", 1) for line in lines[:empty] if "=" in line)
-    if not header:
-        text = "is no header; give MiniProf's lines key=value and an empty line before the points"
-        raise FormatError(name, 1, text)
-    span = range(empty, len(lines))
-    rows, at_lines, remarks = _rows(name, lines, span, INSTRUMENT_LAYOUT, COMMENTED_OUT)
+    numeric = [_numbers(re.sub(r"^\s*[#%\"]", "", line), *INSTRUMENT_LAYOUT) for line in lines]
+    ends = [i for i, line in enumerate(lines) if line.startswith("[")] + [len(lines)]
+    parts = [(start, end) for start, end in zip([0, *ends], ends, strict=False) if start < end]
+    starts = [
+        (next((i for i in range(*part) if all(numeric[i : i + FOLLOWING])), part[1]), part[1])
+        for part in parts
+    ]
+    full = [each for each in starts if each[0] < each[1]]
+    if len(full) > 1:
+        raise FormatError(name, full[1][0] + 1, "begins another profile; give a file with one")
+    start, end = full[0] if full else (len(lines), len(lines))
+    header = dict(line.split("=", 1) for line in lines[:start] if "=" in line)
+    layout = INSTRUMENT_LAYOUT
+    rows, at_lines, out = _rows(name, lines, range(start, end), layout, COMMENTED_OUT)
+    promised = header.get("XYPoints", "").strip()
+    short = promised.isdecimal() and len(rows) + out < int(promised)
     names = [column.strip().upper() for column in header.get("ColumnDef", "X,Y").split(",")]
     columns = [names.index(column) for column in ("X", "Y") if column in names]
+    tape = header.get("WheelDiameterTaperline", "").strip()
     return Table(
         points=_points(name, rows, at_lines, columns if len(columns) == 2 else [0, 1]),
         unit="mm",
         body=body,
         format="MiniProf",
-        remarks=remarks,
+        remarks=(*_commented_out(out), *(f"of {promised} by its header",) * short),
         lines=at_lines,
+        outward=1 if body == "wheel" else None,
+        field=1 if body == "wheel" else None,
+        placed=True,
+        tape_circle=float(tape) if NUMBER.fullmatch(tape) else None,
     )
 
 
@@ -237,7 +271,7 @@ def _simpack(name: str, lines: Sequence[str], body: str) -> Table:
         return value
 
     span = range(begin + 1, bare.index("point.end", begin))
-    rows, at_lines, remarks = _rows(name, lines, span, INSTRUMENT_LAYOUT, COMMENTED_OUT)
+    rows, at_lines, out = _rows(name, lines, span, INSTRUMENT_LAYOUT, COMMENTED_OUT)
     points = _points(name, rows, at_lines, (0, 1)) + [number("shift.y"), number("shift.z")]
     turn = number("rotate") / number("units.ang.f", 1.0)
     c, s = math.cos(turn), math.sin(turn)
@@ -249,14 +283,23 @@ def _simpack(name: str, lines: Sequence[str], body: str) -> Table:
             points, at_lines = points[inside], tuple(at_lines[i] for i in inside)
         if number(f"mirror.{letter}"):
             points[:, axis] *= -1
+    factor = number("units.len.f", 1000.0)
+    unit = next((each for each, mm in MM_OF_UNIT.items() if abs(factor * mm - 1000) < 10), "")
+    if not unit:
+        text = f"units.len.f = {factor:g} is the factor of no unit; give 1000 for mm, 1 for m"
+        raise FormatError(name, keys["units.len.f"][0], text)
     changes = ("shift.y", "shift.z", "rotate", "mirror.y", "mirror.z")
+    kind = {"0": "rail", "1": "wheel"}.get(keys.get("type", (0, ""))[1], body)
     return Table(
         points=points,
-        unit=SIMPACK_UNITS.get(int(number("units.len.f", 1000.0)), ""),
-        body={"0": "rail", "1": "wheel"}.get(keys.get("type", (0, ""))[1], body),
+        unit=unit,
+        body=kind,
         format="Simpack",
-        remarks=(*remarks, *(f"{key} done" for key in changes if number(key))),
+        remarks=(*_commented_out(out), *(f"{key} done" for key in changes if number(key))),
         lines=at_lines,
+        outward=-1 if kind == "rail" else 1,
+        field=1,
+        placed=True,
     )
 
 

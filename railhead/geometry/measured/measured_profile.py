@@ -15,8 +15,9 @@ from scipy.spatial import cKDTree
 from railhead.geometry.measured import formats, ordering, orientation, smoothing
 from railhead.geometry.measured.formats import FormatError, Table
 from railhead.geometry.measured.ordering import PointError
-from railhead.geometry.measured.orientation import Orientation
+from railhead.geometry.measured.orientation import FROM_SHAPE, Orientation, Oriented
 from railhead.geometry.measured.smoothing import Smoothed
+from railhead.geometry.placement import PlacementError, gauge_face
 from railhead.geometry.profiles import Profile, Spline
 from railhead.theory.array_types import Array
 
@@ -24,7 +25,6 @@ STEEPEST = 0.045  # dy over ds: steeper faces than those of a standard rail's co
 SAMPLE = 0.1  # mm between the points of a profile's spline
 LOOSE = 1.0  # mm beyond half a step between points, or two usual ones: no curve through them
 CUT = 2.5  # mm across that undercut sides take of the width of a sound profile, at most
-FROM_SHAPE = Orientation()
 EDGE = 0.02  # share of the width at either end that reports leave out
 WAVE, STRIDE, BENT = 4.0, 0.1, 10.0  # mm, mm and deg: sound profiles bend to and fro by 2 to 4
 
@@ -35,6 +35,8 @@ class Measured:
     path: the file.
     body: 'rail' or 'wheel'.
     remarks: how the file was read and turned, and warnings.
+    oriented: how its points were brought to the axes of profiles, without the inclination.
+    roll: (2, 2) rotation of points as rows by the inclination.
     smoothed: the smooth curve along its points, in the axes of profiles, turned by the inclination.
     profile: the longest part of the curve that faces upwards, z(y).
     """
@@ -42,6 +44,8 @@ class Measured:
     path: Path
     body: str
     remarks: tuple[str, ...]
+    oriented: Oriented
+    roll: Array
     smoothed: Smoothed
     profile: Profile
 
@@ -51,6 +55,36 @@ class Measured:
         the curve, not smoothed; without web and foot.
         """
         return self.smoothed.points
+
+    @property
+    def places(self) -> dict[str, Array]:
+        """Reference places (y, z) by name, mm, in the axes of profiles: flange back and tape circle
+        of a wheel, crown centre and gauge point of a rail that reaches down to it.
+        """
+        if self.body == "wheel":
+            return {
+                "flange back": np.array([-self.oriented.tape_circle, 0.0]),
+                "tape circle": np.zeros(2),
+            }
+        try:
+            y = gauge_face(self.profile)
+        except PlacementError:
+            return {"crown": np.zeros(2)}
+        point = np.array([y, float(self.profile.height(y))])
+        return {"crown": np.zeros(2), "gauge point": point}
+
+    @property
+    def origin(self) -> dict[str, Any]:
+        """The `places` in the axes of the file, mm: y of those of a wheel, (y, z) of those of a
+        rail, None for a gauge point that is missing.
+        """
+        found = {
+            f"{name.replace(' ', '_')}_mm": self.oriented.in_file(place @ self.roll.T)
+            for name, place in self.places.items()
+        }
+        if self.body == "wheel":
+            return {key: y for key, (y, _) in found.items()}
+        return found | {"gauge_point_mm": found.get("gauge_point_mm")}
 
     def resampled(self, step: float) -> Array:
         """Points (m, 2) of the smoothed curve that are `step` mm of arc length apart, mm; the first
@@ -91,14 +125,16 @@ class Measured:
         return float(within.min()), float(within.max())
 
     def summary(self) -> dict[str, Any]:
-        """Entries of summary.json: file, remarks ('read'), number of points, noise in mm, shortest
-        and longest smoothing wavelength in mm, and largest curvature before and after smoothing
-        in 1/mm.
+        """Entries of summary.json: file, remarks ('read'), origin and sides, number of points,
+        noise in mm, shortest and longest smoothing wavelength in mm, and largest curvature before
+        and after smoothing in 1/mm.
         """
         before, after = self.sharpest
         return {
             "file": self.path.name,
             "read": list(self.remarks),
+            "origin": self.origin,
+            "sides": self.oriented.sides,
             "points": len(self.points),
             "noise_mm": self.smoothed.noise,
             "smoothing_mm": list(self.wavelengths),
@@ -112,6 +148,18 @@ def inner(profile: Profile) -> tuple[float, float]:
     start, end = profile.domain
     margin = EDGE * (end - start)
     return start + margin, end - margin
+
+
+def body_of(path: Path, unit: str = "auto") -> str:
+    """The body that the file of a profile is of: as it says, else 'wheel' where it has a flange,
+    else 'rail'. unit: as `Orientation.unit`. Raises FormatError for a file that is no profile.
+    """
+    table = formats.read(path, unit_is_given=unit != "auto")
+    try:
+        points, _ = orientation.in_mm(table, "profile", unit)
+        return table.body or ("rail" if orientation.flanged_way(points) is None else "wheel")
+    except PointError as error:
+        raise _refused(path, table, table.points, error) from None
 
 
 def from_points(
@@ -178,11 +226,11 @@ def _read(
     """The profile of a file that was last changed at `changed` (ns), for the same arguments as
     `read`; cached. Raises FormatError and ValueError as `read`.
     """
-    table, points, kept, remarks = _in_axes(path, changed, body, given)
+    table, oriented, kept, remarks = _in_axes(path, changed, body, given)
     remarks = (*remarks, *table.remarks)
     cosine = math.cos(math.atan(slope))
     roll = cosine * np.array([[1.0, slope], [-slope, 1.0]])
-    points = points @ roll
+    points = oriented.points @ roll
     try:
         smoothed, profile = from_points(path.stem, kept @ roll, wavelength, stretch)
     except PointError as error:
@@ -194,15 +242,23 @@ def _read(
         text = f"WARNING: it bends by {angle:.0f} deg and back within {WAVE:g} mm at y = "
         text += f"{place[0]:.1f}, line {_line(table, points, place)}: taken for shape"
         remarks = (*remarks, text)
-    return Measured(path=path, body=body, remarks=remarks, smoothed=smoothed, profile=profile)
+    return Measured(
+        path=path,
+        body=body,
+        remarks=remarks,
+        oriented=oriented,
+        roll=roll,
+        smoothed=smoothed,
+        profile=profile,
+    )
 
 
 @lru_cache(maxsize=16)
 def _in_axes(
     path: Path, _: int, body: str, given: Orientation
-) -> tuple[Table, Array, Array, tuple[str, ...]]:
-    """Table of a file, its points (n, 2) in the axes of profiles, the points (m, 2) that are
-    smoothed, and remarks; the result holds for all smoothing and is cached.
+) -> tuple[Table, Oriented, Array, tuple[str, ...]]:
+    """Table of a file, its points in the axes of profiles, the points (m, 2) that are smoothed,
+    and remarks; the result holds for all smoothing and is cached.
     The number `_` is the time of the last change, so that a changed file is read again. Raises
     FormatError for a file that is no profile of this body, where nothing tells its unit or axes,
     and for points with outliers or rounded coordinates.
@@ -215,15 +271,17 @@ def _in_axes(
         points, unit = orientation.in_mm(table, body, given.unit)
         listed = points
         ordering.refuse_outlier(ordering.in_order(points))
-        points, done = orientation.oriented(points, body, given)
-        listed = points
-        kept = ordering.head(points) if body == "rail" else points
+        found = orientation.oriented(points, body, table, given)
+        listed = found.points
+        head = ordering.head(listed) if body == "rail" else listed
+        kept = ordering.without_loose_ends(head)
         ordering.refuse_rounded(ordering.in_order(kept))
     except PointError as error:
         raise _refused(path, table, listed, error) from None
-    if len(kept) < len(points):
-        done.append(f"cut off {ordering.HEAD_DEPTH:g} mm below its top")
-    return table, points, kept, (f"{table.format}, {len(table.points)} points", unit, *done)
+    cut = [f"cut off {ordering.HEAD_DEPTH:g} mm below its top"] * (len(head) < len(listed))
+    cut += [f"left out {len(head) - len(kept)} points beyond a gap"] * (len(kept) < len(head))
+    read = (f"{table.format}, {len(table.points)} points", unit, *found.done, *cut)
+    return table, found, kept, read
 
 
 def _refused(path: Path, table: Table, points: Array, error: PointError) -> FormatError:

@@ -9,12 +9,12 @@ import numpy as np
 
 from railhead.theory.array_types import Array
 
-LARGEST_GAP = 5.0  # mm between neighbours
+LARGEST_GAP, LOOSE = 5.0, 0.1  # mm between neighbours; share of the width beyond a gap, at most
 HEAD_DEPTH = 45.0  # mm below its top: what is deeper is web or foot
 ROUNDED = 0.01  # mm: stairs of heights that are higher make contacts that do not exist
 DISTINCT = 0.75  # share of different numbers among the points; with fewer they are rounded
 COARSE, TURNS = 20, 4  # of so many points of a scan there and back, few turn; of mixed ones many
-LEAST_OFFSET = 0.3  # mm from a refused point to either of its neighbours, at least
+LEAST_OFFSET = 0.5  # mm from a refused point to either of its neighbours, at least
 BACK, ASIDE = 143.0, 60.0  # deg that the way turns at a refused point, and beside one at an end
 LONG = 2.0  # times the next step: the first or last step of a curve with a refused point at its end
 
@@ -95,6 +95,18 @@ def head(points: Array) -> Array:
     return way[start : min(deep[deep > top], default=len(way))]
 
 
+def without_loose_ends(points: Array) -> Array:
+    """Points (m, 2) in the piece with the highest of points (n, 2), mm, between gaps of more than
+    5 mm (LARGEST_GAP); all of them where more than a tenth (LOOSE) of the width would be lost, so
+    that a gap in the running surface stays.
+    """
+    way = in_order(points)
+    cuts = 1 + np.flatnonzero(np.linalg.norm(np.diff(way, axis=0), axis=1) > LARGEST_GAP)
+    top = int(np.argmax(way[:, 1]))
+    piece = way[max(cuts[cuts <= top], default=0) : min(cuts[cuts > top], default=len(way))]
+    return points if np.ptp(piece[:, 0]) < (1 - LOOSE) * np.ptp(way[:, 0]) else piece
+
+
 def resampled(points: Array, step: float) -> Array:
     """Points (m, 2) that are `step` mm apart on the straight lines through points (n, 2), mm; the
     first lies half a step from the first point.
@@ -126,7 +138,7 @@ def refuse_outlier(points: Array) -> None:
     """Raises PointError where one of points (n, 2), mm, in the order of the curve, five at least,
     is an outlier.
 
-    At an outlier the way through the points turns by more than 143 deg (BACK), more than 0.3 mm
+    At an outlier the way through the points turns by more than 143 deg (BACK), more than 0.5 mm
     (LEAST_OFFSET) away from both neighbours. Midway between them it is then three times as far from
     the line through them as half their distance. At either end a turn of 60 deg (ASIDE) suffices
     where the end's step is twice as long (LONG) as the next one.

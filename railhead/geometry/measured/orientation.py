@@ -1,165 +1,221 @@
-"""From the axes of a file to those of the project, by the standard profile laid on the points.
+"""From the axes of a file to those of the project: what keys and format say, else the shape.
 
-The unit follows from the width, up and down and the flange side of a wheel from the orientation in
-which a standard fits best. The gauge side of a rail is the one that is worn more, or to which the
-head leans. A profile that fits no standard is refused unless its orientation is given by keys.
+A rail is seen from above: it is highest in its middle. Its gauge side is the one that reaches down
+to the depth of the gauge, else the worn one. A wheel has its flange beyond the tread, and the tape
+circle lies at a given distance from the flange back.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from railhead.geometry.measured import ordering, standards
-from railhead.geometry.measured.formats import Table
+from railhead.geometry.measured.formats import MM_OF_UNIT, Table
 from railhead.geometry.measured.ordering import PointError
 from railhead.geometry.measured.standards import LaidStandard
 from railhead.theory.array_types import Array
 
-MM_OF_UNIT = {"mm": 1.0, "m": 1000.0, "inch": 25.4, "cm": 10.0, "um": 1e-3, "ft": 304.8}
-WIDTHS = 7.5, 300.0  # mm of any profile, ...
-USUAL_WIDTHS = {"rail": (25.0, 100.0), "wheel": (60.0, 150.0)}  # ... and where no unit is stated
-GUESSED_UNITS = ("mm", "inch", "m")  # no number is a usual width in two of them
-COARSE_STEP = 1.0  # mm between the points by which orientations are compared
-CLEARER, CLEARLY = 2.0, 0.02  # times, and mm: another orientation is farther from the standard
-UNWORN, STANDS_OUT = 0.05, 0.15  # mm: of a side that is the standard's, and of the whole, at most
+WIDTHS = 1.0, 1000.0  # mm of any profile; and where no unit is stated ...
+LIKELY, LIKELY_IN_INCHES = (15.0, 160.0), {"rail": (25.0, 100.0)}  # ... a wheel: 60 to 150
+STEP = 0.25  # mm between the places at which shapes are looked at
+HIGH = 1.3  # times its width: a head that is higher has its columns exchanged
+NARROW, LEAST_FALL = 25.0, 1.0  # mm: a narrower rail may be a groove; and a flat one may be either
+TURNS_UNDER = 1.1  # times its width: the way across of a head with its underside
+SECTION, END = 100.0, 20.0  # mm: a rail deeper than that has a foot; its ends are so high
+GAUGE_DEPTH = 14.0  # mm below its top: the side of a head that is drawn so far is the gauge side
+UNWORN = 0.05  # mm off the standard of a side that is not worn, as a root mean square, at most
 CLEAR_LOSS, CLEAR_SLOPE = 2.0, 0.005  # mm2 and slope: less tells no gauge side
-FALLS, LEAST_FALL = 3.0, 1.0  # mm: a head falls at one side of its top, and must at the other
-FLANGE_TIP, BEYOND_TIP = -55.0, 1.0  # mm: y of the flange's tip, and what a wheel has beyond it
-NEAR_TOP, NEAR_ZERO, NEAR_SIDE = 2.0, 5.0, 8.0  # mm: the file's origin is that of the project
+SYMMETRIC = 0.05  # mm by which both sides may differ where their sides do not matter
+FLANGE_HEIGHT, FLANGE_WIDTH = 10.0, 10.0  # mm, at least: over the tread, and at half its height
+FLANGE_WIDEST = 30.0  # mm from the flange back to the tip, at most
+NEAR_TOP, PLATEAU = 2.0, 0.02  # mm: an origin on the crown is kept; the crown is so flat
+TAPE_CIRCLE, TAPE_RANGE = 70.0, 20.0  # mm from the flange back, and how far from there z = 0 counts
+NEAR_ZERO, NEAR_LEVEL = 0.05, 5.0  # mm: the usual tape circle is that of z = 0; z = 0 is kept
+UPRIGHT, LEAST_FACE = 0.18, 1.0  # slope dy/dz of a flange back, at most; its height, mm, at least
 
 
 @dataclass(frozen=True, kw_only=True)
 class Orientation:
-    """What the user says of a file; 'auto' leaves it to the file and its shape.
-    unit: unit of the file, 'mm', 'm' or 'inch'; 'auto': the one that the file states, else the one
-        in which its width is usual.
+    """What the user says of a file; 'auto' and None leave it to the file and its shape.
+    unit: unit of the file, 'mm', 'm' or 'inch'.
     mirror: whether left and right are exchanged, 'on' or 'off'.
     flip: whether up and down are exchanged, 'on' or 'off'.
-    origin: 'file' keeps the origin of the file; 'auto' moves it where it is not that of the
-        project.
+    origin: 'file': the file's origin is the crown centre or the tape circle; 'flange_back': its y
+        begins at the flange back.
+    tape_circle: distance of a wheel's tape circle from its flange back, mm.
+    shift: (y, z) added at last, mm.
     """
 
     unit: str = "auto"
     mirror: str = "auto"
     flip: str = "auto"
     origin: str = "auto"
+    tape_circle: float | None = None
+    shift: tuple[float, float] = (0.0, 0.0)
 
 
-def oriented(points: Array, body: str, given: Orientation) -> tuple[Array, list[str]]:
-    """Points (n, 2) of a 'rail' or 'wheel', mm, brought to the axes of profiles, and remarks on
-    what was done. There y points to the field side, z up for a rail and outwards for a wheel.
-    given: what the user says.
-    Raises PointError, with a place in the axes of `points`, for half a head. It is also raised
-    where no standard fits well enough to tell what `given` leaves open of mirror, flip and origin.
-    With mirror and flip given, points that fit no standard are not moved, and a remark warns.
+FROM_SHAPE = Orientation()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Oriented:
+    """Points in the axes of profiles, and how they came there.
+    points: (n, 2) of (y, z), mm; y to the field side, z up for a rail and outwards for a wheel.
+    signs: (2,) 1 or -1 by which the file's y and z were multiplied.
+    move: (2,) displacement in mm that was added after that.
+    sides: 'as in the file', 'mirrored', or 'open' where nothing tells the field side.
+    unlike: difference in height, mm, of the profile and its mirror image about y = 0 where the
+        sides are open, else 0.
+    tape_circle: distance of a wheel's tape circle from its flange back, mm; 0 for a rail.
+    done: remarks on what was done, and why.
     """
-    signs = _signs(points, body, given)
-    done = ["turned upside down"] if signs[1] < 0 else []
-    even = _even(points * signs, body, standards.STEP)
-    laid = standards.all_laid(even, body)
-    nearest = min(laid, key=lambda each: each.misfit)
-    open_ways = "auto" in (given.flip, given.mirror)
-    if body == "rail" and (open_ways or nearest.fits):
-        _refuse_half_head(even, signs)
-    if not nearest.fits:
-        text = f"is farther than {standards.FARTHEST:g} mm from {nearest.name}, the nearest "
-        text += f"standard {body}, or beside it"
-        if open_ways:
-            keys = "profile_unit, profile_flip and profile_mirror"
-            raise PointError(f"{text}; check its columns, or give its {keys}", points[0])
-        mirrored = ["mirrored"] if signs[0] < 0 else []
-        return points * signs, [*done, *mirrored, f"WARNING: {text}"]
-    origin = nearest.origin
-    if body == "rail" and given.mirror == "auto":
-        right, why = gauge_side(laid)
-        if right:
-            signs, origin = signs * [-1, 1], origin * [-1, 1]
-        done.append(f"mirrored ({why})" if right else f"sides as in the file ({why})")
-    elif signs[0] < 0:
-        done.append("mirrored")
+
+    points: Array
+    signs: Array
+    move: Array
+    sides: str
+    unlike: float
+    tape_circle: float
+    done: tuple[str, ...]
+
+    def in_file(self, point: Array) -> list[float]:
+        """Coordinates in the axes of the file, mm, of a point (2,) in those of profiles."""
+        return [float(each) + 0.0 for each in (np.asarray(point) - self.move) * self.signs]
+
+
+def oriented(points: Array, body: str, table: Table, given: Orientation) -> Oriented:
+    """Points (n, 2) of a 'rail' or 'wheel', mm, brought to the axes of profiles.
+    table: what the file says of its axes; given: what the user says.
+    Raises PointError, with a place in the axes of `points`, where up and down of a rail, or the
+    tape circle of a wheel, stay open.
+    """
+    turn = _rail_signs if body == "rail" else _wheel_signs
+    signs, sides, done = turn(points, table, given)
     turned = points * signs
-    if given.origin == "auto":
-        move = _move(ordering.head(turned) if body == "rail" else turned, body, origin, points)
-        if move.any():
-            turned = turned + move
-            place = "crown centre" if body == "rail" else "tape circle"
-            done.append(f"moved by {move[0]:.2f}, {move[1]:.2f} mm to the {place}")
-    return turned, done
+    if signs[1] < 0:
+        done.append("turned upside down")
+    tape = 0.0
+    if body == "rail":
+        move, how = _to_crown(turned, table, given)
+    else:
+        move, tape, how = _to_tape_circle(points, turned, table, given)
+    done += [how] * bool(how)
+    if any(given.shift):
+        done.append(f"moved by {given.shift[0]:g}, {given.shift[1]:g} mm as given")
+        move = move + given.shift
+    turned = turned + move
+    return Oriented(
+        points=turned,
+        signs=signs,
+        move=move,
+        sides=sides,
+        unlike=_unlike(turned) if sides == "open" else 0.0,
+        tape_circle=tape,
+        done=tuple(done),
+    )
 
 
-def _even(points: Array, body: str, step: float) -> Array:
-    """Points (m, 2), `step` mm apart, of the head of a rail, or of a wheel, from upright points (n,
-    2); of an outline that closes, those of its upper side.
+def _even(points: Array) -> Array:
+    """Points (m, 2) on the straight lines through points (n, 2), mm, from left to right: the
+    highest one of each 0.25 mm (STEP) of y.
     """
-    part = ordering.in_order(ordering.head(points) if body == "rail" else points)
-    # Noise of dense points makes the way through them many times as long as the profile.
-    part = part[:: max(1, int(step * len(part) / (8 * np.ptp(part, axis=0).sum())))]
-    even = ordering.resampled(part, step)
-    return even[np.gradient(even[:, 0]) > 0] if ordering.closes(part) else even
+    way = ordering.resampled(ordering.in_order(points), STEP / 4)
+    cells = np.floor(way[:, 0] / STEP)
+    order = np.lexsort((way[:, 1], cells))
+    return way[order[np.diff(cells[order], append=np.inf) > 0]]
 
 
-def _signs(points: Array, body: str, given: Orientation) -> Array:
-    """Signs (2,) of y and z with which a standard fits best, those that `given` fixes being kept;
-    y of a rail keeps its sign where mirror is 'auto', as standard heads are symmetric.
-    Raises PointError where a standard fits about as well with others.
+def _sign(key: str, said: int | None) -> float:
+    """Sign of an axis: by the user's key ('on' is -1), else as the format says (1, -1 or None),
+    else 0.
     """
-    signs = {"auto": (1.0, -1.0), "off": (1.0,), "on": (-1.0,)}
-    symmetric = body == "rail" and given.mirror == "auto"  # as standard heads are
-    mirrors = (1.0,) if symmetric else signs[given.mirror]
-    ways = [np.array([mirror, flip]) for flip in signs[given.flip] for mirror in mirrors]
-    if len(ways) == 1:
-        return ways[0]
-    laid = [standards.roughly_laid(_even(points * way, body, COARSE_STEP), body) for way in ways]
-    apart = [
-        each.distance if abs(each.slope) < standards.LARGEST_SLOPE else np.inf for each in laid
-    ]
-    first, second = np.argsort(apart)[:2]
-    if apart[second] < CLEARER * apart[first] + CLEARLY and laid[second].fits:
-        keys = np.array(["profile_mirror", "profile_flip"])[ways[first] != ways[second]]
-        text = f"fits {laid[first].name} as well when turned; give its {' and '.join(keys)}"
-        raise PointError(text, points[0])
-    return ways[first]
+    return {"on": -1.0, "off": 1.0}.get(key, float(said or 0))
 
 
-def _refuse_half_head(even: Array, signs: Array) -> None:
-    """Raises PointError where the head has one side only: the rail that is solved would end there.
-    even: (n, 2) points, mm, upright; signs: (2,) signs that turn them back into the axes of the
-        file, in which the error's place is.
+def _rail_signs(points: Array, table: Table, given: Orientation) -> tuple[Array, str, list[str]]:
+    """Signs (2,) that turn the points (n, 2) of a rail, mm, into the axes of profiles, the sides as
+    in `Oriented`, and why. Raises PointError where the shape does not tell which way is up.
     """
-    y, z = even.T
+    width, height = np.ptp(points, axis=0)
+    if HIGH * width < height < SECTION:
+        raise PointError("is higher than it is wide; give y before z", points[0])
+    up = _sign(given.flip, table.outward)
+    if not up:
+        bulge, narrow = _bulge(points), np.ptp(points[:, 0]) < NARROW
+        up = 1.0 if bulge > -LEAST_FALL else -1.0
+        _refuse_hollow(points, bulge < -SYMMETRIC and (up > 0 or narrow))
+    side = _sign(given.mirror, table.field)
+    if side:
+        return np.array([side, up]), "mirrored" if side < 0 else "as in the file", []
+    field, why = _field_side(ordering.head(points * [1.0, up]))
+    sides = {1: "as in the file", -1: "mirrored", 0: "open"}[field]
+    kept = "sides as in the file" if field >= 0 else sides
+    return np.array([field or 1.0, up]), sides, [f"{kept} ({why})"]
+
+
+def _bulge(points: Array) -> float:
+    """Height, mm, that is positive where points (n, 2), mm, bulge upwards: the median height of
+    their outer side over the straight line between its ends. Of an open curve that turns under
+    itself, the height of its middle over its ends. Of a whole section, by how much its lower end is
+    wider than the upper one, as a foot is.
+    """
+    y, z = points.T
+    if np.ptp(z) > SECTION:
+        return float(np.ptp(y[z < z.min() + END]) - np.ptp(y[z > z.max() - END]))
+    way = ordering.resampled(ordering.in_order(points), STEP)
+    if np.abs(np.diff(way[:, 0])).sum() > TURNS_UNDER * np.ptp(y) and not ordering.closes(way):
+        return float(way[len(way) // 2, 1] - way[[0, -1], 1].mean())
+    y, z = _even(points).T
+    return float(np.median(z - np.interp(y, y[[0, -1]], z[[0, -1]])))
+
+
+def _refuse_hollow(points: Array, hollow: bool) -> None:
+    """Raises PointError, at the lowest of points (n, 2), where they are hollow as the file stands,
+    so that it may count z downwards.
+    """
+    if hollow:
+        text = "is hollow, or its z counts downwards; give its profile_flip: off if it is hollow"
+        raise PointError(text, points[np.argmin(points[:, 1])])
+
+
+def _field_side(head: Array) -> tuple[int, str]:
+    """Sign of the y that points to the field side of a head (n, 2), mm, upright, and why; 0 where
+    nothing tells. The gauge side is the only one that reaches the depth of the gauge, else the one
+    that the nearest standard tells.
+    """
+    y, z = ordering.in_order(head).T
     top = int(np.argmax(z))
-    left, right = (float(np.ptp(z[side])) for side in (y <= y[top], y >= y[top]))
-    if max(left, right) > FALLS and min(left, right) < LEAST_FALL:
-        text = f"is half a head: it falls {left:.2g} mm to the left of its top and {right:.2g} mm "
-        text += f"to the right; give both sides, {LEAST_FALL:g} mm down at least"
-        raise PointError(text, even[top] * signs)
+    deep = [float(z[top] - side.min()) > GAUGE_DEPTH for side in (z[: top + 1], z[top:])]
+    if deep[0] is not deep[1]:
+        return (1 if deep[0] else -1), "only the gauge side reaches 14 mm below the top"
+    even = ordering.resampled(ordering.in_order(head), standards.STEP)
+    return gauge_side(standards.all_laid(even, "rail"))
 
 
-def gauge_side(all_laid: Sequence[LaidStandard]) -> tuple[bool, str]:
-    """Whether the gauge side of a rail lies at y > 0, and why.
+def gauge_side(all_laid: list[LaidStandard]) -> tuple[int, str]:
+    """Sign of the y that points away from the gauge side of a rail, and why.
     all_laid: every standard rail, laid on the profile.
     The gauge side is the one that has lost more, else that to which the head leans; but only where
-    the other side is a standard's. False is both the answer y < 0 and the one where nothing tells:
-    no side is a standard's, wear and lean contradict each other, or there is neither. The text
-    says which.
+    the other side is a standard's. 0 where nothing tells: no side is a standard's, wear and lean
+    contradict each other, or there is neither.
     """
     laid = min(all_laid, key=_distance_of_less_worn_side)
-    if _distance_of_less_worn_side(laid) > UNWORN or np.nanmin(laid.loss) < -STANDS_OUT:
-        return False, "no side is a standard rail's"
+    if _distance_of_less_worn_side(laid) > UNWORN or np.nanmin(laid.loss) < -standards.STANDS_OUT:
+        return 0, "no side is a standard rail's"
     left, right = (
         standards.STEP * float(np.maximum(laid.loss[side], 0).sum()) for side in laid.sides
     )
     wears, leans = abs(right - left) > CLEAR_LOSS, abs(laid.slope) > CLEAR_SLOPE
     if wears and leans and (right > left) is (laid.slope < 0):
-        return False, "worn at one side, leaning to the other"
+        return 0, "worn at one side, leaning to the other"
     if wears:
-        return right > left, "by its worn side"
+        return (-1 if right > left else 1), "by its worn side"
     if leans:
-        return laid.slope > 0, f"its head leans 1:{1 / abs(laid.slope):.0f} to the gauge side"
-    return False, "no side is worn, the head does not lean"
+        side = -1 if laid.slope > 0 else 1
+        return side, f"its head leans 1:{1 / abs(laid.slope):.0f} to the gauge side"
+    return 0, "no side is worn, the head does not lean"
 
 
 def _distance_of_less_worn_side(laid: LaidStandard) -> float:
@@ -170,46 +226,171 @@ def _distance_of_less_worn_side(laid: LaidStandard) -> float:
     return min((float(np.sqrt(square.mean())) for square in squares), default=np.inf)
 
 
-def _move(points: Array, body: str, origin: Array, listed: Array) -> Array:
-    """Displacement (2,) in mm that brings the crown centre or the tape circle of the standard to
-    (0, 0); zero along each axis in which the points already have it there.
-    points: (n, 2), mm; origin: (2,) of the standard.
-    Raises PointError, in the axes of the points `listed`, for a wheel that begins in its flange.
+def _unlike(points: Array) -> float:
+    """Difference in height, mm, that 95 % of points (n, 2) and their mirror image about y = 0 are
+    within, where both have some and are no steeper than 45 deg; 0 where there are none.
     """
-    y, z = points.T
+    y, z = _even(points).T
+    mirrored = np.interp(-y, y, z, left=np.nan, right=np.nan)
+    flat = np.abs(np.gradient(z, y)) < 1
+    off = np.abs(mirrored - z)[flat & np.isfinite(mirrored)]
+    return float(np.quantile(off, 0.95)) if len(off) else 0.0
 
-    def height(at: float) -> float:
-        """z of the point nearest to y = at, mm."""
-        return float(z[np.argmin(np.abs(y - at))])
 
-    move = np.zeros(2)
-    if body == "rail":
-        kept = y.min() < 0 < y.max() and height(0.0) > z.max() - NEAR_TOP
-    else:
-        kept = abs(origin[0]) < NEAR_SIDE
-        if not kept and y.min() - origin[0] > FLANGE_TIP - BEYOND_TIP:
+def _to_crown(turned: Array, table: Table, given: Orientation) -> tuple[Array, str]:
+    """Displacement (2,) in mm that brings the crown centre of a rail's upright points (n, 2) to
+    (0, 0), and a remark; zero where user or format define the origin, or it lies on the crown.
+    The crown centre of others is the middle of what is within 0.02 mm (PLATEAU) of the top.
+    """
+    y, z = turned.T
+    middle = float(z[np.argmin(np.abs(y))])
+    hollow = _bulge(turned) < 0 and abs(middle) < NEAR_TOP
+    on_crown = y.min() < 0 < y.max() and (middle > z.max() - NEAR_TOP or hollow)
+    if given.origin == "file" or table.placed or on_crown:
+        return np.zeros(2), ""
+    across, height = _even(turned).T
+    crown = across[height > height.max() - PLATEAU]
+    move = -np.array([(crown[0] + crown[-1]) / 2, z.max()])
+    return move, f"moved by {move[0]:.2f}, {move[1]:.2f} mm to the crown centre"
+
+
+def _wheel_signs(points: Array, table: Table, given: Orientation) -> tuple[Array, str, list[str]]:
+    """Signs (2,) that turn the points (n, 2) of a wheel, mm, into the axes of profiles, the sides
+    as in `Oriented`, and why: by its flange, which stands out at the left; without one as the
+    format says. Raises PointError where the shape does not tell which way is outwards.
+    """
+    flanged = flanged_way(points, given)
+    if flanged is not None:
+        sides = "mirrored" if flanged[0] < 0 else "as in the file"
+        return flanged, sides, [f"{sides} (by its flange)"] * (flanged[0] < 0)
+    if given.flip == "auto" and not table.outward:
+        _refuse_hollow(points, _bulge(points) < -SYMMETRIC)
+    side, up = _sign(given.mirror, table.field), _sign(given.flip, table.outward) or 1.0
+    sides = {1.0: "as in the file", -1.0: "mirrored", 0.0: "open"}[side]
+    return np.array([side or 1.0, up]), sides, ["without a flange"]
+
+
+def flanged_way(points: Array, given: Orientation = FROM_SHAPE) -> Array | None:
+    """Signs (2,) of y and z with which points (n, 2), mm, have a flange as of `flange`; None where
+    none do. Of several those that change least. given: what the user says of mirror and flip.
+    """
+    mirrors, flips = (
+        {"on": (-1,), "off": (1,)}.get(key, (1, -1)) for key in (given.mirror, given.flip)
+    )
+    ways = (np.array([side, up]) for up in flips for side in mirrors)
+    return next((way for way in ways if flange(_even(points * way))), None)
+
+
+def flange(even: Array) -> tuple[float, float] | None:
+    """y of the tip of a flange at the left of a profile, and y of its right flank at half its
+    height, mm; None where there is none.
+    even: (m, 2) outer side of the profile from left to right, mm, as of `_even`, z outwards.
+    A flange is the highest part, in the left half. It stands 10 mm (FLANGE_HEIGHT) out of the
+    median height, is 10 mm (FLANGE_WIDTH) wide at half of that, and its right flank is steeper than
+    45 deg from three quarters to a quarter of it.
+    """
+    y, z = even.T
+    tip, tread = int(np.argmax(z)), float(np.median(z))
+    height = z[tip] - tread
+
+    def down(share: float) -> int:
+        """Index of the first place to the right of the tip that is lower than a share of the height
+        over the tread; the last one where none is.
+        """
+        low = np.flatnonzero(z[tip:] < tread + share * height)
+        return tip + int(low[0]) if len(low) else len(y) - 1
+
+    behind = np.flatnonzero(z[:tip] < tread + height / 2)
+    wide = y[down(0.5)] - y[max(behind, default=-1) + 1]
+    flank = y[down(0.25)] - y[down(0.75)]
+    stands = height > FLANGE_HEIGHT and wide > FLANGE_WIDTH and y[tip] < y.mean()
+    return (float(y[tip]), float(y[down(0.5)])) if stands and flank < height / 2 else None
+
+
+def _to_tape_circle(
+    points: Array, turned: Array, table: Table, given: Orientation
+) -> tuple[Array, float, str]:
+    """Displacement (2,) in mm that brings the tape circle of a wheel to (0, 0), its distance from
+    the flange back in mm, and a remark. Heights of 5 mm (NEAR_LEVEL) at most stay.
+    points, turned: (n, 2) in the axes of the file, and with y to the field side and z outwards.
+    Without a flange the origin stays. An origin on the tread is the tape circle, one behind the
+    flange's tip is the flange back, else that is the upright face of the flange. The tape circle's
+    distance is the user's or the header's, else where z = 0, else 70 mm (TAPE_CIRCLE).
+    Raises PointError, in the axes of the file, where nothing tells.
+    """
+    even = _even(turned)
+    found, tape = flange(even), given.tape_circle or table.tape_circle
+    if given.origin == "file" or (given.origin == "auto" and not found):
+        return np.zeros(2), tape or TAPE_CIRCLE, ""
+    back = 0.0
+    if found and given.origin == "auto":
+        tip, root = found
+        if root < 0 < even[-1, 0] and not given.tape_circle:
+            return np.array([0.0, _to_level(even, 0.0)]), tape or TAPE_CIRCLE, ""
+        defined, face = 0 < tip < FLANGE_WIDEST, _flange_face(turned, tip)
+        if face is None and not defined:
             text = "begins in its flange, so that nothing tells where the tape circle is; give "
             text += "points from the flange back on, or its profile_origin"
-            raise PointError(text, listed[np.argmin(y)])
-    if not kept:
-        move[0] = -origin[0]
-    if abs(level := height(-move[0])) > NEAR_ZERO:
-        move[1] = -level
-    return move
+            raise PointError(text, points[np.argmin(turned[:, 0])])
+        back = 0.0 if face is None or (defined and table.placed) else face
+    zero = None if tape else _distance_of_zero(even, back)
+    distance = tape or zero or TAPE_CIRCLE
+    move = np.array([-back - distance, _to_level(even, back + distance)])
+    text = f"moved by {move[0]:.2f}, {move[1]:.2f} mm to the tape circle, {distance:.2f} mm"
+    text += f" from the flange back{' by its z = 0' * bool(zero)}"
+    return move, distance, text
+
+
+def _flange_face(turned: Array, tip: float) -> float | None:
+    """y in mm of the face behind the flange's tip, of points (n, 2) turned as those of `flange`;
+    None where the file shows less than 1 mm (LEAST_FACE) of it that is steeper than 80 deg.
+    tip: y of the flange's tip, mm.
+    """
+    y, z = ordering.in_order(turned).T
+    upright = (np.abs(np.diff(y)) < UPRIGHT * np.abs(np.diff(z))) & (y[1:] < tip)
+    height = float(np.abs(np.diff(z))[upright].sum())
+    return float(y[:-1][upright].min()) if height > LEAST_FACE else None
+
+
+def _distance_of_zero(even: Array, back: float) -> float | None:
+    """Distance in mm from the flange back at y = back (mm) to the only place within 20 mm
+    (TAPE_RANGE) of the usual tape circle at which the tread's height changes its sign. None where
+    there is no such place, and where the height is 0 at the usual one.
+    even: (m, 2) outer side of the profile, mm, z outwards.
+    """
+    y, z = even[np.abs(even[:, 0] - back - TAPE_CIRCLE) < TAPE_RANGE].T
+    at = np.flatnonzero(z[1:] * z[:-1] < 0)
+    if len(at) != 1 or abs(np.interp(back + TAPE_CIRCLE, y, z)) < NEAR_ZERO:
+        return None
+    k = at[0]
+    return float(y[k] - z[k] * (y[k + 1] - y[k]) / (z[k + 1] - z[k])) - back
+
+
+def _to_level(even: Array, at: float) -> float:
+    """Displacement in z, mm, that brings the tread at y = at (mm) to z = 0 where it is more than
+    5 mm (NEAR_LEVEL) off; else 0. even: (m, 2) outer side of the profile, mm.
+    """
+    height = float(np.interp(at, *even.T))
+    return -height if abs(height) > NEAR_LEVEL else 0.0
 
 
 def in_mm(table: Table, body: str, given: str) -> tuple[Array, str]:
     """Points (n, 2) of a 'rail' or 'wheel' in mm, and a remark on their unit and its source.
-    given: the unit, or 'auto' for the file's unit, else the one in which the width is usual.
+    given: the unit, or 'auto' for the file's unit, else the one in which its width is usual.
     Raises PointError, at the outermost point in the axes of the table, where no unit, or not the
     given or stated one, fits the width.
     """
     stated = table.unit if given == "auto" else given
-    units, y = (stated,) if stated else GUESSED_UNITS, table.points[:, 0]
-    width, (least, most) = float(np.ptp(y)), WIDTHS if stated else USUAL_WIDTHS[body]
-    unit = next((each for each in units if least <= width * MM_OF_UNIT[each] <= most), None)
+    inches = LIKELY_IN_INCHES.get(body, (60.0, 150.0))
+    widths = {stated: WIDTHS} if stated else {"mm": LIKELY, "inch": inches, "m": LIKELY}
+    y = table.points[:, 0]
+    width = float(np.ptp(y))
+    unit = next(
+        (unit for unit, (low, high) in widths.items() if low <= width * MM_OF_UNIT[unit] <= high),
+        None,
+    )
     if unit is None:
-        text = f"is {width:.4g} wide, no {body} of {least:g} to {most:g} mm in {', '.join(units)}; "
+        text = f"is {width:.4g} wide, which is no usual width of a {body} in {', '.join(widths)}; "
         text += "give its profile_unit, or name it in a header, y before z"
         raise PointError(text, table.points[np.argmax(np.abs(y - np.median(y)))])
     if given == "auto":

@@ -24,10 +24,9 @@ STEP = 0.25  # mm between the places that are compared
 OUTLINE_STEP = 0.02  # mm between the points of a standard's outline
 SOFT = 0.05  # mm of loss from which on it weighs less than its square
 OUTSIDE = 5.0  # weight of what stands out of the standard
-FARTHEST = 6.0  # mm off the standard: seven other rails are off theirs by up to 3.3, wear takes 3
-LARGEST_SLOPE = 0.2  # rad: a head that leans more is laid on sideways or upside down
-LAID = 0.8  # of the width is laid on the standard at least; a wheel without flange slips off it
-ITERATIONS, ROUGH = 100, 20  # of the fit at most; and those that tell orientations apart
+STANDS_OUT = 0.15  # mm that a profile of this kind stands out of its standard, at most
+UNWORN, LEAST_UNWORN = 0.1, 0.3  # mm off the standard; share of the points that are not worn
+ITERATIONS = 100  # of the fit, at most
 COMPARED = 20.0  # mm across that are laid on each other at least, for a standard to be the nearest
 
 
@@ -80,13 +79,14 @@ class LaidStandard:
 
     @property
     def fits(self) -> bool:
-        """Whether the measured profile is of this kind: within 6 mm (FARTHEST) of the standard,
-        laid on it by 0.8 (LAID) of its width, and leaning by less than 0.2 rad (LARGEST_SLOPE).
+        """Whether the measured profile is a worn one of this standard: it covers half of its width,
+        stands out by at most 0.15 mm (STANDS_OUT), and 0.3 (LEAST_UNWORN) of its points are within
+        0.1 mm (UNWORN) of it.
         """
         known = np.isfinite(self.loss)
-        laid = float(np.ptp(self.y[known])) if known.any() else 0.0
-        upright = abs(self.slope) < LARGEST_SLOPE and laid >= LAID * float(np.ptp(self.y))
-        return upright and float(np.nanmax(np.abs(self.loss))) <= FARTHEST
+        unworn = np.count_nonzero(np.abs(self.loss[known]) < UNWORN) / len(self.loss)
+        covered = np.ptp(self.y[known]) > np.ptp(self.outline[:, 0]) / 2 if known.any() else False
+        return covered and unworn > LEAST_UNWORN and float(np.nanmin(self.loss)) > -STANDS_OUT
 
     @property
     def sides(self) -> tuple[Mask, Mask]:
@@ -111,17 +111,9 @@ def all_laid(points: Array, body: str) -> list[LaidStandard]:
     return [_laid(name, points, body == "rail") for name in STANDARDS[body]]
 
 
-def roughly_laid(points: Array, body: str) -> LaidStandard:
-    """The standard 60E1 of a 'rail', S1002 of a 'wheel', laid on points (n, 2), mm, of any spacing,
-    in few iterations: enough to compare orientations by `distance`.
-    """
-    return _laid(STANDARDS[body][-1], points, body == "rail", ROUGH)
-
-
-def _laid(name: str, points: Array, turns: bool, iterations: int = ITERATIONS) -> LaidStandard:
+def _laid(name: str, points: Array, turns: bool) -> LaidStandard:
     """The standard `name` laid on points (n, 2), mm, by a least-squares fit.
     turns: the standard may be turned, as a rail is, else only displaced.
-    iterations: at most; any other number than 100 (ITERATIONS) makes only a rough fit.
     A move is a displacement (dy, dz) in mm of the points, and, where it turns, an angle in rad.
     """
     outline, normal, tree = _outline(name)
@@ -178,13 +170,12 @@ def _laid(name: str, points: Array, turns: bool, iterations: int = ITERATIONS) -
         tips = outline[np.argmax(outline[:, 1]), 0] - points[np.argmax(points[:, 1]), 0]
         starts = [[starts[0][0], up], [tips, up]]
     rough = (
-        least_squares(loss, start, slopes, loss="soft_l1", f_scale=SOFT, max_nfev=iterations).x
+        least_squares(loss, start, slopes, loss="soft_l1", f_scale=SOFT, max_nfev=ITERATIONS).x
         for start in starts
     )
     move = min(rough, key=distance)
-    if iterations == ITERATIONS:
-        fit = least_squares(asymmetric, move, slopes_of_asymmetric, max_nfev=iterations).x
-        move = fit if distance(fit) < 2 * distance(move) + 1 else move  # it may slip off the points
+    fit = least_squares(asymmetric, move, slopes_of_asymmetric, max_nfev=ITERATIONS).x
+    move = fit if distance(fit) < 2 * distance(move) + 1 else move  # it may slip off the points
     depth, turn = loss(move, np.nan), _turn(move).T
     known = points[np.isfinite(depth), 0]
     compared = len(known) > 0 and np.ptp(known) > COMPARED

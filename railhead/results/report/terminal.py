@@ -146,6 +146,7 @@ def profile_lines(
     """
     for body, found in profiles.items():
         yield f"{body:10s} {Path(found['file']).name}: {', '.join(found['read'])}"
+        yield f"           in the file's axes: {_places(found['origin'], units)}"
         shortest, longest = found["smoothing_mm"]
         smoothing = f"{units.value(shortest, 'mm'):.2g} to {units.text(longest, 'mm', 2)}"
         if here := found.get("smoothing_at_contact_mm"):
@@ -159,6 +160,20 @@ def profile_lines(
             f"           noise {noise}; smoothing length {smoothing}; "
             f"largest curvature {before} before, {after} after"
         )
+
+
+def _places(origin: Mapping[str, Any], units: Units) -> str:
+    """Words for the reference places of a profile, as in `Measured.origin`."""
+    said = []
+    for key, place in origin.items():
+        name = key.removesuffix("_mm").replace("_", " ")
+        if place is None:
+            said.append(f"it ends above the {name}")
+            continue
+        across, *height = place if isinstance(place, list) else [place]
+        text = f"{name} at y = {units.text(across, 'mm', 5)}"
+        said.append(text + "".join(f", z = {units.text(each, 'mm', 5)}" for each in height))
+    return "; ".join(said)
 
 
 def _smoothing_uncertainty(found: Mapping[str, Any]) -> str:

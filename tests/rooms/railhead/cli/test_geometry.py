@@ -151,7 +151,7 @@ def test_a_picture_has_another_format_beside_png(kind: str, words: bytes, tmp_pa
     ("left", "right", "header", "keys"),
     [
         pytest.param(-70, 24, "", (), id="by its flange", marks=pytest.mark.slow),
-        pytest.param(-35, 59, "", (), id="by its tread"),
+        pytest.param(-35, 59, "", ("--set", "wheel.profile_flip=off"), id="by a key of wheels"),
         pytest.param(-100, 100, "y (yd),z (yd)", ("--set", "wheel.profile_unit=mm"), id="by a key"),
     ],
 )
@@ -170,7 +170,7 @@ def test_command_tells_a_wheel(left, right, header, keys, tmp_path, capsys) -> N
     ("name", "text", "words"),
     [
         ("rail.csv", "y,z\n0,0\n1,x\n", "rail.csv, line 3: '1,x' is no point; give two numbers"),
-        ("rail.ban", "0 0\n", "rail.ban, line 1: is no header; give"),
+        ("rail.ban", "0 0\n", "rail.ban, line 1: ends after 1 points; give"),
         ("rail.prr", "point.begin\n", "rail.prr, line 1: ends without point.end; give"),
         ("rail.txt", "0 0\n1 1\n", "rail.txt, line 2: ends after 2 points; give at least 12"),
         ("rail.doc", "0 0\n", "is not allowed; give 54E1, 60E1, arc or a .csv"),
@@ -184,15 +184,29 @@ def test_wrong_files_are_one_line_status_2_and_nothing_written(
     assert os.listdir(here) == [name]
 
 
-def test_a_half_head_is_refused_as_in_a_plan(worn: Scene, here, capsys) -> None:
+def test_a_profile_that_is_refused_is_refused_by_a_plan(worn: Scene, here, capsys) -> None:
     points = np.loadtxt(worn.rail.profile, delimiter=",")
-    half = here / "half.csv"
-    np.savetxt(half, points[points[:, 0] < 0], delimiter=",")
-    printed = command.refused(capsys, "profile", "half.csv")
-    planned = refusal(lambda: api.plan(worn.replace([f"rail.profile={half}"])))
-    note = " (as a rail; no wheel either: --body says whose it is)"
-    assert printed == f"railhead: {planned}{note}" and "half a head" in printed
-    assert os.listdir(here) == ["half.csv"]
+    np.savetxt(here / "gap.csv", np.delete(points, slice(150, 200), axis=0), delimiter=",")
+    printed = command.refused(capsys, "profile", "gap.csv")
+    planned = refusal(lambda: api.plan(worn.replace([f"rail.profile={here / 'gap.csv'}"])))
+    assert printed == f"railhead: {planned}" and "has a gap" in printed
+    assert os.listdir(here) == ["gap.csv"]
+
+
+def test_a_profile_whose_sides_are_open_is_examined_and_not_solved(
+    worn: Scene, here, capsys
+) -> None:
+    """Of a head of no standard, worn at one side, in a table that says nothing."""
+    points = np.loadtxt(worn.rail.profile, delimiter=",")
+    points[:, 1] -= 1.2 * np.exp(-(((points[:, 0] + 21) / 7) ** 2))
+    np.savetxt(here / "wide.csv", points * [1.1, 1], delimiter=",")
+    assert command.status("profile", "wide.csv", "--json", "--no-pictures") == 0
+    summary = json.loads(capsys.readouterr().out)
+    assert summary["profile"]["sides"] == "open" and summary["standard"] is None
+    wide = worn.replace([f"rail.profile={here / 'wide.csv'}"])
+    said = refusal(lambda: api.plan(wide))
+    assert said.startswith("rail.profile_mirror: nothing in wide.csv tells its field side")
+    api.plan(wide.replace(["rail.profile_mirror=off"]))
 
 
 def test_command_takes_the_unit_that_is_typed(worn: Scene, tmp_path, capsys) -> None:

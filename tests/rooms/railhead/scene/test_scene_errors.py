@@ -57,8 +57,8 @@ WRONG: list[tuple[str, object, str]] = [
     (
         "rail.profile",
         "54E2",
-        "'54E2' is not allowed; give 54E1, 60E1, arc or a .csv, .txt, .dat, .asc, .tsv, .ban or "
-        ".prr file",
+        "'54E2' is not allowed; give 54E1, 60E1, arc or a .csv, .txt, .dat, .asc, .tsv, .mpt, "
+        ".ban or .prr file",
     ),
     ("rail.profile", 54, "54 is not allowed"),
     ("rail.profile", "no_such_file.csv", "is not a readable file"),

@@ -25,6 +25,8 @@ def stated() -> dict[str, str]:
 def said(default: object) -> str:
     if default is None or isinstance(default, bool):
         return str(default).lower()
+    if isinstance(default, tuple):
+        return ",".join(map(said, default))
     return f"{default:g}" if isinstance(default, float) else str(default)
 
 

@@ -38,6 +38,7 @@ KEYS = {
     "rail.inclination": 0.01, "rail.gauge": 1437, "rail.length": 90, "rail.depth": 45,
     "rail.width": 50, "wheel.width": 44, "wheel.rim_depth": 22, "wheel.segment_length": 70,
     "wheelset.shift": 0.5, "wheelset.yaw": 0.002, "wheelset.back_to_back": 1359,
+    "wheel.tape_circle": 71,
     "rail.young_modulus": 2e5, "rail.poisson_ratio": 0.2, "wheel.young_modulus": 2e5,
     "wheel.poisson_ratio": 0.2,
 }  # fmt: skip
@@ -104,7 +105,7 @@ def test_scenes_are_of_their_kind(name: str) -> None:
 @pytest.mark.parametrize("key", KEYS)
 @pytest.mark.parametrize("name", SCENES)
 def test_a_key_is_used_or_refused(name: str, key: str) -> None:
-    if name == "solid" and key == "wheelset.back_to_back":
+    if name == "solid" and key in ("wheelset.back_to_back", "wheel.tape_circle"):
         pytest.skip("without gauge, shift and yaw the wheels stand upright at any distance")
     try:
         found = solved(simulation_plan.make(scene(name, **{key: KEYS[key]})))

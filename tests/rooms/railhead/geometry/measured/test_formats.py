@@ -100,10 +100,29 @@ def test_broken_simpack_files_are_refused(text, line, words, tmp_path) -> None:
 
 
 def test_broken_miniprof_files_are_refused(tmp_path) -> None:
-    with pytest.raises(FormatError, match="rail.ban, line 1: .*key=value"):
+    with pytest.raises(FormatError, match="rail.ban, line 2: ends after 2 points"):
         read(tmp_path, "1 2\n3 4\n", "rail.ban")
-    with pytest.raises(FormatError, match="rail.ban, line 4: .*no point"):
-        read(tmp_path, "XYPoints=2\n\n1 2\n3 four\n", "rail.ban")
+    with pytest.raises(FormatError, match="rail.ban, line 6: .*no point"):
+        read(tmp_path, "XYPoints=2\n\n1 2\n3 4\n5 6\n3 four\n", "rail.ban")
+    rows = "1 2\n3 4\n5 6\n"
+    with pytest.raises(FormatError, match="rail.mpt, line 6: begins another profile"):
+        read(tmp_path, f"[Profile1Data]\n{rows}[Profile2Data]\n{rows}", "rail.mpt")
+
+
+HEADERS = {
+    "1994": "MINIPROF 101 148 1994 3 24\nwheel.prd\n 32.0 28.0 10.0  (Sd/Sh/qR)\n\n",
+    "2020": '#MINIWHEELPROF\nMINIPROF 2020\nStock.......:\n" 32.00 28.00 10.00\n(Sd/Sh/qR)\n',
+    "Windows": "[FileInfo]\nDate=18/09/2022\n\n[Profile1Info]\nXYPoints=16\n\n[Profile1Points]\n",
+    "none": "",
+}
+
+
+@pytest.mark.parametrize("header", HEADERS.values(), ids=HEADERS)
+def test_miniprof_headers_of_every_age_are_no_points(header: str, tmp_path) -> None:
+    rows = "".join(f"{y}\t{y / 7:.4f} 0 0\n" for y in range(15))
+    found = read(tmp_path, header + rows, "wheel.mpt")
+    assert found.points[:, 0].tolist() == list(range(15)) and found.unit == "mm"
+    assert ("of 16 by its header" in found.remarks) is ("XYPoints" in header)
 
 
 def test_miniprof_headers_order_the_columns(tmp_path) -> None:

@@ -1,0 +1,154 @@
+"""Files as instruments write them, of profiles that are drawn here from arcs and lines.
+
+A heavy-haul rail and wheel: no standard is like them, and the wheel's tape circle is 77.8 mm from
+its flange back. The truth is the drawing; the reading knows nothing of it.
+"""
+
+import json
+
+import command
+import numpy as np
+import pytest
+
+import railhead as rh
+from railhead.geometry.measured import measured_profile as measured
+
+TAPE = 77.8
+RAIL_RADII, FACE = (254.0, 31.75, 14.3), np.radians(88.57)
+
+
+def drawn(start: np.ndarray, angle: float, pieces: list[tuple[float, float]]) -> np.ndarray:
+    """Points 0.25 mm apart from a start on: of each piece its radius (positive bends to the right)
+    and the angle (rad) to which it turns, or inf and the length of a straight one."""
+    points = [start]
+    for radius, value in pieces:
+        if np.isinf(radius):
+            s = np.linspace(0, value, max(2, round(value / 0.25) + 1))[1:]
+            step = np.outer(s, [np.cos(angle), np.sin(angle)])
+            points += list(points[-1] + step)
+            continue
+        count = max(2, round(abs((value - angle) * radius) / 0.25) + 1)
+        turned = np.linspace(angle, value, count)[1:]
+        centre = points[-1] + radius * np.array([np.sin(angle), -np.cos(angle)])
+        points += list(centre + radius * np.column_stack([-np.sin(turned), np.cos(turned)]))
+        angle = value
+    return np.array(points)
+
+
+def rail() -> np.ndarray:
+    """y to the field side, z up from the crown; its gauge side (y < 0) worn by 1.2 mm."""
+    half = drawn(np.zeros(2), 0.0, [
+        (RAIL_RADII[0], -np.arcsin(11.923 / 254.0)), (RAIL_RADII[1], -np.pi / 4),
+        (RAIL_RADII[2], -FACE), (np.inf, 15.0),
+    ])  # fmt: skip
+    whole = np.concatenate([(half * [-1, 1])[:0:-1], half])
+    return whole - np.outer(1.2 * np.exp(-(((whole[:, 0] + 21) / 7) ** 2)), [0.0, 1.0])
+
+
+def wheel() -> np.ndarray:
+    """y from the flange back, z outwards, 0 at the tape circle: tread 1:20, fillets R 38 and R 15,
+    face of 75 deg, tip of R 11."""
+    cone = np.arctan(1 / 20)
+    points = drawn(np.zeros(2), cone, [
+        (np.inf, 100.0), (-38.0, np.radians(25)), (-15.0, np.radians(75)), (np.inf, 8.0),
+        (11.0, -np.pi / 2), (np.inf, 12.0),
+    ])[::-1] * [-1, 1]  # fmt: skip
+    points = points - [points[:, 0].min(), 0.0]
+    tread = points[points[:, 0] > 70.0]
+    return points - [0.0, np.interp(TAPE, *tread.T)]
+
+
+def text(points: np.ndarray, separator: str = " ") -> str:
+    return "".join(separator.join(f"{each:.5f}" for each in row) + "\n" for row in points)
+
+
+def simpack(points: np.ndarray, kind: int, factor: float = 1000.0, keys: str = "") -> str:
+    return (
+        f"header.begin\n type = {kind}\nheader.end\nspline.begin\n{keys} units.len.f = {factor}\n"
+        f" point.begin\n{text(points)} point.end\nspline.end\n"
+    )
+
+
+OLD = "MINIPROF 101 148 1994 3 24\nwheel.prd\nWheel ID....: 3\n 32.0 28.0 10.0  (Sd/Sh/qR)\n\n"
+NEW = '#MINIWHEELPROF\nMINIPROF 2020\nCar Number..: 1\n" 32.00 28.00 10.00\n(Sd/Sh/qR)\n'
+CAD = "ProgramName=AutoCAD\nColumnDef=X,Y,A\nXYPoints=3\n\n"
+WINDOWS = "[FileInfo]\nDate=18/09/2022\n\n[Profile1Info]\nColumnDef=X,Y\n\n[Profile1Data]\n"
+DOWN, MIRRORED = np.array([1.0, -1.0]), np.array([-1.0, 1.0])
+WHEELS = {
+    "1994.whl": OLD + text(wheel()),
+    "2020.whl": NEW + text(wheel(), "\t"),
+    "backwards.whl": CAD + text(wheel()[::-1]),
+    "plain.prw": simpack(wheel(), 1),
+    "mirrored.prw": simpack(wheel() * MIRRORED, 1, keys=" mirror.y = 1\n"),
+    "upright.csv": text(wheel() * DOWN * MIRRORED + [300.0, 0.0], ","),
+}
+RAILS = {
+    "cad.ban": (CAD + text(rail()), "open"),
+    "downwards.ban": (CAD + text(rail() * DOWN), "open"),
+    "windows.mpt": (WINDOWS + text(rail(), "\t"), "open"),
+    "plain.prr": (simpack(rail() * DOWN, 0), "as in the file"),
+    "metres.prr": (simpack(rail() * DOWN / 1000 * 1.0, 0, 1.0), "as in the file"),
+    "metres.txt": ("".join(f"{y / 1e3:.18e},{z / 1e3:.18e}\n" for y, z in rail()), "open"),
+    "part.csv": ("y [mm],z [mm]\n" + text(rail()[rail()[:, 0] < 22], ","), "as in the file"),
+}
+
+
+@pytest.mark.parametrize("name", WHEELS)
+def test_a_wheel_stands_on_the_tape_circle_of_its_file(name: str, tmp_path) -> None:
+    """77.8 mm from the flange back, where the file has z = 0."""
+    (tmp_path / name).write_text(WHEELS[name])
+    found = measured.read(tmp_path / name, "wheel")
+    assert found.oriented.tape_circle == pytest.approx(TAPE, abs=0.02)
+    y = np.linspace(-30, 40, 71)
+    tread = wheel()
+    np.testing.assert_allclose(
+        found.profile.height(y), np.interp(y + TAPE, *tread[tread[:, 0] > 35].T), atol=0.01
+    )
+    shift = 300.0 if name == "upright.csv" else 0.0
+    sign = -1.0 if shift else 1.0
+    assert found.origin["flange_back_mm"] == pytest.approx(shift, abs=0.02)
+    assert found.origin["tape_circle_mm"] == pytest.approx(shift + sign * TAPE, abs=0.02)
+
+
+@pytest.mark.parametrize("name", RAILS)
+def test_a_rail_of_no_standard_is_read_in_its_axes(name: str, tmp_path) -> None:
+    text, sides = RAILS[name]
+    (tmp_path / name).write_text(text)
+    found = measured.read(tmp_path / name, "rail")
+    assert found.oriented.sides == sides
+    assert found.origin["crown_mm"] == pytest.approx([0.0, 0.0], abs=0.02)
+    y = np.array([-30.0, -21.0, -5.0, 0.0, 5.0, 20.0])
+    true = rail()[np.abs(rail()[:, 0]) < 36]
+    np.testing.assert_allclose(found.profile.height(y), np.interp(y, *true.T), atol=0.01)
+    assert 1 / found.profile.curvature(5.0) == pytest.approx(254.0, rel=0.03)
+    assert 1 / found.profile.curvature(17.0) == pytest.approx(31.75, rel=0.03)
+
+
+@pytest.mark.parametrize("given", [70.0, 80.0])
+def test_a_tape_circle_that_is_given_is_measured_from_the_flange_back(given, tmp_path) -> None:
+    (tmp_path / "w.whl").write_text(WHEELS["2020.whl"])
+    found = rh.profile(tmp_path / "w.whl", "wheel", [f"wheel.tape_circle={given}"]).measured
+    assert found.origin["tape_circle_mm"] == pytest.approx(given)
+    assert found.origin["flange_back_mm"] == pytest.approx(0.0)
+
+
+def test_heavy_haul_files_run_and_say_where_they_were_placed(tmp_path, monkeypatch, capsys) -> None:
+    """The distance of flange back and rail is that of the drawing: gauge, and backs as given."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "rail.prr").write_text(RAILS["plain.prr"][0])
+    (tmp_path / "wheel.whl").write_text(WHEELS["1994.whl"])
+    (tmp_path / "haul.toml").write_text(
+        'load = "127.5 kN"\n[rail]\nprofile = "rail.prr"\ngauge = 1435.1\n'
+        '[wheel]\nprofile = "wheel.whl"\nrolling_radius = 457\n[wheelset]\nback_to_back = 1347.4\n'
+    )
+    assert command.status("locate", "haul.toml", "--json", "--no-pictures") == 0
+    summary = json.loads(capsys.readouterr().out)
+    right = summary["right"][0]
+    face = rail()[(rail()[:, 0] < -30) & (rail()[:, 1] < -5)]
+    gauge_point = np.interp(-14.0, face[::-1, 1][::-1], face[:, 0])
+    crown = 1435.1 / 2 - gauge_point
+    assert right["rail_y_mm"] + crown == pytest.approx(
+        1347.4 / 2 + TAPE + right["wheel_y_mm"], abs=0.05
+    )
+    assert command.status("run", "haul.toml", "--fast", "--no-pictures", "--quiet") in (0, 1)
+    assert (tmp_path / "results" / "haul" / "summary.json").is_file()
