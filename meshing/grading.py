@@ -24,7 +24,7 @@ def suited_stretch(a: float, b: float) -> float:
 MARGIN = 1.15  # semi-axes of the fine ellipsoid over those of the patch
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Grading:
     """Element size: `size` inside an ellipsoid around the patch, plus growth times distance outside
     of it.

@@ -9,7 +9,7 @@ import math
 import re
 import reprlib
 from collections.abc import Mapping
-from dataclasses import KW_ONLY, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from functools import lru_cache
 from numbers import Real
@@ -186,7 +186,7 @@ def to_base(value: object, kind: QuantityKind) -> float:
     return number
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Range:
     """Quantities of a kind within a range, as metadata of an annotated float or int: pydantic calls
     it with a value and gets the value in the base unit of the kind.
@@ -207,7 +207,6 @@ class Range:
     low: float
     high: float
     note: str = ""
-    _: KW_ONLY
     words: str = ""
     excluded: tuple[float, ...] = ()
     infinite: bool = False
@@ -255,50 +254,82 @@ def unit(annotation: object) -> str:
 
 # Beyond these ranges no scene of allowed radii and moduli makes a patch of a nanometre or more, or
 # numbers overflow.
-Force = Annotated[float, Range(FORCE, 1e-40, 1e15)]
-Approach = Annotated[float, Range(LENGTH, 1e-21, 1e6)]
-Radius = Annotated[float, Range(LENGTH, 1e-6, 1e9, "; inf is flat", infinite=True)]
+Force = Annotated[float, Range(kind=FORCE, low=1e-40, high=1e15)]
+Approach = Annotated[float, Range(kind=LENGTH, low=1e-21, high=1e6)]
+Radius = Annotated[
+    float, Range(kind=LENGTH, low=1e-6, high=1e9, note="; inf is flat", infinite=True)
+]
 SignedRadius = Annotated[
     float,
-    Range(LENGTH, 1e-6, 1e9, "; negative is concave, inf is flat", infinite=True, either_sign=True),
+    Range(
+        kind=LENGTH,
+        low=1e-6,
+        high=1e9,
+        note="; negative is concave, inf is flat",
+        infinite=True,
+        either_sign=True,
+    ),
 ]
-Modulus = Annotated[float, Range(STRESS, 1e-12, 1e15, "; inf is rigid", infinite=True)]
-BodyLength = Annotated[float, Range(LENGTH, 1e-3, 1e6)]
-ElementSize = Annotated[float, Range(LENGTH, 1e-9, 1e6)]
-Wavelength = Annotated[float, Range(WAVELENGTH, 1, 100, words=WAVELENGTH.hint)]
+Modulus = Annotated[
+    float, Range(kind=STRESS, low=1e-12, high=1e15, note="; inf is rigid", infinite=True)
+]
+BodyLength = Annotated[float, Range(kind=LENGTH, low=1e-3, high=1e6)]
+ElementSize = Annotated[float, Range(kind=LENGTH, low=1e-9, high=1e6)]
+Wavelength = Annotated[float, Range(kind=WAVELENGTH, low=1, high=100, words=WAVELENGTH.hint)]
 Duration = Annotated[
     float,
-    Range(DURATION, 0, math.inf, excluded=(0, math.inf), words="a positive, finite time"),
+    Range(
+        kind=DURATION, low=0, high=math.inf, excluded=(0, math.inf), words="a positive, finite time"
+    ),
 ]
-Stress = Annotated[float, Range(STRESS, 1e-6, 1e9)]
+Stress = Annotated[float, Range(kind=STRESS, low=1e-6, high=1e9)]
 Hardening = Annotated[
     float,
-    Range(STRESS, 0, math.inf, excluded=(math.inf,), words="a finite stress that is not negative"),
+    Range(
+        kind=STRESS,
+        low=0,
+        high=math.inf,
+        excluded=(math.inf,),
+        words="a finite stress that is not negative",
+    ),
 ]
-Share = Annotated[float, Range(FRACTION, 0, 1)]
+Share = Annotated[float, Range(kind=FRACTION, low=0, high=1)]
 Factor = Annotated[
     float,
-    Range(NUMBER, 0, math.inf, excluded=(0, math.inf), words="a positive, finite number"),
+    Range(
+        kind=NUMBER, low=0, high=math.inf, excluded=(0, math.inf), words="a positive, finite number"
+    ),
 ]
-Slope = Annotated[float, Range(SLOPE, -0.2, 0.2, ', e.g. "1:20"')]
-PoissonRatio = Annotated[float, Range(NUMBER, 0, 0.5, ", but not 0.5 itself", excluded=(0.5,))]
-Accuracy = Annotated[float, Range(FRACTION, 0.0005, 0.2, ', e.g. "1%"')]
+Slope = Annotated[float, Range(kind=SLOPE, low=-0.2, high=0.2, note=', e.g. "1:20"')]
+PoissonRatio = Annotated[
+    float, Range(kind=NUMBER, low=0, high=0.5, note=", but not 0.5 itself", excluded=(0.5,))
+]
+Accuracy = Annotated[float, Range(kind=FRACTION, low=0.0005, high=0.2, note=', e.g. "1%"')]
 SignedForce = Annotated[
     float,
-    Range(FORCE, 0, math.inf, excluded=(math.inf,), either_sign=True, words="a finite force"),
+    Range(
+        kind=FORCE,
+        low=0,
+        high=math.inf,
+        excluded=(math.inf,),
+        either_sign=True,
+        words="a finite force",
+    ),
 ]
-Creepage = Annotated[float, Range(CREEPAGE, -1, 1, ', e.g. 0.001 or "0.1%"')]
-Spin = Annotated[float, Range(SPIN, -1, 1)]
-Speed = Annotated[float, Range(SPEED, 0, 1000, ', but not 0, e.g. "80 km/h"', excluded=(0,))]
-FrictionCoefficient = Annotated[float, Range(NUMBER, 0, 2)]
-Shift = Annotated[float, Range(LENGTH, -30, 30)]
-TapeCircle = Annotated[float, Range(LENGTH, 30, 120, ", e.g. 70")]
-Displacement = Annotated[float, Range(LENGTH, 0, 1000, either_sign=True)]
-Yaw = Annotated[float, Range(ANGLE, -0.1, 0.1, ', e.g. "2 mrad"')]
-Gauge = Annotated[float, Range(LENGTH, 500, 2000, ", e.g. 1435")]
-Theta = Annotated[int, Range(NUMBER, -1, 1, whole=True, words="1, 0 or -1")]
-Cycles = Annotated[int, Range(NUMBER, 1, 100, whole=True)]
-Passes = Annotated[int, Range(NUMBER, 1, 1000, whole=True)]
-Order = Annotated[int, Range(NUMBER, 1, 2, whole=True, words="1 or 2")]
-Tolerance = Annotated[float, Range(NUMBER, 1e-10, 1e-3, ", e.g. 1e-8")]
-Iterations = Annotated[int, Range(NUMBER, 1, 200, whole=True)]
+Creepage = Annotated[float, Range(kind=CREEPAGE, low=-1, high=1, note=', e.g. 0.001 or "0.1%"')]
+Spin = Annotated[float, Range(kind=SPIN, low=-1, high=1)]
+Speed = Annotated[
+    float, Range(kind=SPEED, low=0, high=1000, note=', but not 0, e.g. "80 km/h"', excluded=(0,))
+]
+FrictionCoefficient = Annotated[float, Range(kind=NUMBER, low=0, high=2)]
+Shift = Annotated[float, Range(kind=LENGTH, low=-30, high=30)]
+TapeCircle = Annotated[float, Range(kind=LENGTH, low=30, high=120, note=", e.g. 70")]
+Displacement = Annotated[float, Range(kind=LENGTH, low=0, high=1000, either_sign=True)]
+Yaw = Annotated[float, Range(kind=ANGLE, low=-0.1, high=0.1, note=', e.g. "2 mrad"')]
+Gauge = Annotated[float, Range(kind=LENGTH, low=500, high=2000, note=", e.g. 1435")]
+Theta = Annotated[int, Range(kind=NUMBER, low=-1, high=1, whole=True, words="1, 0 or -1")]
+Cycles = Annotated[int, Range(kind=NUMBER, low=1, high=100, whole=True)]
+Passes = Annotated[int, Range(kind=NUMBER, low=1, high=1000, whole=True)]
+Order = Annotated[int, Range(kind=NUMBER, low=1, high=2, whole=True, words="1 or 2")]
+Tolerance = Annotated[float, Range(kind=NUMBER, low=1e-10, high=1e-3, note=", e.g. 1e-8")]
+Iterations = Annotated[int, Range(kind=NUMBER, low=1, high=200, whole=True)]

@@ -62,7 +62,7 @@ class Tangent:
         self.problem.diagonal(self.active, out)
 
 
-@dataclass
+@dataclass(kw_only=True)
 class ContactProblem:
     """One load case of a contact, at n contact points of this rank, in the free unknowns y; the
     displacement is u = P y + u0. Forces are those on the meshed part.

@@ -12,7 +12,7 @@ no matrix is assembled again.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
 import numpy as np
@@ -122,7 +122,7 @@ class _PlasticTangent(Tangent):
             problem.add_consistency_forces(-loss, y)
 
 
-@dataclass
+@dataclass(kw_only=True)
 class PlasticProblem(ContactProblem):
     """Contact problem of bodies that yield, at one load step. The other fields are those of
     `ContactProblem`. The assembled tangent and the diagonal, which preconditioners use, leave yield
@@ -133,9 +133,9 @@ class PlasticProblem(ContactProblem):
     normal_dyads: dyads n x n of the normals (n, m) at the contact points, in Mandel's notation.
     """
 
-    bulk: YieldPoints = field(kw_only=True)
-    surface: YieldPoints = field(kw_only=True)
-    normal_dyads: Array = field(kw_only=True)
+    bulk: YieldPoints
+    surface: YieldPoints
+    normal_dyads: Array
     tangent_depends_on_state: ClassVar[bool] = True
     tangent_context: ClassVar[type[Tangent]] = _PlasticTangent
 

@@ -116,7 +116,7 @@ class FrictionSettings:
         return (float(along), float(across)), moment
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Setup:
     """Input of a contact model. Directions, normals, gap and far field are vectors in space, also
     where the mesh is a plane section.

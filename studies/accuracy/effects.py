@@ -233,7 +233,15 @@ def _unplanned(scene: Scene) -> tuple[int, float]:
         profiles.single_radius(math.inf, edge), -edge, edge, edge, outwards=-1, half=False
     )
     section = [replace(c, role="support") if c.role == "free" else c for c in section]
-    grading = Grading((0.0, 0.0, 0.0), ellipse.a, ellipse.b, 0.0, size, 0.3, coarsest=0.25 * edge)
+    grading = Grading(
+        centre=(0.0, 0.0, 0.0),
+        a=ellipse.a,
+        b=ellipse.b,
+        angle=0.0,
+        size=size,
+        growth=0.3,
+        coarsest=0.25 * edge,
+    )
     body = Body(WHEEL, section, edge, end_role="support")
     made = mesh.generate([body], grading, Options("tetrahedron", 1, False), MPI.COMM_WORLD)
     steel = Material(wheel.young_modulus, wheel.poisson_ratio)

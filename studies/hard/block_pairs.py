@@ -32,7 +32,7 @@ STEEL = Material(207000.0, 0.3)
 GAP = ParabolicGap(1 / 2000, 1 / 1600, 1)  # 3 kN on steel touch over about 3 mm
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class TwoSizes(Grading):
     """A grading whose finest size above the height `lift`/2 is `ratio` times larger."""
 
@@ -82,7 +82,9 @@ def meshed(
     """Mesh of `two_blocks`, made once in a process; rigid: rail and wheel."""
     lift = 0.0 if ratio == 1.0 else 1e-3 * size
     along, across = np.array(fine) * size
-    grading = TwoSizes((0.0, 0.0, 0.0), along, across, 0.0, h, lift=lift, ratio=ratio)
+    grading = TwoSizes(
+        centre=(0.0, 0.0, 0.0), a=along, b=across, angle=0.0, size=h, lift=lift, ratio=ratio
+    )
     lifted = {RAIL: (size, 0.0), WHEEL: (wheel_size * size, lift)}
     bodies = [
         block(tag, edge, height, length, half=half)

@@ -89,7 +89,15 @@ def around_smallest(plan: Plan, lowest: float) -> Grading:
     small = closed_forms.hertz_contact(plan.scene, plan.contact, lowest)
     size = min(small.a, small.b) / ELEMENTS_PER_SEMI_AXIS
     angle, coarsest = plan.contact.touch.angle, plan.sizing.coarsest
-    return Grading(plan.contact.origin, small.a, small.b, angle, size, GROWTH, coarsest=coarsest)
+    return Grading(
+        centre=plan.contact.origin,
+        a=small.a,
+        b=small.b,
+        angle=angle,
+        size=size,
+        growth=GROWTH,
+        coarsest=coarsest,
+    )
 
 
 def sweep(name: str, loads: Sequence[float], progress: Progress) -> list[Row]:

@@ -89,7 +89,7 @@ def half_blocks_mesh(cell: str, tags: tuple[int, ...]) -> mesh.ContactMesh:
         )
         if tag in tags:
             bodies.append(Body(tag, section, 0.0))
-    grading = Grading((0.0, 0.0, 0.0), 2.0, 2.0, 0.0, 1.0)
+    grading = Grading(centre=(0.0, 0.0, 0.0), a=2.0, b=2.0, angle=0.0, size=1.0)
     return mesh.generate(bodies, grading, Options(cell, 1, True, "xz"), MPI.COMM_WORLD)
 
 

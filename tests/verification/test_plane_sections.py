@@ -133,7 +133,7 @@ def test_disc_free_to_slide_on_its_diametral_plane_gives_johnsons_approach() -> 
     upside_down, still = np.diag([1.0, -1.0]), np.zeros(2)
     half = outlines.disc(radius, radius, 0.0, half=True)
     section = [curve.moved(upside_down, still) for curve in half]
-    grading = Grading((0.0, 0.0, 0.0), strip.b, strip.b, 0.0, strip.b / 8)
+    grading = Grading(centre=(0.0, 0.0, 0.0), a=strip.b, b=strip.b, angle=0.0, size=strip.b / 8)
     options = Options("tetrahedron", 2, True, "xz")
     made = mesh.generate([Body(RAIL, section, 0.0)], grading, options, MPI.COMM_WORLD)
     arc = profiles.Profile("arc", (profiles.Arc(-radius, radius, 0.0, -radius, radius, 1),))

@@ -28,7 +28,7 @@ from railhead.meshing.grading import Grading
 from railhead.solver import compat
 
 pytestmark = pytest.mark.usefixtures("meshed_anew")
-GRADING = Grading((0.0, 0.0, 0.0), 4.3, 3.5, 0.0, 1.2, coarsest=20.0)
+GRADING = Grading(centre=(0.0, 0.0, 0.0), a=4.3, b=3.5, angle=0.0, size=1.2, coarsest=20.0)
 CELLS = ["tetrahedron", "hexahedron"]
 
 
@@ -120,7 +120,7 @@ def test_meshio_reads_what_gmsh_wrote(tmp_path) -> None:
     np.testing.assert_allclose(meshio.read(tmp_path / "mesh.vtu").points, read.points)
 
 
-TILTED = Grading((0.0, 5.0, -0.1), 6.0, 2.0, 0.05, 0.3)
+TILTED = Grading(centre=(0.0, 5.0, -0.1), a=6.0, b=2.0, angle=0.05, size=0.3)
 STRETCHED = replace(TILTED, angle=-0.3, stretch=2.0)
 FUNCTIONS = {"Sqrt": math.sqrt, "Max": max, "Min": min, "Abs": abs}  # of gmsh's formulas
 

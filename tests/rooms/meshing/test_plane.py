@@ -19,7 +19,7 @@ from railhead.meshing.bodies import (
 )
 from railhead.meshing.grading import Grading
 
-GRADING = Grading((0.0, 0.0, 0.0), 2.0, 2.0, 0.0, 0.4, coarsest=10.0)
+GRADING = Grading(centre=(0.0, 0.0, 0.0), a=2.0, b=2.0, angle=0.0, size=0.4, coarsest=10.0)
 
 
 def bodies(*, half: bool, depth: float = 20.0) -> list[Body]:
@@ -76,7 +76,7 @@ def test_edges_are_tagged_and_fine_in_the_patch(which: str, tag: int) -> None:
 
 def test_the_section_along_takes_the_grading_along() -> None:
     """turned(): what was x is the first coordinate, with its semi-axis."""
-    turned = Grading((3.0, 1.0, 2.0), 5.0, 2.0, 0.1, 0.3).turned()
+    turned = Grading(centre=(3.0, 1.0, 2.0), a=5.0, b=2.0, angle=0.1, size=0.3).turned()
     assert turned.centre == (0.0, 3.0, 2.0)
     assert (turned.a, turned.b, turned.angle) == (2.0, 5.0, 0.0)
     assert "(x-(3))" in turned.expression(section=True, coordinates=("x", "y"))
