@@ -22,6 +22,7 @@ from railhead.postprocess.findings import (
 from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.elastic.line import Hertz
+from railhead.theory.elastic.subsurface import EllipsoidalPressure
 
 PLACES = ("_point_mm", "_place_mm")  # ends of names of coordinates
 EXTENTS = 4e-3  # relative error of half extents of boundary elements, 128 cells on ellipses
@@ -243,7 +244,9 @@ def _exact_stresses(contact: Hertz, poisson: Mapping[str, float], frame: Frame) 
     return _largest_stresses(bodies, _largest_in(shown, bodies[shown]), surface)
 
 
-def exact_largest(contact: Hertz, body: str, poisson: float, frame: Frame) -> Largest:
+def exact_largest(
+    contact: Hertz | EllipsoidalPressure, body: str, poisson: float, frame: Frame
+) -> Largest:
     """Largest shear and von Mises stress of an exact Hertz contact, on the axis in the body with
     this name and Poisson's ratio. frame: axes at the centre of the patch, for places in space.
     """

@@ -30,6 +30,7 @@ from railhead.theory.bem import grid_stress
 from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.elastic.line import Hertz
+from railhead.theory.elastic.subsurface import EllipsoidalPressure
 
 if TYPE_CHECKING:
     from railhead.solver.system.solution import FrictionSolution
@@ -60,14 +61,6 @@ def of_hertz(
         max_pressure=hertz.p0,
         share=1.0,
     )
-    depth = np.linspace(0, DEEP * min(hertz.half_lengths), DEPTHS, dtype=np.float64)
-
-    def below(body: str, nu: float) -> DepthAxis:
-        """Stresses on the axis below the patch in a body with a Poisson's ratio."""
-        stress = np.zeros((DEPTHS, 6))
-        stress[:, :3] = hertz.axis_stress(nu, depth)
-        return DepthAxis(body, depth, stress, _line(frame, body))
-
     x, s = np.meshgrid(along, across, indexing="ij")
     local = np.column_stack([x.ravel(), s.ravel()])
     return Findings(
@@ -88,7 +81,7 @@ def of_hertz(
             [np.full_like(x, np.nan)],
             frame,
         ),
-        depth={body: below(body, nu) for body, nu in poisson.items()},
+        depth={body: _on_axis(hertz, body, nu, frame) for body, nu in poisson.items()},
         along=AxisPressure(along, hertz.pressure(along, 0 * along)),
         across=AxisPressure(across, hertz.pressure(0 * across, across)),
         shape_error=0.0,
@@ -156,6 +149,17 @@ def of_boundary_elements(
         hertzian=error < HERTZIAN and len(each) < 2,
         largest=largest(coarse.windows, points, poisson),
     )
+
+
+def with_rigid_bodies(found: Findings, poisson: Mapping[str, float]) -> Findings:
+    """Findings of half-spaces, frictionless, of which those were not meshed whose Poisson's ratio
+    is given, by 'rail' or 'wheel', with their stresses under the pressure that was found.
+    """
+    patch, centre = found.patch, Frame(found.frame.place(*found.patch.centre), found.frame.angle)
+    pressure = EllipsoidalPressure(a=patch.a, b=patch.b, p0=patch.max_pressure)
+    more = {body: compare.exact_largest(pressure, body, nu, centre) for body, nu in poisson.items()}
+    axes = {body: _on_axis(pressure, body, nu, centre) for body, nu in poisson.items()}
+    return replace(found, largest=found.largest | more, depth=found.depth | axes)
 
 
 def with_tractions(
@@ -251,6 +255,18 @@ def _below(
     stress[:, 4:] *= sign  # the wheel is the mirror image
     at = points(np.array([x]), np.array([s]))[0]
     return DepthAxis(body, depth, stress, _line(Frame((at[0], at[1], at[2]), patch.plane), body))
+
+
+def _on_axis(
+    pressure: Hertz | EllipsoidalPressure, body: str, poisson: float, frame: Frame
+) -> DepthAxis:
+    """Exact stresses in a body with this name and Poisson's ratio on the axis below the centre of
+    Hertz's pressure, the origin of the frame.
+    """
+    depth = np.linspace(0, DEEP * min(pressure.half_lengths), DEPTHS, dtype=np.float64)
+    stress = np.zeros((DEPTHS, 6))
+    stress[:, :3] = pressure.axis_stress(poisson, depth)
+    return DepthAxis(body, depth, stress, _line(frame, body))
 
 
 def _line(frame: Frame, body: str) -> tuple[Place, Place]:

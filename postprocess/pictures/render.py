@@ -161,7 +161,7 @@ def wheel_rail(grid: meshio.Mesh, findings: Findings, target: Target = None) -> 
         right.set_ylabel("height over the contact, mm")
         swatches = [Swatch(fc=COLOURS[name], ec=EDGE, label=names[name]) for name in halves]
         for name in set(BODY_NAMES.values()) - set(halves):
-            text, side = f"{names[name]}: rigid, not meshed", 0.25 if name == "rail" else 0.75
+            text, side = f"{names[name]}: not meshed", 0.25 if name == "rail" else 0.75
             right.text(0.5, side, text, transform=right.transAxes, ha="center")
         figure.legend(handles=[*swatches, right.lines[0]], loc="outside upper center", ncols=3)
     return figure
@@ -195,7 +195,7 @@ def section(grid: meshio.Mesh, axis: int, findings: Findings, target: Target = N
         for name in set(BODY_NAMES.values()) - set(skins):
             for axes in (left, right):
                 axes.axhline(0.0, color="black", lw=1.2, zorder=0)
-            text, side = f"{names[name]}: rigid, not meshed", 0.25 if name == "rail" else 0.75
+            text, side = f"{names[name]}: not meshed", 0.25 if name == "rail" else 0.75
             right.text(0.5, side, text, transform=right.transAxes, ha="center")
         reach = 2.5 * half
         right.set(xlim=(middle - reach, middle + reach), ylim=(-1.2 * reach, 1.2 * reach))

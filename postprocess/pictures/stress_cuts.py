@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import meshio
@@ -45,10 +46,10 @@ def of_solid(grid: meshio.Mesh, axis: int, findings: Findings, target: Target = 
     centre, cut = np.array([(low + high) / 2, 0.0]), 0.0 if axis else findings.along.at
     beside = cut + 1e-3 * min(patch.a, patch.b)  # at x = 0 itself there may be faces of cells
     origin = frame.place(beside, 0.0) if axis else frame.place(0.0, beside)
-    sections = [
-        part.slice(normal=frame.axes[1 - axis], origin=origin).triangulate()
-        for part in bodies_of(grid).values()
-    ]
+    sections = {
+        name: part.slice(normal=frame.axes[1 - axis], origin=origin).triangulate()
+        for name, part in bodies_of(grid).items()
+    }
     return _draw_fringes(sections, axis, cut, (centre - half, centre + half), findings, target)
 
 
@@ -62,15 +63,17 @@ def of_section(grid: meshio.Mesh, axis: int, findings: Findings, target: Target 
     patch = findings.patch
     reach = np.array([2.4, 1.8]) * (patch.a, patch.b)[axis]
     centre = np.array([patch.centre[axis], 0.0])
-    sections = [
-        part.extract_surface(nonlinear_subdivision=1, algorithm="dataset_surface").triangulate()
-        for part in bodies_of(grid).values()
-    ]
+    sections = {
+        name: part.extract_surface(
+            nonlinear_subdivision=1, algorithm="dataset_surface"
+        ).triangulate()
+        for name, part in bodies_of(grid).items()
+    }
     return _draw_fringes(sections, axis, None, (centre - reach, centre + reach), findings, target)
 
 
 def _draw_fringes(
-    sections: list[Any],
+    sections: Mapping[str, Any],
     axis: int,
     cut: float | None,
     window: tuple[Array, Array],
@@ -80,7 +83,7 @@ def _draw_fringes(
     """Two panels: bands of the smallest principal stress and of the largest shear stress in all
     bodies of a plane cut through the contact.
 
-    sections: pyvista surfaces of triangles, one a body, with the point data "principal_stresses"
+    sections: pyvista surfaces of triangles by body name, with the point data "principal_stresses"
         and "max_shear", MPa. axis: 0 where the horizontal axis of the picture is x, 1 where it is
         s. cut: the other coordinate of the cut, mm; None of a section. window: smallest and largest
         coordinate along that axis, and height over the tangent plane, that are shown, (2,) each,
@@ -92,11 +95,11 @@ def _draw_fringes(
     from matplotlib.lines import Line2D
 
     names, (low, high) = findings.subject.names, window
-    places = [findings.frame.local(each.points)[:, [axis, 2]] for each in sections]
+    places = [findings.frame.local(each.points)[:, [axis, 2]] for each in sections.values()]
     inside = [np.all((at > low) & (at < high), axis=1) for at in places]
     stresses = (
-        [each["principal_stresses"][:, 2] for each in sections],
-        [each["max_shear"] for each in sections],
+        [each["principal_stresses"][:, 2] for each in sections.values()],
+        [each["max_shear"] for each in sections.values()],
     )
     shape = float(np.divide(*(high - low)[::-1]))
     with new_figure(target, 10, 2.0 + 4.4 * shape, findings) as figure:
@@ -107,7 +110,7 @@ def _draw_fringes(
             every = every if number else np.minimum(every, 0.0)
             ticks = levels(findings.subject.units, "MPa", every, BANDS + 2)
             look = {"cmap": MAPS[number], "extend": "neither" if number else "max"}
-            for each, at, own in zip(sections, places, stresses[number], strict=True):
+            for each, at, own in zip(sections.values(), places, stresses[number], strict=True):
                 drawn = axes.tricontourf(*at.T, each.regular_faces, own, ticks, **look)
                 rim = each.extract_feature_edges(
                     feature_edges=False, manifold_edges=False, non_manifold_edges=False
@@ -128,7 +131,7 @@ def _draw_fringes(
             axes.grid(False)
             for body in BODY_NAMES.values():
                 height, side = (0.03, "bottom") if body == "rail" else (0.97, "top")
-                text = names[body] + ("" if body in findings.depth else ": rigid")
+                text = names[body] + ("" if body in sections else ": not meshed")
                 axes.text(0.02, height, text, transform=axes.transAxes, va=side, fontsize=13)
             along = cut is not None and axis == 0  # which cuts the most loaded patch alone
             for line in [findings.patch.main] if along else findings.patch.outlines:

@@ -19,6 +19,7 @@ from railhead.theory.elastic.line import Hertz
 from railhead.theory.friction import tangential
 from railhead.theory.friction.tangential import MaterialPair
 
+STIFFEST = 1e5  # largest ratio of both moduli in a mesh; balance of forces failed at 7e6
 DEFAULT_ACCURACY = 0.01  # accuracy of a scene that prescribes none
 
 
@@ -99,17 +100,29 @@ class Context:
         return {name: part for name, part in bodies if self.decided[f"deformable_{name}"].on}
 
     @property
+    def stressed(self) -> dict[str, Rail | Wheel]:
+        """Tables of the scene of the bodies that have stresses, by 'rail' and 'wheel': those of a
+        finite modulus, without one that a person made rigid.
+        """
+        bodies = self.scene.bodies.items()
+        decided = {name: self.decided[f"deformable_{name}"] for name, _ in bodies}
+        soft = {name: part for name, part in bodies if math.isfinite(part.young_modulus)}
+        chosen = {name for name, each in decided.items() if each.called_for and not each.on}
+        return {name: part for name, part in soft.items() if name not in chosen}
+
+    @property
     def young_moduli(self) -> dict[str, float]:
         """Young's moduli as simulated, MPa, by 'rail' and 'wheel': infinite of a body that does not
-        deform beside one that does. Half-spaces in the place of finite bodies have those of the
-        scene.
+        deform beside one that does, and at most 1e5 (STIFFEST) times that of the other body, as
+        rounding of a larger one drowns the forces. Half-spaces in the place of finite bodies have
+        those of the scene.
         """
-        bodies, deform = self.scene.bodies.items(), self.deformable
-        rigid = bool(deform) and self.decided["finite_bodies"].on
-        return {
-            name: math.inf if rigid and name not in deform else part.young_modulus
-            for name, part in bodies
-        }
+        bodies, deform = self.scene.bodies, self.deformable
+        moduli = {name: part.young_modulus for name, part in bodies.items()}
+        if not (deform and self.decided["finite_bodies"].on):
+            return moduli
+        most = STIFFEST * min(moduli.values())
+        return {name: min(moduli[name], most) if name in deform else math.inf for name in bodies}
 
     @property
     def tangential_pair(self) -> MaterialPair:

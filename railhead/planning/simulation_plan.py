@@ -104,6 +104,7 @@ class Plan:
             young / (1 - scene.bodies[name].poisson_ratio ** 2)
             for name, young in self.context.young_moduli.items()
         ]
+        ratios = [part.poisson_ratio for part in self.context.deformable.values()]
         contact = self.contact
         return Setting(
             shape="half-spaces" if contact.solid_half_space else contact.error_family_shape,
@@ -113,8 +114,8 @@ class Plan:
             method=scene.solver.method,
             theta=scene.solver.theta,
             gamma_factor=scene.solver.gamma_factor,
-            poisson=max(self.poisson_ratios.values()),
-            least_poisson=min(self.poisson_ratios.values()),
+            poisson=max(ratios),
+            least_poisson=min(ratios),
             ellipse=self.forecast.hertzian,
             axis_ratio=max(zone) / min(zone),
             stiffness=0.0 if math.isinf(max(moduli)) else min(moduli) / max(moduli),
@@ -189,9 +190,16 @@ class Plan:
         return replace(self, context=self.context.with_decision(name, other))
 
     def with_yield(self, why: str) -> Plan:
-        """The plan in which yield is called for and simulated; why: the reason as a sentence."""
-        effect = replace(self.effects["plasticity"], called_for=True, on=True, why=why)
-        return replace(self, context=self.context.with_decision("plasticity", effect))
+        """The plan in which yield is called for and simulated, and bodies that have a yield stress
+        deform; why: the reason as a sentence.
+        """
+        context = self.context
+        named = [f"deformable_{name}" for name, part in context.stressed.items() if part.yields]
+        for name in ("plasticity", *named):
+            if not (effect := self.effects[name]).on:
+                effect = replace(effect, called_for=True, on=True, why=why, error=0.0)
+                context = context.with_decision(name, effect)
+        return replace(self, context=context)
 
     def effect_cost(self, name: str) -> tuple[int, float]:
         """Unknowns and seconds that the present state of the named effect is predicted to cost more
@@ -259,13 +267,18 @@ class Plan:
         """Table of the scene of the body whose depth axis is reported: the rail, unless it is
         rigid.
         """
-        return self.scene.rail if RAIL in self.deformable else self.scene.wheel
+        return next(iter(self.context.stressed.values()))
 
     @property
     def poisson_ratios(self) -> dict[str, float]:
-        """Poisson's ratio of the bodies that deform, by 'rail' and 'wheel'."""
-        names = [BODY_NAMES[tag] for tag in self.deformable]
-        return {name: self.scene.bodies[name].poisson_ratio for name in names}
+        """Poisson's ratio of the bodies that the pressure stresses, by 'rail' and 'wheel'."""
+        return {name: part.poisson_ratio for name, part in self.context.stressed.items()}
+
+    @property
+    def rigid(self) -> dict[str, float]:
+        """Poisson's ratio of those of `poisson_ratios` that are not meshed."""
+        meshed = self.context.deformable
+        return {name: nu for name, nu in self.poisson_ratios.items() if name not in meshed}
 
     @cached_property
     def gap_contact(self) -> Contact:

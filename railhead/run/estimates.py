@@ -255,6 +255,15 @@ def _change(one: Numbers, other: Numbers, name: str) -> float:
     return abs(one[name] / other[name] - 1) if other[name] else math.inf
 
 
+def _of_rigid_bodies(solved: MeshSolution) -> set[str]:
+    """Keys of the largest stresses that are in a body that is not meshed. They follow from the
+    largest pressure of the solution.
+    """
+    assert solved.result is not None
+    stress, keys = solved.result["stress"], [each.key for each in QUANTITIES if each.ridge_stress]
+    return {key for key in keys if stress[key.replace("_MPa", "_body")] in solved.plan.rigid}
+
+
 def load_step_errors(meshes: Sequence[MeshSolution]) -> dict[str, float]:
     """Relative error of the last mesh by its load steps, by key: that of the usual number, measured
     on the first mesh, which falls with more steps. Empty where it was not measured.
@@ -290,6 +299,9 @@ def estimate(meshes: Sequence[MeshSolution]) -> tuple[dict[str, Estimate], str]:
     largest = "tau_max_MPa"
     doubt = 2 * (parts.get(largest, 0.0) + values[-1][2].get(largest, 0.0))
     readings = reading_errors(solved.findings, max(RIVAL, doubt))
+    for key in parts.keys() & _of_rigid_bodies(solved):
+        parts[key] = max(parts[key], parts.get("max_MPa", math.inf))
+        readings[key] += readings["max_MPa"]
     estimates = {
         name: Estimate(
             mesh=mesh,

@@ -26,7 +26,7 @@ from railhead.planning.references import closed_forms
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess import friction
 from railhead.postprocess.findings import Findings, Frame
-from railhead.postprocess.patch import compare
+from railhead.postprocess.patch import compare, half_space
 from railhead.postprocess.patch.separate_patches import contact_frame, separate_patches
 from railhead.run.progress import Progress
 from railhead.theory.elastic.line import Hertz
@@ -285,6 +285,8 @@ def _read(solved: MeshSolution) -> MeshSolution:
     elastic = solution.plasticity is None and not (unlike and solution.friction is not None)
     parabolic = plan.contact.half_space and elastic
     findings = read.findings(fields, frame, solution.friction, parabolic=parabolic)
+    if plan.rigid:
+        findings = half_space.with_rigid_bodies(findings, plan.rigid)
     result = compare.from_findings(findings, solution.load, solution.approach)
     if solution.friction is not None:
         findings, result["friction"] = read_friction(plan, findings, solution.friction)

@@ -73,6 +73,41 @@ def test_sphere_on_rigid_plane() -> None:
     assert result["approach_mm"] == pytest.approx(0.12742046633827064, rel=2e-3)
 
 
+@pytest.mark.parametrize(
+    ("body", "young", "poisson", "accuracy", "tau", "von_mises"),
+    [("wheel", 1500, 0.45, "10%", 4.4059, 8.6163), ("rail", 150, 0.49, None, 0.98510, 1.92651)],
+)
+def test_a_body_that_is_too_stiff_to_be_meshed_has_the_largest_stress(
+    body: str, young: float, poisson: float, accuracy, tau: float, von_mises: float
+) -> None:
+    """By a sum of point loads over Hertz's pressure in steel, whose Poisson's ratio is less."""
+    keys = [f"{body}.young_modulus={young}", f"{body}.poisson_ratio={poisson}", "load=500"]
+    keys += [f"accuracy={accuracy}"] if accuracy else []
+    summary = passed("hertz_ellipse", *keys).summary
+    other = {"rail": "wheel", "wheel": "rail"}[body]
+    assert not summary["plan"]["effects"][f"deformable_{other}"]["on"]
+    fast = passed("hertz_ellipse", *keys, "effects.finite_bodies=off").summary
+    for values in (summary["result"], summary["hertz"], fast["result"]):
+        near = 1e-4 if values is not summary["result"] else 0.003
+        assert values["stress"]["tau_max_body"] == values["stress"]["von_mises_max_body"] == other
+        assert values["stress"]["tau_max_MPa"] == pytest.approx(tau, rel=near)
+        assert values["stress"]["von_mises_max_MPa"] == pytest.approx(von_mises, rel=near)
+    bound = summary["accuracy"]["bound"]
+    assert bound["tau_max_MPa"] > abs(summary["difference"]["stress"]["tau_max_MPa"])
+    parts = summary["accuracy"]["parts"]
+    assert parts["tau_max_MPa"]["mesh"] >= parts["max_MPa"]["mesh"]
+    assert parts["tau_max_MPa"]["reading"] >= parts["max_MPa"]["reading"] > 0
+
+
+def test_a_rigid_wheel_that_yields_is_a_failed_check_of_half_spaces() -> None:
+    keys = "load=500", "rail.young_modulus=150", "rail.poisson_ratio=0.49", "wheel.yield_stress=1.9"
+    found = solved("hertz_ellipse", *keys, "effects.finite_bodies=off")
+    assert found.failed == ["effects_left_out"]
+    assert not solved(
+        "hertz_ellipse", *keys[:3], "wheel.yield_stress=1.95", "effects.finite_bodies=off"
+    ).failed
+
+
 GROUPS = {
     "patch": ("a_mm", "b_mm"),
     "pressure": ("max_MPa",),

@@ -42,11 +42,6 @@ class Ellipse(EllipsoidalPressure):
     curvature_y: float
 
     @property
-    def half_lengths(self) -> tuple[float, float]:
-        """Semi-axes (a, b), mm: half lengths along and across the rail that a mesh must resolve."""
-        return self.a, self.b
-
-    @property
     def shape(self) -> str:
         """Shape of the patch: 'circular' or 'elliptic'."""
         return "circular" if math.isclose(self.a, self.b, rel_tol=1e-6) else "elliptic"

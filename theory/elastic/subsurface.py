@@ -58,6 +58,11 @@ class EllipsoidalPressure:
     b: float
     p0: float
 
+    @property
+    def half_lengths(self) -> tuple[float, float]:
+        """Semi-axes (a, b), mm: half lengths along and across the rail that a mesh must resolve."""
+        return self.a, self.b
+
     def axis_stress(self, poisson: float, depth: ArrayLike) -> Array:
         """Normal stresses s_x, s_y, s_z (n, 3), MPa, on the z axis below the centre of the patch at
         depths (n,) >= 0, mm. They are principal stresses.

@@ -1,7 +1,7 @@
 """Effects of the bodies' material: which body deforms, nearly incompressible cells, yield.
 
-A body much stiffer than the other is rigid, and only its surface takes part. Bodies that yield are
-loaded in steps.
+A half-space much stiffer than the other is rigid: it is not meshed, and its stresses are those
+under the pressure. Bodies that yield are loaded in steps.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from railhead.planning.context import Context, Effect, PostSolveVerdict
+from railhead.planning.context import STIFFEST, Context, Effect, PostSolveVerdict
 from railhead.planning.effects import interface
 from railhead.postprocess.findings import Findings
 from railhead.scene import flow_curves
@@ -35,22 +35,32 @@ DEFAULT_STEEL = "R260"  # rail steel whose yield a scene without a steel is comp
 
 def decide_deformable(body: str, context: Context) -> Effect:
     """Whether a body ('rail' or 'wheel') deforms: called for where its share s of the compliance
-    1/E* = sum of (1 - nu^2)/E is a tenth (SHARE) of the accuracy or more. An infinite modulus
+    1/E* = sum of (1 - nu^2)/E is a tenth (SHARE) of the accuracy or more, where its stresses are
+    not those of a half-space under Hertz's pressure, and where it yields. An infinite modulus
     refuses 'on'.
-    Without that share, approach and pressure are off by 2/3 s and the semi-axes by s/3 (Johnson,
-    Contact Mechanics, 4.22 to 4.24).
+    Without that share, approach, pressure and stresses are off by 2/3 s and the semi-axes by s/3
+    (Johnson, Contact Mechanics, 4.22 to 4.24). So they are with `Context.young_moduli`, where the
+    compliance is at least that of a modulus 1e5 (STIFFEST) times the other body's.
     """
-    part = context.scene.bodies[body]
+    scene, part = context.scene, context.scene.bodies[body]
     if math.isinf(part.young_modulus):
         why = "E is infinite: only its surface takes part"
         return Effect(False, False, why, {"on": "E is infinite"})
     compliance = (1 - part.poisson_ratio**2) / part.young_modulus
     share = compliance * context.hertz.contact_modulus
     limit = SHARE * context.accuracy
-    called = share >= limit
     text = f"it holds {share:.3g} of the compliance (1 - nu^2)/E"
-    why = f"{text}, above {limit:.1g}" if called else f"{text}, below {limit:.1g}: rigid"
-    return Effect(called, called, why, error=0.0 if called else share)
+    if share >= limit:
+        why = f"above {limit:.1g}"
+    elif not context.contact.solid_half_space:
+        why = "but its stresses are not those of a half-space"
+    elif scene.friction.coefficient:
+        why = "but friction adds to its stresses"
+    elif part.yields and context.von_mises(part.poisson_ratio) > part.first_yield:
+        why = f"but von Mises {context.von_mises(part.poisson_ratio):.4g} MPa passes its yield"
+    else:
+        return Effect(False, False, f"{text}, below {limit:.1g}: rigid", error=share)
+    return Effect(True, True, f"{text}, {why}", error=(share < 1 / STIFFEST) / STIFFEST)
 
 
 def decide_mean_dilatation(context: Context) -> Effect:
@@ -71,7 +81,7 @@ def decide_mean_dilatation(context: Context) -> Effect:
 
 def decide_plasticity(context: Context) -> Effect:
     """Whether yield is simulated: called for where the largest elastic, frictionless von Mises
-    stress passes the yield stress of a deformable body.
+    stress passes the yield stress of a body (`Context.stressed`).
 
     The state 'on' is refused where no deformable body has a yield stress, without finite bodies,
     and with friction where bodies roll or differ in material. SceneError: linear cells where a body
@@ -82,7 +92,7 @@ def decide_plasticity(context: Context) -> Effect:
     if stresses:
         over, why = _over_yield(scene, stresses)
     else:
-        parts = context.deformable.items()
+        parts = context.stressed.items()
         elastic = {name: context.von_mises(part.poisson_ratio) for name, part in parts}
         over, why = 0.0, _steel_yields(context, elastic)[0]
     yields = over > 1
@@ -100,7 +110,8 @@ def decide_plasticity(context: Context) -> Effect:
     if stresses and rolled:
         why += f"; {IN_PASSES}" if yields else ""
         return Effect(yields, False, why, {"on": IN_PASSES})
-    refused = {} if stresses else {"on": "no body that deforms has a yield stress"}
+    yielding = any(part.yields for part in context.deformable.values())
+    refused = {} if yielding else {"on": "no body that deforms has a yield stress"}
     if stresses and not context.decided["finite_bodies"].on:
         refused = {"on": HALF_SPACES}
         why += f"; {HALF_SPACES}" if yields else ""
@@ -143,8 +154,8 @@ def check_plasticity(context: Context, effect: Effect, found: Findings) -> PostS
 
 
 def shear_yield(context: Context) -> float | None:
-    """Yield stress in shear, yield / sqrt(3), of the weaker body that deforms, MPa; None where no
-    body that deforms has a yield stress.
+    """Yield stress in shear, yield / sqrt(3), of the weaker body, MPa; None where no body has a
+    yield stress.
     """
     limits = [part.first_yield / math.sqrt(3) for part in _yielding(context).values()]
     return min(limits, default=None)
@@ -157,14 +168,14 @@ def _stresses(context: Context) -> dict[str, float]:
 
 
 def _yielding(context: Context) -> dict[str, Rail | Wheel]:
-    """Bodies that deform and have a yield stress, whether or not they reach it, by 'rail' and
-    'wheel'.
+    """Bodies that have a yield stress, whether or not they reach it, by 'rail' and 'wheel', of
+    those that the pressure stresses.
     """
-    return {name: part for name, part in context.deformable.items() if part.yields}
+    return {name: part for name, part in context.stressed.items() if part.yields}
 
 
 def overload(context: Context) -> float:
-    """Load over that of first yield; 1 where no body that deforms has a yield stress. Hertz's
+    """Load over that of first yield; 1 where no body has a yield stress. Hertz's
     stresses grow as the cube root of the load, in a line contact as the square root.
     """
     stresses = _stresses(context)
@@ -214,8 +225,8 @@ def steps(context: Context) -> int:
 def _steel_yields(context: Context, stresses: Mapping[str, float]) -> tuple[str, bool]:
     """Sentence on whether the usual rail steel (R260) would yield in a scene without a yield
     stress, and whether it would.
-    stresses: largest von Mises stress (MPa) by body that deforms ('rail', 'wheel'); bodies without
-        the modulus of a steel do not count. If none is left, the sentence says that no yield stress
+    stresses: largest von Mises stress (MPa) by body ('rail', 'wheel'); bodies without the modulus
+        of a steel do not count. If none is left, the sentence says that no yield stress
         is given, and it would not.
     """
     steel = {

@@ -163,7 +163,7 @@ def decide_plasticity_wheel(context: Context) -> Effect:
     """
     refused = {"on": "passes know the yield of the rail alone"}
     wheel = context.scene.wheel
-    if not context.decided["passes"].on or "wheel" not in context.deformable or not wheel.yields:
+    if not context.decided["passes"].on or "wheel" not in context.stressed or not wheel.yields:
         return Effect(False, False, "no passes, or a wheel without a yield stress", refused)
     stress, limit = context.von_mises(wheel.poisson_ratio), wheel.first_yield
     called = stress > limit

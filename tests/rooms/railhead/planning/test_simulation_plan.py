@@ -45,6 +45,39 @@ def test_a_body_below_a_thousandth_of_the_compliance_is_rigid(ratio: int, deform
     assert asked.on  # a tenth of the asked accuracy is the limit
 
 
+@pytest.mark.parametrize(
+    ("case", "keys", "why"),
+    [
+        ("hertz_ellipse", ["wheel.yield_stress=1"], "von Mises 780.6 MPa passes its yield"),
+        ("hertz_ellipse", ["friction.coefficient=0.1"], "friction adds"),
+        ("uic54_thesis", [], "not those of a half-space"),
+        ("long_roller", [], "not those of a half-space"),
+    ],
+)
+def test_a_stiff_body_whose_stresses_are_not_hertz_s_deforms(case: str, keys, why: str) -> None:
+    """However stiff it is: in the mesh 1e5 times as stiff as the other one, no more."""
+    plan = planned(case, "wheel.young_modulus=1e12", *keys)
+    found = plan.effects["deformable_wheel"]
+    assert found.on and why in found.why and found.error == plan.omission_error == 1e-5
+    assert plan.context.young_moduli == {"rail": 207000, "wheel": 207000e5}
+    assert not plan.rigid
+
+
+def test_a_body_that_is_rigid_by_choice_alone_has_no_stresses() -> None:
+    keys = "hertz_ellipse", "wheel.young_modulus=1e12"
+    chosen = planned("hertz_ellipse", "effects.deformable_wheel=off")
+    assert list(chosen.poisson_ratios) == ["rail"] and not chosen.rigid
+    assert list(planned(*keys, "effects.deformable_wheel=off").rigid) == ["wheel"]
+    assert list(planned(*keys).rigid) == ["wheel"]
+
+
+def test_yield_that_shows_in_the_solution_alone_makes_a_rigid_body_deform() -> None:
+    plan = planned("hertz_ellipse", "wheel.young_modulus=1e12", "wheel.yield_stress=800")
+    assert plan.rigid and not plan.effects["plasticity"].on
+    again = plan.with_yield("von Mises passes")
+    assert not again.rigid and again.deformable == (RAIL, WHEEL) and again.effects["plasticity"].on
+
+
 AXLE, THESIS, ELLIPSE = "uic54_22t5_axle", "uic54_thesis", "hertz_ellipse"
 SOFT, RUBS = "rail.poisson_ratio=0.49", "friction.coefficient=0.3"
 LEANS, UNLIKE = "rail.inclination=1:40", "wheel.young_modulus=70000"
