@@ -182,14 +182,14 @@ def _refuse_hollow(points: Array, hollow: bool) -> None:
 
 def _field_side(head: Array) -> tuple[int, str]:
     """Sign of the y that points to the field side of a head (n, 2), mm, upright, and why; 0 where
-    nothing tells. The gauge side is the only one that reaches the depth of the gauge, else the one
-    that the nearest standard tells.
+    nothing tells. The gauge side is the only one that is drawn: down to the depth of the gauge,
+    the other one to less than half of it. Else it is the one that the nearest standard tells.
     """
     y, z = ordering.in_order(head).T
     top = int(np.argmax(z))
-    deep = [float(z[top] - side.min()) > GAUGE_DEPTH for side in (z[: top + 1], z[top:])]
-    if deep[0] is not deep[1]:
-        return (1 if deep[0] else -1), "only the gauge side reaches 14 mm below the top"
+    falls = [float(z[top] - side.min()) for side in (z[: top + 1], z[top:])]
+    if max(falls) > GAUGE_DEPTH and min(falls) < GAUGE_DEPTH / 2:
+        return (1 if falls[0] > falls[1] else -1), "only the gauge side reaches 14 mm below the top"
     even = ordering.resampled(ordering.in_order(head), standards.STEP)
     return gauge_side(standards.all_laid(even, "rail"))
 

@@ -128,7 +128,7 @@ def alike(scene: Scene) -> dict[str, Any]:
     held |= {"load": scene.load, "approach": scene.approach}
     held |= {"effects.friction": scene.effects.friction}
     held |= {"mesh.patch_size": scene.mesh.patch_size}
-    return held
+    return json.loads(json.dumps(held))
 
 
 def read(path: str) -> tuple[dict[str, Any], dict[str, Any]]:
