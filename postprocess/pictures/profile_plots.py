@@ -195,14 +195,14 @@ def draw_profile(
     found: measured and smoothed profile.
     worn: the standard profile laid on the measured one; None where none fits.
     subject: units.
-    target: PNG file, four axes, or None (`new_figure`).
+    target: PNG file, axes of the panels, or None (`new_figure`).
     """
     smoothed, profile = found.smoothed, found.profile
     y = np.linspace(*inner(profile), 3000)
     with new_figure(target, 9, 11, subject) as figure:
-        top, left, bend, lost = figure.subplots(
-            4, 1, sharex=True, gridspec_kw={"height_ratios": [1.6, 1, 1.4, 1]}
-        )
+        ratios = [1.6, 1, 1.4, 1] if worn else [1.6, 1, 1.4]
+        panels = figure.subplots(len(ratios), 1, sharex=True, gridspec_kw={"height_ratios": ratios})
+        top, left, bend = panels[:3]
         if worn:
             top.plot(*worn.outline.T, color=STANDARD, lw=1.2, label=f"{worn.name}, laid on")
         top.plot(*found.points.T, ".", color=RAW, ms=3, label="measured")
@@ -234,12 +234,9 @@ def draw_profile(
         bend.set_ylabel("curvature, 1/mm\n(convex is positive)")
         if worn:
             bend.plot(*_curvature(worn), color=STANDARD, lw=1.2, label=worn.name)
-            _draw_loss(lost, worn, subject)
-        else:
-            lost.text(0.5, 0.5, "no standard profile fits", ha="center", transform=lost.transAxes)
-            lost.set_yticks([])
+            _draw_loss(panels[3], worn, subject)
         bend.legend(loc="best")
-        lost.set_xlabel("y across the track, mm (gauge side and flange on the left)")
+        panels[-1].set_xlabel("y across the track, mm (gauge side and flange on the left)")
     return figure
 
 
