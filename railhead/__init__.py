@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         Wheel,
         Wheelset,
     )
+    from railhead.sweeps.creep_tables import creep_table
     from railhead.sweeps.sweep_results import Sweep, sweep
 
 __version__ = "0.3.0"
@@ -44,6 +45,7 @@ __all__ = [
     "Sweep",
     "Wheel",
     "Wheelset",
+    "creep_table",
     "find",
     "load",
     "locate",
@@ -58,6 +60,7 @@ _HOMES = dict.fromkeys(__all__, "railhead.scene.scene") | {
     **dict.fromkeys(("find", "load", "plan", "solve", "steels"), "railhead.api"),
     **dict.fromkeys(("locate", "profile"), "railhead.cli.geometry"),
     "Result": "railhead.results.result",
+    "creep_table": "railhead.sweeps.creep_tables",
     **dict.fromkeys(("Sweep", "sweep"), "railhead.sweeps.sweep_results"),
 }
 

@@ -396,6 +396,55 @@ def sweep(
 
 
 @railhead.command()
+@click.option("--out", type=click.Path(path_type=Path), default=Path("results/creep_table"))
+@click.option("--poisson", default=0.28, help="Poisson's ratio of both bodies [0.28].")
+@click.option("--accuracy", default="2%", help="Of the interpolation, over mu N [2%].")
+@click.option("--ratios", default="0.1:10", help="Smallest and largest a/b [0.1:10].")
+@click.option("--cells", default=24, help="Of the finer grid each way [24].")
+@_force
+@click.option("--quiet", is_flag=True, help="Print only what fails.")
+@click.option("--json", "as_json", is_flag=True, help="Print the errors and nothing else.")
+def table(
+    out: Path,
+    poisson: float,
+    accuracy: str,
+    ratios: str,
+    cells: int,
+    force: bool,
+    quiet: bool,
+    as_json: bool,
+) -> int:
+    """Tabulate creep forces of ellipses, for vehicle programs."""
+    from railhead.results import result_folder
+    from railhead.scene.units import FRACTION, to_base
+    from railhead.sweeps import creep_tables
+
+    low, _, high = ratios.partition(":")
+    try:
+        ends = float(low), float(high or low)
+    except ValueError:
+        raise SceneError("--ratios", f"{ratios!r} is not allowed; give LOW:HIGH") from None
+    try:
+        part = to_base(accuracy, FRACTION)
+    except ValueError as error:
+        raise SceneError("--accuracy", str(error)) from None
+    request = creep_tables.Request(poisson=poisson, accuracy=part, ratios=ends, cells=cells)
+    found = creep_tables.make(request, out, force=force, quiet=quiet or as_json)
+    if found is None:  # a rank that worked for the first one
+        return SOLVED
+    summary = creep_tables.summary(found)
+    if as_json:
+        click.echo(result_folder.to_json(summary), nl=False)
+    elif not quiet:
+        cases, grid = summary["cases"], summary["grid_error"]
+        click.echo(f"{cases} cases; between them 95 % are within, over mu N:")
+        for name, between in summary["interpolation_error"].items():
+            click.echo(f"  {name:12s} {between:.2%}, grid at most {grid[name]:.2%}")
+        click.echo(f"written to {out}/")
+    return SOLVED
+
+
+@railhead.command()
 @click.argument("folder", type=click.Path(path_type=Path))
 @_units
 @click.option("--pictures", is_flag=True, help="Draw the pictures again.")

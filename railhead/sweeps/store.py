@@ -8,7 +8,7 @@ from __future__ import annotations
 import fcntl
 import json
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, Literal
@@ -37,13 +37,19 @@ LATER = (
 )
 
 
-def begin(folder: Path, request: Mapping[str, Any], other: Other = "refuse") -> None:
+def begin(
+    folder: Path,
+    request: Mapping[str, Any],
+    other: Other = "refuse",
+    later: Collection[str] = LATER,
+) -> None:
     """Leave the sweep in a folder as it is if it is the requested one, to be continued; else make
     the folder of a new one. Nothing is solved.
 
     request: all that determines the records.
     other: another result in the folder is an error ("refuse"), is moved aside ("move"), or is
         removed ("replace", which removes the requested sweep, too).
+    later: names of what is written into the folder afterwards.
     Raises SceneError for another result, a folder in use or a broken file, OSError where nothing
     can be written.
     """
@@ -59,7 +65,7 @@ def begin(folder: Path, request: Mapping[str, Any], other: Other = "refuse") -> 
             if other == "refuse":
                 raise
             result_folder.set_aside(folder)
-    with result_folder.replacing(folder, LATER) as work:
+    with result_folder.replacing(folder, {RECORDS, *later}) as work:
         (work / REQUEST).write_text(result_folder.to_json(dict(request)), encoding="utf-8")
 
 

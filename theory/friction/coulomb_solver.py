@@ -48,9 +48,10 @@ class CoulombSolver:
 
         A semismooth Newton method on q = P(z), z = q + r (w - C q), where P projects onto discs of
         radius g and r is a stiffness (Alart and Curnier 1991). The iteration starts from `guess` or
-        from the tractions that stick everywhere, and ends when the norm of q - P(z) is below
-        `tolerance` times that of P(z). A cell whose slip reverses within a step sticks in the next
-        one; otherwise the method may cycle. ValueError: no convergence.
+        from the tractions that stick everywhere, also where it does not converge from `guess`. It
+        ends when the norm of q - P(z) is below `tolerance` times that of P(z). A cell whose slip
+        reverses within a step sticks in the next one; otherwise the method may cycle. ValueError:
+        no convergence.
         """
         still = np.zeros_like(slip)
         inside = np.where(self._bound > 0, 1.0, 0.0)
@@ -66,6 +67,8 @@ class CoulombSolver:
             ratio = np.where(turned, inside, ratio)
             q = q + self._newton(z, ratio, ratio * z - q)
             before = np.where(ratio < 1, z, 0)
+        if guess is not None:
+            return self.solve(slip, tolerance)
         raise ValueError(f"no tractions to {tolerance} in {STEPS} steps of Newton's method")
 
     def changes(self, traction: Array, slip: Array, modes: Array) -> Array:

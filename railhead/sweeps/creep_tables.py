@@ -1,0 +1,180 @@
+"""Creep tables solved side by side, a record of each part in a folder, and the table's files."""
+
+from __future__ import annotations
+
+from concurrent.futures import as_completed
+from contextlib import ExitStack
+from dataclasses import asdict, dataclass
+from importlib.metadata import version
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+
+from railhead.run.progress import Progress, Tell
+from railhead.scene.scene import SceneError
+from railhead.sweeps import store, worker_pool
+from railhead.theory.friction import creep_table as theory
+from railhead.theory.friction.creep_table import AXES, NUMBERS, CreepTable
+from railhead.theory.friction.kalker import coefficients
+
+TABLE, ROWS = "table.npz", "table.csv"
+CHECKS = 60  # places between the nodes at which the interpolation is checked
+HEAD = """# railhead creep table. Poisson's ratio {poisson:g}, {cells} cells each way.
+# axis_ratio: a/b, a along. along, across, spin: G a b C11 xi_x/(mu N), G a b C22 xi_y/(mu N),
+# G (a b)^1.5 C23 phi/(mu N). Forces of the wheel on the rail over mu N; moment over mu N sqrt(a b).
+"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Request:
+    """What a table is asked for.
+
+    poisson: Poisson's ratio, 0 to 0.5.
+    accuracy: asked of the interpolation along each axis, over mu N, 0.005 to 0.2.
+    ratios: smallest and largest a/b, 0.05 to 20; equal: one ratio.
+    cells: of the finer grid each way, 12 to 96, even.
+    """
+
+    poisson: float = 0.28
+    accuracy: float = 0.02
+    ratios: tuple[float, float] = (0.1, 10.0)
+    cells: int = 24
+
+    def check(self) -> None:
+        """Raise SceneError for the first value out of its range."""
+        low, high = self.ratios
+        for key, value, good, allowed in (
+            ("--poisson", self.poisson, 0 <= self.poisson <= 0.5, "0 to 0.5"),
+            ("--accuracy", self.accuracy, 0.005 <= self.accuracy <= 0.2, "0.5% to 20%"),
+            ("--ratios", f"{low:g}:{high:g}", 0.05 <= low <= high <= 20, "LOW:HIGH within 0.05:20"),
+            (
+                "--cells",
+                self.cells,
+                12 <= self.cells <= 96 and self.cells % 2 == 0,
+                "12 to 96, even",
+            ),
+        ):
+            if not good:
+                raise SceneError(key, f"{value} is not allowed; give {allowed}")
+
+
+def creep_table(
+    folder: str | Path,
+    *,
+    poisson: float = 0.28,
+    accuracy: float = 0.02,
+    ratios: tuple[float, float] = (0.1, 10.0),
+    cells: int = 24,
+) -> CreepTable | None:
+    """Solve a creep table and write it into a folder, or read and complete the one that is there:
+    `make` of a `Request` with these values.
+    """
+    return make(
+        Request(poisson=poisson, accuracy=accuracy, ratios=ratios, cells=cells), Path(folder)
+    )
+
+
+def make(
+    request: Request,
+    folder: Path,
+    *,
+    force: bool = False,
+    quiet: bool = True,
+    tell: Tell | None = None,
+) -> CreepTable | None:
+    """Solve a table side by side and write it into a folder; under MPI called on all ranks. A table
+    that was begun there with the same request goes on.
+
+    force: whether another result in the folder is replaced. quiet: no progress is shown. tell: as
+    of `Progress`.
+    Returns None on all MPI ranks but the first. Raises SceneError for a wrong request or folder and
+    for a part that is not solved, OSError where nothing can be written.
+    """
+    request.check()
+    comm, problem = MPI.COMM_WORLD, None
+    with ExitStack() as claim:
+        if comm.rank == 0:
+            asked = {"railhead": version("railhead"), "table": asdict(request)}
+            try:
+                store.begin(folder, asked, "replace" if force else "refuse", (TABLE, ROWS))
+                claim.enter_context(store.claimed(folder))
+            except (SceneError, OSError) as error:
+                problem = error
+        if (problem := comm.bcast(problem)) is not None:
+            raise problem
+        with worker_pool.submitting(comm.size) as submit:
+            if submit is None:
+                return None
+            with Progress(quiet=quiet, tell=tell) as progress:
+                return _solved(request, folder, submit, progress)
+
+
+def _solved(
+    request: Request, folder: Path, submit: worker_pool.Submit, progress: Progress
+) -> CreepTable:
+    """The table of a request, whose parts without a record are submitted; written into a folder.
+    Raises SceneError for a part that failed.
+    """
+    poisson, cells = request.poisson, request.cells
+    progress.stage("looking where the forces bend")
+    axes = theory.axes(poisson, cells, request.accuracy, request.ratios)
+    rest = axes["across"], axes["spin"]
+    parts = list(product(axes["axis_ratio"], axes["along"]))
+    finished = store.done(folder)
+    jobs = {
+        submit(theory.solve, poisson, cells, *parts[n], rest): n
+        for n in range(len(parts))
+        if n not in finished
+    }
+    progress.jobs(len(parts) - len(jobs), len(parts))
+    for count, job in enumerate(as_completed(jobs), len(parts) - len(jobs) + 1):
+        found = worker_pool.outcome(job)
+        if found.value is None:
+            ratio, along = parts[jobs[job]]
+            text = f"{str(folder)!r}: a/b = {ratio:.4g}, along = {along:.4g}: {found.fault}"
+            raise SceneError("--out", text)
+        store.write(folder, jobs[job], {"values": found.value.tolist()})
+        progress.jobs(count, len(parts))
+    values = np.array([store.read(folder, n)["values"] for n in range(len(parts))])
+    shape = len(axes["axis_ratio"]), len(axes["along"])
+    values = np.moveaxis(values.reshape(*shape, *values.shape[1:]), (0, 1), (2, 3))
+    linear = [coefficients(each, poisson) for each in axes["axis_ratio"]]
+    table = CreepTable(
+        poisson=poisson,
+        cells=cells,
+        axes={name: np.array(axes[name]) for name in AXES},
+        kalker=np.array([[each.c11, each.c22, each.c23] for each in linear]).T,
+        values=values,
+        interpolation=np.zeros(3),
+    ).checked(CHECKS)
+    table.save(folder / TABLE)
+    store.write_whole(folder, folder / ROWS, _text(table).encode())
+    return table
+
+
+def _text(table: CreepTable) -> str:
+    """Lines of table.csv: a head, then one for each node."""
+    names = [*AXES, *NUMBERS, *(f"{name}_error" for name in NUMBERS)]
+    places = np.array(list(product(*(table.axes[name] for name in AXES))))
+    columns = np.hstack([places, table.values.reshape(6, -1).T])
+    lines = (",".join(f"{each:.6g}" for each in row) for row in columns)
+    return HEAD.format(**vars(table)) + "\n".join([",".join(names), *lines, ""])
+
+
+def summary(table: CreepTable) -> dict[str, Any]:
+    """Entries of `railhead table --json`: Poisson's ratio, cells, number of values on each axis and
+    in all, and the errors over mu N of grid (largest) and of interpolation by number.
+    """
+    axes = {name: len(table.axes[name]) for name in AXES}
+    grid = table.values[1].max(axis=(1, 2, 3, 4))
+    return {
+        "poisson": table.poisson,
+        "cells": table.cells,
+        "axes": axes,
+        "cases": int(np.prod(list(axes.values()))),
+        "grid_error": dict(zip(NUMBERS, map(float, grid), strict=True)),
+        "interpolation_error": dict(zip(NUMBERS, map(float, table.interpolation), strict=True)),
+    }

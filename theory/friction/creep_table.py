@@ -1,0 +1,270 @@
+"""Forces of rolling ellipses over creepages: tables for programs that need thousands of them.
+
+An ellipse of like half-spaces with semi-axes a (along) and b rolls under a normal force N with a
+coefficient mu. Its forces over mu N depend on a/b, Poisson's ratio nu and the creepages, which are
+given here as the forces over mu N that they would cause by Kalker's linear theory:
+
+    X = G a b C11 xi_x/(mu N)    Y = G a b C22 xi_y/(mu N)    S = G (a b)^(3/2) C23 phi/(mu N)
+
+so that force_along = X, and force_across = Y + S, where all are small. The moment is over
+mu N sqrt(a b). Signs are those of `rolling`: forces of the wheel on the rail.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+from scipy.interpolate import RegularGridInterpolator
+
+from railhead.theory.array_types import Array
+from railhead.theory.friction.kalker import coefficients
+from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction, TangentialSolution
+from railhead.theory.friction.tangential import MaterialPair
+
+NORMAL = 2 * math.pi / 3  # N of an ellipse with a b = 1 and a largest pressure of 1
+FARTHEST = 10.0  # X, Y and S, at most: beyond it the whole patch slips along the creepage
+BESIDE = 0.7  # of the other creepages, where axes are refined
+FINER = 8  # points each way of a cell over which the pressure is averaged
+CUBIC = 4  # nodes that a cubic needs
+AXES = "axis_ratio", "along", "across", "spin"
+NUMBERS = "force_along", "force_across", "moment"
+
+
+class Ellipse:
+    """Rolling friction of an ellipse with a b = 1 mm2, G = 1 MPa, mu = 1 and a largest pressure of
+    1 MPa, on two grids.
+
+    scales: (3,) creepages along and across, and spin (1/mm), at X = 1, Y = 1, S = 1.
+    """
+
+    def __init__(self, axis_ratio: float, poisson: float, cells: int) -> None:
+        """axis_ratio: a/b; cells: of the finer grid each way, even. Raises ValueError for values
+        that `kalker.coefficients` refuses.
+        """
+        linear = coefficients(axis_ratio, poisson)
+        self.scales = NORMAL / np.array([linear.c11, linear.c22, linear.c23])
+        self._grids = [_friction(axis_ratio, poisson, n) for n in (cells // 2, cells)]
+        self._last: list[TangentialSolution | None] = [None, None]
+
+    def __call__(self, along: float, across: float, spin: float) -> Array:
+        """Forces along and across over mu N and moment over mu N sqrt(a b), and their errors, (2,
+        3), at X, Y and S. Both grids are extrapolated by the first order of the upstream
+        differences; the error is half of the change from one grid to the other.
+        """
+        creepage = Creepage(*(self.scales * (along, across, spin)))
+        for i, grid in enumerate(self._grids):
+            self._last[i] = grid.solve(creepage, self._last[i])
+        coarse, fine = (np.array(each.forces) / NORMAL for each in self._last if each)
+        return np.array([2 * fine - coarse, np.abs(fine - coarse) / 2])
+
+
+def _friction(axis_ratio: float, poisson: float, cells: int) -> HalfSpaceFriction:
+    """Friction of `Ellipse` on cells x cells cells that cover the ellipse. The pressure of a cell
+    is the mean over it, so that errors fall evenly with the cells.
+    """
+    semi = math.sqrt(axis_ratio), 1 / math.sqrt(axis_ratio)
+    x, y = (half * ((2 * np.arange(cells) + 1) / cells - 1) for half in semi)
+    fine = (2 * np.arange(cells * FINER) + 1) / (cells * FINER) - 1
+    square = np.clip(1 - fine[:, None] ** 2 - fine**2, 0.0, None)
+    pressure = np.sqrt(square).reshape(cells, FINER, cells, FINER).mean(axis=(1, 3))
+    pressure *= NORMAL / (pressure.sum() * (x[1] - x[0]) * (y[1] - y[0]))
+    return HalfSpaceFriction(x, y, pressure, 1.0, MaterialPair(1.0, poisson), rolling=True)
+
+
+def refined(
+    function: Callable[[float], Array], ends: tuple[float, float], accuracy: float, *, log: bool
+) -> list[float]:
+    """Rising places from end to end, between which straight lines follow a function to an accuracy:
+    intervals are halved until the value in their middle is that near to the line.
+
+    function: value (n,) at a place. log: the middle is the geometric mean, else that of x/(1 + x).
+    """
+
+    def middle(low: float, high: float) -> float:
+        """Middle of an interval."""
+        if log:
+            return math.sqrt(low * high)
+        t = (low / (1 + low) + high / (1 + high)) / 2
+        return t / (1 - t)
+
+    known = {place: function(place) for place in ends}
+    waiting = [ends]
+    while waiting:
+        low, high = waiting.pop()
+        at = middle(low, high)
+        share = math.log(at / low) / math.log(high / low) if log else (at - low) / (high - low)
+        value, line = function(at), (1 - share) * known[low] + share * known[high]
+        if np.abs(value - line).max() > accuracy:
+            known[at] = value
+            waiting += [(low, at), (at, high)]
+    return sorted(known)
+
+
+def axes(
+    poisson: float, cells: int, accuracy: float, ratios: tuple[float, float]
+) -> dict[str, list[float]]:
+    """Axes of a table, by AXES: axis ratios between two, X and Y from 0, S from -10 to 10
+    (FARTHEST), finer where the forces bend. Straight lines along each axis follow them to
+    the accuracy (over mu N), with the other creepages at 0 and at 0.7 (BESIDE) each.
+    """
+
+    def forces(ellipse: Ellipse, places: Iterable[Array]) -> Array:
+        """Forces (3 n,) of an ellipse at n places X, Y, S."""
+        return np.concatenate([ellipse(*place)[0] for place in places])
+
+    circle, corners = Ellipse(1.0, poisson, cells), np.array(list(product((0.0, BESIDE), repeat=3)))
+
+    def bent(axis: int) -> list[float]:
+        """Places on an axis of creepage."""
+        beside = corners[corners[:, axis] == 0]
+
+        def at(value: float) -> Array:
+            """Forces (12,) at a value of the creepage."""
+            return forces(circle, beside + value * np.eye(3)[axis])
+
+        return refined(at, (0.0, FARTHEST), accuracy, log=False)
+
+    along, across, spin = map(bent, range(3))
+    found = [ratios[0]]
+    if ratios[1] > ratios[0]:
+        found = refined(
+            lambda ratio: forces(Ellipse(ratio, poisson, cells), corners[1:]),
+            ratios,
+            accuracy,
+            log=True,
+        )
+    both = [-value for value in spin[:0:-1]] + spin
+    return dict(zip(AXES, (found, along, across, both), strict=True))
+
+
+def solve(
+    poisson: float, cells: int, ratio: float, along: float, rest: Sequence[Sequence[float]]
+) -> Array:
+    """Forces and errors (2, 3, m, k) of an ellipse at X = along and at all Y (m values) and S (k
+    values) of `rest`.
+    """
+    ellipse = Ellipse(ratio, poisson, cells)
+    across, spin = rest
+    values = np.array([[ellipse(along, each, turn) for turn in spin] for each in across])
+    return np.asarray(np.moveaxis(values, (2, 3), (0, 1)))
+
+
+@dataclass(frozen=True, kw_only=True)
+class CreepTable:
+    """Forces of rolling ellipses over axis ratio and creepages; called with a contact it returns
+    its forces.
+
+    poisson: Poisson's ratio.
+    cells: of the finer of both grids, each way.
+    axes: rising values by name of AXES: a/b, X, Y and S.
+    kalker: (3, r) Kalker's C11, C22 and C23 at the axis ratios.
+    values: (2, 3, r, n, m, k) forces along and across over mu N and moment over mu N sqrt(a b), and
+        the errors of the grid.
+    interpolation: (3,) errors that 95 % of the checked places between the nodes are within.
+    """
+
+    poisson: float
+    cells: int
+    axes: dict[str, Array]
+    kalker: Array
+    values: Array
+    interpolation: Array
+
+    @cached_property
+    def _at(self) -> RegularGridInterpolator:
+        """Values (6,) at log(a/b), X, Y, S: monotone cubics between the nodes."""
+        ratio, *rest = (self.axes[name] for name in AXES)
+        grid = np.moveaxis(self.values.reshape(6, *self.values.shape[2:]), 0, -1)
+        if len(ratio) < CUBIC:  # few ratios near each other: the same forces beyond them
+            more = CUBIC - len(ratio)
+            ratio = np.append(ratio, ratio[-1] * (1 + np.arange(1, more + 1)))
+            grid = np.concatenate([grid, np.repeat(grid[-1:], more, axis=0)])
+        return RegularGridInterpolator((np.log(ratio), *rest), grid, method="pchip")
+
+    def scaled(self, ratio: float, place: Array) -> tuple[Array, Array]:
+        """Forces and errors, (3,) each, of an axis ratio at X, Y, S of either sign (3,). Creepages
+        beyond the table are reduced together to its border. Raises ValueError for an axis ratio
+        outside of the table.
+        """
+        low, high = self.axes["axis_ratio"][[0, -1]]
+        if not low * (1 - 1e-9) <= ratio <= high * (1 + 1e-9):
+            raise ValueError(f"a/b = {ratio:.4g} is outside of the table, {low:g} to {high:g}")
+        place = place / max(1.0, float(np.abs(place).max()) / FARTHEST)
+        x, y, turn = place
+        mirrored = np.sign(y) if y else 1.0  # (x, -y, -s) has the mirrored forces
+        at = [math.log(min(max(ratio, low), high)), abs(x), abs(y), mirrored * turn]
+        found = self._at(at).reshape(2, 3)
+        signs = np.array([np.sign(x), mirrored, mirrored])
+        return signs * found[0], found[1] + self.interpolation
+
+    def __call__(
+        self,
+        a: float,
+        b: float,
+        shear_modulus: float,
+        limit: float,
+        *,
+        along: float = 0.0,
+        across: float = 0.0,
+        spin: float = 0.0,
+    ) -> tuple[Array, Array]:
+        """Force along and across (N) and moment (N mm) of the wheel on the rail, and their errors,
+        (3,) each, of an ellipse with semi-axes a along and b across, mm.
+        shear_modulus: G, MPa. limit: mu N, N. along, across: creepages; spin: 1/mm. Raises
+        ValueError for an axis ratio outside of the table.
+        """
+        c, nodes = math.sqrt(a * b), np.log(self.axes["axis_ratio"])
+        kalker = np.array([np.interp(math.log(a / b), nodes, each) for each in self.kalker])
+        motion = np.array([along, across, c * spin])
+        forces, errors = self.scaled(a / b, shear_modulus * c * c * kalker * motion / limit)
+        units = limit * np.array([1.0, 1.0, c])
+        return units * forces, units * errors
+
+    def checked(self, count: int, seed: int = 0) -> CreepTable:
+        """The table with the interpolation errors of a number of random places between the nodes.
+        Places are drawn evenly in the indices of the nodes.
+        """
+        random, off = np.random.default_rng(seed), []
+        for _ in range(count):
+            ratio, *place = (
+                float(np.interp(random.uniform(0, len(axis) - 1), np.arange(len(axis)), axis))
+                for axis in (self.axes[name] for name in AXES)
+            )
+            nodes = np.log(self.axes["axis_ratio"])
+            ellipse = Ellipse(ratio, self.poisson, self.cells)
+            linear = [np.interp(math.log(ratio), nodes, each) for each in self.kalker]
+            exact = ellipse(*(np.array(place) * NORMAL / linear / ellipse.scales))[0]
+            off.append(np.abs(exact - self.scaled(ratio, np.array(place))[0]))
+        error = np.quantile(off, 0.95, axis=0) if off else np.full(3, np.nan)
+        return replace(self, interpolation=error)
+
+    def save(self, path: str | Path) -> None:
+        """Write a .npz file: the axes, `force_along`, `force_across`, `moment` (r, n, m, k), the
+        same with `_error`, `kalker`, `poisson`, `cells` and `interpolation`. OSError as of writing.
+        """
+        named = dict(zip(NUMBERS, self.values[0], strict=True))
+        named |= {f"{name}_error": each for name, each in zip(NUMBERS, self.values[1], strict=True)}
+        rest = {"kalker": self.kalker, "interpolation": self.interpolation}
+        np.savez_compressed(
+            path, **self.axes, **named, **rest, poisson=self.poisson, cells=self.cells
+        )
+
+    @classmethod
+    def load(cls, path: str | Path) -> CreepTable:
+        """The table of a .npz file that `save` wrote. Raises OSError, and KeyError for another."""
+        with np.load(path) as held:
+            values = [[held[name + end] for name in NUMBERS] for end in ("", "_error")]
+            return cls(
+                poisson=float(held["poisson"]),
+                cells=int(held["cells"]),
+                axes={name: held[name] for name in AXES},
+                kalker=held["kalker"],
+                values=np.array(values),
+                interpolation=held["interpolation"],
+            )
