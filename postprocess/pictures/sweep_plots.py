@@ -27,6 +27,8 @@ PANELS = {
     PLACE: "patch centre, ",
     "tau_max [MPa]": "largest shear stress, MPa",
 }
+FRICTION = {"force along [N]": "force along the rail, N", "force across [N]": "force across, N"}
+WEAR = {"T-gamma [N]": "T-gamma, N"}
 LABELS = 24  # patches of a strip whose values are written, at most
 GAP = 0.15  # between patches, of the longest
 LETTER = 0.11  # in: width of one of a value
@@ -51,11 +53,23 @@ def drawings(
     }
 
 
+def panels(rows: Rows) -> dict[str, str]:
+    """Labels of the panels of `curves` by column: with friction its forces and, where it rolls,
+    T-gamma.
+    """
+    known = PANELS | FRICTION | WEAR
+    return {
+        name: label
+        for name, label in known.items()
+        if name in PANELS or any(row.get(name) is not None for row in rows)
+    }
+
+
 def curves(
     columns: Sequence[str], rows: Rows, y: str, subject: Subject, target: Target = None
 ) -> Figure:
-    """Panels of the largest pressure, area, place in y and largest shear stress over the varied
-    column with the most values; bars are error estimates.
+    """A panel of each of `panels` over the varied column with the most values; bars are error
+    estimates. What mesh or grid do not resolve is crossed.
 
     columns: headers of the one or two columns that are varied. rows: of sweep.csv, cells by column
         header. y: label of the place in y. subject: title and units. There is a line for each value
@@ -65,36 +79,51 @@ def curves(
     over, *others = _most_varied_first(columns, rows)
     lines = _values(others[0], rows) if others else [None]
     numbers, units = _numbers(over, rows), subject.units
-    with new_figure(target, 11, 7.6, subject) as figure:
+    with new_figure(target, 11, 3.8 * math.ceil(len(panels(rows)) / 2), subject) as figure:
         import matplotlib
 
         shades = matplotlib.colormaps["viridis"](np.linspace(0, 0.85, len(lines)))
         colours = [FE] if len(lines) == 1 else list(shades)
-        panels = figure.subplots(2, 2, sharex=True)
-        for axes, (name, label) in zip(panels.ravel(), PANELS.items(), strict=True):
+        shown = panels(rows)
+        grid = figure.subplots(math.ceil(len(shown) / 2), 2, sharex=True, squeeze=False)
+        for axes in grid.ravel()[len(shown) :]:
+            axes.set_axis_off()
+        for axes, (name, label) in zip(grid.ravel(), shown.items(), strict=False):
             for value, colour in zip(lines, colours, strict=True):
                 own = [row for row in rows if not others or row[others[0]] == value]
                 x = np.array([row[over] if numbers else _word(row, over, units) for row in own])
                 found = np.array([row.get(name, math.nan) for row in own], dtype=float)
                 order = np.argsort(x) if numbers else slice(None)
-                known = f"{name.partition(' [')[0]} estimate"  # relative
-                error = found * np.array([row.get(known, math.nan) for row in own], dtype=float)
+                relative = f"{name.partition(' [')[0]} estimate"
+                of = found  # forces of friction have theirs over mu N
+                if name in FRICTION:
+                    of = np.array([row.get("mu N [N]", math.nan) for row in own], dtype=float)
+                error = of * np.array([row.get(relative, math.nan) for row in own], dtype=float)
+                error = np.abs(error)
                 name_of = _word(own[0], others[0], units) if others else ""
                 look: dict[str, Any] = {"color": colour, "label": name_of, "capsize": 3}
                 axes.errorbar(x[order], found[order], error[order], fmt="o-", **look)
                 bad = np.array([row["checks"] != "passed" for row in own])
                 axes.plot(x[bad], found[bad], "o", ms=10, mfc="none", mec=HERTZ, zorder=3)
+                short = name.partition(" [")[0]
+                names = [str(row.get("below resolution") or "").split("; ") for row in own]
+                hidden = np.array([short in each for each in names])
+                axes.plot(x[hidden], found[hidden], "x", ms=9, color=HERTZ, zorder=3)
             axes.set_ylabel(label + y if name == PLACE else label)
-            if name != PLACE:
+            if name != PLACE and name not in FRICTION:
                 axes.set_ylim(0, 1.05 * axes.get_ylim()[1])  # room for a ring
-        notes = ["bars: estimated errors"]
+            axes.set_xlabel(over if numbers else units.unit(over))  # words are in units already
+            axes.tick_params(labelbottom=True)
+        estimates = [f"{name.partition(' [')[0]} estimate" for name in shown]
+        known = any(row.get(name) is not None for row in rows for name in estimates)
+        notes = ["bars: estimated errors"] * known
+        if any(row.get("below resolution") for row in rows):
+            notes += ["crossed: below resolution"]
         if any(row["checks"] != "passed" for row in rows):
             notes += ["ringed: a check failed", "not drawn: no result"]
         figure.suptitle("; ".join(notes), fontsize=10)
-        for axes in panels[1]:
-            axes.set_xlabel(over if numbers else units.unit(over))  # words are in units already
         if others:
-            handles, labels = panels[0, 0].get_legend_handles_labels()
+            handles, labels = grid[0, 0].get_legend_handles_labels()
             figure.legend(
                 handles, labels, title=units.unit(others[0]), loc="outside right upper", fontsize=9
             )

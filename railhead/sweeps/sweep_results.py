@@ -60,7 +60,7 @@ class Sweep(terminal.Drawn, list[Result]):
         numbers; None: mm, N, MPa.
         """
         units = units or BASE_UNITS
-        names = [*map(column, self.keys), *sweep_table.SHORT]
+        names = [*map(column, self.keys), *sweep_table.short(self._rows)]
         table = Table(box=box.SIMPLE)
         for name in names:
             table.add_column(Text(units.unit(name)), overflow="fold")

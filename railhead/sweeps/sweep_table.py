@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from railhead.postprocess.findings import BASE_UNITS, Units
-from railhead.postprocess.pictures.sweep_plots import PANELS
+from railhead.postprocess.pictures.sweep_plots import FRICTION, panels
 from railhead.results import result_folder
 from railhead.results.report import html
 from railhead.results.result import Result
@@ -20,9 +20,9 @@ from railhead.scene.scene import Scene
 from railhead.sweeps.grid import column, shown
 
 COLUMNS = [each for each in quantities.QUANTITIES if each.column]
-CHECKS, PASSED, WARNINGS = "checks", "passed", "warnings"
+CHECKS, PASSED, WARNINGS, BELOW = "checks", "passed", "warnings", "below resolution"
 REPORT = "report.html"
-SHORT = (CHECKS, *PANELS)  # columns of short tables, behind those of the values
+FILES = ("profile", "stress_strain")  # ends of keys whose values are files
 FEW = 0.05  # an estimate beyond is counted in the verdict
 
 
@@ -64,7 +64,10 @@ def row(record: Mapping[str, Any]) -> dict[str, Any]:
     record of a scene.
     """
     over = record["over"].items()
-    cells: dict[str, Any] = {column(key): shown(key, value) for key, value in over}
+    cells: dict[str, Any] = {
+        column(key): Path(str(value)).name if key.endswith(FILES) else shown(key, value)
+        for key, value in over
+    }
     cells[CHECKS] = status(record)
     if record["fault"]:
         return cells
@@ -76,6 +79,9 @@ def row(record: Mapping[str, Any]) -> dict[str, Any]:
         return cells
     result, bound = summary["result"], summary["accuracy"]["bound"]
     cells |= {each.header: each.value(result) for each in COLUMNS if each.path[0] in result}
+    if friction := result.get("friction"):
+        hidden = friction.get("below_resolution") or ()
+        cells[BELOW] = "; ".join(each.column for each in COLUMNS if each.key in hidden)
     # Of several patches the most loaded one is the first, as for a, b and its place.
     patches = result["patches"]
     angle = (patches[0] if patches else summary["plan"])["contact_angle_rad"]
@@ -96,24 +102,45 @@ def verdict(rows: Sequence[Mapping[str, Any]], units: Units = BASE_UNITS) -> lis
     with their estimates, and warnings, counted by kind. units: of the pressures.
     """
     failed = sum(row[CHECKS] != PASSED for row in rows)
+    warned = sum(bool(row.get(WARNINGS)) for row in rows)
     lines = [f"{len(rows)} combinations, {f'{failed} not passed' if failed else 'all passed'}"]
+    lines[0] += f", {warned} with warnings" if warned else ""
+    same = Counter(row[CHECKS] for row in rows if row[CHECKS] != PASSED)
+    lines += [f"{text} (in {count})" for text, count in same.items() if count > 1]
     if solved := [row for row in rows if row.get("p_max [MPa]") is not None]:
         pressures = [units.value(row["p_max [MPa]"], "MPa") for row in solved]
         known = [row["p_max estimate"] for row in solved if row["p_max estimate"] is not None]
         text = f"largest pressure {min(pressures):.5g} to {max(pressures):.5g} {units.unit('MPa')}"
         if known:
             large = sum(each > FEW for each in known)
-            text += f", estimated within {min(known):.2%} to {max(known):.2%}"
+            text += f", estimated within {_share(min(known))} to {_share(max(known))}"
             text += f" ({large} of them beyond {FEW:.0%})" if large else ""
         missing = len(solved) - len(known)
         lines.append(text + (f"; {missing} without an estimate" if missing else ""))
     kinds = Counter(
         part.partition(":")[0] for row in rows for part in row.get(WARNINGS, "").split("; ") if part
     )
+    hidden = Counter(name for row in rows for name in _hidden(row))
+    lines += [f"{name}: below resolution in {count}" for name, count in hidden.items()]
     return lines + [
         f"{kind}: a warning in {count} of {len(rows)} (column {WARNINGS})"
         for kind, count in kinds.items()
     ]
+
+
+def short(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Columns of short tables, behind those of the values."""
+    return [CHECKS, *panels(rows)]
+
+
+def _hidden(row: Mapping[str, Any]) -> list[str]:
+    """Names of the columns of a row, without units, whose values mesh or grid do not resolve."""
+    return [name for name in str(row.get(BELOW) or "").split("; ") if name]
+
+
+def _share(error: float) -> str:
+    """A relative error in per cent, with two digits at least."""
+    return f"{error:.2%}" if error >= 1e-3 else f"{100 * error:.2g}%"
 
 
 def status(record: Mapping[str, Any]) -> str:
@@ -151,7 +178,7 @@ def write_report(
         verdict=verdict(rows, units),
         passed=all(row[CHECKS] == PASSED for row in rows),
         pictures=[html.picture(path.read_bytes()) for path in drawn if path.exists()],
-        columns=[*columns, *SHORT, WARNINGS],
+        columns=[*columns, *short(rows), WARNINGS],
         every=list(dict.fromkeys(name for row in rows for name in row)),
         rows=rows,
         cell=cell,
@@ -166,12 +193,16 @@ def write_report(
 
 
 def cell(row: Mapping[str, Any], name: str, units: Units) -> str:
-    """A cell of a row as text: a number in the reader's unit, with its relative estimate where it
-    has one; of a path its name. Empty where the row has no value.
+    """A cell of a row as text: a number in the reader's unit, with its relative estimate, or the
+    mark that it is below resolution, where it has one. Empty where the row has no value.
     """
-    value, bound = row.get(name), row.get(f"{name.partition(' [')[0]} estimate")
+    short = name.partition(" [")[0]
+    value, bound = row.get(name), row.get(f"{short} estimate")
+    text = "" if value is None else str(value)
     if isinstance(value, float):
         value = units.value(value, name) + 0.0
-        return f"{value:g}" if bound is None else f"{value:.5g}\u00a0\u00b1\u00a0{bound:.2%}"
-    text = "" if value is None else str(value)
-    return Path(text).name if name.endswith(("profile", "stress_strain")) else text
+        text = f"{value:g}"
+        if bound is not None:
+            error = f"{_share(bound)} of mu N" if name in FRICTION else _share(bound)
+            text = f"{value:.5g}\u00a0\u00b1\u00a0{error}"
+    return f"{text} ({BELOW})" if text and short in _hidden(row) else text

@@ -41,7 +41,8 @@ def test_a_row_holds_what_its_columns_say() -> None:
         "pressure": numbers, "patch": numbers, "stress": {**numbers, "tau_max_body": "rail"},
         "approach_mm": 9.0, "load_N": 10.0, "contact_point_mm": [11.0, 12.0, 13.0],
         "patches": [{"contact_angle_rad": 14.0}, {}],
-        "friction": {key: 20.0 + i for i, key in enumerate(forces)},
+        "friction": {key: 20.0 + i for i, key in enumerate(forces)}
+        | {"below_resolution": ["t_gamma_N", "traction_max_MPa", "force_along_N"]},
     }  # fmt: skip
     summary = {
         "railhead": "0", "date": "now",
@@ -53,11 +54,12 @@ def test_a_row_holds_what_its_columns_say() -> None:
         "plan": {"contact_angle_rad": 17.0}, "cost": {"dofs": 15},
         "accuracy": {"bound": {key: 40.0 + i for i, key in enumerate(bounds)}},
     }  # fmt: skip
-    over = {"load": 16.0, "wheelset.yaw": 0.0015}
+    over = {"load": 16.0, "wheelset.yaw": 0.0015, "rail.profile": "input/0123abcd/worn.csv"}
     wheelset = {"left contact angle [deg]": 3.0}
     record = {"over": over, "fault": "", "summary": summary, "wheelset": wheelset}
     assert sweep_table.row(record) == {
-        "load [N]": 16.0, "wheelset.yaw [mrad]": 1.5,
+        "load [N]": 16.0, "wheelset.yaw [mrad]": 1.5, "rail.profile": "worn.csv",
+        "below resolution": "force along; T-gamma",
         "checks": "passed", "p_max [MPa]": 1.0, "p_mean [MPa]": 2.0,
         "area [mm2]": 3.0, "a [mm]": 4.0, "b [mm]": 5.0, "tau_max [MPa]": 6.0,
         "tau_max depth [mm]": 7.0, "tau_max body": "rail", "von_mises_max [MPa]": 8.0,
@@ -92,12 +94,27 @@ def test_a_sweep_says_what_a_run_says() -> None:
     ]
     assert said.startswith("largest pressure 0.9 to 6.4 GPa, estimated within 0.30%")
     assert sweep_table.verdict(rows) == [
-        "4 combinations, 2 not passed",
+        "4 combinations, 2 not passed, 2 with warnings",
         "largest pressure 900 to 6400 MPa, estimated within 0.30% to 43.00% (1 of them beyond 5%); "
         "1 without an estimate",
         "plasticity: a warning in 2 of 4 (column warnings)",
         "heat: a warning in 1 of 4 (column warnings)",
     ]
+
+
+def test_what_is_below_resolution_is_marked_in_every_row() -> None:
+    """As a run marks it; one key that fails in several rows is named once."""
+    row = {"checks": "FAILED: a", "T-gamma [N]": 3.0, "force along [N]": -5.0, "mu N [N]": 100.0,
+           "below resolution": "T-gamma", "force along estimate": 1.2e-5}  # fmt: skip
+    assert sweep_table.cell(row, "T-gamma [N]", Units()) == "3 (below resolution)"
+    error = "-5\u00a0\u00b1\u00a00.0012% of mu N"
+    assert sweep_table.cell(row, "force along [N]", Units()) == error
+    assert sweep_table.verdict([row, row]) == [
+        "2 combinations, 2 not passed",
+        "FAILED: a (in 2)",
+        "T-gamma: below resolution in 2",
+    ]
+    assert {"T-gamma [N]", "force along [N]"} < set(sweep_table.short([row]))
 
 
 def test_bars_are_estimates(tmp_path, monkeypatch) -> None:
@@ -122,7 +139,7 @@ def test_the_report_of_a_sweep_has_all_of_it(swept) -> None:
     assert len(short) == len(full) == 7 and full[0] == list(table[0])
     for line, row in zip(short[1:], table, strict=True):
         found = dict(zip(short[0], line, strict=True))
-        bound = f"{float(row['p_max estimate']):.2%}"
+        bound = f"{100 * float(row['p_max estimate']):.2g}%"
         assert found["p_max [MPa]"] == f"{float(row['p_max [MPa]']):.5g}\u00a0\u00b1\u00a0{bound}"
         assert found["checks"] == "passed"
     assert _cells(text, "asked")[0] == ["load [N]", "50000, 80000, 110000"]
