@@ -35,7 +35,6 @@ AT_SURFACE = 0.1  # of the smaller half length of the patch: what lies less deep
 
 def at_cells(
     found: Sequence[TangentialSolution],
-    coefficient: float,
     places: Sequence[Array],
     tangents: Sequence[Array],
     used: Sequence[NDArray[np.bool_]],
@@ -45,7 +44,7 @@ def at_cells(
     cells that are used; nothing is solved. Forces, moment, load steps, energy and numbers of
     iterations are left zero or empty.
 
-    found: tractions of each patch on a grid. coefficient: of friction.
+    found: tractions of each patch on a grid.
     places (nx, ny, 3), tangents (nx, ny, 2, 3): of each patch, cell centres in space, mm, and unit
         vectors along and across. used (nx, ny): whether a cell is used.
     parts: factor on the areas of the cells: number of symmetric parts of the model, where only the
@@ -63,19 +62,18 @@ def at_cells(
         pairs = zip(values, tangents, strict=True)
         return joined([np.einsum("kab,abkc->abc", value, each) for value, each in pairs])
 
-    bound, motion = joined([each.bound for each in found]), found[0].creepage
-    weights = joined([np.full_like(each.bound, parts * each.cell) for each in found])
+    motion = found[0].creepage
     return FrictionSolution(
         points=joined(places),
-        weights=weights,
-        pressure=bound / coefficient,
+        weights=joined([np.full_like(each.bound, parts * each.cell) for each in found]),
+        pressure=joined([each.pressure for each in found]),
+        bound=joined([each.bound for each in found]),
         traction=in_space([each.traction for each in found]),
         slip=in_space([each.slip for each in found]),
         sticks=joined([each.sticks for each in found]),
         rigid_motion=(motion.along, motion.across, motion.spin),
         force=(0.0, 0.0),
         moment=0.0,
-        friction_limit=float(weights @ bound),
         load_steps=np.zeros((0, 4)),
         dissipated_energy=0.0,
         coupling_iterations=0,
@@ -121,9 +119,9 @@ def quantities(
     found: the solution. rolling: whether the wheel rolls. like: whether a pressure moves the
         surfaces of both bodies alike, as with equal elastic constants. speed: m/s, or None. cycle:
         whether loads form a cycle. patches (k, 3): centres of the patches in space, mm, or None.
-    Always: forces along and across and the moment of the wheel on the rail; the limit mu N; the
-        rigid motion of the wheel; the share of the area that sticks; the largest traction; and
-        numbers of iterations.
+    Always: forces along and across and the moment of the wheel on the rail; the limit mu N, and
+        over the normal force: the mean coefficient; the rigid motion of the wheel; the share of
+        the area that sticks; the largest traction; and numbers of iterations.
     Rolling: T-gamma, the energy dissipated per rolled length, N. It is the integral of traction
         times rigid slip. Of unlike bodies, which creep without a force, it is that of traction
         times slip.
@@ -140,6 +138,7 @@ def quantities(
         "force_across_N": found.force[1],
         "moment_Nmm": found.moment,
         "limit_N": found.friction_limit,
+        "coefficient": found.friction_limit / float(found.weights @ found.pressure),
         **dict(zip(MOTION[rolling], found.rigid_motion, strict=True)),
         "stick_share": float(share),
         "traction_max_MPa": float(np.linalg.norm(found.traction, axis=1).max()),

@@ -36,7 +36,6 @@ POINTS = 61
 def draw_tractions(
     found: FrictionSolution,
     findings: Findings,
-    coefficient: float,
     target: Target = None,
     *,
     planes: symmetry.Planes,
@@ -50,14 +49,13 @@ def draw_tractions(
     are used.
 
     found: solution at the points of the part that is left of a model cut at `planes`.
-    coefficient: of friction, mu.
     planes: unit normals of those symmetry planes; the images are drawn too.
     """
     frame, patch, subject = findings.frame, findings.patch, findings.subject
     touches = found.pressure > 0
     local = symmetry.vectors(frame.local(found.points[touches])[:, :2], planes)
     traction = symmetry.vectors(found.traction[touches] @ frame.axes.T[:, :2], planes)
-    pressure = symmetry.repeated(found.pressure[touches], planes)
+    bound = symmetry.repeated(found.bound[touches], planes)
     sticks = symmetry.repeated(found.sticks[touches], planes)
     extent = np.ptp(local, axis=0)
     flat = extent.min() < 1e-9
@@ -65,7 +63,7 @@ def draw_tractions(
     count = 1 if flat else 2
     with new_figure(target, 2 + 5 * count, 5.4, findings) as figure:
         *maps, axes = figure.subplots(1, count, squeeze=False)[0]
-        values: Array = np.column_stack([traction, coefficient * pressure, sticks])
+        values: Array = np.column_stack([traction, bound, sticks])
         order = np.argsort(local[:, line])
         x, values = local[order, line], values[order]
         for left in maps:

@@ -44,7 +44,6 @@ class Shown:
     found: findings with the whole contact surface, title, units and notes.
     exact: exact Hertz contact, or None; of finite elements a line contact only with a section.
     poisson: Poisson's ratio of the body of `found.axis`.
-    coefficient: of friction.
     axes: those along which the pressure of finite elements varies, 0 for x, 1 for s: both of a
         solid, one of a section.
     planes: unit normals of the symmetry planes at which `friction` was cut.
@@ -58,7 +57,6 @@ class Shown:
     found: Findings
     exact: Hertz | None
     poisson: float
-    coefficient: float
     axes: Sequence[int] = (0, 1)
     planes: Planes = ()
     cut: Planes = ()
@@ -158,7 +156,6 @@ def drawings(
             friction_plots.draw_tractions,
             shown.friction,
             found,
-            shown.coefficient,
             planes=shown.planes,
         )
     return every

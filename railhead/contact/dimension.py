@@ -86,6 +86,8 @@ def circular(scene: Scene) -> tuple[bool, str]:
     text = f"relative curvature {along:.4g} 1/mm along and across"
     if scene.rail.extent == "half-space":
         return True, f"{text}: a circle between half-spaces"
+    if scene.friction.uneven:
+        return False, "friction differs with the angle of the surface across the rail"
     rail, wheel = scene.rail, scene.wheel
     sphere = wheel.profile == "arc" and wheel.transverse_radius == wheel.rolling_radius
     plane = rail.profile == "arc" and math.isinf(rail.crown_radius or 0)

@@ -201,6 +201,15 @@ class Contact:
         """
         return hertz.approach / math.cos(self.touch.angle)
 
+    def friction_coefficient(self, y: Array) -> Array:
+        """Coefficient of friction (n,) on the rail's surface at y (n,), mm, by its angle across the
+        track there: beyond the profile that of its end, of a plane the contact angle.
+        """
+        angle: Array = np.full(np.shape(y), self.touch.angle)
+        for _, rail, _ in self.cross_profiles[:1]:
+            angle = np.arctan(rail.slope(np.clip(y, *rail.domain)))
+        return self.scene.friction.at(angle)
+
     @property
     def line(self) -> bool:
         """Whether the contact is one along a line."""

@@ -192,7 +192,6 @@ def _shown(solved: Solved, units: Units, *, whole: bool = False) -> Shown | None
         # Hertz's ellipse lies at the first contact, which need not be the most loaded of several.
         exact=solved.ellipse if len(found.patch.each) < 2 else None,
         poisson=plan.reported_body.poisson_ratio,
-        coefficient=plan.scene.friction.coefficient,
         friction=answer.friction and replace(answer.friction, without_creepage=None),
         passes=passes and replace(passes, state=None),
     )

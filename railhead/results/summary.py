@@ -190,7 +190,7 @@ def _more(solved: Solved) -> dict[str, Any]:
         axle = {"axle": rolling.axle} if rolling.from_wheelset else {}
         stresses = friction.wear_and_shakedown(
             solved.result,
-            plan.scene.friction.coefficient,
+            found["coefficient"],
             material.shear_yield(plan.context),
             poisson=min(plan.poisson_ratios.values()),
             rolling=rolling.prescribed,

@@ -116,7 +116,7 @@ def _friction(plan: Plan) -> FrictionSettings:
         if index in contact.slips and not (plan.half_x, plan.half_y)[index]:
             free.append((index, float(getattr(given, f"force_{way}") or 0.0)))
     return FrictionSettings(
-        coefficient=scene.friction.coefficient,
+        coefficient=lambda points: contact.friction_coefficient(points[:, 1]),
         rolling=rolling.prescribed,
         axes=frame.axes,
         origin=frame.origin,

@@ -62,6 +62,7 @@ class GridPatch:
     divided: number of parts of a cell each way.
     modes: rigid slip (4, 2, nx, ny) along the tangents at the cells, in the four motions and units
         of `FrictionSettings.rigid_slip`; zero where the surfaces end.
+    friction: coefficient of friction at the cells (nx, ny).
     tangents: (nx, ny, 2, 3) unit tangents along and across at the cells, in space; zero where the
         surfaces end.
     places: (nx, ny, 3) points of the slave on the normals through the cells, in space, mm; zero
@@ -98,6 +99,7 @@ class GridPatch:
         self.modes = cells.spread(modes).reshape(*grid, 4, 2).transpose(2, 3, 0, 1)
         self.tangents = cells.spread(cells.tangents).reshape(*grid, 2, 3)
         self.places = cells.spread(cells.points).reshape(*grid, 3)
+        self.friction = response.settings.coefficient(self.places.reshape(-1, 3)).reshape(grid)
         self.smooth = SmoothTractions(patch.centre, patch.half, largest)
         self.around = on_surfaces(self.smooth.x, self.smooth.y)
 
@@ -248,7 +250,7 @@ class SolidFriction:
                     each.x,
                     each.y,
                     self.pressures[number],
-                    self.settings.coefficient,
+                    each.friction,
                     self.pair,
                     rolling=self.settings.rolling,
                     modes=modes * each.modes,
@@ -361,12 +363,11 @@ class SolidFriction:
         settings, setup = self.settings, self.model.setup
         planes = [np.array(normal) for _, normal in setup.planes]
         used = [
-            (solved.bound > 0) & np.all([each.places @ normal > 0 for normal in planes], axis=0)
+            (solved.pressure > 0) & np.all([each.places @ normal > 0 for normal in planes], axis=0)
             for each, solved in zip(self.patches, found, strict=True)
         ]
         described = at_cells(
             found,
-            settings.coefficient,
             [each.places for each in self.patches],
             [each.tangents for each in self.patches],
             used,

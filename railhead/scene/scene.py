@@ -122,20 +122,21 @@ def _name(value: object) -> str:
 def assignment(text: str) -> tuple[str, object]:
     """Split the text "key=value" into key and value.
 
-    A value that is a TOML scalar becomes a number, a boolean or a string; any other value and that
-    of a key in _WORDS remains a string. Raises SceneError for a text without key and equals sign.
+    A value that is a TOML scalar or array becomes a number, a boolean, a string or a list; any
+    other value and that of a key in _WORDS remains a string. Raises SceneError for a text without
+    key and equals sign.
     """
     if not isinstance(text, str):
         raise SceneError("assignment", f"{show(text)} is not text; write e.g. load=110kN")
     key, equals, value = (part.strip() for part in text.partition("="))
     if not (key and equals):
         raise SceneError("assignment", f"{show(text)} is not key=value; write e.g. load=110kN")
-    scalars = (str,) if key in _WORDS else (str, int, float, bool)
+    known = (str,) if key in _WORDS else (str, int, float, bool, list)
     try:
         parsed = tomllib.loads(f"value = {value}")
     except (ValueError, RecursionError):
         return key, value
-    if len(parsed) == 1 and isinstance(parsed["value"], scalars):
+    if len(parsed) == 1 and isinstance(parsed["value"], known):
         return key, parsed["value"]
     return key, value
 
@@ -357,8 +358,8 @@ class Scene(Section):
     def replace(self, assignments: Iterable[str] = (), /, **values: object) -> Self:
         """A new scene with some keys changed; this one stays as it is.
 
-        assignments: texts "key=value" with dotted keys; a value that is a TOML scalar is read as
-            such, anything else as a plain string.
+        assignments: texts "key=value" with dotted keys; a value that is a TOML scalar or array is
+            read as such, anything else as a plain string.
         values: values by key, or tables of them: ``replace(load="110 kN", rail={"profile":
             "60E1"})``.
         Setting the load drops the approach and the reverse; a profile other than ``arc`` drops its

@@ -6,13 +6,16 @@ as well. A key that may be None leaves the choice to the plan.
 
 import os
 from difflib import get_close_matches
+from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal, Self
 
+import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, model_validator
 
 from railhead.geometry.measured import BODY_BY_EXTENSION, EXTENSIONS
 from railhead.scene import arrays, flow_curves, units
 from railhead.scene.units import show
+from railhead.theory.array_types import Array
 
 ALIASES = {"UIC54": "54E1", "UIC60": "60E1"}
 
@@ -169,6 +172,23 @@ def _passes_file(value: object) -> str:
     return path
 
 
+def _coefficient(value: object) -> object:
+    """A coefficient of friction from 0 to 2, or pairs (angle in degrees, coefficient above 0) with
+    rising angles. Raises ValueError (one line) for anything else.
+    """
+    if not isinstance(value, list | tuple):
+        return units.COEFFICIENT(value)
+    try:
+        pairs = tuple((units.SURFACE_ANGLE(a), units.PAIRED_COEFFICIENT(mu)) for a, mu in value)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{show(value)} is not allowed; {PAIRS} ({error})") from None
+    angles = [angle for angle, _ in pairs]
+    if not angles or any(b <= a for a, b in pairwise(angles)):
+        raise ValueError(f"{show(value)} is not allowed; {PAIRS}")
+    return pairs
+
+
+PAIRS = "give pairs with rising angles, e.g. [[0, 0.4], [60, 0.1]]"
 Switch = Literal["auto", "on", "off"]
 _FILE_KEYS = (
     "profile_unit",
@@ -461,7 +481,9 @@ class Mesh(Section):
 class Friction(Section):
     """Coulomb friction, and tangential forces that shift the wheel on the rail from rest.
 
-    coefficient: friction coefficient, 0 to 2; 0: no friction.
+    coefficient: friction coefficient, 0 to 2; 0: no friction. Or pairs (angle, coefficient) with
+        rising angles of the rail's surface across the track, degrees, positive where it rises to
+        the field side; linear between them, constant beyond.
     force_along: N, tangential force of the wheel on the rail along x, along the rail, reached from
         rest. The key tangential_load is another name of this one.
     force_across: N, tangential force of the wheel on the rail across it, along the common tangent
@@ -470,7 +492,9 @@ class Friction(Section):
         force.
     """
 
-    coefficient: units.FrictionCoefficient = 0.0
+    coefficient: Annotated[
+        float | tuple[tuple[float, float], ...], BeforeValidator(_coefficient)
+    ] = 0.0
     force_along: units.SignedForce = 0.0
     force_across: units.SignedForce = 0.0
     cycle: bool = False
@@ -486,6 +510,24 @@ class Friction(Section):
                 raise SceneError("tangential_load", "is not allowed beside force_along; give one")
             data["force_along"] = force
         return data
+
+    @property
+    def uneven(self) -> bool:
+        """Whether the coefficient depends on the angle of the rail's surface."""
+        return len({coefficient for _, coefficient in self.pairs}) > 1
+
+    @property
+    def pairs(self) -> tuple[tuple[float, float], ...]:
+        """Pairs of an angle, degrees, and the coefficient there; a single one of a number."""
+        given = self.coefficient
+        return ((0.0, given),) if isinstance(given, float) else given
+
+    def at(self, angle: Array | float) -> Array:
+        """Coefficient of friction (n,) where the rail's surface has the angle (n,) to the
+        horizontal across the track, rad.
+        """
+        angles, values = np.transpose(self.pairs)
+        return np.interp(np.degrees(angle), angles, values)
 
 
 class Rolling(Section):

@@ -153,6 +153,17 @@ ANGLE = QuantityKind(
         "°": math.pi / 180,
     },
 )
+DEGREES = QuantityKind(
+    noun="an angle",
+    hint='degrees, e.g. 30 or "30 deg"',
+    unit="deg",
+    factors={
+        "deg": Decimal(1),
+        "°": Decimal(1),
+        "rad": 180 / math.pi,
+        "mrad": 0.18 / math.pi,
+    },
+)
 NUMBER = QuantityKind(noun="a number", hint="a plain number, e.g. 1", factors=_PER_CENT)
 FRACTION = QuantityKind(
     noun="a fraction", hint='a number or per cent, e.g. 0.01 or "1%"', factors=_PER_CENT
@@ -321,7 +332,9 @@ Spin = Annotated[float, Range(kind=SPIN, low=-1, high=1)]
 Speed = Annotated[
     float, Range(kind=SPEED, low=0, high=1000, note=', but not 0, e.g. "80 km/h"', excluded=(0,))
 ]
-FrictionCoefficient = Annotated[float, Range(kind=NUMBER, low=0, high=2)]
+COEFFICIENT = Range(kind=NUMBER, low=0, high=2, note=" or pairs of an angle and a coefficient")
+PAIRED_COEFFICIENT = Range(kind=NUMBER, low=0, high=2, note=", but not 0", excluded=(0,))
+SURFACE_ANGLE = Range(kind=DEGREES, low=-90, high=90)
 Shift = Annotated[float, Range(kind=LENGTH, low=-30, high=30)]
 TapeCircle = Annotated[float, Range(kind=LENGTH, low=30, high=120, note=", e.g. 70")]
 Displacement = Annotated[float, Range(kind=LENGTH, low=0, high=1000, either_sign=True)]

@@ -72,21 +72,22 @@ class TangentialState:
 
 
 class CoulombContact:
-    """A condensed contact with a coefficient of friction. n points have k tangents; m is the number
-    of components of nodal tractions.
+    """A condensed contact with friction. n points have k tangents; m is the number of components of
+    nodal tractions.
 
     contact: compliance of the contact points; it holds the shape functions F and the areas W.
-    coefficient: coefficient of friction mu.
+    coefficient: coefficient of friction mu at the points, (n,), also from one number.
     projection: F^T W (m, n k), mm2 of the meshed part; mass^-1 projection is the L2 projection of
         tractions at the points on the nodes.
     mass: F^T W F (m, m), mm2 of the meshed part.
-    Raises ValueError for a coefficient that is not positive and finite.
+    Raises ValueError for coefficients that are not all positive and finite.
     """
 
-    def __init__(self, contact: ContactCompliance, coefficient: float) -> None:
-        if not 0 < coefficient < np.inf:
+    def __init__(self, contact: ContactCompliance, coefficient: Array | float) -> None:
+        if not (np.greater(coefficient, 0) & np.less(coefficient, np.inf)).all():
             raise ValueError(f"friction must be positive and finite, got {coefficient}")
-        self.contact, self.coefficient = contact, coefficient
+        self.contact = contact
+        self.coefficient = np.broadcast_to(coefficient, len(contact.weights))
         weights = sp.diags(np.repeat(contact.weights, contact.trial_traction.shape[1]))
         self.projection = (contact.shape_functions.T @ weights).tocsr()
         self.mass = (self.projection @ contact.shape_functions).toarray()
@@ -96,7 +97,7 @@ class CoulombContact:
         """Largest limit of the traction, mu p, at the active points of the contact without
         tractions, MPa.
         """
-        return float(self.coefficient * self.contact.pressure[self.contact.active].max())
+        return float((self.coefficient * self.contact.pressure)[self.contact.active].max())
 
     def solve(
         self,
@@ -182,7 +183,7 @@ class CoulombEquations:
         contact, coefficient = self.friction.contact, self.friction.coefficient
         n, k, unknowns = self.trial_matrix.shape
         m, active = len(self.friction.mass), contact.active
-        limit = coefficient * float(contact.area[active] @ contact.pressure[active])
+        limit = float(contact.area[active] @ (coefficient * contact.pressure)[active])
         x: Array = np.zeros(unknowns)
         slips: NDArray[np.bool_] = np.zeros(n, dtype=bool)
         direction: Array = np.zeros((n, k))
@@ -269,7 +270,7 @@ class CoulombEquations:
         across = np.eye(k) - unit[:, :, None] * unit[:, None, :]
         change = np.where(slips, bound / size, 0.0)[:, None, None] * across
         change[active & ~slips] = np.eye(k)
-        along = np.where(slips[:, None], coefficient * unit, 0.0)
+        along = np.where(slips[:, None], coefficient[:, None] * unit, 0.0)
         moved = change @ self.trial_matrix + along[:, :, None] * self.pressure_matrix[:, None, :]
         tangent = np.zeros((unknowns, unknowns))
         tangent[:m] = -(projection @ moved.reshape(n * k, -1))

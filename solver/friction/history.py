@@ -125,7 +125,7 @@ class FrictionHistory:
         for _ in range(COUPLING_ITERATIONS):
             if held is not None and (loaded or state is None):
                 self.rest = np.where(self.was_active[:, None], held, self._touching(before))
-            friction = CoulombContact(self.contact, self.settings.coefficient)
+            friction = self._coulomb()
             self.tangential_state = state = friction.solve(
                 self.prescribed_slip,
                 self.rigid_slip[self.free_modes],
@@ -149,6 +149,10 @@ class FrictionHistory:
             self.was_active = self.contact.active
         self._end_step(force_share)
         return solution
+
+    def _coulomb(self) -> CoulombContact:
+        """The condensed contact, as it is now, with the coefficient of friction at its points."""
+        return CoulombContact(self.contact, self.settings.coefficient(self.contact.points))
 
     def _end_step(self, force_share: float) -> None:
         """Close a step that converged: append its force and rigid motion to `step_results`. Unless
@@ -237,7 +241,7 @@ class FrictionHistory:
         solution = self._described(self.tangential_state, self.motion)
         if not self.settings.rolling:
             return solution
-        friction = CoulombContact(self.contact, self.settings.coefficient)
+        friction = self._coulomb()
         state = friction.solve(
             np.zeros_like(self.prescribed_slip), self.rigid_slip[:0], np.zeros((0, 4))
         )
@@ -255,13 +259,13 @@ class FrictionHistory:
             points=contact.points,
             weights=contact.area,
             pressure=state.pressure,
+            bound=settings.coefficient(contact.points) * state.pressure,
             traction=contact.in_space(state.traction),
             slip=contact.in_space(state.slip),
             sticks=state.sticks,
             rigid_motion=(along, across, spin),
             force=force,
             moment=moment,
-            friction_limit=float(settings.coefficient * (contact.area @ state.pressure)),
             load_steps=np.array(self.step_results),
             dissipated_energy=self.dissipated_energy,
             coupling_iterations=self.coupling_iterations,

@@ -68,7 +68,7 @@ class FrictionSettings:
     """Coulomb friction of the wheel over the rail: a shift from rest, or steady rolling. The wheel
     is `Setup.moving`, the rail `Setup.fixed`. Forces are those of the whole model.
 
-    coefficient: coefficient of friction, positive.
+    coefficient: points (n, 3) mm -> coefficient of friction (n,), positive.
     rolling: True: steady rolling along +x; False: the wheel is shifted.
     axes: (3, 3) rows: unit vectors along the rail, across it and out of it at the origin.
     origin: (x, y, z) of the point that moments refer to, mm.
@@ -88,7 +88,7 @@ class FrictionSettings:
         not move the supported faces.
     """
 
-    coefficient: float
+    coefficient: Callable[[Array], Array]
     rolling: bool
     axes: Array
     origin: tuple[float, float, float]

@@ -65,6 +65,7 @@ class FrictionSolution:
     points: position (n, 3), mm.
     weights: area of each point (n,) in the whole model, mm2.
     pressure: contact pressure (n,), MPa, zero at points that do not touch.
+    bound: largest traction that friction allows (n,), MPa: its coefficient times the pressure.
     traction: tangential traction of the wheel on the rail (n, 3), MPa.
     slip: (n, 3) at each point; for a shift it is that since the end of the load step before.
     sticks: (n,) whether a point with pressure sticks.
@@ -73,8 +74,6 @@ class FrictionSolution:
     force: (along, across), force of the wheel on the rail, N, of the whole model.
     moment: moment of the tractions of the wheel on the rail about the normal at the origin of the
         friction settings, N mm; zero with symmetry planes.
-    friction_limit: coefficient of friction times the integral of the pressure over the whole model,
-        N.
     load_steps: (l, 4) at the end of each of l load steps: force along and across (N), rigid motion
         along and across.
     dissipated_energy: work of friction after the full tangential force was reached for the first
@@ -90,19 +89,24 @@ class FrictionSolution:
     points: Array
     weights: Array
     pressure: Array
+    bound: Array
     traction: Array
     slip: Array
     sticks: Mask
     rigid_motion: tuple[float, float, float]
     force: tuple[float, float]
     moment: float
-    friction_limit: float
     load_steps: Array
     dissipated_energy: float
     coupling_iterations: int
     rigid_slip: Array
     newton_steps: int
     without_creepage: FrictionSolution | None = None
+
+    @property
+    def friction_limit(self) -> float:
+        """Integral of the bound over the whole model, N: largest tangential force, mu N."""
+        return float(self.weights @ self.bound)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -161,12 +161,10 @@ def _others(plan: Plan, curve: CreepCurve) -> Iterator[Point]:
     patches = normal_contact.patches(
         plan.contact, ellipse, hertzian=hertzian, load=scene.load, cells=CELLS
     )
-    limit = COEFFICIENT * sum(each.pressed.force for each in patches)
+    limit = sum(each.limit for each in patches)
     for motion in curve.motions:
         given = motion.along, motion.across, motion.spin
-        sheared = tangential_contact.shear(
-            patches, pair, COEFFICIENT, motion, (None, None), rolling=True
-        )
+        sheared = tangential_contact.shear(patches, pair, motion, (None, None), rolling=True)
         exactly = np.sum([each.forces for each in sheared], axis=0)
         sticks, touches = np.sum([each.areas for each in sheared], axis=0)
         quick = tangential_contact.fastsim(patches, limit, pair, given)

@@ -21,15 +21,15 @@ def friction_found(
     none = np.zeros((0, 3))
     return FrictionSolution(
         points=none,
-        weights=none[:, 0],
+        weights=np.ones(1),
         pressure=none[:, 0],
+        bound=np.array([limit]),
         traction=none,
         slip=none,
         sticks=none[:, 0] > 0,
         rigid_motion=motion,
         force=force,
         moment=0.0,
-        friction_limit=limit,
         load_steps=none,
         dissipated_energy=0.0,
         coupling_iterations=1,

@@ -66,6 +66,7 @@ class TangentialSolution:
     y: cell centres across, (ny,), mm.
     modes: rigid slip along x and y, (4, 2, nx, ny): of unit creepage along, unit creepage across,
         unit spin, and the fixed mode (zero in a plane); all zero outside of the patch.
+    pressure: (nx, ny), MPa, zero outside of the patch.
     bound: largest traction that friction allows, mu p, (nx, ny), MPa.
     creepage: the rigid motion.
     traction: of the wheel on the rail along x and y, (2, nx, ny), MPa.
@@ -77,6 +78,7 @@ class TangentialSolution:
     x: Array
     y: Array
     modes: Array
+    pressure: Array
     bound: Array
     creepage: Creepage
     traction: Array
@@ -116,7 +118,7 @@ class TangentialSolution:
     @property
     def areas(self) -> tuple[float, float]:
         """Area that sticks and area of the patch, mm2."""
-        return self.cell * float(self.sticks.sum()), self.cell * float((self.bound > 0).sum())
+        return self.cell * float(self.sticks.sum()), self.cell * float((self.pressure > 0).sum())
 
     @property
     def t_gamma(self) -> float:
@@ -135,7 +137,7 @@ class HalfSpaceFriction:
         x: Array,
         y: Array,
         pressure: Array,
-        friction: float,
+        friction: Array | float,
         pair: MaterialPair,
         *,
         rolling: bool,
@@ -145,7 +147,7 @@ class HalfSpaceFriction:
     ) -> None:
         """x (nx,), y (ny,): cell centres, evenly spaced, mm.
         pressure: (nx, ny), MPa, 0 outside of the patch; it does not change.
-        friction: coefficient.
+        friction: coefficient, or that of each cell: an array that broadcasts to (nx, ny).
         pair: materials.
         rolling: steady rolling; else one shift.
         modes: rigid slip (4, 2, nx, ny) along x and y of unit creepages, unit spin and the fixed
@@ -157,9 +159,9 @@ class HalfSpaceFriction:
         """
         if pressure.shape != (x.size, y.size) or min(pressure.shape) < 2 or not pressure.min() >= 0:
             raise ValueError("pressure must be (nx, ny), two cells an axis at least, and >= 0")
-        if not 0 < friction < np.inf:
+        if not (np.greater(friction, 0) & np.less(friction, np.inf)).all():
             raise ValueError(f"friction must be positive and finite, got {friction}")
-        self._x, self._y, self._bound = x, y, friction * pressure
+        self._x, self._y, self._pressure, self._bound = x, y, pressure, friction * pressure
         self._influence = TractionInfluence(x, y, pair, rolling=rolling, added=added)
         self._tractions = CoulombSolver(self._influence, self._bound)
         inside = np.where(pressure > 0, 1.0, 0.0)
@@ -179,11 +181,12 @@ class HalfSpaceFriction:
         slip = self._slip(creepage)
         guess = None if start is None else start.traction
         traction = self._tractions.solve(slip, TOLERANCE, guess)
-        left = np.where(self._bound > 0, slip - self._influence(traction), 0)
+        left = np.where(self._pressure > 0, slip - self._influence(traction), 0)
         return TangentialSolution(
             x=self._x,
             y=self._y,
             modes=self._modes,
+            pressure=self._pressure,
             bound=self._bound,
             creepage=creepage,
             traction=traction,
@@ -216,7 +219,7 @@ def plane_modes(x: Array, y: Array) -> Array:
 def solve_dissimilar(
     patch: PatchSolution,
     pair: MaterialPair,
-    friction: float,
+    friction: Array | float,
     shear: Callable[[HalfSpaceFriction], TangentialSolution],
     *,
     modes: Array | None = None,
@@ -225,13 +228,13 @@ def solve_dissimilar(
 
     patch: the same contact without friction.
     pair: materials.
-    friction: coefficient.
+    friction: coefficient, or that of each cell as of `HalfSpaceFriction`.
     shear: returns the tractions under the pressure of the `HalfSpaceFriction` that it is given,
         e.g. `lambda body: body.solve(creepage)`.
     modes: rigid slip (4, 2, nx, ny) of unit creepages, unit spin and the fixed mode; None: a plane.
-    The load along its direction stays that of `patch`; the pressure found is `bound`/friction of
-    the result. The contact modulus is G/(1 - nu) of the pair. Where the pair has no mismatch the
-    pressure stays, too. ValueError: no convergence in 40 turns.
+    The load along its direction stays that of `patch`; the pressure found is that of the result.
+    The contact modulus is G/(1 - nu) of the pair. Where the pair has no mismatch the pressure
+    stays, too. ValueError: no convergence in 40 turns.
     """
     modulus = pair.shear_modulus / (1 - pair.poisson)
     influence = TractionInfluence(patch.x, patch.s, pair, rolling=False)

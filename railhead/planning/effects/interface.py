@@ -34,17 +34,17 @@ def decide_friction(context: Context) -> Effect:
     not have, and linear cells.
     """
     scene = context.scene
-    coefficient = scene.friction.coefficient
+    coefficient, largest = friction_coefficient(context), max(mu for _, mu in scene.friction.pairs)
     table, along, across = scene.tangential_forces
     # On an inclined contact a force across carries a part of the load, or adds to it.
     normal = context.hertz.load + across * math.tan(context.contact.touch.angle)
-    limit = coefficient * max(normal, 0.0)
+    limit, most = coefficient * max(normal, 0.0), largest * max(normal, 0.0)
     force = math.hypot(along, across)
-    if force and force >= limit and (scene.load is not None or not limit):
+    if force and force >= most and (scene.load is not None or not most):
         raise SceneError(
             f"{table}.force_{'along' if along else 'across'}",
             f"{force:g} N would slide; give less than friction.coefficient times the normal force, "
-            f"{limit:g} N",
+            f"{most:g} N",
         )
     wheelset = wheelset_creepage(context)
     _fits_the_section(context)
@@ -103,6 +103,11 @@ def _beyond_half_spaces(context: Context) -> str:
 def grows(context: Context) -> bool:
     """Whether friction acts while the patch grows: unlike materials without rolling."""
     return unlike(context) and not context.scene.rolling.prescribed
+
+
+def friction_coefficient(context: Context) -> float:
+    """Coefficient of friction at the first contact."""
+    return float(context.scene.friction.at(context.contact.touch.angle))
 
 
 def unlike(context: Context) -> bool:
@@ -204,7 +209,7 @@ def decide_heat(context: Context) -> Effect:
     moves = creepage(context)
     slip = math.hypot(moves.along, moves.across) + abs(moves.spin) * max(hertz.half_lengths)
     most = flash_temperature(
-        scene.friction.coefficient * hertz.load * slip,
+        friction_coefficient(context) * hertz.load * slip,
         hertz.area,
         hertz.half_lengths[0],
         speed,

@@ -202,7 +202,7 @@ def _slipping(context: Context) -> str:
     """Text with the largest von Mises stress (MPa) under pressure and tractions where the whole
     patch slips.
     """
-    friction = context.scene.friction.coefficient
+    friction = interface.friction_coefficient(context)
     most = max(
         hardest(context.hertz, friction, ratio).von_mises
         for hardest in (sliding.peak_below_surface, sliding.peak_at_surface)

@@ -178,7 +178,7 @@ def traction(context: Context) -> float:
     Mechanics, 8.6), else the coefficient. 0 without friction.
     """
     scene, hertz = context.scene, context.hertz
-    coefficient = scene.friction.coefficient
+    coefficient = interface.friction_coefficient(context)
     if not (coefficient and scene.rolling.prescribed and context.decided["friction"].on):
         return 0.0
     _, along, across = scene.tangential_forces
@@ -216,7 +216,7 @@ def line_limit(context: Context) -> float:
     """
     scene, share = context.scene, traction(context)
     kinematic = scene.rail.hardens and scene.rail.kinematic_fraction == 1
-    friction = scene.friction.coefficient if share else 0.0
+    friction = interface.friction_coefficient(context) if share else 0.0
     poisson = scene.rail.poisson_ratio
     return damage.shakedown_limit(friction, poisson, share, kinematic=kinematic)
 

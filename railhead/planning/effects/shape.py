@@ -64,10 +64,12 @@ def decide_symmetry_x(context: Context) -> Effect:
 
 def decide_symmetry_y(context: Context) -> Effect:
     """Only y >= 0 is modelled where the bodies are symmetric in y (`Contact.why_asymmetric_in_y`
-    has the reasons against it) and no friction acts across the rail. Spin and a motion that
-    follows from the wheelset count as friction across.
+    has the reasons against it), no friction acts across the rail, and its coefficient is one
+    number. Spin and a motion that follows from the wheelset count as friction across.
     """
     why, slips = context.contact.why_asymmetric_in_y(), context.scene.asymmetric_friction[1]
+    if context.scene.friction.uneven and context.contact.curved_solid:
+        why = why or "friction differs with the angle of the surface"
     mirrored = "profiles, materials and load mirror at y = 0"
     return _symmetry(why or ("friction across the rail" if slips else ""), mirrored)
 

@@ -48,6 +48,10 @@ class Developed:
         """
         return np.asarray(np.arctan(self.contact.profiles["rail"][0].slope(self._across(s))))
 
+    def friction_coefficient(self, s: Array) -> Array:
+        """Coefficient of friction (n,) at s (n,) in mm; beyond the profile that of its end."""
+        return self.contact.friction_coefficient(self._across(s))
+
     def points(self, x: Array, s: Array) -> Array:
         """Points (n, 3) in space, in mm, on the rail's surface at x, s (n,) in mm; NaN beyond the
         profile.

@@ -346,7 +346,6 @@ def _tractions(
         sheared = tangential_contact.shear(
             patches,
             plan.context.tangential_pair,
-            scene.friction.coefficient,
             interface.creepage(plan.context),
             (along, across),
             rolling=scene.rolling.prescribed,
@@ -395,9 +394,8 @@ def _at_cells(
         slope = np.broadcast_to(window.angle, x.shape)
         across = np.stack([0 * x, np.cos(slope), np.sin(slope)], axis=-1)
         tangents.append(np.stack([np.broadcast_to([1.0, 0.0, 0.0], across.shape), across], axis=2))
-    touches = [each.bound > 0 for each in found]
-    coefficient = plan.scene.friction.coefficient
-    solution = friction.at_cells(found, coefficient, places, tangents, touches, sheared.scale)
+    touches = [each.pressure > 0 for each in found]
+    solution = friction.at_cells(found, places, tangents, touches, sheared.scale)
     along, across, moment = sheared.scale * np.sum([each.forces for each in found], axis=0)
     solution = replace(solution, force=(float(along), float(across)), moment=float(moment))
     if not plan.scene.rolling.prescribed:

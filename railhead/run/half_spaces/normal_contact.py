@@ -111,13 +111,20 @@ class PressedPatch:
     modes: rigid slip along the rail and along its profile at the cells, (4, 2, nx, ns): of unit
         creepage along, unit creepage across, unit spin, and the fixed mode: the wheel's own turning
         about axes in the tangent plane (`wheelset_kinematics.RigidSlip`).
+    friction: coefficient of friction at the cells, (ns,).
     angular: (4, 3) angular velocity vector of each mode over the rolling speed, 1/mm, in the axes
         of space. In these the normal at an angle of `pressed` is (0, -sin, cos).
     """
 
     pressed: PatchSolution
     modes: Array
+    friction: Array
     angular: Array = field(default_factory=lambda: PLANE)
+
+    @property
+    def limit(self) -> float:
+        """Largest tangential force that friction allows, N."""
+        return self.pressed.cell * float((self.friction * self.pressed.pressure).sum())
 
     @property
     def mean_modes(self) -> Array:
@@ -161,7 +168,7 @@ def patches(
     Raises ValueError where the patches are not known.
     """
     if isinstance(hertz, LineContact):
-        return _strip(hertz.strip, cells)
+        return _strip(contact, hertz.strip, cells)
     if contact.half_space or (hertzian and not contact.touch.orientation):
         pressed = pressure_solver.solve(
             hertz.gap,
@@ -170,7 +177,7 @@ def patches(
             cells=cells,
             half_size=(2 * hertz.a, 2 * hertz.b),
         )
-        return [PressedPatch(pressed, _modes(contact, pressed))]
+        return [PressedPatch(pressed, *_on_surface(contact, pressed))]
     if isinstance(profiles, str):
         raise ValueError(profiles)
     known = None if profiles is None else profiles.coarse or profiles
@@ -178,23 +185,24 @@ def patches(
         known = boundary_elements.solve(contact, hertz, load, cells)
     angular = wheelset_kinematics.rigid_slip(contact).angular
     return [
-        PressedPatch(each, _modes(contact, each), angular)
+        PressedPatch(each, *_on_surface(contact, each), angular)
         for each in known.windows
         if each.force > SMALLEST * known.force
     ]
 
 
-def _strip(contact: Strip, cells: int) -> list[PressedPatch]:
+def _strip(contact: Contact, line: Strip, cells: int) -> list[PressedPatch]:
     """Patch of a line contact, solved anew by boundary elements on a grid of `cells` cells over
     1.25 (WIDER) widths, along x, and two cells along the line. These are so long that each is a
     strip; the load is the load per length times their length.
     """
-    grid, gap = strip_grid(contact.b, contact.curvature, cells, WIDER)
-    load = contact.load_per_length * LENGTH * contact.b
+    grid, gap = strip_grid(line.b, line.curvature, cells, WIDER)
+    load = line.load_per_length * LENGTH * line.b
     (pressed,) = pressure_solver.equilibrium(
-        [grid], [gap], contact.contact_modulus, load, None, TOLERANCE, None
+        [grid], [gap], line.contact_modulus, load, None, TOLERANCE, None
     )
-    return [PressedPatch(pressed, plane_modes(grid.x, grid.s))]
+    friction = contact.scene.friction.at(np.full(grid.s.size, contact.touch.angle))
+    return [PressedPatch(pressed, plane_modes(grid.x, grid.s), friction)]
 
 
 def strip_grid(half_width: float, curvature: float, cells: int, wider: float) -> tuple[Grid, Array]:
@@ -219,16 +227,16 @@ def surface(contact: Contact) -> Callable[[Array, Array], Array]:
     return boundary_elements.develop(contact).points
 
 
-def _modes(contact: Contact, window: PatchSolution) -> Array:
-    """Modes of rigid slip (4, 2, nx, ns) along the rail and along its profile, in a window; 0
-    beyond the profile.
+def _on_surface(contact: Contact, window: PatchSolution) -> tuple[Array, Array]:
+    """Modes of rigid slip (4, 2, nx, ns) along the rail and along its profile, 0 beyond the
+    profile, and coefficient of friction (ns,), in a window.
     """
     if contact.half_space:
-        return plane_modes(window.x, window.s)
+        return plane_modes(window.x, window.s), contact.friction_coefficient(window.s)
     x, s = (each.ravel() for each in np.meshgrid(window.x, window.s, indexing="ij"))
     surface = boundary_elements.develop(contact)
     slip = wheelset_kinematics.rigid_slip(contact)(surface.points(x, s))
     slope = surface.angle(s)
     across = np.cos(slope) * slip[..., 1] + np.sin(slope) * slip[..., 2]
     modes = np.nan_to_num(np.stack([slip[..., 0], across], axis=1))
-    return modes.reshape(4, 2, *window.pressure.shape)
+    return modes.reshape(4, 2, *window.pressure.shape), surface.friction_coefficient(window.s)

@@ -20,6 +20,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline, LinearNDInterpolator
 
 from railhead.planning.context import Context
+from railhead.planning.effects import interface
 from railhead.planning.effects.passes import alike, line_limit, read
 from railhead.planning.references import boundary_elements
 from railhead.planning.references.boundary_elements import Developed
@@ -308,6 +309,7 @@ def _of_scene(
     elements fail.
     """
     plan, load = solved.plan, solved.plan.scene.load
+    coefficient = interface.friction_coefficient(plan.context)
     hertz = solved.ellipse if load is None else plan.hertz  # which is the same on any ranks
     keeps = plan.scene.rolling.pressure == "hertz"
     if isinstance(hertz, LineContact):
@@ -318,7 +320,7 @@ def _of_scene(
             strip.curvature,
             strip.contact_modulus,
             keeps=keeps,
-            slips=math.copysign(plan.scene.friction.coefficient, share) if share else 0.0,
+            slips=math.copysign(coefficient, share) if share else 0.0,
             sticks=math.sqrt(1 - abs(share)),
             width=hertz.length,
         )
@@ -328,7 +330,8 @@ def _of_scene(
         friction = _friction(solved)
         if friction is not None:
             x, y, _ = friction.points.T
-            contact = _with_tractions(solved, contact, x, y, friction.traction[:, :2])
+            bound = coefficient * contact.pressure
+            contact = _with_tractions(solved, contact, bound, x, y, friction.traction[:, :2])
         return contact, (hertz.a, hertz.b), not plan.scene.asymmetric_friction[1], None
     surface = boundary_elements.develop(plan.gap_contact)
     found = boundary_elements.solve(plan.gap_contact, hertz, load or solved.load)
@@ -338,7 +341,7 @@ def _of_scene(
     half_lengths, plane = patch.half_extents, patch.plane
     x, s = patch.centroid
     symmetric = plan.contact.why_asymmetric_in_y() is None
-    symmetric &= not plan.scene.asymmetric_friction[1]
+    symmetric &= not (plan.scene.asymmetric_friction[1] or plan.scene.friction.uneven)
     contact = pass_contact.solid_contact(
         half_lengths,
         patch.cell * float((patch.pressure @ np.cos(patch.angle - plane)).sum()),
@@ -354,7 +357,8 @@ def _of_scene(
         tilt, sideways = surface.angle(across), friction.traction[:, 1:]
         tangent = np.cos(tilt) * sideways[:, 0] + np.sin(tilt) * sideways[:, 1]
         traction = np.column_stack([friction.traction[:, 0], tangent])
-        contact = _with_tractions(solved, contact, along - x, across - s, traction)
+        bound = surface.friction_coefficient(s + contact.grid.s) * contact.pressure
+        contact = _with_tractions(solved, contact, bound, along - x, across - s, traction)
     true = boundary_elements.develop(plan.contact)  # `plan.gap_contact` may be circles
     laid = groove_on_profile(true, s, plan.scene.rail.inclination)
     return contact, half_lengths, symmetric, laid
@@ -368,11 +372,11 @@ def _friction(solved: Solved) -> FrictionSolution | None:
 
 
 def _with_tractions(
-    solved: Solved, contact: RollingContact, x: Array, s: Array, traction: Array
+    solved: Solved, contact: RollingContact, bound: Array, x: Array, s: Array, traction: Array
 ) -> RollingContact:
     """Contact of solids with tractions (n, 2), MPa, along and across, found at places x, s (n,),
-    mm from the middle of the patch. Where they exceed the coefficient of friction times the elastic
-    pressure, they are reduced to that.
+    mm from the middle of the patch. Where they exceed the bound (nx, ns), MPa, they are reduced to
+    that.
     """
     if solved.plan.half_y:
         x, s = np.concatenate([x, x]), np.concatenate([s, -s])
@@ -381,7 +385,6 @@ def _with_tractions(
     # Four points on a circle have two triangulations: that of sorted points is the same each time.
     points, order = np.unique(np.column_stack([x, s]).round(5), axis=0, return_index=True)
     found = LinearNDInterpolator(points, traction[order], fill_value=0.0)(places)
-    bound = solved.plan.scene.friction.coefficient * contact.pressure
     size = np.hypot(found[..., 0], found[..., 1])
     found *= np.minimum(1.0, bound / np.maximum(size, 1e-300))[..., None]
     return replace(contact, traction=np.moveaxis(found, -1, 0))
@@ -393,7 +396,7 @@ def _share_of_full_slip(solved: Solved) -> float:
     """
     rolls = solved.plan.scene.rolling.prescribed
     found = (solved.result or {}).get("friction") if rolls else None
-    coefficient = solved.plan.scene.friction.coefficient
+    coefficient = interface.friction_coefficient(solved.plan.context)
     if not found or not coefficient:
         return 0.0
     share = float(found["force_along_N"]) / (coefficient * solved.load)

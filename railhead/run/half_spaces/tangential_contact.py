@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from railhead.planning.effects import interface
 from railhead.planning.references import closed_forms
 from railhead.planning.simulation_plan import Plan
 from railhead.run.half_spaces import normal_contact
@@ -47,6 +48,7 @@ STRIP_KEYS = (
 SLENDER = 20.0  # largest axis ratio in the tables of the linear theory
 GROWING_PATCH = "unlike bodies slip while the patch grows, which is not followed there"
 STRIP_ACROSS = "a strip of unlike bodies across the rail"
+UNEVEN = "the formula has one coefficient of friction"
 SEVERAL = "how several patches share a force depends on the compliance of the bodies"
 
 Numbers = dict[str, float]
@@ -101,6 +103,8 @@ def half_space_friction(
                 patches(CELLS[False][1]), found.friction_limit, pair, found.rigid_motion
             )
         )
+    elif pair.like and findings.hertzian and plan.scene.friction.uneven:
+        out["Cattaneo, Mindlin"] = {"reason": UNEVEN}
     elif pair.like and findings.hertzian:
         out["Cattaneo, Mindlin"] = _mindlin(plan, found, solved.ellipse)
     return out
@@ -119,11 +123,13 @@ def _strip(
         numbers = or_reason(lambda: solve_by_boundary_elements(plan, found, patches, CELLS[True]))
         return {"boundary elements": {key: numbers[key] for key in STRIP_KEYS if key in numbers}}
     if not plan.scene.rolling.prescribed:
+        if plan.scene.friction.uneven and line.across:
+            return {"Cattaneo": {"reason": UNEVEN}}
         share = float(np.hypot(*found.force) / found.friction_limit)
         return {"Cattaneo": {"stick_share": partial_slip.strip_stick_ratio(min(share, 1.0))}}
     if line.across:
         return {}
-    coefficient = plan.scene.friction.coefficient
+    coefficient = interface.friction_coefficient(plan.context)
     share = partial_slip.carter_share(line.strip, coefficient, found.rigid_motion[0])
     stick, force = partial_slip.strip_stick_ratio(abs(share)), share * found.friction_limit
     wear = force * found.rigid_motion[0]
@@ -186,16 +192,14 @@ def _on_grid(plan: Plan, found: FrictionSolution, patches: Sequence[PressedPatch
     Raises ValueError for several patches under a shift.
     """
     pair, rolling = closed_forms.tangential_pair(plan.scene), plan.scene.rolling.prescribed
-    coefficient = plan.scene.friction.coefficient
     if len(patches) > 1 and not rolling:
         raise ValueError(SEVERAL)
-    limit = coefficient * sum(each.pressed.force for each in patches)
+    limit = sum(each.limit for each in patches)
     scale = found.friction_limit / limit  # the normal forces differ by what the finite bodies do
     along, across = (force / scale for force in found.force)
     sheared = shear(
         patches,
         pair,
-        coefficient,
         Creepage(*found.rigid_motion) if rolling else Creepage(),
         (None, None) if rolling else (along, across),
         rolling=rolling,
@@ -223,7 +227,6 @@ def _by_key(forces: Array, stick: float) -> Numbers:
 def shear(
     patches: Sequence[PressedPatch],
     pair: MaterialPair,
-    coefficient: float,
     creepage: Creepage,
     forces: tuple[float | None, float | None],
     *,
@@ -233,7 +236,7 @@ def shear(
     """Tractions of pressed patches of half-spaces under one rigid motion, a solution for each
     patch, by boundary elements.
 
-    pair: materials. coefficient: of friction.
+    pair: materials.
     forces: prescribed force of the wheel on the rail along and across, of all patches together, N;
         None where the creepage is prescribed.
     rolling: steady rolling; else one shift, of like bodies.
@@ -256,7 +259,7 @@ def shear(
                     each.pressed.x,
                     each.pressed.s,
                     each.pressed.pressure,
-                    coefficient,
+                    each.friction,
                     pair,
                     rolling=rolling,
                     modes=each.modes,
@@ -270,7 +273,7 @@ def shear(
         solve_dissimilar(
             each.pressed,
             pair,
-            coefficient,
+            each.friction,
             lambda body: solve([body])[0],
             modes=each.modes,
         )
@@ -284,16 +287,16 @@ def fastsim(
     """Forces of the wheel on the rail, stick share and T-gamma of rolling patches by FASTSIM on
     ellipses with equal second moments and forces, by the keys of summary.json.
 
-    limit: friction coefficient times normal force of all patches, N.
+    limit: largest tangential force that friction allows, of all patches, N.
     pair: materials.
     motion: creepage along, across and spin (1/mm), at the first contact.
     Raises ValueError for an ellipse too slender.
     """
     sticks, touches = 0.0, 0.0
     total: Array = np.zeros(4)
-    whole = sum(each.pressed.force for each in patches)
+    whole = sum(each.limit for each in patches)
     for patch, a, b, linear, local in _ellipses(patches, pair, motion):
-        carried = limit * patch.pressed.force / whole
+        carried = limit * patch.limit / whole
         *forces, stick = kalker.fastsim(a, b, carried, pair.shear_modulus, linear, local)
         total = total + _work(patch, forces)
         sticks, touches = sticks + stick * a * b, touches + a * b

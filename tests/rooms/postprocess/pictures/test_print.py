@@ -178,7 +178,11 @@ def rubbed(case: Any, centre: float) -> tuple[Any, Any]:
     patch = case.findings.patch
     moved = replace(patch, centre=(0.0, centre), outlines=[patch.outlines[0] + [0.0, centre]])
     rubbing = SimpleNamespace(
-        points=points, pressure=pressure, traction=traction, sticks=local[:, 0] > 0
+        points=points,
+        pressure=pressure,
+        bound=0.3 * pressure,
+        traction=traction,
+        sticks=local[:, 0] > 0,
     )
     return rubbing, replace(case.findings, patch=moved, subject=Subject(TITLE, gauge=True))
 
@@ -195,7 +199,7 @@ def test_tractions_are_where_they_act_and_have_a_scale(
         Axes, "quiverkey", lambda *args, **options: keys.append(args) or own(*args, **options)
     )
     rubbing, found = rubbed(blocks(), centre=-1.7)
-    friction_plots.draw_tractions(rubbing, found, 0.3, tmp_path / "f.png", planes=())
+    friction_plots.draw_tractions(rubbing, found, tmp_path / "f.png", planes=())
     axes = sheets[0].axes[0]
     slips, sticks = (path.vertices for path in axes.collections[0].get_paths())
     s = np.concatenate([slips, sticks])[:, 1]

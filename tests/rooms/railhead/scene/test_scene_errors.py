@@ -178,7 +178,7 @@ def test_half_space_refuses_a_tabulated_profile(tmp_path) -> None:
         ("rail=5", "rail: 5 is not allowed; set one of its keys: young_modulus"),
         ("rail={profile='arc'}", "rail: "),
         ("load=", "load: '' is not a force"),
-        ("load=[1]", "load: '[1]' is not a force"),
+        ("load=[1]", "load: [1] is not a force"),
         ("load.x=1", "load: {'x': 1} is not a force"),
         ("rail.a.b=1", "rail.a.b: unknown key"),
         ("foo.bar=1", "foo: unknown key"),

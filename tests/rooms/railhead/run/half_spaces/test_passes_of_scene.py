@@ -102,9 +102,9 @@ PLAIN = pass_contact.ellipse_contact(hertz.point_contact(0.01, 0.02, 1e5, 1e3), 
 
 def tractions(x: np.ndarray, s: np.ndarray, found: np.ndarray, *, half: bool) -> np.ndarray:
     """Tractions (2, nx, ns) on the grid of PLAIN of those found (n, 2) at x, s (n,)."""
-    friction = SimpleNamespace(coefficient=0.3)
-    plan = SimpleNamespace(half_y=half, scene=SimpleNamespace(friction=friction))
-    return passes_of_scene._with_tractions(SimpleNamespace(plan=plan), PLAIN, x, s, found).traction
+    solved = SimpleNamespace(plan=SimpleNamespace(half_y=half))
+    bound = 0.3 * PLAIN.pressure
+    return passes_of_scene._with_tractions(solved, PLAIN, bound, x, s, found).traction
 
 
 def test_tractions_do_not_depend_on_the_order_of_points():
