@@ -1,4 +1,4 @@
-.PHONY: run test pytest test-all setup lint docs peers deb site
+.PHONY: run test pytest test-all setup lint docs peers deb pip-check site
 STUDIES = accuracy-cost effect-accuracy load-sweep scaling ranks thesis effects plasticity passes creep profiles hard-cases fuzz
 ROOMS = cases meshing postprocess solver theory
 
@@ -53,6 +53,10 @@ peers: setup
 	.venv/bin/railhead study peers --install
 	cp results/peers/page.md docs/peers.md
 	cp results/peers/peers.csv results/peers/peers.png docs/
+
+# The way by pip: sdist and wheel, a venv of Python 3.12 or later with nothing of the system, dolfinx from PyPI.
+pip-check: setup
+	./pip-check.sh
 
 # railhead_VERSION+SUITE_ARCH.deb, for the Debian that it is made on.
 deb: setup

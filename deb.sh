@@ -16,11 +16,11 @@ rm -rf "$root" build
 mkdir -p "$root/DEBIAN" "$root/usr/bin" "$root/usr/share/doc/railhead"
 
 # Everything comes into the environment as if Debian had nothing, so that no package of this machine is missed on
-# another one. Then numpy goes, in the version of Debian's, which takes its place.
+# another one. Then numpy and scipy go, in the versions of Debian's, which take their place.
 /usr/bin/python3 -m venv --without-pip "$venv"
 .venv/bin/python -m pip --python "$venv/bin/python" install -q -c .venv/constraints.txt .
-.venv/bin/python -m pip --python "$venv/bin/python" uninstall -q -y numpy
-rm -rf build railhead.egg-info
+.venv/bin/python -m pip --python "$venv/bin/python" uninstall -q -y numpy scipy
+rm -rf build railhead_contact.egg-info
 sed -i 's/^include-system-site-packages = false/include-system-site-packages = true/; /^command/d' "$venv/pyvenv.cfg"
 find "$venv/bin" -type f ! -name railhead -delete
 sed -i '1s|.*|#!/opt/railhead/venv/bin/python3|' "$venv/bin/railhead"

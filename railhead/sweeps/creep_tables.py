@@ -5,7 +5,6 @@ from __future__ import annotations
 from concurrent.futures import as_completed
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass
-from importlib.metadata import version
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
+from railhead.results import result_folder
 from railhead.run.progress import Progress, Tell
 from railhead.scene.scene import SceneError
 from railhead.sweeps import store, worker_pool
@@ -97,7 +97,7 @@ def make(
     comm, problem = MPI.COMM_WORLD, None
     with ExitStack() as claim:
         if comm.rank == 0:
-            asked = {"railhead": version("railhead"), "table": asdict(request)}
+            asked = {"railhead": result_folder.VERSION, "table": asdict(request)}
             try:
                 store.begin(folder, asked, "replace" if force else "refuse", (TABLE, ROWS))
                 claim.enter_context(store.claimed(folder))

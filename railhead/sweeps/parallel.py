@@ -7,7 +7,6 @@ from concurrent.futures import FIRST_COMPLETED, wait
 from contextlib import AbstractContextManager, ExitStack, suppress
 from dataclasses import dataclass
 from functools import cached_property, partial
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -74,7 +73,7 @@ class ParallelSweep:
         if not self.grid.listed:
             over = {key: list(dict.fromkeys(values)) for key, values in over.items()}
         return {
-            "railhead": version("railhead"),
+            "railhead": result_folder.VERSION,
             "scene": portable(self.grid.base),
             "over": over,
             **({"vtu": True} if self.vtu else {}),
