@@ -3,20 +3,25 @@
 No other module asks for a version. Tested with those of Debian 12, Debian 13 and sid.
 
 Compiled forms are cached: ffcx takes the C file NAME.c for a lock, which NAME.c.cached releases,
-and gives up after ten seconds. A process that is killed while it compiles leaves that lock. The
-lock of this module is released by the system whatever ends a process. So the process that holds it
-knows that no other one of this program compiles, and removes C files that were left.
+and gives up after ten seconds. A process that is killed while it compiles leaves that lock, and a
+library that is cut ends the process that loads it. The lock of this module is released by the
+system whatever ends a process. So the process that holds it knows that no other one of this program
+compiles, and removes the files of each form that is not as it was finished.
 """
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import logging
+import os
+import re
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+import cffi  # type: ignore[import-untyped]
 import dolfinx
 import numpy as np
 import ufl
@@ -28,7 +33,7 @@ from petsc4py import PETSc
 
 VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
 _OLD = VERSION < (0, 8)
-LOCK = "railhead.lock"
+LOCK, FINISHED = "railhead.lock", "railhead.forms"
 
 
 def model_to_mesh(model: Any, comm: MPI.Comm, dim: int = 3) -> tuple[Any, Any, Any]:
@@ -51,12 +56,14 @@ def model_to_mesh(model: Any, comm: MPI.Comm, dim: int = 3) -> tuple[Any, Any, A
 @contextmanager
 def alone(comm: MPI.Comm, folder: Path) -> Iterator[None]:
     """Context in which no other process of this program compiles into a cache folder; other
-    processes wait. C files that killed processes left unfinished there are removed.
+    processes wait. Forms there that are not finished, or whose files are not those that were
+    compiled, are removed.
 
     comm: ranks that compile together; only rank 0 takes the lock. folder: cache folder.
-    An OSError on rank 0 is raised on all ranks, another error where it arises (collective). Without
-    write access to the folder nothing is locked. Any error on rank 0 is then replaced by the
-    OSError of the refused access, on all ranks.
+    An OSError on rank 0 is raised on all ranks, another error where it arises (collective). A C
+    compiler that fails or is missing is an OSError, too, with the first error that it printed.
+    Without write access to the folder nothing is locked. Any error on rank 0 is then replaced by
+    the OSError of the refused access, on all ranks.
     dolfinx 0.5 and setuptools log each form at INFO; such messages are suppressed in the context.
     """
     disabled = logging.root.manager.disable
@@ -67,22 +74,65 @@ def alone(comm: MPI.Comm, folder: Path) -> Iterator[None]:
         if comm.rank == 0:
             try:
                 folder.mkdir(parents=True, exist_ok=True)
-                lock = held.enter_context(open(folder / LOCK, "w"))
-                fcntl.flock(lock, fcntl.LOCK_EX)
-                for source in folder.glob("libffcx_*.c"):
-                    if not source.with_suffix(".c.cached").exists():
-                        source.unlink(missing_ok=True)
+                fcntl.flock(held.enter_context(open(folder / LOCK, "w")), fcntl.LOCK_EX)
+                record = held.enter_context(open(folder / FINISHED, "a+b", buffering=0))
+                record.seek(0)
+                finished = set(record.read().decode(errors="replace").splitlines())
+                for name, line in _cached(folder).items():
+                    if line not in finished:
+                        for path in folder.glob(f"{name}.*"):
+                            path.unlink(missing_ok=True)
             except OSError as error:
                 refused = error
         problem: Exception | None = None
         try:
-            yield
+            with _compiler_messages(folder):
+                yield
         except Exception as error:
             problem = error
         # Of several ranks dolfinx tells a RuntimeError only.
         cause = problem if isinstance(problem, OSError) else problem and refused
         if problem := comm.bcast(cause) or problem:
             raise problem
+        if comm.rank == 0 and not refused:
+            with suppress(OSError):  # a full disk: they are compiled again
+                new = set(_cached(folder).values()) - finished
+                record.write("".join(f"{line}\n" for line in sorted(new)).encode())
+
+
+def _cached(folder: Path) -> dict[str, str]:
+    """Names and sizes of the files of each compiled form in a cache folder, as a line of text, by
+    the form's name.
+    """
+    lines: dict[str, str] = {}
+    for path in sorted(folder.glob("libffcx_*")):
+        name = path.name.partition(".")[0]
+        lines[name] = f"{lines.get(name, '')} {path.name} {path.stat().st_size}"
+    return lines
+
+
+@contextmanager
+def _compiler_messages(folder: Path) -> Iterator[None]:
+    """Context in which nothing is printed on standard error. OSError, with the cache folder as its
+    file: the C compiler fails, of which the first error is told; nothing can be written; or a
+    library cannot be loaded.
+    """
+    with os.fdopen(os.memfd_create("messages"), "r+", errors="replace") as kept:
+        printed = os.dup(2)
+        os.dup2(kept.fileno(), 2)
+        try:
+            yield
+        except OSError as error:
+            error.filename = error.filename or str(folder)
+            raise
+        except (cffi.VerificationError, ImportError, RuntimeError) as error:
+            kept.seek(0)
+            found = re.search("(?im)^.*(?:error|failed).*$", kept.read())
+            text = f"no form can be compiled: {found[0] if found else error}"
+            raise OSError(errno.EIO, text, str(folder)) from None
+        finally:
+            os.dup2(printed, 2)
+            os.close(printed)
 
 
 @contextmanager

@@ -189,7 +189,13 @@ def _coefficient(value: object) -> object:
 
 
 PAIRS = "give pairs with rising angles, e.g. [[0, 0.4], [60, 0.1]]"
-Switch = Literal["auto", "on", "off"]
+_SWITCHED = {"True": "on", "true": "on", "False": "off", "false": "off"}
+Switch = Annotated[
+    Literal["auto", "on", "off"],
+    BeforeValidator(
+        lambda value: _SWITCHED.get(str(value), value) if isinstance(value, bool | str) else value
+    ),
+]
 _FILE_KEYS = (
     "profile_unit",
     "profile_mirror",

@@ -227,10 +227,10 @@ def _step(points: Array, normals: Array, x: Array, tangent: Array) -> Array:
     """
     rhs = points - x
     if tangent.shape[2] == 1:
-        det = np.cross(tangent[..., 0], normals)
-        return np.asarray(np.cross(rhs, normals) / np.where(np.abs(det) > 1e-14, det, np.inf))[
-            :, None
-        ]
+        turned = normals[:, ::-1] * [1, -1]  # normal to the normals
+        det = np.einsum("nd,nd->n", tangent[..., 0], turned)
+        det = np.where(np.abs(det) > 1e-14, det, np.inf)
+        return np.asarray(np.einsum("nd,nd->n", rhs, turned) / det)[:, None]
     a, b = tangent[..., 0], tangent[..., 1]
     det = np.einsum("nd,nd->n", np.cross(a, b), normals)
     det = np.where(np.abs(det) > 1e-14, det, np.inf)

@@ -22,6 +22,13 @@ import resource
 from mpi4py import MPI
 resource.setrlimit(resource.RLIMIT_FSIZE, (2_000, 2_000))
 from railhead.cli import main; main()"""
+FORM = """
+import ufl
+from dolfinx import mesh
+from mpi4py import MPI
+from railhead.solver import compat
+square = mesh.create_unit_square(MPI.COMM_SELF, 1, 1)
+compat.form(ufl.TestFunction(compat.vector_space(square, 1))[0] * ufl.dx, square)"""
 CASE = ["long_roller", "--no-pictures", "--quiet", "--out"]
 NAMES = result_folder.MANIFEST
 OLD = {"one": b"old", "two": b"old", NAMES: b"one\ntwo\n"}
@@ -82,13 +89,42 @@ def test_killed_while_the_next_command_finishes_that(tmp_path, new: bool) -> Non
     assert last > 10
 
 
-def test_a_compilation_that_was_killed_is_not_waited_for(tmp_path) -> None:
-    """ffcx would wait ten seconds for what nobody ends, and fail."""
-    for name in ("libffcx_done.c", "libffcx_done.c.cached", "libffcx_killed.c"):
-        (tmp_path / name).touch()
+def forms(folder) -> set[str]:
+    return {path.name for path in folder.glob("libffcx_*")}
+
+
+@pytest.mark.parametrize("name", ["libffcx_cut.so", "libffcx_killed.c"])
+def test_a_form_that_is_not_as_it_was_finished_is_removed(tmp_path, name: str) -> None:
+    """ffcx would wait ten seconds for a C file that nobody finishes, and load a cut library."""
     with compat.alone(MPI.COMM_SELF, tmp_path):
-        left = {path.name for path in tmp_path.iterdir()} - {compat.LOCK}
-    assert left == {"libffcx_done.c", "libffcx_done.c.cached"}
+        for each in ("libffcx_done.c", "libffcx_done.so", "libffcx_cut.c", "libffcx_cut.so"):
+            (tmp_path / each).write_text("whole")
+    finished = forms(tmp_path)
+    (tmp_path / name).write_text("")
+    with compat.alone(MPI.COMM_SELF, tmp_path):
+        damaged = {"libffcx_cut.c", "libffcx_cut.so"} if "cut" in name else set()
+        assert forms(tmp_path) == finished - damaged
+
+
+def test_a_cut_library_is_compiled_again(tmp_path) -> None:
+    """It ends the process that loads it, by a signal."""
+    for _ in range(2):
+        subprocess.run(
+            [sys.executable, "-c", FORM], env=command.environment() | {"XDG_CACHE_HOME": tmp_path},
+            check=True,
+        )  # fmt: skip
+        libraries = list(tmp_path.rglob("libffcx_*.so"))
+        assert libraries and min(path.stat().st_size for path in libraries) > 20_000
+        for path in libraries:
+            os.truncate(path, 9_000)
+
+
+def test_a_machine_without_a_compiler_is_one_line(tmp_path) -> None:
+    done = command.process("run", *CASE, "out", cwd=tmp_path, PATH="", XDG_CACHE_HOME=str(tmp_path))
+    (line,) = done.stderr.splitlines()
+    assert done.returncode == 1 and line.startswith("railhead: NOT WRITTEN: ")
+    assert "no form can be compiled: CompileError: command " in line
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_full_disk_leaves_the_earlier_result(tmp_path) -> None:

@@ -36,6 +36,17 @@ def value_of(whole: Scene, key: str) -> object:
     return getattr(getattr(whole, section), leaf) if dot else getattr(whole, section)
 
 
+@pytest.mark.parametrize(("word", "value"), [("on", True), ("off", False)])
+def test_on_and_off_are_true_and_false_too(tmp_path, word: str, value: bool) -> None:
+    (file := tmp_path / "it.toml").write_text(f"load = 1\neffects.heat = {value}".lower())
+    for found in (
+        catalogue.read_scene(file),
+        scene().replace([f"effects.heat={value}"]),
+        scene().replace(effects={"heat": value}),
+    ):
+        assert found.effects.heat == word
+
+
 @pytest.mark.parametrize(
     ("key", "text", "number"),
     [

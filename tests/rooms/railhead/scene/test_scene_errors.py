@@ -119,7 +119,7 @@ WRONG: list[tuple[str, object, str]] = [
     ("mesh.cell", "prism", "'prism' is not allowed; give tetrahedron or hexahedron"),
     ("mesh.order", 3, "3 is not allowed; give 1 or 2"),
     ("mesh.patch_size", 0, "0 is not allowed"),
-    ("effects.symmetry", True, "True is not allowed; give auto, on or off"),
+    ("effects.symmetry", 2, "2 is not allowed; give auto, on or off"),
     ("lode", 25000, "unknown key; did you mean load? allowed here: name, load,"),
     ("a\nb", 1, "unknown key; allowed here: name,"),
     ("", 1, "'': unknown key"),

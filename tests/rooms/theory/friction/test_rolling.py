@@ -94,6 +94,16 @@ def test_forces_are_those_of_polach_s_curve_within_its_error(entry) -> None:
     assert -OWN - share * force <= rolled.forces[0] / rolled.limit - force <= OWN
 
 
+def test_what_does_not_converge_from_a_neighbour_does_from_the_start() -> None:
+    """A narrow ellipse that spins and creeps obliquely."""
+    body = patch(math.sqrt(0.12), 1 / math.sqrt(0.12), 1000.0, 0.3, cells=24)
+    unit = 0.3 * 2 / 3 * math.pi * 1000.0 / STEEL.shear_modulus
+    sides = np.array([math.cos(math.radians(-45)), math.sin(math.radians(-45))])
+    near, there = (Creepage(*each, unit) for each in np.outer([0.1, 0.2], sides * unit))
+    found = body.solve(there, start=body.solve(near)).forces
+    assert found == pytest.approx(body.solve(there).forces, rel=1e-6)
+
+
 @pytest.mark.parametrize("ratio", [4.336 / 3.465, 3.0, pytest.param(0.5, marks=SLOW)])
 def test_vanishing_creepage_gives_the_linear_coefficients(ratio: float) -> None:
     """From two grids to 1 %; the error is of first order as the traction is infinite at the edge.
