@@ -286,8 +286,8 @@ def smooth_patches(fields: Fields, *, parabolic: bool) -> list[SmoothPatch]:
     contact, found = fields.contact, []
     facets = np.bincount(contact.facet, contact.weights).astype(np.float64)
     for part in separate_patches(fields):
-        square = _smooth(part.fields, part.frame, facets, parabolic=parabolic)
-        outline = np.concatenate(outline_shape(square).outlines)
+        read = _reading(part, part.frame, facets, parabolic=parabolic)
+        outline = np.concatenate(read.shape.outlines)
         low, high = outline.min(axis=0), outline.max(axis=0)
         (x, s), (a, b) = (low + high) / 2, (high - low) / 2
         found.append(
@@ -297,24 +297,10 @@ def smooth_patches(fields: Fields, *, parabolic: bool) -> list[SmoothPatch]:
                 half=(float(a), float(b)),
                 force=part.force,
                 mirrors=tuple(np.array(plane) for plane in part.fields.mirrors),
-                square=square,
+                square=read.square,
             )
         )
     return found
-
-
-def _smooth(fields: Fields, frame: Frame, facets: Array, *, parabolic: bool) -> SquaredPressure:
-    """Smooth p^2 of one patch in a frame: Hertz's ellipsoid, a shape reconstructed from samples, or
-    a blend of both, by the shape error of the moments. fields: of this patch alone. facets (f,):
-    area of every contact facet of the slave, mm2. parabolic: whether the half lengths are taken
-    from second moments alone, which is exact for Hertz.
-    """
-    found, given = moments(fields, frame), samples(fields, frame, facets)
-    share = general_shape_weight(found.shape_error)
-    square = reconstruct(given) if share > 0 else zero_squared_pressure(given)
-    half, _ = nearly_elliptic(found, float(given.size.mean()), parabolic=parabolic)
-    peak = largest_pressure(fields, frame, found)
-    return blend(square, ellipsoid(square, found.centre, (half[0], half[1]), peak), share)
 
 
 def reconstruct_general_shape(
