@@ -31,12 +31,12 @@ venv/bin/mpiexec -n 2 venv/bin/railhead run long_roller --out pip/ranks --no-pic
 cp -r debian/long_roller debian/ranks
 venv/bin/python - << 'END'
 import json, sys
+from importlib.metadata import version
 from pathlib import Path
 
-import dolfinx, numpy
-
 off = 0.0
-print(f"Python {sys.version.split()[0]}, dolfinx {dolfinx.__version__}, numpy {numpy.__version__}")
+dolfinx, numpy = map(version, ("dolfinx-solver-real", "numpy"))
+print(f"Python {sys.version.split()[0]}, dolfinx {dolfinx}, numpy {numpy}")
 for case in ("uic54_thesis", "long_roller", "ranks"):
     one, other = (json.loads(Path(of, case, "summary.json").read_text())["result"] for of in ("pip", "debian"))
     for table, key in (("pressure", "max_MPa"), ("patch", "a_mm"), ("stress", "tau_max_MPa")):
