@@ -7,7 +7,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-import gmsh
+try:
+    import gmsh
+except OSError as missing:  # a library of the system
+    missing.args = (f"gmsh cannot be loaded: {missing}; on Debian apt install libglu1-mesa libgl1",)
+    raise
 import numpy as np
 
 from railhead.meshing.bodies import (
