@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from scipy.interpolate import LinearNDInterpolator
 from scipy.spatial import cKDTree
 
-from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array, Findings, Subject, brief
 from railhead.postprocess.pictures.diagrams import (
     FE,
@@ -38,8 +37,6 @@ def draw_tractions(
     findings: Findings,
     coefficient: float,
     target: Target = None,
-    *,
-    planes: symmetry.Planes,
 ) -> Figure:
     """Tractions of the wheel on the rail.
 
@@ -49,16 +46,14 @@ def draw_tractions(
     a section it shows those along its line, over the coordinate along it. Only points with pressure
     are used.
 
-    found: solution at the points of the part that is left of a model cut at `planes`.
+    found: solution at the points of the whole model.
     coefficient: of friction, mu.
-    planes: unit normals of those symmetry planes; the images are drawn too.
     """
     frame, patch, subject = findings.frame, findings.patch, findings.subject
     touches = found.pressure > 0
-    local = symmetry.vectors(frame.local(found.points[touches])[:, :2], planes)
-    traction = symmetry.vectors(found.traction[touches] @ frame.axes.T[:, :2], planes)
-    pressure = symmetry.repeated(found.pressure[touches], planes)
-    sticks = symmetry.repeated(found.sticks[touches], planes)
+    local = frame.local(found.points[touches])[:, :2]
+    traction = found.traction[touches] @ frame.axes.T[:, :2]
+    pressure, sticks = found.pressure[touches], found.sticks[touches]
     extent = np.ptp(local, axis=0)
     flat = extent.min() < 1e-9
     line = int(flat and extent[1] > extent[0])  # 0: along x, 1: along s
