@@ -18,6 +18,8 @@ from railhead.postprocess.findings import COLUMN, ROW, Array, Surface
 if TYPE_CHECKING:
     import meshio
 
+    from railhead.solver.system.solution import FrictionSolution
+
 Normal = tuple[float, float, float]
 Planes = Sequence[Normal]
 """Unit normals, along x or y, of the symmetry planes through the origin."""
@@ -77,8 +79,7 @@ def surface(part: Surface, planes: Planes) -> Surface:
     """
     triangles = part.triangles
     for number in range(len(planes)):
-        image = triangles[:, ::-1] + 2**number * len(part.points)
-        triangles = np.concatenate([triangles, image])
+        triangles = np.concatenate([triangles, triangles[:, ::-1] + 2**number * len(part.points)])
     return replace(
         part,
         points=vectors(part.points, planes),
@@ -87,6 +88,24 @@ def surface(part: Surface, planes: Planes) -> Surface:
         pressure=repeated(part.pressure, planes),
         gap=repeated(part.gap, planes),
         displacement=vectors(part.displacement, planes),
+    )
+
+
+def tractions(part: FrictionSolution, planes: Planes) -> FrictionSolution:
+    """Friction at contact points joined with its images. Weights stay those of the whole model, and
+    so do forces and motions.
+    """
+    return replace(
+        part,
+        points=vectors(part.points, planes),
+        weights=repeated(part.weights, planes) / 2 ** len(planes),
+        pressure=repeated(part.pressure, planes),
+        bound=repeated(part.bound, planes),
+        traction=vectors(part.traction, planes),
+        slip=vectors(part.slip, planes),
+        sticks=repeated(part.sticks, planes),
+        rigid_slip=vectors(part.rigid_slip, planes),
+        without_creepage=part.without_creepage and tractions(part.without_creepage, planes),
     )
 
 

@@ -231,15 +231,15 @@ def grids(
     fields: under the load. stress (n, 6): at their nodes, MPa, as `nodal_stress` computes it.
         found: gives the contact surfaces, of the modelled part. residual: fields after the load, or
         None. friction_solution: solution with friction, or None. whole: whether mirror images of a
-        cut model are added to all grids.
+        cut model are added to the cells; the others always have them.
     """
     surfaces = {fields.slave: found.surface}
     if found.opposite is not None:
         surfaces[other(fields.slave)] = found.opposite
     planes = fields.mirrors if whole else ()
-    yield "contact", symmetry.grid(contact_grid(surfaces), planes)
+    yield "contact", symmetry.grid(contact_grid(surfaces), fields.mirrors)
     yield "solution", symmetry.grid(volume_grid(fields, stress), planes)
     if residual is not None:
         yield "residual", symmetry.grid(volume_grid(residual, nodal_stress(residual)), planes)
     if friction_solution is not None:
-        yield "traction", symmetry.grid(traction_points(friction_solution), planes)
+        yield "traction", symmetry.grid(traction_points(friction_solution), fields.mirrors)

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from scipy.interpolate import LinearNDInterpolator
 from scipy.spatial import cKDTree
 
-from railhead.postprocess import symmetry
 from railhead.postprocess.findings import Array, Findings, Subject, brief
 from railhead.postprocess.pictures.diagrams import (
     FE,
@@ -37,8 +36,6 @@ def draw_tractions(
     found: FrictionSolution,
     findings: Findings,
     target: Target = None,
-    *,
-    planes: symmetry.Planes,
 ) -> Figure:
     """Tractions of the wheel on the rail.
 
@@ -48,15 +45,13 @@ def draw_tractions(
     a section it shows those along its line, over the coordinate along it. Only points with pressure
     are used.
 
-    found: solution at the points of the part that is left of a model cut at `planes`.
-    planes: unit normals of those symmetry planes; the images are drawn too.
+    found: solution at the points of the whole model.
     """
     frame, patch, subject = findings.frame, findings.patch, findings.subject
     touches = found.pressure > 0
-    local = symmetry.vectors(frame.local(found.points[touches])[:, :2], planes)
-    traction = symmetry.vectors(found.traction[touches] @ frame.axes.T[:, :2], planes)
-    bound = symmetry.repeated(found.bound[touches], planes)
-    sticks = symmetry.repeated(found.sticks[touches], planes)
+    local = frame.local(found.points[touches])[:, :2]
+    traction = found.traction[touches] @ frame.axes.T[:, :2]
+    bound, sticks = found.bound[touches], found.sticks[touches]
     extent = np.ptp(local, axis=0)
     flat = extent.min() < 1e-9
     line = int(flat and extent[1] > extent[0])  # 0: along x, 1: along s

@@ -41,15 +41,14 @@ MODULES = (
 class Shown:
     """What the pictures of one result show, but for the cells of the bodies.
 
-    found: findings with the whole contact surface, title, units and notes.
+    found: findings with the whole contact surface of one body, title, units and notes.
     exact: exact Hertz contact, or None; of finite elements a line contact only with a section.
     poisson: Poisson's ratio of the body of `found.axis`.
     axes: those along which the pressure of finite elements varies, 0 for x, 1 for s: both of a
         solid, one of a section.
-    planes: unit normals of the symmetry planes at which `friction` was cut.
-    cut: unit normals of those at which the cells of solution.vtu were cut; none where that file
-        holds the images.
-    friction: tractions at contact points; None without friction.
+    cut: unit normals of the symmetry planes at which the cells of solution.vtu were cut; none where
+        that file holds the images.
+    friction: tractions at contact points of the whole model; None without friction.
     yielded: what yield left; None where nothing yields.
     passes: passes over a rail that yields; None where there are none.
     """
@@ -58,7 +57,6 @@ class Shown:
     exact: Hertz | None
     poisson: float
     axes: Sequence[int] = (0, 1)
-    planes: Planes = ()
     cut: Planes = ()
     friction: FrictionSolution | None = None
     yielded: Yielded | None = None
@@ -66,12 +64,12 @@ class Shown:
 
 
 def save(shown: Shown, path: Path) -> None:
-    """Write what pictures show into a .npz file: its arrays, and all else as JSON. OSError: it
-    cannot be written.
+    """Write what pictures show into a .npz file: its arrays by their place in `Shown`, as
+    "found.surface.pressure", and all else as JSON. OSError: it cannot be written.
     """
-    arrays: list[Any] = []
-    plain = json.dumps(_plain(shown, arrays), default=lambda value: value.item())  # of numpy
-    np.savez_compressed(path, *arrays, plain=plain)
+    arrays: dict[str, Any] = {}
+    plain = json.dumps(_plain(shown, "", arrays), default=lambda value: value.item())  # of numpy
+    np.savez_compressed(path, **arrays, plain=plain)
 
 
 def load(path: Path) -> Shown:
@@ -93,19 +91,22 @@ def load(path: Path) -> Shown:
     return shown
 
 
-def _plain(value: Any, arrays: list[Any]) -> Any:
-    """A value as JSON knows it: an array by its number in `arrays`, to which it is added, an object
-    of a dataclass as a table of its fields and its class.
+def _plain(value: Any, place: str, arrays: dict[str, Any]) -> Any:
+    """A value as JSON knows it: an array by its name in `arrays`, to which it is added, an object
+    of a dataclass as a table of its fields and its class. place: names and numbers that lead to the
+    value, a point behind each.
     """
     if isinstance(value, np.ndarray):
-        arrays.append(value)
-        return {"array": f"arr_{len(arrays) - 1}"}
+        arrays[place[:-1]] = value
+        return {"array": place[:-1]}
     if is_dataclass(value):
-        table = {each.name: _plain(getattr(value, each.name), arrays) for each in fields(value)}
-        return {"class": type(value).__name__, **table}
+        table = {each.name: getattr(value, each.name) for each in fields(value)}
+        return {"class": type(value).__name__, **_plain(table, place, arrays)}
+    if isinstance(value, list | tuple):
+        return list(_plain(dict(enumerate(value)), place, arrays).values())
     if isinstance(value, Mapping):
-        return {key: _plain(each, arrays) for key, each in value.items()}
-    return [_plain(each, arrays) for each in value] if isinstance(value, list | tuple) else value
+        return {key: _plain(each, f"{place}{key}.", arrays) for key, each in value.items()}
+    return value
 
 
 def _restored(value: Any, arrays: Mapping[str, Any], known: Mapping[str, Any]) -> Any:
@@ -139,8 +140,9 @@ def drawings(
         if shown.yielded is not None:
             every["plastic.png"] = partial(plastic_plots.draw, shown.yielded, found, exact)
         if "p0_over_k" in friction:
-            given = friction, shown.poisson, found.subject
-            every["shakedown.png"] = partial(friction_plots.draw_shakedown, *given)
+            every["shakedown.png"] = partial(
+                friction_plots.draw_shakedown, friction, shown.poisson, found.subject
+            )
     elif isinstance(exact, LineContact):
         every = {"pressure.png": partial(diagrams.pressure, found, exact)}
     else:
@@ -152,12 +154,7 @@ def drawings(
                 plastic_plots.draw_passes_section, shown.passes, found
             )
     if shown.friction is not None:
-        every["friction.png"] = partial(
-            friction_plots.draw_tractions,
-            shown.friction,
-            found,
-            planes=shown.planes,
-        )
+        every["friction.png"] = partial(friction_plots.draw_tractions, shown.friction, found)
     return every
 
 

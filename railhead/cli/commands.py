@@ -236,7 +236,9 @@ def plan(
 @_format
 @click.option("--no-report", is_flag=True, help="Write no report.html.")
 @click.option("--brief", is_flag=True, help="Write report.html on one page.")
-@click.option("--whole", is_flag=True, help="Write .vtu files of the whole model, mirrored.")
+@click.option(
+    "--whole", is_flag=True, help="Mirror solution.vtu and residual.vtu to the whole model."
+)
 @_units
 @click.option("--ranks", type=PROCESSES, metavar="NUMBER", help="Processes [as many as pay].")
 @click.option("--quiet", is_flag=True, help="Print only what fails.")

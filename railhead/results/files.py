@@ -43,7 +43,7 @@ def write(
     summary: content of summary.json.
     pictures: whether PNG files are written; none where nothing touches.
     report: whether report.html is written; "brief": on one page.
-    whole: whether the files for ParaView contain the mirror images of what symmetry left out.
+    whole: whether .vtu files of cells contain the mirror images of what symmetry left out.
     units: of pictures and report.
     OSError: the numbers cannot be written; or, a line for each, other files that could not be
         written, after all the others are.
@@ -136,7 +136,7 @@ def write_grids(
 ) -> None:
     """Write the files for ParaView into a folder; without stresses none but the section of passes.
 
-    stresses (n, 6): as of `nodal_stress`. whole: with the mirror images of what symmetry left out.
+    stresses (n, 6): as of `nodal_stress`. whole: cells with the images of what symmetry left out.
     """
     if stresses is None and solved.passes is None:
         return
@@ -155,7 +155,7 @@ def paraview_grids(
     """Names and grids of the files for ParaView, as `vtu.grids`; with passes "passes_section". None
     of the former without stresses.
 
-    stresses (n, 6): as of `nodal_stress`. whole: with the mirror images of what symmetry left out.
+    stresses (n, 6): as of `nodal_stress`. whole: cells with the images of what symmetry left out.
     """
     from railhead.postprocess import vtu
 
@@ -200,7 +200,7 @@ def _shown(solved: Solved, units: Units, *, whole: bool = False) -> Shown | None
     fields = solved.fields
     assert fields is not None
     planes, residual, elastic = fields.mirrors, solved.unloaded_fields, solved.elastic_reference
-    found = replace(found, surface=symmetry.surface(found.surface, planes))
+    found = replace(found, surface=symmetry.surface(found.surface, planes), opposite=None)
     yielded = None
     if residual is not None and elastic is not None and elastic.findings:
         from railhead.postprocess.pictures import plastic_plots
@@ -209,8 +209,8 @@ def _shown(solved: Solved, units: Units, *, whole: bool = False) -> Shown | None
     return replace(
         shown,
         found=found,
+        friction=shown.friction and symmetry.tractions(shown.friction, planes),
         axes=fields.kinematics.varying,
-        planes=planes,
         cut=() if whole else planes,
         yielded=yielded,
     )

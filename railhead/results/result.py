@@ -11,6 +11,7 @@ from mpi4py import MPI
 from rich.console import Console
 
 from railhead.planning.simulation_plan import Plan
+from railhead.postprocess import symmetry
 from railhead.postprocess.findings import BASE_UNITS, Array, Findings, Surface, Units
 from railhead.results.report import terminal
 from railhead.run import quantities
@@ -25,7 +26,12 @@ if TYPE_CHECKING:
     from railhead.solver.system.solution import FrictionSolution
     from railhead.theory.elastic.line import Hertz
 
-BOUND_NAMES = {each.key: each.bound for each in quantities.QUANTITIES}
+BOUNDS = {
+    each.bound: each.key
+    for each in quantities.QUANTITIES
+    if each.estimated or each.table == "friction"
+}
+"""Keys in summary.json of what `Result.estimate` names, by that name."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -136,11 +142,15 @@ class Result(terminal.Drawn):
     @property
     def estimate(self) -> SimpleNamespace:
         """Bounds of the relative errors of the solution, as attributes: a, b, area, pressure_max,
-        approach, tau_max, tau_max_depth, von_mises_max, and in friction force_along and
-        force_across (over mu N), creepages or shifts. A name is missing where there is no bound.
+        approach, tau_max, tau_max_depth, von_mises_max, and those of friction: force_along and
+        force_across (over mu N), creepages or shifts. None where there is no bound.
+
+        source: where the bounds come from, or why there are none. What `friction.below_resolution`
+            names has none either.
         """
-        bound = self.summary["accuracy"]["bound"]
-        return SimpleNamespace(**{BOUND_NAMES[key]: value for key, value in bound.items()})
+        said = self.summary["accuracy"]
+        bounds = {name: said["bound"].get(key) for name, key in BOUNDS.items()}
+        return SimpleNamespace(**bounds, source=said["source"])
 
     @property
     def _answer(self) -> quantities.Answer:
@@ -203,8 +213,8 @@ class Result(terminal.Drawn):
         """Contact surface of the body that carries the contact points (the slave, `plan.slave`), at
         its n nodes: `points` (n, 3) in space, undeformed, mm; smooth `pressure` (n,), MPa; `gap`
         (n,) of the deformed surfaces, mm, negative where they overlap; `displacement` (n, 3), mm;
-        `triangles` (t, 3), rows of the nodes, of a section lines (t, 2). Of a cut model the part
-        that was meshed.
+        `triangles` (t, 3), rows of the nodes, of a section lines (t, 2). Images of what symmetry
+        left out come behind the part that was meshed, without sharing nodes.
 
         Of half-spaces the nodes are centres of cells, and the displacement is NaN. The gap of
         boundary elements is infinite where the bodies do not face each other, that of exact Hertz
@@ -213,17 +223,21 @@ class Result(terminal.Drawn):
         """
         if self.findings is None:
             raise ValueError("there is no contact surface: nothing touches, or this is not rank 0")
-        return self.findings.surface
+        return symmetry.surface(self.findings.surface, self.fields.mirrors if self.fields else ())
 
     @property
     def tractions(self) -> FrictionSolution | None:
-        """Friction at the n contact points of all ranks, in the meshed part, of half-spaces at the
-        cells that touch: `points` (n, 3) in space, mm; `pressure` (n,), MPa; `traction` (n, 3) of
-        the wheel on the rail, MPa; `slip` (n, 3) of the wheel over the rail, mm, rolling without
-        dimension; `sticks` (n,). None without friction. ValueError: the result was loaded.
+        """Friction at the n contact points of all ranks, images of the meshed part behind it, of
+        half-spaces at the cells that touch: `points` (n, 3) in space, mm; `weights` (n,), areas,
+        mm2; `pressure` (n,), MPa; `traction` (n, 3) of the wheel on the rail, MPa; `slip` (n, 3)
+        of the wheel over the rail, mm, rolling without dimension; `sticks` (n,). None without
+        friction. ValueError: the result was loaded.
         """
         solved = self.solved
-        return solved.solution.friction if isinstance(solved, MeshSolution) else solved.friction
+        if not isinstance(solved, MeshSolution):
+            return solved.friction
+        found, planes = solved.solution.friction, [normal for _, normal in solved.plan.planes]
+        return found and symmetry.tractions(found, planes)
 
     def stress_at(self, points: Array, body: str | None = None) -> Array:
         """Smooth stress (n, 6), components xx, yy, zz, xy, xz, yz in global axes, MPa, tension
@@ -246,7 +260,7 @@ class Result(terminal.Drawn):
         blocks "solution" (cells), "contact" (contact surfaces), with friction "traction" (contact
         points), where steel yields "residual" (cells after the load), with passes "passes_section".
 
-        whole: whether the mirror images of what symmetry left out are added.
+        whole: whether cells have the mirror images of what symmetry left out; the others have them.
         ValueError: nothing touches, off rank 0, half-spaces, or a loaded result.
         """
         from railhead.postprocess.pictures.render import load_pyvista
@@ -305,7 +319,7 @@ class Result(terminal.Drawn):
 
         pictures: whether PNG files are written.
         report: whether report.html is written, "brief" on one page; without pictures it is not.
-        whole: whether .vtu files contain the mirror images of what symmetry left out.
+        whole: whether .vtu files of cells contain the mirror images of what symmetry left out.
         units: of pictures and report.html; None: mm, N, MPa.
         force: whether a result of another command or scene in the folder is replaced; one of the
             same scene always is.

@@ -202,12 +202,19 @@ def mesh_errors(
     confirmed envelope may be used on a mesh finer by 1.6 (STEP) than both. One mesh alone needs
     nothing that confirms. Where meshes do not confirm, no envelope covers the run, or the family
     has no law of a quantity, the part is twice (SCATTER_FACTOR) the larger change between the last
-    three meshes. The earlier change is divided by 1.6. With fewer meshes there is no part.
+    three meshes. The earlier change is divided by 1.6. With fewer meshes there is no part, and the
+    words say why.
     """
     (n, fine, own), *before = reversed(meshes)
     parts: dict[str, float] = {}
     coarser = [m for m, *_ in before]
-    if envelopes is not None and envelopes.covers(n, coarser):
+    missing = "no calibrated family"
+    if envelopes is not None and not envelopes.covers(n, coarser):
+        missing = (
+            "{:.3g} elements a half length; laws of the family {} hold from {:.3g} to {:.3g}"
+        ).format(n, envelopes.name, *envelopes.resolution)
+        envelopes = None
+    if envelopes is not None:
         for name in (each for each in envelopes.laws if each in fine):
             factor, reading = scale.get(name, 1.0), own.get(name, 0.0)
             if all(
@@ -229,7 +236,7 @@ def mesh_errors(
                 last, earlier = _change(middle, fine, name), _change(coarse, middle, name)
                 parts[name] = SCATTER_FACTOR * max(last, earlier / STEP)
     if envelopes is None:
-        return parts, "scatter of three meshes" if parts else "no calibrated family"
+        return parts, "scatter of three meshes" if parts else missing
     return parts, f"law of the family {envelopes.name}, where meshes do not deny it"
 
 

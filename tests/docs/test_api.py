@@ -254,6 +254,7 @@ def test_arrays_are_public() -> None:
     result = solved("sphere_on_plane")
     surface = result.surface
     assert surface.pressure.max() == pytest.approx(result.pressure.max, rel=1e-3)
+    assert surface.points[:, 0].min() == -surface.points[:, 0].max()  # half of it was meshed
     touching = surface.pressure > 0.1 * result.pressure.max
     radius = np.linalg.norm(surface.points[touching], axis=1)
     exact = result.hertz.pressure.max * np.sqrt(1 - (radius / result.hertz.patch.a) ** 2)

@@ -19,6 +19,7 @@ def test_a_page_runs_and_prints_what_it_says(name: str, here) -> None:
     assert sum(map(bool, said)) >= (5 if name in NAMES else 1) and len(said) == len(printed)
     differences = [pages.unequal(*pair) for pair in zip(said, printed, strict=True)]
     assert not any(differences), differences
+    assert name != "tutorial" or [path.name for path in here.iterdir()] == ["results"]
     for picture in pages.pictures(page):
         assert (here / picture).is_file() and (DOCS / name / picture).is_file()
 

@@ -292,6 +292,9 @@ def test_nothing_pushes_a_sphere_aside_that_is_pressed() -> None:
     outwards = rubbing.weights @ np.maximum(along, 0.0)
     assert outwards < 0.05 * rubbing.weights @ np.abs(along)
     assert np.abs(along[radius < 0.03 * radius.max()]).max() < 0.3 * size
+    whole = found.tractions
+    assert whole.weights.sum() == pytest.approx(rubbing.weights.sum())
+    assert abs(whole.weights @ whole.traction[:, 0]) < 1e-9 * (rubbing.weights @ np.abs(along))
 
 
 def test_tractions_on_a_curved_surface_carry_their_part_of_the_load() -> None:

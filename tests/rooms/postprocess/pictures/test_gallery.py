@@ -68,6 +68,14 @@ def test_a_loaded_result_draws_on_axes_and_in_units(kept: Path) -> None:
             assert np.array_equal(line.get_xydata(), same.get_xydata(), equal_nan=True)
 
 
+def test_arrays_of_the_file_have_names_and_are_of_the_whole_patch(kept: Path) -> None:
+    arrays, result = np.load(kept / "pictures.npz"), rh.load(kept)
+    assert arrays["found.surface.pressure"].max() == pytest.approx(result.pressure.max, rel=0.02)
+    low, high = (getattr(arrays["found.surface.points"][:, 0], end)() for end in ("min", "max"))
+    assert low == pytest.approx(-high) and high > result.patch.a
+    assert not [name for name in arrays.files if name.startswith("arr_")]
+
+
 def test_what_cannot_be_drawn_is_a_line(tmp_path: Path, capsys) -> None:
     """A file that is gone takes the pictures that need it; a damaged one all of them."""
     out = tmp_path / "out"

@@ -199,7 +199,7 @@ def test_tractions_are_where_they_act_and_have_a_scale(
         Axes, "quiverkey", lambda *args, **options: keys.append(args) or own(*args, **options)
     )
     rubbing, found = rubbed(blocks(), centre=-1.7)
-    friction_plots.draw_tractions(rubbing, found, tmp_path / "f.png", planes=())
+    friction_plots.draw_tractions(rubbing, found, tmp_path / "f.png")
     axes = sheets[0].axes[0]
     slips, sticks = (path.vertices for path in axes.collections[0].get_paths())
     s = np.concatenate([slips, sticks])[:, 1]

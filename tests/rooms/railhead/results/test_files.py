@@ -7,8 +7,8 @@ from scipy.spatial import cKDTree
 from solved import solved
 
 
-def saved(folder, case: str, *keys: str, whole: bool = True):
-    solved(case, *keys).save(folder, pictures=False, whole=whole)
+def saved(folder, case: str, *keys: str):
+    solved(case, *keys).save(folder, pictures=False)
     return folder
 
 
@@ -74,5 +74,5 @@ def test_a_section_is_written_as_two_lines_and_a_rigid_body_not_at_all(tmp_path)
     for part in parts:
         assert part.bounds[0] == pytest.approx(-part.bounds[1])
         assert np.abs(part["gap"][part["status"] == 1]).max() < 1e-4 < part["gap"].max()
-    sphere = saved(tmp_path / "sphere", "sphere_on_plane", whole=False)
+    sphere = saved(tmp_path / "sphere", "sphere_on_plane")
     assert set(pv.read(sphere / "contact.vtu")["body"]) == {2}

@@ -278,9 +278,18 @@ def test_a_second_hill_of_shear_is_part_of_the_depth() -> None:
 
 
 def test_a_scene_outside_all_families_has_no_estimate_by_default() -> None:
-    summary = solved("long_roller", "solver.gamma_factor=100").summary
-    assert summary["accuracy"]["bound"] == {}
-    assert "no calibrated family" in summary["accuracy"]["source"]
+    found = solved("long_roller", "solver.gamma_factor=100")
+    assert found.summary["accuracy"]["bound"] == {}
+    assert found.estimate.a is None and found.estimate.source == "no calibrated family"
+    assert not hasattr(found.estimate, "radius")
+
+
+def test_a_mesh_coarser_than_its_family_says_so() -> None:
+    found = solved("hertz_ellipse", "mesh.patch_size=1.2").estimate
+    assert found.pressure_max is None and found.force_along is None
+    assert found.source == (
+        "2.89 elements a half length; laws of the family ellipse hold from 3 to 8"
+    )
 
 
 def test_a_budget_buys_what_it_can_and_says_what_was_too_dear(monkeypatch) -> None:
