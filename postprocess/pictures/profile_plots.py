@@ -12,7 +12,8 @@ from matplotlib.figure import Figure
 
 from railhead.geometry.measured.measured_profile import Measured, inner
 from railhead.geometry.measured.standards import LaidStandard
-from railhead.geometry.placement import ContactPoint, Placed, ProfilePair, Side
+from railhead.geometry.placement import ContactPoint
+from railhead.geometry.wheelset import Placed, Side
 from railhead.postprocess.findings import Array, Subject
 from railhead.postprocess.pictures.diagrams import Target, minus, new_figure
 
@@ -24,14 +25,13 @@ LIFT = 25.0  # mm between wheel and rail in the picture of the positions
 RAW, SMOOTH, STANDARD, LOST = "#9a9a9a", "#1f4e79", "#c8502d", "#9a5f00"
 
 
-def profiles(pair: ProfilePair, placed: Placed, subject: Subject, target: Target = None) -> Figure:
+def profiles(placed: Placed, subject: Subject, target: Target = None) -> Figure:
     """Two panels: the left and the right wheel on their rails, seen along the track, with all
     contact points.
 
     The left panel is mirrored, so that it stands as the left side does; its labels of y grow
     towards the field side as those of the right panel do.
 
-    pair: profiles of rail and wheel.
     placed: the wheelset's position.
     subject: title and units.
     target: PNG file, two axes, or None (`new_figure`).
@@ -42,6 +42,7 @@ def profiles(pair: ProfilePair, placed: Placed, subject: Subject, target: Target
         for ax, side, name in zip(
             axes, (placed.left, placed.right), ("left", "right"), strict=True
         ):
+            pair = side.pair
             y = np.linspace(*pair.rail.domain, SAMPLES)
             ax.plot(y, pair.rail.height(y), color=RAIL_COLOUR, label="rail")
             tread = np.linspace(*pair.wheel.domain, SAMPLES)
@@ -76,17 +77,11 @@ def profiles(pair: ProfilePair, placed: Placed, subject: Subject, target: Target
     return figure
 
 
-def positions(
-    pair: ProfilePair,
-    swept: Sequence[tuple[float, Placed]],
-    subject: Subject,
-    target: Target = None,
-) -> Figure:
+def positions(swept: Sequence[Placed], subject: Subject, target: Target = None) -> Figure:
     """The right wheel, lifted above the right rail. Lines join each contact on the rail with the
     same contact on the wheel, coloured by the lateral shift.
 
-    pair: profiles of rail and wheel.
-    swept: lateral shift to the right, mm, and placed wheelset, at least one.
+    swept: the wheelset at several shifts, at least one.
     subject: title and units.
     target: PNG file, one axes, or None (`new_figure`).
     """
@@ -96,18 +91,19 @@ def positions(
     dark = LinearSegmentedColormap.from_list("shift", [WHEEL_COLOUR, FURTHER, MARK])
     with new_figure(target, 9, 4.6, subject) as figure:
         ax = figure.subplots()
+        placed = min(swept, key=lambda each: abs(each.shift))
+        pair = placed.right.pair
         y = np.linspace(*pair.rail.domain, SAMPLES)
         ax.plot(y, pair.rail.height(y), color=RAIL_COLOUR, label="rail")
-        shift, placed = min(swept, key=lambda each: abs(each[0]))
-        offset = float(placed.right.pose.origin[1]) - shift  # y of the wheel's origin at shift 0
+        offset = float(placed.right.pose.origin[1]) - placed.shift  # of the wheel at shift 0
         tread = np.linspace(*pair.wheel.domain, SAMPLES)
         ax.plot(tread + offset, LIFT - pair.wheel.height(tread), color=WHEEL_COLOUR, label="wheel")
         lines, shifts = [], []
-        for shift, placed in swept:
+        for placed in swept:
             for touch in placed.right.touches:
                 above = LIFT - float(pair.wheel.height(touch.wheel_y))
                 lines.append([(touch.y, touch.z), (touch.wheel_y + offset, above)])
-                shifts.append(shift)
+                shifts.append(placed.shift)
         joined = LineCollection(lines, cmap=dark, array=np.array(shifts), linewidths=0.9)
         ax.add_collection(joined)
         figure.colorbar(joined, ax=ax, label="lateral shift to the right, mm")
@@ -123,31 +119,29 @@ def positions(
     return figure
 
 
-def rolling_radius(
-    swept: Sequence[tuple[float, Placed]], subject: Subject, target: Target = None
-) -> Figure:
+def rolling_radius(swept: Sequence[Placed], subject: Subject, target: Target = None) -> Figure:
     """Two panels over the lateral shift: the rolling radius difference, right less left, and the
     places y of the contacts on both rails, all in mm.
 
-    swept: lateral shift to the right, mm, and placed wheelset, in ascending order of shift.
+    swept: the wheelset at rising shifts.
     subject: title and units.
     target: PNG file, two axes, or None (`new_figure`).
     """
-    shifts = np.array([shift for shift, _ in swept])
+    shifts = np.array([placed.shift for placed in swept])
     with new_figure(target, 9, 7, subject) as figure:
         upper, lower = figure.subplots(2, 1, sharex=True)
-        difference = np.array([placed.rolling_radius_difference for _, placed in swept])
+        difference = np.array([placed.rolling_radius_difference for placed in swept])
         breaks = _jump(swept, "right") | _jump(swept, "left")
         _broken(upper, shifts, difference, breaks, MARK, None)
         upper.set_ylabel("rolling radius difference,\nright less left, mm")
         further: str | None = "further contact, with a small gap"
         for name, colour in (("right", WHEEL_COLOUR), ("left", RAIL_COLOUR)):
-            y = np.array([_side(placed, name).touches[0].y for _, placed in swept])
+            y = np.array([_side(placed, name).touches[0].y for placed in swept])
             _broken(lower, shifts, y, _jump(swept, name), colour, f"{name} rail, first contact")
         for name in ("right", "left"):
-            for shift, placed in swept:
+            for placed in swept:
                 for touch in _side(placed, name).touches[1:]:
-                    lower.plot(shift, touch.y, ".", color=FURTHER, label=further)
+                    lower.plot(placed.shift, touch.y, ".", color=FURTHER, label=further)
                     further = None
         lower.set_ylabel("contact on the rail, y, mm\n(gauge side < 0 < field side)")
         lower.set_xlabel("lateral shift to the right, mm")
@@ -160,12 +154,11 @@ def _side(placed: Placed, name: str) -> Side:
     return placed.right if name == "right" else placed.left
 
 
-def _jump(swept: Sequence[tuple[float, Placed]], name: str) -> np.ndarray:
+def _jump(swept: Sequence[Placed], name: str) -> np.ndarray:
     """(n - 1,) whether the first contact on the wheel moves by more than 2 mm (JUMP) between
-    neighbours of the n shifts. swept: lateral shift, mm, and placed wheelset. name: side, 'right'
-    or 'left'.
+    neighbours of the n shifts. swept: the wheelset at n shifts. name: side, 'right' or 'left'.
     """
-    first: list[ContactPoint] = [_side(placed, name).touches[0] for _, placed in swept]
+    first: list[ContactPoint] = [_side(placed, name).touches[0] for placed in swept]
     return np.abs(np.diff([touch.wheel_y for touch in first])) > JUMP
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
@@ -19,11 +18,13 @@ from rich.console import Console
 from rich.table import Table
 
 from railhead.contact import solid
-from railhead.geometry import placement
+from railhead.contact.conicity import equivalent_conicity
+from railhead.geometry import wheelset
 from railhead.geometry.measured import BODY_BY_EXTENSION, measured_profile, standards
 from railhead.geometry.measured.measured_profile import Measured, smoothness
 from railhead.geometry.measured.standards import LaidStandard
-from railhead.geometry.placement import ContactPoint, Placed, PlacementError, ProfilePair, Track
+from railhead.geometry.placement import ContactPoint
+from railhead.geometry.wheelset import Placed, Side
 from railhead.postprocess.findings import BASE_UNITS, Subject, Units
 from railhead.results import result_folder
 from railhead.results.report import terminal
@@ -64,48 +65,40 @@ CONTACT_ROWS = (
 class Location(terminal.Drawn):
     """A wheelset placed on its track.
 
-    scene: the scene, of which profiles, inclination, gauge, shift and yaw count.
-    pair: profiles of rail and wheel.
-    placed: height, roll and contacts of both wheels, up to a gap of 0.05 mm (CLEARANCE) over the
-        smallest; each side has its own axes (`placement.Side`).
+    scene: the scene, of which profiles, inclination, gauge and [wheelset] count.
+    placed: roll and contacts of both wheels, up to a gap of 0.05 mm (CLEARANCE) over the smallest;
+        each side has its own axes (`wheelset.Side`).
     """
 
     scene: Scene
-    pair: ProfilePair
     placed: Placed
 
     def summary(self) -> dict[str, Any]:
         """The content of summary.json: lengths in mm, angles in rad, curvatures in 1/mm. "right"
         and "left" are lists of contacts, smallest gap first, in the axes of their side.
         """
-        placed, (crest, _) = self.placed, placement.top(self.pair.rail)
+        placed, pair = self.placed, solid.solved_side(self.scene, self.placed).pair
         return {
             "case": self.scene.name,
             "scene": portable(self.scene),
             "roll_rad": placed.roll,
-            "height_mm": placed.height,
+            "height_mm": placed.right.height,
+            "right_rail_rise_mm": placed.left.height - placed.right.height,
             "rolling_radius_difference_mm": placed.rolling_radius_difference,
-            "right": [_contact(touch, crest) for touch in placed.right.touches],
-            "left": [_contact(touch, crest) for touch in placed.left.touches],
+            "right": _contacts(placed.right),
+            "left": _contacts(placed.left),
             "measured": {
                 key: smoothness(profile)
-                for key, profile in (("rail", self.pair.rail), ("wheel", self.pair.wheel))
+                for key, profile in (("rail", pair.rail), ("wheel", pair.wheel))
                 if key in solid.measured_bodies(self.scene)
             },
         }
 
     @cached_property
-    def swept(self) -> list[tuple[float, Placed]]:
-        """Lateral shift to the right (mm, rising) and placed wheelset, for shifts from -10 to 10 mm
-        (SHIFTS) at which both wheels touch.
-        """
-        scene, found = self.scene, []
-        track = Track(scene.wheelset.back_to_back, scene.rail.gauge)
-        for shift in map(float, SHIFTS):
-            with suppress(PlacementError):  # a wheel misses its rail
-                placed = placement.place(self.pair, track, shift, scene.wheelset.yaw, CLEARANCE)
-                found.append((shift, placed))
-        return found
+    def swept(self) -> list[Placed]:
+        """The wheelset at those rising shifts from -10 to 10 mm (SHIFTS) at which it can stand."""
+        found = solid.on_track(self.scene).place_all(SHIFTS, CLEARANCE)
+        return [each for each in found if isinstance(each, Placed)]
 
     def positions(self) -> list[dict[str, Any]]:
         """Rows of positions.csv: cells by column header, a row for each lateral shift of `swept`.
@@ -113,15 +106,16 @@ class Location(terminal.Drawn):
         sides. It is None at shift 0, where the wheelset is not turned back, and where it would
         swing beyond the shifts of `swept`.
         """
-        shifts = np.array([shift for shift, _ in self.swept])
-        differences = np.array([placed.rolling_radius_difference for _, placed in self.swept])
+        shifts = np.array([placed.shift for placed in self.swept])
+        right = np.array([placed.right.touches[0].radius for placed in self.swept])
+        left = np.array([placed.left.touches[0].radius for placed in self.swept])
         rows = []
-        for (shift, placed), difference in zip(self.swept, differences.tolist(), strict=True):
-            conicity = placement.equivalent_conicity(abs(shift), shifts, differences)
+        for placed in self.swept:
+            conicity = equivalent_conicity(abs(placed.shift), shifts, right, left)
             row = {
-                "shift [mm]": shift,
+                "shift [mm]": placed.shift,
                 "roll [mrad]": 1e3 * placed.roll,
-                "rolling radius difference [mm]": difference,
+                "rolling radius difference [mm]": placed.rolling_radius_difference,
                 "equivalent conicity": None if math.isnan(conicity) else conicity,
             }
             for name, side in (("right", placed.right), ("left", placed.left)):
@@ -162,15 +156,15 @@ class Location(terminal.Drawn):
         """Functions that draw the pictures, by name of their PNG file. units: of their numbers."""
         from railhead.postprocess.pictures import profile_plots
 
-        scene, pair, swept = self.scene, self.pair, self.swept
+        scene, swept = self.scene, self.swept
         wheel, rail = Path(scene.wheel.profile).name, Path(scene.rail.profile).name
         words = f"{scene.name}: wheelset with wheels {wheel} on rails {rail}"
         yaw = f", yaw {1e3 * scene.wheelset.yaw:g} mrad"
         shifted = f", shifted by {units.text(scene.wheelset.shift, 'mm')} to the right"
         here, over = (Subject(words + more + yaw, units=units) for more in (shifted, ""))
         return {
-            "profiles.png": partial(profile_plots.profiles, pair, self.placed, here),
-            "positions.png": partial(profile_plots.positions, pair, swept, over),
+            "profiles.png": partial(profile_plots.profiles, self.placed, here),
+            "positions.png": partial(profile_plots.positions, swept, over),
             "rolling_radius.png": partial(profile_plots.rolling_radius, swept, over),
         }
 
@@ -222,7 +216,13 @@ def locate(scene: Scene) -> Location:
         raise SceneError(
             "rail.extent", "half-space has no profiles to locate; give head or section"
         )
-    return Location(scene, *solid.place(scene, CLEARANCE))
+    return Location(scene, solid.place(scene, CLEARANCE))
+
+
+def _contacts(side: Side) -> list[dict[str, float | bool]]:
+    """Contacts of a side, as values of summary.json (`_contact`)."""
+    crest, _ = wheelset.top(side.pair.rail)
+    return [_contact(touch, crest) for touch in side.touches]
 
 
 def _contact(touch: ContactPoint, crest: float) -> dict[str, float | bool]:

@@ -94,7 +94,7 @@ def circular(scene: Scene) -> tuple[bool, str]:
     if not (sphere and plane):
         return False, "the bodies are not a sphere over the middle of a level plane"
     for key, value in set_but_unused(scene, "axisymmetric"):
-        return False, f"{key} = {value:g}: no body of revolution about the contact's normal"
+        return False, f"{key} = {value}: no body of revolution about the contact's normal"
     return True, f"{text}: a sphere on the middle of a plane"
 
 
@@ -157,7 +157,7 @@ def _along(scene: Scene) -> Dimension:
     share = _semi_axis_across(scene, along, across) / (length / 2) if length > 0 else 0.0
     text = f"predicted semi-axis across is {share:.3g} of half the common width {length:.4g} mm"
     for key, value in set_but_unused(scene, "plane_along"):
-        return _solid(forced, f"{key} = {value:g}: no section along the rail")
+        return _solid(forced, f"{key} = {value}: no section along the rail")
     if not level or share < (1.0 if forced == "on" else SLENDER) or forced == "off":
         return _solid(forced, f"{text}, a line contact needs {SLENDER:g}")
     width = 2 * _half_width(scene, along, length)

@@ -10,21 +10,20 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
-from railhead.geometry import placement, profiles
+from railhead.geometry import placement, profiles, wheelset
 from railhead.geometry.measured import measured_profile as measured
 from railhead.geometry.measured.measured_profile import Measured
 from railhead.geometry.measured.orientation import SYMMETRIC, Orientation
 from railhead.geometry.placement import (
     ContactPoint,
-    Placed,
     PlacementError,
     Pose,
     ProfilePair,
-    Track,
     upright,
 )
 from railhead.geometry.profiles import Profile
 from railhead.geometry.surfaces import ExactGap, ParabolicGap, RailSurface, WheelSurface, along
+from railhead.geometry.wheelset import Placed, Side, Track, WheelsetOnTrack
 from railhead.meshing.bodies import RAIL
 from railhead.postprocess.findings import Frame
 from railhead.scene.scene import Rail, Scene, SceneError, Wheel
@@ -88,9 +87,11 @@ def tape_circle(scene: Scene) -> float:
     """Distance in mm from the flange back to the tape circle of a scene's wheel: of its file, else
     given, else 70 mm.
     """
-    if is_profile_file(scene.wheel.profile):
+    wheel = scene.wheel
+    if is_profile_file(wheel.profile):
         return from_file(scene, "wheel").oriented.tape_circle
-    return scene.wheel.tape_circle or placement.TAPE_CIRCLE
+    given = None if wheel.profile == "S1002" else wheel.tape_circle  # of the other wheel
+    return given or placement.TAPE_CIRCLE
 
 
 def measured_bodies(scene: Scene) -> tuple[str, ...]:
@@ -127,16 +128,17 @@ def from_file(scene: Scene, body: str, stretch: float = 1.0) -> Measured:
 class Contact:
     """First contact of the undeformed bodies of a scene, as a solid, and the exact gap around it.
 
-    Axes of space are those of the right wheel's rail: x along the rail, y across to the field side,
-    z up; x = 0 at the first contact, y = z = 0 at the rail's crown centre (of half-spaces at the
-    first contact).
+    Axes of space are those of the rail of the wheel that is solved (`wheelset.side`): x along the
+    rail, y across to the field side, z up; x = 0 at the first contact, y = z = 0 at the rail's
+    crown centre (of half-spaces at the first contact).
 
     scene: the scene.
     touch: the contact point, in these axes: place, slope, gap and curvatures; of half-spaces and
         sections along the rail only place and relative curvatures are set.
     pair: both profiles; None for half-spaces, which touch at the origin.
     pose: of the wheel in these axes; None for half-spaces.
-    placed: the whole wheelset, each side in axes of its own; None for half-spaces and sections.
+    placed: the whole wheelset, each side in axes of its own (`Placed.right` and `Placed.left`);
+        None for half-spaces and sections.
 
     Class constants, other values in the sections of two dimensions in `plane_section`:
     plane: '' for a solid, 'xz' for a section along the rail, 'yz' for one across it.
@@ -262,6 +264,8 @@ class Contact:
             return f"rail inclined {scene.rail.inclination:g}"
         if scene.wheelset.shift:
             return f"wheel shifted {scene.wheelset.shift:g} mm"
+        if self.placed and self.placed.roll:
+            return f"axle rolled by {1e3 * self.placed.roll:g} mrad"
         return self._yawed
 
     def why_asymmetric_in_x(self) -> str | None:
@@ -321,49 +325,84 @@ class Contact:
         return ExactGap(rail, wheel) if slave == RAIL else ExactGap(wheel, rail)
 
 
+Pairs = tuple[ProfilePair, ProfilePair]
+"""Profiles of the side that is solved, and of the other side."""
+
+
 def pair(scene: Scene, stretch: float = 1.0) -> ProfilePair:
-    """Rail and wheel profiles of a scene and its rolling radius; stretch: factor on the smoothing
-    wavelengths of measured profiles. Raises SceneError for a file that cannot be used.
+    """Profiles of the rail and the wheel that are solved, and its rolling radius; stretch: factor
+    on the smoothing wavelengths of measured profiles. Raises SceneError for a file that cannot be
+    used.
     """
     rail, wheel = rail_profile(scene, stretch), wheel_profile(scene, stretch)
-    return ProfilePair(rail, wheel, scene.wheel.rolling_radius)
+    return ProfilePair(rail, wheel, scene.wheel.rolling_radius, tape_circle(scene))
 
 
-def place(
-    scene: Scene, clearance: float = 0.0, both: ProfilePair | None = None
-) -> tuple[ProfilePair, Placed]:
-    """Lower the wheelset of a scene onto its track; return both profiles and the placed wheelset,
-    whose sides have axes of their own (`placement.Side`).
+def pairs(scene: Scene, stretch: float = 1.0) -> Pairs:
+    """Profiles as of `pair` of both sides of a scene; where they are alike the same object twice.
+    Raises SceneError for a file that cannot be used, with the key of its side.
+    """
+    here, given = pair(scene, stretch), scene.wheelset
+    if not (given.other_rail or given.other_wheel or given.other_radius):
+        return here, here
+    try:
+        return here, pair(scene.opposite, stretch)
+    except SceneError as error:
+        body, _, key = error.key.partition(".")
+        given_file = key == "profile" and getattr(given, f"other_{body}")
+        key = f"wheelset.other_{body}" if given_file else error.key
+        raise SceneError(key, error.text) from None
+
+
+def on_track(scene: Scene, both: Pairs | None = None) -> WheelsetOnTrack:
+    """The wheelset of a scene over its track; its shift is not in it.
+    both: profiles in place of the scene's; None: the scene's own.
+    Raises SceneError for a file that cannot be used.
+    """
+    given, rail = scene.wheelset, scene.rail
+    here, there = both or pairs(scene)
+    right, left = (here, there) if given.side == "right" else (there, here)
+    track = Track(given.back_to_back, rail.gauge, rail.gauge_height)
+    return WheelsetOnTrack(right=right, left=left, track=track, yaw=given.yaw, roll=given.roll)
+
+
+def place(scene: Scene, clearance: float = 0.0, both: Pairs | None = None) -> Placed:
+    """Lower the wheelset of a scene onto its track; its sides have axes of their own
+    (`wheelset.Side`).
     clearance: height over the rail, mm, beyond that of the lowest contact point of the same side,
         up to which further contact points are kept; it does not lift the wheelset.
-    both: profiles of wheel and rail, for both sides, in place of the scene's; None: the scene's.
-    Raises SceneError where a wheel misses its rail or both cannot touch, and for a file that cannot
-    be used.
+    both: profiles in place of the scene's; None: the scene's own.
+    Raises SceneError where a wheel misses its rail or would not stay on it, where both cannot
+    touch, where a rail ends above the gauge, and for a file that cannot be used.
     """
-    both = both or pair(scene)
-    wheelset_ = scene.wheelset
-    track = Track(wheelset_.back_to_back, scene.rail.gauge, tape_circle(scene))
+    shift = scene.wheelset.shift
     try:
-        return both, placement.place(both, track, wheelset_.shift, wheelset_.yaw, clearance)
+        return on_track(scene, both).place(shift, clearance)
+    except wheelset.GaugeError as error:
+        raise SceneError("rail.gauge_height", str(error)) from None
     except PlacementError as error:
-        text = f"{wheelset_.shift:g} mm: {error}; bring both wheels over their rails"
+        text = f"{shift:g} mm: {error}; bring both wheels over their rails"
         raise SceneError("wheelset.shift", text) from None
 
 
-def locate(scene: Scene, both: ProfilePair | None = None) -> Contact:
-    """First contact of the right wheel of the wheelset on its rail, with x = 0 there; of
+def solved_side(scene: Scene, placed: Placed) -> Side:
+    """The side of a placed wheelset that the scene solves."""
+    return placed.right if scene.wheelset.side == "right" else placed.left
+
+
+def locate(scene: Scene, both: Pairs | None = None) -> Contact:
+    """First contact, on its rail, of the wheel of the wheelset that is solved, with x = 0 there; of
     half-spaces the origin.
     both: profiles in place of the scene's; None: the scene's own.
-    Raises SceneError where a wheel misses its rail, or the pair has no point contact with a common
-    tangent.
+    Raises SceneError as `place`, and where the pair has no point contact with a common tangent.
     """
     if scene.rail.extent == "half-space":
         return Contact(scene, placement.parabolic_contact(*scene.relative_curvatures()))
-    both, placed = place(scene, both=both)
-    side = placed.right
+    placed = place(scene, both=both)
+    side = solved_side(scene, placed)
     touch = _tangent(scene, side.touches[0])
     centred = side.pose.moved(x=-touch.x)
-    return Contact(scene, replace(touch, x=0.0), both, centred, placed)
+    return Contact(scene, replace(touch, x=0.0), side.pair, centred, placed)
 
 
 def lower(scene: Scene) -> Contact:

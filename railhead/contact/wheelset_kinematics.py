@@ -31,13 +31,13 @@ KEY = "rolling.from_wheelset"
 
 @dataclass(frozen=True, kw_only=True)
 class WheelsetCreepage:
-    """Creepage of the right wheel of a scene in the pose of its wheelset.
+    """Creepage of the wheel of a scene that is solved, in the pose of its wheelset.
 
     axle: 'free', turning by the mean of both rolling radii, or 'nominal', by the nominal radius.
     turning: radius R by which the axle turns, mm: the axle moves by R in one radian.
     radius: radius of the wheel's circle at the first contact, mm.
-    yaw: yaw of the wheelset, rad.
-    roll: roll of the wheelset, rad.
+    yaw: yaw of the wheelset, rad, in the axes of the right side.
+    roll: roll of the wheelset, rad, in these axes.
     angle: contact angle, rad, as `Frame.angle`: positive where the tangent rises to the field side.
     creepage: rigid creepages along the rail and along the common tangent across, and spin about the
         rail's outward normal in 1/mm.
@@ -81,7 +81,7 @@ class WheelsetCreepage:
 
 
 def wheelset_creepage(contact: Contact) -> WheelsetCreepage:
-    """Rigid creepage of the right wheel of a scene's wheelset at the first contact. Raises
+    """Rigid creepage of the solved wheel of a scene's wheelset at the first contact. Raises
     SceneError for half-spaces and sections, which have no wheelset.
     """
     placed, pose = contact.placed, contact.pose

@@ -1,29 +1,28 @@
-"""Where a wheel touches the rail when it is lowered onto it; how a wheelset stands on its track.
+"""Where a wheel touches the rail when it is lowered onto it.
 
 The rail is a prism along x, so what counts is the wheel's outline against it: the line on the wheel
 on which its normal has no x component (the contact locus; S. Iwnicki, Handbook of Railway Vehicle
 Dynamics, 2006, section 4.2). Contact points are minima of the height of that line over the rail.
-
-A wheelset has two equal wheels on two rails; its roll and height follow from shift and yaw. Each
-side has its own axes: origin at its crown centre, y to the field side. The left side is the mirror
-image of the right one, with shift, yaw and roll of opposite sign.
 """
 
 from __future__ import annotations
 
-import math
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cache
+from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
 
 from railhead.geometry.profiles import Profile
-from railhead.theory.array_types import Array, Mask
+from railhead.theory.array_types import Array, Index, Mask
 
 SAMPLES = 4001
+EXACT, ROUGH = 1e-13, 1e-9  # mm on the wheel's profile
+STRIDE = 4  # of the samples that a rough search looks at
 SAMPLING_ERROR = 1e-2  # mm, of the height at the sample nearest to a minimum, at most
+TAPE_CIRCLE = 70.0  # mm from the flange back to the nominal rolling radius
 
 
 class PlacementError(ValueError):
@@ -109,28 +108,31 @@ class ProfilePair:
     wheel: height over the nominal rolling radius, outwards, as a function of y, mm; y = 0 at the
         tape circle.
     rolling_radius: nominal rolling radius of the wheel, mm.
+    tape_circle: distance of the tape circle from the flange back, mm.
     """
 
     rail: Profile
     wheel: Profile
     rolling_radius: float
+    tape_circle: float = TAPE_CIRCLE
 
     def outline(self, pose: Pose, tread: ArrayLike) -> Outline:
         """Contact locus of the wheel in a pose: the points on the wheel's circles at profile
         coordinates tread (n,) in mm whose normal has no x component. NaN where a circle has none.
+        Of n poses the i-th point is that of the i-th pose.
         """
         tread = np.asarray(tread, dtype=float)
-        ahead, axle, up = pose.rotation.T
-        radius = self.rolling_radius + self.wheel.height(tread)
-        rise = self.wheel.slope(tread)
-        # The normal cos(turn) down + sin(turn) ahead - rise axle has no x component.
-        length, phase = np.hypot(ahead[0], up[0]), np.arctan2(-up[0], ahead[0])
-        with np.errstate(invalid="ignore"):
-            turn = np.arcsin(rise * axle[0] / length) - phase
-        radial = np.sin(turn)[..., None] * ahead - np.cos(turn)[..., None] * up
-        points = pose.origin + tread[..., None] * axle + radius[..., None] * radial
-        normal = radial - rise[..., None] * axle
-        return Outline(points, -normal[..., 1] / normal[..., 2], turn, radius)
+        height, rise = self.wheel.height(tread), self.wheel.slope(tread)
+        points, radial, sine, cosine = _locus(pose, self.rolling_radius + height, tread, rise)
+        y, z = (of - rise * pose.rotation[..., k, 1] for k, of in enumerate(radial[1:], 1))
+        turn = np.arctan2(sine, cosine)
+        return Outline(np.stack(points, axis=-1), -y / z, turn, self.rolling_radius + height)
+
+    @cached_property
+    def samples(self) -> tuple[Array, Array, Array]:
+        """Coordinates y, heights and slopes (4001,) along the wheel's profile."""
+        tread = np.linspace(*self.wheel.domain, SAMPLES, dtype=np.float64)
+        return tread, self.wheel.height(tread), self.wheel.slope(tread)
 
     def touches(self, pose: Pose, clearance: float = 0.0) -> list[ContactPoint]:
         """The place where the wheel in a pose is lowest over the rail, and all minima of that
@@ -138,71 +140,164 @@ class ProfilePair:
         first place need not be 0.
         Raises PlacementError where no part of the wheel is over the rail.
         """
-        tread = np.linspace(*self.wheel.domain, SAMPLES, dtype=np.float64)
-        points = self.outline(pose, tread).points
-        height = points[:, 2] - self.rail.height(points[:, 1])
-        over = np.isfinite(height)
-        if not over.any():
+        (found,) = self.touches_of(Pose(pose.rotation[None], pose.origin[None]), clearance)
+        if not found:
             raise PlacementError("no part of the wheel is over the rail")
-        wall = np.concatenate([[np.inf], np.where(over, height, np.inf), [np.inf]])
-        minimum = (wall[1:-1] <= wall[:-2]) & (wall[1:-1] < wall[2:])
-        lowest = np.flatnonzero(minimum & (wall[1:-1] <= wall.min() + clearance + SAMPLING_ERROR))
-        found = [self._polish(pose, tread, over, int(index)) for index in lowest]
-        found.sort(key=lambda touch: touch.gap)
-        return [touch for touch in found if touch.gap <= found[0].gap + clearance]
+        return found
 
-    def _polish(self, pose: Pose, tread: Array, over: Mask, index: int) -> ContactPoint:
-        """The contact point at the minimum of height near sample `index` of the wheel coordinates
-        tread (n,), where wheel and rail have the same slope. At an edge, and where the slopes do
-        not cross between its neighbours, it is the sample itself.
-        over: (n,) whether the sample is over the rail; a sample without two neighbours over the
-            rail is an edge.
+    def touches_of(self, poses: Pose, clearance: float = 0.0) -> list[list[ContactPoint]]:
+        """Contact points as of `touches` for each of several poses; none for a pose in which no
+        part of the wheel is over the rail.
         """
+        number, tread, at_edge = self._minima(poses, clearance)
+        found: list[list[ContactPoint]] = [[] for _ in poses.origin]
+        for each, touch in zip(number, self._touch(poses[number], tread, at_edge), strict=True):
+            found[each].append(touch)
+        for points in found:
+            points.sort(key=lambda touch: touch.gap)
+        return [[each for each in of if each.gap <= of[0].gap + clearance] for of in found]
 
-        def excess(at: float) -> float:
-            """Slope of the wheel minus that of the rail at profile coordinate `at` (mm)."""
-            outline = self.outline(pose, at)
-            return float(outline.slope - self.rail.slope(outline.points[1]))
-
-        near = [i for i in (index - 1, index + 1) if 0 <= i < len(tread) and over[i]]
-        at_edge = len(near) < 2
-        at = tread[index]
-        if not at_edge and excess(tread[near[0]]) < 0 < excess(tread[near[1]]):
-            at = float(brentq(excess, tread[near[0]], tread[near[1]], xtol=1e-13, rtol=1e-15))
-        return self._touch(pose, at, at_edge)
-
-    def _touch(self, pose: Pose, tread: float, at_edge: bool) -> ContactPoint:
-        """Contact point on the wheel's circle at profile coordinate tread (mm), at the point of the
-        contact locus (`outline`), with the curvatures of both bodies and the gap there.
-        at_edge: the point is the end of a profile.
+    def lowest(self, poses: Pose, *, rough: bool) -> tuple[Array, Array, Array, Array]:
+        """Where the wheel is lowest over the rail, for n poses: its height (n,) over the rail in
+        mm, the point (n, 3), the slope (n,) of the rail there, and the distance (n,) from the axle
+        in mm. NaN for a pose in which no part of the wheel is over the rail.
+        rough: the wheel is looked at in steps that are four times as long, and its place is found
+            to 1e-9 mm (ROUGH), not to 1e-13.
         """
-        outline = self.outline(pose, tread)
-        x, y, z = (float(value) for value in outline.points)
-        slope = float(self.rail.slope(y)) + 0.0  # no negative zero
-        radius, turn = float(outline.radius), float(outline.turn)
-        around = float(np.cos(np.arctan(self.wheel.slope(tread)))) / radius
-        across = float(self.wheel.curvature(tread))
-        rail = float(self.rail.curvature(y))
-        ahead = pose.rotation @ np.array([np.cos(turn), 0.0, np.sin(turn)])  # along the circle
-        tangent = np.array([0.0, 1.0, slope]) / np.hypot(1.0, slope)
-        angle = np.arctan2(ahead @ tangent, ahead[0])
-        curvature_x, curvature_y, orientation = relative(rail, around, across, angle)
-        return ContactPoint(
-            x=x,
-            y=y,
-            z=z,
-            slope=slope,
-            gap=z - float(self.rail.height(y)),
-            wheel_y=float(tread),
-            axle_angle=turn,
-            radius=radius,
-            rail_curvature=rail,
-            wheel_curvatures=(around, across),
-            curvature_x=curvature_x,
-            curvature_y=curvature_y,
-            orientation=orientation,
-            at_edge=at_edge,
+        number, tread, _ = self._minima(poses, 0.0, rough=rough)
+        outline = self.outline(poses[number], tread)
+        gap = outline.points[:, 2] - self.rail.height(outline.points[:, 1])
+        order = np.lexsort((gap, number))
+        of, first = np.unique(number[order], return_index=True)
+        found = np.full((len(poses.origin), 5), np.nan)
+        found[of] = np.column_stack([gap, outline.points, outline.radius])[order[first]]
+        return found[:, 0], found[:, 1:4], self.rail.slope(found[:, 2]), found[:, 4]
+
+    def _minima(
+        self, poses: Pose, clearance: float, *, rough: bool = False
+    ) -> tuple[Index, Array, Mask]:
+        """Minima of the height over the rail that are at most `clearance` (mm) above the lowest
+        one of their pose, and some that are a little higher: number of the pose (m,), profile
+        coordinate (m,) in mm, and whether it is an end of a profile (m,).
+
+        Minima of samples are moved to where wheel and rail have the same slope. At an edge, and
+        where the slopes do not cross between its neighbours, it is the sample itself.
+        rough: as of `lowest`.
+        """
+        tread, height, rise = (each[:: STRIDE if rough else 1] for each in self.samples)
+        (_, y, z), *_ = _locus(poses[:, None], self.rolling_radius + height, tread, rise)
+        height = z - self.rail.height(y)
+        wall = np.where(np.isfinite(height), height, np.inf)
+        wall = np.pad(wall, ((0, 0), (1, 1)), constant_values=np.inf)
+        before, here, after = wall[:, :-2], wall[:, 1:-1], wall[:, 2:]
+        low = here.min(axis=1, keepdims=True) + clearance + SAMPLING_ERROR
+        number, index = np.nonzero((here <= before) & (here < after) & (here <= low))
+        at_edge = ~np.isfinite(before[number, index] + after[number, index])
+        at, inner = tread[index], np.flatnonzero(~at_edge)
+        start, end = tread[index[inner] - 1], tread[index[inner] + 1]
+
+        def excess(at: Array, which: Index) -> Array:
+            """Slope of the wheel minus that of the rail at profile coordinates (mm) of minima."""
+            outline = self.outline(poses[number[which]], at)
+            return outline.slope - self.rail.slope(outline.points[:, 1])
+
+        first, last = excess(start, inner), excess(end, inner)
+        meet = (first < 0) & (last > 0)
+        which = inner[meet]
+        ends = (start[meet], end[meet], first[meet], last[meet])
+        at[which] = _crossing(partial(excess, which=which), *ends, ROUGH if rough else EXACT)
+        return number, at, at_edge
+
+    def _touch(self, poses: Pose, tread: Array, at_edge: Mask) -> Iterator[ContactPoint]:
+        """Contact points on the wheel's circles at profile coordinates tread (n,) in mm, at the
+        points of the contact locus (`outline`) in n poses, with the curvatures of both bodies and
+        the gap there.
+        at_edge: (n,) whether the point is the end of a profile.
+        """
+        outline = self.outline(poses, tread)
+        y = outline.points[:, 1]
+        slopes, around = self.rail.slope(y) + 0.0, np.cos(np.arctan(self.wheel.slope(tread)))
+        values = np.column_stack(
+            [
+                outline.points,
+                slopes,  # no negative zero
+                outline.points[:, 2] - self.rail.height(y),
+                tread,
+                outline.turn,
+                outline.radius,
+                self.rail.curvature(y),
+                around / outline.radius,
+                self.wheel.curvature(tread),
+            ]
         )
+        for rotation, row, edge in zip(poses.rotation, values.tolist(), at_edge, strict=True):
+            x, y, z, slope, gap, wheel_y, turn, radius, rail, around, across = row
+            ahead = rotation @ np.array([np.cos(turn), 0.0, np.sin(turn)])  # along the circle
+            tangent = np.array([0.0, 1.0, slope]) / np.hypot(1.0, slope)
+            angle = np.arctan2(ahead @ tangent, ahead[0])
+            curvature_x, curvature_y, orientation = relative(rail, around, across, angle)
+            yield ContactPoint(
+                x=x,
+                y=y,
+                z=z,
+                slope=slope,
+                gap=gap,
+                wheel_y=wheel_y,
+                axle_angle=turn,
+                radius=radius,
+                rail_curvature=rail,
+                wheel_curvatures=(around, across),
+                curvature_x=curvature_x,
+                curvature_y=curvature_y,
+                orientation=orientation,
+                at_edge=bool(edge),
+            )
+
+
+def _locus(
+    pose: Pose, radius: Array, tread: Array, rise: Array
+) -> tuple[list[Array], list[Array], Array, Array]:
+    """Points of a wheel whose normal has no x component, NaN where there is none: x, y and z in mm,
+    components of the unit vectors from the axle to them, and sine and cosine of their angles about
+    the axle, from the wheel's lowest line, positive ahead. Shapes: to which poses and circles
+    broadcast.
+    radius, tread, rise: of the wheel's circles: radius (mm), coordinate (mm) and slope of the
+        profile.
+    """
+    ahead, axle, up = np.moveaxis(pose.rotation, -1, 0)
+    # The normal cosine down + sine ahead - rise axle has no x component.
+    length = np.hypot(ahead[..., 0], up[..., 0])
+    along, across = ahead[..., 0] / length, -up[..., 0] / length
+    share = rise * (axle[..., 0] / length)
+    with np.errstate(invalid="ignore"):
+        rest = np.sqrt(1 - share * share)
+    sine, cosine = share * along - rest * across, rest * along + share * across
+    radial = [sine * ahead[..., k] - cosine * up[..., k] for k in range(3)]
+    points = [pose.origin[..., k] + tread * axle[..., k] + radius * radial[k] for k in range(3)]
+    return points, radial, sine, cosine
+
+
+def _crossing(
+    rising: Callable[[Array], Array],
+    low: Array,
+    high: Array,
+    below: Array,
+    above: Array,
+    error: float,
+) -> Array:
+    """Places (n,) between low and high (n,) where a function is zero, to some error, by the
+    Illinois method (M. Dowell and P. Jarratt, BIT 11, 1971).
+    rising: values (n,) at n places; below (negative) and above (positive): those at low and high.
+    """
+    for _ in range(200):
+        at = high - above * (high - low) / (above - below)
+        moved, value = np.abs(at - high), rising(at)
+        same = np.sign(value) == np.sign(above)
+        low, below = np.where(same, low, high), np.where(same, below / 2, above)
+        high, above = at, value
+        if not (moved > error).any():
+            break
+    return high
 
 
 def relative(rail: float, around: float, across: float, angle: float) -> tuple[float, float, float]:
@@ -230,10 +325,15 @@ class Pose:
     rotation: (3, 3) matrix whose columns are the wheel's axes in space.
     origin: (3,) position in space of the wheel's origin, which lies on the axle in the plane of the
         tape circle, mm.
+    Several poses have one more axis, or more, in front in both arrays; an index picks some of them.
     """
 
     rotation: Array
     origin: Array
+
+    def __getitem__(self, index: Any) -> Pose:
+        """Those of several poses that an index of numpy picks."""
+        return Pose(self.rotation[index], self.origin[index])
 
     def outward(self, points: Array) -> Array:
         """Coordinates in space (n, 3) of points (n, 3), or (3,) of one, in the wheel's axes, mm."""
@@ -263,176 +363,11 @@ def about_axle(turn: float) -> Array:
     return np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])
 
 
-def turned(yaw: float, roll: float) -> Array:
-    """Rotation (3, 3), roll about x first, then yaw about z, both in rad: R = Rz(yaw) Rx(roll)."""
+def turned(yaw: float, roll: ArrayLike) -> Array:
+    """Rotation (3, 3), roll about x first, then yaw about z, both in rad: R = Rz(yaw) Rx(roll); of
+    n rolls (n, 3, 3).
+    """
     c, s, p, q = np.cos(yaw), np.sin(yaw), np.cos(roll), np.sin(roll)
-    about_z = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    about_x = np.array([[1.0, 0.0, 0.0], [0.0, p, -q], [0.0, q, p]])
-    return np.asarray(about_z @ about_x)
-
-
-TAPE_CIRCLE = 70.0  # mm from the flange back to the nominal rolling radius, usually
-GAUGE_DEPTH = 14.0  # mm below the highest point of the rail
-LARGEST_ROLL = 0.1  # rad
-
-
-@dataclass(frozen=True)
-class Track:
-    """Distances that place a wheelset over its track.
-    back_to_back: distance of the flange backs, mm.
-    gauge: distance of the rails 14 mm below their tops, mm; None where the tape circles stand over
-        the crown centres.
-    tape_circle: distance from the flange back to the nominal rolling radius, mm.
-    """
-
-    back_to_back: float = 1360.0
-    gauge: float | None = None
-    tape_circle: float = TAPE_CIRCLE
-
-    @property
-    def tape(self) -> float:
-        """Distance of the tape circle to the wheelset's centre, mm."""
-        return self.back_to_back / 2 + self.tape_circle
-
-    def crown(self, rail: Profile) -> float:
-        """Distance of the rail's crown centre from the centre of the track, mm: where no gauge is
-        given, the distance of the wheel's tape circle from there.
-        Raises PlacementError where a gauge is given and the profile ends above the depth of the
-        gauge.
-        """
-        return self.tape if self.gauge is None else self.gauge / 2 - gauge_face(rail)
-
-
-def top(rail: Profile) -> tuple[float, float]:
-    """y and z of the highest point of a rail's profile as it stands, mm; of an inclined or worn
-    rail that is not the crown centre.
-    """
-    y = np.linspace(*rail.domain, 20001)
-    slope = rail.slope(y)
-    best = int(np.nanargmax(rail.height(y)))
-    before, after = max(best - 1, 0), min(best + 1, len(y) - 1)
-    crest = y[best]
-    if slope[before] > 0 > slope[after]:
-        crest = brentq(lambda v: float(rail.slope(v)), y[before], y[after], xtol=1e-13)
-    return float(crest), float(rail.height(crest))
-
-
-def gauge_face(rail: Profile) -> float:
-    """y (mm), on the gauge side, where the rail's profile, between its first y and its highest
-    point, is 14 mm below that point.
-    Raises PlacementError where the profile ends above this depth.
-    """
-    start = rail.domain[0]
-    crest, height = top(rail)
-    if not float(rail.height(start)) < height - GAUGE_DEPTH:
-        raise PlacementError(
-            f"profile {rail.name} ends {height - float(rail.height(start)):.3g} mm below its top, "
-            f"the gauge is measured {GAUGE_DEPTH:g} mm below"
-        )
-    return float(brentq(lambda y: float(rail.height(y)) - height + GAUGE_DEPTH, start, crest))
-
-
-@dataclass(frozen=True)
-class Side:
-    """One wheel on its rail, in the axes of its side: origin at the crown centre, y to the field
-    side, z up; x = 0 in the plane of the wheelset's centre.
-    pose: position of the wheel, touching its rail.
-    touches: contact points, smallest gap first, at least one.
-    """
-
-    pose: Pose
-    touches: list[ContactPoint]
-
-
-@dataclass(frozen=True)
-class Placed:
-    """A wheelset that touches both rails.
-    roll: roll angle of the wheelset, rad, about x in the axes of the right side.
-    height: height of the middle of its axle over the crown centres, mm.
-    right: right wheel on its rail.
-    left: left wheel on its rail, pose and contact points, in the mirrored axes of the left side,
-        whose y points to the field side of the left rail.
-    """
-
-    roll: float
-    height: float
-    right: Side
-    left: Side
-
-    @property
-    def rolling_radius_difference(self) -> float:
-        """Rolling radius of the right wheel less that of the left one, mm, each at its contact with
-        the smallest gap.
-        """
-        return self.right.touches[0].radius - self.left.touches[0].radius
-
-
-def equivalent_conicity(amplitude: float, shifts: Array, differences: Array) -> float:
-    """Equivalent conicity of a free wheelset that swings by an amplitude a (mm) to both sides: the
-    conicity of cones whose motion has the same wavelength (EN 15302). NaN where the wheelset is not
-    turned back, without amplitude, and where the shifts do not reach a to both sides.
-
-    The motion is y'' = -D(y)/(e r): D is the rolling radius difference at the shift y, e the
-    distance of the contacts, r the rolling radius. Its wavelength is 2 J sqrt(e r), where J is the
-    integral of dy/sqrt(2 (G(a) - G(y))) from -a to a, and G the integral of D from 0. That of cones
-    (D = 2 c y) is pi sqrt(2 e r/c) (Klingel), so c = pi^2/(2 J^2).
-
-    shifts, differences (n,): rising lateral shifts and D at them, mm; D is taken as odd.
-    """
-    if not 0 < amplitude <= min(-shifts[0], shifts[-1]) * (1 + 1e-9):
-        return math.nan
-    y = amplitude * np.linspace(0.0, 1.0, 2001)
-    odd = (np.interp(y, shifts, differences) - np.interp(-y, shifts, differences)) / 2
-    above = np.concatenate([[0.0], np.cumsum((odd[1:] + odd[:-1]) / 2) * y[1]])
-    angles = (np.arange(400) + 0.5) / 400 * math.pi / 2  # y = amplitude sin(angle): no pole
-    left = above[-1] - np.interp(amplitude * np.sin(angles), y, above)
-    if (left <= 0).any():
-        return math.nan
-    half = math.pi / 2 * float(np.mean(amplitude * np.cos(angles) / np.sqrt(2 * left)))
-    return math.pi**2 / (2 * (2 * half) ** 2)
-
-
-def place(
-    pair: ProfilePair, track: Track, shift: float = 0.0, yaw: float = 0.0, clearance: float = 0.0
-) -> Placed:
-    """Lower a wheelset, moved by shift (mm) to the right and turned by yaw (rad, about z), onto the
-    track; the roll follows from contact on both sides.
-    clearance: height above the lowest contact point up to which further contact points of a side
-        are kept, mm.
-    Raises PlacementError where a wheel misses its rail, no roll lets both wheels touch, or the
-    rail's profile does not reach the gauge.
-    """
-    offset = track.crown(pair.rail)
-
-    def pose(side: int, roll: float, height: float = 0.0) -> Pose:
-        """Pose of the right (side 1) or left (side -1) wheel in the axes of its side, for a roll in
-        rad and a height of the wheelset's centre in mm.
-        """
-        rotation = turned(side * yaw, side * roll)
-        centre = np.array([0.0, side * shift - offset, height])
-        return Pose(rotation, centre + track.tape * rotation[:, 1])
-
-    @cache
-    def height(side: int, roll: float) -> float:
-        """Height of the wheelset's centre at which the wheel of that side touches its rail at a
-        roll in rad, mm.
-        """
-        return -pair.touches(pose(side, roll))[0].gap
-
-    def tilt(roll: float) -> float:
-        """Height of the centre for contact on the right minus that on the left, at a roll in rad,
-        mm.
-        """
-        return height(1, roll) - height(-1, roll)
-
-    roll = 0.0
-    if shift or yaw:
-        if not tilt(-LARGEST_ROLL) * tilt(LARGEST_ROLL) < 0:
-            raise PlacementError("no roll lets both wheels touch their rails")
-        roll = float(brentq(tilt, -LARGEST_ROLL, LARGEST_ROLL, xtol=1e-14))
-    level = height(1, roll)
-    right, left = (
-        Side(pose(side, roll, level), pair.touches(pose(side, roll, level), clearance))
-        for side in (1, -1)
-    )
-    return Placed(roll, level, right, left)
+    one = np.ones_like(p)
+    rows = [[c * one, -s * p, s * q], [s * one, c * p, -c * q], [0 * one, q, p]]
+    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))

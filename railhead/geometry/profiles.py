@@ -85,14 +85,14 @@ class Polynomial:
     coefficients: tuple[float, ...]
 
     @cached_property
-    def _derivatives(self) -> tuple[np.polynomial.Polynomial, ...]:
-        """The polynomial, its first and its second derivative as numpy polynomials."""
+    def _derivatives(self) -> tuple[Array, ...]:
+        """Coefficients of the polynomial, of its first and of its second derivative."""
         poly = np.polynomial.Polynomial(self.coefficients)
-        return poly, poly.deriv(1), poly.deriv(2)
+        return poly.coef, poly.deriv(1).coef, poly.deriv(2).coef
 
     def derivative(self, y: Array, order: int) -> Array:
         """z in mm (order 0), dz/dy (order 1) or d2z/dy2 in 1/mm (order 2) at y (n,) in mm."""
-        return np.asarray(self._derivatives[order](y), dtype=float)
+        return np.asarray(np.polynomial.polynomial.polyval(y, self._derivatives[order]))
 
 
 @dataclass(frozen=True)

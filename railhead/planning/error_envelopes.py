@@ -311,7 +311,7 @@ def around(scene: Scene, solution: BoundaryElementSolution) -> Uncertainty:
     """
     changes = []
     for stretch in STRETCHES:
-        contact = solid.locate(scene, solid.pair(scene, stretch))
+        contact = solid.locate(scene, solid.pairs(scene, stretch))
         other = boundary_elements.solve(contact, closed_forms.ellipse(scene, contact), scene.load)
         changes += [other.max_pressure / solution.max_pressure - 1, other.area / solution.area - 1]
     return Uncertainty(SAFETY * max(map(abs, changes)))

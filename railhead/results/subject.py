@@ -56,9 +56,12 @@ def subject(plan: Plan, load: float, units: Units = BASE_UNITS) -> Subject:
 
 
 def _stands(wheelset: Wheelset, units: Units) -> str:
-    """Lateral shift and yaw (mrad) of a wheelset as text; empty where both are zero."""
+    """Side of a left wheel, lateral shift and yaw (mrad) of its wheelset as text; empty for a right
+    wheel where both are zero.
+    """
     shift, yaw = units.text(wheelset.shift, "mm").split(), 1e3 * wheelset.yaw
-    end = f", {chr(0xA0).join(('shifted', *shift))}" if wheelset.shift else ""
+    end = ", left wheel" if wheelset.side == "left" else ""
+    end += f", {chr(0xA0).join(('shifted', *shift))}" if wheelset.shift else ""
     return end + (f", yaw\N{NO-BREAK SPACE}{brief(yaw)}\N{NO-BREAK SPACE}mrad" if yaw else "")
 
 

@@ -50,7 +50,8 @@ def find(name: str | Path) -> Scene:
 
 
 INPUT = "input"  # folder in a result folder with the files that the scene names
-FILES = ("profile", "stress_strain", "passes_from")  # keys of tables whose values may be paths
+FILES = ("profile", "stress_strain", "passes_from", "other_rail", "other_wheel")
+"""Keys of tables whose values may be paths."""
 
 
 def as_path(value: object, name: str) -> Path:
@@ -123,7 +124,7 @@ def portable(scene: Scene) -> dict[str, Any]:
     result folder. OSError: a file cannot be read.
     """
     at, data = places(scene.files), scene.model_dump(exclude_none=True)
-    for table in (data["rail"], data["wheel"], data["rolling"]):
+    for table in (data["rail"], data["wheel"], data["wheelset"], data["rolling"]):
         table |= {key: at.get(table[key], table[key]) for key in FILES if key in table}
     return data
 

@@ -52,7 +52,13 @@ NOMINAL_RADIUS = {"54E1": 300.0, "60E1": 300.0} | dict.fromkeys(
     ("cylinder", "cone20", "cone40"), math.inf
 )
 #: Keys whose values are words, even where they look like numbers: TOML reads 54E1 as 540.0.
-_WORDS = ("name", "rail.profile", "wheel.profile")
+_WORDS = (
+    "name",
+    "rail.profile",
+    "wheel.profile",
+    "wheelset.other_rail",
+    "wheelset.other_wheel",
+)
 #: Longest name of a scene: folders are named after it, and their names have at most 255 bytes.
 MAX_NAME_BYTES = 100
 #: Setting the key on the left drops the one on the right, but for some values.
@@ -64,7 +70,18 @@ _DROPS = {
     "solver.method": ("solver.theta", ("nitsche", "none")),
 }
 OTHER_NAMES = {"friction.tangential_load": "friction.force_along"}
-_WHEELSET = {"rail.gauge", "wheel.tape_circle", "wheelset.yaw", "wheelset.back_to_back"}
+_WHEELSET = {
+    "rail.gauge",
+    "rail.gauge_height",
+    "wheel.tape_circle",
+    "wheelset.yaw",
+    "wheelset.roll",
+    "wheelset.back_to_back",
+    "wheelset.side",
+    "wheelset.other_rail",
+    "wheelset.other_wheel",
+    "wheelset.other_radius",
+}
 _LINE = {"rail.width", "wheel.width", "wheelset.shift"}
 #: Keys that a half-space in point contact cannot use.
 HALF_SPACE = (
@@ -256,6 +273,26 @@ class Scene(Section):
         return {"rail": self.rail, "wheel": self.wheel}
 
     @property
+    def opposite(self) -> Self:
+        """The same wheelset on its track with its other wheel as the one that is solved."""
+        here, rail, wheel = self.wheelset, self.rail, self.wheel
+        there = here.model_copy(
+            update={
+                "side": "left" if here.side == "right" else "right",
+                "other_rail": here.other_rail and rail.profile,
+                "other_wheel": here.other_wheel and wheel.profile,
+                "other_radius": here.other_radius and wheel.rolling_radius,
+            }
+        )
+        rail = rail.model_copy(update={"profile": here.other_rail or rail.profile})
+        update = {
+            "profile": here.other_wheel or wheel.profile,
+            "rolling_radius": here.other_radius or wheel.rolling_radius,
+        }
+        wheel = wheel.model_copy(update=update)
+        return self.model_copy(update={"wheelset": there, "rail": rail, "wheel": wheel})
+
+    @property
     def one_mesh(self) -> bool:
         """Whether the scene is solved on one mesh: neither an accuracy nor a budget is set."""
         return self.accuracy is None and self.budget is None
@@ -306,7 +343,8 @@ class Scene(Section):
         """
         bodies = self.bodies.values()
         given = [path for body in bodies for path in (body.profile, body.stress_strain)]
-        given.append(self.rolling.passes_from)
+        others = self.wheelset.other_rail, self.wheelset.other_wheel
+        given += [self.rolling.passes_from, *others]
         return [path for path in map(Path, filter(None, given)) if path.suffix]
 
     @property
@@ -409,9 +447,9 @@ def unit(key: str) -> str:
     return next(filter(None, map(units.unit, (*field.metadata, field.annotation))), "")
 
 
-def set_but_unused(scene: Scene, kind: str) -> list[tuple[str, Any]]:
-    """Pairs (dotted key, value) of the keys that a kind of scene cannot use and whose values are
-    not the defaults. kind: a key of UNUSED_KEYS.
+def set_but_unused(scene: Scene, kind: str) -> list[tuple[str, str]]:
+    """Pairs (dotted key, value as text) of the keys that a kind of scene cannot use and whose
+    values are not the defaults. kind: a key of UNUSED_KEYS.
     """
     pairs = []
     for key in sorted(UNUSED_KEYS[kind][1]):
@@ -419,7 +457,7 @@ def set_but_unused(scene: Scene, kind: str) -> list[tuple[str, Any]]:
         table = getattr(scene, section)
         value = getattr(table, leaf)
         if value != type(table).model_fields[leaf].default:
-            pairs.append((key, value))
+            pairs.append((key, show(value) if isinstance(value, str) else f"{value:g}"))
     return pairs
 
 
@@ -429,7 +467,7 @@ def refuse_unused(scene: Scene, kind: str) -> None:
     """
     for key, value in set_but_unused(scene, kind):
         name, keys = UNUSED_KEYS[kind]
-        text = f"{value:g} is not allowed; a {name} has no use for it (nor for "
+        text = f"{value} is not allowed; a {name} has no use for it (nor for "
         raise SceneError(key, f"{text}{', '.join(sorted(keys - {key}))}); leave it out")
 
 

@@ -18,6 +18,9 @@ from railhead.scene.units import show
 from railhead.theory.array_types import Array
 
 ALIASES = {"UIC54": "54E1", "UIC60": "60E1"}
+GAUGE_HEIGHT = 14.0  # mm, of EN 13848-1
+RAILS, WHEELS = ("54E1", "60E1"), ("cylinder", "cone20", "cone40", "S1002")
+"""Names of the profiles that have no key of their own."""
 
 
 class SceneError(ValueError):
@@ -346,8 +349,10 @@ class Rail(BodySection):
     crown_radius: mm, radius of an arc; inf is flat. Required for arc, not allowed (None) otherwise.
     inclination: tangent of the angle by which the rail leans towards the track's middle (y < 0),
         e.g. 1/20; negative: away from it.
-    gauge: mm between both rails, 14 mm below their tops, which places the wheelset; None: the
-        wheel's tape circle (70 mm from the flange back) stands over the crown.
+    gauge: mm between both rails, `gauge_height` below their tops, which places the wheelset; None:
+        the wheel's tape circle (70 mm from the flange back) stands over the crown.
+    gauge_height: mm below the highest point of a rail at which the gauge is measured. Only beside
+        gauge.
     extent: "head" meshes the head, unless the plan needs the section; "section" web and foot too,
         of 54E1 or 60E1; "half-space" makes rail and wheel unbounded bodies under Hertz's parabolic
         gap.
@@ -358,17 +363,25 @@ class Rail(BodySection):
     width: mm of the block across; None: the plan chooses. Only for arc.
     """
 
-    profile: Annotated[str, _profile("rail", "54E1", "60E1", "arc")] = "54E1"
+    profile: Annotated[str, _profile("rail", *RAILS, "arc")] = "54E1"
     profile_origin: Literal["auto", "file"] = "auto"
     crown_radius: units.Radius | None = None
     inclination: units.Slope = 0.0
     gauge: units.Gauge | None = None
+    gauge_height: units.GaugeHeight = GAUGE_HEIGHT
     extent: Literal["head", "section", "half-space"] = "head"
     length: units.BodyLength | None = None
     depth: units.BodyLength | None = None
     width: units.BodyLength | None = None
 
     _ARC_KEYS: ClassVar = ("crown_radius", "depth", "width")
+
+    @model_validator(mode="after")
+    def _gauge_of_the_height(self) -> Self:
+        """Raise SceneError for a height of the gauge without a gauge."""
+        if self.gauge is None and self.gauge_height != GAUGE_HEIGHT:
+            raise SceneError("gauge_height", f"{self.gauge_height:g} is not allowed without gauge")
+        return self
 
 
 class Wheel(BodySection):
@@ -395,9 +408,7 @@ class Wheel(BodySection):
         the plan chooses.
     """
 
-    profile: Annotated[str, _profile("wheel", "cylinder", "cone20", "cone40", "arc", "S1002")] = (
-        "cylinder"
-    )
+    profile: Annotated[str, _profile("wheel", *WHEELS, "arc")] = "cylinder"
     profile_origin: Literal["auto", "file", "flange_back"] = "auto"
     tape_circle: units.TapeCircle | None = None
     rolling_radius: units.Radius = 420.0
@@ -418,17 +429,34 @@ class Wheel(BodySection):
 
 
 class Wheelset(Section):
-    """Position of the wheelset on the track. The roll follows, as both wheels touch their rails.
+    """Position of the wheelset on the track, which wheel is solved, and what is on the other side.
+
+    Shift, yaw and roll are in the axes of the right side, whichever wheel is solved. Everything
+    else is in the axes of the wheel that is solved: those of the left one are the mirror image.
 
     shift: mm, lateral displacement towards the field side (+y) of the right rail, which brings the
         flange of the right wheel towards that rail.
     yaw: rad, rotation of the axle about the vertical axis z, from x to y.
+    roll: rad, rotation of the axle about x, from y to z; each wheel then touches its rail at a
+        height of its own. None: both rails are equally high, and the roll follows.
     back_to_back: mm between the backs of both flanges.
+    side: wheel that is solved, on its rail, "right" or "left". The tables [rail] and [wheel]
+        describe it.
+    other_rail: profile of the other rail: 54E1, 60E1, or a file, which is read by the keys of
+        [rail]; None: the same profile.
+    other_wheel: profile of the other wheel: cylinder, cone20, cone40, S1002, or a file, which is
+        read by the keys of [wheel]; None: the same profile.
+    other_radius: mm, nominal rolling radius of the other wheel; None: the same.
     """
 
     shift: units.Shift = 0.0
-    yaw: units.Yaw = 0.0
+    yaw: units.AxleAngle = 0.0
+    roll: units.AxleAngle | None = None
     back_to_back: units.Gauge = 1360.0
+    side: Literal["right", "left"] = "right"
+    other_rail: Annotated[str, _profile("rail", *RAILS)] | None = None
+    other_wheel: Annotated[str, _profile("wheel", *WHEELS)] | None = None
+    other_radius: units.Radius | None = None
 
 
 class Solver(Section):

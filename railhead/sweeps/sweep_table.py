@@ -22,7 +22,8 @@ from railhead.sweeps.grid import column, shown
 COLUMNS = [each for each in quantities.QUANTITIES if each.column]
 CHECKS, PASSED, WARNINGS, BELOW = "checks", "passed", "warnings", "below resolution"
 REPORT = "report.html"
-FILES = ("profile", "stress_strain")  # ends of keys whose values are files
+FILES = ("profile", "stress_strain", "other_rail", "other_wheel")
+"""Ends of keys whose values are files."""
 FEW = 0.05  # an estimate beyond is counted in the verdict
 
 
@@ -46,12 +47,15 @@ def record(over: Mapping[str, object], result: Result | Exception) -> dict[str, 
     table = {"over": over, "fault": "", "summary": result.summary, "outlines": outlines}
     placed = result.plan.contact.placed if result.plan.scene.rail.gauge else None
     if placed is not None:
-        left, right = placed.left.touches[0], placed.right.touches[0]
+        here, there = placed.right.touches[0], placed.left.touches[0]
+        name = "left"
+        if result.plan.scene.wheelset.side == "left":
+            here, there, name = there, here, "right"
         table["wheelset"] = {
-            "rolling radius [mm]": right.radius,
-            "left rolling radius [mm]": left.radius,
-            "left contact angle [deg]": math.degrees(left.angle),
-            "left patch y [mm]": left.y,
+            "rolling radius [mm]": here.radius,
+            f"{name} rolling radius [mm]": there.radius,
+            f"{name} contact angle [deg]": math.degrees(there.angle),
+            f"{name} patch y [mm]": there.y,
         }
     return table
 

@@ -10,7 +10,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from railhead.geometry import profiles
-from railhead.geometry.placement import ProfilePair, Track, place
+from railhead.geometry.placement import ProfilePair
+from railhead.geometry.wheelset import Track, WheelsetOnTrack
 from railhead.postprocess.pictures.diagrams import FE, GREY, HERTZ, new_figure
 from studies import tables
 from studies.mechanics import creep_runs as changes
@@ -216,7 +217,8 @@ def draw_axes(path: Path) -> None:
 def _front(axes: Axes) -> None:
     """Draw wheel and rail from the front, with y, normal and shift."""
     pair = ProfilePair(profiles.rail_head("60E1", 1 / 40), profiles.s1002(), 460.0)
-    side = place(pair, Track(gauge=1435.0), shift=SHIFT).right
+    track = Track(gauge=1435.0)
+    side = WheelsetOnTrack(right=pair, left=pair, track=track).place(SHIFT).right
     touch, y = side.touches[0], np.linspace(*pair.rail.domain, 801)
     outline = pair.outline(side.pose, np.linspace(*pair.wheel.domain, 801)).points[:, 1:].T
     for steel, end, colour in (((y, pair.rail.height(y)), -30, STEEL), (outline, 40, "#eceff2")):

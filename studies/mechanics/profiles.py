@@ -180,7 +180,7 @@ within it."""
 
 def solved(scene: Scene, pair: ProfilePair | None = None) -> BoundaryElementSolution:
     """Boundary-element solution of a scene as half-spaces; pair: profiles, None: the scene's."""
-    contact = solid.locate(scene, pair)
+    contact = solid.locate(scene, None if pair is None else (pair, pair))
     return boundary_elements.solve(contact, closed_forms.ellipse(scene, contact), scene.load)
 
 

@@ -18,8 +18,9 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize_scalar
 
 from railhead.contact import solid
-from railhead.geometry import placement, profiles
+from railhead.geometry import profiles
 from railhead.geometry.placement import ProfilePair
+from railhead.geometry.wheelset import WheelsetOnTrack
 from railhead.planning.references import closed_forms
 from railhead.scene.scene import Scene
 from railhead.theory.bem import pressure_solver
@@ -280,7 +281,7 @@ def profile_facts() -> dict[str, float]:
         wheel = profiles.cone(profiles.CONES[tread], solid.TREAD_HALF_WIDTH, tread)
         for name, slope in INCLINATIONS.items():
             pair = ProfilePair(profiles.rail_head("54E1", slope), wheel, 420.0)
-            touch = placement.place(pair, placement.Track()).right.touches[0]
+            touch = WheelsetOnTrack(right=pair, left=pair).place().right.touches[0]
             angle = math.atan(slope)
             found[f"y {tread} {name}"] = touch.y * math.cos(angle) + touch.z * math.sin(angle)
     head, s1002 = profiles.rail_head("54E1"), profiles.s1002()

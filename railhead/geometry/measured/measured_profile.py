@@ -17,8 +17,8 @@ from railhead.geometry.measured.formats import FormatError, Table
 from railhead.geometry.measured.ordering import PointError
 from railhead.geometry.measured.orientation import FROM_SHAPE, Orientation, Oriented
 from railhead.geometry.measured.smoothing import Smoothed
-from railhead.geometry.placement import PlacementError, gauge_face
 from railhead.geometry.profiles import Profile, Spline
+from railhead.geometry.wheelset import GaugeError, gauge_face
 from railhead.theory.array_types import Array
 
 STEEPEST = 0.045  # dy over ds: steeper faces than those of a standard rail's corners are cut off
@@ -68,7 +68,7 @@ class Measured:
             }
         try:
             y = gauge_face(self.profile)
-        except PlacementError:
+        except GaugeError:
             return {"crown": np.zeros(2)}
         point = np.array([y, float(self.profile.height(y))])
         return {"crown": np.zeros(2), "gauge point": point}

@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from railhead.geometry import placement, profiles
+from railhead.geometry import profiles
 from railhead.geometry.placement import ProfilePair
+from railhead.geometry.wheelset import WheelsetOnTrack
 from railhead.scene import catalogue
 from railhead.theory.elastic.hertz import point_contact
 from studies.thesis import geometry, hertz, stress, thesis_study
@@ -57,7 +58,8 @@ def test_touches_on_the_real_profiles(facts) -> None:
 
 def test_corrected_equations_hold_on_the_real_profiles() -> None:
     rail, tread = profiles.rail_head("54E1"), profiles.cone(1 / 20, 60.0, "cone20")
-    side = placement.place(ProfilePair(rail, tread, 420.0), placement.Track()).right
+    pair = ProfilePair(rail, tread, 420.0)
+    side = WheelsetOnTrack(right=pair, left=pair).place().right
     touch = side.touches[0]
 
     def wheel(s1: float, s2: float) -> thesis_geometry.Array:

@@ -64,7 +64,7 @@ def passing(contact: Contact, radius: float, points: np.ndarray) -> np.ndarray:
 
 
 def turning_radius(given: rh.Scene, axle: str) -> float:
-    _, placed = place(given)
+    placed = place(given)
     both = [side.touches[0].radius for side in (placed.right, placed.left)]
     return 460.0 if axle == "nominal" else sum(both) / 2
 

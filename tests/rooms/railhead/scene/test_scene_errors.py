@@ -94,7 +94,7 @@ WRONG: list[tuple[str, object, str]] = [
     ("rail.poisson_ratio", -0.1, "-0.1 is not allowed"),
     ("rail.poisson_ratio", "0.3 mm", "'0.3 mm' is not a number"),
     ("rail.yield_stress", INF, "inf is not allowed; give a stress from 1e-6 to 1e9 MPa"),
-    ("wheel.profile", "54E1", "give cylinder, cone20, cone40, arc, S1002 or a .csv, .txt, .dat"),
+    ("wheel.profile", "54E1", "give cylinder, cone20, cone40, S1002, arc or a .csv, .txt, .dat"),
     ("wheel.profile", "arc", "wheel.transverse_radius: not given"),
     ("wheel.transverse_radius", 300, "300 is not allowed; only profile arc takes it"),
     ("wheel.transverse_radius", 0, "0 is not allowed; give a length from 1e-6 to 1e9 mm"),
