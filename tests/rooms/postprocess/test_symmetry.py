@@ -117,9 +117,10 @@ def test_tractions_of_a_half_are_those_of_the_whole() -> None:
     y = np.array([0.5, 1.5])
     part = FrictionSolution(
         points=np.column_stack([y + 7, y, 0 * y]), weights=np.array([4.0, 2.0]), pressure=9 - y,
+        bound=2 * y,
         traction=np.column_stack([3 - y, y, 0 * y]), slip=np.column_stack([-y, y, 0 * y]),
         sticks=y < 1, rigid_slip=np.zeros((2, 3)), rigid_motion=(1.0, 0.0, 0.0), force=(13.0, 0.0),
-        moment=0.0, friction_limit=49.0, load_steps=np.zeros((0, 4)), dissipated_energy=0.0,
+        moment=0.0, load_steps=np.zeros((0, 4)), dissipated_energy=0.0,
         coupling_iterations=1, newton_steps=1,
     )  # fmt: skip
     part = replace(part, without_creepage=part)
@@ -127,6 +128,7 @@ def test_tractions_of_a_half_are_those_of_the_whole() -> None:
     for each in (found, found.without_creepage):
         assert each is not None and each.weights @ each.pressure == 4 * 8.5 + 2 * 7.5
         assert (each.weights @ each.traction).tolist() == [4 * 2.5 + 2 * 1.5, 0.0, 0.0]
+        assert each.friction_limit == 4 * 1.0 + 2 * 3.0
         np.testing.assert_array_equal(each.points[:, 0], np.abs(each.points[:, 1]) + 7)
         np.testing.assert_array_equal(each.slip[:, 1], each.points[:, 1])
         assert each.sticks.tolist() == [True, False] * 2 and len(each.rigid_slip) == 4
