@@ -418,31 +418,14 @@ def table(
 ) -> int:
     """Tabulate creep forces of ellipses, for vehicle programs."""
     from railhead.results import result_folder
-    from railhead.scene.units import FRACTION, to_base
     from railhead.sweeps import creep_tables
 
-    low, _, high = ratios.partition(":")
-    try:
-        ends = float(low), float(high or low)
-    except ValueError:
-        raise SceneError("--ratios", f"{ratios!r} is not allowed; give LOW:HIGH") from None
-    try:
-        part = to_base(accuracy, FRACTION)
-    except ValueError as error:
-        raise SceneError("--accuracy", str(error)) from None
-    request = creep_tables.Request(poisson=poisson, accuracy=part, ratios=ends, cells=cells)
+    request = creep_tables.asked(poisson, accuracy, ratios, cells)
     found = creep_tables.make(request, out, force=force, quiet=quiet or as_json)
-    if found is None:  # a rank that worked for the first one
-        return SOLVED
-    summary = creep_tables.summary(found)
-    if as_json:
-        click.echo(result_folder.to_json(summary), nl=False)
-    elif not quiet:
-        cases, grid = summary["cases"], summary["grid_error"]
-        click.echo(f"{cases} cases; between them 95 % are within, over mu N:")
-        for name, between in summary["interpolation_error"].items():
-            click.echo(f"  {name:12s} {between:.2%}, grid at most {grid[name]:.2%}")
-        click.echo(f"written to {out}/")
+    if found is not None and as_json:  # None: a rank that worked for the first one
+        click.echo(result_folder.to_json(creep_tables.summary(found)), nl=False)
+    elif found is not None and not quiet:
+        click.echo(f"{creep_tables.words(found)}written to {out}/")
     return SOLVED
 
 

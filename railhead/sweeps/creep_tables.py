@@ -15,6 +15,7 @@ from mpi4py import MPI
 from railhead.results import result_folder
 from railhead.run.progress import Progress, Tell
 from railhead.scene.scene import SceneError
+from railhead.scene.units import FRACTION, to_base
 from railhead.sweeps import store, worker_pool
 from railhead.theory.friction import creep_table as theory
 from railhead.theory.friction.creep_table import AXES, NUMBERS, CreepTable
@@ -59,6 +60,22 @@ class Request:
         ):
             if not good:
                 raise SceneError(key, f"{value} is not allowed; give {allowed}")
+
+
+def asked(poisson: float, accuracy: str, ratios: str, cells: int) -> Request:
+    """The request of a command's texts: accuracy as "2%", ratios as "LOW:HIGH" or one. Raises
+    SceneError for others.
+    """
+    low, _, high = ratios.partition(":")
+    try:
+        ends = float(low), float(high or low)
+    except ValueError:
+        raise SceneError("--ratios", f"{ratios!r} is not allowed; give LOW:HIGH") from None
+    try:
+        share = to_base(accuracy, FRACTION)
+    except ValueError as error:
+        raise SceneError("--accuracy", str(error)) from None
+    return Request(poisson=poisson, accuracy=share, ratios=ends, cells=cells)
 
 
 def creep_table(
@@ -162,6 +179,15 @@ def _text(table: CreepTable) -> str:
     columns = np.hstack([places, table.values.reshape(6, -1).T])
     lines = (",".join(f"{each:.6g}" for each in row) for row in columns)
     return HEAD.format(**vars(table)) + "\n".join([",".join(names), *lines, ""])
+
+
+def words(table: CreepTable) -> str:
+    """Lines that say how many cases a table has, and its errors over mu N."""
+    found = summary(table)
+    lines = [f"{found['cases']} cases; between them 95 % are within, over mu N:"]
+    for name, between in found["interpolation_error"].items():
+        lines.append(f"  {name:12s} {between:.2%}, grid at most {found['grid_error'][name]:.2%}")
+    return "\n".join([*lines, ""])
 
 
 def summary(table: CreepTable) -> dict[str, Any]:
