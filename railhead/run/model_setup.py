@@ -64,6 +64,7 @@ def setup(plan: Plan) -> Setup:
         slave=plan.slave,
         gap=plan.gap_contact.gap(plan.slave),
         degree=plan.order,
+        cut=kinematics.dim == 2,  # in a solid eight times as many points as whole facets have
         law=ContactLaw(scene.solver.method, theta, scene.solver.gamma_factor),
         planes=plan.planes,
         far_field=partial(hertz_far_field, scene, contact, made) if far else None,

@@ -164,8 +164,9 @@ def solve(
         nothing touches.
 
     A linear solve ends early where its solution changes the active set so much that this leaves
-    more in R than the linear residual. Where the tangent changes within a set, see `ForcingTerm`. A
-    result that did not converge is returned too.
+    more in R than the linear residual. Where the tangent changes within a set, see `ForcingTerm`.
+    Where the approach is prescribed and nothing touches, the residual is measured by the applied
+    forces: bodies apart are a solution. A result that did not converge is returned too.
     """
     comm = problem.stiffness.comm.tompi4py()
     result = NewtonResult(problem.force.duplicate(), np.zeros(len(active)), "too many Newton steps")
@@ -192,6 +193,8 @@ def solve(
             result.pressure = pressure = np.maximum(indicator, 0.0)
             residual = problem.residual(y, pressure)
             scale = problem.contact_force(pressure)
+            if not scale and problem.stiffness.border is None:  # bodies may rest without contact
+                scale = problem.force.norm() or residual.norm() or 1.0
             norm = residual.norm() / scale if scale else float("inf")
             rounding = ROUNDING * (diagonal * y).norm()
             active = pressure > 0.0

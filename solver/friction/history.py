@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -90,6 +91,8 @@ class FrictionHistory:
         solution, and its load includes what tractions on inclined surfaces carry.
         """
         solution = self.pressed
+        if reason := self._beyond_friction():
+            return replace(solution, newton=replace(solution.newton, reason=reason))
         for load_share, force_share in self.settings.load_steps:
             solution = self._step(solution, load_share, force_share)
             if not solution.newton.converged:
@@ -100,6 +103,20 @@ class FrictionHistory:
             reference=self.pressed,
             friction=self._friction_solution(),
         )
+
+    def _beyond_friction(self) -> str:
+        """Why the prescribed forces cannot be carried: in some load step they are above the
+        coefficient of friction times the integral of the pressure; empty where they can.
+        """
+        system = self.system
+        carried = system.comm.allreduce(system.interface.weights @ self.pressed.pressure)
+        limit = self.settings.coefficient * system.setup.parts * float(carried)
+        given = math.hypot(*(force for _, force in self.settings.force_controlled))
+        for load, force in self.settings.load_steps:
+            if abs(force) * given > load * limit:
+                wanted = f"a force of {abs(force) * given:.6g} N"
+                return f"friction: {wanted} is above what it can carry, {load * limit:.6g} N"
+        return ""
 
     def _step(self, solution: Solution, load_share: float, force_share: float) -> Solution:
         """Solution after one load step; its result of Newton's method says whether the step

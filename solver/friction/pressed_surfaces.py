@@ -18,6 +18,8 @@ from railhead.solver.system.setup import FrictionSettings
 from railhead.solver.system.solution import Solution
 from railhead.theory.array_types import Array, Index
 
+ALONG = 1e-6  # cosine of a normal to the mesh's first axis, below 1, that leaves no tangent
+
 
 class PressedSurfaces:
     """The surfaces of a pressed contact, gathered from all ranks (collective).
@@ -58,8 +60,11 @@ def surface_tangents(normals: Array) -> Array:
     plane and, with three coordinates, the normal times that tangent (cross product). The first axis
     is x, along the rail; only in a section across the rail it is y.
 
-    normals: unit normals (n, c), out of the rail.
+    normals: unit normals (n, c), out of the rail. Raises ValueError for a normal along the first
+        axis of the mesh.
     """
+    if np.any(np.abs(normals[:, 0]) > 1 - ALONG):
+        raise ValueError("the contact's normal lies along the mesh's first axis: turn the mesh")
     along = np.zeros_like(normals)
     along[:, 0] = 1.0
     along -= normals[:, :1] * normals

@@ -58,6 +58,8 @@ def assemble(
     kinematics: meaning of the mesh coordinates: a solid, plane strain, or a section that is
         revolved.
     rule: degree of the quadrature; None: that which suits `degree`.
+    Raises ValueError for a cell that belongs to no body, and for mean dilatation in hexahedra or
+    quadrilaterals of degree 2, whose divergence at the centroid is not the mean.
     K has one block a node (BAIJ), in N/mm, and no boundary condition is applied. It is that of the
     meshed part: of a plane section times its thickness, of a meridian section of the whole turn.
     """
@@ -65,6 +67,12 @@ def assemble(
     lame = np.zeros((cells.size_local + cells.num_ghosts, 2))
     for tag, material in materials.items():
         lame[cell_tags.find(tag)] = material.lame
+    none = mesh.comm.allreduce(int(np.count_nonzero(lame[: cells.size_local, 1] == 0)))
+    if none:
+        raise ValueError(f"{none} cells belong to no body: the bodies' tags are {[*materials]}")
+    pointwise = kinematics.mean_dilatation and not kinematics.averaged
+    if pointwise and degree > 1 and compat.cell_type(mesh) in ("hexahedron", "quadrilateral"):
+        raise ValueError("mean dilatation needs triangles or tetrahedra, or cells of degree 1")
     lam = compat.cellwise_constant(mesh, lame[:, 0])
     mu = compat.cellwise_constant(mesh, lame[:, 1])
 

@@ -57,6 +57,7 @@ class Reduction:
     approach: local place that holds the approach, which is a place of no node's unknown; -1: on
         another rank, or the approach is prescribed.
     column: number of that place among the places of all ranks; -1: the approach is prescribed.
+    unknowns: number of free unknowns of all ranks, the approach included.
     rigid_approach: whether the approach is an unknown but moves no node, because the body that it
         moves is rigid.
     """
@@ -66,13 +67,8 @@ class Reduction:
     aligned: bool
     approach: int
     column: int
+    unknowns: int
     rigid_approach: bool
-
-    @property
-    def unknowns(self) -> int:
-        """Number of free unknowns of all ranks, the approach included (collective)."""
-        local = int(self.free.sum()) + (self.approach >= 0)
-        return int(self.matrix.comm.tompi4py().allreduce(local))
 
     def squared_norms(self) -> PETSc.Vec:
         """Squared norms of the columns of the map P from free unknowns to dofs, as a distributed
@@ -142,6 +138,7 @@ def reduce(supports: Supports, comm: MPI.Intracomm) -> Reduction:
         aligned=not comm.allreduce(int(np.any(row != column))),
         approach=approach,
         column=place,
+        unknowns=int(comm.allreduce(int(free.sum()) + (approach >= 0))),
         rigid_approach=supports.hub_free and not comm.allreduce(int(hub.sum())),
     )
 

@@ -24,13 +24,14 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from railhead.solver.space import pieces
 from railhead.solver.space.cells import quadrature_degree
 from railhead.solver.space.facets import FacetSet, pair
 from railhead.solver.space.operators import assemble_rows
 from railhead.theory.array_types import Array, Index
 
-SECTION_QUADRATURE = 15  # degree of the contact quadrature in a plane section, where points are
-# cheap: it integrates across the master's element edges, and the pressure's error falls tenfold
+SECTION_QUADRATURE = {False: 15, True: 7}  # degree of the contact quadrature in a plane section,
+# on whole facets (False) and on pieces: as many points, which follow the edge of the patch
 LAYER_FACTOR = 2.0  # of the trace bound in hexahedra and quadrilaterals. Where Poisson's ratio is
 # small, a whole layer of them that is stretched attains the bound in each cell at no other cost.
 # Tetrahedra at a facet share their corners with others that have no contact facet.
@@ -168,6 +169,7 @@ def build(
     exact: Gap,
     local_dofs: int,
     comm: MPI.Intracomm,
+    cut: bool = True,
 ) -> Interface:
     """Contact points of the slave, paired with the master, and the matrices of gap and normal
     stress (collective).
@@ -177,19 +179,27 @@ def build(
     exact: exact initial gap and the slave's outward normals.
     local_dofs: number of owned dofs of the displacement space on this rank.
     comm: communicator of the mesh.
-    Points whose normal misses the master surface, or where the gap is not finite, are left out.
+    cut: whether the points lie on the pieces into which the facets of both surfaces cut each other;
+        otherwise, and with a rigid counterface, on the slave's whole facets.
+    Points whose normal misses the master surface, or where the gap is not finite, are left out;
+    raises ValueError where none is left on any rank.
     """
     flat = slave.kinematics.dim == 2
-    order = SECTION_QUADRATURE if flat else 2 * slave.degree + 1
-    (facet, xi), weights = slave.quadrature(order)
+    other = None if master is None else master.gathered(comm)
+    cut = cut and other is not None
+    order = SECTION_QUADRATURE[cut] if flat else 2 * slave.degree + 1
+    (facet, xi), weights = (
+        pieces.quadrature(slave, other, order) if cut and other else slave.quadrature(order)
+    )
     points, _ = slave.tangents(facet, xi)
     initial_gap, normals = _exact(slave, exact, points)
     keep = np.isfinite(initial_gap)
-    if master is not None:
-        other = master.gathered(comm)
+    if other is not None:
         partner, eta = pair(points, normals, other)
         keep &= partner >= 0
         partner, eta = partner[keep], eta[keep]
+    if not comm.allreduce(int(keep.sum())):
+        raise ValueError("no contact point has a finite gap and a facet of the other body opposite")
     facet, xi, weights = facet[keep], xi[keep], weights[keep]
     points, normals, initial_gap = points[keep], normals[keep], initial_gap[keep]
 
@@ -198,7 +208,7 @@ def build(
     dim = slave.kinematics.dim
     dofs = dim * slave.dofs[facet][:, :, None] + np.arange(dim)
     blocks = [(dofs, -phi[:, :, None] * normals[:, None, :])]
-    if master is not None:
+    if other is not None:
         values, _ = other.basis(partner, other.reference(partner, eta))
         partner_dofs = dim * other.dofs[partner][:, :, None] + np.arange(dim)
         blocks.append((partner_dofs, values[:, :, None] * normals[:, None, :]))

@@ -128,19 +128,49 @@ class FacetSet(CellSet):
         x, jacobian = self._map(index, self.reference(index, xi))
         return x, jacobian @ self._edges(index)[1]
 
+    def normals(self, index: Index, tangent: Array) -> Array:
+        """Outward unit normals (n, c) at points of the facets with these numbers (n,); tangent:
+        derivatives of the position (n, c, c - 1), see `tangents`.
+        """
+        first = tangent[..., 0]
+        if tangent.shape[2] == 1:
+            normal = np.stack([first[:, 1], -first[:, 0]], axis=1)
+        else:
+            normal = np.cross(first, tangent[..., 1])
+        outward = self.vertices[index].mean(axis=1) - self.nodes[index].mean(axis=1)
+        normal *= np.sign(np.einsum("nc,nc->n", normal, outward))[:, None]
+        return np.asarray(normal / np.linalg.norm(normal, axis=1)[:, None])
+
+    @cached_property
+    def flat_normals(self) -> Array:
+        """Outward unit normal (m, c) of each facet, drawn straight between its corners, at its
+        middle.
+        """
+        corners = self.vertices
+        edges = corners[:, 1 : self.kinematics.dim] - corners[:, :1]
+        if corners.shape[1] == 4:
+            edges = edges + corners[:, 3:] - corners[:, [2, 1]]
+        return self.normals(np.arange(len(self)), np.swapaxes(edges, 1, 2))
+
+    def measure(self, index: Index, xi: Array) -> Array:
+        """Area (n,) in mm2 per area of the reference facet, at coordinates xi (n, c - 1) of the
+        facets with these numbers (n,): of a plane section times its thickness, of a meridian
+        section of the whole turn.
+        """
+        x, tangent = self.tangents(index, xi)
+        area = np.sqrt(np.linalg.det(np.swapaxes(tangent, 1, 2) @ tangent))
+        return np.asarray(area * self.kinematics.measure(x))
+
     def quadrature(self, degree: int) -> tuple[tuple[Index, Array], Array]:
         """Quadrature points of all facets, facet by facet: (facet number (n,), coordinates xi (n, c
-        - 1) in the reference facet), and weights (n,) in mm2: of a plane section times its
-        thickness, of a meridian section of the whole turn. degree: degree of the quadrature.
+        - 1) in the reference facet), and weights (n,) in mm2, see `measure`. degree: degree of the
+        quadrature.
         """
         kind = getattr(basix.CellType, facet_type(self.cell))
         xi, weights = basix.make_quadrature(kind, degree)
         index = np.repeat(np.arange(len(self)), len(weights))
         points = np.tile(xi, (len(self), 1))
-        x, tangent = self.tangents(index, points)
-        area = np.sqrt(np.linalg.det(np.swapaxes(tangent, 1, 2) @ tangent))
-        area = area * self.kinematics.measure(x)
-        return (index, points), np.tile(weights, len(self)) * area
+        return (index, points), np.tile(weights, len(self)) * self.measure(index, points)
 
 
 CANDIDATES = (8, 64)  # nearest facets that are tried first, and where these fail
@@ -168,7 +198,7 @@ def pair(points: Array, normals: Array, master: FacetSet) -> tuple[Index, Array]
         _, near = tree.query(points[missing], k=count)
         near = np.asarray(near).reshape(len(missing), count)
         repeated = np.repeat(missing, count)
-        guess = _project_on_corners(points[repeated], normals[repeated], master, near.ravel())
+        guess = project_on_corners(points[repeated], normals[repeated], master, near.ravel())
         outside = _outside(guess, master).reshape(near.shape)
         best = outside.argmin(axis=1)
         each = np.arange(len(missing))
@@ -195,7 +225,7 @@ def _outside(xi: Array, master: FacetSet) -> Array:
     return result
 
 
-def _project_on_corners(points: Array, normals: Array, master: FacetSet, facet: Index) -> Array:
+def project_on_corners(points: Array, normals: Array, master: FacetSet, facet: Index) -> Array:
     """Coordinates xi (n, c - 1) at which the normals from points meet facets that are drawn
     straight between their corners. One step is exact for flat triangles.
 

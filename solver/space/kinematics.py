@@ -38,6 +38,12 @@ class Kinematics:
     revolved: bool = False
     mean_dilatation: bool = False
 
+    def __post_init__(self) -> None:
+        """Check the axes; raises ValueError where they are no right-handed unit vectors at right
+        angles.
+        """
+        must_be_orthonormal("axes", self.axes)
+
     @property
     def averaged(self) -> bool:
         """Whether the mean dilatation has to be integrated over each cell: in a meridian section,
@@ -172,6 +178,17 @@ class Kinematics:
         if self.dim == 2:
             return [*shift, np.stack([-points[..., 1], points[..., 0]], axis=-1)]
         return [*shift, *(np.cross(e, points) for e in np.eye(3))]
+
+
+def must_be_orthonormal(name: str, axes: Array) -> None:
+    """Raise ValueError, with the name of what is given, for rows (k, 3) that are no unit vectors at
+    right angles, or for three that are left-handed.
+    """
+    rows = np.asarray(axes, float)
+    if rows.ndim != 2 or not np.allclose(rows @ rows.T, np.eye(len(rows)), atol=1e-6):
+        raise ValueError(f"{name} must be unit vectors at right angles, not {rows.tolist()}")
+    if len(rows) == 3 and np.linalg.det(rows) < 0:
+        raise ValueError(f"{name} must be right-handed, not {rows.tolist()}")
 
 
 SOLID = Kinematics()

@@ -124,6 +124,7 @@ class ContactSystem:
             setup.gap,
             setup.kinematics.dim * self.owned,
             self.comm,
+            setup.cut,
         )
         supports = self.supports(self.bulk.space)
         self.reduction = constraints.reduce(supports, self.comm)
@@ -153,7 +154,7 @@ class ContactSystem:
 
     @property
     def unknowns(self) -> int:
-        """Number of free unknowns of all ranks (collective)."""
+        """Number of free unknowns of all ranks."""
         return self.reduction.unknowns
 
     def nodes_on_facets(self, space: Any, tag: int) -> NDArray[np.bool_]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from railhead.solver.material.elasticity import Material
 from railhead.solver.space.contact_interface import ContactLaw, Gap
-from railhead.solver.space.kinematics import SOLID, Kinematics
+from railhead.solver.space.kinematics import SOLID, Kinematics, must_be_orthonormal
 from railhead.theory.array_types import Array
 
 LINEAR_SOLVERS = ("auto", "direct", "multigrid")
@@ -98,6 +98,14 @@ class FrictionSettings:
     load_steps: tuple[tuple[float, float], ...] = ((1.0, 1.0),)
     far_field: Callable[[int, int, Array], Array] | None = None
 
+    def __post_init__(self) -> None:
+        """Check axes and load steps; raises ValueError for axes that are no right-handed unit
+        vectors at right angles, and without a load step.
+        """
+        must_be_orthonormal("axes", self.axes)
+        if not self.load_steps:
+            raise ValueError("load_steps must hold at least one step")
+
     def resultants(
         self, points: Array, weights: Array, traction: Array, planes: Sequence[Any]
     ) -> tuple[tuple[float, float], float]:
@@ -126,6 +134,9 @@ class Setup:
     slave: tag of the body whose contact surface carries the contact points.
     gap: exact initial gap in mm and the slave's outward normals, from points on the slave.
     degree: polynomial degree of the displacement, 1 or 2.
+    cut: whether the contact points lie on the pieces into which the facets of both bodies cut each
+        other, so that a constant pressure stays constant on any two meshes; False: on the slave's
+        whole facets, which are fewer points.
     law: contact law, Nitsche's method or a penalty.
     direction: unit vector of the approach, from the moving body towards the fixed one.
     planes: (facet tag, unit normal, of either sense) of each symmetry plane, in which the
@@ -145,7 +156,8 @@ class Setup:
         a flow curve.
     friction: settings of Coulomb friction; None: the contact is frictionless.
 
-    Raises ValueError for a slave that is no deformable body, and for an unknown `linear`.
+    Raises ValueError for a slave that is no deformable body, an unknown `linear`, a load path where
+    no body can yield, and a direction or a plane's normal that is no unit vector.
     """
 
     fixed: ContactBody
@@ -153,6 +165,7 @@ class Setup:
     slave: int
     gap: Gap
     degree: int
+    cut: bool = True
     law: ContactLaw = field(default_factory=ContactLaw)
     direction: tuple[float, float, float] = (0.0, 0.0, -1.0)
     planes: tuple[tuple[int, tuple[float, float, float]], ...] = ()
@@ -165,9 +178,10 @@ class Setup:
     friction: FrictionSettings | None = None
 
     def __post_init__(self) -> None:
-        """Check slave, linear solver and load path; raises ValueError for a slave that is no
-        deformable body, an unknown `linear`, and a load path where no body can yield.
-        """
+        """Check slave, linear solver, load path and directions."""
+        must_be_orthonormal("direction", np.array([self.direction]))
+        for _, normal in self.planes:
+            must_be_orthonormal("planes", np.array([normal]))
         bodies = {body.tag: body for body in (self.fixed, self.moving)}
         if self.slave not in bodies or bodies[self.slave].rigid:
             raise ValueError(f"slave {self.slave} is no body that deforms; there are {[*bodies]}")

@@ -154,6 +154,11 @@ class Solution:
     friction: FrictionSolution | None = None
     reference: Solution | None = None
 
+    @property
+    def touching(self) -> bool:
+        """Whether the bodies touch at any contact point of any rank."""
+        return bool(self.newton.history and self.newton.history[-1].active)
+
     def __getstate__(self) -> dict[str, Any]:
         """The attributes without the displacement, a PETSc vector, which cannot be pickled."""
         return {**self.__dict__, "displacement": None}
