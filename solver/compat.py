@@ -160,6 +160,15 @@ def vector_space(mesh: Any, degree: int) -> Any:
     return _space(mesh, kind)
 
 
+def tensor_space(mesh: Any, degree: int) -> Any:
+    """Space of tensors (3, 3) that jump between cells; degree: polynomial degree in each cell."""
+    kind: Any = ("DG", degree, (3, 3))
+    if _OLD:
+        family = "DQ" if cell_type(mesh) in ("quadrilateral", "hexahedron") else "DG"
+        kind = ufl.TensorElement(family, mesh.ufl_cell(), degree, shape=(3, 3))
+    return _space(mesh, kind)
+
+
 def _space(mesh: Any, kind: Any) -> Any:
     """dolfinx function space on a mesh; kind: a UFL element, or (family, degree) and for vectors
     the shape.

@@ -29,6 +29,7 @@ from railhead.theory.array_types import Array, Mask
 
 ROUNDING = 100 * np.finfo(float).eps  # of diag(K) y: the residual cannot fall below it
 OVERSHOOT = 0.3  # slope past the minimum, relative to the slope at the start, that is let pass
+MOST_RETURNED = 8  # halves of steps that lose contact
 MOST_RETURNS = 3  # times an active set may come back before the method gives up
 CONVERGED = "residual below tolerance"
 
@@ -174,7 +175,8 @@ def solve(
     y.set(0.0)
     iterations, length = 0, 1.0
     seen = _SeenActiveSets(comm)
-    diagonal = problem.stiffness.diagonal()
+    diagonal, increment = problem.stiffness.diagonal(), None
+    returned, free = 0, False  # steps taken back; whether one was taken without contact
     try:
         if start is not None:
             start.copy(y)
@@ -193,13 +195,23 @@ def solve(
             result.pressure = pressure = np.maximum(indicator, 0.0)
             residual = problem.residual(y, pressure)
             scale = problem.contact_force(pressure)
-            if not scale and problem.stiffness.border is None:  # bodies may rest without contact
+            apart = not scale and problem.stiffness.border is None
+            if apart:  # bodies may rest without contact
                 scale = problem.force.norm() or residual.norm() or 1.0
             norm = residual.norm() / scale if scale else float("inf")
             rounding = ROUNDING * (diagonal * y).norm()
             active = pressure > 0.0
             failure = ""
-            if not np.isfinite(norm):
+            if apart:
+                rounding = 0.0  # of bodies that nothing holds
+                if norm > rtol and increment is not None and returned < MOST_RETURNED:
+                    returned, length = returned + 1, length / 2  # where something touched
+                    y.axpy(-length, increment)
+                    continue
+                if norm > rtol and free:
+                    failure = "the bodies do not touch"
+                free = True
+            elif not np.isfinite(norm):
                 failure = "the residual is not a number" if scale else "the bodies do not touch"
             result.history.append(
                 NewtonStep(
@@ -214,7 +226,7 @@ def solve(
             progress(step, norm)
             if failure:
                 result.reason = failure
-                if scale:
+                if scale and not apart:
                     _clear(result)
                 return result
             if norm <= max(rtol, rounding / scale):
@@ -235,7 +247,7 @@ def solve(
             if problem.law.symmetric:
                 length = line_search(problem, y, increment)
             else:
-                returns = seen.count(active)
+                returns = seen.count(problem.branches(active))
                 if returns > MOST_RETURNS:
                     result.reason = "the active set cycles"
                     return result

@@ -40,6 +40,7 @@ from railhead.solver.friction.pressed_surfaces import (
     rows_at,
     surface_tangents,
 )
+from railhead.solver.space.contact_interface import shear_stress
 from railhead.solver.space.facets import pair
 from railhead.solver.space.operators import assemble_rows, select_rows, vector
 from railhead.solver.system.contact_system import ContactSystem
@@ -358,11 +359,9 @@ class StaticCondensation(PressedSurfaces):
         """
         interface = self.system.interface
         facet, xi = interface.facet[self.own], interface.xi[self.own]
-        slave, t, n = interface.slave, self.tangents, self.normals
-        _, gradient = slave.basis(facet, slave.reference(facet, xi))
-        along = np.einsum("pdc,pkc->pkd", gradient, t)[..., None] * n[:, None, None, :]
-        normal = np.einsum("pdc,pc->pd", gradient, n)[:, None, :, None] * t[:, :, None, :]
-        values = slave.lame[facet, 1][:, None, None, None] * (along + normal)
+        slave = interface.slave
+        at = slave.reference(facet, xi)
+        values = shear_stress(slave, facet, at, self.normals, self.tangents)
         return self._rows([rows(slave, facet, values)])
 
     def _rows(self, blocks: list[tuple[Index, Array]]) -> PETSc.Mat:

@@ -100,7 +100,7 @@ class YieldPoints:
         add_transposed(self.strain_matrix, self.weights[:, None] * stress, out)
 
 
-class _PlasticTangent(Tangent):
+class PlasticTangent(Tangent):
     """PETSc shell context of the tangent y -> K y - E^T w (C - C_ep) E y - theta S^T w S_ep y +
     Bt^T w A B_ep y.
 
@@ -137,7 +137,7 @@ class PlasticProblem(ContactProblem):
     surface: YieldPoints
     normal_dyads: Array
     tangent_depends_on_state: ClassVar[bool] = True
-    tangent_context: ClassVar[type[Tangent]] = _PlasticTangent
+    tangent_context: ClassVar[type[Tangent]] = PlasticTangent
 
     def __post_init__(self) -> None:
         """Start with the histories of the points as their states, and without operators of yielding
@@ -291,7 +291,7 @@ def bulk_points(
             numbers = numbers[near(kinematics.lift(centroids))]
         parts.append(numbers)
         curves.append(material.hardening)
-    every = np.concatenate(parts)
+    every = np.concatenate([np.zeros(0, np.int64), *parts])
     cells = CellSet.of(bulk, every)
     degree = quadrature_degree(cells.cell, cells.degree, kinematics)
     (index, reference), x, weights = cells.quadrature_points(degree)

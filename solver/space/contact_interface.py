@@ -30,8 +30,8 @@ from railhead.solver.space.facets import FacetSet, pair
 from railhead.solver.space.operators import assemble_rows
 from railhead.theory.array_types import Array, Index
 
-SECTION_QUADRATURE = {False: 15, True: 7}  # degree of the contact quadrature in a plane section,
-# on whole facets (False) and on pieces: as many points, which follow the edge of the patch
+SECTION_QUADRATURE = 15  # degree of the contact quadrature in a plane section, where points are
+# cheap: it follows the edge of the patch, and the pressure's error falls tenfold
 LAYER_FACTOR = 2.0  # of the trace bound in hexahedra and quadrilaterals. Where Poisson's ratio is
 # small, a whole layer of them that is stretched attains the bound in each cell at no other cost.
 # Tetrahedra at a facet share their corners with others that have no contact facet.
@@ -184,10 +184,9 @@ def build(
     Points whose normal misses the master surface, or where the gap is not finite, are left out;
     raises ValueError where none is left on any rank.
     """
-    flat = slave.kinematics.dim == 2
     other = None if master is None else master.gathered(comm)
     cut = cut and other is not None
-    order = SECTION_QUADRATURE[cut] if flat else 2 * slave.degree + 1
+    order = quadrature_order(slave)
     (facet, xi), weights = (
         pieces.quadrature(slave, other, order) if cut and other else slave.quadrature(order)
     )
@@ -197,24 +196,49 @@ def build(
     if other is not None:
         partner, eta = pair(points, normals, other)
         keep &= partner >= 0
-        partner, eta = partner[keep], eta[keep]
     if not comm.allreduce(int(keep.sum())):
         raise ValueError("no contact point has a finite gap and a facet of the other body opposite")
-    facet, xi, weights = facet[keep], xi[keep], weights[keep]
-    points, normals, initial_gap = points[keep], normals[keep], initial_gap[keep]
+    opposite = None if other is None else (other, partner[keep], eta[keep])
+    chosen = (facet[keep], xi[keep]), weights[keep], points[keep], normals[keep]
+    bound = trace_bound(slave, 2 * slave.degree, lambda *at: _exact(slave, exact, at[2])[1])
+    return assembled(slave, master, chosen, initial_gap[keep], opposite, bound, local_dofs, comm)
 
+
+def assembled(
+    slave: FacetSet,
+    master: FacetSet | None,
+    chosen: tuple[tuple[Index, Array], Array, Array, Array],
+    initial_gap: Array,
+    opposite: tuple[FacetSet, Index, Array] | None,
+    bound: Array,
+    local_dofs: int,
+    comm: MPI.Intracomm,
+) -> Interface:
+    """Contact interface at chosen points, with its matrices (collective).
+
+    slave, master, local_dofs, comm: see `build`.
+    chosen: (facet (n,) and coordinates xi (n, c - 1)), weights (n,), positions (n, c) and normals
+        (n, c) of the points.
+    initial_gap: along the normals (n,), mm.
+    opposite: facets of the master of all ranks, and the facet (n,) and coordinates (n, c - 1) there
+        that each point meets, -1 where that is rigid; None: all is rigid.
+    bound: trace bound of each facet of the slave, see `trace_bound`.
+    """
+    (facet, xi), weights, points, normals = chosen
     reference = slave.reference(facet, xi)
     phi, _ = slave.basis(facet, reference)
     dim = slave.kinematics.dim
     dofs = dim * slave.dofs[facet][:, :, None] + np.arange(dim)
     blocks = [(dofs, -phi[:, :, None] * normals[:, None, :])]
-    if other is not None:
-        values, _ = other.basis(partner, other.reference(partner, eta))
+    if opposite is not None:
+        other, partner, eta = opposite
+        met = (partner >= 0)[:, None]
+        partner = np.maximum(partner, 0)
+        values = met * other.basis(partner, other.reference(partner, eta))[0]
         partner_dofs = dim * other.dofs[partner][:, :, None] + np.arange(dim)
         blocks.append((partner_dofs, values[:, :, None] * normals[:, None, :]))
 
     traction = normal_stress(slave, facet, reference, normals)
-    bound = trace_bound(slave, exact, 2 * slave.degree)[facet]
     total = comm.allreduce(local_dofs)
     return Interface(
         slave=slave,
@@ -223,13 +247,18 @@ def build(
         weights=weights,
         initial_gap=initial_gap,
         normals=normals,
-        trace_bound=bound,
+        trace_bound=bound[facet],
         layered=slave.cell in ("hexahedron", "quadrilateral"),
         facet=facet,
         xi=xi,
         gap=assemble_rows(blocks, len(facet), local_dofs, total, comm),
         stress=assemble_rows([(dofs, traction)], len(facet), local_dofs, total, comm),
     )
+
+
+def quadrature_order(slave: FacetSet) -> int:
+    """Degree of the contact quadrature on each piece or facet."""
+    return SECTION_QUADRATURE if slave.kinematics.dim == 2 else 2 * slave.degree + 1
 
 
 def _exact(slave: FacetSet, exact: Gap, points: Array) -> tuple[Array, Array]:
@@ -240,7 +269,9 @@ def _exact(slave: FacetSet, exact: Gap, points: Array) -> tuple[Array, Array]:
     return gap, slave.kinematics.flatten(normals)
 
 
-def trace_bound(slave: FacetSet, exact: Gap, degree: int) -> Array:
+def trace_bound(
+    slave: FacetSet, degree: int, normals_at: Callable[[Index, Array, Array], Array]
+) -> Array:
     """Smallest stable parameter tau (m,) of Nitsche's method on each of m facets F of cells K,
     MPa/mm: the largest eigenvalue of
 
@@ -252,15 +283,15 @@ def trace_bound(slave: FacetSet, exact: Gap, degree: int) -> Array:
     tetrahedra. The value is multiplied by the number of contact facets of the cell, which share its
     energy.
 
-    exact: exact gap, which gives the normals n.
     degree: degree of the quadrature on the facets.
+    normals_at: facet (n,), coordinates xi there (n, c - 1) and position (n, c) -> normals n (n, c).
     """
     count = len(slave)
     if not count:  # this rank holds no part of the contact surface
         return np.zeros(0)
     (facet, xi), weights = slave.quadrature(degree)
     points, _ = slave.tangents(facet, xi)
-    _, normals = _exact(slave, exact, points)
+    normals = normals_at(facet, xi, points)
     reference = slave.reference(facet, xi)
     traction = normal_stress(slave, facet, reference, normals)
     size = slave.kinematics.dim * slave.dofs.shape[1]
@@ -295,6 +326,19 @@ def _cell_stiffness(slave: FacetSet) -> Array:
     weight = np.trace(energy, axis1=1, axis2=2) / size
     regular: Array = energy + weight[:, None, None] * rigid.transpose(0, 2, 1) @ rigid
     return regular
+
+
+def shear_stress(
+    slave: FacetSet, facet: Index, reference: Array, normals: Array, tangents: Array
+) -> Array:
+    """Coefficients (n, k, d, c) of the shear stress t . sigma(u) . n along k tangents t per
+    displacement of the d dofs of a cell, MPa/mm; tangents: (n, k, c), the rest as in
+    `normal_stress`.
+    """
+    _, gradient = slave.basis(facet, reference)
+    along = np.einsum("ndc,nkc->nkd", gradient, tangents)[..., None] * normals[:, None, None, :]
+    across = np.einsum("ndc,nc->nd", gradient, normals)[:, None, :, None] * tangents[:, :, None, :]
+    return np.asarray(slave.lame[facet, 1][:, None, None, None] * (along + across))
 
 
 def normal_stress(slave: FacetSet, facet: Index, reference: Array, normals: Array) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any
@@ -87,6 +88,33 @@ class FacetSet(CellSet):
             for name in ("local_facet", "nodes", "dofs", "lame")
         }
         return replace(self, **every)
+
+    @classmethod
+    def joined(cls, sets: Sequence[FacetSet]) -> FacetSet:
+        """One set with the facets of several sets of a mesh, in their order."""
+        every: dict[str, Any] = {
+            name: np.concatenate([getattr(each, name) for each in sets])
+            for name in ("local_facet", "nodes", "dofs", "lame")
+        }
+        return replace(sets[0], **every)
+
+    def moved(self, displacement: Array) -> FacetSet:
+        """The facets at their displaced places; displacement: (dofs, c) of all block dofs, mm."""
+        degree = max(self.degree, self.geometry_degree)
+        element = lagrange_element(self.cell, degree, basix.LagrangeVariant.equispaced)
+        points = np.asarray(element.points)
+        old = tabulate(self.cell, self.geometry_degree, points, geometry=True)[0]
+        more = tabulate(self.cell, self.degree, points)[0]
+        nodes = np.einsum("qk,mkc->mqc", old, self.nodes)
+        nodes += np.einsum("qd,mdc->mqc", more, displacement[self.dofs])
+        return replace(self, geometry_degree=degree, nodes=nodes)
+
+    def values(self, index: Index, xi: Array, displacement: Array) -> Array:
+        """Displacement (n, c) at coordinates xi (n, c - 1) of the facets with these numbers (n,);
+        displacement: (dofs, c) of all block dofs, mm.
+        """
+        phi, _ = self.basis(index, self.reference(index, xi))
+        return np.asarray(np.einsum("nd,ndc->nc", phi, displacement[self.dofs[index]]))
 
     @cached_property
     def vertices(self) -> Array:

@@ -64,7 +64,7 @@ def assemble_strains(
     dofs = dim * cells.dofs[index][:, :, None] + np.arange(dim)
     columns = np.broadcast_to(dofs[:, None], values.shape)
     used = values != 0.0
-    entries = np.count_nonzero(used.reshape(count * size, -1), axis=1)
+    entries = np.count_nonzero(used, axis=(2, 3)).ravel()
     table = sp.csr_matrix(
         (values[used], columns[used], np.concatenate([[0], np.cumsum(entries)])),
         shape=(count * size, comm.allreduce(local)),

@@ -17,6 +17,7 @@ from railhead.theory.array_types import Array, Index
 SIZE_CLASS = 2.0  # largest over smallest radius of the master's facets that are looked up together
 FACING = -0.1  # largest product of the normals of two facets that face each other
 COVERED = 1e-6  # share of a facet that the pieces on it may lack
+ON_LINE = 1e-9  # height over a line, in the reference facet, that is rounding
 SMALLEST = 1e-12  # area of a piece, in the reference facet
 
 
@@ -75,23 +76,30 @@ def cut(slave: FacetSet, master: FacetSet) -> tuple[Index, Array]:
     planes += [([-1.0, -1.0], 1.0)] if triangle else [([-1.0, 0.0], 1.0), ([0.0, -1.0], 1.0)]
     for normal, offset in planes:
         polygons = _clipped(polygons, polygons @ np.array(normal) + offset)
-    fans = [polygons[:, [0, k, k + 1]] for k in range(1, polygons.shape[1] - 1)]
-    triangles = np.stack(fans, axis=1).reshape(-1, 3, 2)
-    owner = np.repeat(one, len(fans))
-    used = np.abs(np.linalg.det(triangles[:, 1:] - triangles[:, :1])) > SMALLEST
-    return owner[used], triangles[used]
+    # From the centroid, so that corners which rounding adds, and their order, change nothing.
+    edges = np.stack([polygons, np.roll(polygons, -1, axis=1)], axis=2)
+    parts = np.linalg.det(edges - polygons[:, :1, None])
+    used = np.abs(parts.sum(axis=1)) > SMALLEST
+    one, polygons, edges, parts = one[used], polygons[used], edges[used], parts[used]
+    middle = np.einsum("pv,pvc->pc", parts, edges.sum(axis=2) + polygons[:, :1])
+    middle /= 3 * parts.sum(axis=1)[:, None]
+    apex = np.broadcast_to(middle[:, None, None], (*edges.shape[:2], 1, 2))
+    triangles = np.concatenate([apex, edges], axis=2)
+    used = np.abs(np.linalg.det(triangles[..., 1:, :] - triangles[..., :1, :])) > SMALLEST
+    return np.repeat(one, used.sum(axis=1)), triangles[used]
 
 
 def _clipped(polygons: Array, height: Array) -> Array:
     """Parts of convex polygons (p, v, 2) on the side of a line where the height (p, v) of their
-    corners above it is positive: (p, w, 2) with w corners, the last ones repeated.
+    corners above it is not negative: (p, w, 2) with w corners, the last ones repeated.
     """
+    height = np.where(np.abs(height) < ON_LINE, 0.0, height)
     after, above = np.roll(polygons, -1, axis=1), np.roll(height, -1, axis=1)
-    crosses = (height > 0) != (above > 0)
+    crosses = height * above < 0
     share = height / np.where(crosses, height - above, 1.0)
     met = polygons + share[..., None] * (after - polygons)
     every = np.stack([polygons, met], axis=2).reshape(len(polygons), -1, 2)
-    valid = np.stack([height > 0, crosses], axis=2).reshape(len(polygons), -1)
+    valid = np.stack([height >= 0, crosses], axis=2).reshape(len(polygons), -1)
     width = int(valid.sum(axis=1).max(initial=3))
     order = np.argsort(~valid, axis=1, kind="stable")[:, :width]
     last = np.maximum(valid.sum(axis=1) - 1, 0)[:, None]

@@ -1,0 +1,296 @@
+"""What serves all loads of a model: stiffness, supports and surfaces, assembled once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from dolfinx.fem.petsc import assemble_vector
+from petsc4py import PETSc
+
+from railhead.solver import compat
+from railhead.solver.algebra.newton import CONVERGED, NewtonResult
+from railhead.solver.algebra.problem import ContactProblem
+from railhead.solver.material.elasticity import Material, assemble
+from railhead.solver.material.hardening import History
+from railhead.solver.model.pairing import Pairing, Surfaces
+from railhead.solver.model.parts import Body, Clamp, Contact, Hub, Part, Slide, unit
+from railhead.solver.model.problem import AssembledStiffness, Factors, with_hubs
+from railhead.solver.model.stepping import HubLoads, State
+from railhead.solver.plasticity.plastic_problem import YieldPoints, bulk_points
+from railhead.solver.space import constraints
+from railhead.solver.space.constraints import Reduction
+from railhead.solver.space.kinematics import SOLID, Kinematics
+from railhead.solver.space.operators import vector
+from railhead.theory.array_types import Array, Mask
+
+SECTIONS = (None, "plane strain", "plane stress", "axisymmetric")
+NEAREST = 12  # points of a contact that the iterations start from
+ON_AXIS = 1e-9  # radius of a node on the axis, over the largest
+
+
+class Assembly:
+    """A model on its mesh. Its arguments are those of `Model`; raises ValueError as `Model.solve`.
+
+    bulk, stiffness: displacement space, and the stiffness on all dofs.
+    surfaces: of all contacts. secondary: material of the secondary body of each.
+    body_force: on all dofs.
+    masks: of each clamp, slide and hub, the nodes of this rank on its facets.
+    remembers: whether the answer depends on the way of the loads: with yield or friction.
+    """
+
+    def __init__(
+        self,
+        mesh: Any,
+        cell_tags: Any,
+        facet_tags: Any,
+        section: str | None,
+        degree: int,
+        thickness: float,
+        mean_dilatation: bool,
+        parts: Sequence[Part],
+    ) -> None:
+        self.comm, self.section, self.cell_tags = mesh.comm, section, cell_tags
+        self.kinematics = kinematics(mesh, section, thickness, mean_dilatation)
+        self.bodies = [each for each in parts if isinstance(each, Body)]
+        contacts = [each for each in parts if isinstance(each, Contact)]
+        supports = [each for each in parts if isinstance(each, Clamp | Slide | Hub)]
+        if not contacts:
+            raise ValueError("a model needs a Contact")
+        self.materials = {each.tag: each.material.material(section) for each in self.bodies}
+        for body in self.bodies:
+            self._must_exist("cells", cell_tags, body.tag)
+        tags = [each.tag for each in supports] + [each.secondary for each in contacts]
+        tags += [each.primary for each in contacts if isinstance(each.primary, int)]
+        for tag in tags:
+            self._must_exist("facets", facet_tags, tag)
+        self.bulk, stiffness = assemble(mesh, cell_tags, self.materials, degree, self.kinematics)
+        self.stiffness = stiffness.convert("aij", PETSc.Mat())
+        self.masks = {each: self._nodes(facet_tags.find(each.tag)) for each in supports}
+        self.body_force = self._body_force()
+        self.secondary = [
+            self.materials[self._body_at(facet_tags.find(each.secondary))] for each in contacts
+        ]
+        self._motions = {
+            hub: self._translation(hub, self._body_at(facet_tags.find(hub.tag)))
+            for hub in supports
+            if isinstance(hub, Hub) and hub.free is not None
+        }
+        self.surfaces = Surfaces(contacts, self.bulk, facet_tags, self.secondary, self.comm)
+        yields = any(each.hardening for each in self.materials.values())
+        self.remembers = yields or any(each.friction for each in contacts)
+        self._maps: dict[tuple[Hub, ...], tuple[Reduction, dict[Hub, int], AssembledStiffness]] = {}
+        self._factors: tuple[Pairing, tuple[Hub, ...], Factors] | None = None
+        self._points: dict[tuple[Hub, ...], YieldPoints] = {}
+
+    def _must_exist(self, what: str, tags: Any, tag: int) -> None:
+        """Raise ValueError where no rank has an entity with this tag (collective)."""
+        if not self.comm.allreduce(len(tags.find(tag))):
+            raise ValueError(f"no {what} carry the tag {tag}")
+
+    def _nodes(self, facets: Any) -> Mask:
+        """Mask over the nodes that this rank owns: True on facets (collective)."""
+        space, dim = self.bulk.space, self.kinematics.dim
+        space.mesh.topology.create_connectivity(dim - 1, dim)
+        dofs = fem.locate_dofs_topological(space, dim - 1, facets)
+        mask = np.zeros(space.dofmap.index_map.size_local, dtype=bool)
+        mask[dofs[dofs < len(mask)]] = True
+        return mask
+
+    def _body_at(self, facets: Any) -> int:
+        """Tag of the body that some facets belong to (collective)."""
+        dim, topology = self.kinematics.dim, self.bulk.space.mesh.topology
+        topology.create_connectivity(dim - 1, dim)
+        cells = {int(topology.connectivity(dim - 1, dim).links(facet)[0]) for facet in facets}
+        values = dict(zip(self.cell_tags.indices, self.cell_tags.values, strict=True))
+        tag = max([int(values[cell]) for cell in cells] + [-1])
+        return max(self.comm.allgather(tag))
+
+    def _translation(self, hub: Hub, tag: int) -> PETSc.Vec:
+        """Unit translation along the free direction of a hub of the body with a tag, on all dofs."""
+        values = np.zeros((len(self.bulk_points), self.kinematics.dim))
+        dofs = np.unique(compat.cell_dofs(self.bulk.space)[self.cell_tags.find(tag)])
+        values[dofs[dofs < len(values)]] = unit("free", hub.free)
+        return vector(self.stiffness, values)
+
+    def _body_force(self) -> PETSc.Vec:
+        """Forces of the bodies' `force` on all dofs (collective)."""
+        mesh, dim = self.bulk.space.mesh, self.kinematics.dim
+        out = vector(self.stiffness, np.zeros(self.stiffness.getLocalSize()[0]))
+        given = [each for each in self.bodies if each.force is not None]
+        if not given:
+            return out
+        values = np.zeros((len(self.bulk.lame), dim))
+        for body in given:
+            values[self.cell_tags.find(body.tag)] = np.asarray(body.force, float)
+        load = ufl.as_vector([compat.cellwise_constant(mesh, each.copy()) for each in values.T])
+        size: Any = self.kinematics.thickness
+        if self.kinematics.revolved:
+            size = 2 * np.pi * ufl.SpatialCoordinate(mesh)[0]
+        form = size * ufl.inner(load, ufl.TestFunction(self.bulk.space)) * ufl.dx
+        found = assemble_vector(compat.form(form, mesh))
+        found.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
+        out.array[:] = found.array[: len(out.array)]
+        return out
+
+    def _free(self, loads: HubLoads) -> tuple[Hub, ...]:
+        """Hubs whose motion along their free direction is unknown."""
+        return tuple(hub for hub, (force, _) in loads.items() if force is not None)
+
+    def _map(self, loads: HubLoads) -> tuple[Reduction, dict[Hub, int], AssembledStiffness]:
+        """Map from free unknowns to dofs, the places of the free hubs, and the stiffness of the
+        free unknowns; kept for each set of free hubs (collective).
+        """
+        free = self._free(loads)
+        if free not in self._maps:
+            dim, none = self.kinematics.dim, np.zeros(len(self.bulk_points), dtype=bool)
+            fixed, planes = none.copy(), []
+            for part, mask in self.masks.items():
+                if isinstance(part, Slide):
+                    planes.append((mask, unit("normal", part.normal)))
+                elif isinstance(part, Hub) and part.slides:
+                    planes.append((mask, unit("free", part.free)))
+                else:
+                    fixed |= mask
+            if self.kinematics.revolved:
+                r = np.abs(self.bulk_points[:, 0])
+                largest = max(self.comm.allgather(float(np.max(r, initial=0.0))))
+                planes.append((r < ON_AXIS * largest, np.array([1.0, 0.0])))
+            held = constraints.Supports(
+                fixed=fixed, planes=planes, direction=np.zeros(dim), hub_free=False
+            )
+            reduction = constraints.reduce(held, self.comm)
+            hubs = [(self.masks[hub], unit("free", hub.free)) for hub in free]
+            matrix, places = with_hubs(reduction, hubs, self.comm)
+            reduction = replace(reduction, matrix=matrix)
+            unknown = reduction.free.copy()
+            unknown[[place for place in places if place >= 0]] = True
+            stiffness = AssembledStiffness.of(self.stiffness, matrix, unknown)
+            self._maps[free] = reduction, dict(zip(free, places, strict=True)), stiffness
+        return self._maps[free]
+
+    @property
+    def bulk_points(self) -> Array:
+        """Positions (nodes, c) of this rank's nodes."""
+        return compat.dof_points(self.bulk.space)
+
+    def reduction(self, loads: HubLoads) -> Reduction:
+        """Map from free unknowns to dofs, with its supports."""
+        return self._map(loads)[0]
+
+    def map(self, loads: HubLoads) -> PETSc.Mat:
+        """Matrix from free unknowns to dofs."""
+        return self._map(loads)[0].matrix
+
+    def places(self, loads: HubLoads) -> dict[Hub, int]:
+        """Local place of the unknown of each free hub, -1 on other ranks."""
+        return self._map(loads)[1]
+
+    def reduced(self, loads: HubLoads) -> AssembledStiffness:
+        """Stiffness of the free unknowns."""
+        return self._map(loads)[2]
+
+    def factors(self, problem: ContactProblem, pairing: Pairing, loads: HubLoads) -> Factors:
+        """Preconditioner of a problem: the last one, where contact points and free hubs are the
+        same.
+        """
+        free, last = self._free(loads), self._factors
+        if last is None or last[0] is not pairing or last[1] != free:
+            last = self._factors = pairing, free, Factors(problem)
+        last[2].problem = problem
+        return last[2]
+
+    def gauss_points(self, loads: HubLoads) -> YieldPoints:
+        """Gauss points of the bodies that yield (collective)."""
+        free = self._free(loads)
+        if free not in self._points:
+            self._points[free] = bulk_points(
+                self.bulk,
+                self.cell_tags,
+                self.materials,
+                lambda points: np.ones(len(points), dtype=bool),
+                self.reduction(loads),
+                self.comm,
+            )
+        return self._points[free]
+
+    def prescribed(self, loads: HubLoads) -> PETSc.Vec:
+        """Displacement on all dofs that hubs prescribe."""
+        values = np.zeros((len(self.bulk_points), self.kinematics.dim))
+        for hub, (_, motion) in loads.items():
+            if hub.slides:
+                free = unit("free", hub.free)
+                motion = (motion @ free) * free
+            values[self.masks[hub]] += motion
+        return vector(self.stiffness, values)
+
+    def gathered(self, displacement: PETSc.Vec) -> Array:
+        """Displacement (nodes, c) at all nodes of all ranks (collective)."""
+        every = self.comm.allgather(displacement.array)
+        return np.concatenate(every).reshape(-1, self.kinematics.dim)
+
+    def nearest(self, pairing: Pairing, loads: HubLoads) -> Mask:
+        """Points (n,) of this rank among the twelve of each contact that touch first where hubs move
+        along their forces, or of the least gap where these do not close it (collective).
+        """
+        face, closing = pairing.interface, np.zeros(len(pairing.contact))
+        for hub in self._free(loads):
+            closing -= (face.gap * self._motions[hub]).array * np.sign(loads[hub][0] or 1.0)
+        out = np.zeros(len(pairing.contact), dtype=bool)
+        for number in range(len(self.surfaces.contacts)):
+            own = np.flatnonzero(pairing.contact == number)
+            gaps, rate = face.initial_gap[own], closing[own]
+            if self.comm.allreduce(int((rate > 0).sum())):
+                gaps = np.where(rate > 0, gaps / np.where(rate > 0, rate, 1.0), np.inf)
+            lowest = np.sort(np.concatenate(self.comm.allgather(np.sort(gaps)[:NEAREST])))
+            out[own] = gaps <= lowest[min(NEAREST, len(lowest)) - 1]
+        return out
+
+    def rest(self) -> State:
+        """State without loads, before which there is no history (collective)."""
+        zero = {
+            hub: (None, np.zeros(self.kinematics.dim)) for hub in self.masks if isinstance(hub, Hub)
+        }
+        u = self.stiffness.createVecLeft()
+        u.set(0.0)
+        pairing = self.surfaces.pair(self.gathered(u))
+        count, size = len(pairing.contact), 3 + len(self.kinematics.shears)
+        gauss = len(self.gauss_points(zero).points) if self.remembers else 0
+        return State(
+            displacement=u,
+            loads=zero,
+            motions={hub: motion for hub, (_, motion) in zero.items()},
+            nodal=np.zeros_like(self.bulk_points),
+            bulk=History.virgin(gauss, size),
+            surface=History.virgin(count, size),
+            pairing=pairing,
+            outdated=False,
+            pressure=np.zeros(count),
+            gap=pairing.interface.initial_gap,
+            traction=np.zeros(pairing.tangents.shape[:2]),
+            result=NewtonResult(u, np.zeros(count), CONVERGED),
+        )
+
+
+def kinematics(mesh: Any, section: str | None, thickness: float, mean: bool) -> Kinematics:
+    """Meaning of the mesh's coordinates in a section. Raises ValueError for a mesh with another
+    number of coordinates, and for an unknown section.
+    """
+    if section not in SECTIONS:
+        raise ValueError(f"section {section!r} is unknown; give one of {SECTIONS}")
+    dim = mesh.geometry.dim
+    if dim != (3 if section is None else 2):
+        raise ValueError(f"section {section!r} does not fit a mesh with {dim} coordinates")
+    if section is None:
+        return replace(SOLID, mean_dilatation=mean)
+    revolved = section == "axisymmetric"
+    return Kinematics(
+        np.eye(3)[:2],
+        thickness=1.0 if revolved else thickness,
+        revolved=revolved,
+        mean_dilatation=mean,
+    )

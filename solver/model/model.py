@@ -1,0 +1,205 @@
+"""A contact model of a mesh with tags, and its solutions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from railhead.solver import compat
+from railhead.solver.algebra.newton import NewtonStep
+from railhead.solver.model.assembly import Assembly
+from railhead.solver.model.parts import Body, Clamp, Contact, Force, Hub, Load, Part, Slide, unit
+from railhead.solver.model.stepping import HubLoads, State, advance
+from railhead.solver.space.cells import CellSet, quadrature_degree, tabulate
+from railhead.theory.array_types import Array
+
+STEPS = {False: 1, True: 10}  # of loads, without and with yield or friction
+
+
+class Model:
+    """Bodies in contact on a dolfinx mesh, in small strain.
+
+        model = Model(mesh, cell_tags, facet_tags, section="plane strain")
+        model.add(Body(1, Elastic(210e3, 0.3)), Body(2, Elastic(210e3, 0.3)))
+        model.add(Contact(secondary=12, primary=11), Clamp(21))
+        punch = model.add(Hub(22, free=(0, -1)))
+        solution = model.solve({punch: Force(1000)})
+
+    mesh, cell_tags, facet_tags: dolfinx mesh and MeshTags. Each cell belongs to one body.
+    section: None: a solid; "plane strain", "plane stress" or, with coordinates (r, z),
+        "axisymmetric".
+    degree: polynomial degree of the displacement, 1 or 2.
+    thickness: of a plane section; forces are those of this thickness.
+    mean_dilatation: the volume strain is averaged in each cell: for Poisson's ratios from 0.45 on
+        and for large plastic strain, where cells lock.
+    Finite strain and self-contact are not there.
+    """
+
+    def __init__(
+        self,
+        mesh: Any,
+        cell_tags: Any,
+        facet_tags: Any,
+        section: str | None = None,
+        *,
+        degree: int = 2,
+        thickness: float = 1.0,
+        mean_dilatation: bool = False,
+    ) -> None:
+        self._mesh = mesh, cell_tags, facet_tags, section, degree, thickness, mean_dilatation
+        self.parts: list[Part] = []
+        self._assembly: Assembly | None = None
+
+    def add(self, *parts: Part) -> Any:
+        """Add parts; returns the part or, of several, all of them. Raises ValueError once solved."""
+        if self._assembly is not None:
+            raise ValueError("nothing can be added to a model that was solved")
+        for each in parts:
+            if not isinstance(each, Body | Contact | Clamp | Slide | Hub):
+                raise TypeError(f"{each!r} is no part of a model")
+        dim = self._mesh[0].geometry.dim
+        for each in parts:
+            given = [getattr(each, name, None) for name in ("free", "normal", "force")]
+            if any(vector is not None and len(vector) != dim for vector in given):
+                raise ValueError(f"{each} needs directions with {dim} components")
+        self.parts += parts
+        return parts[0] if len(parts) == 1 else parts
+
+    def solve(
+        self, loads: Mapping[Hub, Load] | None = None, *, steps: int | None = None
+    ) -> Solution:
+        """Solution from rest under loads of hubs (collective). steps: into which the loads are cut;
+        None: 1, and 10 with yield or friction. Raises ValueError for tags that nothing carries, for
+        a cell without a body, and for loads that do not fit their hub.
+        """
+        if self._assembly is None:
+            self._assembly = Assembly(*self._mesh, self.parts)
+        return Solution(self._assembly, self._assembly.rest()).then(loads or {}, steps=steps)
+
+
+class Solution:
+    """Answer of a model, at the n contact points of this rank.
+
+    u: displacement, a dolfinx Function.
+    stress: Cauchy stress (3, 3), a dolfinx Function of one degree less that jumps between cells.
+    points: (n, c) on the secondary surfaces, undeformed. weights: area of each (n,).
+    contact: number of the contact of each point (n,), in the order in which they were added.
+    normals: outward unit normals (n, c) of the secondary surfaces.
+    pressure: (n,), never negative. traction: (n, c) on the secondary surface, pressure and friction.
+    gap: now (n,), negative where Nitsche's method lets surfaces overlap.
+    missed: share of each secondary surface that has nothing opposite, and cannot touch.
+    touching: whether anything touches.
+    converged, reason: whether the solution is one, and why the iterations ended.
+    history: all of Newton's steps since the solution that it goes on from.
+    Where a step does not converge, everything else is the last state that did.
+    """
+
+    def __init__(self, model: Assembly, state: State) -> None:
+        """Read a state (collective)."""
+        self._model, self._state = model, state
+        face, size = state.pairing.interface, state.traction
+        self.points, self.weights, self.normals = face.points, face.weights, face.normals
+        self.contact, self.missed = state.pairing.contact, state.pairing.missed
+        self.pressure, self.gap = state.pressure, state.gap
+        along = np.einsum("nk,nkc->nc", size, state.pairing.tangents)
+        self.traction = along - state.pressure[:, None] * face.normals
+        self.converged, self.reason = state.result.converged, state.result.reason
+        self.history: tuple[NewtonStep, ...] = state.history
+        self.touching = bool(model.comm.allreduce(int((state.pressure > 0).sum())))
+        self.u = compat.function(model.bulk.space, state.displacement)
+        self.stress = self._stress()
+        self._forces = {part: self._force(part) for part in model.masks}
+
+    def _force(self, part: Clamp | Slide | Hub) -> Array:
+        """Force (c,) by which a part acts on the bodies (collective)."""
+        total = self._state.nodal[self._model.masks[part]].sum(axis=0)
+        total = np.sum(self._model.comm.allgather(total), axis=0)
+        if isinstance(part, Slide):
+            normal = unit("normal", part.normal)
+            return np.asarray((total @ normal) * normal)
+        return np.asarray(total)
+
+    def force(self, part: Clamp | Slide | Hub) -> Any:
+        """Force by which a part acts on the bodies: along the free direction of a hub, positive
+        pushes that way; a vector (c,) of a hub without one, a clamp, a slide. In plane sections of
+        the thickness, in axisymmetric ones of the whole turn.
+        """
+        free = getattr(part, "free", None)
+        return (
+            self._forces[part] if free is None else float(self._forces[part] @ unit("free", free))
+        )
+
+    def motion(self, hub: Hub) -> Any:
+        """Motion of a hub from rest: along its free direction, or a vector (c,) without one."""
+        moved = self._state.motions[hub]
+        return moved if hub.free is None else float(moved @ unit("free", hub.free))
+
+    def then(self, loads: Mapping[Hub, Load], *, steps: int | None = None) -> Solution:
+        """Solution under further loads, from this state on: slip, plastic strain and unloading go
+        on. Hubs that are not named keep their load. Arguments and errors as `Model.solve`.
+        """
+        model, state = self._model, self._state
+        if not self.converged:
+            raise ValueError(f"there is no state to go on from: {self.reason}")
+        count = steps or STEPS[model.remembers]
+        target = {**state.loads, **{hub: _checked(model, hub, load) for hub, load in loads.items()}}
+        state = replace(state, history=())
+        return Solution(model, advance(model, state, target, count))
+
+    def _stress(self) -> Any:
+        """Stress in the cells, the least-squares fit to that at Gauss points (collective)."""
+        model, degree = self._model, self._model.bulk.degree - 1
+        space = compat.tensor_space(model.bulk.space.mesh, degree)
+        made = compat.fem.Function(space)
+        topology = model.bulk.space.mesh.topology
+        count = topology.index_map(topology.dim).size_local
+        cells = CellSet.of(model.bulk, np.arange(count))
+        rule = quadrature_degree(cells.cell, cells.degree, model.kinematics)
+        at, _, _ = cells.quadrature_points(rule)
+        every = model.gathered(self._state.displacement)[cells.dofs[at[0]]]
+        strain = np.einsum("nmdc,ndc->nm", cells.strains(*at), every)
+        trace = np.einsum("ndc,ndc->n", cells.divergence(*at), every)
+        lam, mu = cells.lame[at[0]].T
+        each = len(at[0]) // max(count, 1)
+        if model.remembers:
+            points = model.gauss_points(self._state.loads)
+            where = (points.cells[:, None] * each + np.arange(each)).ravel()
+            strain[where] -= self._state.bulk.plastic
+        stress = 2 * mu[:, None] * strain
+        stress[:, :3] += (lam * trace)[:, None]
+        if model.section == "plane stress":
+            stress[:, 2] = 0.0
+        tensors = model.kinematics.tensors(stress).reshape(count, each, 9)
+        basis = tabulate(cells.cell, degree, at[1][:each])[0] if degree else np.ones((each, 1))
+        fitted = np.einsum("dg,mgs->mds", np.linalg.pinv(basis), tensors)
+        values = made.x.array.reshape(-1, 9)
+        values[compat.cell_dofs(space)[:count]] = fitted
+        made.x.scatter_forward()
+        return made
+
+
+def _checked(model: Assembly, hub: Hub, load: Load) -> tuple[float | None, Array]:
+    """A load as force and motion. Raises ValueError for a hub that is not of the model, a force on a
+    hub without a free direction, and values that do not fit.
+    """
+    if hub not in model.masks or not isinstance(hub, Hub):
+        raise ValueError(f"{hub!r} is no hub of the model")
+    dim = model.kinematics.dim
+    given = load.move if isinstance(load, Force) else load.vector
+    motion = np.zeros(dim) if given is None else np.asarray(given, float)
+    if motion.shape != (dim,) or not np.isfinite(motion).all():
+        raise ValueError(f"{load} needs a motion of {dim} finite numbers")
+    if not isinstance(load, Force):
+        return None, motion
+    if hub.free is None:
+        raise ValueError(f"{hub} has no free direction for a force")
+    if not np.isfinite(load.value):
+        raise ValueError(f"{load} is not finite")
+    free = unit("free", hub.free)
+    return float(load.value), motion - (motion @ free) * free
+
+
+__all__ = ["HubLoads", "Model", "Solution"]

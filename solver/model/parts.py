@@ -1,0 +1,190 @@
+"""What a model is made of: bodies, contacts, supports and loads. Any consistent units."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from railhead.solver.material.elasticity import Material
+from railhead.solver.material.hardening import Hardening
+from railhead.theory.array_types import Array
+
+Direction = Sequence[float]
+GapFunction = Callable[[Array], tuple[Array, Array]]
+"""Points (n, c) of the secondary surface -> gap (n,) along its outward normals, and these unit
+normals (n, c or 3)."""
+
+
+@dataclass(frozen=True)
+class Elastic:
+    """Isotropic linear elasticity with Young's modulus and Poisson's ratio."""
+
+    young_modulus: float
+    poisson_ratio: float
+
+    def __post_init__(self) -> None:
+        """Raises ValueError for a modulus that is not positive and finite, and for a ratio outside
+        [0, 0.5).
+        """
+        if not 0 < self.young_modulus < math.inf:
+            raise ValueError(f"young_modulus must be positive, not {self.young_modulus!r}")
+        if not 0 <= self.poisson_ratio < 0.5:
+            raise ValueError(f"poisson_ratio must lie in [0, 0.5), not {self.poisson_ratio!r}")
+
+    def material(self, section: str | None) -> Material:
+        """Elastic constants for a section. In plane stress they are those with which plane strain
+        has the strains of plane stress: E (1 + 2 nu)/(1 + nu)^2 and nu/(1 + nu).
+        """
+        young, nu = self.young_modulus, self.poisson_ratio
+        if section == "plane stress":
+            return Material(young * (1 + 2 * nu) / (1 + nu) ** 2, nu / (1 + nu))
+        return Material(young, nu)
+
+
+@dataclass(frozen=True)
+class Plastic(Elastic):
+    """Elasticity, and von Mises yield from `yield_stress` on with linear isotropic hardening: the
+    slope of stress over plastic strain.
+    """
+
+    yield_stress: float
+    hardening: float = 0.0
+
+    def material(self, section: str | None) -> Material:
+        """Elastic constants with the flow curve; raises ValueError in plane stress."""
+        if section == "plane stress":
+            raise ValueError("Plastic is not there in plane stress: use plane strain or 3-D")
+        if self.yield_stress <= 0 or self.hardening < 0:
+            raise ValueError("yield_stress must be positive, and hardening not negative")
+        curve = Hardening.linear(self.yield_stress, self.hardening)
+        return Material(self.young_modulus, self.poisson_ratio, curve)
+
+
+@dataclass(frozen=True)
+class Body:
+    """Cells with a tag, their material, and a force per volume (c,)."""
+
+    tag: int
+    material: Elastic
+    force: Direction | None = None
+
+
+@dataclass(frozen=True)
+class Plane:
+    """Rigid plane through a point; normal: towards the body that may touch it."""
+
+    point: Direction
+    normal: Direction
+
+    def distance(self, points: Array, normals: Array) -> Array:
+        """Distance (n,) from points (n, c) along unit normals (n, c), infinite where they miss."""
+        up = unit("normal", self.normal)
+        down = -normals @ up
+        return np.where(down > 0, (points - self.point) @ up / np.where(down > 0, down, 1), np.inf)
+
+
+@dataclass(frozen=True)
+class Sphere:
+    """Rigid sphere, in a section a cylinder or, on the axis, a sphere."""
+
+    centre: Direction
+    radius: float
+
+    def distance(self, points: Array, normals: Array) -> Array:
+        """Distance (n,) from points (n, c) along unit normals (n, c), infinite where they miss."""
+        apart = np.asarray(self.centre) - points
+        along = np.einsum("nc,nc->n", apart, normals)
+        square = self.radius**2 - np.einsum("nc,nc->n", apart, apart) + along**2
+        hit = (square >= 0) & (along > 0)
+        return np.where(hit, along - np.sqrt(np.maximum(square, 0)), np.inf)
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Two surfaces that may touch, by the tags of their facets. The secondary one carries the
+    contact points; it is best the one of the softer body or, of like bodies, the finer one.
+
+    primary: tag, or a rigid `Plane` or `Sphere` that stays where it is.
+    friction: Coulomb's coefficient.
+    gap: None: from the facets, curved as they are. A function (see `GapFunction`) holds for motions
+        that are small beside the radii; with it, primary None is a rigid surface that stays.
+    """
+
+    secondary: int
+    primary: int | Plane | Sphere | None
+    friction: float = 0.0
+    gap: GapFunction | None = None
+
+    def __post_init__(self) -> None:
+        """Raises ValueError for a negative coefficient, for a surface on itself, and where neither
+        a primary surface nor a gap is given.
+        """
+        if not 0 <= self.friction < math.inf:
+            raise ValueError(f"friction must not be negative, not {self.friction!r}")
+        if self.primary == self.secondary:
+            raise ValueError(f"surface {self.secondary} on itself: self-contact is not there")
+        if self.primary is None and self.gap is None:
+            raise ValueError("Contact needs a primary surface, or a gap")
+
+
+@dataclass(frozen=True, eq=False)
+class Clamp:
+    """Facets that do not move."""
+
+    tag: int
+
+
+@dataclass(frozen=True, eq=False)
+class Slide:
+    """Facets that do not move along a normal, of either sense: a sliding face or a symmetry."""
+
+    tag: int
+    normal: Direction
+
+
+@dataclass(frozen=True, eq=False)
+class Hub:
+    """Facets that move as a rigid face without turning. Along `free`, a direction, a force may be
+    given; without it, only a motion. A hub without a load stays.
+
+    slides: whether the facets slide on the rigid face, and only move along `free` together.
+    """
+
+    tag: int
+    free: Direction | None = None
+    slides: bool = False
+
+
+@dataclass(frozen=True)
+class Force:
+    """Force along the free direction of a hub, of the meshed part: in a plane section per
+    thickness, in an axisymmetric one of the whole turn. move: motion (c,) of the hub across its
+    free direction, from the start.
+    """
+
+    value: float
+    move: Direction | None = None
+
+
+@dataclass(frozen=True)
+class Move:
+    """Motion (c,) of a hub from the start of all loads."""
+
+    vector: Direction
+
+
+Part = Body | Contact | Clamp | Slide | Hub
+Load = Force | Move
+
+
+def unit(name: str, vector: Any) -> Array:
+    """Unit vector along a direction (c,); raises ValueError for one without a length."""
+    out = np.asarray(vector, float)
+    length = np.linalg.norm(out)
+    if not 0 < length < math.inf:
+        raise ValueError(f"{name} must have a direction, not {vector!r}")
+    return np.asarray(out / length)

@@ -1,0 +1,244 @@
+"""The equations of a model: stiffness with hubs, and contact with yield and friction.
+
+Along tangents t the secondary surface carries the traction (Chouly 2014, theta = 0)
+
+    lambda = projection of t . sigma n - tau s on the disc of radius mu p
+
+where s is the slip since the last step. History is the displacement then; no traction is stored.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+import scipy.sparse as sp
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from railhead.solver.algebra.linear import Direct
+from railhead.solver.algebra.problem import Tangent
+from railhead.solver.algebra.reduced_stiffness import DIFFERENT, Stiffness
+from railhead.solver.plasticity.plastic_problem import PlasticProblem, PlasticTangent
+from railhead.solver.space.constraints import Reduction
+from railhead.solver.space.operators import add_transposed, petsc_matrix, weighted_product
+from railhead.theory.array_types import Array, Mask
+
+TINY = 1e-300  # below it a traction has no direction
+
+
+class AssembledStiffness(Stiffness):
+    """Stiffness of the free unknowns as one matrix: the motions of any number of hubs fit into it,
+    which do not fit into blocks.
+    """
+
+    @classmethod
+    def of(cls, full: PETSc.Mat, p: PETSc.Mat, free: Array) -> AssembledStiffness:
+        """P^T K P with the map p from free unknowns to dofs and the stiffness `full` on all dofs;
+        free: (c n,) whether a place holds an unknown, the others have a typical diagonal
+        (collective).
+        """
+        matrix = full.convert("aij", PETSc.Mat()).ptap(p)
+        diagonal = matrix.getDiagonal()
+        count = matrix.comm.tompi4py().allreduce(int(free.sum()))
+        empty = matrix.duplicate()
+        diagonal.array[:] = np.where(free, 0.0, diagonal.sum() / max(count, 1))
+        empty = PETSc.Mat().createAIJ(matrix.getSizes(), nnz=1, comm=matrix.comm)
+        empty.setDiagonal(diagonal)
+        empty.assemble()
+        matrix.axpy(1.0, empty, DIFFERENT)
+        matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        return cls(matrix, None, -1)
+
+    def add(self, rows: PETSc.Mat, weights: Array) -> None:
+        """Add rows^T diag(weights) rows to the stiffness, in place (collective)."""
+        self.blocks.axpy(1.0, weighted_product(rows, weights, rows), DIFFERENT)
+
+
+def with_hubs(
+    reduction: Reduction, hubs: Sequence[tuple[Mask, Array]], comm: MPI.Intracomm
+) -> tuple[PETSc.Mat, list[int]]:
+    """Map from free unknowns to dofs with one more unknown for each hub, and the local place of
+    that unknown, -1 on other ranks (collective).
+
+    reduction: supports, in which the nodes of a hub have no unknown along its direction.
+    hubs: (nodes (n,), unit vector (c,) along which they move) of each hub.
+    """
+    first = reduction.matrix.getOwnershipRangeColumn()[0]
+    table = _local(reduction.matrix)
+    places = []
+    for mask, direction in hubs:
+        nodes, dim = np.flatnonzero(mask), len(direction)
+        own = -1
+        if len(nodes):
+            last_node = dim * int(nodes[-1])
+            own = last_node + int(reduction.free[last_node : last_node + dim].argmin())
+        last = comm.allgather(own)
+        owner = max(rank for rank, place in enumerate(last) if place >= 0)
+        column = comm.bcast(first + own, root=owner)
+        rows = (dim * nodes[:, None] + np.arange(dim)).ravel()
+        entries = np.tile(direction, len(nodes)), (rows, np.full(len(rows), column))
+        table = table + sp.csr_matrix(entries, shape=table.shape)
+        places.append(own if comm.rank == owner else -1)
+    return petsc_matrix(table.tocsr(), table.shape[0], comm), places
+
+
+class _FrictionalTangent(PlasticTangent):
+    """PETSc shell context of the tangent with the derivative of the tangential tractions."""
+
+    def mult(self, mat: PETSc.Mat, x: PETSc.Vec, y: PETSc.Vec) -> None:
+        """Product of the tangent with x, written into y; called by PETSc."""
+        super().mult(mat, x, y)
+        problem = self.problem
+        normal = -np.where(self.active, (problem.normal_operator * x).array, 0.0)
+        along = (problem.trial_operator * x).array.reshape(problem.start_slip.shape)
+        change = np.einsum("nij,nj->ni", problem.projection(self.active), along)
+        change += problem.pull * normal[:, None]
+        add_transposed(problem.slip, -problem.area[:, None] * change, y)
+
+
+@dataclass(kw_only=True)
+class FrictionalProblem(PlasticProblem):
+    """Contact problem with friction and yield, in one load step. n points have k tangents.
+
+    coefficient: of friction (n,).
+    slip: matrix of the slip s, n k rows, per free unknown.
+    shear: matrix of t . sigma n, n k rows, per free unknown.
+    start_slip, start_shear: at zero free unknowns (n, k); of the slip since the last step.
+    shear_dyads: sym(t x n) in Mandel's notation (n, k, m).
+    """
+
+    coefficient: Array
+    slip: PETSc.Mat
+    shear: PETSc.Mat
+    start_slip: Array
+    start_shear: Array
+    shear_dyads: Array
+    tangent_context: ClassVar[type[Tangent]] = _FrictionalTangent
+
+    def __post_init__(self) -> None:
+        """Start with all points sticking."""
+        super().__post_init__()
+        self.trial_operator = self.slip.copy()
+        tau = self.slip.createVecLeft()
+        tau.array[:] = -np.repeat(self.tau, self.start_slip.shape[1])
+        self.trial_operator.diagonalScale(L=tau)
+        self.trial_operator.axpy(1.0, self.shear, DIFFERENT)
+        self.stick()
+
+    def stick(self) -> None:
+        """Linearise around points that all stick."""
+        count, size = self.start_slip.shape
+        self.share, self.direction = np.ones(count), np.zeros((count, size))
+        self.pull, self.traction = np.zeros((count, size)), np.zeros((count, size))
+        self.slides = np.zeros(count, dtype=bool)
+
+    def branches(self, active: Mask) -> Mask:
+        """State of the points that the tangent depends on (2 n,): which touch, and which slide."""
+        return np.concatenate([active, active & self.slides])
+
+    def _friction(self, y: PETSc.Vec, pressure: Array) -> None:
+        """Tangential tractions (n, k) and their derivatives at the free unknowns y."""
+        trial = (self.trial_operator * y).array.reshape(self.start_slip.shape)
+        trial = trial + self.start_shear - self.tau[:, None] * self.start_slip
+        plastic = np.einsum("nkm,nm->nk", self.shear_dyads, self._surface[0].plastic)
+        trial = trial - 2 * self.surface.mu[:, None] * plastic
+        size, bound = np.linalg.norm(trial, axis=1), self.coefficient * pressure
+        self.slides = size > bound
+        self.share = np.where(self.slides, bound / np.maximum(size, TINY), 1.0)
+        direction = trial / np.maximum(size, TINY)[:, None]
+        self.direction = np.where(self.slides[:, None], direction, 0.0)
+        self.pull = self.coefficient[:, None] * self.direction
+        self.traction = self.share[:, None] * trial
+
+    def projection(self, active: Mask) -> Array:
+        """Derivative (n, k, k) of the traction by the trial traction: 1 where points stick, the part
+        normal to it times the share where they slide, and 0 at points that do not touch.
+        """
+        eye = np.eye(self.direction.shape[1])
+        dyad = self.direction[:, :, None] * self.direction[:, None, :]
+        rubs = active & (self.coefficient > 0)
+        return np.asarray((rubs * self.share)[:, None, None] * (eye - dyad))
+
+    def residual(self, y: PETSc.Vec, pressure: Array) -> PETSc.Vec:
+        """Residual of equilibrium in the free unknowns; pressure: at y (n,), computed last."""
+        r = super().residual(y, pressure)
+        self._friction(y, pressure)
+        add_transposed(self.slip, -self.area[:, None] * self.traction, r)
+        return r
+
+    def assembled_tangent(self, active: Mask) -> PETSc.Mat:
+        """Tangent at an active set (n,) as an assembled matrix, without the part of yield."""
+        out = super().assembled_tangent(active)
+        (count, size), every = self.start_slip.shape, np.arange(len(active) + 1)
+        shape = (count * size, count * size)
+        blocks = sp.bsr_matrix((self.projection(active), every[:-1], every), shape=shape)
+        pull = (self.pull * active[:, None])[..., None]
+        pulls = sp.bsr_matrix((pull, every[:-1], every), shape=(count * size, count))
+        change = blocks.tocsr() @ _local(self.trial_operator)
+        change = change - pulls.tocsr() @ _local(self.normal_operator)
+        rows = petsc_matrix(
+            sp.csr_matrix(change), self.slip.getLocalSize()[1], self.slip.comm.tompi4py()
+        )
+        weights = rows.createVecLeft()
+        weights.array[:] = -np.repeat(self.area, size)
+        rows.diagonalScale(L=weights)
+        out.axpy(1.0, self.slip.transposeMatMult(rows), DIFFERENT)
+        out.setOption(PETSc.Mat.Option.SYMMETRIC, False)
+        return out
+
+    def predictor(self, active: Mask) -> PETSc.Vec:
+        """Right-hand side of the linear problem in which the active points (n,) touch and stick and
+        plastic strain stays as it is in the history.
+        """
+        self.stick()
+        rhs = super().predictor(active)
+        bulk, surface = self.bulk.history.plastic, self.surface.history.plastic
+        self.bulk.add_forces(2 * self.bulk.mu[:, None] * bulk, rhs)
+        normal = self.plastic_normal_stress(surface)
+        self.add_consistency_forces(normal, rhs)
+        lost = self.law.sigma * self.weight * active * normal
+        add_transposed(self.test_operator, lost, rhs)
+        start = self.start_shear - self.tau[:, None] * self.start_slip
+        start = start - 2 * self.surface.mu[:, None] * np.einsum(
+            "nkm,nm->nk", self.shear_dyads, surface
+        )
+        rubs = self.area * active * (self.coefficient > 0)
+        add_transposed(self.slip, rubs[:, None] * start, rhs)
+        return rhs
+
+
+class Factors(Direct):
+    """Factorisation that is made anew where a tenth of the area in contact touches, parts, sticks or
+    slides otherwise; between, and from one step to the next, it preconditions. Its fields are those
+    of `Preconditioner`.
+    """
+
+    state: Mask
+
+    def update_if_outdated(self, active: Mask) -> bool:
+        """Factorise the tangent at these active points (n,) where the last one is outdated; returns
+        whether it was (collective).
+        """
+        state, area = self.problem.branches(active), self.problem.area
+        if self.active is not None:
+            changed = (state != self.state).reshape(-1, len(area)).any(axis=0)
+            local = np.array([area[changed].sum(), area[active].sum()])
+            differs, touching = self.problem.stiffness.comm.tompi4py().allreduce(local)
+            if differs <= self.outdated_share * touching:
+                return False
+        self.rebuild(active)
+        return True
+
+    def rebuild(self, active: Mask) -> None:
+        """Factorise the tangent at exactly these active points (n,) (collective)."""
+        super().rebuild(active)
+        self.state = self.problem.branches(active)
+
+
+def _local(matrix: PETSc.Mat) -> Any:
+    """Rows of this rank, with the columns of all ranks."""
+    start, indices, values = matrix.getValuesCSR()
+    return sp.csr_matrix((values, indices, start), shape=(len(start) - 1, matrix.getSize()[1]))

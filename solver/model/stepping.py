@@ -1,0 +1,286 @@
+"""How a model goes from one state to the next: pairing, equations, load steps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from petsc4py import PETSc
+from scipy.spatial import cKDTree
+
+from railhead.solver.algebra import newton
+from railhead.solver.algebra.newton import NewtonResult
+from railhead.solver.algebra.problem import ContactProblem
+from railhead.solver.material.hardening import History
+from railhead.solver.model.pairing import Pairing
+from railhead.solver.model.parts import Hub, unit
+from railhead.solver.model.problem import FrictionalProblem
+from railhead.solver.plasticity.plastic_problem import surface_points
+from railhead.solver.space.operators import add_transposed
+from railhead.theory.array_types import Array, Mask
+
+if TYPE_CHECKING:
+    from railhead.solver.model.assembly import Assembly
+
+TOLERANCE = 1e-8  # of Newton's method
+MOST_PAIRINGS = 6  # in one step
+MISMATCH = 0.01  # of the largest pressure, that the gap of a pairing may be off by
+SMALLEST_STEP = 1 / 64  # of a step, below which it is cut no further
+STEPS = 50  # Newton's, at most
+
+HubLoads = Mapping[Hub, tuple[float | None, Array]]
+"""Of each hub the force along its free direction, None: it is moved; and its motion (c,), of a hub
+with a force across the free direction."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class State:
+    """State of a model with n contact points on this rank.
+
+    displacement: on all dofs that this process owns.
+    loads: of all hubs; motions: of each hub (c,).
+    nodal: force that each node of this rank needs from outside (nodes, c): of supports and hubs.
+    bulk, surface: plastic histories at Gauss points and contact points.
+    pairing: contact points; outdated: whether points have slid by too much since they were paired.
+    pressure, gap: at the points (n,). traction: along the tangents there (n, k).
+    result: Newton's method in the last step; history: all of its steps so far.
+    """
+
+    displacement: PETSc.Vec
+    loads: HubLoads
+    motions: Mapping[Hub, Array]
+    nodal: Array
+    bulk: History
+    surface: History
+    pairing: Pairing
+    outdated: bool
+    pressure: Array
+    gap: Array
+    traction: Array
+    result: NewtonResult
+    history: tuple[newton.NewtonStep, ...] = ()
+
+
+def advance(model: Assembly, state: State, target: HubLoads, steps: int) -> State:
+    """State under other loads, which change evenly in steps; a step that does not converge is
+    halved, down to 1/64 (SMALLEST_STEP) of it. The last state that converged, with the result that
+    did not, is returned where that fails (collective).
+    """
+    start, done = _continued(state, target), 0.0
+    for goal in np.linspace(0.0, 1.0, steps + 1)[1:]:
+        size = goal - done
+        while done < goal:
+            reached = min(goal, done + size)
+            if goal - reached < SMALLEST_STEP / steps / 2:
+                reached = goal
+            new = _step(model, state, _between(start, target, reached))
+            history = state.history + tuple(new.result.history)
+            if new.result.converged:
+                state, done = replace(new, history=history), reached
+                continue
+            size /= 2
+            if size < SMALLEST_STEP / steps:
+                return replace(state, result=new.result, history=history)
+    return state
+
+
+def _continued(state: State, target: HubLoads) -> HubLoads:
+    """Loads of the state, told as forces and motions of the same hubs as in the target."""
+    out = {}
+    for hub, (force, _) in target.items():
+        motion = state.motions[hub]
+        if force is None:
+            out[hub] = (None, motion)
+        else:
+            free = unit("free", hub.free)
+            out[hub] = (float(state.loads[hub][0] or 0.0), motion - (motion @ free) * free)
+    return out
+
+
+def _between(start: HubLoads, target: HubLoads, share: float) -> HubLoads:
+    """Loads at a share of the way between two."""
+    out = {}
+    for hub, (force, motion) in target.items():
+        before, moved = start[hub]
+        now = None if force is None else (before or 0.0) + share * (force - (before or 0.0))
+        out[hub] = (now, moved + share * (motion - moved))
+    return out
+
+
+def _step(model: Assembly, before: State, loads: HubLoads) -> State:
+    """State after one step, converged or not; its history is that of the step (collective)."""
+    pairing, y = before.pairing, None
+    if before.outdated:
+        pairing = model.surfaces.pair(model.gathered(before.displacement))
+    done: list[newton.NewtonStep] = []
+    outdated = False
+    for _ in range(MOST_PAIRINGS):
+        problem, prescribed = _problem(model, before, pairing, loads)
+        active = _carried(before.pressure > 0, before.pairing, pairing)
+        if not model.comm.allreduce(int(active.sum())):
+            active = model.nearest(pairing, loads)
+        preconditioner = model.factors(problem, pairing, loads)
+        result = newton.solve(problem, preconditioner, active, y, rtol=TOLERANCE, max_steps=STEPS)
+        done += result.history
+        u = prescribed.copy()
+        model.map(loads).multAdd(result.y, prescribed, u)
+        gap = pairing.interface.initial_gap + (pairing.interface.gap * u).array
+        if not result.converged:
+            break
+        every = model.gathered(u)
+        outdated, change = model.surfaces.outdated(pairing, every, gap, result.pressure > 0)
+        stiff = problem.tau * (result.pressure > 0), result.pressure
+        local = [float(np.max(each, initial=0.0)) for each in stiff]
+        stiffness, largest = np.max(model.comm.allgather(local), axis=0)
+        if stiffness * change <= MISMATCH * largest:
+            break
+        paired = pairing
+        pairing, y = model.surfaces.pair(every), result.y
+    else:
+        pairing, result.reason = paired, "the pairs of points do not settle"
+    result = replace(result, history=done)
+    return _state(model, before, problem, pairing, loads, u, gap, result, outdated)
+
+
+def _carried(values: Array, old: Pairing, new: Pairing) -> Array:
+    """Values (n, ...) at the points of a pairing, from those at the points of another: each takes
+    the nearest one's.
+    """
+    if old is new:
+        return values
+    if not len(values):
+        return np.zeros((len(new.contact), *values.shape[1:]), dtype=values.dtype)
+    return values[cKDTree(old.interface.points).query(new.interface.points)[1]]
+
+
+def _problem(
+    model: Assembly, before: State, pairing: Pairing, loads: HubLoads
+) -> tuple[ContactProblem, PETSc.Vec]:
+    """Equations of a step from a state, and the prescribed displacement on all dofs (collective)."""
+    p, face, law = model.map(loads), pairing.interface, model.surfaces.law
+    prescribed = model.prescribed(loads)
+    force = model.stiffness * prescribed
+    force.scale(-1.0)
+    force.axpy(1.0, model.body_force)
+    reduced = p.createVecRight()
+    p.multTranspose(force, reduced)
+    for hub, place in model.places(loads).items():
+        if place >= 0:
+            reduced.array[place] += loads[hub][0]
+    stiffness = model.reduced(loads).copy()
+    values = {
+        "law": law,
+        "stiffness": stiffness,
+        "gap": face.gap.matMult(p),
+        "stress": face.stress.matMult(p),
+        "area": face.weights,
+        "bound": face.stiffness_bound(law),
+        "force": reduced,
+        "start_gap": face.initial_gap + (face.gap * prescribed).array,
+        "start_stress": (face.stress * prescribed).array.copy(),
+    }
+    problem: ContactProblem
+    if not model.remembers:
+        problem = ContactProblem(**values)
+    else:
+        problem = _with_history(model, before, pairing, loads, prescribed, values)
+    if problem.consistency:
+        stiffness.add(problem.stress, -problem.consistency * problem.weight)
+    return problem, prescribed
+
+
+def _with_history(
+    model: Assembly,
+    before: State,
+    pairing: Pairing,
+    loads: HubLoads,
+    prescribed: PETSc.Vec,
+    values: dict[str, Any],
+) -> FrictionalProblem:
+    """Equations with yield and friction, from those without them."""
+    p, face, shape = model.map(loads), pairing.interface, pairing.tangents.shape[:2]
+    bulk = model.gauss_points(loads)
+    surface = surface_points(face, None, model.bulk, model.reduction(loads), model.comm)
+    surface.groups = [
+        (np.flatnonzero(pairing.contact == number), material.hardening)
+        for number, material in enumerate(model.secondary)
+        if material.hardening is not None
+    ]
+    bulk.history = before.bulk
+    surface.history = History(
+        *(
+            _carried(getattr(before.surface, e.name), before.pairing, pairing)
+            for e in fields(History)
+        )
+    )
+    dyads, normals = model.kinematics.dyads, np.repeat(face.normals, shape[1], axis=0)
+    along = pairing.tangents.reshape(normals.shape)
+    sheared = (dyads(along + normals) - dyads(along) - dyads(normals)) / 2
+    slipped = prescribed - before.displacement
+    friction = np.array([each.friction for each in model.surfaces.contacts])
+    problem = FrictionalProblem(
+        **values,
+        bulk=bulk,
+        surface=surface,
+        normal_dyads=dyads(face.normals),
+        coefficient=friction[pairing.contact],
+        slip=pairing.slip.matMult(p),
+        shear=pairing.shear.matMult(p),
+        start_slip=(pairing.slip * slipped).array.reshape(shape).copy(),
+        start_shear=(pairing.shear * prescribed).array.reshape(shape).copy(),
+        shear_dyads=sheared.reshape(*shape, -1),
+    )
+    problem.set_prescribed_strain(prescribed)
+    return problem
+
+
+def _state(
+    model: Assembly,
+    before: State,
+    problem: ContactProblem,
+    pairing: Pairing,
+    loads: HubLoads,
+    u: PETSc.Vec,
+    gap: Array,
+    result: NewtonResult,
+    outdated: bool,
+) -> State:
+    """State that a result of Newton's method belongs to (collective)."""
+    face, pressure = pairing.interface, result.pressure
+    bulk, surface = before.bulk, before.surface
+    traction, lost = np.zeros(pairing.tangents.shape[:2]), 0.0
+    nodal = model.stiffness * u
+    nodal.axpy(-1.0, model.body_force)
+    if isinstance(problem, FrictionalProblem):
+        bulk, surface = problem.state
+        traction = problem.traction
+        lost = problem.plastic_normal_stress(surface.plastic)
+        stress = -2 * problem.bulk.mu[:, None] * bulk.plastic * problem.bulk.weights[:, None]
+        add_transposed(problem.bulk.full_strain_matrix, stress, nodal)
+        add_transposed(pairing.slip, -face.weights[:, None] * traction, nodal)
+    add_transposed(face.gap, -face.weights * pressure, nodal)
+    normal = (face.stress * u).array - lost
+    add_transposed(face.stress, -problem.consistency * problem.weight * (pressure + normal), nodal)
+    motions = {}
+    for hub, (force, motion) in loads.items():
+        motions[hub] = motion
+        if force is not None:
+            place = model.places(loads)[hub]
+            along = model.comm.allreduce(float(result.y.array[place]) if place >= 0 else 0.0)
+            motions[hub] = motion + along * unit("free", hub.free)
+    return State(
+        displacement=u,
+        loads=loads,
+        motions=motions,
+        nodal=nodal.array.reshape(-1, model.kinematics.dim).copy(),
+        bulk=bulk,
+        surface=surface,
+        pairing=pairing,
+        outdated=outdated,
+        pressure=pressure,
+        gap=gap,
+        traction=traction,
+        result=result,
+    )
