@@ -15,12 +15,12 @@ from petsc4py import PETSc
 from railhead.solver import compat
 from railhead.solver.algebra.newton import CONVERGED, NewtonResult
 from railhead.solver.algebra.problem import ContactProblem
-from railhead.solver.material.elasticity import Material, assemble
+from railhead.solver.material.elasticity import assemble
 from railhead.solver.material.hardening import History
 from railhead.solver.model.pairing import Pairing, Surfaces
 from railhead.solver.model.parts import Body, Clamp, Contact, Hub, Part, Slide, unit
 from railhead.solver.model.problem import AssembledStiffness, Factors, with_hubs
-from railhead.solver.model.stepping import HubLoads, State
+from railhead.solver.model.state import HubLoads, State
 from railhead.solver.plasticity.plastic_problem import YieldPoints, bulk_points
 from railhead.solver.space import constraints
 from railhead.solver.space.constraints import Reduction
@@ -111,7 +111,7 @@ class Assembly:
         return max(self.comm.allgather(tag))
 
     def _translation(self, hub: Hub, tag: int) -> PETSc.Vec:
-        """Unit translation along the free direction of a hub of the body with a tag, on all dofs."""
+        """Unit translation of the body with a tag along the free direction of a hub."""
         values = np.zeros((len(self.bulk_points), self.kinematics.dim))
         dofs = np.unique(compat.cell_dofs(self.bulk.space)[self.cell_tags.find(tag)])
         values[dofs[dofs < len(values)]] = unit("free", hub.free)
@@ -234,8 +234,8 @@ class Assembly:
         return np.concatenate(every).reshape(-1, self.kinematics.dim)
 
     def nearest(self, pairing: Pairing, loads: HubLoads) -> Mask:
-        """Points (n,) of this rank among the twelve of each contact that touch first where hubs move
-        along their forces, or of the least gap where these do not close it (collective).
+        """Points (n,) of this rank among the twelve of each contact that touch first where hubs
+        move along their forces, or of the least gap where these do not close it (collective).
         """
         face, closing = pairing.interface, np.zeros(len(pairing.contact))
         for hub in self._free(loads):

@@ -10,9 +10,10 @@ import numpy as np
 
 from railhead.solver import compat
 from railhead.solver.algebra.newton import NewtonStep
-from railhead.solver.model.assembly import Assembly
+from railhead.solver.model.assembly import Assembly, kinematics
 from railhead.solver.model.parts import Body, Clamp, Contact, Force, Hub, Load, Part, Slide, unit
-from railhead.solver.model.stepping import HubLoads, State, advance
+from railhead.solver.model.state import State
+from railhead.solver.model.stepping import advance
 from railhead.solver.space.cells import CellSet, quadrature_degree, tabulate
 from railhead.theory.array_types import Array
 
@@ -35,7 +36,7 @@ class Model:
     thickness: of a plane section; forces are those of this thickness.
     mean_dilatation: the volume strain is averaged in each cell: for Poisson's ratios from 0.45 on
         and for large plastic strain, where cells lock.
-    Finite strain and self-contact are not there.
+    Finite strain and self-contact are not there. Raises ValueError for a section that does not fit.
     """
 
     def __init__(
@@ -49,12 +50,17 @@ class Model:
         thickness: float = 1.0,
         mean_dilatation: bool = False,
     ) -> None:
+        if degree not in (1, 2):
+            raise ValueError(f"degree {degree!r} is not there: give 1 or 2")
+        self.kinematics = kinematics(mesh, section, thickness, mean_dilatation)
         self._mesh = mesh, cell_tags, facet_tags, section, degree, thickness, mean_dilatation
         self.parts: list[Part] = []
         self._assembly: Assembly | None = None
 
     def add(self, *parts: Part) -> Any:
-        """Add parts; returns the part or, of several, all of them. Raises ValueError once solved."""
+        """Add parts; returns the part or, of several, all of them. Raises ValueError for a
+        direction that does not fit the mesh and once solved, TypeError for what is no part.
+        """
         if self._assembly is not None:
             raise ValueError("nothing can be added to a model that was solved")
         for each in parts:
@@ -88,7 +94,7 @@ class Solution:
     points: (n, c) on the secondary surfaces, undeformed. weights: area of each (n,).
     contact: number of the contact of each point (n,), in the order in which they were added.
     normals: outward unit normals (n, c) of the secondary surfaces.
-    pressure: (n,), never negative. traction: (n, c) on the secondary surface, pressure and friction.
+    pressure: (n,), never negative. traction: (n, c) on the secondary surface, with friction.
     gap: now (n,), negative where Nitsche's method lets surfaces overlap.
     missed: share of each secondary surface that has nothing opposite, and cannot touch.
     touching: whether anything touches.
@@ -182,8 +188,8 @@ class Solution:
 
 
 def _checked(model: Assembly, hub: Hub, load: Load) -> tuple[float | None, Array]:
-    """A load as force and motion. Raises ValueError for a hub that is not of the model, a force on a
-    hub without a free direction, and values that do not fit.
+    """A load as force and motion. Raises ValueError for a hub that is not of the model, a force on
+    a hub without a free direction, and values that do not fit.
     """
     if hub not in model.masks or not isinstance(hub, Hub):
         raise ValueError(f"{hub!r} is no hub of the model")
@@ -200,6 +206,3 @@ def _checked(model: Assembly, hub: Hub, load: Load) -> tuple[float | None, Array
         raise ValueError(f"{load} is not finite")
     free = unit("free", hub.free)
     return float(load.value), motion - (motion @ free) * free
-
-
-__all__ = ["HubLoads", "Model", "Solution"]

@@ -58,7 +58,7 @@ class Surfaces:
     """The surfaces of all contacts of a model.
 
     contacts: in their order.
-    secondary, primary: facets of each contact, of this rank and of all ranks; none of what is rigid.
+    secondary, primary: facets of each contact, of this rank and of all ranks; rigid ones have none.
     law: contact law of all contacts: symmetric, or with theta = 0 where something has friction.
     bound: smallest stable parameter of each secondary facet.
     """
@@ -114,9 +114,9 @@ class Surfaces:
             slave, other = self.secondary[number], self.primary[number]
             order = contact_interface.quadrature_order(slave)
             if len(other):
-                now = slave.moved(displacement)
-                at, weights = pieces.quadrature(now, other.moved(displacement), order)
-                weights = weights * slave.measure(*at) / now.measure(*at)
+                here = slave.moved(displacement)
+                at, weights = pieces.quadrature(here, other.moved(displacement), order)
+                weights = weights * slave.measure(*at) / here.measure(*at)
             else:
                 at, weights = slave.quadrature(order)
             normals, now, change, foot = self.opposite(number, at, displacement)
@@ -173,8 +173,8 @@ class Surfaces:
 
         number: of the contact. at: facets (n,) and coordinates (n, c - 1) of the points.
         displacement: (dofs, c) of all block dofs.
-        Returns the normals (n, c), the gap now (n,), infinite where nothing is opposite, the part of
-        it that the displacement makes (n,), and the facet (n,) and coordinates (n, c - 1) opposite.
+        Returns the normals (n, c), the gap now (n,), infinite where nothing is opposite, the part
+        of it that the displacement makes (n,), and facet (n,) and coordinates (n, c - 1) opposite.
         """
         contact, slave, other = self.contacts[number], self.secondary[number], self.primary[number]
         x, tangent = slave.tangents(*at)

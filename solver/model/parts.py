@@ -158,6 +158,11 @@ class Hub:
     free: Direction | None = None
     slides: bool = False
 
+    def __post_init__(self) -> None:
+        """Raises ValueError for facets that slide on a face without a free direction."""
+        if self.slides and self.free is None:
+            raise ValueError(f"Hub({self.tag}, slides=True) needs a free direction")
+
 
 @dataclass(frozen=True)
 class Force:

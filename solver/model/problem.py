@@ -35,7 +35,7 @@ class AssembledStiffness(Stiffness):
     """
 
     @classmethod
-    def of(cls, full: PETSc.Mat, p: PETSc.Mat, free: Array) -> AssembledStiffness:
+    def of(cls, full: PETSc.Mat, p: PETSc.Mat, free: Mask) -> AssembledStiffness:
         """P^T K P with the map p from free unknowns to dofs and the stiffness `full` on all dofs;
         free: (c n,) whether a place holds an unknown, the others have a typical diagonal
         (collective).
@@ -154,8 +154,8 @@ class FrictionalProblem(PlasticProblem):
         self.traction = self.share[:, None] * trial
 
     def projection(self, active: Mask) -> Array:
-        """Derivative (n, k, k) of the traction by the trial traction: 1 where points stick, the part
-        normal to it times the share where they slide, and 0 at points that do not touch.
+        """Derivative (n, k, k) of the traction by the trial traction: 1 where points stick, the
+        part normal to it times the share where they slide, 0 at points that do not touch.
         """
         eye = np.eye(self.direction.shape[1])
         dyad = self.direction[:, :, None] * self.direction[:, None, :]
@@ -211,9 +211,9 @@ class FrictionalProblem(PlasticProblem):
 
 
 class Factors(Direct):
-    """Factorisation that is made anew where a tenth of the area in contact touches, parts, sticks or
-    slides otherwise; between, and from one step to the next, it preconditions. Its fields are those
-    of `Preconditioner`.
+    """Factorisation that is made anew where a tenth of the area in contact touches, parts, sticks
+    or slides otherwise; between, and from one step to the next, it preconditions. Its fields are
+    those of `Preconditioner`.
     """
 
     state: Mask
@@ -224,7 +224,8 @@ class Factors(Direct):
         """
         state, area = self.problem.branches(active), self.problem.area
         if self.active is not None:
-            changed = (state != self.state).reshape(-1, len(area)).any(axis=0)
+            parts = len(state) // max(len(area), 1)
+            changed = (state != self.state).reshape(parts, len(area)).any(axis=0)
             local = np.array([area[changed].sum(), area[active].sum()])
             differs, touching = self.problem.stiffness.comm.tompi4py().allreduce(local)
             if differs <= self.outdated_share * touching:

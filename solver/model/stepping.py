@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
@@ -14,53 +13,20 @@ from railhead.solver.algebra import newton
 from railhead.solver.algebra.newton import NewtonResult
 from railhead.solver.algebra.problem import ContactProblem
 from railhead.solver.material.hardening import History
+from railhead.solver.model.assembly import Assembly
 from railhead.solver.model.pairing import Pairing
 from railhead.solver.model.parts import Hub, unit
 from railhead.solver.model.problem import FrictionalProblem
+from railhead.solver.model.state import HubLoads, State
 from railhead.solver.plasticity.plastic_problem import surface_points
 from railhead.solver.space.operators import add_transposed
-from railhead.theory.array_types import Array, Mask
-
-if TYPE_CHECKING:
-    from railhead.solver.model.assembly import Assembly
+from railhead.theory.array_types import Array
 
 TOLERANCE = 1e-8  # of Newton's method
 MOST_PAIRINGS = 6  # in one step
 MISMATCH = 0.01  # of the largest pressure, that the gap of a pairing may be off by
 SMALLEST_STEP = 1 / 64  # of a step, below which it is cut no further
 STEPS = 50  # Newton's, at most
-
-HubLoads = Mapping[Hub, tuple[float | None, Array]]
-"""Of each hub the force along its free direction, None: it is moved; and its motion (c,), of a hub
-with a force across the free direction."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class State:
-    """State of a model with n contact points on this rank.
-
-    displacement: on all dofs that this process owns.
-    loads: of all hubs; motions: of each hub (c,).
-    nodal: force that each node of this rank needs from outside (nodes, c): of supports and hubs.
-    bulk, surface: plastic histories at Gauss points and contact points.
-    pairing: contact points; outdated: whether points have slid by too much since they were paired.
-    pressure, gap: at the points (n,). traction: along the tangents there (n, k).
-    result: Newton's method in the last step; history: all of its steps so far.
-    """
-
-    displacement: PETSc.Vec
-    loads: HubLoads
-    motions: Mapping[Hub, Array]
-    nodal: Array
-    bulk: History
-    surface: History
-    pairing: Pairing
-    outdated: bool
-    pressure: Array
-    gap: Array
-    traction: Array
-    result: NewtonResult
-    history: tuple[newton.NewtonStep, ...] = ()
 
 
 def advance(model: Assembly, state: State, target: HubLoads, steps: int) -> State:
@@ -88,7 +54,7 @@ def advance(model: Assembly, state: State, target: HubLoads, steps: int) -> Stat
 
 def _continued(state: State, target: HubLoads) -> HubLoads:
     """Loads of the state, told as forces and motions of the same hubs as in the target."""
-    out = {}
+    out: dict[Hub, tuple[float | None, Array]] = {}
     for hub, (force, _) in target.items():
         motion = state.motions[hub]
         if force is None:
@@ -118,7 +84,7 @@ def _step(model: Assembly, before: State, loads: HubLoads) -> State:
     outdated = False
     for _ in range(MOST_PAIRINGS):
         problem, prescribed = _problem(model, before, pairing, loads)
-        active = _carried(before.pressure > 0, before.pairing, pairing)
+        active = _carried(before.pressure, before.pairing, pairing) > 0
         if not model.comm.allreduce(int(active.sum())):
             active = model.nearest(pairing, loads)
         preconditioner = model.factors(problem, pairing, loads)
@@ -158,7 +124,7 @@ def _carried(values: Array, old: Pairing, new: Pairing) -> Array:
 def _problem(
     model: Assembly, before: State, pairing: Pairing, loads: HubLoads
 ) -> tuple[ContactProblem, PETSc.Vec]:
-    """Equations of a step from a state, and the prescribed displacement on all dofs (collective)."""
+    """Equations of a step from a state, and the prescribed displacement (collective)."""
     p, face, law = model.map(loads), pairing.interface, model.surfaces.law
     prescribed = model.prescribed(loads)
     force = model.stiffness * prescribed
@@ -250,7 +216,7 @@ def _state(
     """State that a result of Newton's method belongs to (collective)."""
     face, pressure = pairing.interface, result.pressure
     bulk, surface = before.bulk, before.surface
-    traction, lost = np.zeros(pairing.tangents.shape[:2]), 0.0
+    traction, lost = np.zeros(pairing.tangents.shape[:2]), np.zeros(len(pressure))
     nodal = model.stiffness * u
     nodal.axpy(-1.0, model.body_force)
     if isinstance(problem, FrictionalProblem):

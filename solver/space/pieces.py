@@ -16,7 +16,7 @@ from railhead.theory.array_types import Array, Index
 
 SIZE_CLASS = 2.0  # largest over smallest radius of the master's facets that are looked up together
 FACING = -0.1  # largest product of the normals of two facets that face each other
-COVERED = 1e-6  # share of a facet that the pieces on it may lack
+COVERED = 0.02  # share of a facet that the pieces on it may lack, beside the end of a curved master
 ON_LINE = 1e-9  # height over a line, in the reference facet, that is rounding
 SMALLEST = 1e-12  # area of a piece, in the reference facet
 
@@ -37,7 +37,8 @@ def quadrature(slave: FacetSet, master: FacetSet, degree: int) -> tuple[tuple[In
     edges = corners[:, 1:] - corners[:, :1]
     size = np.abs(np.linalg.det(edges))
     piece, areas = np.repeat(facet, len(share)), np.outer(size, share).ravel()
-    inner = (corners[:, None, 0] + np.einsum("qj,pjc->pqc", local, edges)).reshape(len(piece), -1)
+    inner = corners[:, None, 0] + np.einsum("qj,pjc->pqc", local, edges)
+    inner = inner.reshape(len(piece), corners.shape[2])
     covered = np.bincount(piece, areas, minlength=len(slave))
 
     (whole, xi), weights = slave.quadrature(degree)
@@ -65,7 +66,7 @@ def cut(slave: FacetSet, master: FacetSet) -> tuple[Index, Array]:
     count, points = corners.shape[1], corners.reshape(-1, corners.shape[2])
     normals = np.repeat(slave.flat_normals[one], count, axis=0)
     xi = project_on_corners(points, normals, slave, np.repeat(one, count))
-    polygons = xi.reshape(len(one), count, -1)
+    polygons = xi.reshape(len(one), count, xi.shape[1])
     if polygons.shape[2] == 1:
         ends = np.clip(np.sort(polygons, axis=1), 0.0, 1.0)
         used = ends[:, 1, 0] - ends[:, 0, 0] > SMALLEST

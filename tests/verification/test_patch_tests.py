@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from boxes import LOWER, UPPER, two_boxes
 from dolfinx import mesh as dmesh
 from mpi4py import MPI
 from scipy.spatial import cKDTree
@@ -25,7 +24,7 @@ from railhead.solver.material.elasticity import Material, assemble
 from railhead.solver.space.contact_interface import ContactLaw
 from railhead.solver.space.kinematics import SOLID, Kinematics
 from railhead.solver.system.fields import gather
-from railhead.solver.system.setup import ContactBody, Setup
+from railhead.solver.system.setup import Setup
 from studies.hard.block_pairs import GAP, STEEL, contact_model, press, side, two_blocks
 
 SOFT = Material(1000.0, 0.0)
@@ -55,54 +54,6 @@ def test_contact_patch_test_of_nitsche_on_non_matching_meshes(
     weights = model.interface.weights
     assert weights @ solution.pressure / weights.sum() == pytest.approx(expected, rel=1e-4)
     np.testing.assert_allclose(solution.pressure, expected, rtol=tolerance)
-
-
-COMBINATIONS = [
-    (cell, degree, slave, kinematics)
-    for cell, kinematics in (
-        ("triangle", Kinematics(np.eye(3)[:2])),
-        ("quadrilateral", Kinematics(np.eye(3)[:2])),
-        ("triangle", Kinematics(np.eye(3)[:2], revolved=True)),
-        ("quadrilateral", Kinematics(np.eye(3)[:2], revolved=True)),
-        ("tetrahedron", SOLID),
-        ("hexahedron", SOLID),
-    )
-    for degree in (1, 2)
-    for slave in (LOWER, UPPER)
-]
-
-
-@pytest.mark.parametrize("cell, degree, slave, kinematics", COMBINATIONS)
-def test_contact_patch_test_at_every_point(
-    cell: str, degree: int, slave: int, kinematics: Kinematics
-) -> None:
-    """Boxes of different, uneven meshes pressed flat on each other: at each contact point the
-    pressure is E * approach / height to 1 %, whichever box has the points; 79 to 124 for 100 where
-    the points lie on whole facets."""
-    dim, down = kinematics.dim, -1.0 if slave == UPPER else 1.0
-    counts = ((3,) * (dim - 1) + (2,), (4,) * (dim - 1) + (2,))
-    ends = (((0,) * dim, (1,) * dim), ((0,) * (dim - 1) + (1,), (1,) * (dim - 1) + (2,)))
-    along = np.eye(3)[dim - 1]
-
-    def flat(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        return np.zeros(len(points)), np.tile(down * along, (len(points), 1))
-
-    setup = Setup(
-        fixed=ContactBody(LOWER, 10 + LOWER, 20 + LOWER, SOFT),
-        moving=ContactBody(UPPER, 10 + UPPER, 20 + UPPER, SOFT),
-        slave=slave,
-        gap=flat,
-        degree=degree,
-        direction=tuple(-along),
-        load_control=False,
-        kinematics=kinematics,
-    )
-    model = ContactModel(*two_boxes(cell, counts, ends, bend=0.1, interface=1.0), setup)
-    found = model.solve(approach=0.2, active=np.ones(len(model.interface.points), bool))
-    assert found.newton.converged
-    np.testing.assert_allclose(found.pressure, 1000.0 * 0.2 / 2.0, rtol=0.01)
-    area = np.pi if kinematics.revolved else 1.0
-    assert model.interface.weights.sum() == pytest.approx(area, rel=1e-6)
 
 
 def test_contact_patch_test_of_penalty_is_off_by_its_own_compliance() -> None:
@@ -364,14 +315,16 @@ def test_unit_invariance() -> None:
 
 @pytest.mark.parametrize("rigid", [RAIL, WHEEL])
 def test_rigid_body_is_the_limit_of_a_stiff_one(rigid: int) -> None:
-    """E ratio 1e5 against a body that is not there; the pressure agrees to the ratio."""
+    """E ratio 1e5 against a body that is not there; the pressure agrees to the ratio, at the same
+    contact points."""
     stiff, hard = Material(207000.0e5, 0.3), Material(np.inf, 0.3)
     slave = WHEEL if rigid == RAIL else RAIL
     gap = ParabolicGap(1 / 2000, 1 / 1600, -1 if rigid == RAIL else 1)
     found = []
     for other in (stiff, hard):
         materials = (other, STEEL) if rigid == RAIL else (STEEL, other)
-        solution = press(contact_model(materials=materials, slave=slave, gap=gap))
+        model = contact_model(materials=materials, slave=slave, gap=gap, cut=False)
+        solution = press(model)
         assert solution.newton.converged
         found.append(solution)
     assert found[0].approach == pytest.approx(found[1].approach, rel=1e-3)

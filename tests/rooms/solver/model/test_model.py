@@ -1,0 +1,136 @@
+"""Input that a model cannot have, and what its parts say."""
+
+from __future__ import annotations
+
+import re
+import warnings
+
+import numpy as np
+import pytest
+from boxes import LOWER, UPPER, two_boxes
+from curved import meshed
+
+import railhead.solver as rs
+from railhead.solver.model.pairing import tangents_of
+
+SOFT = rs.Elastic(1000.0, 0.3)
+ENDS = (((0, -1), (1, 0)), ((0, 0), (1, 1)))
+
+
+def boxes():
+    return two_boxes("triangle", ((3, 2), (4, 2)), ENDS)
+
+
+def model(**changes: object) -> rs.Model:
+    made = rs.Model(*boxes(), **{"section": "plane strain", **changes})
+    made.add(rs.Body(LOWER, SOFT), rs.Body(UPPER, SOFT), rs.Clamp(21))
+    return made
+
+
+def solved(*parts: object, loads: dict | None = None, **changes: object) -> rs.Solution:
+    made = model(**changes)
+    made.add(rs.Contact(secondary=12, primary=11), *parts)
+    return made.solve(loads)
+
+
+@pytest.mark.parametrize(
+    "make, told",
+    [
+        (lambda: rs.Elastic(-1.0, 0.3), "young_modulus must be positive"),
+        (lambda: rs.Elastic(1.0, 0.5), "poisson_ratio must lie in"),
+        (lambda: rs.Contact(12, 12), "self-contact is not there"),
+        (lambda: rs.Contact(12, None), "needs a primary surface, or a gap"),
+        (lambda: rs.Contact(12, 11, friction=-0.1), "friction must not be negative"),
+        (lambda: rs.Hub(22, slides=True), "needs a free direction"),
+        (lambda: model().add(rs.Slide(30, normal=(1, 0, 0))), "directions with 2 components"),
+        (lambda: model(section="plain strain"), "section 'plain strain' is unknown"),
+        (lambda: model(section=None), "does not fit a mesh with 2 coordinates"),
+        (lambda: model(degree=3), "degree 3 is not there"),
+        (lambda: model().solve(), "a model needs a Contact"),
+        (lambda: solved(rs.Clamp(77)), "no facets carry the tag 77"),
+        (lambda: solved(rs.Body(7, SOFT)), "no cells carry the tag 7"),
+        (lambda: solved(rs.Slide(30, normal=(0, 0))), "normal must have a direction"),
+        (lambda: solved(rs.Contact(12, 31)), "surface 12 has nothing opposite"),
+        (
+            lambda: solved(rs.Contact(12, None, gap=lambda x: (x[:, 0] + np.inf, x))),
+            "surface 12 has nothing opposite",
+        ),
+        (lambda: solved(loads={rs.Hub(22): rs.Move((0, 0))}), "is no hub of the model"),
+    ],
+)
+def test_wrong_input_is_one_line(make, told: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(told)) as found:
+        make()
+    assert "\n" not in str(found.value)
+
+
+def test_loads_that_do_not_fit_their_hub() -> None:
+    made = model()
+    made.add(rs.Contact(secondary=12, primary=11))
+    hub = made.add(rs.Hub(22))
+    with pytest.raises(ValueError, match="has no free direction for a force"):
+        made.solve({hub: rs.Force(1.0)})
+    with pytest.raises(ValueError, match="needs a motion of 2 finite numbers"):
+        made.solve({hub: rs.Move((0, 0, -1))})
+    with pytest.raises(ValueError, match="nothing can be added"):
+        made.add(rs.Clamp(21))
+
+
+def test_a_cell_without_a_body() -> None:
+    made = rs.Model(*boxes(), section="plane strain")
+    made.add(rs.Body(LOWER, SOFT), rs.Clamp(21), rs.Contact(secondary=12, primary=11))
+    with pytest.raises(ValueError, match="cells belong to no body"):
+        made.solve()
+
+
+def test_plastic_is_refused_in_plane_stress() -> None:
+    made = rs.Model(*boxes(), section="plane stress")
+    made.add(rs.Body(LOWER, rs.Plastic(1e3, 0.3, 1.0)), rs.Body(UPPER, SOFT))
+    made.add(rs.Contact(secondary=12, primary=11))
+    with pytest.raises(ValueError, match="Plastic is not there in plane stress"):
+        made.solve()
+
+
+def test_a_body_that_nothing_stops_does_not_converge() -> None:
+    """Pulled away from the other one under a force: an answer with a reason, and no way on."""
+    made = model()
+    made.add(rs.Contact(secondary=12, primary=11))
+    hub = made.add(rs.Hub(22, free=(0, 1)))
+    found = made.solve({hub: rs.Force(1.0)})
+    assert not found.converged and found.reason and found.history
+    with pytest.raises(ValueError, match="there is no state to go on from"):
+        found.then({hub: rs.Force(0.5)})
+
+
+def test_straight_facets_on_an_arc_are_warned_of_and_what_misses_is_told() -> None:
+    def make(occ) -> list[int]:
+        half = [(2, occ.addRectangle(-10, 0, 0, 20, 10))]
+        disc = occ.intersect([(2, occ.addDisk(0, 10, 0, 10, 10))], half)[0][0][1]
+        return [occ.addRectangle(-4, -8, 0, 8, 8), disc]
+
+    def tag(body: int, box: tuple[float, float, float, float]) -> int:
+        if body == 1:
+            return 11 if box[1] > -1e-6 else 21 if box[3] < -7.9 else 31
+        return 22 if box[1] > 9.9 else 12
+
+    for order in (1, 2):
+        made = rs.Model(*meshed(make, tag, "2", order), section="plane strain")
+        made.add(rs.Body(1, SOFT), rs.Body(2, SOFT), rs.Clamp(21))
+        made.add(rs.Contact(secondary=11, primary=12))
+        made.add(rs.Contact(secondary=12, primary=11))
+        hub = made.add(rs.Hub(22, free=(0, -1)))
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
+            found = made.solve({hub: rs.Force(1.0)})
+        assert any("are straight on a curved surface" in str(w.message) for w in told) == (
+            order == 1
+        )
+        assert found.missed[0] < 0.01
+        assert 0.2 < found.missed[1] < 0.9
+
+
+def test_tangents_are_orthonormal_whatever_the_normal() -> None:
+    for normals in (np.eye(3), -np.eye(3), np.array([[0.6, 0.8, 0.0]])):
+        frame = np.concatenate([normals[:, None], tangents_of(normals)], axis=1)
+        products = frame @ np.swapaxes(frame, 1, 2)
+        np.testing.assert_allclose(products, np.tile(np.eye(3), (len(normals), 1, 1)), atol=1e-12)

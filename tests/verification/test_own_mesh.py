@@ -1,0 +1,350 @@
+"""Contact for a mesh of one's own (`rs.Model`) beside closed forms."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from boxes import LOWER, UPPER, two_boxes
+from curved import meshed
+
+import railhead.solver as rs
+
+E, NU = 1000.0, 0.3
+STRAIN = E / (1 - NU**2)
+SOFT = rs.Elastic(E, NU)
+
+
+def block(size: float, a: float, n: int):
+    """Meridian section of a cylinder under z = 0, n elements over a at the axis."""
+
+    def tag(body: int, box: tuple[float, float, float, float]) -> int:
+        _, low, right, high = box
+        return 30 if right < 1e-6 else 11 if low > -1e-6 else 21 if high < 1e-5 - size else 31
+
+    growing = f"{a / n}+0.15*Max(0,Sqrt(x*x+y*y)-{1.6 * a})"
+    return meshed(lambda occ: [occ.addRectangle(0, -size, 0, size, size)], tag, growing)
+
+
+def ball_on_block(radius: float, a: float, n: int, gap: float):
+    """Meridian section, or half, of half a ball over a block of 8 mm; 22: its flat face."""
+
+    def make(occ) -> list[int]:
+        ball = occ.addDisk(0, radius + gap, 0, radius, radius)
+        box = occ.addRectangle(0, gap, 0, radius, radius)
+        ball = occ.intersect([(2, ball)], [(2, box)])[0][0][1]
+        return [occ.addRectangle(0, -8, 0, 8, 8), ball]
+
+    def tag(body: int, box: tuple[float, float, float, float]) -> int:
+        _, low, right, high = box
+        if right < 1e-6:
+            return 30
+        if body == 1:
+            return 11 if low > -1e-6 else 21 if high < -7.9 else 31
+        return 22 if low > radius + gap - 1e-5 else 12
+
+    size = f"{a / n}+0.2*Max(0,Sqrt(x*x+y*y)-{1.5 * a + gap})"
+    return meshed(make, tag, size)
+
+
+BOXES = [("triangle", "plane strain"), ("quadrilateral", "plane strain")]
+BOXES += [("triangle", "axisymmetric"), ("quadrilateral", "axisymmetric")]
+BOXES += [("tetrahedron", None), ("hexahedron", None)]
+
+
+@pytest.mark.parametrize("secondary", [LOWER, UPPER])
+@pytest.mark.parametrize("degree", [1, 2])
+@pytest.mark.parametrize("cell, section", BOXES)
+def test_contact_patch_test_at_every_point(
+    cell: str, section: str | None, degree: int, secondary: int
+) -> None:
+    """Boxes of different, uneven meshes under a sliding plate: each contact point has the pressure
+    of the load to 1 %, whichever box has the points, and the stress in the cells is uniaxial."""
+    dim = 3 if section is None else 2
+    counts = ((3,) * (dim - 1) + (2,), (4,) * (dim - 1) + (2,))
+    ends = (((0,) * dim, (1,) * dim), ((0,) * (dim - 1) + (1,), (1,) * (dim - 1) + (2,)))
+    mesh = two_boxes(cell, counts, ends, bend=0.1, interface=1.0)
+    model = rs.Model(*mesh, section=section, degree=degree)
+    model.add(rs.Body(LOWER, SOFT), rs.Body(UPPER, SOFT))
+    model.add(rs.Contact(secondary=10 + secondary, primary=13 - secondary))
+    axes = np.eye(dim)
+    base = model.add(rs.Slide(21, normal=axes[-1]))
+    for axis in range(dim - 1):
+        model.add(rs.Slide(30 + 2 * axis, normal=axes[axis]))
+    plate = model.add(rs.Hub(22, free=-axes[-1], slides=True))
+    load = 100.0 * (np.pi if section == "axisymmetric" else 1.0)
+    found = model.solve({plate: rs.Force(load)})
+    assert found.converged and found.touching
+    np.testing.assert_allclose(found.pressure, 100.0, rtol=0.01)
+    assert found.force(plate) == pytest.approx(load, rel=1e-9)
+    np.testing.assert_allclose(found.force(base), load * axes[-1], atol=1e-6 * load)
+    stress = found.stress.x.array.reshape(-1, 3, 3)
+    np.testing.assert_allclose(stress[:, dim - 1, dim - 1], -100.0, rtol=0.01)
+    np.testing.assert_allclose(stress[:, 0, 0], 0.0, atol=0.5)
+    modulus = STRAIN if section == "plane strain" else E
+    assert found.motion(plate) == pytest.approx(100.0 * 2.0 / modulus, rel=1e-6)
+
+
+PERSSON = {10: (82.2206, 3.6616), 30: (7.9435, 1.2603), 60: (1.0672, 0.7117)}
+"""Half angle of contact in degrees -> (E dR/Q, p_max R/Q) of a pin in a hole, like bodies in plane
+stress (A. Persson, On the stress distribution of cylindrical elastic bodies in contact, 1964)."""
+
+
+@pytest.mark.parametrize(
+    "angle, secondary",
+    [(30, 11), (30, 12)]
+    + [pytest.param(each, tag, marks=pytest.mark.slow) for each in (10, 60) for tag in (11, 12)],
+)
+def test_pin_in_a_hole_has_perssons_pressure(angle: int, secondary: int) -> None:
+    """Half a pin, concentric with its hole at the start, under a force at its middle."""
+    radius, clearance, half = 10.0, 0.01, np.radians(angle)
+    over, largest = PERSSON[angle]
+    load = E * clearance / over
+
+    def make(occ) -> list[int]:
+        out = []
+        for outer, inner in ((radius - clearance, 1.5), (20 * radius, radius)):
+            rings = [[(2, occ.addDisk(0, 0, 0, r, r))] for r in (outer, inner)]
+            ring = occ.cut(*rings)[0]
+            right = [(2, occ.addRectangle(0, -300, 0, 300, 600))]
+            out.append(occ.intersect(ring, right)[0][0][1])
+        return out
+
+    def tag(body: int, box: tuple[float, float, float, float]) -> int:
+        if box[2] < 1e-6:
+            return 30
+        far = max(box[2], box[3], -box[1]) > (9 if body == 1 else 11)
+        return (11 if far else 21) if body == 1 else (22 if far else 12)
+
+    place = f"Sqrt(x*x+(y+{radius})*(y+{radius}))"
+    size = f"{half * radius / 10}+0.25*Max(0,{place}-{1.3 * half * radius})"
+    model = rs.Model(*meshed(make, tag, size), section="plane stress")
+    model.add(rs.Body(1, SOFT), rs.Body(2, SOFT))
+    model.add(rs.Slide(30, normal=(1, 0)), rs.Clamp(22))
+    model.add(rs.Contact(secondary=secondary, primary=23 - secondary))
+    pin = model.add(rs.Hub(21, free=(0, -1)))
+    found = model.solve({pin: rs.Force(load / 2)})
+    assert found.converged
+    assert found.pressure.max() == pytest.approx(largest * load / radius, rel=0.01)
+    points = found.points[found.pressure > 0]
+    reached = np.degrees(np.arctan2(points[:, 0], -points[:, 1]).max())
+    assert reached == pytest.approx(angle, abs=1.5)
+
+
+def test_rigid_punch_of_fourth_power() -> None:
+    """z = C r^4 (Steuermann, Galin): force (64/15) E* C a^5, largest pressure sqrt 2 times the
+    central one at a/sqrt 2, approach (8/3) C a^4; the motion found gives the same force."""
+    a, c = 1.0, 0.004
+    load, centre = 64 / 15 * STRAIN * c * a**5, 32 / (9 * np.pi) * STRAIN * c * a**3
+
+    def gap(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return c * x[:, 0] ** 4, np.tile([0.0, 1.0], (len(x), 1))
+
+    model = rs.Model(*block(60.0, a, 12), section="axisymmetric")
+    model.add(rs.Body(1, SOFT), rs.Contact(secondary=11, primary=None, gap=gap))
+    base = model.add(rs.Hub(21, free=(0, 1)))
+    found = model.solve({base: rs.Force(load)})
+    assert found.converged
+    r = found.points[:, 0]
+    assert found.pressure.max() == pytest.approx(np.sqrt(2) * centre, rel=0.01)
+    near = (r > 0.1) & (r < 0.9)
+    exact = centre * np.sqrt(1 - r[near] ** 2) * (1 + 2 * r[near] ** 2)
+    np.testing.assert_allclose(found.pressure[near], exact, rtol=0.02)
+    assert found.motion(base) == pytest.approx(8 / 3 * c * a**4, rel=0.02)
+    moved = model.solve({base: rs.Move((0, found.motion(base)))})
+    assert moved.force(base) == pytest.approx(load, rel=0.005)
+
+
+@pytest.mark.parametrize("gap, secondary", [(0.0, 12), (1.0, 12), (1.0, 11)])
+def test_ball_on_a_block_under_a_load_from_afar(gap: float, secondary: int) -> None:
+    """Hertz's largest pressure to 1 %, also where the ball starts a tenth of its radius away."""
+    radius, a = 10.0, 0.3
+    load = 4 * (STRAIN / 2) * a**3 / (3 * radius)
+    model = rs.Model(*ball_on_block(radius, a, 8, gap), section="axisymmetric")
+    model.add(rs.Body(1, SOFT), rs.Body(2, SOFT), rs.Clamp(21))
+    model.add(rs.Contact(secondary=secondary, primary=23 - secondary))
+    ball = model.add(rs.Hub(22, free=(0, -1)))
+    found = model.solve({ball: rs.Force(load)})
+    assert found.converged
+    assert found.pressure.max() == pytest.approx(3 * load / (2 * np.pi * a**2), rel=0.01)
+    assert found.force(ball) == pytest.approx(load, rel=1e-8)
+    assert found.weights @ found.pressure == pytest.approx(load, rel=1e-3)
+
+
+def test_bodies_that_do_not_touch_and_a_rigid_sphere() -> None:
+    """A sphere 3 mm away: a motion of 1 mm is an answer, without force; a load from there on meets
+    Hertz."""
+    radius, a = 50.0, 1.0
+    load = 4 * STRAIN * a**3 / (3 * radius)
+    model = rs.Model(*block(60.0, a, 8), section="axisymmetric")
+    sphere = rs.Sphere((0, radius + 3), radius)
+    model.add(rs.Body(1, SOFT), rs.Contact(secondary=11, primary=sphere))
+    base = model.add(rs.Hub(21, free=(0, 1)))
+    apart = model.solve({base: rs.Move((0, 1.0))})
+    assert apart.converged and not apart.touching
+    assert abs(apart.force(base)) < 1e-6
+    assert apart.motion(base) == 1.0
+    found = apart.then({base: rs.Force(load)})
+    assert found.converged and found.touching
+    assert found.pressure.max() == pytest.approx(3 * load / (2 * np.pi * a**2), rel=0.01)
+    again = found.then({base: rs.Move((0, 1.0))})
+    assert again.converged and not again.touching
+
+
+@pytest.mark.parametrize("secondary", [11, pytest.param(12, marks=pytest.mark.slow)])
+def test_press_fit_of_two_free_rings_has_lames_pressure(secondary: int) -> None:
+    """Interference 5 um, held by symmetry alone: the mean to 0.5 %, every point within 2 %."""
+    inner, radius, outer, over = 10.0, 20.0, 30.0, 0.005
+
+    def make(occ) -> list[int]:
+        out = []
+        for low, high in ((inner, radius + over / 2), (radius - over / 2, outer)):
+            ring = occ.cut(*([(2, occ.addDisk(0, 0, 0, r, r))] for r in (high, low)))[0]
+            quarter = [(2, occ.addRectangle(0, 0, 0, 40, 40))]
+            out.append(occ.intersect(ring, quarter)[0][0][1])
+        return out
+
+    def tag(body: int, box: tuple[float, float, float, float]) -> int:
+        if box[2] < 1e-6 or box[3] < 1e-6:
+            return 30 if box[2] < 1e-6 else 31
+        far = max(box[2], box[3]) > (11 if body == 1 else 21)
+        return (11 if far else 41) if body == 1 else (42 if far else 12)
+
+    away = f"Sqrt(x*x+y*y)-{radius}"
+    size = f"0.5*(1+0.3*Max(0,Min(1,1e6*({away}))))+0.3*Max(0,({away})*({away})/10)"
+    steel = rs.Elastic(210e3, 0.3)
+    model = rs.Model(*meshed(make, tag, size), section="plane stress")
+    model.add(rs.Body(1, steel), rs.Body(2, steel))
+    model.add(rs.Slide(30, normal=(1, 0)), rs.Slide(31, normal=(0, 1)))
+    model.add(rs.Contact(secondary=secondary, primary=23 - secondary))
+    found = model.solve()
+    b, c, a = radius**2, outer**2, inner**2
+    exact = over * 210e3 / radius / ((c + b) / (c - b) + (b + a) / (b - a))
+    assert found.converged
+    mean = found.weights @ found.pressure / found.weights.sum()
+    assert mean == pytest.approx(exact, rel=0.005)
+    np.testing.assert_allclose(found.pressure, exact, rtol=0.02)
+
+
+def sliding_block(friction: float):
+    ends = (((0, -1), (8, 0)), ((0.5, 0), (2.5, 1)))
+    mesh = two_boxes("quadrilateral", ((20, 2), (7, 2)), ends)
+    model = rs.Model(*mesh, section="plane strain")
+    model.add(rs.Body(LOWER, SOFT), rs.Body(UPPER, SOFT))
+    model.add(rs.Contact(secondary=12, primary=11, friction=friction))
+    floor = model.add(rs.Clamp(21))
+    return model, model.add(rs.Hub(22, free=(0, -1))), floor
+
+
+def test_a_block_slides_over_ten_elements_and_back() -> None:
+    """Ten facets of 0.4 mm are passed: the force stays mu N within 1 %, and turns when the motion
+    does; before it slides it is less, and nothing slides."""
+    model, top, floor = sliding_block(0.3)
+    found = model.solve({top: rs.Force(10.0)}, steps=2)
+    still = found.then({top: rs.Force(10.0, move=(1e-4, 0))}, steps=1)
+    assert still.converged
+    assert abs(still.force(floor)[0]) < 0.1 * 3.0
+    shares = [0.05, *np.linspace(0.4, 4.0, 10), 3.9]
+    for x in shares:
+        found = found.then({top: rs.Force(10.0, move=(x, 0))}, steps=1)
+        assert found.converged, found.reason
+        side = -1.0 if x != 3.9 else 1.0
+        np.testing.assert_allclose(found.force(floor), [side * 3.0, 10.0], rtol=0.01)
+    along = found.traction - (found.traction * found.normals).sum(axis=1)[:, None] * found.normals
+    limit = 0.3 * found.pressure
+    np.testing.assert_allclose(np.linalg.norm(along, axis=1), limit, atol=1e-6 * limit.max())
+
+
+@pytest.mark.slow
+def test_cattaneos_stick_of_two_cylinders() -> None:
+    """c/a = sqrt(1 - Q/mu P) in plane strain (Johnson, Contact Mechanics, 1985, 7.2)."""
+    radius, a, friction = 10.0, 0.3, 0.4
+
+    def make(occ) -> list[int]:
+        half = [(2, occ.addRectangle(-radius, 0, 0, 2 * radius, radius))]
+        disc = occ.intersect([(2, occ.addDisk(0, radius, 0, radius, radius))], half)[0][0][1]
+        return [occ.addRectangle(-8, -8, 0, 16, 8), disc]
+
+    def tag(body: int, box: tuple[float, float, float, float]) -> int:
+        if body == 1:
+            return 11 if box[1] > -1e-6 else 21 if box[3] < -7.9 else 31
+        return 22 if box[1] > radius - 1e-5 else 12
+
+    size = f"{a / 12}+0.3*Max(0,Sqrt(x*x+y*y)-{1.5 * a})"
+    load = np.pi * a**2 * (STRAIN / 2) / (4 * radius)
+    model = rs.Model(*meshed(make, tag, size), section="plane strain")
+    model.add(rs.Body(1, SOFT), rs.Body(2, SOFT), rs.Clamp(21))
+    model.add(rs.Contact(secondary=12, primary=11, friction=friction))
+    top = model.add(rs.Hub(22, free=(0, -1)))
+    found = model.solve({top: rs.Force(load)}, steps=2)
+    for x in (0.002, 0.0035):
+        found = found.then({top: rs.Force(load, move=(x, 0))}, steps=2)
+    assert found.converged
+    sheared = np.abs(np.einsum("nc,nc->n", found.traction, found.normals[:, ::-1] * [1, -1]))
+    stick = (found.pressure > 0) & (sheared < friction * found.pressure * (1 - 1e-6))
+    pulled = found.weights @ sheared / (friction * load)
+    reach = np.abs(found.points[stick, 0]).max() / a
+    assert reach == pytest.approx(np.sqrt(1 - pulled), rel=0.03)
+
+
+JACKSON_GREEN = {2.83: (2.0, 2.02), 10.13: (5.0, 5.77), 25.89: (10.0, 12.78), 64.2: (20.0, 28.31)}
+"""Load of a rigid sphere on a perfectly plastic half-space over the critical load -> approach and
+area over the critical ones (R. L. Jackson and I. Green, Journal of Tribology 127, 2005; from
+memory)."""
+
+
+@pytest.mark.parametrize(
+    "over",
+    [2.83, *(pytest.param(each, marks=pytest.mark.slow) for each in (10.13, 25.89, 64.2))],
+)
+def test_rigid_sphere_into_perfectly_plastic_steel(over: float) -> None:
+    """Approach within 4 % and area within 7 %; unloaded, an imprint is left."""
+    young, poisson, yields, radius = 210e3, 0.3, 600.0, 10.0
+    modulus, c = young / (1 - poisson**2), 1.295 * np.exp(0.736 * poisson)
+    approach = (np.pi * c * yields / (2 * modulus)) ** 2 * radius
+    load = 4 / 3 * (radius / modulus) ** 2 * (c / 2 * np.pi * yields) ** 3
+    area = np.pi**3 * (c * yields * radius / (2 * modulus)) ** 2
+    sunk, wide = JACKSON_GREEN[over]
+    a = np.sqrt(area * wide / np.pi)
+    fast = over < 5
+    model = rs.Model(*block(40 * a, a, 7 if fast else 10), section="axisymmetric")
+    model.add(rs.Body(1, rs.Plastic(young, poisson, yields)))
+    model.add(rs.Contact(secondary=11, primary=rs.Sphere((0, radius), radius)))
+    base = model.add(rs.Hub(21, free=(0, 1)))
+    found = model.solve({base: rs.Force(over * load)}, steps=4 if fast else 10)
+    assert found.converged
+    assert found.motion(base) / approach == pytest.approx(sunk, rel=0.04)
+    assert found.weights[found.pressure > 0].sum() / area == pytest.approx(wide, rel=0.07)
+    back = found.then({base: rs.Force(0.0)}, steps=2)
+    assert back.converged
+    assert 0.02 * sunk < back.motion(base) / approach < 0.8 * sunk
+
+
+def test_hexahedra_with_two_pairs_share_a_load() -> None:
+    """One box between two others, the lower ends on a plane: all three faces carry the load."""
+    counts = ((2, 2, 2), (3, 3, 2))
+    ends = (((0, 0, 0), (1, 1, 1)), ((0, 0, 1), (1, 1, 2)))
+    model = rs.Model(*two_boxes("hexahedron", counts, ends, interface=1.0), degree=1)
+    model.add(rs.Body(LOWER, SOFT), rs.Body(UPPER, SOFT))
+    model.add(rs.Contact(secondary=12, primary=11))
+    model.add(rs.Contact(secondary=21, primary=rs.Plane((0, 0, 0), (0, 0, 1))))
+    model.add(rs.Slide(30, normal=(1, 0, 0)), rs.Slide(32, normal=(0, 1, 0)))
+    plate = model.add(rs.Hub(22, free=(0, 0, -1), slides=True))
+    found = model.solve({plate: rs.Force(5.0)})
+    assert found.converged
+    np.testing.assert_allclose(found.pressure, 5.0, rtol=0.01)
+    assert set(found.contact) == {0, 1}
+    for number in (0, 1):
+        own = found.contact == number
+        assert found.weights[own] @ found.pressure[own] == pytest.approx(5.0, rel=1e-6)
+
+
+def test_weight_of_a_body_is_carried() -> None:
+    """A force per volume, without any hub: the box stands by contact alone."""
+    ends = (((0, -1), (1, 0)), ((0, 0), (1, 1)))
+    model = rs.Model(*two_boxes("triangle", ((3, 2), (4, 2)), ends), section="plane strain")
+    model.add(rs.Body(LOWER, SOFT), rs.Body(UPPER, SOFT, force=(0, -2.0)))
+    model.add(rs.Contact(secondary=12, primary=11), rs.Slide(30, normal=(1, 0)))
+    floor = model.add(rs.Slide(21, normal=(0, 1)))
+    found = model.solve()
+    assert found.converged
+    np.testing.assert_allclose(found.force(floor), [0.0, 2.0], atol=1e-8)
