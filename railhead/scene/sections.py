@@ -7,15 +7,16 @@ as well. A key that may be None leaves the choice to the plan.
 import os
 from difflib import get_close_matches
 from itertools import pairwise
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
-import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, model_validator
 
 from railhead.geometry.measured import BODY_BY_EXTENSION, EXTENSIONS
 from railhead.scene import arrays, flow_curves, units
 from railhead.scene.units import show
-from railhead.theory.array_types import Array
+
+if TYPE_CHECKING:
+    from railhead.theory.array_types import Array
 
 ALIASES = {"UIC54": "54E1", "UIC60": "60E1"}
 GAUGE_HEIGHT = 14.0  # mm, of EN 13848-1
@@ -556,10 +557,12 @@ class Friction(Section):
         given = self.coefficient
         return ((0.0, given),) if isinstance(given, float) else given
 
-    def at(self, angle: Array | float) -> Array:
+    def at(self, angle: "Array | float") -> "Array":
         """Coefficient of friction (n,) where the rail's surface has the angle (n,) to the
         horizontal across the track, rad.
         """
+        import numpy as np
+
         angles, values = np.transpose(self.pairs)
         return np.interp(np.degrees(angle), angles, values)
 
