@@ -4,7 +4,7 @@ positions, rolling radii), and a measured profile over the nearest standard one.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -119,20 +119,24 @@ def positions(swept: Sequence[Placed], subject: Subject, target: Target = None) 
     return figure
 
 
-def rolling_radius(swept: Sequence[Placed], subject: Subject, target: Target = None) -> Figure:
+def rolling_radius(
+    swept: Sequence[Placed],
+    curve: tuple[Array, Array],
+    subject: Subject,
+    target: Target = None,
+) -> Figure:
     """Two panels over the lateral shift: the rolling radius difference, right less left, and the
     places y of the contacts on both rails, all in mm.
 
     swept: the wheelset at rising shifts.
+    curve: shifts (n,) and rolling radius differences (n,), mm, NaN where a contact jumps.
     subject: title and units.
     target: PNG file, two axes, or None (`new_figure`).
     """
     shifts = np.array([placed.shift for placed in swept])
     with new_figure(target, 9, 7, subject) as figure:
         upper, lower = figure.subplots(2, 1, sharex=True)
-        difference = np.array([placed.rolling_radius_difference for placed in swept])
-        breaks = _jump(swept, "right") | _jump(swept, "left")
-        _broken(upper, shifts, difference, breaks, MARK, None)
+        upper.plot(*curve, color=MARK)
         upper.set_ylabel("rolling radius difference,\nright less left, mm")
         further: str | None = "further contact, with a small gap"
         for name, colour in (("right", WHEEL_COLOUR), ("left", RAIL_COLOUR)):
@@ -146,6 +150,24 @@ def rolling_radius(swept: Sequence[Placed], subject: Subject, target: Target = N
         lower.set_ylabel("contact on the rail, y, mm\n(gauge side < 0 < field side)")
         lower.set_xlabel("lateral shift to the right, mm")
         lower.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
+    return figure
+
+
+def conicity(
+    found: Mapping[float, float | None], subject: Subject, target: Target = None
+) -> Figure:
+    """Equivalent conicity over the amplitude, mm.
+
+    found: equivalent conicity by amplitude, mm; None where there is none.
+    subject: title and units.
+    target: PNG file, one axes, or None (`new_figure`).
+    """
+    with new_figure(target, 7, 4, subject) as figure:
+        ax = figure.subplots()
+        ax.plot(list(found), np.array(list(found.values()), dtype=float), color=MARK)  # None: NaN
+        ax.set_ylim(bottom=0.0)
+        ax.set_ylabel("equivalent conicity (EN 15302)")
+        ax.set_xlabel("amplitude of the lateral shift, mm")
     return figure
 
 

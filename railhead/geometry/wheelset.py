@@ -245,11 +245,13 @@ class WheelsetOnTrack:
             raise placed
         return placed
 
-    def place_all(self, shifts: Array, clearance: float = 0.0) -> list[Placed | PlacementError]:
+    def place_all(
+        self, shifts: Array, clearance: float = 0.0, start: Array | float = 0.0
+    ) -> list[Placed | PlacementError]:
         """The wheelset as of `place` at each of the shifts (n,), mm, or the reason why it cannot
-        stand there.
+        stand there. start: rolls (n,), rad, from which the search goes.
         """
-        start, _ = self.rolling(shifts, np.zeros(len(shifts)), rough=True)
+        start, _ = self.rolling(shifts, start + np.zeros(len(shifts)), rough=True)
         (rolls, _), sides = self.rolling(shifts, start), []
         for wheel in self._wheels:
             poses = wheel.poses(shifts, rolls)
