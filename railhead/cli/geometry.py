@@ -236,17 +236,17 @@ class Location(terminal.Drawn):
                 highlight=False,
             )
         jumps = ", ".join(f"{units.value(each, 'mm'):.4g}" for each in summary["jumps_mm"])
-        terminal.labelled(console, f"jumps      at shifts of {jumps or 'none'} {units.unit('mm')}")
+        text = f"at shifts of {jumps} {units.unit('mm')}" if jumps else "none"
+        terminal.labelled(console, f"jumps      {text}")
         values = ", ".join(
             f"{each['value']:.4g} at {units.value(each['amplitude_mm'], 'mm'):g}"
             for each in summary["conicity"]
             if each["amplitude_mm"] % 1 == 0 and each["value"] is not None
         )
         text = f"conicity   {values or 'none'} {units.unit('mm')} (equivalent, EN 15302"
-        slope = summary["nonlinearity_per_mm"]
-        if slope is not None:
-            slope = slope if abs(slope) > NOTHING else 0.0
-            text += f"; nonlinearity parameter {units.text(slope, '1/mm', 4)}"
+        if (slope := summary["nonlinearity_per_mm"]) is not None:
+            slope = round(units.value(slope, "1/mm"), 4) + 0.0
+            text += f"; nonlinearity parameter {slope:g} {units.unit('1/mm')}"
         terminal.labelled(console, f"{text})")
 
     def _show_contacts(self, console: Console, units: Units, summary: dict[str, Any]) -> None:

@@ -121,7 +121,7 @@ def rolling_radii(wheelset: WheelsetOnTrack, reach: float) -> RollingRadii:
     """Rolling radii of a wheelset over the shifts from -reach to reach (mm, rounded up to whole
     steps), or over those around shift 0 at which it can stand.
 
-    Each interval is divided by four until straight lines are within 0.3 % (SHARE) of the difference
+    Each interval is divided by four until straight lines are within 0.5 % (SHARE) of the difference
     of the radii, or enclose less than 4e-6 mm2 (AREA) with them; the last division makes that 16
     times better. Where a contact jumps, intervals become about 1e-6 mm wide.
     Raises PlacementError where the wheelset can stand nowhere.
@@ -131,17 +131,16 @@ def rolling_radii(wheelset: WheelsetOnTrack, reach: float) -> RollingRadii:
     shifts = STEP * np.arange(0 if alike else -count, count + 1)
     found = wheelset.place_all(shifts)
     stands = np.flatnonzero([isinstance(each, Placed) for each in found])
-    if isinstance(reason := found[len(found) // 2], PlacementError) and not len(stands):
-        raise reason
+    if not len(stands):
+        raise PlacementError(str(found[0]))
     runs = np.split(stands, np.flatnonzero(np.diff(stands) > 1) + 1)
-    run = min(runs, key=lambda run: np.abs(shifts[run]).min())
-    rows = np.array([_row(each) for each in found[run[0] : run[-1] + 1]])
+    shifts = shifts[min(runs, key=lambda run: np.abs(shifts[run]).min())]
+    rows = _rows(wheelset, shifts, 0 * shifts)
     fresh, inside = np.arange(len(rows) - 1), np.array([[0.25], [0.5], [0.75]])
     while len(fresh):
         line = rows[fresh, None] * (1 - inside) + rows[fresh + 1, None] * inside
         flat = line.reshape(-1, 4)
-        rolls, radii = wheelset.rolling(flat[:, 0], flat[:, 1], rough=True)
-        true = np.vstack([flat[:, 0], rolls, radii]).T
+        true = _rows(wheelset, flat[:, 0], flat[:, 1])
         off = np.abs(true - flat)[:, 2:].reshape(len(fresh), -1).max(axis=1)
         enclosed = off * (rows[fresh + 1, 0] - rows[fresh, 0])
         difference = np.abs(line[:, 1, 2] - line[:, 1, 3])
@@ -154,8 +153,9 @@ def rolling_radii(wheelset: WheelsetOnTrack, reach: float) -> RollingRadii:
     return RollingRadii(*rows.T)
 
 
-def _row(placed: Placed | PlacementError) -> list[float]:
-    """Shift (mm), roll (rad) and rolling radii, right and left (mm), of a placed wheelset."""
-    assert isinstance(placed, Placed)
-    right, left = (side.touches[0].radius for side in (placed.right, placed.left))
-    return [placed.shift, placed.roll, right, left]
+def _rows(wheelset: WheelsetOnTrack, shifts: Array, start: Array) -> Array:
+    """Shifts (mm), rolls (rad) and rolling radii, right and left (mm), of a wheelset, (n, 4); the
+    search of the rolls goes from `start` (n,).
+    """
+    rolls, radii = wheelset.rolling(shifts, start, rough=True)
+    return np.vstack([shifts, rolls, radii]).T
