@@ -12,7 +12,6 @@ from matplotlib.figure import Figure
 
 from railhead.geometry.measured.measured_profile import Measured, inner
 from railhead.geometry.measured.standards import LaidStandard
-from railhead.geometry.placement import ContactPoint
 from railhead.geometry.wheelset import Placed, Side
 from railhead.postprocess.findings import Array, Subject
 from railhead.postprocess.pictures.diagrams import Target, minus, new_figure
@@ -20,7 +19,6 @@ from railhead.postprocess.pictures.diagrams import Target, minus, new_figure
 RAIL_COLOUR, WHEEL_COLOUR = "#555555", "#1f4e79"
 MARK, FURTHER = "#c8502d", "#7b4fa3"
 SAMPLES = 1500
-JUMP = 2.0  # mm on the tread between neighbouring shifts: a jump, not a motion
 LIFT = 25.0  # mm between wheel and rail in the picture of the positions
 RAW, SMOOTH, STANDARD, LOST = "#9a9a9a", "#1f4e79", "#c8502d", "#9a5f00"
 
@@ -141,7 +139,7 @@ def rolling_radius(
         further: str | None = "further contact, with a small gap"
         for name, colour in (("right", WHEEL_COLOUR), ("left", RAIL_COLOUR)):
             y = np.array([_side(placed, name).touches[0].y for placed in swept])
-            _broken(lower, shifts, y, _jump(swept, name), colour, f"{name} rail, first contact")
+            lower.plot(shifts, y, ".", color=colour, ms=4, label=f"{name} rail, first contact")
         for name in ("right", "left"):
             for placed in swept:
                 for touch in _side(placed, name).touches[1:]:
@@ -174,31 +172,6 @@ def conicity(
 def _side(placed: Placed, name: str) -> Side:
     """Right side of a placed wheelset if name is 'right', else the left."""
     return placed.right if name == "right" else placed.left
-
-
-def _jump(swept: Sequence[Placed], name: str) -> np.ndarray:
-    """(n - 1,) whether the first contact on the wheel moves by more than 2 mm (JUMP) between
-    neighbours of the n shifts. swept: the wheelset at n shifts. name: side, 'right' or 'left'.
-    """
-    first: list[ContactPoint] = [_side(placed, name).touches[0] for placed in swept]
-    return np.abs(np.diff([touch.wheel_y for touch in first])) > JUMP
-
-
-def _broken(
-    ax: Axes, x: Array, y: Array, breaks: np.ndarray, colour: str, label: str | None
-) -> None:
-    """Draw y (n,) over x (n,), interrupted after each point at which `breaks` (n - 1,) is true;
-    label: in the legend, None: not there.
-    """
-    at = np.flatnonzero(breaks) + 1
-    ax.plot(
-        np.insert(x, at, np.nan),
-        np.insert(y, at, np.nan),
-        ".-",
-        color=colour,
-        markersize=3,
-        label=label,
-    )
 
 
 def draw_profile(
