@@ -4,7 +4,7 @@ positions, rolling radii), and a measured profile over the nearest standard one.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,7 +12,6 @@ from matplotlib.figure import Figure
 
 from railhead.geometry.measured.measured_profile import Measured, inner
 from railhead.geometry.measured.standards import LaidStandard
-from railhead.geometry.placement import ContactPoint
 from railhead.geometry.wheelset import Placed, Side
 from railhead.postprocess.findings import Array, Subject
 from railhead.postprocess.pictures.diagrams import Target, minus, new_figure
@@ -20,7 +19,6 @@ from railhead.postprocess.pictures.diagrams import Target, minus, new_figure
 RAIL_COLOUR, WHEEL_COLOUR = "#555555", "#1f4e79"
 MARK, FURTHER = "#c8502d", "#7b4fa3"
 SAMPLES = 1500
-JUMP = 2.0  # mm on the tread between neighbouring shifts: a jump, not a motion
 LIFT = 25.0  # mm between wheel and rail in the picture of the positions
 RAW, SMOOTH, STANDARD, LOST = "#9a9a9a", "#1f4e79", "#c8502d", "#9a5f00"
 
@@ -119,25 +117,29 @@ def positions(swept: Sequence[Placed], subject: Subject, target: Target = None) 
     return figure
 
 
-def rolling_radius(swept: Sequence[Placed], subject: Subject, target: Target = None) -> Figure:
+def rolling_radius(
+    swept: Sequence[Placed],
+    curve: tuple[Array, Array],
+    subject: Subject,
+    target: Target = None,
+) -> Figure:
     """Two panels over the lateral shift: the rolling radius difference, right less left, and the
     places y of the contacts on both rails, all in mm.
 
     swept: the wheelset at rising shifts.
+    curve: shifts (n,) and rolling radius differences (n,), mm, NaN where a contact jumps.
     subject: title and units.
     target: PNG file, two axes, or None (`new_figure`).
     """
     shifts = np.array([placed.shift for placed in swept])
     with new_figure(target, 9, 7, subject) as figure:
         upper, lower = figure.subplots(2, 1, sharex=True)
-        difference = np.array([placed.rolling_radius_difference for placed in swept])
-        breaks = _jump(swept, "right") | _jump(swept, "left")
-        _broken(upper, shifts, difference, breaks, MARK, None)
+        upper.plot(*curve, color=MARK)
         upper.set_ylabel("rolling radius difference,\nright less left, mm")
         further: str | None = "further contact, with a small gap"
         for name, colour in (("right", WHEEL_COLOUR), ("left", RAIL_COLOUR)):
             y = np.array([_side(placed, name).touches[0].y for placed in swept])
-            _broken(lower, shifts, y, _jump(swept, name), colour, f"{name} rail, first contact")
+            lower.plot(shifts, y, ".", color=colour, ms=4, label=f"{name} rail, first contact")
         for name in ("right", "left"):
             for placed in swept:
                 for touch in _side(placed, name).touches[1:]:
@@ -149,34 +151,27 @@ def rolling_radius(swept: Sequence[Placed], subject: Subject, target: Target = N
     return figure
 
 
+def conicity(
+    found: Mapping[float, float | None], subject: Subject, target: Target = None
+) -> Figure:
+    """Equivalent conicity over the amplitude, mm.
+
+    found: equivalent conicity by amplitude, mm; None where there is none.
+    subject: title and units.
+    target: PNG file, one axes, or None (`new_figure`).
+    """
+    with new_figure(target, 7, 4, subject) as figure:
+        ax = figure.subplots()
+        ax.plot(list(found), np.array(list(found.values()), dtype=float), color=MARK)  # None: NaN
+        ax.set_ylim(bottom=0.0)
+        ax.set_ylabel("equivalent conicity (EN 15302)")
+        ax.set_xlabel("amplitude of the lateral shift, mm")
+    return figure
+
+
 def _side(placed: Placed, name: str) -> Side:
     """Right side of a placed wheelset if name is 'right', else the left."""
     return placed.right if name == "right" else placed.left
-
-
-def _jump(swept: Sequence[Placed], name: str) -> np.ndarray:
-    """(n - 1,) whether the first contact on the wheel moves by more than 2 mm (JUMP) between
-    neighbours of the n shifts. swept: the wheelset at n shifts. name: side, 'right' or 'left'.
-    """
-    first: list[ContactPoint] = [_side(placed, name).touches[0] for placed in swept]
-    return np.abs(np.diff([touch.wheel_y for touch in first])) > JUMP
-
-
-def _broken(
-    ax: Axes, x: Array, y: Array, breaks: np.ndarray, colour: str, label: str | None
-) -> None:
-    """Draw y (n,) over x (n,), interrupted after each point at which `breaks` (n - 1,) is true;
-    label: in the legend, None: not there.
-    """
-    at = np.flatnonzero(breaks) + 1
-    ax.plot(
-        np.insert(x, at, np.nan),
-        np.insert(y, at, np.nan),
-        ".-",
-        color=colour,
-        markersize=3,
-        label=label,
-    )
 
 
 def draw_profile(

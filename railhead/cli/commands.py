@@ -488,12 +488,14 @@ def diff(a: Path, b: Path, unit_names: str | None, as_json: bool) -> None:
 @_set
 @click.option("--shift", help="Lateral shift of the wheelset, e.g. 3mm.")
 @click.option("--yaw", help="Yaw of the wheelset, e.g. 2mrad.")
+@_over
 @_takes_report
 def locate(
     case: str,
     assignments: Sequence[str],
     shift: str | None,
     yaw: str | None,
+    lists: Sequence[str],
     **options: Any,
 ) -> None:
     """Find where both wheels of a wheelset touch their rails; solve nothing."""
@@ -502,8 +504,10 @@ def locate(
     scene = catalogue.find(case).replace([*assignments, *given])
 
     from railhead.cli.geometry import locate
+    from railhead.sweeps.grid import parse_values
 
-    _report(locate(scene), scene.name, "locate", **options)
+    over = parse_values(lists) or None
+    _report(locate(scene, over), scene.name, "locate", **options)
 
 
 @railhead.command()

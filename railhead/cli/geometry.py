@@ -18,12 +18,12 @@ from rich.console import Console
 from rich.table import Table
 
 from railhead.contact import solid
-from railhead.contact.conicity import equivalent_conicity
+from railhead.contact.conicity import RollingRadii, rolling_radii
 from railhead.geometry import wheelset
 from railhead.geometry.measured import BODY_BY_EXTENSION, measured_profile, standards
 from railhead.geometry.measured.measured_profile import Measured, smoothness
 from railhead.geometry.measured.standards import LaidStandard
-from railhead.geometry.placement import ContactPoint
+from railhead.geometry.placement import ContactPoint, PlacementError
 from railhead.geometry.wheelset import Placed, Side
 from railhead.postprocess.findings import BASE_UNITS, Subject, Units
 from railhead.results import result_folder
@@ -31,6 +31,8 @@ from railhead.results.report import terminal
 from railhead.scene.arrays import is_array
 from railhead.scene.catalogue import as_path, portable
 from railhead.scene.scene import Scene, SceneError, assigned, checked
+from railhead.sweeps.grid import ParameterGrid
+from railhead.theory.array_types import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -59,25 +61,42 @@ CONTACT_ROWS = (
     ("their axes turned by", "deg", "orientation_rad"),
 )
 """Label, shown unit and key of the rows of the table of contacts."""
+COLUMNS = {
+    "shift_mm": ("shift [mm]", "shift", 6),
+    "rail_y_left_mm": ("left rail y [mm]", "y left", 5),
+    "rail_y_right_mm": ("right rail y [mm]", "y right", 5),
+    "radius_left_mm": ("left rolling radius [mm]", "r left", 6),
+    "radius_right_mm": ("right rolling radius [mm]", "r right", 6),
+    "difference_mm": ("rolling radius difference [mm]", "r - l", 5),
+    "angle_left_deg": ("left contact angle [deg]", "angle l", 5),
+    "angle_right_deg": ("right contact angle [deg]", "angle r", 5),
+    "roll_mrad": ("roll [mrad]", "roll", 5),
+}
+"""Column of positions.csv, head and digits of the printed table, by key of "rows"."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Location(terminal.Drawn):
-    """A wheelset placed on its track.
+    """A wheelset placed on its track, at one shift and over several.
 
     scene: the scene, of which profiles, inclination, gauge and [wheelset] count.
     placed: roll and contacts of both wheels, up to a gap of 0.05 mm (CLEARANCE) over the smallest;
         each side has its own axes (`wheelset.Side`).
+    shifts: rising lateral shifts (mm) of the rows; None: from -10 to 10 mm (SHIFTS), not printed.
     """
 
     scene: Scene
     placed: Placed
+    shifts: Array | None = None
 
     def summary(self) -> dict[str, Any]:
-        """The content of summary.json: lengths in mm, angles in rad, curvatures in 1/mm. "right"
-        and "left" are lists of contacts, smallest gap first, in the axes of their side.
+        """The content of summary.json: lengths in mm, angles in rad, or in the unit at the end of
+        the key, curvatures in 1/mm. "right" and "left" are lists of contacts, smallest gap first,
+        in the axes of their side. "rows" has an entry for each shift at which the wheelset can
+        stand, "left_out" one for each other shift.
         """
         placed, pair = self.placed, solid.solved_side(self.scene, self.placed).pair
+        radii = self.radii
         return {
             "case": self.scene.name,
             "scene": portable(self.scene),
@@ -92,31 +111,56 @@ class Location(terminal.Drawn):
                 for key, profile in (("rail", pair.rail), ("wheel", pair.wheel))
                 if key in solid.measured_bodies(self.scene)
             },
+            "rows": [
+                {key: row[column] for key, (column, _, _) in COLUMNS.items()}
+                for row in self.positions()
+            ],
+            "left_out": [
+                {"shift_mm": float(shift), "why": str(each)}
+                for shift, each in zip(self._shifts, self._found, strict=True)
+                if isinstance(each, PlacementError)
+            ],
+            "jumps_mm": radii.jumps,
+            "conicity": [
+                {"amplitude_mm": amplitude, "value": value}
+                for amplitude, value in radii.conicities.items()
+            ],
+            "nonlinearity_per_mm": radii.nonlinearity,
         }
 
+    @property
+    def _shifts(self) -> Array:
+        """Rising lateral shifts of the rows, mm."""
+        return SHIFTS if self.shifts is None else self.shifts
+
     @cached_property
+    def _found(self) -> list[Placed | PlacementError]:
+        """The wheelset at the shifts of the rows, or why it cannot stand there."""
+        start = np.interp(self._shifts, self.radii.shifts, self.radii.rolls)
+        return solid.on_track(self.scene).place_all(self._shifts, CLEARANCE, start)
+
+    @property
     def swept(self) -> list[Placed]:
-        """The wheelset at those rising shifts from -10 to 10 mm (SHIFTS) at which it can stand."""
-        found = solid.on_track(self.scene).place_all(SHIFTS, CLEARANCE)
-        return [each for each in found if isinstance(each, Placed)]
+        """The wheelset at those shifts of the rows at which it can stand."""
+        return [each for each in self._found if isinstance(each, Placed)]
+
+    @cached_property
+    def radii(self) -> RollingRadii:
+        """Rolling radii of both wheels over the shift, at least from -10 to 10 mm."""
+        reach = float(np.abs([*SHIFTS, *self._shifts]).max())
+        try:
+            return rolling_radii(solid.on_track(self.scene), reach)
+        except PlacementError as error:
+            raise SceneError("wheelset.shift", f"{error}, at whole shifts from 0 on") from None
 
     def positions(self) -> list[dict[str, Any]]:
-        """Rows of positions.csv: cells by column header, a row for each lateral shift of `swept`.
-        "equivalent conicity" is that of a wheelset which swings by the size of this shift to both
-        sides. It is None at shift 0, where the wheelset is not turned back, and where it would
-        swing beyond the shifts of `swept`.
-        """
-        shifts = np.array([placed.shift for placed in self.swept])
-        right = np.array([placed.right.touches[0].radius for placed in self.swept])
-        left = np.array([placed.left.touches[0].radius for placed in self.swept])
+        """Rows of positions.csv: cells by column header, a row for each wheelset of `swept`."""
         rows = []
         for placed in self.swept:
-            conicity = equivalent_conicity(abs(placed.shift), shifts, right, left)
             row = {
                 "shift [mm]": placed.shift,
                 "roll [mrad]": 1e3 * placed.roll,
                 "rolling radius difference [mm]": placed.rolling_radius_difference,
-                "equivalent conicity": None if math.isnan(conicity) else conicity,
             }
             for name, side in (("right", placed.right), ("left", placed.left)):
                 touch = side.touches[0]
@@ -140,8 +184,8 @@ class Location(terminal.Drawn):
     ) -> None:
         """Write the files of `railhead locate` into a folder.
 
-        pictures: whether PNG files are written: both wheels on their rails, and contacts and
-            rolling radius difference over lateral shifts.
+        pictures: whether PNG files are written: both wheels on their rails, contacts and rolling
+            radius difference over lateral shifts, and the equivalent conicity.
         units: of pictures; None: mm.
         force: whether another result is replaced.
         Raises SceneError for a folder with other files and, without `force`, with another result;
@@ -150,13 +194,18 @@ class Location(terminal.Drawn):
         folder = as_path(folder, "folder")
         result_folder.check_free(folder, "locate", self.scene, force=force)
         drawings = self.drawings(units or BASE_UNITS) if pictures else {}
-        _write(folder, "locate", self, "positions.csv", self.positions(), drawings)
+        conicity = [
+            {"amplitude [mm]": amplitude, "equivalent conicity": value}
+            for amplitude, value in self.radii.conicities.items()
+        ]
+        tables = {"positions.csv": self.positions(), "conicity.csv": conicity}
+        _write(folder, "locate", self, tables, drawings)
 
     def drawings(self, units: Units = BASE_UNITS) -> dict[str, Drawing]:
         """Functions that draw the pictures, by name of their PNG file. units: of their numbers."""
         from railhead.postprocess.pictures import profile_plots
 
-        scene, swept = self.scene, self.swept
+        scene, swept, radii = self.scene, self.swept, self.radii
         wheel, rail = Path(scene.wheel.profile).name, Path(scene.rail.profile).name
         words = f"{scene.name}: wheelset with wheels {wheel} on rails {rail}"
         yaw = f", yaw {1e3 * scene.wheelset.yaw:g} mrad"
@@ -165,14 +214,44 @@ class Location(terminal.Drawn):
         return {
             "profiles.png": partial(profile_plots.profiles, self.placed, here),
             "positions.png": partial(profile_plots.positions, swept, over),
-            "rolling_radius.png": partial(profile_plots.rolling_radius, swept, over),
+            "rolling_radius.png": partial(
+                profile_plots.rolling_radius, swept, radii.differences, over
+            ),
+            "conicity.png": partial(profile_plots.conicity, radii.conicities, over),
         }
 
     def show(self, console: Console, units: Units = BASE_UNITS) -> None:
-        """Print a table with a column for each contact, below it the values of the wheelset. units:
-        of the numbers.
+        """Print the contacts at the scene's shift, or a row for each shift that was asked for, and
+        the equivalent conicity. units: of the numbers.
         """
-        summary, scene = self.summary(), self.scene
+        summary = self.summary()
+        if self.shifts is None:
+            self._show_contacts(console, units, summary)
+        else:
+            _show_rows(console, units, summary)
+        for key, smooth in summary["measured"].items():
+            console.print(
+                f"{key} profile, smoothed: radius {_radii(smooth['curvatures'], units)}; "
+                f"{smooth['waves']} changes between convex and concave",
+                highlight=False,
+            )
+        jumps = ", ".join(f"{units.value(each, 'mm'):.4g}" for each in summary["jumps_mm"])
+        text = f"at shifts of {jumps} {units.unit('mm')}" if jumps else "none"
+        terminal.labelled(console, f"jumps      {text}")
+        values = ", ".join(
+            f"{each['value']:.4g} at {units.value(each['amplitude_mm'], 'mm'):g}"
+            for each in summary["conicity"]
+            if each["amplitude_mm"] % 1 == 0 and each["value"] is not None
+        )
+        text = f"conicity   {values or 'none'} {units.unit('mm')} (equivalent, EN 15302"
+        if (slope := summary["nonlinearity_per_mm"]) is not None:
+            slope = round(units.value(slope, "1/mm"), 4) + 0.0
+            text += f"; nonlinearity parameter {slope:g} {units.unit('1/mm')}"
+        terminal.labelled(console, f"{text})")
+
+    def _show_contacts(self, console: Console, units: Units, summary: dict[str, Any]) -> None:
+        """Print a table with a column for each contact, below it the values of the wheelset."""
+        scene = self.scene
         table = Table(title=f"contacts of {scene.name}", title_justify="left")
         table.add_column("quantity")
         table.add_column("unit")
@@ -200,23 +279,47 @@ class Location(terminal.Drawn):
             f"(gap below {units.text(CLEARANCE, 'mm')}); y to the field side",
             highlight=False,
         )
-        for key, smooth in summary["measured"].items():
-            console.print(
-                f"{key} profile, smoothed: radius {_radii(smooth['curvatures'], units)}; "
-                f"{smooth['waves']} changes between convex and concave",
-                highlight=False,
+
+
+def _show_rows(console: Console, units: Units, summary: dict[str, Any]) -> None:
+    """Print a table with a row for each shift, below it those that are left out."""
+    table = Table(
+        title=f"contacts of {summary['case']}", title_justify="left", box=None, padding=(0, 0, 0, 1)
+    )
+    for column, head, _ in COLUMNS.values():
+        unit = column.partition("[")[2].removesuffix("]")
+        table.add_column(f"{head}\n{units.unit(unit)}", justify="right")
+    for row in summary["rows"]:
+        exact = {key: value if abs(value) > NOTHING else 0.0 for key, value in row.items()}
+        table.add_row(
+            *(
+                f"{units.value(exact[key], column):.{digits}g}"
+                for key, (column, _, digits) in COLUMNS.items()
             )
+        )
+    console.print(table)
+    for each in summary["left_out"]:
+        shift = units.text(each["shift_mm"], "mm")
+        terminal.labelled(console, f"left out   {shift}: {each['why']}")
 
 
-def locate(scene: Scene) -> Location:
+def locate(scene: Scene, over: Mapping[str, Sequence[object]] | None = None) -> Location:
     """Place the wheelset of a scene so that both wheels touch their rails; nothing is solved.
-    Raises SceneError for half-spaces and where a wheel misses its rail.
+    over: {"wheelset.shift": values}, lateral shifts of the rows; None: from -10 to 10 mm.
+    Raises SceneError for half-spaces, for another key or a wrong value in `over`, and where the
+    wheelset cannot stand at the scene's own shift.
     """
     if checked(scene).rail.extent == "half-space":
         raise SceneError(
             "rail.extent", "half-space has no profiles to locate; give head or section"
         )
-    return Location(scene, solid.place(scene, CLEARANCE))
+    shifts = None
+    if over is not None:
+        for key in over.keys() - {"wheelset.shift"}:
+            raise SceneError(key, "is not allowed in --over of locate; give wheelset.shift alone")
+        scenes = ParameterGrid.combine(scene, over).scenes
+        shifts = np.array(sorted(each.wheelset.shift for each in scenes))
+    return Location(scene, solid.place(scene, CLEARANCE), shifts)
 
 
 def _contacts(side: Side) -> list[dict[str, float | bool]]:
@@ -315,7 +418,7 @@ class ExaminedProfile(terminal.Drawn):
         folder = as_path(folder, "folder")
         result_folder.check_free(folder, "profile", self.scene, force=force)
         drawings = self.drawings(units or BASE_UNITS) if pictures else {}
-        _write(folder, "profile", self, "profile.csv", rows, drawings)
+        _write(folder, "profile", self, {"profile.csv": rows}, drawings)
 
     def plot(self, picture: str = "profile", ax: Any = None) -> Figure:
         """Draw "profile", which has four panels, as `Result.plot`."""
@@ -380,15 +483,15 @@ def _write(
     folder: Path,
     command: str,
     computed: Location | ExaminedProfile,
-    table: str,
-    rows: list[dict[str, Any]],
+    tables: Mapping[str, list[dict[str, Any]]],
     drawings: Mapping[str, Drawing],
 ) -> None:
-    """Write summary, table and pictures of what a command computed into a folder, which they
-    replace. table: name of the file of the rows. OSError: as of `result_folder.result`.
+    """Write summary, tables and pictures of what a command computed into a folder, which they
+    replace. tables: rows by name of their file. OSError: as of `result_folder.result`.
     """
     with result_folder.result(folder, command, computed.scene, computed.summary()) as (work, keep):
-        (work / table).write_bytes(result_folder.encoded(result_folder.signed(rows)))
+        for table, rows in tables.items():
+            (work / table).write_bytes(result_folder.encoded(result_folder.signed(rows)))
         result_folder.draw(drawings, work, keep)
 
 

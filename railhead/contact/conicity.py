@@ -4,23 +4,24 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.optimize import brentq
 
 from railhead.geometry.placement import PlacementError
 from railhead.geometry.wheelset import Placed, WheelsetOnTrack
-from railhead.theory.array_types import Array, Mask
+from railhead.theory.array_types import Array, Index
 
 STEP = 0.5  # mm between the first shifts
 AREA = 4e-6  # mm2, between the radii and the straight lines that replace them
 SHARE = 5e-3  # of the rolling radius difference that straight lines may be off the radii
 STEEP = 1e3  # mm/mm: a radius that changes more by the shift jumps
-ROUNDING = 1e-12  # mm: what is turned back by less is not driven outward
+ROUNDING = 1e-12  # mm of shift
 ANGLES = 2000  # points of the integral over half a wavelength
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RollingRadii:
     """Rolling radii of both wheels at rising lateral shifts, straight in between.
     shifts: (n,) lateral shift to the right, mm.
@@ -34,14 +35,42 @@ class RollingRadii:
     left: Array
 
     @property
-    def jumps(self) -> Mask:
-        """(n - 1,) whether a contact jumps between two neighbouring shifts."""
+    def steep(self) -> Index:
+        """Numbers of the intervals within which a contact jumps."""
         change = np.maximum(abs(np.diff(self.right)), abs(np.diff(self.left)))
-        return np.asarray(change > STEEP * np.diff(self.shifts))
+        return np.flatnonzero(change > STEEP * np.diff(self.shifts))
 
-    def conicity(self, amplitude: float) -> float:
-        """Equivalent conicity of a swing of this amplitude, mm, as `equivalent_conicity`."""
-        return equivalent_conicity(amplitude, self.shifts, self.right, self.left)
+    @property
+    def differences(self) -> tuple[Array, Array]:
+        """Shifts (m,) and radii, right less left (m,), in mm; NaN between both sides of a jump."""
+        at, difference = self.steep + 1, self.right - self.left
+        return np.insert(self.shifts, at, np.nan), np.insert(difference, at, np.nan)
+
+    @property
+    def jumps(self) -> list[float]:
+        """Shifts at which a contact jumps, mm."""
+        steep = self.steep
+        first = steep[np.diff(steep, prepend=-2) > 1]
+        return [float(each) for each in self.shifts[first]]
+
+    @cached_property
+    def conicities(self) -> dict[float, float | None]:
+        """Equivalent conicity by amplitude, mm, from 0.5 in steps of 0.1 as far as the shifts
+        reach; None where there is none.
+        """
+        found: dict[float, float | None] = {}
+        for tenths in range(5, math.floor(5 * (self.shifts[-1] - self.shifts[0]) + 1e-6) + 1):
+            value = equivalent_conicity(tenths / 10, self.shifts, self.right, self.left)
+            found[tenths / 10] = None if math.isnan(value) else value
+        return found
+
+    @property
+    def nonlinearity(self) -> float | None:
+        """Nonlinearity parameter of EN 15302:2021, 1/mm: half of what the equivalent conicity at 4
+        mm is larger than at 2 mm. None where one of both is missing.
+        """
+        two, four = (self.conicities.get(amplitude) for amplitude in (2.0, 4.0))
+        return None if two is None or four is None else (four - two) / 2
 
 
 def equivalent_conicity(amplitude: float, shifts: Array, right: Array, left: Array) -> float:
@@ -75,12 +104,13 @@ def equivalent_conicity(amplitude: float, shifts: Array, right: Array, left: Arr
         return float(integral(middle + amplitude) - integral(middle - amplitude))
 
     ends = shifts[0] + amplitude, shifts[-1] - amplitude
-    if not (amplitude > 0 and ends[0] <= ends[1] and left_over(ends[0]) <= 0 <= left_over(ends[1])):
+    low, high, slack = *map(left_over, ends), ROUNDING * np.abs(difference).max()
+    if not (amplitude > 0 and ends[0] <= ends[1] + ROUNDING and low <= slack and high >= -slack):
         return math.nan
-    middle = brentq(left_over, *ends, xtol=1e-13)
+    middle = brentq(left_over, *ends, xtol=1e-13) if low < 0 < high else ends[low < 0]
     angles = ((np.arange(ANGLES) + 0.5) / ANGLES - 0.5) * math.pi  # y = m + a sin(angle): no pole
     energy = integral(middle + amplitude) - integral(middle + amplitude * np.sin(angles))
-    if energy.min() < -ROUNDING * np.abs(difference).max():
+    if energy.min() < -slack:
         return math.nan
     with np.errstate(divide="ignore"):  # the wheelset stays where nothing turns it back
         half = math.pi * np.mean(amplitude * np.cos(angles) / np.sqrt(2 * energy.clip(0.0)))
@@ -88,30 +118,29 @@ def equivalent_conicity(amplitude: float, shifts: Array, right: Array, left: Arr
 
 
 def rolling_radii(wheelset: WheelsetOnTrack, reach: float) -> RollingRadii:
-    """Rolling radii of a wheelset over the shifts from -reach to reach (mm), or over those around
-    shift 0 at which it can stand.
+    """Rolling radii of a wheelset over the shifts from -reach to reach (mm, rounded up to whole
+    steps), or over those around shift 0 at which it can stand.
 
-    Each interval is divided by four until straight lines are within 0.3 % (SHARE) of the difference
+    Each interval is divided by four until straight lines are within 0.5 % (SHARE) of the difference
     of the radii, or enclose less than 4e-6 mm2 (AREA) with them; the last division makes that 16
     times better. Where a contact jumps, intervals become about 1e-6 mm wide.
     Raises PlacementError where the wheelset can stand nowhere.
     """
     alike = wheelset.right is wheelset.left and wheelset.roll is None
     count = math.ceil(reach / STEP)
-    shifts = np.linspace(0.0 if alike else -reach, reach, count + 1 if alike else 2 * count + 1)
+    shifts = STEP * np.arange(0 if alike else -count, count + 1)
     found = wheelset.place_all(shifts)
     stands = np.flatnonzero([isinstance(each, Placed) for each in found])
-    if isinstance(reason := found[len(found) // 2], PlacementError) and not len(stands):
-        raise reason
+    if not len(stands):
+        raise PlacementError(str(found[0]))
     runs = np.split(stands, np.flatnonzero(np.diff(stands) > 1) + 1)
-    run = min(runs, key=lambda run: np.abs(shifts[run]).min())
-    rows = np.array([_row(each) for each in found[run[0] : run[-1] + 1]])
+    shifts = shifts[min(runs, key=lambda run: np.abs(shifts[run]).min())]
+    rows = _rows(wheelset, shifts, 0 * shifts)
     fresh, inside = np.arange(len(rows) - 1), np.array([[0.25], [0.5], [0.75]])
     while len(fresh):
         line = rows[fresh, None] * (1 - inside) + rows[fresh + 1, None] * inside
         flat = line.reshape(-1, 4)
-        rolls, radii = wheelset.rolling(flat[:, 0], flat[:, 1], rough=True)
-        true = np.vstack([flat[:, 0], rolls, radii]).T
+        true = _rows(wheelset, flat[:, 0], flat[:, 1])
         off = np.abs(true - flat)[:, 2:].reshape(len(fresh), -1).max(axis=1)
         enclosed = off * (rows[fresh + 1, 0] - rows[fresh, 0])
         difference = np.abs(line[:, 1, 2] - line[:, 1, 3])
@@ -124,8 +153,9 @@ def rolling_radii(wheelset: WheelsetOnTrack, reach: float) -> RollingRadii:
     return RollingRadii(*rows.T)
 
 
-def _row(placed: Placed | PlacementError) -> list[float]:
-    """Shift (mm), roll (rad) and rolling radii, right and left (mm), of a placed wheelset."""
-    assert isinstance(placed, Placed)
-    right, left = (side.touches[0].radius for side in (placed.right, placed.left))
-    return [placed.shift, placed.roll, right, left]
+def _rows(wheelset: WheelsetOnTrack, shifts: Array, start: Array) -> Array:
+    """Shifts (mm), rolls (rad) and rolling radii, right and left (mm), of a wheelset, (n, 4); the
+    search of the rolls goes from `start` (n,).
+    """
+    rolls, radii = wheelset.rolling(shifts, start, rough=True)
+    return np.vstack([shifts, rolls, radii]).T

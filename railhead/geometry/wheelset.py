@@ -187,23 +187,24 @@ class _HangingWheel:
         except GaugeError:
             return float(tread[crest]), self.pair.rail.domain[0]
 
-    def lowered(self, pose: Pose, touches: list[ContactPoint]) -> Side | str:
-        """The wheel on its rail, from its pose and the contact points of that. The reason why it
-        does not stay there as words: no contact, contact with an end of the wheel's profile, or the
-        crest of the flange has come over the rail.
+    def lowered(self, pose: Pose, touches: list[ContactPoint]) -> Side:
+        """The wheel on its rail, from its pose and the contact points of that. Raises
+        PlacementError where it does not stay there: it has no contact, it touches with an end of
+        its profile, or the crest of its flange has come over the rail.
         """
         name = "right" if self.sign > 0 else "left"
         if not touches:
-            return f"no part of the {name} wheel is over the rail"
+            raise PlacementError(f"no part of the {name} wheel is over the rail")
         first = touches[0]
         if first.at_edge and first.wheel_y in self.pair.wheel.domain:
-            return f"the {name} wheel touches with an end of its profile (y = {first.wheel_y:g} mm)"
+            text = f"touches with an end of its profile (y = {first.wheel_y:g} mm)"
+            raise PlacementError(f"the {name} wheel {text}")
         if self._flange is not None:
             crest, inner = self._flange
             over = float(self.pair.outline(pose, crest).points[1]) - inner
             if over > 0:
                 text = f"stands on its flange, whose crest is {over:.3g} mm over the rail"
-                return f"the {name} wheel {text}"
+                raise PlacementError(f"the {name} wheel {text}")
         down = [replace(each, z=each.z - first.gap, gap=each.gap - first.gap) for each in touches]
         return Side(self.pair, pose.moved(z=-first.gap), -first.gap, down)
 
@@ -245,19 +246,32 @@ class WheelsetOnTrack:
             raise placed
         return placed
 
-    def place_all(self, shifts: Array, clearance: float = 0.0) -> list[Placed | PlacementError]:
+    def place_all(
+        self, shifts: Array, clearance: float = 0.0, start: Array | float = 0.0
+    ) -> list[Placed | PlacementError]:
         """The wheelset as of `place` at each of the shifts (n,), mm, or the reason why it cannot
-        stand there.
+        stand there. start: rolls (n,), rad, from which the search goes.
         """
-        start, _ = self.rolling(shifts, np.zeros(len(shifts)), rough=True)
-        (rolls, _), sides = self.rolling(shifts, start), []
-        for wheel in self._wheels:
-            poses = wheel.poses(shifts, rolls)
-            touches = wheel.pair.touches_of(poses, clearance)
-            sides.append([wheel.lowered(poses[n], each) for n, each in enumerate(touches)])
-        return [
-            _placed(*each) for each in zip(shifts.tolist(), rolls.tolist(), *sides, strict=True)
+        start, _ = self.rolling(shifts, start + np.zeros(len(shifts)), rough=True)
+        rolls, _ = self.rolling(shifts, start)
+        poses = [wheel.poses(shifts, rolls) for wheel in self._wheels]
+        touches = [
+            wheel.pair.touches_of(of, clearance)
+            for wheel, of in zip(self._wheels, poses, strict=True)
         ]
+        found: list[Placed | PlacementError] = []
+        for number, (shift, roll) in enumerate(zip(shifts.tolist(), rolls.tolist(), strict=True)):
+            try:
+                if abs(roll) >= LARGEST_ROLL:
+                    raise PlacementError("no roll lets both wheels touch their rails")
+                right, left = (
+                    wheel.lowered(of[number], points[number])
+                    for wheel, of, points in zip(self._wheels, poses, touches, strict=True)
+                )
+                found.append(Placed(shift, roll, right, left))
+            except PlacementError as error:
+                found.append(error)
+        return found
 
     def rolling(self, shifts: Array, start: Array, *, rough: bool = False) -> tuple[Array, Array]:
         """Rolls (n,), in rad, and rolling radii (2, n) on the right and on the left, in mm, at
@@ -288,16 +302,3 @@ class WheelsetOnTrack:
             rolls[left] = np.where(np.abs(step) > error, after, at)
             left = left[np.abs(rolls[left] - at) > error]
         return rolls, radii
-
-
-def _placed(
-    shift: float, roll: float, right: Side | str, left: Side | str
-) -> Placed | PlacementError:
-    """The wheelset in its place, or why it cannot stand there: there is no roll (as of
-    `WheelsetOnTrack.rolling`), or the reason of a side.
-    """
-    if abs(roll) >= LARGEST_ROLL:
-        return PlacementError("no roll lets both wheels touch their rails")
-    if isinstance(right, str) or isinstance(left, str):
-        return PlacementError(right if isinstance(right, str) else left)
-    return Placed(shift, roll, right, left)

@@ -82,8 +82,9 @@ class Drawn(Printed):
         """Draw one picture; returns its matplotlib figure.
 
         picture: name of its PNG file without .png, e.g. "pressure" or "stress_cut" of a result,
-            "sweep" or "patches" of a sweep (none of three or more keys), "profiles", "positions" or
-            "rolling_radius" of what `locate` returns, and "profile" of what `profile` returns.
+            "sweep" or "patches" of a sweep (none of three or more keys), "profiles", "positions",
+            "rolling_radius" or "conicity" of what `locate` returns, and "profile" of what `profile`
+            returns.
         ax: axes to draw on, as many as the picture has panels, row by row; their figure keeps its
             style and title. None: a new figure.
         ValueError: there is no such picture (the message names those that are), or another number

@@ -246,7 +246,7 @@ def test_command_prints_json_and_writes_pictures(tmp_path, capsys) -> None:
     assert printed["scene"]["wheelset"]["yaw"] == pytest.approx(2e-3)
     assert printed["rolling_radius_difference_mm"] == pytest.approx(0.958, abs=0.01)
     pictures = {path.name for path in folder.glob("*.png")}
-    assert pictures == {"profiles.png", "positions.png", "rolling_radius.png"}
+    assert pictures == {"profiles.png", "positions.png", "rolling_radius.png", "conicity.png"}
 
 
 def test_tables_and_pictures_are_in_the_readers_units(tmp_path, capsys) -> None:
@@ -270,12 +270,12 @@ def test_tables_and_pictures_are_in_the_readers_units(tmp_path, capsys) -> None:
 
 
 def test_positions_are_a_table_and_without_pictures_the_same(tmp_path, capsys, monkeypatch) -> None:
-    """--no-pictures leaves out pictures alone; the flange turns a wheelset back harder."""
+    """--no-pictures leaves out pictures alone."""
     monkeypatch.setattr(geometry, "SHIFTS", np.array([-8.0, -3.0, 0.0, 3.0, 8.0]))
     assert command.status("locate", "s1002_60e1", "--quiet", *quickly(tmp_path)) == 0
     assert capsys.readouterr().out == ""
     assert {path.name for path in (tmp_path / "out").iterdir()} == {
-        ".railhead", "positions.csv", "scene.toml", "summary.json",
+        ".railhead", "conicity.csv", "positions.csv", "scene.toml", "summary.json",
     }  # fmt: skip
     at = {float(row["shift [mm]"]): row for row in rows(tmp_path / "out" / "positions.csv")}
     here, found = at[3.0], located("wheelset.shift=3 mm")
@@ -285,9 +285,83 @@ def test_positions_are_a_table_and_without_pictures_the_same(tmp_path, capsys, m
         assert float(here[f"{side} rolling radius [mm]"]) == pytest.approx(touch["radius_mm"])
         angle = math.degrees(touch["angle_rad"])
         assert float(here[f"{side} contact angle [deg]"]) == pytest.approx(angle)
-    assert at[0.0]["equivalent conicity"] == ""
-    assert float(at[8.0]["equivalent conicity"]) > 3 * float(at[3.0]["equivalent conicity"])
-    assert at[8.0]["equivalent conicity"] == at[-8.0]["equivalent conicity"]
+
+
+def swept(tmp_path, capsys, *arguments: str) -> dict:
+    """Summary of `railhead locate`, whose files are in tmp_path/out."""
+    given = ("locate", "s1002_60e1", "--json", *quickly(tmp_path), *arguments)
+    assert command.status(*given, "--force") == 0
+    return json.loads(capsys.readouterr().out)
+
+
+def test_rows_over_shifts_are_those_of_single_places(tmp_path, capsys) -> None:
+    """In any order that is typed; the wheelset is alike on both sides."""
+    found = swept(tmp_path, capsys, "--over", "wheelset.shift=3,-3,0.5,7")
+    assert [row["shift_mm"] for row in found["rows"]] == [-3.0, 0.5, 3.0, 7.0]
+    mirrored, _, row, _ = found["rows"]
+    single = located("wheelset.shift=3 mm")
+    right, left = single["right"][0], single["left"][0]
+    assert row["radius_right_mm"] == pytest.approx(right["radius_mm"], abs=1e-9)
+    assert row["radius_left_mm"] == pytest.approx(left["radius_mm"], abs=1e-9)
+    assert row["angle_right_deg"] == pytest.approx(math.degrees(right["angle_rad"]), abs=1e-8)
+    assert row["roll_mrad"] == pytest.approx(1e3 * single["roll_rad"], abs=1e-9)
+    assert mirrored["radius_left_mm"] == row["radius_right_mm"]
+    assert mirrored["roll_mrad"] == -row["roll_mrad"]
+
+
+def test_the_conicity_knows_no_steps(tmp_path, capsys) -> None:
+    """Jumps are found between the shifts that are asked for; files hold what is printed."""
+    coarse, fine = (
+        swept(tmp_path, capsys, "--over", f"wheelset.shift={steps}")
+        for steps in ("-8:8:4mm", "-4:4:0.5mm")
+    )
+    by, all_by = (
+        {each["amplitude_mm"]: each["value"] for each in found["conicity"]}
+        for found in (fine, coarse)
+    )
+    assert max(by) == 4.0 and max(all_by) == 8.0
+    assert by == pytest.approx({key: all_by[key] for key in by}, rel=1e-8)
+    assert fine["jumps_mm"] == pytest.approx([each for each in coarse["jumps_mm"] if abs(each) < 4])
+    assert fine["nonlinearity_per_mm"] == pytest.approx((by[4.0] - by[2.0]) / 2)
+    written = rows(tmp_path / "out" / "conicity.csv")
+    file = {float(row["amplitude [mm]"]): float(row["equivalent conicity"]) for row in written}
+    assert file == by
+    for jump in fine["jumps_mm"]:
+        before, after = (
+            located(f"wheelset.shift={jump + step}")["rolling_radius_difference_mm"]
+            for step in (-1e-5, 1e-5)
+        )
+        assert abs(after - before) > 0.1
+
+
+def test_a_table_of_shifts_is_printed_with_those_left_out(tmp_path, capsys) -> None:
+    given = ("--over", "wheelset.shift=-30mm,0,3mm")
+    assert command.status("locate", "s1002_60e1", *quickly(tmp_path), *given) == 0
+    printed = capsys.readouterr().out
+    text = " ".join(printed.split())
+    assert "left out -30 mm: the left wheel stands on its flange" in text
+    assert re.search(r"^ +3 .* 460\.745 .* 0\.17968$", printed, re.MULTILINE)
+    end = r"EN 15302; nonlinearity parameter -0\.031"
+    assert re.search(rf"conicity .* 0\.177\d? at 3,.* {end}", text)
+    assert max(map(len, printed.splitlines())) <= 80 and "…" not in printed
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ("load=1kN", "load: is not allowed in --over of locate; give wheelset.shift alone"),
+        ("wheelset.shift=40", "wheelset.shift: 40 is not allowed; give a length from -30 to 30 mm"),
+        ("wheelset.shift", "--over: 'wheelset.shift' is not key=values"),
+    ],
+)
+def test_wrong_shifts_are_one_line(values, words, here, capsys) -> None:
+    assert words in command.refused(capsys, "locate", "s1002_60e1", "--over", values)
+    assert os.listdir(here) == []
+
+
+def test_a_wheel_on_its_flange_is_refused_by_its_name(here, capsys) -> None:
+    line = command.refused(capsys, "locate", "s1002_60e1", "--shift", "30mm")
+    assert line.startswith("railhead: wheelset.shift: 30 mm: the right wheel stands on its flange")
 
 
 def test_measured_profiles_come_with_their_curvature(tmp_path, capsys) -> None:
