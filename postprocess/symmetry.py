@@ -101,8 +101,11 @@ def tractions(part: FrictionSolution, planes: Planes) -> FrictionSolution:
         if isinstance(value, np.ndarray) and name != "load_steps"
     }
     values["weights"] /= 2 ** len(planes)
-    without = part.without_creepage
-    return replace(part, **values, without_creepage=without and tractions(without, planes))
+    return replace(
+        part,
+        **values,
+        without_creepage=part.without_creepage and tractions(part.without_creepage, planes),
+    )
 
 
 def grid(part: meshio.Mesh, planes: Planes) -> meshio.Mesh:
