@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -92,19 +92,18 @@ def surface(part: Surface, planes: Planes) -> Surface:
 
 
 def tractions(part: FrictionSolution, planes: Planes) -> FrictionSolution:
-    """Friction at contact points joined with its images. Weights stay those of the whole model, and
-    so do forces and motions.
+    """Friction at n contact points joined with its images: all its arrays (n,) and vectors (n, 3).
+    Weights sum up to the same area; forces and motions stay.
     """
+    values: dict[str, Any] = {
+        name: vectors(value, planes) if value.ndim > 1 else repeated(value, planes)
+        for name, value in vars(part).items()
+        if isinstance(value, np.ndarray) and name != "load_steps"
+    }
+    values["weights"] /= 2 ** len(planes)
     return replace(
         part,
-        points=vectors(part.points, planes),
-        weights=repeated(part.weights, planes) / 2 ** len(planes),
-        pressure=repeated(part.pressure, planes),
-        bound=repeated(part.bound, planes),
-        traction=vectors(part.traction, planes),
-        slip=vectors(part.slip, planes),
-        sticks=repeated(part.sticks, planes),
-        rigid_slip=vectors(part.rigid_slip, planes),
+        **values,
         without_creepage=part.without_creepage and tractions(part.without_creepage, planes),
     )
 

@@ -233,9 +233,8 @@ def grids(
         None. friction_solution: solution with friction, or None. whole: whether mirror images of a
         cut model are added to the cells; the others always have them.
     """
-    surfaces = {fields.slave: found.surface}
-    if found.opposite is not None:
-        surfaces[other(fields.slave)] = found.opposite
+    both = {fields.slave: found.surface, other(fields.slave): found.opposite}
+    surfaces = {tag: each for tag, each in both.items() if each is not None}
     planes = fields.mirrors if whole else ()
     yield "contact", symmetry.grid(contact_grid(surfaces), fields.mirrors)
     yield "solution", symmetry.grid(volume_grid(fields, stress), planes)

@@ -76,9 +76,11 @@ def load(path: Path) -> Shown:
     """Read what `save` wrote; tuples come back as lists. Raises ValueError (one line) for a
     file that is missing, damaged, or of another version of the program.
     """
-    modules = [vars(import_module(f"railhead.{name}")) for name in MODULES]
     known = {
-        name: value for names in modules for name, value in names.items() if is_dataclass(value)
+        name: value
+        for module in MODULES
+        for name, value in vars(import_module(f"railhead.{module}")).items()
+        if is_dataclass(value)
     }
     try:
         with np.load(path) as file:

@@ -271,7 +271,9 @@ class TransverseSection(SectionContact):
         """
         if self.half_space:
             return solid_bodies(self, reach, deformable, whole_section=False, half=half)
-        contact = Contact(_of_any_radius(self.scene), self.touch, self.pair, self.pose)
+        contact = Contact(
+            scene=_of_any_radius(self.scene), touch=self.touch, pair=self.pair, pose=self.pose
+        )
         made = solid_bodies(contact, 0.0, deformable, whole_section=whole_section, half=half)
         return [
             self._half_disc(body.tag, half=half) if body.tag in self.discs else body
@@ -301,17 +303,19 @@ def locate(scene: Scene, dimension: Dimension) -> Contact:
     if dimension.kind == "plane_across":
         contact = solid.lower(_of_any_radius(scene))
         touch = replace(contact.touch, curvature_x=0.0)
-        return TransverseSection(scene, touch, contact.pair, contact.pose, dimension=dimension)
+        return TransverseSection(
+            scene=scene, touch=touch, pair=contact.pair, pose=contact.pose, dimension=dimension
+        )
     revolved = dimension.kind == "axisymmetric"
     kind = MeridianSection if revolved else LongitudinalSection
     radius = scene.wheel.rolling_radius
     across = 1 / radius if revolved else 0.0
     touch = replace(parabolic_contact(1 / radius, across), y=dimension.centre)
     if scene.rail.extent == "half-space":
-        return kind(scene, touch, dimension=dimension)
+        return kind(scene=scene, touch=touch, dimension=dimension)
     flat = profiles.single_radius(math.inf, WIDE)
     pair = solid.pair(scene) if revolved else ProfilePair(flat, flat, radius)
-    return kind(scene, touch, pair, upright(radius), dimension=dimension)
+    return kind(scene=scene, touch=touch, pair=pair, pose=upright(radius), dimension=dimension)
 
 
 def _of_any_radius(scene: Scene) -> Scene:

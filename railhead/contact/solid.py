@@ -124,7 +124,7 @@ def from_file(scene: Scene, body: str, stretch: float = 1.0) -> Measured:
         raise SceneError(f"{body}.profile", str(error)) from None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Contact:
     """First contact of the undeformed bodies of a scene, as a solid, and the exact gap around it.
 
@@ -397,12 +397,14 @@ def locate(scene: Scene, both: Pairs | None = None) -> Contact:
     Raises SceneError as `place`, and where the pair has no point contact with a common tangent.
     """
     if scene.rail.extent == "half-space":
-        return Contact(scene, placement.parabolic_contact(*scene.relative_curvatures()))
+        return Contact(scene=scene, touch=placement.parabolic_contact(*scene.relative_curvatures()))
     placed = place(scene, both=both)
     side = solved_side(scene, placed)
     touch = _tangent(scene, side.touches[0])
     centred = side.pose.moved(x=-touch.x)
-    return Contact(scene, replace(touch, x=0.0), side.pair, centred, placed)
+    return Contact(
+        scene=scene, touch=replace(touch, x=0.0), pair=side.pair, pose=centred, placed=placed
+    )
 
 
 def lower(scene: Scene) -> Contact:
@@ -419,7 +421,7 @@ def lower(scene: Scene) -> Contact:
     except PlacementError as error:
         text = f"{shift:g} mm: {error}; bring the wheel over the rail"
         raise SceneError("wheelset.shift", text) from None
-    return Contact(scene, _tangent(scene, both.touches(pose)[0]), both, pose)
+    return Contact(scene=scene, touch=_tangent(scene, both.touches(pose)[0]), pair=both, pose=pose)
 
 
 def _tangent(scene: Scene, touch: ContactPoint) -> ContactPoint:
