@@ -123,9 +123,9 @@ class Location(terminal.Drawn):
             "jumps_mm": radii.jumps,
             "conicity": [
                 {"amplitude_mm": amplitude, "value": value}
-                for amplitude, value in radii.conicities.items()
+                for amplitude, value in self.level.conicities.items()
             ],
-            "nonlinearity_per_mm": radii.nonlinearity,
+            "nonlinearity_per_mm": self.level.nonlinearity,
         }
 
     @property
@@ -147,9 +147,19 @@ class Location(terminal.Drawn):
     @cached_property
     def radii(self) -> RollingRadii:
         """Rolling radii of both wheels over the shift, at least from -10 to 10 mm."""
+        return self._radii_of(self.scene)
+
+    @cached_property
+    def level(self) -> RollingRadii:
+        """`radii` without roll, as the tables of EN 15302 are, where the scene gives none."""
+        given = self.scene.wheelset.roll is not None
+        return self.radii if given else self._radii_of(self.scene.replace(["wheelset.roll=0"]))
+
+    def _radii_of(self, scene: Scene) -> RollingRadii:
+        """Rolling radii of a scene's wheelset. Raises SceneError where it can stand nowhere."""
         reach = float(np.abs([*SHIFTS, *self._shifts]).max())
         try:
-            return rolling_radii(solid.on_track(self.scene), reach)
+            return rolling_radii(solid.on_track(scene), reach)
         except PlacementError as error:
             raise SceneError("wheelset.shift", f"{error}, at whole shifts from 0 on") from None
 
@@ -196,7 +206,7 @@ class Location(terminal.Drawn):
         drawings = self.drawings(units or BASE_UNITS) if pictures else {}
         conicity = [
             {"amplitude [mm]": amplitude, "equivalent conicity": value}
-            for amplitude, value in self.radii.conicities.items()
+            for amplitude, value in self.level.conicities.items()
         ]
         tables = {"positions.csv": self.positions(), "conicity.csv": conicity}
         _write(folder, "locate", self, tables, drawings)
@@ -217,7 +227,7 @@ class Location(terminal.Drawn):
             "rolling_radius.png": partial(
                 profile_plots.rolling_radius, swept, radii.differences, over
             ),
-            "conicity.png": partial(profile_plots.conicity, radii.conicities, over),
+            "conicity.png": partial(profile_plots.conicity, self.level.conicities, over),
         }
 
     def show(self, console: Console, units: Units = BASE_UNITS) -> None:

@@ -309,6 +309,18 @@ def test_rows_over_shifts_are_those_of_single_places(tmp_path, capsys) -> None:
     assert mirrored["roll_mrad"] == -row["roll_mrad"]
 
 
+def test_a_cone_has_its_own_conicity_as_in_the_standard() -> None:
+    """Whose tables leave the roll out; the rows have it, and a roll that is given counts."""
+    scene = rh.find("cone20_uninclined_uic54").replace(["rail.inclination=1:20"])
+    found = rh.locate(scene)
+    assert list(found.summary()["conicity"][n]["value"] for n in (0, 10, 20)) == pytest.approx(
+        [0.05] * 3, rel=1e-6
+    )
+    assert any(row["roll_mrad"] for row in found.summary()["rows"])
+    rolled = rh.locate(scene.replace(["wheelset.roll=0.001"])).summary()["conicity"][20]["value"]
+    assert rolled != pytest.approx(0.05, rel=1e-4)
+
+
 def test_the_conicity_knows_no_steps(tmp_path, capsys) -> None:
     """Jumps are found between the shifts that are asked for; files hold what is printed."""
     coarse, fine = (
@@ -342,7 +354,7 @@ def test_a_table_of_shifts_is_printed_with_those_left_out(tmp_path, capsys) -> N
     assert "left out -30 mm: the left wheel stands on its flange" in text
     assert re.search(r"^ +3 .* 460\.745 .* 0\.17968$", printed, re.MULTILINE)
     end = r"EN 15302; nonlinearity parameter -0\.031"
-    assert re.search(rf"conicity .* 0\.177\d? at 3,.* {end}", text)
+    assert re.search(rf"conicity .* 0\.174\d? at 3,.* {end}", text)
     assert max(map(len, printed.splitlines())) <= 80 and "…" not in printed
 
 
