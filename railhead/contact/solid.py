@@ -124,6 +124,23 @@ def from_file(scene: Scene, body: str, stretch: float = 1.0) -> Measured:
         raise SceneError(f"{body}.profile", str(error)) from None
 
 
+@dataclass(frozen=True, kw_only=True)
+class FreeAxle:
+    """How an axle turns on which no torque acts.
+
+    turning: radius R by which it turns, mm: the axle moves by R in one radian.
+    torque: moment of the creep forces of both wheels about the axle that is left, over mu N R;
+        infinite where no motion was found.
+    solves: number of motions at which the tractions were solved.
+    reason: why no motion was found; empty where one was.
+    """
+
+    turning: float
+    torque: float
+    solves: int = 0
+    reason: str = ""
+
+
 @dataclass(frozen=True)
 class Contact:
     """First contact of the undeformed bodies of a scene, as a solid, and the exact gap around it.
@@ -139,6 +156,7 @@ class Contact:
     pose: of the wheel in these axes; None for half-spaces.
     placed: the whole wheelset, each side in axes of its own (`Placed.right` and `Placed.left`);
         None for half-spaces and sections.
+    axle: how the axle turns without torque; None where that is not asked or not found out yet.
 
     Class constants, other values in the sections of two dimensions in `plane_section`:
     plane: '' for a solid, 'xz' for a section along the rail, 'yz' for one across it.
@@ -164,6 +182,7 @@ class Contact:
     pair: ProfilePair | None = None
     pose: Pose | None = None
     placed: Placed | None = None
+    axle: FreeAxle | None = None
 
     @property
     def profiles(self) -> dict[str, tuple[Profile, float]]:
@@ -398,7 +417,19 @@ def locate(scene: Scene, both: Pairs | None = None) -> Contact:
     """
     if scene.rail.extent == "half-space":
         return Contact(scene, placement.parabolic_contact(*scene.relative_curvatures()))
-    placed = place(scene, both=both)
+    return _on_side(scene, place(scene, both=both))
+
+
+def opposite(contact: Contact) -> Contact:
+    """First contact of the other wheel of a contact's wheelset, as of `locate`, in the axes of its
+    own side. Raises SceneError where it has no common tangent.
+    """
+    assert contact.placed is not None
+    return _on_side(contact.scene.opposite, contact.placed)
+
+
+def _on_side(scene: Scene, placed: Placed) -> Contact:
+    """First contact of the wheel of a placed wheelset that a scene solves, with x = 0 there."""
     side = solved_side(scene, placed)
     touch = _tangent(scene, side.touches[0])
     centred = side.pose.moved(x=-touch.x)

@@ -9,7 +9,8 @@ pass with
 of which the components in the rail's tangent plane are the rigid slip. W about the normal at P1 is
 the spin. A wheelset turns about its axle e by 2 pi in 2 pi R: W = e/R, xi_1 = e_x + W x (P1 - C)
 with C on the axle, in the pose where it stands. An R of `wheel.rolling_radius` needs a torque on
-the axle; with the mean of both wheels' rolling radii there is nearly none.
+the axle; with the mean of both wheels' rolling radii there is nearly none on an axle that stands in
+the middle. That of no torque is in `planning.references.torque_free`.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from railhead.contact.solid import Contact
+from railhead.contact.solid import Contact, FreeAxle
 from railhead.geometry.surfaces import RailSurface, nearest
 from railhead.postprocess.findings import Frame
 from railhead.scene.scene import SceneError
@@ -33,7 +34,8 @@ KEY = "rolling.from_wheelset"
 class WheelsetCreepage:
     """Creepage of the wheel of a scene that is solved, in the pose of its wheelset.
 
-    axle: 'free', turning by the mean of both rolling radii, or 'nominal', by the nominal radius.
+    axle: 'free', turning by the mean of both rolling radii, 'nominal', by the nominal radius, or
+        'torque_free', by the radius at which no torque acts.
     turning: radius R by which the axle turns, mm: the axle moves by R in one radian.
     radius: radius of the wheel's circle at the first contact, mm.
     yaw: yaw of the wheelset, rad, in the axes of the right side.
@@ -41,6 +43,7 @@ class WheelsetCreepage:
     angle: contact angle, rad, as `Frame.angle`: positive where the tangent rises to the field side.
     creepage: rigid creepages along the rail and along the common tangent across, and spin about the
         rail's outward normal in 1/mm.
+    balance: of an axle that turns without torque how it turns; None of others.
     """
 
     axle: str
@@ -50,12 +53,21 @@ class WheelsetCreepage:
     roll: float
     angle: float
     creepage: Creepage
+    balance: FreeAxle | None = None
 
     @property
     def why(self) -> str:
         """Sentence that gives the creepages and the radii and angles that lead to them."""
-        radius = {"free": "the mean of both wheels'", "nominal": "the nominal radius"}[self.axle]
-        moves = self.creepage
+        radius = {"free": "the mean of both wheels'", "nominal": "the nominal radius"}.get(
+            self.axle
+        )
+        moves, balance = self.creepage, self.balance
+        if balance and not balance.reason:
+            radius = (
+                f"at which {balance.torque:.1g} mu N R is left of both wheels' moments about it"
+            )
+        elif balance:
+            radius = f"the mean of both wheels' as none without torque was found: {balance.reason}"
         return (
             f"creepage along {moves.along:.4g}, across {moves.across:.4g}, spin {moves.spin:.4g} "
             f"1/mm (radius {self.radius:.6g} mm on a {self.axle} axle, which turns by "
@@ -65,11 +77,17 @@ class WheelsetCreepage:
 
     def summary(self) -> dict[str, Any]:
         """Entries of summary.json: axle, its radius and the rolling radius in mm, yaw, roll and
-        contact angle in rad, both creepages, and the spin in 1/mm.
+        contact angle in rad, both creepages, and the spin in 1/mm. Of an axle without torque also
+        what is left of it, over mu N R, and the number of motions that were solved.
         """
         return {
             "axle": self.axle,
             "axle_radius_mm": self.turning,
+            **(
+                {"axle_torque": self.balance.torque, "axle_solves": self.balance.solves}
+                if self.balance
+                else {}
+            ),
             "rolling_radius_mm": self.radius,
             "yaw_rad": self.yaw,
             "roll_rad": self.roll,
@@ -95,21 +113,24 @@ def wheelset_creepage(contact: Contact) -> WheelsetCreepage:
     values = (float(each) + 0.0 for each in (moves @ along, moves @ across, turns @ normal))
     return WheelsetCreepage(
         axle=contact.scene.rolling.axle,
-        turning=_turning_radius(contact),
+        turning=turning_radius(contact),
         radius=touch.radius,
         yaw=contact.scene.wheelset.yaw,
         roll=placed.roll,
         angle=touch.angle,
         creepage=Creepage(*values),
+        balance=contact.axle,
     )
 
 
-def _turning_radius(contact: Contact) -> float:
-    """Distance in mm that the axle moves while it turns by 1 rad: the mean of both wheels' rolling
-    radii for a free axle; the nominal radius else, also where the wheelset does not give the
-    creepages.
+def turning_radius(contact: Contact) -> float:
+    """Distance in mm that the axle moves while it turns by 1 rad: that of `Contact.axle`; without
+    it the mean of both wheels' rolling radii, of a nominal axle the nominal radius, also where the
+    wheelset does not give the creepages.
     """
     rolling, placed = contact.scene.rolling, contact.placed
+    if contact.axle is not None:
+        return contact.axle.turning
     if placed is None or not rolling.from_wheelset or rolling.axle == "nominal":
         return contact.scene.wheel.rolling_radius
     return (placed.right.touches[0].radius + placed.left.touches[0].radius) / 2
@@ -117,12 +138,12 @@ def _turning_radius(contact: Contact) -> float:
 
 def _angular_velocity(contact: Contact) -> Array:
     """Angular velocity (3,) of the wheel per rolled length, in the axes of space, 1/mm: the unit
-    vector of its axle, towards +y, over `_turning_radius`.
+    vector of its axle, towards +y, over `turning_radius`.
     It is 0 for half-spaces and sections, which are planes, and for a wheel that does not roll.
     """
     if contact.pose is None or contact.plane or not contact.scene.rolling.prescribed:
         return np.zeros(3)
-    return np.asarray(contact.pose.rotation[:, 1] / _turning_radius(contact))
+    return np.asarray(contact.pose.rotation[:, 1] / turning_radius(contact))
 
 
 @dataclass(frozen=True)

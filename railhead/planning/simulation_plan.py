@@ -28,7 +28,7 @@ from railhead.planning.effects import interface, material
 from railhead.planning.effects.shape import one_radius
 from railhead.planning.error_envelopes import Family, Setting, Uncertainty
 from railhead.planning.forecast import Forecast, forecast
-from railhead.planning.references import closed_forms
+from railhead.planning.references import closed_forms, torque_free
 from railhead.planning.sizing import Sizing
 from railhead.scene.scene import Scene, SceneError
 from railhead.scene.sections import Rail, Wheel
@@ -630,6 +630,7 @@ def _decided(scene: Scene) -> Plan:
     kind = dimension.choose(scene)
     contact = plane_section.locate(scene, kind)
     predicted = closed_forms.hertz_if_valid(scene, contact)
+    contact = torque_free.balanced(contact)
     context = effects.decide(scene, kind, contact, predicted)
     expected = forecast(context)
     order = scene.mesh.order or (2 if scene.mesh.cell == "tetrahedron" else 1)

@@ -40,6 +40,7 @@ and Poisson's ratio (theory.elastic.subsurface), a quarter more room."""
 MISES_READING = 0.01  # relative: what reading two largest values apart from each other may cost
 RIM_LIMIT = 0.01  # of the largest plastic increment of a pass
 ENERGY_LIMIT = 0.03  # relative: what a coarse block may miss
+AXLE_TORQUE = 1e-3  # over mu N R: it moves forces by as much of mu N
 STRAIN_LIMIT = 0.2
 """p0/E*, which of a circle is 2/pi a/R and of a line a/(2 R): a sphere's patch then has 0.31 of its
 radius, and Tabor's representative strain 0.2 a/R (from memory) is 6 %. The limit is a choice."""
@@ -340,9 +341,10 @@ def resolution(solved: MeshSolution) -> Iterator[Check]:
 
 def physics(solved: Solved) -> Iterator[Check]:
     """Checks of a solution in which the bodies touch: ratios of the largest stresses and pressure
-    without yield and friction, load over that of first yield, small strains, and a pressure that
-    steel bears. The last one is made where the softer body has at most the modulus of steel. The
-    ratios are those of the elastic, frictionless solution.
+    without yield and friction, load over that of first yield, small strains, a pressure that steel
+    bears, and the torque on an axle that turns without one. The pressure is looked at where the
+    softer body has at most the modulus of steel. The ratios are those of the elastic, frictionless
+    solution.
     """
     plan, result = solved.plan, solved.result
     assert result is not None
@@ -384,6 +386,14 @@ def physics(solved: Solved) -> Iterator[Check]:
             limit=STEEL_PRESSURE[plan.contact.line],
             source="ISO 76: hardened bearing steel yields beyond",
             advice="give a smaller load, or a yield_stress",
+        )
+    if axle := plan.contact.axle:
+        yield Check(
+            name="axle_torque",
+            value=axle.torque,
+            limit=AXLE_TORQUE,
+            source=axle.reason or "both wheels' moments about the axle, over mu N R",
+            advice="give rolling.axle free or nominal",
         )
 
 

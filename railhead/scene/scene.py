@@ -227,9 +227,11 @@ class Scene(Section):
     def _keys_of_several_tables(self) -> Self:
         """Raise SceneError for the first rule that is broken: exactly one of load and approach; no
         patch size beside accuracy or budget; no force of [friction] beside rolling; no cycles
-        beside passes; a force of [friction] for friction.cycle; at least one body that deforms.
+        beside passes; a load and friction for an axle without torque; a force of [friction] for
+        friction.cycle; at least one body that deforms.
         """
         friction, rolling = self.friction, self.rolling
+        free = rolling.axle == "torque_free"
         shifted = friction.force_along or friction.force_across
         neither = self.load is None and self.approach is None
         both = self.load is not None and self.approach is not None
@@ -253,6 +255,16 @@ class Scene(Section):
                 rolling.passes is not None and self.cycles > 1,
                 "cycles",
                 f"{self.cycles} is not allowed beside rolling.passes; give one",
+            ),
+            (
+                free and self.load is None,
+                "rolling.axle",
+                "torque_free is not allowed with an approach: give the load of each wheel",
+            ),
+            (
+                free and (not friction.coefficient or self.effects.friction == "off"),
+                "rolling.axle",
+                "torque_free is not allowed without friction, which makes the torque",
             ),
             (
                 friction.cycle and not shifted,

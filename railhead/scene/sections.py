@@ -578,7 +578,8 @@ class Rolling(Section):
 
     from_wheelset: whether creepages and spin follow from the position of the wheelset.
     axle: beside from_wheelset, the radius by which the axle turns: the mean of both wheels' rolling
-        radii ("free") or wheel.rolling_radius ("nominal").
+        radii ("free"), wheel.rolling_radius ("nominal"), or that at which the moments of both
+        wheels' creep forces about the axle cancel ("torque_free").
     creepage_along: creepage along the rail, -1 to 1; None: not given.
     creepage_across: creepage across the rail, -1 to 1; None: not given.
     force_along: N, tangential force of the wheel on the rail to be met along the rail (+x); the
@@ -595,7 +596,7 @@ class Rolling(Section):
     """
 
     from_wheelset: bool = False
-    axle: Literal["free", "nominal"] = "free"
+    axle: Literal["free", "nominal", "torque_free"] = "free"
     creepage_along: units.Creepage | None = None
     creepage_across: units.Creepage | None = None
     force_along: units.SignedForce | None = None
@@ -609,8 +610,8 @@ class Rolling(Section):
     @model_validator(mode="after")
     def _one_of_each(self) -> Self:
         """Raise SceneError for a creepage and a force in one direction, for a key that
-        from_wheelset gives, for an axle without from_wheelset, for a speed without rolling, and for
-        a pressure or passes_from without passes.
+        from_wheelset gives, for an axle without from_wheelset, for a force along on an axle without
+        torque, for a speed without rolling, and for a pressure or passes_from without passes.
         """
         along = None not in (self.creepage_along, self.force_along)
         across = None not in (self.creepage_across, self.force_across)
@@ -626,6 +627,11 @@ class Rolling(Section):
                 self.axle != "free" and not self.from_wheelset,
                 "axle",
                 f"{self.axle} is not allowed without from_wheelset",
+            ),
+            (
+                self.axle == "torque_free" and self.force_along is not None,
+                "force_along",
+                "is not allowed beside an axle that is torque_free; give free or nominal",
             ),
             (
                 self.speed is not None and not self.prescribed,

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import find_objects, label
 
+from railhead.contact import wheelset_kinematics
 from railhead.contact.solid import Contact
 from railhead.geometry.surfaces import along
 from railhead.theory.array_types import Array
@@ -58,6 +59,17 @@ class Developed:
         """
         y = self._across(s, math.nan)
         return np.column_stack([x, y, self.contact.profiles["rail"][0].height(y)])
+
+    def slip(self, x: Array, s: Array) -> Array:
+        """Modes of rigid slip (4, 2, nx, ns) along the rail and along its profile at x (nx,), s
+        (ns,) in mm (`wheelset_kinematics.RigidSlip`); 0 beyond the profile.
+        """
+        x, s = np.meshgrid(x, s, indexing="ij")
+        slip = wheelset_kinematics.rigid_slip(self.contact)(self.points(x.ravel(), s.ravel()))
+        slope = self.angle(s.ravel())
+        across = np.cos(slope) * slip[..., 1] + np.sin(slope) * slip[..., 2]
+        modes = np.nan_to_num(np.stack([slip[..., 0], across], axis=1))
+        return np.asarray(modes.reshape(4, 2, *x.shape))
 
     def gap(self, x: Array, s: Array) -> Array:
         """Undeformed gap (n,) along the rail's normals at x, s (n,), in mm; infinite where a normal

@@ -70,6 +70,7 @@ CHECKS = {
     "load_over_first_yield": "the load over that of first yield",
     "small_strain": "strains are small: pressure over modulus",
     "pressure_of_steel": "a pressure that some steel bears, MPa",
+    "axle_torque": "no torque on the axle",
     "edge_distance": "patch away from edges",
     "grid_error": "the cells of half-spaces are small enough",
     "pressure_over_mean": "largest over mean pressure",

@@ -233,10 +233,5 @@ def _on_surface(contact: Contact, window: PatchSolution) -> tuple[Array, Array]:
     """
     if contact.half_space:
         return plane_modes(window.x, window.s), contact.friction_coefficient(window.s)
-    x, s = (each.ravel() for each in np.meshgrid(window.x, window.s, indexing="ij"))
     surface = boundary_elements.develop(contact)
-    slip = wheelset_kinematics.rigid_slip(contact)(surface.points(x, s))
-    slope = surface.angle(s)
-    across = np.cos(slope) * slip[..., 1] + np.sin(slope) * slip[..., 2]
-    modes = np.nan_to_num(np.stack([slip[..., 0], across], axis=1))
-    return modes.reshape(4, 2, *window.pressure.shape), surface.friction_coefficient(window.s)
+    return surface.slip(window.x, window.s), surface.friction_coefficient(window.s)
