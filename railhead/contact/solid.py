@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
@@ -139,6 +139,18 @@ class FreeAxle:
     torque: float
     solves: int = 0
     reason: str = ""
+
+    @property
+    def why(self) -> str:
+        """Words that say what the radius is."""
+        if self.reason:
+            return f"the mean of both wheels' as none without torque was found: {self.reason}"
+        left = f"{self.torque:.1g} mu N R is left of both wheels' moments about it"
+        return f"found in {self.solves} solutions; {left}"
+
+    def summary(self) -> dict[str, Any]:
+        """Entries of summary.json: torque over mu N R, and number of motions that were solved."""
+        return {"axle_torque": self.torque, "axle_solves": self.solves}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -58,16 +58,8 @@ class WheelsetCreepage:
     @property
     def why(self) -> str:
         """Sentence that gives the creepages and the radii and angles that lead to them."""
-        radius = {"free": "the mean of both wheels'", "nominal": "the nominal radius"}.get(
-            self.axle
-        )
-        moves, balance = self.creepage, self.balance
-        if balance and not balance.reason:
-            radius = (
-                f"at which {balance.torque:.1g} mu N R is left of both wheels' moments about it"
-            )
-        elif balance:
-            radius = f"the mean of both wheels' as none without torque was found: {balance.reason}"
+        moves, named = self.creepage, {"free": "the mean of both wheels'"}
+        radius = self.balance.why if self.balance else named.get(self.axle, "the nominal radius")
         return (
             f"creepage along {moves.along:.4g}, across {moves.across:.4g}, spin {moves.spin:.4g} "
             f"1/mm (radius {self.radius:.6g} mm on a {self.axle} axle, which turns by "
@@ -77,17 +69,13 @@ class WheelsetCreepage:
 
     def summary(self) -> dict[str, Any]:
         """Entries of summary.json: axle, its radius and the rolling radius in mm, yaw, roll and
-        contact angle in rad, both creepages, and the spin in 1/mm. Of an axle without torque also
-        what is left of it, over mu N R, and the number of motions that were solved.
+        contact angle in rad, both creepages, and the spin in 1/mm; of an axle without torque
+        those of `FreeAxle`.
         """
         return {
             "axle": self.axle,
             "axle_radius_mm": self.turning,
-            **(
-                {"axle_torque": self.balance.torque, "axle_solves": self.balance.solves}
-                if self.balance
-                else {}
-            ),
+            **(self.balance.summary() if self.balance else {}),
             "rolling_radius_mm": self.radius,
             "yaw_rad": self.yaw,
             "roll_rad": self.roll,
