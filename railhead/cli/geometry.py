@@ -241,7 +241,7 @@ class Location(terminal.Drawn):
             _show_rows(console, units, summary)
         for key, smooth in summary["measured"].items():
             console.print(
-                f"{key} profile, smoothed: radius {_radii(smooth['curvatures'], units)}; "
+                f"{key} profile: radius {_radii(smooth['curvatures'], units)}; "
                 f"{smooth['waves']} changes between convex and concave",
                 highlight=False,
             )

@@ -84,6 +84,7 @@ class Table:
     field: 1 or -1 where the format defines y: the sign of the y that points to the field side.
     placed: whether the format defines the origin.
     tape_circle: distance from the flange back to the tape circle that the header gives, mm.
+    resolution: last digit of the numbers of its coarser column, in the unit of the file.
     """
 
     points: Array
@@ -96,6 +97,7 @@ class Table:
     field: int | None = None
     placed: bool = False
     tape_circle: float | None = None
+    resolution: float = 0.0
 
 
 def read(path: Path, unit_is_given: bool = False) -> Table:
@@ -199,6 +201,17 @@ def _points(
     return np.array([[row[column] for column in columns] for row in rows])
 
 
+def _last_digit(points: Array) -> float:
+    """Last digit of the numbers (n, 2) of both columns, the coarser one, 1e-16 at least: 10 to the
+    power -d, where d decimals are enough for the numbers above a tenth of the column's largest one.
+    """
+    larger = [column[np.abs(column) >= np.abs(column).max() / 10] for column in points.T]
+    for decimals in range(16):
+        if any(np.allclose(each, each.round(decimals), 1e-15, 0.0) for each in larger):
+            return float(10.0**-decimals)
+    return 1e-16
+
+
 def _miniprof(name: str, lines: Sequence[str], body: str) -> Table:
     """Table of a MiniProf file, in mm. Lines of any kind come first; the points begin where three
     (FOLLOWING) lines of numbers follow each other. Points are the columns X and Y of the header's
@@ -226,8 +239,9 @@ def _miniprof(name: str, lines: Sequence[str], body: str) -> Table:
     names = [column.strip().upper() for column in header.get("ColumnDef", "X,Y").split(",")]
     columns = [names.index(column) for column in ("X", "Y") if column in names]
     tape = header.get("WheelDiameterTaperline", "").strip()
+    points = _points(name, rows, at_lines, columns if len(columns) == 2 else [0, 1])
     return Table(
-        points=_points(name, rows, at_lines, columns if len(columns) == 2 else [0, 1]),
+        points=points,
         unit="mm",
         body=body,
         format="MiniProf",
@@ -237,6 +251,7 @@ def _miniprof(name: str, lines: Sequence[str], body: str) -> Table:
         field=1 if body == "wheel" else None,
         placed=True,
         tape_circle=float(tape) if NUMBER.fullmatch(tape) else None,
+        resolution=_last_digit(points),
     )
 
 
@@ -272,7 +287,8 @@ def _simpack(name: str, lines: Sequence[str], body: str) -> Table:
 
     span = range(begin + 1, bare.index("point.end", begin))
     rows, at_lines, out = _rows(name, lines, span, INSTRUMENT_LAYOUT, COMMENTED_OUT)
-    points = _points(name, rows, at_lines, (0, 1)) + [number("shift.y"), number("shift.z")]
+    listed = _points(name, rows, at_lines, (0, 1))
+    points = listed + [number("shift.y"), number("shift.z")]
     turn = number("rotate") / number("units.ang.f", 1.0)
     c, s = math.cos(turn), math.sin(turn)
     points = points @ np.array([[c, s], [-s, c]])
@@ -300,6 +316,7 @@ def _simpack(name: str, lines: Sequence[str], body: str) -> Table:
         outward=-1 if kind == "rail" else 1,
         field=1,
         placed=True,
+        resolution=_last_digit(listed),
     )
 
 
@@ -330,13 +347,15 @@ def _table(name: str, lines: Sequence[str], unit_is_given: bool) -> Table:
         raise FormatError(name, at, text + ", ".join(UNIT_NAMES))
     stated = [match[1].lower() for _, line in header if (match := UNIT_LINE.search(line))]
     units = units or [UNIT_OF_NAME[each] for each in stated if each in UNIT_OF_NAME][:1]
+    points = _points(name, rows, at_lines, columns)
     return Table(
-        points=_points(name, rows, at_lines, columns),
+        points=points,
         unit=" and ".join(units),
         body="",
         format=f"table by {words}",
         remarks=(f"columns {columns[0] + 1} and {columns[1] + 1} of {count}",) * (count > 2),
         lines=at_lines,
+        resolution=_last_digit(points),
     )
 
 

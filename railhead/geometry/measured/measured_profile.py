@@ -22,7 +22,7 @@ from railhead.geometry.wheelset import GaugeError, gauge_face
 from railhead.theory.array_types import Array
 
 STEEPEST = 0.045  # dy over ds: steeper faces than those of a standard rail's corners are cut off
-SAMPLE = 0.1  # mm between the points of a profile's spline
+SAMPLE, SHARP = 0.1, 0.02  # mm between the points of a profile's spline; of one that is drawn
 LOOSE = 1.0  # mm beyond half a step between points, or two usual ones: no curve through them
 CUT = 2.5  # mm across that undercut sides take of the width of a sound profile, at most
 EDGE = 0.02  # share of the width at either end that reports leave out
@@ -126,8 +126,9 @@ class Measured:
 
     def summary(self) -> dict[str, Any]:
         """Entries of summary.json: file, remarks ('read'), origin and sides, number of points,
-        noise in mm, shortest and longest smoothing wavelength in mm, and largest curvature before
-        and after smoothing in 1/mm.
+        their median distance in mm, the last digit in mm of points that are taken as drawn (else
+        0), noise in mm, shortest and longest smoothing wavelength in mm (0 for points as drawn),
+        and largest curvature before and after smoothing in 1/mm.
         """
         before, after = self.sharpest
         return {
@@ -136,6 +137,8 @@ class Measured:
             "origin": self.origin,
             "sides": self.oriented.sides,
             "points": len(self.points),
+            "apart_mm": float(np.median(np.diff(self.smoothed.s))),
+            "rounded_to_mm": self.smoothed.rounding,
             "noise_mm": self.smoothed.noise,
             "smoothing_mm": list(self.wavelengths),
             "largest_curvature_before_per_mm": before,
@@ -163,19 +166,24 @@ def body_of(path: Path, unit: str = "auto") -> str:
 
 
 def from_points(
-    name: str, points: Array, wavelength: float | None = None, stretch: float = 1.0
+    name: str,
+    points: Array,
+    wavelength: float | None = None,
+    stretch: float = 1.0,
+    resolution: float = 0.0,
 ) -> tuple[Smoothed, Profile]:
     """The smooth curve along points (n, 2), and its longest part that faces upwards, as a profile
     with the given name. points: in the axes of profiles, mm, in either order along the curve or by
     y.
     wavelength: of waves that keep half of their height, mm, or None to choose by the noise.
-    stretch: factor on the wavelengths, given or chosen.
+    stretch, resolution: as of `smoothing.smooth`.
     Raises ValueError for too few points and a curve that faces nowhere upwards. Raises PointError
     for a gap between points, where they run over the same place twice, and where the curve bends
     back or leaves its points.
     """
-    smoothed = smoothing.smooth(ordering.in_order(points), wavelength, stretch)
-    s = np.linspace(0, smoothed.length, max(2, math.ceil(smoothed.length / SAMPLE)) + 1)
+    smoothed = smoothing.smooth(ordering.in_order(points), wavelength, stretch, resolution)
+    step = SHARP if smoothed.rounding else SAMPLE
+    s = np.linspace(0, smoothed.length, max(2, math.ceil(smoothed.length / step)) + 1)
     tangent = smoothed.curve(s, 1)
     faces = tangent[:, 0] > STEEPEST * np.linalg.norm(tangent, axis=1)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], faces, [False]]).astype(int)))
@@ -231,8 +239,9 @@ def _read(
     cosine = math.cos(math.atan(slope))
     roll = cosine * np.array([[1.0, slope], [-slope, 1.0]])
     points = oriented.points @ roll
+    resolution = table.resolution * float(np.ptp(points) / np.ptp(table.points))
     try:
-        smoothed, profile = from_points(path.stem, kept @ roll, wavelength, stretch)
+        smoothed, profile = from_points(path.stem, kept @ roll, wavelength, stretch, resolution)
     except PointError as error:
         raise _refused(path, table, points, error) from None
     except ValueError as error:

@@ -20,7 +20,7 @@ from scipy.interpolate import BSpline, CubicSpline, make_interp_spline
 from scipy.linalg import cho_solve_banded, cholesky_banded
 from scipy.linalg.lapack import dtbtrs
 from scipy.ndimage import gaussian_filter1d, median_filter
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, diags
 
 from railhead.geometry.measured.ordering import LARGEST_GAP, PointError, chord_lengths, cross, turns
 from railhead.theory.array_types import Array
@@ -30,9 +30,17 @@ ORDER = 3  # of the derivative that is penalised, and of the splines
 DIFFERENCE = 5  # order of the differences that show the noise ...
 MEDIAN = 101  # ... points over which their median is taken ...
 NORMAL = 0.6745  # ... and the median of the modulus of a standard normal number
-LEAST_NOISE = 1e-5  # mm: less is rounding of the numbers in a file
-PIECES = 250  # of the spline, at most
-PILOT = 12.0  # points in the wavelength of the curve that normals and lengths are taken from
+LEAST_NOISE = 1e-5  # mm: less is no noise of a gauge
+ROUNDED = 2.0  # times the rounding of the numbers in a file is no noise of a gauge either ...
+ROUGH = 0.005  # ... but more than this share of the points' distance leaves no curve through them
+UNIFORM = math.sqrt(12)  # last digit over the standard deviation of its rounding
+FINEST = 1e-9  # mm: closer no curve needs to pass the points
+PIECES = 250  # of the spline, at most; of a drawn profile ...
+KNOTS, KNOT = 8, 0.05  # ... knots a point at most, and mm between them at least, if fewer
+STIFF, SINGULAR = 1e9, 1e-14  # weights of squared differences: more than all, and that of a knot
+EVEN = 5e-4  # 1/mm2: slower changes of the curvature are spread evenly
+PILOT, DRAWN_PILOT = 12.0, 2.0  # points in the wavelength of the curve that normals and lengths
+# are taken from; of a drawn profile, whose corners it must follow
 SHORTEST, LONGEST = 4.0, 60.0  # wavelengths: points and knots, and mm
 NEIGHBOURS = 1.2  # mm along which the roughness is taken for alike, as a standard deviation
 BLENDING = 1.5  # mm over which wavelengths change into each other: sudden changes overshoot
@@ -53,7 +61,8 @@ class Smoothed:
     noise: standard deviation of the points across the curve, estimated from their differences, mm;
         its median along the curve.
     places: (k,) arc lengths at which wavelength is given, mm.
-    wavelength: (k,) length of waves that keep half of their height, mm.
+    wavelength: (k,) length of waves that keep half of their height, mm; 0 for a drawn profile.
+    rounding: last digit of the points of a drawn profile, mm; 0 for one that is smoothed.
     """
 
     curve: BSpline
@@ -63,6 +72,7 @@ class Smoothed:
     noise: float
     places: Array
     wavelength: Array
+    rounding: float
 
     @property
     def length(self) -> float:
@@ -97,7 +107,7 @@ def noise(points: Array) -> Array:
     sigma = median_filter(np.abs(across), min(len(across), MEDIAN), mode="reflect") / NORMAL
     sigma = gaussian_filter1d(sigma, MEDIAN / 4, mode="nearest")
     ends = (DIFFERENCE - DIFFERENCE // 2, DIFFERENCE // 2)
-    return np.maximum(np.pad(sigma, ends, mode="edge"), LEAST_NOISE)
+    return np.pad(sigma, ends, mode="edge")
 
 
 def folded(points: Array) -> PointError:
@@ -106,12 +116,19 @@ def folded(points: Array) -> PointError:
     return PointError(text, points[1 + int(np.argmax(turns(points)))])
 
 
-def smooth(points: Array, wavelength: float | None = None, stretch: float = 1.0) -> Smoothed:
+def smooth(
+    points: Array, wavelength: float | None = None, stretch: float = 1.0, resolution: float = 0.0
+) -> Smoothed:
     """Smooth curve through points (n, 2) in mm that are in their order along it; a point that
     repeats the one before is left out.
     wavelength: of waves that keep half of their height, mm, everywhere; None: chosen by the noise,
-        from place to place.
-    stretch: factor on the wavelengths.
+        from place to place. Then a profile whose noise is the rounding of its coordinates is drawn:
+        the curve passes through its points within that rounding.
+    stretch: factor on the wavelengths. A drawn profile has every second point instead, from the
+        first on where stretch is below 1, from the second on where it is above; a larger one
+        multiplies the rounding.
+    resolution: last digit of the coordinates, mm; 0 where it is not known. Where the noise is
+        nowhere that large, the noise counts, as of even steps across with few digits.
     Raises ValueError for fewer than 12 points. Raises PointError for a gap of more than 5 mm
     between points, and where they bend the curve back.
     """
@@ -119,7 +136,6 @@ def smooth(points: Array, wavelength: float | None = None, stretch: float = 1.0)
     points = points[~repeated]
     if len(points) < LEAST_POINTS:
         raise ValueError(f"has {len(points)} points; give at least {LEAST_POINTS}")
-    sigma = noise(points)
     s = chord_lengths(points)
     apart = np.diff(s)
     if apart.max() > LARGEST_GAP:
@@ -127,31 +143,47 @@ def smooth(points: Array, wavelength: float | None = None, stretch: float = 1.0)
         text = f"has a gap of {apart.max():.3g} mm behind the point {y:.4g}, {z:.4g}; "
         text += f"give points at most {LARGEST_GAP:g} mm apart"
         raise PointError(text, np.array([y, z]))
-    spacing = s[-1] / (len(s) - 1)
+    sigma = noise(points)
+    typical, rounding = float(np.median(sigma)), min(resolution / UNIFORM, float(sigma.max()))
+    level = max(rounding if typical <= ROUNDED * rounding else typical, FINEST)
+    drawn = wavelength is None and level <= max(LEAST_NOISE, rounding)
+    drawn = drawn and level < ROUGH * float(np.median(apart))
+    if drawn and stretch != 1:
+        kept = np.r_[0, int(stretch > 1) : len(points) - 1 : 2, len(points) - 1]
+        points = points[np.unique(kept)]
+        s = chord_lengths(points)
+    spacing, pieces, waves = s[-1] / (len(s) - 1), min(PIECES, len(s)), PILOT
+    if drawn:
+        pieces, waves = max(len(s), min(KNOTS * len(s), round(s[-1] / KNOT))), DRAWN_PILOT
     for _ in range(2):
-        pilot = _Fit(s)
-        curve = pilot.curve(points, pilot.penalty(np.full(len(pilot.places), PILOT * spacing)))
+        pilot = _Fit(s, pieces)
+        curve = pilot.curve(points, pilot.penalty(np.full(len(pilot.places), waves * spacing)))
         s = _lengths(curve, s, points)
-    fit = _Fit(s)
-    if wavelength is None:
-        heights = _developed(curve, s)(s) + _off(curve, s, points)
-        lengths = fit.most_probable(heights, np.interp(fit.places, s, sigma))
+    fit = _Fit(s, pieces)
+    heights = _developed(curve, s)(s) + _off(curve, s, points)
+    lengths = np.zeros(len(fit.places))
+    if drawn:
+        penalty = fit.sharpest(heights, max(1.0, stretch) * level)
+    elif wavelength is None:
+        least = np.maximum(sigma, LEAST_NOISE)
+        lengths = stretch * fit.most_probable(heights, np.interp(fit.places, s, least))
+        penalty = fit.penalty(lengths)
     else:
-        lengths = np.full(len(fit.places), wavelength)
-    lengths = stretch * lengths
-    for _ in range(2):
-        curve = _bent(curve, s, points, fit, fit.penalty(lengths))
+        lengths += stretch * wavelength
+        penalty = fit.penalty(lengths)
+    for _ in range(1 if drawn else 2):
+        curve = _bent(curve, s, points, fit, penalty)
         s = _lengths(curve, s, points)
-        fit = _Fit(s)
-    off, typical = _off(curve, s, points), float(np.median(sigma))
+        fit = _Fit(s, pieces)
     return Smoothed(
         curve=curve,
         points=points,
         s=s,
-        residual=off,
-        noise=typical,
+        residual=_off(curve, s, points),
+        noise=typical if drawn else max(typical, LEAST_NOISE),
         places=fit.places,
         wavelength=lengths,
+        rounding=UNIFORM * level if drawn else 0.0,
     )
 
 
@@ -164,22 +196,27 @@ class _Fit:
     places: (rows,) arc lengths at which the third differences lie, mm.
     step: distance of the knots, mm.
     spacing: mean distance of the points, mm.
+    least: (rows,) least weights with which the equations can be factored; knots in the gaps of the
+        points have nothing else.
     unit: spacing times step^5, mm^6, which makes the weights of squared differences dimensionless.
         The sum of these squares is step^5 times the integral of the squared third derivative, and
         there are 1/spacing points a millimetre.
     """
 
-    def __init__(self, s: Array) -> None:
-        """Fit for points at arc lengths s (n,) in mm, ascending from 0."""
-        pieces = min(PIECES, len(s))
+    def __init__(self, s: Array, pieces: int) -> None:
+        """Fit for points at arc lengths s (n,) in mm, ascending from 0, by so many pieces."""
         self.step, self.spacing = s[-1] / pieces, s[-1] / (len(s) - 1)
         self.knots = self.step * np.arange(-ORDER, pieces + ORDER + 1)
         self.knots[ORDER], self.knots[-ORDER - 1] = 0.0, s[-1]
         self.basis = BSpline.design_matrix(s, self.knots, ORDER)
         self.squares = _bands(self.basis.T @ self.basis)
-        self.differences = csr_array(np.diff(np.eye(self.basis.shape[1]), ORDER, axis=0))
+        signs = [(-1) ** (ORDER - k) * math.comb(ORDER, k) for k in range(ORDER + 1)]
+        rows = pieces, pieces + ORDER
+        self.differences = csr_array(diags(signs, range(ORDER + 1), rows, dtype=float))
         self.places = self.step * (np.arange(self.differences.shape[0]) + 0.5)
         self.unit = self.spacing * self.step ** (2 * ORDER - 1)
+        gap = np.diff(s)[np.clip(np.searchsorted(s, self.places) - 1, 0, len(s) - 2)]
+        self.least = SINGULAR * np.maximum(gap / self.step, 4.0) ** (2 * ORDER)
 
     def penalty(self, wavelength: Array) -> Array:
         """Weights (k,) of squared third differences, relative to the points, that halve the height
@@ -224,10 +261,31 @@ class _Fit:
         lengths = 2 * math.pi * (penalty * self.unit) ** (1 / (2 * ORDER))
         return np.asarray(BENDING * lengths)
 
+    def sharpest(self, heights: Array, sigma: float) -> Array:
+        """Weights (rows,) of the squared third differences with which their moduli add up to the
+        least that heights (n,) in mm, with a rounding of standard deviation sigma (mm), allow.
+
+        The sum of the moduli is the total variation of the curvature: arcs and lines that meet at
+        few places have the least (E. Mammen and S. van de Geer, Locally adaptive regression
+        splines, Annals of Statistics 25, 1997). It is the sum of squares over the moduli of the
+        step before, and changes below 0.0005/mm2 (EVEN) count as squares.
+        """
+        penalty = self.penalty(np.full(len(self.places), PILOT * self.spacing))
+        strength, even = penalty[0], EVEN * self.step**ORDER
+        for _ in range(UPDATES):
+            fitted = self.curve(heights, penalty).c
+            off, change = heights - self.basis @ fitted, self.differences @ fitted
+            far = max(float(np.sqrt(np.mean(off**2))), float(np.abs(off).max()) / UNIFORM)
+            strength *= np.clip(sigma / max(far, 1e-300), 0.3, 3.0) ** 2
+            strength = min(strength, STIFF)
+            penalty = strength / np.hypot(change / even, 1.0)
+        return penalty
+
     def _factor(self, penalty: Array) -> Array:
         """Lower bands (4, m) of the Cholesky factor of the normal equations with weights penalty
         (rows,) of the squared differences.
         """
+        penalty = np.maximum(penalty, self.least)
         bands = self.squares + _bands(self.differences.T * penalty @ self.differences)
         return np.asarray(cholesky_banded(bands, lower=True, check_finite=False))
 

@@ -149,8 +149,12 @@ def profile_lines(
         yield f"{body:10s} {Path(found['file']).name}: {', '.join(found['read'])}"
         yield f"           in the file's axes: {_places(found['origin'], units)}"
         shortest, longest = found["smoothing_mm"]
-        smoothing = f"{units.value(shortest, 'mm'):.2g} to {units.text(longest, 'mm', 2)}"
-        if here := found.get("smoothing_at_contact_mm"):
+        smoothing = f"smoothing length {units.value(shortest, 'mm'):.2g} to "
+        smoothing += units.text(longest, "mm", 2)
+        if digit := found.get("rounded_to_mm"):
+            smoothing = f"taken as drawn (points {units.text(found['apart_mm'], 'mm', 2)} apart, "
+            smoothing += f"rounded to {units.text(digit, 'mm', 1)})"
+        elif here := found.get("smoothing_at_contact_mm"):
             smoothing += f", {units.value(here, 'mm'):.3g} at the contact"
         before, after = (
             units.text(found[f"largest_curvature_{when}_per_mm"], "1/mm", 3)
@@ -158,7 +162,7 @@ def profile_lines(
         )
         noise = units.text(1e3 * found["noise_mm"], "um", 2)
         yield (
-            f"           noise {noise}; smoothing length {smoothing}; "
+            f"           noise {noise}; {smoothing}; "
             f"largest curvature {before} before, {after} after"
         )
 
@@ -186,7 +190,7 @@ def _smoothing_uncertainty(found: Mapping[str, Any]) -> str:
         return f"profile    leaves unknown what it does to the answer: {found['reason']}"
     return (
         f"profile    leaves {found['relative']:.1%} of the largest pressure and of the area open "
-        "(half-spaces with one, two and half a smoothing length)"
+        "(half-spaces with other smoothing lengths, or every second point)"
     )
 
 
