@@ -22,7 +22,8 @@ def sampled(profile: profiles.Profile, step: float, path, digits: int) -> str:
 
 @pytest.mark.parametrize("shift", [2.0, 6.0])
 @pytest.mark.parametrize(
-    ("step", "digits", "within", "open_to"), [(0.25, 4, 3e-3, 0.015), (0.5, 6, 1e-2, 0.03)]
+    ("step", "digits", "within", "open_to"),
+    [(0.25, 6, 3e-3, 0.015), (0.25, 4, 5e-3, 0.03), (0.5, 6, 1e-2, 0.03)],
 )
 def test_points_of_a_drawing_give_the_answer_of_the_drawing(
     shift, step, digits, within, open_to, tmp_path
