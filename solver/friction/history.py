@@ -106,11 +106,12 @@ class FrictionHistory:
 
     def _beyond_friction(self) -> str:
         """Why the prescribed forces cannot be carried: in some load step they are above the
-        coefficient of friction times the integral of the pressure; empty where they can.
+        integral of the pressure times the coefficient of friction; empty where they can.
         """
-        system = self.system
-        carried = system.comm.allreduce(system.interface.weights @ self.pressed.pressure)
-        limit = self.settings.coefficient * system.setup.parts * float(carried)
+        system, face = self.system, self.system.interface
+        bound = self.settings.coefficient(system.setup.kinematics.lift(face.points))
+        carried = float(face.weights @ (bound * self.pressed.pressure))
+        limit = system.setup.parts * system.comm.allreduce(carried)
         given = math.hypot(*(force for _, force in self.settings.force_controlled))
         for load, force in self.settings.load_steps:
             if abs(force) * given > load * limit:

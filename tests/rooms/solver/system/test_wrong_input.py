@@ -39,7 +39,7 @@ SETUP = Setup(
     kinematics=PLANE,
 )
 FRICTION = FrictionSettings(
-    coefficient=0.3,
+    coefficient=lambda points: np.full(len(points), 0.3),
     rolling=False,
     axes=np.array([[1.0, 0, 0], [0, 0, -1.0], [0, 1.0, 0]]),
     origin=(0.0, 0.0, 0.0),
