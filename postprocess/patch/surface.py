@@ -51,17 +51,10 @@ Surfaces = tuple[Surface, Surface | None]
 
 
 def facing_facets(fields: Fields) -> NDArray[np.int64]:
-    """(f, k) nodes of the slave's contact facets of which all quadrature points face the other
-    body, as in `ContactFields.facet_nodes`.
+    """(f, k) nodes of the slave's contact facets that face the other body wholly, as in
+    `ContactFields.facet_nodes`.
     """
-    return fields.contact.facet_nodes[_facing(fields)]
-
-
-def _facing(fields: Fields) -> NDArray[np.bool_]:
-    """(f,) whether all quadrature points of a contact facet face the other body."""
-    contact = fields.contact
-    count = np.bincount(contact.facet, minlength=len(contact.facet_nodes))
-    return np.asarray(count == count.max())
+    return fields.contact.facet_nodes[fields.contact.facing]
 
 
 def triangulated(
@@ -82,7 +75,7 @@ def project(fields: Fields, values: Array) -> Array:
     matrix M = int phi phi^T dA, integrated over these facets.
     """
     contact, facets = fields.contact, facing_facets(fields)
-    members, nodes = _facing(fields)[contact.facet], np.unique(facets)
+    members, nodes = contact.facing[contact.facet], np.unique(facets)
     element = basix.create_element(
         basix.ElementFamily.P,
         getattr(basix.CellType, facet_type(fields.cell)),

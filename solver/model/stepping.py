@@ -196,7 +196,7 @@ def _with_history(
         shear=pairing.shear.matMult(p),
         start_slip=(pairing.slip * slipped).array.reshape(shape).copy(),
         start_shear=(pairing.shear * prescribed).array.reshape(shape).copy(),
-        shear_dyads=sheared.reshape(*shape, -1),
+        shear_dyads=sheared.reshape(*shape, sheared.shape[1]),
     )
     problem.set_prescribed_strain(prescribed)
     return problem

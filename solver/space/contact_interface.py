@@ -28,7 +28,7 @@ from railhead.solver.space import pieces
 from railhead.solver.space.cells import quadrature_degree
 from railhead.solver.space.facets import FacetSet, pair
 from railhead.solver.space.operators import assemble_rows
-from railhead.theory.array_types import Array, Index
+from railhead.theory.array_types import Array, Index, Mask
 
 SECTION_QUADRATURE = 15  # degree of the contact quadrature in a plane section, where points are
 # cheap: it follows the edge of the patch, and the pressure's error falls tenfold
@@ -152,6 +152,13 @@ class Interface:
     xi: Array
     gap: PETSc.Mat
     stress: PETSc.Mat
+
+    @property
+    def facing(self) -> Mask:
+        """Whether the points cover a facet of the slave (m,), but for 1 % of its area."""
+        (facet, _), weights = self.slave.quadrature(2 * self.slave.degree)
+        whole = np.bincount(facet, weights, minlength=len(self.slave))
+        return np.bincount(self.facet, self.weights, minlength=len(whole)) > 0.99 * whole
 
     def stiffness_bound(self, law: ContactLaw) -> Array:
         """Value (n,) that the parameter of a contact law is a multiple of, MPa/mm.

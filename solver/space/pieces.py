@@ -94,13 +94,14 @@ def _clipped(polygons: Array, height: Array) -> Array:
     """Parts of convex polygons (p, v, 2) on the side of a line where the height (p, v) of their
     corners above it is not negative: (p, w, 2) with w corners, the last ones repeated.
     """
+    count = polygons.shape[1]
     height = np.where(np.abs(height) < ON_LINE, 0.0, height)
     after, above = np.roll(polygons, -1, axis=1), np.roll(height, -1, axis=1)
     crosses = height * above < 0
     share = height / np.where(crosses, height - above, 1.0)
     met = polygons + share[..., None] * (after - polygons)
-    every = np.stack([polygons, met], axis=2).reshape(len(polygons), -1, 2)
-    valid = np.stack([height >= 0, crosses], axis=2).reshape(len(polygons), -1)
+    every = np.stack([polygons, met], axis=2).reshape(len(polygons), 2 * count, 2)
+    valid = np.stack([height >= 0, crosses], axis=2).reshape(len(polygons), 2 * count)
     width = int(valid.sum(axis=1).max(initial=3))
     order = np.argsort(~valid, axis=1, kind="stable")[:, :width]
     last = np.maximum(valid.sum(axis=1) - 1, 0)[:, None]

@@ -33,6 +33,7 @@ class ContactFields:
     xi: (q, 2) or, in a section, (q, 1) coordinates of each point in the reference facet.
     facet_nodes: (f, k) nodes of each facet as row numbers of `Fields.points`, corners first, basix
         order.
+    facing: (f,) whether a whole facet faces the other body.
     """
 
     points: Array
@@ -44,6 +45,7 @@ class ContactFields:
     facet: NDArray[np.int64]
     xi: Array
     facet_nodes: NDArray[np.int64]
+    facing: NDArray[np.bool_]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,6 +135,7 @@ def gather(model: ContactSystem, solution: Solution, *, facing: bool = True) -> 
         facet=interface.facet + offset,
         xi=interface.xi,
         facet_nodes=facet_dofs(interface.slave),
+        facing=interface.facing,
     )
     plastic = solution.plastic_strain
     if plastic is not None:

@@ -72,6 +72,7 @@ def painted(
         facet=np.repeat(np.arange(count), len(xi)),
         xi=np.tile(xi, (count, 1)),
         facet_nodes=triangles,
+        facing=np.ones(count, dtype=bool),
     )
     return Fields(
         points=np.column_stack([nodes, np.zeros(len(nodes))]),

@@ -27,6 +27,7 @@ def touching(case, displacement, pressure):
         facet=zeros.astype(int),
         xi=top[:, :2],
         facet_nodes=np.zeros((0, 3), dtype=int),
+        facing=np.zeros(0, dtype=bool),
     )
     return replace(fields, displacement=displacement, contact=contact)
 
