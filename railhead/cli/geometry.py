@@ -218,6 +218,10 @@ class Location(terminal.Drawn):
         scene, swept, radii = self.scene, self.swept, self.radii
         wheel, rail = Path(scene.wheel.profile).name, Path(scene.rail.profile).name
         words = f"{scene.name}: wheelset with wheels {wheel} on rails {rail}"
+        if scene.wheelset.unlike:
+            there = scene.opposite
+            other = Path(there.wheel.profile).name, Path(there.rail.profile).name
+            words += f" ({there.wheelset.side}: {' on '.join(other)})"
         yaw = f", yaw {1e3 * scene.wheelset.yaw:g} mrad"
         shifted = f", shifted by {units.text(scene.wheelset.shift, 'mm')} to the right"
         here, over = (Subject(words + more + yaw, units=units) for more in (shifted, ""))

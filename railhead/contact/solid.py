@@ -374,7 +374,7 @@ def pairs(scene: Scene, stretch: float = 1.0) -> Pairs:
     Raises SceneError for a file that cannot be used, with the key of its side.
     """
     here, given = pair(scene, stretch), scene.wheelset
-    if not (given.other_rail or given.other_wheel or given.other_radius):
+    if not given.unlike:
         return here, here
     try:
         return here, pair(scene.opposite, stretch)

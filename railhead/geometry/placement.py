@@ -19,6 +19,7 @@ from railhead.geometry.profiles import Profile
 from railhead.theory.array_types import Array, Index, Mask
 
 SAMPLES = 4001
+TOGETHER = 256  # poses that are searched at once, for the memory
 EXACT, ROUGH = 1e-13, 1e-9  # mm on the wheel's profile
 STRIDE = 4  # of the samples that a rough search looks at
 SAMPLING_ERROR = 1e-2  # mm, of the height at the sample nearest to a minimum, at most
@@ -184,6 +185,12 @@ class ProfilePair:
         where the slopes do not cross between its neighbours, it is the sample itself.
         rough: as of `lowest`.
         """
+        if len(poses.origin) > TOGETHER:
+            starts = range(0, len(poses.origin), TOGETHER)
+            parts = [self._minima(poses[n : n + TOGETHER], clearance, rough=rough) for n in starts]
+            numbers = [part[0] + n for n, part in zip(starts, parts, strict=True)]
+            at, at_edge = (np.concatenate([part[k] for part in parts]) for k in (1, 2))
+            return np.concatenate(numbers), at, at_edge
         tread, height, rise = (each[:: STRIDE if rough else 1] for each in self.samples)
         (_, y, z), *_ = _locus(poses[:, None], self.rolling_radius + height, tread, rise)
         height = z - self.rail.height(y)

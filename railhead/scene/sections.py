@@ -459,6 +459,11 @@ class Wheelset(Section):
     other_wheel: Annotated[str, _profile("wheel", *WHEELS)] | None = None
     other_radius: units.Radius | None = None
 
+    @property
+    def unlike(self) -> bool:
+        """Whether the other side has a profile or a rolling radius of its own."""
+        return bool(self.other_rail or self.other_wheel or self.other_radius)
+
 
 class Solver(Section):
     """Contact method and linear solver. No effect where half-spaces answer (effects.finite_bodies
