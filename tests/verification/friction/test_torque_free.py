@@ -5,6 +5,7 @@ import math
 from pathlib import Path
 
 import pytest
+from one_line import refusal
 from solved import friction, passed
 
 import railhead as rh
@@ -96,3 +97,17 @@ def test_without_such_a_motion_the_answer_says_so_and_fails(monkeypatch) -> None
     result = rh.solve(unlike(), quiet=True)
     assert result.summary["checks"]["failed"] == ["axle_torque"] and not result.passed
     assert "none without torque was found" in result.summary["plan"]["effects"]["friction"]["why"]
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"load": None, "approach": 0.05}, "rolling.axle: torque_free is not allowed with an"),
+        ({"friction": {"coefficient": 0}}, "rolling.axle: torque_free is not allowed without"),
+        ({"effects": {"friction": "off"}}, "rolling.axle: torque_free is not allowed without"),
+        ({"rolling": {"force_along": 10.0}}, "rolling.force_along: is not allowed beside an axle"),
+        ({"rolling": {"from_wheelset": False}}, "rolling.axle: torque_free is not allowed without"),
+    ],
+)
+def test_an_axle_without_torque_needs_load_and_friction_and_no_force(changed, said: str) -> None:
+    assert refusal(lambda: unlike().replace(**changed)).startswith(said)
