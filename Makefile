@@ -31,7 +31,7 @@ docs: setup
 	    cp results/$$study/*.png docs/ 2>/dev/null || true; \
 	done
 	PYTHONPATH=. .venv/bin/python -P tests/docs/pages.py docs/tutorial.md docs/nitsche.md docs/gallery.md \
-	    docs/howto-*.md docs/contact-program.md
+	    docs/howto-*.md docs/contact-program.md docs/solver.md
 	.venv/bin/railhead run uic54_thesis
 	cp results/uic54_thesis/wheel_rail.png docs/uic54_thesis.png
 
