@@ -33,7 +33,8 @@ FLANGE_WIDEST = 30.0  # mm from the flange back to the tip, at most
 NEAR_TOP, PLATEAU = 2.0, 0.02  # mm: an origin on the crown is kept; the crown is so flat
 TAPE_CIRCLE, TAPE_RANGE = 70.0, 20.0  # mm from the flange back, and how far from there z = 0 counts
 NEAR_ZERO, NEAR_LEVEL = 0.05, 5.0  # mm: the usual tape circle is that of z = 0; z = 0 is kept
-UPRIGHT, LEAST_FACE = 0.18, 1.0  # slope dy/dz of a flange back, at most; its height, mm, at least
+UPRIGHT, VERTICAL = 0.18, 0.02  # slopes dy/dz of a flange back, at most
+LEAST_FACE = 1.0  # mm: height of a flange back, at least
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -143,6 +144,9 @@ def _rail_signs(points: Array, table: Table, given: Orientation) -> tuple[Array,
         raise PointError("is higher than it is wide; give y before z", points[0])
     up = _sign(given.flip, table.outward)
     if not up:
+        if height < SECTION and flanged_way(points) is not None:
+            text = "has the flange of a wheel; give it as a wheel's, or its profile_flip"
+            raise PointError(text, points[0])
         bulge, narrow = _bulge(points), np.ptp(points[:, 0]) < NARROW
         up = 1.0 if bulge > -LEAST_FALL else -1.0
         _refuse_hollow(points, bulge < -SYMMETRIC and (up > 0 or narrow))
@@ -326,8 +330,9 @@ def _to_tape_circle(
     if found and given.origin == "auto":
         tip, root = found
         if root < 0 < even[-1, 0] and not given.tape_circle:
-            return np.array([0.0, _to_level(even, 0.0)]), tape or TAPE_CIRCLE, ""
-        defined, face = 0 < tip < FLANGE_WIDEST, _flange_face(turned, tip)
+            shown = _flange_face(turned, tip, VERTICAL) or -TAPE_CIRCLE
+            return np.array([0.0, _to_level(even, 0.0)]), tape or -shown, ""
+        defined, face = 0 < tip < FLANGE_WIDEST, _flange_face(turned, tip, UPRIGHT)
         if face is None and not defined:
             text = "begins in its flange, so that nothing tells where the tape circle is; give "
             text += "points from the flange back on, or its profile_origin"
@@ -341,13 +346,13 @@ def _to_tape_circle(
     return move, distance, text
 
 
-def _flange_face(turned: Array, tip: float) -> float | None:
+def _flange_face(turned: Array, tip: float, slope: float) -> float | None:
     """y in mm of the face behind the flange's tip, of points (n, 2) turned as those of `flange`;
-    None where the file shows less than 1 mm (LEAST_FACE) of it that is steeper than 80 deg.
-    tip: y of the flange's tip, mm.
+    None where the file shows less than 1 mm (LEAST_FACE) of it.
+    tip: y of the flange's tip, mm. slope: dy/dz of the face, at most.
     """
     y, z = ordering.in_order(turned).T
-    upright = (np.abs(np.diff(y)) < UPRIGHT * np.abs(np.diff(z))) & (y[1:] < tip)
+    upright = (np.abs(np.diff(y)) < slope * np.abs(np.diff(z))) & (y[1:] < tip)
     height = float(np.abs(np.diff(z))[upright].sum())
     return float(y[:-1][upright].min()) if height > LEAST_FACE else None
 
@@ -355,12 +360,12 @@ def _flange_face(turned: Array, tip: float) -> float | None:
 def _distance_of_zero(even: Array, back: float) -> float | None:
     """Distance in mm from the flange back at y = back (mm) to the only place within 20 mm
     (TAPE_RANGE) of the usual tape circle at which the tread's height changes its sign. None where
-    there is no such place, and where the height is 0 at the usual one.
+    there is no such place, and where the tread is not higher at the usual one: wear lowers it.
     even: (m, 2) outer side of the profile, mm, z outwards.
     """
     y, z = even[np.abs(even[:, 0] - back - TAPE_CIRCLE) < TAPE_RANGE].T
     at = np.flatnonzero(z[1:] * z[:-1] < 0)
-    if len(at) != 1 or abs(np.interp(back + TAPE_CIRCLE, y, z)) < NEAR_ZERO:
+    if len(at) != 1 or np.interp(back + TAPE_CIRCLE, y, z) < NEAR_ZERO:
         return None
     k = at[0]
     return float(y[k] - z[k] * (y[k + 1] - y[k]) / (z[k + 1] - z[k])) - back

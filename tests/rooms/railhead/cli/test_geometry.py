@@ -355,7 +355,8 @@ def test_a_table_of_shifts_is_printed_with_those_left_out(tmp_path, capsys) -> N
     assert re.search(r"^ +3 .* 460\.745 .* 0\.17968$", printed, re.MULTILINE)
     end = r"EN 15302; nonlinearity parameter -0\.031"
     assert re.search(rf"conicity .* 0\.174\d? at 3,.* {end}", text)
-    assert max(map(len, printed.splitlines())) <= 80 and "…" not in printed
+    lines = printed.partition("written to ")[0].splitlines()  # the folder's name may be long
+    assert max(map(len, lines)) <= 80 and "…" not in printed
 
 
 @pytest.mark.parametrize(

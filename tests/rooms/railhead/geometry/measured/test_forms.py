@@ -110,6 +110,20 @@ def test_a_wheel_stands_on_the_tape_circle_of_its_file(name: str, tmp_path) -> N
     assert found.origin["tape_circle_mm"] == pytest.approx(shift + sign * TAPE, abs=0.02)
 
 
+def test_wear_moves_no_tape_circle_and_a_wheel_is_no_rail(tmp_path) -> None:
+    """A tread that is worn by 2 mm where z was 0; an origin on the tape circle, with the flange
+    back beside it; the same points as those of a rail."""
+    points, usual = wheel(), wheel() - [0.0, np.interp(70.0, *wheel()[wheel()[:, 0] > 50].T)]
+    worn = usual - np.outer(2.0 * np.exp(-(((usual[:, 0] - 78) / 20) ** 2)), [0, 1])
+    files = {"worn.whl": (OLD + text(worn), 70.0), "origin.csv": (text(points - [TAPE, 0]), TAPE)}
+    for name, (written, tape) in files.items():
+        (tmp_path / name).write_text(written)
+        found = measured.read(tmp_path / name, "wheel")
+        assert found.oriented.tape_circle == pytest.approx(tape, abs=0.02)
+    with pytest.raises(ValueError, match="line 1: has the flange of a wheel"):
+        measured.read(tmp_path / "origin.csv", "rail")
+
+
 @pytest.mark.parametrize("name", RAILS)
 def test_a_rail_of_no_standard_is_read_in_its_axes(name: str, tmp_path) -> None:
     text, sides = RAILS[name]
