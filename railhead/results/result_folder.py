@@ -17,19 +17,19 @@ import zlib
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, suppress
 from datetime import UTC, datetime
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import psutil
 import tomli_w
 
-from railhead import __version__
 from railhead.run import process
 from railhead.scene.catalogue import copy_files, portable
 from railhead.scene.scene import Scene, SceneError
 
 SUMMARY, SCENE = "summary.json", "scene.toml"
-VERSION = __version__
+VERSION = version("railhead-contact")
 UNITS = "N, mm, MPa, rad, s"
 Attempt = Callable[[str], AbstractContextManager[None]]
 """Maps a file's name to a context in which the file is written; it keeps an error for later."""
