@@ -116,7 +116,7 @@ def page(
     waited = [run["seconds"] / run["cpu_seconds"] for run in done]
     return tables.render(
         "peers",
-        ours=version("railhead"),
+        ours=version("railhead-contact"),
         threads=processes.THREADS,
         cores=os.cpu_count(),
         travel=TRAVEL,

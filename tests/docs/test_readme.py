@@ -112,7 +112,7 @@ def test_yield_changes_the_last_row_by_what_it_says() -> None:
 def test_package_project_and_citation_have_one_version() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     assert f"\nversion: {project['version']}\n" in (ROOT / "CITATION.cff").read_text()
-    assert metadata.version("railhead") == rh.__version__ == project["version"]
+    assert metadata.version("railhead-contact") == rh.__version__ == project["version"]
 
 
 def test_the_package_depends_on_what_the_set_up_installs() -> None:
