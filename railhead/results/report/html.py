@@ -17,7 +17,7 @@ from PIL import Image
 
 from railhead.planning.effects import in_words
 from railhead.postprocess.findings import Findings, Units
-from railhead.results import quantity_rows
+from railhead.results import quantity_rows, result_folder
 from railhead.results.checks import SECOND
 from railhead.results.quantity_rows import Row
 from railhead.results.report import terminal
@@ -89,7 +89,6 @@ HEADINGS = {
     "Hertz": "exact Hertz",
 }
 PACKAGES = (
-    "railhead",
     "fenics-dolfinx",
     "petsc4py",
     "numpy",
@@ -294,7 +293,7 @@ def versions() -> dict[str, str]:
     for name in PACKAGES:
         with suppress(ImportError):  # Debian's have no metadata
             found[name] = version(name)
-    return found | {"Python": platform.python_version()}
+    return {"railhead": result_folder.VERSION} | found | {"Python": platform.python_version()}
 
 
 def picture(png: bytes) -> str:
