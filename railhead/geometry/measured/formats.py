@@ -203,11 +203,12 @@ def _points(
 
 def _last_digit(points: Array) -> float:
     """Last digit of the numbers (n, 2) of both columns, the coarser one, 1e-16 at least: 10 to the
-    power -d, where d decimals are enough for the numbers above a tenth of the column's largest one.
+    power -d, where d decimals are enough for the numbers with the most digits before the point.
     """
-    larger = [column[np.abs(column) >= np.abs(column).max() / 10] for column in points.T]
+    size = np.floor(np.log10(np.maximum(np.abs(points), 1e-9)))
+    longest = [column[of == of.max()] for column, of in zip(points.T, size.T, strict=True)]
     for decimals in range(16):
-        if any(np.allclose(each, each.round(decimals), 1e-15, 0.0) for each in larger):
+        if any(np.allclose(each, each.round(decimals), 1e-15, 0.0) for each in longest):
             return float(10.0**-decimals)
     return 1e-16
 

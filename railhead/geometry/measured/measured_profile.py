@@ -311,11 +311,14 @@ def wave(smoothed: Smoothed, start: float, end: float) -> tuple[float, Array] | 
     """Largest angle (deg) by which the curve bends one way and back within 4 mm (WAVE) of its
     length, and the middle (y, z) of these 4 mm, mm; None where none is above 10 deg (BENT). Of two
     opposite bends the smaller one is the angle: range of the tangent's angle less its net change.
+    Of a drawn profile the straight lines between its points count, which turn one way at a corner.
     start, end: smallest and largest y of the middle, mm.
     """
-    s = np.arange(0.0, smoothed.length, STRIDE)
-    dy, dz = smoothed.curve(s, 1).T
-    angle, curve = np.degrees(np.unwrap(np.arctan2(dz, dy))), smoothed.curve(s)
+    curve = smoothed.curve(np.arange(0.0, smoothed.length, STRIDE))
+    if smoothed.rounding:
+        curve = ordering.resampled(smoothed.points, STRIDE)
+    dy, dz = np.gradient(curve, axis=0).T
+    angle = np.degrees(np.unwrap(np.arctan2(dz, dy)))
     angles = np.lib.stride_tricks.sliding_window_view(angle, round(WAVE / STRIDE) + 1)
     back = np.ptp(angles, axis=1) - np.abs(angles[:, -1] - angles[:, 0])
     middle = curve[round(WAVE / STRIDE) // 2 :][: len(back)]

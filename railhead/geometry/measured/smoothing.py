@@ -7,6 +7,10 @@ like the upright one. Without a penalty typed in, the change of curvature is a r
 variance may differ from place to place, and that variance is the most probable one under the noise
 (D. J. C. MacKay, Bayesian interpolation, Neural Computation 4, 1992): a straight tread is smoothed
 over tens of millimetres where a gauge corner is smoothed over a few.
+
+Points that are no farther off a curve than the rounding of their coordinates are drawn, not
+measured. Their curve passes through them within that rounding, and of all such curves its curvature
+changes least in sum: it is constant along arcs, and jumps where arcs meet.
 """
 
 from __future__ import annotations
@@ -36,6 +40,7 @@ ROUGH = 0.005  # ... but more than this share of the points' distance leaves no 
 UNIFORM = math.sqrt(12)  # last digit over the standard deviation of its rounding
 FINEST = 1e-9  # mm: closer no curve needs to pass the points
 PIECES = 250  # of the spline, at most; of a drawn profile ...
+COARSER = 2.0  # times its rounding, and half its points, show what a drawn profile leaves open
 KNOTS, KNOT = 8, 0.05  # ... knots a point at most, and mm between them at least, if fewer
 STIFF, SINGULAR = 1e9, 1e-14  # weights of squared differences: more than all, and that of a knot
 EVEN = 5e-4  # 1/mm2: slower changes of the curvature are spread evenly
@@ -124,11 +129,9 @@ def smooth(
     wavelength: of waves that keep half of their height, mm, everywhere; None: chosen by the noise,
         from place to place. Then a profile whose noise is the rounding of its coordinates is drawn:
         the curve passes through its points within that rounding.
-    stretch: factor on the wavelengths. A drawn profile has every second point instead, from the
-        first on where stretch is below 1, from the second on where it is above; a larger one
-        multiplies the rounding.
-    resolution: last digit of the coordinates, mm; 0 where it is not known. Where the noise is
-        nowhere that large, the noise counts, as of even steps across with few digits.
+    stretch: factor on the wavelengths. Unless it is 1, a drawn profile has every second point and
+        twice (COARSER) the rounding instead, from the second point on where it is above 1.
+    resolution: last digit of the coordinates, mm; 0 where it is not known.
     Raises ValueError for fewer than 12 points. Raises PointError for a gap of more than 5 mm
     between points, and where they bend the curve back.
     """
@@ -144,16 +147,14 @@ def smooth(
         text += f"give points at most {LARGEST_GAP:g} mm apart"
         raise PointError(text, np.array([y, z]))
     sigma = noise(points)
-    typical, rounding = float(np.median(sigma)), min(resolution / UNIFORM, float(sigma.max()))
-    level = max(rounding if typical <= ROUNDED * rounding else typical, FINEST)
-    drawn = wavelength is None and level <= max(LEAST_NOISE, rounding)
-    drawn = drawn and level < ROUGH * float(np.median(apart))
-    if drawn and stretch != 1:
-        kept = np.r_[0, int(stretch > 1) : len(points) - 1 : 2, len(points) - 1]
-        points = points[np.unique(kept)]
-        s = chord_lengths(points)
+    typical = max(float(np.median(sigma)), LEAST_NOISE)
+    drawn_to = 0.0 if wavelength else _drawn_to(sigma, resolution, float(np.median(apart)))
+    rounding = drawn_to
+    if drawn_to and stretch != 1:
+        points = points[np.unique([0, *range(int(stretch > 1), len(s), 2), len(s) - 1])]
+        s, rounding = chord_lengths(points), COARSER * drawn_to
     spacing, pieces, waves = s[-1] / (len(s) - 1), min(PIECES, len(s)), PILOT
-    if drawn:
+    if drawn_to:
         pieces, waves = max(len(s), min(KNOTS * len(s), round(s[-1] / KNOT))), DRAWN_PILOT
     for _ in range(2):
         pilot = _Fit(s, pieces)
@@ -162,29 +163,40 @@ def smooth(
     fit = _Fit(s, pieces)
     heights = _developed(curve, s)(s) + _off(curve, s, points)
     lengths = np.zeros(len(fit.places))
-    if drawn:
-        penalty = fit.sharpest(heights, max(1.0, stretch) * level)
-    elif wavelength is None:
-        least = np.maximum(sigma, LEAST_NOISE)
-        lengths = stretch * fit.most_probable(heights, np.interp(fit.places, s, least))
-        penalty = fit.penalty(lengths)
-    else:
-        lengths += stretch * wavelength
-        penalty = fit.penalty(lengths)
-    for _ in range(1 if drawn else 2):
-        curve = _bent(curve, s, points, fit, penalty)
+    if drawn_to:
+        curve = _bent(curve, s, points, fit, fit.sharpest(heights, rounding))
         s = _lengths(curve, s, points)
-        fit = _Fit(s, pieces)
+    else:
+        sigma = np.interp(fit.places, s, np.maximum(sigma, LEAST_NOISE))
+        lengths += stretch * (wavelength or fit.most_probable(heights, sigma))
+        for _ in range(2):
+            curve = _bent(curve, s, points, fit, fit.penalty(lengths))
+            s = _lengths(curve, s, points)
+            fit = _Fit(s, pieces)
     return Smoothed(
         curve=curve,
         points=points,
         s=s,
         residual=_off(curve, s, points),
-        noise=typical if drawn else max(typical, LEAST_NOISE),
+        noise=drawn_to or typical,
         places=fit.places,
         wavelength=lengths,
-        rounding=UNIFORM * level if drawn else 0.0,
+        rounding=UNIFORM * drawn_to,
     )
+
+
+def _drawn_to(sigma: Array, resolution: float, apart: float) -> float:
+    """Standard deviation in mm to which points are drawn, 0 where a gauge has measured them.
+    sigma: (n,) noise of the points, mm; resolution: last digit of their coordinates, mm, or 0.
+    apart: distance of the points, mm.
+    It is that of the rounding if the noise is no more than twice (ROUNDED) as large, else the noise
+    of exact points, below 0.01 um (LEAST_NOISE). A rounding of more than 0.005 (ROUGH) of the
+    points' distance leaves no curve through them. Where a column has few digits and yet less noise
+    everywhere, as even steps across have, the noise counts.
+    """
+    noise, rounding = float(np.median(sigma)), min(resolution / UNIFORM, float(sigma.max()))
+    level = max(rounding if noise <= ROUNDED * rounding else noise, FINEST)
+    return level if level <= max(LEAST_NOISE, rounding) and level < ROUGH * apart else 0.0
 
 
 class _Fit:

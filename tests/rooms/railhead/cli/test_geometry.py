@@ -44,6 +44,16 @@ def test_files_of_instruments_are_the_manchester_pair() -> None:
     assert found.area == pytest.approx(true.area, rel=0.01)
 
 
+def test_a_drawn_profile_is_said_to_be_taken_as_drawn(tmp_path) -> None:
+    y = np.arange(-35.0, 35.1, 0.25)
+    points = np.column_stack([y, profiles.rail_head("60E1").height(y)])
+    np.savetxt(tmp_path / "rail.csv", points, "%.6f", ",")
+    found = rh.profile(tmp_path / "rail.csv").measured
+    text = " ".join(terminal.profile_lines({"rail": found.summary()}))
+    assert "taken as drawn (points 0.25 mm apart, rounded to 1e-06 mm)" in text
+    assert "smoothing" not in text
+
+
 @pytest.fixture(autouse=True)
 def _few_positions(monkeypatch) -> None:
     """Three of the many that a wheelset is placed at."""
