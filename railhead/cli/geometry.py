@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,12 +19,11 @@ from rich.table import Table
 
 from railhead.contact import solid
 from railhead.contact.conicity import RollingRadii, rolling_radii
-from railhead.geometry import wheelset
 from railhead.geometry.measured import BODY_BY_EXTENSION, measured_profile, standards
 from railhead.geometry.measured.measured_profile import Measured, smoothness
 from railhead.geometry.measured.standards import LaidStandard
 from railhead.geometry.placement import ContactPoint, PlacementError
-from railhead.geometry.wheelset import Placed, Side
+from railhead.geometry.wheelset import Placed, Side, WheelsetOnTrack, top
 from railhead.postprocess.findings import BASE_UNITS, Subject, Units
 from railhead.results import result_folder
 from railhead.results.report import terminal
@@ -137,7 +136,12 @@ class Location(terminal.Drawn):
     def _found(self) -> list[Placed | PlacementError]:
         """The wheelset at the shifts of the rows, or why it cannot stand there."""
         start = np.interp(self._shifts, self.radii.shifts, self.radii.rolls)
-        return solid.on_track(self.scene).place_all(self._shifts, CLEARANCE, start)
+        return self._wheelset.place_all(self._shifts, CLEARANCE, start)
+
+    @cached_property
+    def _wheelset(self) -> WheelsetOnTrack:
+        """The wheelset over its track."""
+        return solid.on_track(self.scene)
 
     @property
     def swept(self) -> list[Placed]:
@@ -147,19 +151,19 @@ class Location(terminal.Drawn):
     @cached_property
     def radii(self) -> RollingRadii:
         """Rolling radii of both wheels over the shift, at least from -10 to 10 mm."""
-        return self._radii_of(self.scene)
+        return self._radii_of(self._wheelset)
 
     @cached_property
     def level(self) -> RollingRadii:
         """`radii` without roll, as the tables of EN 15302 are, where the scene gives none."""
         given = self.scene.wheelset.roll is not None
-        return self.radii if given else self._radii_of(self.scene.replace(["wheelset.roll=0"]))
+        return self.radii if given else self._radii_of(replace(self._wheelset, roll=0.0))
 
-    def _radii_of(self, scene: Scene) -> RollingRadii:
-        """Rolling radii of a scene's wheelset. Raises SceneError where it can stand nowhere."""
+    def _radii_of(self, wheelset: WheelsetOnTrack) -> RollingRadii:
+        """Rolling radii of a wheelset. Raises SceneError where it can stand nowhere."""
         reach = float(np.abs([*SHIFTS, *self._shifts]).max())
         try:
-            return rolling_radii(solid.on_track(scene), reach)
+            return rolling_radii(wheelset, reach)
         except PlacementError as error:
             raise SceneError("wheelset.shift", f"{error}, at whole shifts from 0 on") from None
 
@@ -338,7 +342,7 @@ def locate(scene: Scene, over: Mapping[str, Sequence[object]] | None = None) -> 
 
 def _contacts(side: Side) -> list[dict[str, float | bool]]:
     """Contacts of a side, as values of summary.json (`_contact`)."""
-    crest, _ = wheelset.top(side.pair.rail)
+    crest, _ = top(side.pair.rail)
     return [_contact(touch, crest) for touch in side.touches]
 
 
