@@ -216,7 +216,9 @@ class Location(terminal.Drawn):
         _write(folder, "locate", self, tables, drawings)
 
     def drawings(self, units: Units = BASE_UNITS) -> dict[str, Drawing]:
-        """Functions that draw the pictures, by name of their PNG file. units: of their numbers."""
+        """Functions that draw the pictures, by name of their PNG file; that of the scene's own shift
+        where no others were asked for. units: of their numbers.
+        """
         from railhead.postprocess.pictures import profile_plots
 
         scene, swept, radii = self.scene, self.swept, self.radii
@@ -229,8 +231,8 @@ class Location(terminal.Drawn):
         yaw = f", yaw {1e3 * scene.wheelset.yaw:g} mrad"
         shifted = f", shifted by {units.text(scene.wheelset.shift, 'mm')} to the right"
         here, over = (Subject(words + more + yaw, units=units) for more in (shifted, ""))
-        return {
-            "profiles.png": partial(profile_plots.profiles, self.placed, here),
+        one = {"profiles.png": partial(profile_plots.profiles, self.placed, here)}
+        return (one if self.shifts is None else {}) | {
             "positions.png": partial(profile_plots.positions, swept, over),
             "rolling_radius.png": partial(
                 profile_plots.rolling_radius, swept, radii.differences, over
