@@ -216,8 +216,8 @@ class Location(terminal.Drawn):
         _write(folder, "locate", self, tables, drawings)
 
     def drawings(self, units: Units = BASE_UNITS) -> dict[str, Drawing]:
-        """Functions that draw the pictures, by name of their PNG file; that of the scene's own shift
-        where no others were asked for. units: of their numbers.
+        """Functions that draw the pictures, by name of their PNG file; `profiles.png` only where
+        no shifts were asked for. units: of their numbers.
         """
         from railhead.postprocess.pictures import profile_plots
 
