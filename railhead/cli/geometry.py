@@ -151,17 +151,20 @@ class Location(terminal.Drawn):
     @cached_property
     def radii(self) -> RollingRadii:
         """Rolling radii of both wheels over the shift, at least from -10 to 10 mm."""
-        return self._radii_of(self._wheelset)
+        return self._radii_of(self._wheelset, np.abs([*SHIFTS, *self._shifts]).max())
 
     @cached_property
     def level(self) -> RollingRadii:
-        """`radii` without roll, as the tables of EN 15302 are, where the scene gives none."""
-        given = self.scene.wheelset.roll is not None
-        return self.radii if given else self._radii_of(replace(self._wheelset, roll=0.0))
+        """`radii` without roll, as the tables of EN 15302 are, where the scene gives none; as far
+        as the wheelset can stand with its roll.
+        """
+        if self.scene.wheelset.roll is not None:
+            return self.radii
+        level = replace(self._wheelset, roll=0.0)
+        return self._radii_of(level, np.abs(self.radii.shifts).max())
 
-    def _radii_of(self, wheelset: WheelsetOnTrack) -> RollingRadii:
-        """Rolling radii of a wheelset. Raises SceneError where it can stand nowhere."""
-        reach = float(np.abs([*SHIFTS, *self._shifts]).max())
+    def _radii_of(self, wheelset: WheelsetOnTrack, reach: float) -> RollingRadii:
+        """Rolling radii of a wheelset. Raises SceneError where it can stand nowhere. reach: mm."""
         try:
             return rolling_radii(wheelset, reach)
         except PlacementError as error:
