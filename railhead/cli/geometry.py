@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,12 +19,11 @@ from rich.table import Table
 
 from railhead.contact import solid
 from railhead.contact.conicity import RollingRadii, rolling_radii
-from railhead.geometry import wheelset
 from railhead.geometry.measured import BODY_BY_EXTENSION, measured_profile, standards
 from railhead.geometry.measured.measured_profile import Measured, smoothness
 from railhead.geometry.measured.standards import LaidStandard
 from railhead.geometry.placement import ContactPoint, PlacementError
-from railhead.geometry.wheelset import Placed, Side
+from railhead.geometry.wheelset import Placed, Side, WheelsetOnTrack, top
 from railhead.postprocess.findings import BASE_UNITS, Subject, Units
 from railhead.results import result_folder
 from railhead.results.report import terminal
@@ -137,7 +136,12 @@ class Location(terminal.Drawn):
     def _found(self) -> list[Placed | PlacementError]:
         """The wheelset at the shifts of the rows, or why it cannot stand there."""
         start = np.interp(self._shifts, self.radii.shifts, self.radii.rolls)
-        return solid.on_track(self.scene).place_all(self._shifts, CLEARANCE, start)
+        return self._wheelset.place_all(self._shifts, CLEARANCE, start)
+
+    @cached_property
+    def _wheelset(self) -> WheelsetOnTrack:
+        """The wheelset over its track."""
+        return solid.on_track(self.scene)
 
     @property
     def swept(self) -> list[Placed]:
@@ -147,19 +151,22 @@ class Location(terminal.Drawn):
     @cached_property
     def radii(self) -> RollingRadii:
         """Rolling radii of both wheels over the shift, at least from -10 to 10 mm."""
-        return self._radii_of(self.scene)
+        return self._radii_of(self._wheelset, np.abs([*SHIFTS, *self._shifts]).max())
 
     @cached_property
     def level(self) -> RollingRadii:
-        """`radii` without roll, as the tables of EN 15302 are, where the scene gives none."""
-        given = self.scene.wheelset.roll is not None
-        return self.radii if given else self._radii_of(self.scene.replace(["wheelset.roll=0"]))
+        """`radii` without roll, as the tables of EN 15302 are, where the scene gives none; as far
+        as the wheelset can stand with its roll.
+        """
+        if self.scene.wheelset.roll is not None:
+            return self.radii
+        level = replace(self._wheelset, roll=0.0)
+        return self._radii_of(level, np.abs(self.radii.shifts).max())
 
-    def _radii_of(self, scene: Scene) -> RollingRadii:
-        """Rolling radii of a scene's wheelset. Raises SceneError where it can stand nowhere."""
-        reach = float(np.abs([*SHIFTS, *self._shifts]).max())
+    def _radii_of(self, wheelset: WheelsetOnTrack, reach: float) -> RollingRadii:
+        """Rolling radii of a wheelset. Raises SceneError where it can stand nowhere. reach: mm."""
         try:
-            return rolling_radii(solid.on_track(scene), reach)
+            return rolling_radii(wheelset, reach)
         except PlacementError as error:
             raise SceneError("wheelset.shift", f"{error}, at whole shifts from 0 on") from None
 
@@ -212,7 +219,9 @@ class Location(terminal.Drawn):
         _write(folder, "locate", self, tables, drawings)
 
     def drawings(self, units: Units = BASE_UNITS) -> dict[str, Drawing]:
-        """Functions that draw the pictures, by name of their PNG file. units: of their numbers."""
+        """Functions that draw the pictures, by name of their PNG file; `profiles.png` only where
+        no shifts were asked for. units: of their numbers.
+        """
         from railhead.postprocess.pictures import profile_plots
 
         scene, swept, radii = self.scene, self.swept, self.radii
@@ -225,8 +234,8 @@ class Location(terminal.Drawn):
         yaw = f", yaw {1e3 * scene.wheelset.yaw:g} mrad"
         shifted = f", shifted by {units.text(scene.wheelset.shift, 'mm')} to the right"
         here, over = (Subject(words + more + yaw, units=units) for more in (shifted, ""))
-        return {
-            "profiles.png": partial(profile_plots.profiles, self.placed, here),
+        one = {"profiles.png": partial(profile_plots.profiles, self.placed, here)}
+        return (one if self.shifts is None else {}) | {
             "positions.png": partial(profile_plots.positions, swept, over),
             "rolling_radius.png": partial(
                 profile_plots.rolling_radius, swept, radii.differences, over
@@ -338,7 +347,7 @@ def locate(scene: Scene, over: Mapping[str, Sequence[object]] | None = None) -> 
 
 def _contacts(side: Side) -> list[dict[str, float | bool]]:
     """Contacts of a side, as values of summary.json (`_contact`)."""
-    crest, _ = wheelset.top(side.pair.rail)
+    crest, _ = top(side.pair.rail)
     return [_contact(touch, crest) for touch in side.touches]
 
 

@@ -126,16 +126,17 @@ def rolling_radii(wheelset: WheelsetOnTrack, reach: float) -> RollingRadii:
     times better. Where a contact jumps, intervals become about 1e-6 mm wide.
     Raises PlacementError where the wheelset can stand nowhere.
     """
-    alike = wheelset.right is wheelset.left and wheelset.roll is None
+    alike = wheelset.right is wheelset.left and not wheelset.roll
     count = math.ceil(reach / STEP)
     shifts = STEP * np.arange(0 if alike else -count, count + 1)
     found = wheelset.place_all(shifts)
-    stands = np.flatnonzero([isinstance(each, Placed) for each in found])
+    rolls = np.array([each.roll if isinstance(each, Placed) else np.nan for each in found])
+    stands = np.flatnonzero(np.isfinite(rolls))
     if not len(stands):
         raise PlacementError(str(found[0]))
     runs = np.split(stands, np.flatnonzero(np.diff(stands) > 1) + 1)
-    shifts = shifts[min(runs, key=lambda run: np.abs(shifts[run]).min())]
-    rows = _rows(wheelset, shifts, 0 * shifts)
+    run = min(runs, key=lambda run: np.abs(shifts[run]).min())
+    rows = _rows(wheelset, shifts[run], rolls[run])
     fresh, inside = np.arange(len(rows) - 1), np.array([[0.25], [0.5], [0.75]])
     while len(fresh):
         line = rows[fresh, None] * (1 - inside) + rows[fresh + 1, None] * inside

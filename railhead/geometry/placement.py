@@ -7,7 +7,7 @@ Dynamics, 2006, section 4.2). Contact points are minima of the height of that li
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
@@ -192,7 +192,7 @@ class ProfilePair:
             at, at_edge = (np.concatenate([part[k] for part in parts]) for k in (1, 2))
             return np.concatenate(numbers), at, at_edge
         tread, height, rise = (each[:: STRIDE if rough else 1] for each in self.samples)
-        (_, y, z), *_ = _locus(poses[:, None], self.rolling_radius + height, tread, rise)
+        (y, z), *_ = _locus(poses[:, None], self.rolling_radius + height, tread, rise, (1, 2))
         height = z - self.rail.height(y)
         wall = np.where(np.isfinite(height), height, np.inf)
         wall = np.pad(wall, ((0, 0), (1, 1)), constant_values=np.inf)
@@ -262,14 +262,15 @@ class ProfilePair:
 
 
 def _locus(
-    pose: Pose, radius: Array, tread: Array, rise: Array
+    pose: Pose, radius: Array, tread: Array, rise: Array, axes: Sequence[int] = (0, 1, 2)
 ) -> tuple[list[Array], list[Array], Array, Array]:
-    """Points of a wheel whose normal has no x component, NaN where there is none: x, y and z in mm,
-    components of the unit vectors from the axle to them, and sine and cosine of their angles about
-    the axle, from the wheel's lowest line, positive ahead. Shapes: to which poses and circles
+    """Points of a wheel whose normal has no x component, NaN where there is none: coordinates in
+    mm, components of the unit vectors from the axle to them, and sine and cosine of their angles
+    about the axle, from the wheel's lowest line, positive ahead. Shapes: to which poses and circles
     broadcast.
     radius, tread, rise: of the wheel's circles: radius (mm), coordinate (mm) and slope of the
         profile.
+    axes: of the coordinates and components that are returned.
     """
     ahead, axle, up = np.moveaxis(pose.rotation, -1, 0)
     # The normal cosine down + sine ahead - rise axle has no x component.
@@ -279,8 +280,11 @@ def _locus(
     with np.errstate(invalid="ignore"):
         rest = np.sqrt(1 - share * share)
     sine, cosine = share * along - rest * across, rest * along + share * across
-    radial = [sine * ahead[..., k] - cosine * up[..., k] for k in range(3)]
-    points = [pose.origin[..., k] + tread * axle[..., k] + radius * radial[k] for k in range(3)]
+    radial = [sine * ahead[..., k] - cosine * up[..., k] for k in axes]
+    points = [
+        pose.origin[..., k] + tread * axle[..., k] + radius * of
+        for k, of in zip(axes, radial, strict=True)
+    ]
     return points, radial, sine, cosine
 
 

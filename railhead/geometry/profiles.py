@@ -138,9 +138,11 @@ class Profile:
         """
         y = np.asarray(y, dtype=float)
         out = np.full(y.shape, np.nan)
+        first = np.fmin.reduce(y, axis=None, initial=np.inf)
+        last = np.fmax.reduce(y, axis=None, initial=-np.inf)
         for piece in self.pieces:
-            inside = (y >= piece.start) & (y <= piece.end)
-            if inside.any():
+            if first <= piece.end and piece.start <= last:
+                inside = (y >= piece.start) & (y <= piece.end)
                 out[inside] = piece.derivative(y[inside], order)
         return out
 
