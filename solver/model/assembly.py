@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -13,6 +13,8 @@ from dolfinx.fem.petsc import assemble_vector
 from petsc4py import PETSc
 
 from railhead.solver import compat
+from railhead.solver.algebra.linear import Preconditioner
+from railhead.solver.algebra.multigrid import Hierarchy, PMultigrid
 from railhead.solver.algebra.newton import CONVERGED, NewtonResult
 from railhead.solver.algebra.problem import ContactProblem
 from railhead.solver.material.elasticity import assemble
@@ -23,13 +25,16 @@ from railhead.solver.model.problem import AssembledStiffness, Factors, with_hubs
 from railhead.solver.model.state import HubLoads, State
 from railhead.solver.plasticity.plastic_problem import YieldPoints, bulk_points
 from railhead.solver.space import constraints
+from railhead.solver.space.cells import quadrature_degree
 from railhead.solver.space.constraints import Reduction
 from railhead.solver.space.kinematics import SOLID, Kinematics
 from railhead.solver.space.operators import vector
+from railhead.solver.system.contact_system import DIRECT_BELOW
 from railhead.theory.array_types import Array, Mask
 
 SECTIONS = (None, "plane strain", "plane stress", "axisymmetric")
 NEAREST = 12  # points of a contact that the iterations start from
+Support = Clamp | Slide | Hub
 ON_AXIS = 1e-9  # radius of a node on the axis, over the largest
 
 
@@ -54,7 +59,8 @@ class Assembly:
         mean_dilatation: bool,
         parts: Sequence[Part],
     ) -> None:
-        self.comm, self.section, self.cell_tags = mesh.comm, section, cell_tags
+        self.comm, self.section = mesh.comm, section
+        self.cell_tags, self.facet_tags = cell_tags, facet_tags
         self.kinematics = kinematics(mesh, section, thickness, mean_dilatation)
         self.bodies = [each for each in parts if isinstance(each, Body)]
         contacts = [each for each in parts if isinstance(each, Contact)]
@@ -70,7 +76,7 @@ class Assembly:
             self._must_exist("facets", facet_tags, tag)
         self.bulk, stiffness = assemble(mesh, cell_tags, self.materials, degree, self.kinematics)
         self.stiffness = stiffness.convert("aij", PETSc.Mat())
-        self.masks = {each: self._nodes(facet_tags.find(each.tag)) for each in supports}
+        self.masks = self._masks(self.bulk.space, supports)
         self.body_force = self._body_force()
         self.secondary = [
             self.materials[self._body_at(facet_tags.find(each.secondary))] for each in contacts
@@ -84,6 +90,7 @@ class Assembly:
         yields = any(each.hardening for each in self.materials.values())
         self.remembers = yields or any(each.friction for each in contacts)
         self._maps: dict[tuple[Hub, ...], tuple[Reduction, dict[Hub, int], AssembledStiffness]] = {}
+        self._hierarchies: dict[tuple[Hub, ...], Hierarchy] = {}
         self._factors: tuple[Pairing, tuple[Hub, ...], Factors] | None = None
         self._points: dict[tuple[Hub, ...], YieldPoints] = {}
 
@@ -92,14 +99,17 @@ class Assembly:
         if not self.comm.allreduce(len(tags.find(tag))):
             raise ValueError(f"no {what} carry the tag {tag}")
 
-    def _nodes(self, facets: Any) -> Mask:
-        """Mask over the nodes that this rank owns: True on facets (collective)."""
-        space, dim = self.bulk.space, self.kinematics.dim
+    def _masks(self, space: Any, supports: Sequence[Support]) -> dict[Support, Mask]:
+        """Of each support, the nodes of a space on its facets that this rank owns (collective)."""
+        dim, out = self.kinematics.dim, {}
         space.mesh.topology.create_connectivity(dim - 1, dim)
-        dofs = fem.locate_dofs_topological(space, dim - 1, facets)
-        mask = np.zeros(space.dofmap.index_map.size_local, dtype=bool)
-        mask[dofs[dofs < len(mask)]] = True
-        return mask
+        for each in supports:
+            facets = self.facet_tags.find(each.tag)
+            dofs = fem.locate_dofs_topological(space, dim - 1, facets)
+            mask = np.zeros(space.dofmap.index_map.size_local, dtype=bool)
+            mask[dofs[dofs < len(mask)]] = True
+            out[each] = mask
+        return out
 
     def _body_at(self, facets: Any) -> int:
         """Tag of the body that some facets belong to (collective)."""
@@ -147,31 +157,60 @@ class Assembly:
         """
         free = self._free(loads)
         if free not in self._maps:
-            dim, none = self.kinematics.dim, np.zeros(len(self.bulk_points), dtype=bool)
-            fixed, planes = none.copy(), []
-            for part, mask in self.masks.items():
-                if isinstance(part, Slide):
-                    planes.append((mask, unit("normal", part.normal)))
-                elif isinstance(part, Hub) and part.slides:
-                    planes.append((mask, unit("free", part.free)))
-                else:
-                    fixed |= mask
-            if self.kinematics.revolved:
-                r = np.abs(self.bulk_points[:, 0])
-                largest = max(self.comm.allgather(float(np.max(r, initial=0.0))))
-                planes.append((r < ON_AXIS * largest, np.array([1.0, 0.0])))
-            held = constraints.Supports(
-                fixed=fixed, planes=planes, direction=np.zeros(dim), hub_free=False
-            )
-            reduction = constraints.reduce(held, self.comm)
-            hubs = [(self.masks[hub], unit("free", hub.free)) for hub in free]
-            matrix, places = with_hubs(reduction, hubs, self.comm)
-            reduction = replace(reduction, matrix=matrix)
-            unknown = reduction.free.copy()
-            unknown[[place for place in places if place >= 0]] = True
-            stiffness = AssembledStiffness.of(self.stiffness, matrix, unknown)
-            self._maps[free] = reduction, dict(zip(free, places, strict=True)), stiffness
+            reduction, places = self._reduction(self.bulk.space, self.masks, free)
+            stiffness = AssembledStiffness.of(self.stiffness, reduction.matrix, reduction.free)
+            self._maps[free] = reduction, places, stiffness
         return self._maps[free]
+
+    def _reduction(
+        self, space: Any, masks: Mapping[Support, Mask], free: tuple[Hub, ...]
+    ) -> tuple[Reduction, dict[Hub, int]]:
+        """Map from free unknowns to the dofs of a space, and the places of the free hubs; masks: of
+        each support, this rank's nodes in the space (collective).
+        """
+        points, dim = compat.dof_points(space), self.kinematics.dim
+        fixed, planes = np.zeros(len(points), dtype=bool), []
+        for part, mask in masks.items():
+            if isinstance(part, Slide):
+                planes.append((mask, unit("normal", part.normal)))
+            elif isinstance(part, Hub) and part.slides:
+                planes.append((mask, unit("free", part.free)))
+            else:
+                fixed |= mask
+        if self.kinematics.revolved:
+            r = np.abs(points[:, 0])
+            largest = max(self.comm.allgather(float(np.max(r, initial=0.0))))
+            planes.append((r < ON_AXIS * largest, np.array([1.0, 0.0])))
+        held = constraints.Supports(
+            fixed=fixed, planes=planes, direction=np.zeros(dim), hub_free=False
+        )
+        reduction = constraints.reduce(held, self.comm)
+        hubs = [(masks[hub], unit("free", hub.free)) for hub in free]
+        matrix, places = with_hubs(reduction, hubs, self.comm)
+        unknown = reduction.free.copy()
+        unknown[[place for place in places if place >= 0]] = True
+        count = reduction.unknowns + len(hubs)
+        reduction = replace(reduction, matrix=matrix, free=unknown, unknowns=count)
+        return reduction, dict(zip(free, places, strict=True))
+
+    def _hierarchy(self, loads: HubLoads) -> Hierarchy:
+        """Linear cells as the coarse level of a solid of degree 2; kept for each set of free hubs
+        (collective).
+        """
+        free = self._free(loads)
+        if free not in self._hierarchies:
+            mesh, kinematics = self.bulk.space.mesh, self.kinematics
+            rule = quadrature_degree(compat.cell_type(mesh), 2, kinematics)
+            bulk, stiffness = assemble(mesh, self.cell_tags, self.materials, 1, kinematics, rule)
+            masks = self._masks(bulk.space, [*self.masks])
+            coarse, _ = self._reduction(bulk.space, masks, free)
+            full = compat.interpolation(bulk.space, self.bulk.space)
+            self._hierarchies[free] = Hierarchy(
+                constraints.reduced_prolongation(full, self.reduction(loads), coarse),
+                AssembledStiffness.of(stiffness, coarse.matrix, coarse.free),
+                constraints.rigid_modes(compat.dof_points(bulk.space), coarse, kinematics),
+            )
+        return self._hierarchies[free]
 
     @property
     def bulk_points(self) -> Array:
@@ -194,11 +233,17 @@ class Assembly:
         """Stiffness of the free unknowns."""
         return self._map(loads)[2]
 
-    def factors(self, problem: ContactProblem, pairing: Pairing, loads: HubLoads) -> Factors:
-        """Preconditioner of a problem: the last one, where contact points and free hubs are the
-        same.
+    def preconditioner(
+        self, problem: ContactProblem, pairing: Pairing, loads: HubLoads
+    ) -> Preconditioner:
+        """Preconditioner of a problem: the last factorisation, where contact points and free hubs
+        are the same; p-multigrid for a large solid of degree 2 without friction.
         """
         free, last = self._free(loads), self._factors
+        large = self.reduction(loads).unknowns > DIRECT_BELOW[self.kinematics.dim, self.bulk.degree]
+        rubs = any(each.friction for each in self.surfaces.contacts)
+        if large and self.bulk.degree == 2 and self.kinematics.dim == 3 and not rubs:
+            return PMultigrid(problem, self._hierarchy(loads))
         if last is None or last[0] is not pairing or last[1] != free:
             last = self._factors = pairing, free, Factors(problem)
         last[2].problem = problem

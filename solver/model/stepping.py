@@ -87,7 +87,7 @@ def _step(model: Assembly, before: State, loads: HubLoads) -> State:
         active = _carried(before.pressure, before.pairing, pairing) > 0
         if not model.comm.allreduce(int(active.sum())):
             active = model.nearest(pairing, loads)
-        preconditioner = model.factors(problem, pairing, loads)
+        preconditioner = model.preconditioner(problem, pairing, loads)
         result = newton.solve(problem, preconditioner, active, y, rtol=TOLERANCE, max_steps=STEPS)
         done += result.history
         u = prescribed.copy()
