@@ -119,6 +119,8 @@ def _wheel(contact: Contact, reach: float, *, half: bool) -> Body:
     deep = depth(scene, WHEEL)
     lowest = min(0.0, float(np.nanmin(contact.pair.wheel.height(np.linspace(start, end, 200)))))
     base = deep if wheel.rim_depth and deep > -lowest else deep - lowest
+    if not wheel.rim_depth and base >= wheel.rolling_radius:  # a ball
+        base = (wheel.rolling_radius - lowest) / 2
     if base >= wheel.rolling_radius:
         raise SceneError(
             "wheel.rim_depth",

@@ -125,9 +125,9 @@ class LongitudinalSection(SectionContact):
     ) -> list[Body]:
         """Bodies of the section, each with its closed outline, for the deformable ones (RAIL,
         WHEEL).
-        reach: half length along x of a rail without `length` (in a meridian section without
-            `width`), mm. Also the length of arc to each side of a wheel without `segment_length`;
-            of half-spaces half the edge of the blocks.
+        reach: half length along x of a rail without `length`, as in a meridian section, mm. Also
+            the length of arc to each side of a wheel without `segment_length`; of half-spaces half
+            the edge of the blocks.
         whole_section: has no effect here.
         half: whether only x >= 0 is outlined. For a meridian section the caller must pass True
             (`Plan.parts`).
@@ -140,7 +140,7 @@ class LongitudinalSection(SectionContact):
         rail, wheel = self.scene.rail, self.scene.wheel
         made = []
         if RAIL in deformable:
-            end = (rail.width if self.revolved else rail.length) or 2 * reach
+            end = rail.length or 2 * reach
             flat: Profile = profiles.single_radius(math.inf, end / 2)
             section = outlines.block_section(
                 flat,

@@ -107,7 +107,7 @@ UNUSED_KEYS: dict[str, tuple[str, frozenset[str]]] = {
     "plane_across": ("section across the rail", frozenset(_WHEELSET | {"wheel.segment_length"})),
     "axisymmetric": (
         "meridian section",
-        frozenset(_WHEELSET | {"rail.inclination", "rail.length", "wheel.width", "wheelset.shift"}),
+        frozenset(_WHEELSET | _LINE | {"rail.inclination", "rail.length"}),
     ),
 }
 USUAL = {

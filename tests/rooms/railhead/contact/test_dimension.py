@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 from one_line import refusal
 
@@ -26,6 +27,7 @@ KINDS = {
     "patch within the crown": (["rail.profile=arc", "rail.crown_radius=3000"], "solid"),
     "straight bar on 54E1": (["wheel.rolling_radius=inf", "rail.length=100"], "plane_across"),
     "sphere on a plane": ([*INF_RAIL, *SPHERE], "axisymmetric"),
+    "sphere on a bar": ([*INF_RAIL, *SPHERE, "rail.width=3"], "solid"),
     "sphere beside the middle": ([*INF_RAIL, *SPHERE, "wheelset.shift=3"], "solid"),
     "circular half-spaces": (
         ["rail.extent=half-space", "rail.profile=arc", "rail.crown_radius=420"],
@@ -46,6 +48,16 @@ def test_shapes_make_a_solid_a_section_or_a_body_of_revolution(
     assignments: list[str], kind: str
 ) -> None:
     assert dimension.choose(scene(*assignments)).kind == kind
+
+
+def test_a_ball_without_a_rim_is_held_between_its_tread_and_its_axle() -> None:
+    """On a bar it is no body of revolution: its tread, 0.95 of the radius to each side, drops by
+    0.688 of it, and half the radius more would pass the axle."""
+    ball = ["wheel.profile=arc", "wheel.rolling_radius=50", "wheel.transverse_radius=50"]
+    plan = planning.make(scene(*INF_RAIL, *ball, "rail.width=30", "load=2kN"))
+    (wheel,) = (body for body in plan.parts() if body.tag == WHEEL)
+    heights = np.concatenate([curve.points[:, 1] for curve in wheel.section])
+    assert -heights.max() == pytest.approx((1 - 0.688) / 2 * 50, abs=0.05)
 
 
 REFUSED = {
