@@ -1,12 +1,15 @@
-"""gmsh in a process of its own, as it may crash or hang where surfaces cut themselves."""
+"""gmsh in a process of its own, as it may crash or hang where surfaces cut themselves; memory."""
 
 from __future__ import annotations
 
 import ctypes
+import math
 import multiprocessing
+import resource
 import signal
 from collections.abc import Callable
 from multiprocessing.connection import Connection
+from pathlib import Path
 from typing import Any
 
 PR_SET_PDEATHSIG = 1  # Linux: a signal for when the parent is gone
@@ -54,6 +57,15 @@ def run(
     if problem:
         raise IsolatedProcessError(problem)
     return found
+
+
+def address_space() -> float:
+    """Bytes that this process may still map within its limit of address space (ulimit -v); inf
+    without a limit. Near that limit libraries crash or hang.
+    """
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    mapped = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    return math.inf if limit == resource.RLIM_INFINITY else limit - mapped
 
 
 def die_with_parent() -> None:

@@ -38,6 +38,7 @@ class ContactMesh:
         taken as gmsh made the cells, where x is divided by `Grading.stretch`; the final cells are
         longer along the rail by that factor.
     cells: number of cells of all ranks.
+    share: size of the elements over that of the grading; below 1 where gmsh failed at first.
     """
 
     mesh: Any
@@ -45,6 +46,7 @@ class ContactMesh:
     facet_tags: Any
     quality: float
     cells: int
+    share: float
 
 
 def generate(
@@ -65,7 +67,7 @@ def generate(
     element is inverted or nearly flat. Too long is 60 s (PATIENCE), for solids plus 1 ms (PACE) a
     predicted cell.
     """
-    found, shapes, problem = None, np.zeros(0), ""
+    found, shapes, problem, share = None, np.zeros(0), "", 1.0
     if comm.rank:
         meanwhile()
     else:
@@ -86,13 +88,13 @@ def generate(
             if not problem:
                 break
     shape = float(shapes.min(initial=1.0)), len(shapes)
-    problem, (quality, count) = comm.bcast((problem, shape))
+    problem, (quality, count), share = comm.bcast((problem, shape, share))
     if problem:
         raise MeshError(problem)
     from railhead.solver import compat
 
     with blocks.restore_model(found) if found else nullcontext() as model:
-        return ContactMesh(*compat.model_to_mesh(model, comm, options.dim), quality, count)
+        return ContactMesh(*compat.model_to_mesh(model, comm, options.dim), quality, count, share)
 
 
 def _meshed(

@@ -9,6 +9,7 @@ std::regex, which ends the process once the libraries of dolfinx are loaded besi
 from __future__ import annotations
 
 import os
+import sys
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -20,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import griddata
 from scipy.spatial import cKDTree
 
+from railhead.meshing import isolated_process
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.postprocess.findings import Array, Findings, Frame, Patch
 from railhead.postprocess.pictures.diagrams import FE, Target, new_figure
@@ -27,6 +29,7 @@ from railhead.theory.elastic.line import Hertz
 
 COLOURS = {"rail": "#b4c3d3", "wheel": "#dcc9a3"}
 FREE_SURFACE, EDGE, CONTACT = "#d9dfe5", "#5a6570", "#b2182b"
+GRAPHICS_BYTES = 1_200_000_000  # address space that VTK and Mesa map; with less they crash
 NEAR = 0.1  # of the patch's half length: a plane of the mesh so near to the contact will do
 BESIDE = 0.15  # of half the picture: from a patch to a dimension line, and to its words, at least
 LABELS = 0.83, 0.92  # of half the picture: the middles of words stay within, none is cut
@@ -37,8 +40,10 @@ SHADE = {"ambient": 0.45, "diffuse": 0.6}
 
 def load_pyvista() -> Any:
     """The pyvista module, imported at first use because the import is slow. Without a DISPLAY it is
-    set to draw off screen through EGL.
+    set to draw off screen through EGL. MemoryError: too little address space is left for it.
     """
+    if "pyvista" not in sys.modules and isolated_process.address_space() < GRAPHICS_BYTES:
+        raise MemoryError("the graphics libraries need 1.2 GB of address space")
     if not os.environ.get("DISPLAY"):
         os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
     import pyvista

@@ -20,6 +20,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from railhead import __version__
+from railhead.cli import errors
+from railhead.cli.errors import CHECK_FAILED, SOLVED, WRONG_INPUT
+from railhead.meshing import isolated_process
 from railhead.run import process
 from railhead.scene import catalogue
 from railhead.scene.scene import Effects, Scene, SceneError, dotted, unit_questions
@@ -28,9 +31,10 @@ if TYPE_CHECKING:
     from railhead.cli.geometry import ExaminedProfile, Location
     from railhead.sweeps.grid import ParameterGrid
 
-SOLVED, CHECK_FAILED, WRONG_INPUT = 0, 1, 2  # exit statuses
+KEPT = "what is solved is kept in {}/; the same command goes on"
 PROCESSES = click.IntRange(1)
 PROCESSES.name = "number of processes; give a whole number from 1 on"
+START_BYTES = 750_000_000  # address space with which libraries start and half-spaces are solved
 # Commands of which MPI prints one copy.
 SERIAL = ("list", "plan", "show", "diff", "locate", "profile")
 
@@ -155,6 +159,8 @@ def _takes_scene(command: Callable[..., Any]) -> Any:
 @click.pass_context
 def railhead(context: click.Context) -> None:
     """Wheel-rail contact by finite elements, held against exact Hertz."""
+    if isolated_process.address_space() < START_BYTES:
+        raise MemoryError
     if context.invoked_subcommand in SERIAL and process.rank() > 0:
         context.with_resource(redirect_stdout(io.StringIO()))
 
@@ -290,19 +296,18 @@ def run(
 
     quiet = quiet or as_json
     with show_progress(quiet=quiet, since=start) as progress:
-        result = pipeline.solve(planned, progress)
+        with process.told_at_a_signal("nothing was written"):
+            result = pipeline.solve(planned, progress)
         first, problem = result.comm.rank == 0, None
         progress.stage("writing files" + ("" if no_pictures else " and pictures"))
         try:
-            if first and out is None:
-                result_folder.make_room(folder, "run", scene)
             result.save(
                 folder,
                 pictures=not no_pictures,
                 report="brief" if brief and not no_report else not no_report,
                 whole=whole,
                 units=units,
-                force=True,
+                force=None if out is None else True,
             )
         except OSError as error:
             problem = error
@@ -314,7 +319,7 @@ def run(
         elif not quiet:
             result.show(terminal.standard(), units)
         if problem is not None:
-            _not_written(problem)
+            errors.not_written(problem)
         elif not quiet:
             click.echo(f"written to {folder}/")
     return SOLVED if result.passed and problem is None else CHECK_FAILED
@@ -322,9 +327,10 @@ def run(
 
 def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: bool) -> Path:
     """The folder of a result: `out`, or results/<name> where that is None; only checked, not made.
+    `out` is kept for this command until it ends.
     Raises SceneError where the result of `command` for a scene cannot be written there. Another
-    result in `out` is refused without `force`. One in results/<name> will be renamed to <name>.1,
-    so it is refused where the scene reads a file of it.
+    result in `out`, without `force`, and another command that writes there are refused. A result in
+    results/<name> will be renamed to <name>.1, so it is refused where the scene reads a file of it.
     """
     from railhead.results import result_folder
 
@@ -334,6 +340,8 @@ def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: b
     if read and out is None and result_folder.other_result(folder, command, scene):
         text = f"{str(folder)!r} holds {read[0]}, which the scene reads; give another folder"
         raise SceneError("--out", text)
+    if out is not None and process.rank() == 0:
+        click.get_current_context().with_resource(result_folder.claimed(out))
     return folder
 
 
@@ -379,7 +387,8 @@ def sweep(
     task = parallel.ParallelSweep(grid=grid, folder=folder, vtu=vtu, units=units)
     other: store.Other = "replace" if force else "move" if out is None and not resume else "refuse"
     quiet = quiet or as_json
-    outcome = parallel.run(task, pictures=not no_pictures, quiet=quiet, other=other)
+    with process.told_at_a_signal(KEPT.format(folder)):
+        outcome = parallel.run(task, pictures=not no_pictures, quiet=quiet, other=other)
     if outcome is None:  # a rank that worked for the first one
         return SOLVED
     status = outcome.status
@@ -393,7 +402,7 @@ def sweep(
             click.echo(line)
         click.echo(f"written to {folder}/")
     if outcome.failures:
-        return _not_written(OSError("\n".join(outcome.failures)))
+        return errors.not_written(OSError("\n".join(outcome.failures)))
     return CHECK_FAILED if failed else SOLVED
 
 
@@ -421,7 +430,8 @@ def table(
     from railhead.sweeps import creep_tables
 
     request = creep_tables.asked(poisson, accuracy, ratios, cells)
-    found = creep_tables.make(request, out, force=force, quiet=quiet or as_json)
+    with process.told_at_a_signal(KEPT.format(out)):
+        found = creep_tables.make(request, out, force=force, quiet=quiet or as_json)
     if found is not None and as_json:  # None: a rank that worked for the first one
         click.echo(result_folder.to_json(creep_tables.summary(found)), nl=False)
     elif found is not None and not quiet:
@@ -547,9 +557,9 @@ def _report(
 
     units = output_units.parse(unit_names)
     folder = _folder(out, f"{name}_{command}", command, computed.scene, force=force)
-    if out is None:
-        result_folder.make_room(folder, command, computed.scene)
-    computed.save(folder, pictures=not no_pictures, units=units, force=True)
+    computed.save(
+        folder, pictures=not no_pictures, units=units, force=None if out is None else True
+    )
     if as_json:
         click.echo(result_folder.to_json(computed.summary()), nl=False)
     elif not quiet:
@@ -588,8 +598,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def _status(arguments: Sequence[str] | None) -> int:
-    """Run the command and return its exit status 0, 1 or 2. Errors of input, of meshing and of
-    files are printed in one line, without a traceback; others are raised.
+    """Run the command and return its exit status 0, 1 or 2. Errors of input, of meshing, of files
+    and of memory are printed in one line, without a traceback; others are raised (`errors.told`).
     """
     words = process.take_arguments() if arguments is None else list(arguments)
     try:
@@ -601,44 +611,11 @@ def _status(arguments: Sequence[str] | None) -> int:
     except click.exceptions.NoArgsIsHelpError as error:
         click.echo(error.format_message())
         return WRONG_INPUT
-    except (SceneError, click.ClickException) as error:
-        text = error.format_message() if isinstance(error, click.ClickException) else str(error)
-        _say(" ".join(text.split()))
-        return WRONG_INPUT
-    except OSError as error:
-        return _not_written(error)
     except Exception as error:
-        from railhead.meshing.mesh import MeshError
-
-        if not isinstance(error, MeshError):
-            raise
-        _say(f"NOT MESHED: {error}")
-        return CHECK_FAILED
+        return errors.told(error)
 
 
 def _ask(*scenes: Scene) -> None:
     """Print what `unit_questions` asks about scenes to standard error."""
     for question in unit_questions(*scenes):
-        _say(question)
-
-
-def _say(text: str) -> None:
-    """Print a line to standard error, on the first MPI process only."""
-    mpi = sys.modules.get("mpi4py.MPI")
-    if (mpi.COMM_WORLD.rank if mpi else process.rank()) == 0:
-        click.echo(f"railhead: {text}", err=True)
-
-
-def _not_written(error: OSError) -> int:
-    """Print an error of writing files to standard error, a line for each file; returns exit status
-    1.
-    """
-    from railhead.planning import cost
-
-    where, cache = str(error.filename or ""), cost.cache_file().parents[1]
-    hint = ""
-    if where and (cache.is_relative_to(where) or Path(where).is_relative_to(cache)):
-        hint = " (the cache of compiled forms; XDG_CACHE_HOME names another folder)"
-    for line in f"{where + ': ' if where else ''}{error.strerror or error}{hint}".splitlines():
-        _say(f"NOT WRITTEN: {line}")
-    return CHECK_FAILED
+        errors.say(question)

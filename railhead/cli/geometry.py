@@ -197,26 +197,26 @@ class Location(terminal.Drawn):
         *,
         pictures: bool = True,
         units: Units | None = None,
-        force: bool = False,
+        force: bool | None = False,
     ) -> None:
         """Write the files of `railhead locate` into a folder.
 
         pictures: whether PNG files are written: both wheels on their rails, contacts and rolling
             radius difference over lateral shifts, and the equivalent conicity.
         units: of pictures; None: mm.
-        force: whether another result is replaced.
+        force: whether another result is replaced; None: it is renamed, as of `Result.save`.
         Raises SceneError for a folder with other files and, without `force`, with another result;
         OSError where it cannot be written.
         """
         folder = as_path(folder, "folder")
-        result_folder.check_free(folder, "locate", self.scene, force=force)
+        result_folder.check_free(folder, "locate", self.scene, force=force is not False)
         drawings = self.drawings(units or BASE_UNITS) if pictures else {}
         conicity = [
             {"amplitude [mm]": amplitude, "equivalent conicity": value}
             for amplitude, value in self.level.conicities.items()
         ]
         tables = {"positions.csv": self.positions(), "conicity.csv": conicity}
-        _write(folder, "locate", self, tables, drawings)
+        _write(folder, "locate", self, tables, drawings, force is None)
 
     def drawings(self, units: Units = BASE_UNITS) -> dict[str, Drawing]:
         """Functions that draw the pictures, by name of their PNG file; `profiles.png` only where
@@ -415,13 +415,13 @@ class ExaminedProfile(terminal.Drawn):
         *,
         pictures: bool = True,
         units: Units | None = None,
-        force: bool = False,
+        force: bool | None = False,
     ) -> None:
         """Write the files of `railhead profile` into a folder.
 
         pictures: whether profile.png is written.
         units: of the picture; None: mm.
-        force: whether another result is replaced.
+        force: whether another result is replaced; None: it is renamed, as of `Result.save`.
         Raises SceneError for a folder with other files and, without `force`, with another result;
         OSError where it cannot be written.
         """
@@ -439,9 +439,9 @@ class ExaminedProfile(terminal.Drawn):
             for index in range(len(y))
         ]
         folder = as_path(folder, "folder")
-        result_folder.check_free(folder, "profile", self.scene, force=force)
+        result_folder.check_free(folder, "profile", self.scene, force=force is not False)
         drawings = self.drawings(units or BASE_UNITS) if pictures else {}
-        _write(folder, "profile", self, {"profile.csv": rows}, drawings)
+        _write(folder, "profile", self, {"profile.csv": rows}, drawings, force is None)
 
     def plot(self, picture: str = "profile", ax: Any = None) -> Figure:
         """Draw "profile", which has four panels, as `Result.plot`."""
@@ -508,11 +508,14 @@ def _write(
     computed: Location | ExaminedProfile,
     tables: Mapping[str, list[dict[str, Any]]],
     drawings: Mapping[str, Drawing],
+    aside: bool,
 ) -> None:
     """Write summary, tables and pictures of what a command computed into a folder, which they
-    replace. tables: rows by name of their file. OSError: as of `result_folder.result`.
+    replace. tables: rows by name of their file. aside, OSError: as of `result_folder.result`.
     """
-    with result_folder.result(folder, command, computed.scene, computed.summary()) as (work, keep):
+    summary = computed.summary()
+    with result_folder.result(folder, command, computed.scene, summary, aside=aside) as each:
+        work, keep = each
         for table, rows in tables.items():
             (work / table).write_bytes(result_folder.encoded(result_folder.signed(rows)))
         result_folder.draw(drawings, work, keep)

@@ -67,6 +67,6 @@ def run(name: str, folder: Path | None, *, quick: bool, install: bool = False) -
         raise SceneError("study", f"{name} measures one process; start it without mpirun")
     if install:
         study.install()
-    with result_folder.replacing(folder) as work:
+    with result_folder.claimed(folder), result_folder.replacing(folder) as work:
         study.main(work, quick=quick)
     return folder, (folder / PAGE).read_text(encoding="utf-8")

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import psutil
 
+from railhead.meshing.isolated_process import address_space
 from railhead.scene import arrays
 
 RUNS = 9  # number of the latest runs that are kept; the first one of them may compile
@@ -84,8 +85,8 @@ def _ratios() -> list[float]:
 
 
 def free_memory() -> int:
-    """Memory that is available on this machine now, bytes."""
-    return int(psutil.virtual_memory().available)
+    """Memory that is available on this machine now, within `address_space`, bytes."""
+    return int(min(psutil.virtual_memory().available, address_space()))
 
 
 @dataclass(frozen=True)

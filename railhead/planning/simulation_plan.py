@@ -494,10 +494,11 @@ class Plan:
         that does not fit is left out.
         """
         if self.scene.one_mesh and not self.fits(free):
+            needed = self.memory / MEMORY_SHARE / 1e9
             raise NoMemoryError(
                 "mesh.patch_size",
                 f"{self.patch_size:.3g} mm makes about {self.unknowns:.2g} unknowns, which need "
-                f"{self.memory / 1e9:.3g} GB of {free / 1e9:.3g} GB free; give a larger one",
+                f"{needed:.3g} GB of {free / 1e9:.3g} GB free; give a larger one",
             )
 
     @property

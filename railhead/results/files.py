@@ -36,6 +36,7 @@ def write(
     report: bool | Literal["brief"] = True,
     whole: bool = False,
     units: Units = BASE_UNITS,
+    aside: bool = False,
 ) -> None:
     """Write all files of a solved scene, numbers first, on the rank that calls (rank 0); they
     replace those of an earlier result in the folder.
@@ -45,10 +46,12 @@ def write(
     report: whether report.html is written; "brief": on one page.
     whole: whether .vtu files of cells contain the mirror images of what symmetry left out.
     units: of pictures and report.
+    aside: as of `result_folder.result`.
     OSError: the numbers cannot be written; or, a line for each, other files that could not be
         written, after all the others are.
     """
-    with result_folder.result(folder, "run", solved.plan.scene, summary) as (work, attempt):
+    scene = solved.plan.scene
+    with result_folder.result(folder, "run", scene, summary, aside=aside) as (work, attempt):
         (work / TABLE).write_bytes(result_folder.encoded(quantity_rows.everything(summary)))
         if solved.passes is not None and solved.passes.rows:
             _write_passes(solved.passes, solved.plan.scene, work)

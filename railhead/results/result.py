@@ -312,7 +312,7 @@ class Result(terminal.Drawn):
         report: bool | Literal["brief"] = True,
         whole: bool = False,
         units: Units | None = None,
-        force: bool = False,
+        force: bool | None = False,
     ) -> None:
         """Write the files of `railhead run` into a folder. Under MPI to be called on all ranks;
         rank 0 writes, errors are raised on all.
@@ -322,7 +322,7 @@ class Result(terminal.Drawn):
         whole: whether .vtu files of cells contain the mirror images of what symmetry left out.
         units: of pictures and report.html; None: mm, N, MPa.
         force: whether a result of another command or scene in the folder is replaced; one of the
-            same scene always is.
+            same scene always is. None: another one is renamed to NAME.1, or the first free number.
         Raises SceneError for a folder with other files and, without `force`, with another result,
         and for a report or units that are none; OSError where it cannot be written, ValueError for
         a loaded result.
@@ -337,7 +337,7 @@ class Result(terminal.Drawn):
         comm, out = self.comm, as_path(folder, "folder")
         if comm.rank == 0:
             try:
-                result_folder.check_free(out, "run", self.plan.scene, force=force)
+                result_folder.check_free(out, "run", self.plan.scene, force=force is not False)
                 files.write(
                     self.solved,
                     self.summary,
@@ -346,6 +346,7 @@ class Result(terminal.Drawn):
                     report=report if pictures else False,
                     whole=whole,
                     units=units or BASE_UNITS,
+                    aside=force is None,
                 )
             except Exception as error:  # whatever it is, the other ranks wait for it
                 problem = error

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import errno
 import fcntl
 import glob
 import io
@@ -10,6 +11,7 @@ import itertools
 import json
 import os
 import shutil
+import socket
 import sys
 import tempfile
 import zipfile
@@ -17,6 +19,8 @@ import zlib
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, suppress
 from datetime import UTC, datetime
+from functools import partial
+from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -141,16 +145,25 @@ def set_aside(folder: Path) -> None:
     names = (folder.with_name(f"{folder.name}.{number}") for number in itertools.count(1))
     free = next(name for name in names if not os.path.lexists(name))
     folder.rename(free)
-    text = f"the earlier result in {folder}/ is another one; it is now {free}/"
+    was, now = map(os.path.relpath, (folder, free))
+    text = f"the earlier result in {was}/ is another one; it is now {now}/"
     print(f"railhead: {text}", file=sys.stderr)
 
 
-def make_room(folder: Path, command: str, scene: Scene) -> None:
-    """Rename a folder that holds another result than that of `command` for this scene, as
-    `set_aside`.
+@contextmanager
+def claimed(folder: Path) -> Iterator[None]:
+    """Keep a result folder, which need not exist, for this process and the block. Raises SceneError
+    where another process of this machine keeps it. The system frees it when the process ends.
     """
-    if other_result(folder, command, scene):
-        set_aside(folder)
+    name = sha256(os.fsencode(folder.resolve())).hexdigest()
+    with socket.socket(socket.AF_UNIX) as mark:
+        try:
+            mark.bind(f"\0railhead-{name}")  # a name of Linux that is no file
+        except OSError as error:
+            if error.errno == errno.EADDRINUSE:
+                text = f"{str(folder)!r} is in use by another command; wait for it, or give another"
+                raise SceneError("--out", text) from None
+        yield
 
 
 def scene_toml(command: str, scene: Scene) -> str:
@@ -162,17 +175,19 @@ def scene_toml(command: str, scene: Scene) -> str:
 
 @contextmanager
 def result(
-    folder: Path, command: str, scene: Scene, summary: dict[str, Any]
+    folder: Path, command: str, scene: Scene, summary: dict[str, Any], *, aside: bool = False
 ) -> Iterator[tuple[Path, Attempt]]:
     """A temporary folder that replaces `folder` after the block, with scene.toml, copies of the
     files of the scene, and summary.json in it; and a function of a file's name that returns a
     context manager in which that file is written.
 
+    aside: whether another result in the folder (`other_result`) is renamed (`set_aside`).
     OSError: these files cannot be written; or, after the exchange, with a line for each, files
         that could not be written in the block.
     """
     failures: list[str] = []
-    with replacing(folder) as work:
+    other = partial(other_result, folder, command, scene) if aside else str
+    with replacing(folder, other=other) as work:
         copy_files(scene.files, work)
         (work / SCENE).write_text(scene_toml(command, scene), encoding="utf-8")
         (work / SUMMARY).write_text(to_json(origin() | summary), encoding="utf-8")
@@ -268,10 +283,14 @@ def attempt(failures: list[str], path: Path, work: Path) -> Iterator[None]:
 
 
 @contextmanager
-def replacing(folder: Path, later: Collection[str] = ()) -> Iterator[Path]:
-    """A temporary folder that replaces `folder` when the block ends without an error. later: names
-    of files that are written into `folder` afterwards and belong to the result, too.
+def replacing(
+    folder: Path, later: Collection[str] = (), other: Callable[[], str] = str
+) -> Iterator[Path]:
+    """A temporary folder that replaces `folder` when the block ends without an error.
 
+    later: names of files that are written into `folder` afterwards and belong to the result, too.
+    other: returns "" where what is in the folder may be replaced. Else that is renamed, as
+        `set_aside`. No other process changes the folder between both.
     The earlier result is renamed to `.NAME.earlier`, then the new one to its name. Whenever the
     process is killed, one of both is complete; `settle` finishes the exchange. Files that others
     put into `folder` are kept. Of two results written at once, the later one remains. OSError: the
@@ -286,6 +305,8 @@ def replacing(folder: Path, later: Collection[str] = ()) -> Iterator[Path]:
         work.chmod(0o755)
         with _locked(folder.parent):
             _settle(folder)
+            if other():
+                set_aside(folder)
             try:
                 if folder.is_dir():
                     os.rename(folder, _earlier(folder))

@@ -74,6 +74,7 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
             "dofs": solved.unknowns,
             "cells": solved.mesh.cells,
             "mesh_quality": solved.mesh.quality,
+            "mesh_size_share": solved.mesh.share,
             "ranks": solved.mesh.mesh.comm.size,
             "newton_iterations": len(newton.history),
             "linear_iterations": sum(step.linear_iterations for step in newton.history),
@@ -117,6 +118,7 @@ def summarise_half_spaces(solved: HalfSpaceSolution) -> dict[str, Any]:
             "dofs": 0,
             "cells": 0,
             "mesh_quality": None,
+            "mesh_size_share": None,
             "ranks": 1,
             "newton_iterations": 0,
             "linear_iterations": 0,
@@ -227,7 +229,7 @@ def _trace(solved: MeshSolution) -> dict[str, Any]:
     """
     return {
         "elements_per_semi_axis": solved.resolution,
-        "patch_size_mm": solved.plan.grading().size,
+        "patch_size_mm": solved.mesh.share * solved.plan.grading().size,
         "unknowns": solved.unknowns,
         "seconds": sum(solved.seconds.values()),
         "result": solved.result,

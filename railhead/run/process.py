@@ -4,12 +4,19 @@ from __future__ import annotations
 
 import atexit
 import ctypes
+import faulthandler
 import gc
+import io
 import os
 import signal
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from typing import Any
 
 MPI_VARIABLES = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK")  # set by launchers of MPI
+ENDING = signal.SIGINT, signal.SIGTERM  # signals by which people end a process
+_pipes: list[int] = []  # ends of the pipe of `told_at_a_signal`
 RANK_VARIABLES = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK")  # hold the rank of a process
 
 
@@ -23,13 +30,20 @@ def end_at_once() -> None:
 
 def prepare() -> None:
     """Set up a process that only runs a command, before numpy and MPI are loaded: streams that can
-    be written to, environment variables, and freed memory kept for the next arrays. There is one
-    BLAS thread, unless OMP_NUM_THREADS is set. Under MPI the process is killed when its launcher
-    ends.
+    be written to, environment variables, and freed memory kept for the next arrays. Characters that
+    a stream does not know are escaped, and what standard error does not take is left out. There is
+    one BLAS thread, unless OMP_NUM_THREADS is set. Under MPI the process is killed when its
+    launcher ends.
     """
-    for name in ("stdout", "stderr"):  # closed by who started it: libraries write to them
-        if getattr(sys, name) is None:
+    for name in ("stdout", "stderr"):
+        stream, own = getattr(sys, name), getattr(sys, f"__{name}__")
+        if stream is None:  # closed by who started it: libraries write to it
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
+        elif stream is own and name == "stdout":
+            stream.reconfigure(errors="backslashreplace")
+        elif stream is own:
+            raw = io.BufferedWriter(_Errors(2, "w", closefd=False))
+            sys.stderr = io.TextIOWrapper(raw, stream.encoding, "backslashreplace", None, True)
     # Small dense blocks only: more BLAS threads cost more than they bring. Before numpy loads.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     # Alone (not under mpirun) Open MPI would start a daemon first, for processes that join later.
@@ -49,6 +63,57 @@ def prepare() -> None:
     if hasattr(libc, "mallopt"):
         libc.mallopt(-1, 2**31 - 1)
         libc.mallopt(-3, 2**30)
+
+
+class _Errors(io.FileIO):
+    """Standard error that leaves out what cannot be written, as on a full disk."""
+
+    def write(self, content: Any, /) -> int:
+        """Write bytes; returns their number."""
+        with suppress(OSError):
+            super().write(content)
+        return len(content)
+
+
+@contextmanager
+def told_at_a_signal(text: str) -> Iterator[None]:
+    """Context in which Ctrl-C (SIGINT) or SIGTERM, where they end this process, print a line on
+    standard error first. Also a long call into a library is ended at once.
+
+    The interpreter may not run before the end. So the handler of `faulthandler`, which needs no
+    interpreter, writes into a pipe, and a child process that waits at its other end prints the
+    line.
+    """
+    ours, its = os.pipe()
+    child = os.fork()
+    if not child:
+        os.close(its)
+        for number in ENDING:
+            signal.signal(number, signal.SIG_IGN)
+        said = os.read(ours, 1) and os.write(2, f"railhead: {text}\n".encode())
+        while said and os.read(ours, 1000):  # until the other process ends
+            pass
+        os._exit(0)
+    os.close(ours)
+    _pipes.append(its)
+    tell_at_a_signal()
+    try:
+        yield
+    finally:
+        for number in ENDING:
+            faulthandler.unregister(number)
+        os.close(_pipes.pop())
+        os.waitpid(child, 0)
+
+
+def tell_at_a_signal() -> None:
+    """Set the handlers of `told_at_a_signal` again, if its context is open and this is the first
+    MPI process: gmsh takes that of SIGTERM away.
+    """
+    for number in ENDING if _pipes and not rank() else ():
+        if signal.getsignal(number) is signal.SIG_DFL:
+            faulthandler.unregister(number)
+            faulthandler.register(number, _pipes[-1], all_threads=False, chain=True)
 
 
 def under_mpi() -> bool:

@@ -566,7 +566,7 @@ class Friction(Section):
         """Coefficient of friction (n,) where the rail's surface has the angle (n,) to the
         horizontal across the track, rad.
         """
-        import numpy as np
+        import numpy as np  # not before `process.prepare`
 
         angles, values = np.transpose(self.pairs)
         return np.interp(np.degrees(angle), angles, values)

@@ -116,8 +116,8 @@ def make(
         if comm.rank == 0:
             asked = {"railhead": result_folder.VERSION, "table": asdict(request)}
             try:
+                claim.enter_context(result_folder.claimed(folder))
                 store.begin(folder, asked, "replace" if force else "refuse", (TABLE, ROWS))
-                claim.enter_context(store.claimed(folder))
             except (SceneError, OSError) as error:
                 problem = error
         if (problem := comm.bcast(problem)) is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -135,13 +136,16 @@ def read_rows(path: Path) -> list[dict[str, object]]:
     "wheelset.shift [mm]". Raises SceneError for a file that is no such table.
     """
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
+        text = path.read_text(encoding="utf-8-sig")
+        split = ";" if ";" in text.partition("\n")[0] else ","
+        reader = csv.reader(io.StringIO(text), delimiter=split, strict=True)
+        table = [(reader.line_num, [cell.strip() for cell in line]) for line in reader if line]
+    except csv.Error as error:
+        text = f"{str(path)!r} is no table: {error}; give a closing quote for each"
+        raise SceneError("--over-file", text) from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "is no UTF-8 text"
         raise SceneError("--over-file", f"{str(path)!r}: {reason}; give a .csv file") from None
-    split = ";" if lines and ";" in lines[0] else ","
-    reader = csv.reader(lines, delimiter=split)
-    table = [(reader.line_num, [cell.strip() for cell in line]) for line in reader if line]
     heads = [head.rstrip("]").partition(" [") for head in (table[0][1] if table else ())]
     if len(table) < 2 or len({key for key, _, _ in heads}) < len(heads):
         text = f"{str(path)!r} is no table; give a line of different keys and lines of values"

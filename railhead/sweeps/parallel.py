@@ -140,9 +140,9 @@ def run(
                 with show_progress(quiet=quiet, tell=tell) as progress:
                     plans = runner.plan_all(sweep.grid, progress)
                 groups, y_label = runner.group_by_mesh(plans), shared_y(plans)
+                claim.enter_context(result_folder.claimed(sweep.folder))
                 store.begin(sweep.folder, sweep.request, other)
                 copy_files(map(Path, sweep.files), sweep.folder)
-                claim.enter_context(store.claimed(sweep.folder))
                 store.check(sweep.folder, sweep.values)
             except (SceneError, OSError) as error:
                 problem = error

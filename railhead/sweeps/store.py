@@ -5,11 +5,10 @@ A record appears whole or not at all, so a sweep that is killed loses only what 
 
 from __future__ import annotations
 
-import fcntl
 import json
 import os
-from collections.abc import Callable, Collection, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Collection, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, Literal
 
@@ -50,13 +49,9 @@ def begin(
     other: another result in the folder is an error ("refuse"), is moved aside ("move"), or is
         removed ("replace", which removes the requested sweep, too).
     later: names of what is written into the folder afterwards.
-    Raises SceneError for another result, a folder in use or a broken file, OSError where nothing
-    can be written.
+    Raises SceneError for another result or a broken file, OSError where nothing can be written.
     """
     if folder.is_dir() and os.listdir(folder):
-        if (folder / REQUEST).is_file():
-            with claimed(folder):
-                pass
         try:
             if other != "replace":
                 _check_request(folder, json.loads(result_folder.to_json(dict(request))))
@@ -67,22 +62,6 @@ def begin(
             result_folder.set_aside(folder)
     with result_folder.replacing(folder, {RECORDS, *later}) as work:
         (work / REQUEST).write_text(result_folder.to_json(dict(request)), encoding="utf-8")
-
-
-@contextmanager
-def claimed(folder: Path) -> Iterator[None]:
-    """Lock the folder of a sweep against other sweeps for the block. Raises SceneError where
-    another sweep works there.
-    """
-    with open(folder / REQUEST) as file:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            text = f"{str(folder)!r} is in use by a sweep that runs; wait for it, or give another"
-            raise SceneError("--out", text) from None
-        except OSError:
-            pass  # a disk that knows no locks
-        yield
 
 
 def _check_request(folder: Path, request: dict[str, Any]) -> None:

@@ -76,6 +76,8 @@ def outcome(future: Future[Attempt[T]]) -> Attempt[T]:
 @contextmanager
 def processes() -> Iterator[ProcessPool]:
     """Pool of processes, one for each core; stopped at the end of the block."""
+    # Where a signal ends this process, a process of multiprocessing warns of what it tidies up.
+    os.environ.setdefault("PYTHONWARNINGS", "ignore:resource_tracker")
     with ProcessPool(
         os.cpu_count() or 1, max_tasks=JOBS_PER_PROCESS, initializer=_single, context=_Context()
     ) as pool:

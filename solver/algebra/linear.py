@@ -25,6 +25,7 @@ LARGEST_RESIDUAL = {"nitsche": 0.1, "penalty": 1e-3}  # of the right-hand side, 
 # Krylov iterations with a tenth, 5 and 137 with a thousandth).
 SLOWDOWN = 2  # growth of the iterations per decade after which the preconditioner is set up again
 EPSILON = np.finfo(float).eps  # of the right-hand side: a residual below it is rounding
+NOT_ALLOCATED = -5, -7, -13, -19  # INFOG(1) of MUMPS where memory is missing
 
 
 class StalledError(RuntimeError):
@@ -105,7 +106,6 @@ class Direct(Preconditioner):
         """Assemble and factorise the tangent at these active points (n,) (collective)."""
         pc = self.start(self.problem.assembled_tangent(active))
         factorise(pc, self.problem.law.symmetric)
-        pc.setUp()
 
 
 class Algebraic(Preconditioner):
@@ -132,11 +132,14 @@ class Algebraic(Preconditioner):
 
 
 def factorise(pc: PETSc.PC, symmetric: bool) -> None:
-    """Set a PETSc preconditioner to a factorisation by MUMPS: Cholesky where `symmetric`, otherwise
-    LU.
+    """Factorise the operator of a PETSc preconditioner by MUMPS: Cholesky where `symmetric`,
+    otherwise LU (collective). MemoryError: memory is missing.
     """
     pc.setType("cholesky" if symmetric else "lu")
     pc.setFactorSolverType("mumps")
+    pc.setUp()
+    if pc.getFactorMatrix().getMumpsInfog(1) in NOT_ALLOCATED:
+        raise MemoryError("MUMPS cannot factorise the matrix")
 
 
 def near_nullspace(matrix: PETSc.Mat, rigid_modes: list[PETSc.Vec]) -> None:

@@ -164,7 +164,6 @@ class StaticCondensation(PressedSurfaces):
         self.pc = PETSc.PC().create(self.comm)
         self.pc.setOperators(self.tangent)
         factorise(self.pc, system.problem.law.symmetric)
-        self.pc.setUp()
         self.jump = self._jump(0.0)
         self.change = self._relative_change()
         tau = np.repeat(system.problem.tau[self.own], self.size)

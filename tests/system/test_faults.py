@@ -12,9 +12,15 @@ import killed
 import pytest
 from mpi4py import MPI
 
+from railhead.meshing import isolated_process
 from railhead.planning import cost
-from railhead.results import result_folder
+from railhead.postprocess.pictures import render
+from railhead.results import pipeline, result_folder
+from railhead.scene import catalogue
+from railhead.scene.scene import Scene
 from railhead.solver import compat
+from railhead.solver.algebra import linear
+from railhead.solver.algebra.linear import PETSc
 
 pytestmark = pytest.mark.system
 SMALL_FILES = """
@@ -163,6 +169,111 @@ def test_memory_that_is_missing_ends_a_sequence(tmp_path, monkeypatch, capsys) -
     assert command.status("run", *given.split()) == 1
     found = json.loads(capsys.readouterr().out)["accuracy"]
     assert not found["reached"] and found["reason"].startswith("memory")
+
+
+LIMITED = """
+import resource
+from mpi4py import MPI
+resource.setrlimit(resource.RLIMIT_AS, (600_000_000, 600_000_000))
+from railhead.cli import main; main()"""
+
+
+def test_a_limit_of_address_space_is_one_line(tmp_path) -> None:
+    """The BLAS tries for ever to map its 128 MB."""
+    done = subprocess.run(
+        [sys.executable, "-c", LIMITED, "run", *CASE, str(tmp_path / "out")],
+        capture_output=True, text=True, check=False, timeout=60,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (1, "railhead: NOT SOLVED: out of memory\n")
+    assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        MemoryError("Unable to allocate 1.27 MiB"),
+        ImportError("libpetsc.so: failed to map segment from shared object"),
+        RuntimeError("error code 55\n[0] Out of memory. Allocated: 0"),
+        OSError(errno.ENOMEM, os.strerror(errno.ENOMEM)),
+    ],
+)
+def test_memory_that_is_missing_on_the_way_is_one_line(
+    tmp_path, monkeypatch, capsys, error: Exception
+) -> None:
+    def refuse(*_: object) -> None:
+        raise error
+
+    monkeypatch.setattr(pipeline, "solve", refuse)
+    assert command.status("run", *CASE, str(tmp_path / "out")) == 1
+    assert capsys.readouterr().err == "railhead: NOT SOLVED: out of memory\n"
+
+
+def test_a_limit_of_address_space_counts_as_memory(monkeypatch) -> None:
+    monkeypatch.setattr(isolated_process, "address_space", lambda: 1e8)
+    monkeypatch.setattr(cost, "address_space", lambda: 1e8)
+    assert cost.free_memory() == 100_000_000
+    monkeypatch.delitem(sys.modules, "pyvista", raising=False)
+    with pytest.raises(MemoryError, match="graphics"):
+        render.load_pyvista()
+
+
+def test_mumps_that_cannot_allocate_is_no_linear_solver_that_stalls(monkeypatch) -> None:
+    monkeypatch.setattr(linear, "NOT_ALLOCATED", (0,))  # which is success
+    rows = [0, 1, 2], [0, 1], [1.0, 1.0]
+    matrix = PETSc.Mat().createAIJ((2, 2), csr=rows, comm=PETSc.COMM_SELF)
+    matrix.assemble()
+    pc = PETSc.PC().create(PETSc.COMM_SELF)
+    pc.setOperators(matrix)
+    with pytest.raises(MemoryError):
+        linear.factorise(pc, symmetric=True)
+
+
+def test_standard_error_that_is_full_leaves_the_status(tmp_path) -> None:
+    with open("/dev/full", "w") as full:
+        for case, status in (("hertz_ellipse", 0), ("nothing", 2)):
+            arguments = ["run", case, "--fast", "--no-pictures", f"--out={tmp_path / 'out'}"]
+            done = subprocess.run([*command.START, *arguments], stderr=full, check=False)
+            assert done.returncode == status
+    assert (tmp_path / "out" / "summary.json").is_file()
+
+
+def test_names_that_the_output_does_not_know_are_escaped(tmp_path) -> None:
+    keys = 'load = 1000\n[rail]\nextent = "half-space"\nprofile = "arc"\ncrown_radius = 300\n'
+    (tmp_path / "輪.toml").write_text(keys, encoding="utf-8")
+    done = command.process("plan", "輪.toml", cwd=tmp_path, PYTHONIOENCODING="latin-1")
+    assert done.returncode == 0 and done.stdout.startswith("plan of \\u8f2a")
+
+
+def test_a_command_in_a_folder_in_use_is_refused(tmp_path, capsys) -> None:
+    folder = str(tmp_path / "out")
+    with result_folder.claimed(tmp_path / "link" / ".." / "out"):
+        assert command.status("run", *CASE, folder) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert (
+        line
+        == f"railhead: --out: {folder!r} is in use by another command; wait for it, or give another"
+    )
+    assert os.listdir(tmp_path) == []
+    assert command.status("run", "hertz_ellipse", "--fast", *CASE[1:], folder) == 0
+
+
+def test_results_of_other_scenes_at_once_are_all_kept(tmp_path) -> None:
+    """As of two commands without --out."""
+    folder = tmp_path / "result"
+
+    def write(number: int) -> None:
+        for count in range(5):
+            scene = Scene(load=1 + number + 10 * count)
+            with result_folder.result(folder, "run", scene, {}, aside=True):
+                pass
+
+    threads = [threading.Thread(target=write, args=(number,)) for number in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    loads = [catalogue.find(path / "scene.toml").load for path in tmp_path.iterdir()]
+    assert sorted(loads) == sorted(1 + n + 10 * count for n in range(4) for count in range(5))
 
 
 def test_many_replacements_at_once_leave_one_whole_result(tmp_path) -> None:

@@ -301,6 +301,8 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
             highlight=False,
         )
         return
+    if (share := cost.get("mesh_size_share", 1.0)) < 1:
+        console.print(f"gmsh failed at the planned size of elements: they have {share} of it.")
     console.print(
         f"{cost['dofs']} unknowns, {cost['newton_iterations']} Newton steps, "
         f"{cost['linear_iterations']} Krylov iterations, {cost['seconds']['total']:.1f} s, "

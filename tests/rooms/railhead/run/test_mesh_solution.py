@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
+from railhead.meshing import isolated_process
 from railhead.meshing.isolated_process import M_PERTURB
 from railhead.planning import simulation_plan
 from railhead.results import pipeline, result_folder
@@ -131,3 +132,22 @@ def test_the_mesh_does_not_depend_on_what_memory_held() -> None:
     (cells, points), (others, their_points) = found
     assert cells == others
     np.testing.assert_array_equal(points, their_points)
+
+
+def test_a_mesh_that_was_made_again_is_said(monkeypatch) -> None:
+    """gmsh fails once: elements are smaller by a twentieth."""
+    run, failed = isolated_process.run, []
+
+    def once(*given, **keys):
+        if not failed:
+            failed.append(given)
+            raise isolated_process.IsolatedProcessError("no")
+        return run(*given, **keys)
+
+    monkeypatch.setattr(isolated_process, "run", once)
+    result = pipeline.run(catalogue.find("long_roller"))
+    assert result.summary["cost"]["mesh_size_share"] == 0.95
+    (level,) = result.summary["accuracy"]["levels"]
+    assert level["patch_size_mm"] == pytest.approx(0.95 * result.plan.patch_size)
+    shown = terminal.recorded(result.show).export_text()
+    assert "gmsh failed at the planned size of elements: they have 0.95 of it" in shown

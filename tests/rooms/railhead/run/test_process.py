@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from railhead.cli import commands
+from railhead.cli import commands, errors
 from railhead.run import process
 
 GIVEN_BACK = """
@@ -35,7 +35,7 @@ def test_a_refusal_under_mpirun_is_said_once(name: str, monkeypatch, capsys) -> 
     monkeypatch.setitem(sys.modules, "mpi4py.MPI", None)
     for rank, lines in (("0", 1), ("1", 0)):
         monkeypatch.setenv(name, rank)
-        commands._say("no scene")
+        errors.say("no scene")
         assert len(capsys.readouterr().err.splitlines()) == lines
 
 

@@ -95,12 +95,12 @@ def test_a_lost_folder_of_records_is_made_again(tmp_path: Path) -> None:
 def test_a_folder_in_use_is_left_alone(copied: Path, more: tuple, capsys) -> None:
     """The second sweep threw the first one's records away."""
     before = {path: path.stat().st_mtime_ns for path in copied.rglob("*")}
-    with store.claimed(copied):
+    with result_folder.claimed(copied):
         assert sweep(*ROLLER, *SIX, "--out", str(copied), *more) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert "--out: " in line and "in use by a sweep that runs; wait for it" in line
+    assert "--out: " in line and "in use by another command; wait for it" in line
     assert before == {path: path.stat().st_mtime_ns for path in copied.rglob("*")}
-    with store.claimed(copied):
+    with result_folder.claimed(copied):
         pass
 
 
