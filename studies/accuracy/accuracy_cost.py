@@ -200,10 +200,7 @@ def page(rows: Sequence[Row], max_unknowns: int) -> str:
             "size": _size(row),
             "end": "yes" if row["reached"] else "no",
             "took": "-" if row["seconds"] is None else f"{row['seconds']:.2f}",
-            **{
-                f"{key} %": percent(row[key])
-                for key in ("asked", "error", "error_approach", "error_tau_max", "error_all")
-            },
+            **{f"{key} %": percent(row[key]) for key in ("asked", "error", "error_all")},
         }
         for row in rows
     ]
@@ -220,12 +217,6 @@ def page(rows: Sequence[Row], max_unknowns: int) -> str:
             *("{case}", "{asked %}", "{end}", "{error %}", "{error_all %}", "{took}"),
         ),
         failed=[(row, row["size"]) for row in shown if not row["converged"]],
-        runs=tables.cells(
-            [row for row in shown if row["seconds"] is not None],
-            *("{case}", "{method}", "{element}", "{size}", "{unknowns}", "{seconds:.2f}"),
-            *("{newton_iterations} / {linear_iterations}", "{error %}", "{error_approach %}"),
-            *("{error_tau_max %}", "{error_all %}"),
-        ),
     )
 
 

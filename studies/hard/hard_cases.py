@@ -24,7 +24,7 @@ from studies import tables
 from studies.hard import block_cases, references
 from studies.hard.case import CaseErrors, CaseOutcome, HardCase
 from studies.processes import attempts
-from studies.tables import percent, render
+from studies.tables import render
 
 STEEL = 207e3  # MPa, what a stiffness ratio refers to
 REFERENCES = {
@@ -109,6 +109,8 @@ def row(outcome: CaseOutcome) -> dict[str, Any]:
     return {
         "group": case.group,
         "case": case.name,
+        "reason": case.reason + (f" ({found.remark})" if found and found.remark else ""),
+        "against": case.reference,
         "holds": not outcome.fault,
         "fault": outcome.fault,
         "known": case.known,
@@ -178,28 +180,35 @@ def cell(outcome: CaseOutcome | None) -> tuple[float, bool, str]:
     return error, True, f"{error:.1%}" + ("\nWRONG" if outcome.fault else "")
 
 
-def _row(outcome: CaseOutcome) -> list[str]:
-    case, found = outcome.case, outcome.measured
-    worst = found.worst if found else None
-    none = ("-",) * 3
-    nearest = (worst[0], f"{worst[1].value:.1e}", f"{worst[1].allowed:.1e}") if worst else none
-    steps = (str(found.newton), str(found.krylov), percent(found.noise)) if found else none
-    reason = case.reason + (f" ({found.remark})" if found and found.remark else "")
-    seconds = f"{outcome.seconds:.1f}"
-    return [case.name, reason, case.reference, *nearest, *steps, seconds, outcome.result]
+def _summary(group: str, outcomes: Sequence[CaseOutcome]) -> list[str]:
+    """Cells of a group: number of cases, of right, refused and failing ones, largest share of
+    what is allowed and its case and most Newton steps, both without refused cases, most seconds."""
+    refused, faults = ([getattr(o, name) for o in outcomes] for name in ("refused", "fault"))
+    counts = len(outcomes), sum(map(bool, refused)), sum(map(bool, faults))
+    signed = [o for o in outcomes if o.measured and not o.measured.failed]
+    pairs = [(o.measured.worst[1].share, o.case.name) for o in signed if o.measured.worst]
+    share, nearest = max(pairs, default=(math.nan, ""))
+    newton = max((o.measured.newton for o in signed), default=0)
+    return [
+        group,
+        *map(str, (counts[0], counts[0] - counts[1] - counts[2], *counts[1:])),
+        f"{share:.2f}: {nearest}" if nearest else "-",
+        str(newton),
+        f"{max(outcome.seconds for outcome in outcomes):.1f}",
+    ]
 
 
 def page(outcomes: Sequence[CaseOutcome]) -> str:
-    """Text of docs/hard-cases.md."""
-    groups: dict[str, list[list[str]]] = {}
+    """Text of docs/hard-cases.md: what fails, and a row for each group of cases."""
+    groups: dict[str, list[CaseOutcome]] = {}
     for outcome in outcomes:
-        groups.setdefault(outcome.case.group, []).append(_row(outcome))
+        groups.setdefault(outcome.case.group, []).append(outcome)
     return render(
         "hard_cases",
         count=len(outcomes),
         failing=[outcome for outcome in outcomes if outcome.fault],
         refused=sum(outcome.refused for outcome in outcomes),
-        groups=groups,
+        groups=[_summary(group, own) for group, own in groups.items()],
     )
 
 

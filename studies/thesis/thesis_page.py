@@ -1,4 +1,4 @@
-"""The page of the study thesis: verdicts, and all claims by chapter; figures 6.1 to 6.10 of the
+"""The page of the study thesis: verdicts, and their numbers by chapter; figures 6.1 to 6.10 of the
 thesis drawn again from its formulas, exact Hertz and finite elements."""
 
 import itertools
@@ -22,7 +22,7 @@ from railhead.solver.system.fields import Fields
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.subsurface import max_shear, principal, stress
 from studies.tables import render
-from studies.thesis.claims import CLOSE, CLOSE_CURVE, EXACT, Claim, ClaimCheck, Finding, Verdict
+from studies.thesis.claims import CLOSE, CLOSE_CURVE, EXACT, Claim, Finding, Verdict
 from studies.thesis.facts import (
     INCLINATIONS,
     LOAD,
@@ -65,10 +65,11 @@ def page(facts: Facts, judged: Sequence[Judged], runs: Sequence[Mapping[str, Any
         exact=EXACT,
         close=CLOSE,
         close_curve=CLOSE_CURVE,
-        chapters={
-            title: _chapter([pair for pair in judged if pair[0].chapter == chapter])
+        kinds=list(Verdict),
+        chapters=[
+            _chapter(title, [pair for pair in judged if pair[0].chapter == chapter])
             for chapter, title in CHAPTERS.items()
-        },
+        ],
         touches=[
             (tread, *(f"{facts.profiles[f'y {tread} {i}'] + 0.0:.2f}" for i in INCLINATIONS))
             for tread in TREADS
@@ -89,30 +90,10 @@ def _mises(contact: Ellipse, facts: Facts) -> float:
     return contact.axis_extrema(facts.poisson).von_mises_max
 
 
-def _chapter(judged: Sequence[Judged]) -> tuple[list[list[str]], list[tuple[int, str, str]]]:
-    """Rows of the table; number, why not computable and note of the claims that have a remark."""
-    rows = []
-    for claim, finding in judged:
-        verdict = f"**{finding.verdict}**" + (", harmless" if finding.harmless else "")
-        head = [str(claim.id), claim.where, claim.claim, verdict]
-        for cells in [_cells(check) for check in finding.checks] or [[""] * 4]:
-            rows.append([cell.replace("|", "\\|") for cell in (*head, *cells)])
-            head = [""] * 4
-    remarked = [(claim.id, each.not_computable, each.note) for claim, each in judged]
-    return rows, [remark for remark in remarked if any(remark[1:])]
-
-
-def _cells(check: ClaimCheck) -> list[str]:
-    """Cells of a table: what is checked, thesis, exact, ours with its difference from exact."""
-    unit = f", {check.unit}" if check.unit else ""
-    ours = "" if check.ours is None else _value(check.ours)
-    if isinstance(check.ours, float) and isinstance(check.exact, float) and check.exact:
-        ours += f" ({check.ours / check.exact - 1:+.2%})"
-    return [check.what + unit, _value(check.thesis), _value(check.exact), ours]
-
-
-def _value(value: float | str) -> str:
-    return value if isinstance(value, str) else f"{value:.6g}"
+def _chapter(title: str, judged: Sequence[Judged]) -> list[str]:
+    """Cells of a chapter: its title, number of its claims, and of those with each verdict."""
+    found = Counter(finding.verdict for _, finding in judged)
+    return [title, str(len(judged)), *(str(found[verdict]) for verdict in Verdict)]
 
 
 def _at(runs: Sequence[Mapping[str, Any]], load: float) -> Mapping[str, Any] | None:

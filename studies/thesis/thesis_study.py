@@ -67,8 +67,10 @@ def _rows(claim: Claim, finding: Finding) -> list[dict[str, Any]]:
     head = {
         "claim": claim.id,
         "where": claim.where,
+        "statement": claim.claim,
         "verdict": finding.verdict,
         "reference": claim.expected,
+        "remark": " ".join(filter(None, (finding.not_computable, finding.note))),
     }
     none = dict.fromkeys(("check", "thesis", "exact", "ours", "unit", "grade"), "")
     checks: list[dict[str, Any]] = [
