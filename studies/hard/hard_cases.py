@@ -185,10 +185,10 @@ def _summary(group: str, outcomes: Sequence[CaseOutcome]) -> list[str]:
     what is allowed and its case and most Newton steps, both without refused cases, most seconds."""
     refused, faults = ([getattr(o, name) for o in outcomes] for name in ("refused", "fault"))
     counts = len(outcomes), sum(map(bool, refused)), sum(map(bool, faults))
-    signed = [o for o in outcomes if o.measured and not o.measured.failed]
-    pairs = [(o.measured.worst[1].share, o.case.name) for o in signed if o.measured.worst]
+    signed = [(o.case.name, o.measured) for o in outcomes if o.measured and not o.measured.failed]
+    pairs = [(found.worst[1].share, name) for name, found in signed if found.worst]
     share, nearest = max(pairs, default=(math.nan, ""))
-    newton = max((o.measured.newton for o in signed), default=0)
+    newton = max((found.newton for _, found in signed), default=0)
     return [
         group,
         *map(str, (counts[0], counts[0] - counts[1] - counts[2], *counts[1:])),
