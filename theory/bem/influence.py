@@ -16,6 +16,9 @@ from scipy.fft import fft, ifft, irfft, next_fast_len, rfft
 from railhead.theory.array_types import Array, Complex
 from railhead.theory.bem.grid_patch import Grid
 
+Lines = Callable[[Array], Array]
+"""Places s (n,), mm -> compliance (n,), mm2/N, not negative: opening of the line along the rail at
+s, the same at all of its cells, over the force per width that the line carries."""
 NODES = 16  # an axis, to which a grid gathers its pressure for other grids
 
 
@@ -26,8 +29,13 @@ class Influence:
     own: displacement of a cell by a unit pressure in that cell, largest of all grids, mm/MPa.
     """
 
-    def __init__(self, grids: Sequence[Grid], contact_modulus: float) -> None:
-        """grids: rectangular grids that must not overlap; contact_modulus: E*, MPa."""
+    def __init__(
+        self, grids: Sequence[Grid], contact_modulus: float, lines: Lines | None = None
+    ) -> None:
+        """grids: rectangular grids that must not overlap; contact_modulus: E*, MPa; lines:
+        compliance of the lines along the rail beside that of the half-spaces; None: zero.
+        """
+        self._lines = [] if lines is None else [(g.x[1] - g.x[0]) * lines(g.s) for g in grids]
         self._shapes = [(grid.x.size, grid.s.size) for grid in grids]
         self._cuts = np.cumsum([nx * ns for nx, ns in self._shapes])[:-1]
         own, self._within = zip(*(_love(grid, contact_modulus) for grid in grids), strict=True)
@@ -52,6 +60,8 @@ class Influence:
             for j, force in enumerate(forces):
                 if j != i:
                     moved[i] = moved[i] + nodes.spread(force @ self._kernels[i, j].T)
+        for i, (line, piece) in enumerate(zip(self._lines, pieces, strict=False)):
+            moved[i] = moved[i] + line * piece.sum(axis=0)
         return np.concatenate([piece.ravel() for piece in moved])
 
 

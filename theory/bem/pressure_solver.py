@@ -19,7 +19,7 @@ from scipy.ndimage import find_objects, label
 
 from railhead.theory.array_types import Array, Mask
 from railhead.theory.bem.grid_patch import Grid, PatchSolution
-from railhead.theory.bem.influence import Influence, Nodes, point_force
+from railhead.theory.bem.influence import Influence, Lines, Nodes, point_force
 
 Gap = Callable[[Array, Array], Array]
 """Places x (n,), s (n,), mm -> undeformed gap (n,), mm, +inf where the bodies do not face."""
@@ -153,6 +153,7 @@ def solve_developed(
     cells: int = 128,
     tolerance: float = 1e-8,
     split: bool = True,
+    lines: Lines | None = None,
 ) -> BoundaryElementSolution:
     """Normal contact on a developed (unrolled) curved surface, of patches that may lie far apart.
 
@@ -168,6 +169,8 @@ def solve_developed(
     approach: along the load, mm; None: load is given.
     tolerance: of the gap in the patch, over the largest displacement.
     split: whether separate patches get domains of their own.
+    lines: compliance of the lines along x, which adds to u(p) lines(s) times the integral of p
+        along x; None: zero.
     The domains are adapted until each suits its patch, first coarse, then with `cells` cells along
     each axis. ValueError: an argument or gap out of range, no contact, no bounded patch, no
     convergence.
@@ -199,7 +202,9 @@ def solve_developed(
             if above[lowest].min() >= 0:
                 where = [_towards(above[lowest], where[lowest], grids[lowest])]
                 continue
-        solved = equilibrium(grids, undeformed, contact_modulus, load, approach, tolerance, found)
+        solved = equilibrium(
+            grids, undeformed, contact_modulus, load, approach, tolerance, found, lines
+        )
         found = BoundaryElementSolution(tuple(solved), contact_modulus, coarse if fine else None)
         better = _suited(solved, where, fine=fine, split=split)
         settled = len(better) == len(where) and all(map(np.array_equal, better, where))
@@ -242,13 +247,15 @@ def equilibrium(
     approach: float | None,
     tolerance: float,
     guess: BoundaryElementSolution | None,
+    lines: Lines | None = None,
 ) -> list[PatchSolution]:
     """Pressure on fixed grids by constrained conjugate gradients (Polonsky and Keer, Wear 231,
     1999).
 
     undeformed: gap (nx, ns) on each grid, mm. contact_modulus: E*, MPa. load, approach: along the
         load, N and mm, one of them None. tolerance: of the gap in the patch, over the largest
-        displacement. guess: earlier solution from which the iterations start, or None.
+        displacement. guess: earlier solution from which the iterations start, or None. lines:
+        compliance of the lines along x, part of u(p), or None.
 
     With the cells' areas w and c = cos(angle), p minimises sum w p (u(p)/2 + gap) over p >= 0 under
     sum w c p = load. Its gradient, in the inner product weighted by w, in which u(p) is self-
@@ -257,7 +264,7 @@ def equilibrium(
     plane (c = 1) on one grid this is the method of the paper. Raises ValueError without
     convergence.
     """
-    influence = Influence(grids, contact_modulus)
+    influence = Influence(grids, contact_modulus, lines)
     weight = np.concatenate(
         [np.full(h.size, g.cell) for g, h in zip(grids, undeformed, strict=True)]
     )

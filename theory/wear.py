@@ -1,0 +1,159 @@
+"""Wear and damage of rolling surfaces: laws, and the worn height after a step in one contact solve.
+
+A line of a surface along the rolling direction loses the depth
+
+    dh = k dn int w dx,    w = tractions x slip per rolled length (MPa)
+
+in dn passages; w is the density of the dissipated energy and k the worn volume over that energy,
+mm3/(N mm). With w = p x (w/p) and w/p frozen in a step, the depth of the step is linear in the
+pressure p of its end (backward Euler): the surfaces part by c int p dx, c = k dn int w dx / int p
+dx. That is a compliance of each line beside that of the half-spaces (`bem.influence.Lines`). The
+matrix stays symmetric and positive definite: any step is stable, and nothing is smoothed.
+Lengths in mm, forces in N, stresses in MPa.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from railhead.theory.array_types import Array, Index
+from railhead.theory.bem.grid_patch import PatchSolution
+from railhead.theory.bem.influence import Lines
+from railhead.theory.friction.damage import DENSITY
+
+Pairs = tuple[tuple[float, float], ...]
+"""Pairs of numbers, the first ones positive and rising."""
+VOLUME = 1e-3 / DENSITY  # mm3/(N mm) of 1 ug per m and mm2 at 1 N/mm2
+#: Wheel R8T on rail UIC60 900A, twin discs, as of `WearLaw`: 5.3 x, then 55, and 55 + 61.9 (x -
+#: 77.2) beyond 77.2. Lewis and Dwyer-Joyce, Proc. IMechE J 218 (2004); Braghin and others, Wear 261
+#: (2006). The last line is taken to go on without a jump; constants that are in print make one.
+USFD: Pairs = ((55.0 / 5.3, 55.0), (77.2, 55.0), (78.2, 116.9))
+#: T-gamma of a patch, N, and damage of one passage: no cracks up to 15 N, and beyond 175 N wear
+#: takes them off. Burstow's whole-life rail model, from memory; others begin at 20 N.
+DAMAGE: Pairs = ((15.0, 0.0), (65.0, 1e-5), (175.0, 0.0))
+FIRST, SHORTEST, GROWTH = 0.125, 1e-4, 3.0  # share of the first step, and least; largest growth
+CLOSE = 0.5  # of the accuracy: change of the depth by halving a step, over the largest at the end
+
+
+@dataclass(frozen=True)
+class WearLaw:
+    """Wear as a function of the energy that a patch dissipates, per rolled length and area.
+
+    pairs: T-gamma over the area of the patch, N/mm2, and worn mass, ug per m rolled and mm2 of the
+        patch. Straight lines from (0, 0) through the pairs; the last one goes on.
+    """
+
+    pairs: Pairs
+
+    @classmethod
+    def of_energy(cls, rate: float) -> WearLaw:
+        """The law of one rate, mm3/(N mm): the worn volume is `rate` times the energy."""
+        return cls(((1.0, rate / VOLUME),))
+
+    def rate(self, density: float) -> float:
+        """Worn volume over dissipated energy, mm3/(N mm), at a T-gamma over area (N/mm2)."""
+        x, mass = np.transpose([(0.0, 0.0), *self.pairs])
+        density = max(density, 1e-9 * float(x[1]))
+        beyond = max(density - float(x[-1]), 0.0) * (mass[-1] - mass[-2]) / (x[-1] - x[-2])
+        return VOLUME * float(np.interp(density, x, mass) + beyond) / density
+
+
+def damage(t_gamma: float) -> float:
+    """Damage of one passage by T-gamma of a patch (N), as of DAMAGE; 1 is a crack that shows."""
+    return float(np.interp(t_gamma, *np.transpose(DAMAGE)))
+
+
+def line_ratios(pressure: Array, energy: Array) -> tuple[Index, Array]:
+    """Numbers (m,) of the lines that carry pressure, and int w dx / int p dx (m,), dimensionless,
+    of these; pressure, energy: p and w (nx, ns), MPa. A line's ratio is not negative.
+    """
+    force = pressure.sum(axis=0)
+    loaded: Index = np.flatnonzero(force)
+    return loaded, np.maximum(energy.sum(axis=0)[loaded], 0.0) / force[loaded]
+
+
+def opening(patch: PatchSolution, lines: Lines) -> Array:
+    """Opening (ns,), mm, of each line by the force per width of a pressed patch."""
+    step = float(patch.x[1] - patch.x[0])
+    return np.asarray(lines(patch.s) * step * patch.pressure.sum(axis=0))
+
+
+def onto(places: Array, s: Array, values: Array) -> Array:
+    """Values (n,) at places (n,) of a curve through values (m,) at s (m,), evenly spaced, mm, by
+    cubic pieces that make no new extremes. Beyond the outermost values that are not 0 it ends where
+    the line through the last two is 0, at most one spacing further on; zero beyond.
+    """
+    (used,) = np.nonzero(values)
+    if used.size < 2:
+        return np.zeros_like(places)
+    first, last = used[[0, -1]]
+    step, kept = s[1] - s[0], values[first : last + 1]
+    rises = np.array([kept[1] - kept[0], kept[-2] - kept[-1]])
+    room = step * np.minimum(1.0, kept[[0, -1]] / np.maximum(rises, kept[[0, -1]]))
+    x = np.concatenate([[s[first] - room[0]], s[first : last + 1], [s[last] + room[1]]])
+    return np.nan_to_num(PchipInterpolator(x, np.pad(kept, 1), extrapolate=False)(places))
+
+
+Advance = Callable[[Array, Sequence[float]], list[Array]]
+"""Worn depth (n,), mm, and shares of the whole wear -> depth (n,) after one step of backward Euler
+from there for each of the shares."""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """Worn depth after a step.
+
+    done: share of the whole wear, 0 to 1.
+    depth: (n,), mm.
+    change: largest change of the depth by two half steps in the place of the step, mm.
+    share: of the whole wear that the next step should take.
+    """
+
+    done: float
+    depth: Array
+    change: float
+    share: float
+
+
+def march(advance: Advance, start: Stage, ends: Sequence[float]) -> Iterator[Stage]:
+    """Worn depth after each of some shares of the whole wear, ascending and after that of `start`.
+
+    A step is made whole and in two halves; twice the second less the first has an error of second
+    order. Depth never falls.
+    """
+    stage = start
+    for end in ends:
+        stage = _step(advance, stage, end - stage.done)
+        yield stage
+
+
+def march_freely(advance: Advance, start: Stage, accuracy: float) -> Iterator[Stage]:
+    """Worn depth as of `march` after steps that are chosen: halving a step changes the depth by at
+    most half (CLOSE) of the accuracy, a fraction of the largest depth that is expected at the end.
+    """
+    stage = start
+    while stage.done < 1.0:
+        count = math.ceil((1.0 - stage.done) / stage.share - 1e-9)
+        share = (1.0 - stage.done) / count
+        found = _step(advance, stage, share)
+        most = CLOSE * accuracy * float(found.depth.max()) / found.done
+        factor = 0.9 * math.sqrt(most / found.change) if found.change > 0 else GROWTH
+        if found.change > 2 * most and share > SHORTEST:
+            stage = Stage(stage.done, stage.depth, stage.change, share * max(factor, 1 / GROWTH))
+            continue
+        stage = Stage(found.done, found.depth, found.change, share * min(factor, GROWTH))
+        yield stage
+
+
+def _step(advance: Advance, stage: Stage, share: float) -> Stage:
+    """The stage after a step from another one."""
+    whole, half = advance(stage.depth, (share, share / 2))
+    (halves,) = advance(half, (share / 2,))
+    depth = np.maximum(2 * halves - whole, stage.depth)
+    done = 1.0 if stage.done + share > 1.0 - 1e-9 else stage.done + share
+    return Stage(done, depth, float(np.abs(halves - whole).max()), share)
