@@ -25,7 +25,15 @@ from railhead.cli.errors import CHECK_FAILED, SOLVED, WRONG_INPUT
 from railhead.meshing import isolated_process
 from railhead.run import process
 from railhead.scene import catalogue
-from railhead.scene.scene import Effects, Scene, SceneError, dotted, unit_questions
+from railhead.scene.scene import (
+    OTHER_NAMES,
+    Effects,
+    Scene,
+    SceneError,
+    assignment,
+    dotted,
+    unit_questions,
+)
 
 if TYPE_CHECKING:
     from railhead.cli.geometry import ExaminedProfile, Location
@@ -81,12 +89,23 @@ _format = click.option(
     callback=_beside_png,
     help="Pictures in this format beside PNG.",
 )
+
+
+def _once(_: click.Context, __: click.Parameter, assignments: Sequence[str]) -> Sequence[str]:
+    """The assignments of --set. Raises SceneError for a key that is given twice."""
+    keys = [OTHER_NAMES.get(key, key) for key, _ in map(assignment, assignments)]
+    if twice := [key for key in keys if keys.count(key) > 1]:
+        raise SceneError(twice[0], "given twice with --set; give it once")
+    return assignments
+
+
 _force = click.option("--force", is_flag=True, help="Replace another result in --out.")
 _set = click.option(
     "--set",
     "assignments",
     multiple=True,
     metavar="KEY=VALUE",
+    callback=_once,
     help="Change a key of the scene.",
     shell_complete=_completing(_keys),
 )

@@ -162,6 +162,18 @@ WRONG = [
     (["run", "uic54_thesis", "--set", "load=nan"], "load"),
     (["run", "uic54_thesis", "--set", "load=0"], "load"),
     (["run", "uic54_thesis", "--set", "load=1", "--set", "approach=1"], "load"),
+    (["plan", "uic54_thesis", "--set", "load=1kN", "--set", "load=2kN"], "load: given twice"),
+    (
+        [
+            "plan",
+            "hertz_ellipse",
+            "--set",
+            "friction.tangential_load=1",
+            "--set",
+            "friction.force_along=2",
+        ],
+        "friction.force_along: given twice",
+    ),
     (["run", "uic54_thesis", "--set", "rail.profile=49E1"], "rail.profile"),
     (["run", "uic54_thesis", "--set", "wheel.profile=gone.csv"], "wheel.profile"),
     (["run", "uic54_thesis", "--set", "wheelset.shift=90"], "wheelset.shift"),
