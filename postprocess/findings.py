@@ -440,8 +440,8 @@ class Findings:
         of it faces the slave, and for half-spaces.
     dissipated: energy dissipated by friction per rolled length, N; NaN where nothing rolls, and
         until friction is read.
-    unread_peak: relative error of the largest stresses, made by the cusps at the border of stick;
-        0 where nothing slips, and in sections.
+    surface_error: relative error of the largest stresses, by key of summary.json, by the grid of
+        the tractions at the surface; empty without such a grid.
     """
 
     frame: Frame
@@ -462,7 +462,7 @@ class Findings:
     misfit: float = math.nan
     opposite: Surface | None = None
     dissipated: float = math.nan
-    unread_peak: float = 0.0
+    surface_error: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def axis(self) -> DepthAxis:

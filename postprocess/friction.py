@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,13 +24,15 @@ MOTION = {
     False: ("shift_along_mm", "shift_across_mm", "turn_rad"),
 }
 LOADS = "force_along_N", "force_across_N", "moment_Nmm"
+GIVEN = 5e-6  # of mu N: a force that changes less with the grid is given, or all slips
+RAGGED = 5e-5  # of mu N: error of a force that does not change with the grid; of 60 ellipses with
+# random creepages 3 % had more
 RESOLVED = 0.05  # relative: a quantity of friction that may be off by more is not signed
 AT_NODES = "traction_max_MPa", "surface_fatigue_index"  # of condensed solids that of one
 # contact point, whose pressure is noisy: 8 to 14 % above Cattaneo's and Mindlin's
 BORDER = 3.0  # over n^(-3/4): error of the stick share on a grid with n points in the patch; 0.8 to
 # 2.8 were measured beside grids of 128 and 192 cells, with and without finite bodies
 WEAR = "t_gamma_N", "wear_number_N", "power_W", "t_gamma_over_area_MPa", "wear_regime"
-CUSP = 0.15  # relative, on six elements a semi-axis: see `unread_peak`
 AT_SURFACE = 0.1  # of the smaller half length of the patch: what lies less deep is at the surface
 
 
@@ -71,6 +74,7 @@ def at_cells(
         traction=in_space([each.traction for each in found]),
         slip=in_space([each.slip for each in found]),
         sticks=joined([each.sticks for each in found]),
+        inside=joined([each.covered for each in found]),
         rigid_motion=(motion.along, motion.across, motion.spin),
         force=(0.0, 0.0),
         moment=0.0,
@@ -128,12 +132,81 @@ def quantities(
     Rolling with a speed: the power, W. Rolling of like bodies with centres: the wear number, N.
         Rolling of like bodies with a solution without creepage: the resolution of each quantity.
     Of a cycle: the energy that slip dissipates in it, N mm.
+    With solutions on coarser grids each number is extrapolated by the first order. "grid_error": by
+        key the larger change, from the finest grid and from what both coarser ones give, for forces
+        at least 1e-4 of mu N (RAGGED).
     Always "below_resolution": names of the quantities that mesh or grid do not resolve; without the
         resolution of each those that the border of stick hides (`_hidden_by_border`).
     """
+    words = {"rolling": rolling, "like": like, "speed": speed, "cycle": cycle, "patches": patches}
+    grids, grid = [], found
+    while grid is not None:
+        grids.append(_values(grid, **words))
+        grid = grid.coarse
+    out, errors = grids[0], {}
+    if len(grids) > 1:
+        out, *before = (_extrapolated(*pair) for pair in pairwise(grids))
+        errors = _errors(found, out, [grids[0], *before])
+        out["grid_error"] = errors
+    out |= {"newton_steps": found.newton_steps, "passes": found.coupling_iterations}
+    error = errors.get("stick_share", _border_error(found))
+    energy = WEAR if rolling and not like else ("energy_per_cycle_Nmm",) * cycle
+    below = _hidden_by_border(out["stick_share"], error, energy)
+    unsure = errors.keys() & {LOADS[2], *WEAR}
+    below |= {key for key in unsure if errors[key] > RESOLVED * abs(out[key])}
+    below |= {*WEAR} if "t_gamma_N" in below else set()
+    out["below_resolution"] = sorted(below)
+    if like and found.without_creepage is not None:
+        known = _resolution(out, found.without_creepage, found.rigid_motion)
+        below |= {*known["below_resolution"]}
+        out |= known | {"below_resolution": sorted(below)}
+    return out
+
+
+def _extrapolated(fine: Mapping[str, float], coarse: Mapping[str, float]) -> dict[str, Any]:
+    """Numbers of cells of size zero, by key, from those of two grids, the coarse one with cells
+    twice as long, by the first order; the stick share is kept within 0 to 1.
+    """
+    out = {key: 2 * value - coarse[key] for key, value in fine.items()}
+    out["stick_share"] = min(max(out["stick_share"], 0.0), 1.0)
+    return out
+
+
+def _errors(
+    found: FrictionSolution, out: Mapping[str, float], others: Sequence[Mapping[str, float]]
+) -> dict[str, float]:
+    """Errors of extrapolated numbers `out` by key, in their units: the largest distance to `others`
+    of less fine grids. That of the largest traction counts twice: at the border of stick it is of
+    the order 1/2. Forces and moment that change, and the stick share, have what the ragged edges of
+    cells leave at least (RAGGED; `_border_error`).
+    """
+    errors = {key: max(abs(value - of[key]) for of in others) for key, value in out.items()}
+    arm = math.sqrt(float(found.weights[found.pressure > 0].sum()) / math.pi)
+    least = RAGGED * out["limit_N"]
+    for key, floor in zip(LOADS, (least, least, arm * least), strict=True):
+        if errors[key] > GIVEN * out["limit_N"]:
+            errors[key] = max(errors[key], floor)
+    errors["stick_share"] = max(errors["stick_share"], _border_error(found))
+    errors["traction_max_MPa"] *= 2
+    return errors
+
+
+def _values(
+    found: FrictionSolution,
+    *,
+    rolling: bool,
+    like: bool,
+    speed: float | None,
+    cycle: bool,
+    patches: Array | None,
+) -> dict[str, float]:
+    """Numbers of "friction" in summary.json of one grid or mesh, by key; arguments as of
+    `quantities`.
+    """
     touches = found.pressure > 0
-    share = found.weights[found.sticks].sum() / found.weights[touches].sum()
-    out: dict[str, Any] = {
+    areas = found.weights if found.inside is None else found.weights * found.inside
+    share = areas[found.sticks].sum() / areas[touches].sum()
+    out = {
         "force_along_N": found.force[0],
         "force_across_N": found.force[1],
         "moment_Nmm": found.moment,
@@ -142,20 +215,13 @@ def quantities(
         **dict(zip(MOTION[rolling], found.rigid_motion, strict=True)),
         "stick_share": float(share),
         "traction_max_MPa": float(np.linalg.norm(found.traction, axis=1).max()),
-        "newton_steps": found.newton_steps,
-        "passes": found.coupling_iterations,
     }
     if cycle:
         out["energy_per_cycle_Nmm"] = found.dissipated_energy
-    energy = WEAR if rolling and not like else ("energy_per_cycle_Nmm",) * cycle
-    below = _hidden_by_border(out["stick_share"], _border_error(found), energy)
-    out["below_resolution"] = sorted(below)
     if rolling:
         slip = found.rigid_slip if like else found.slip
         wear = float(found.weights @ np.einsum("nc,nc->n", found.traction, slip))
         out["t_gamma_N"] = wear
-        if like and found.without_creepage is not None:
-            out |= _resolution(out, found.without_creepage, found.rigid_motion)
         if like and patches is not None:
             out["wear_number_N"] = wear_number(found, patches)
         if speed is not None:
@@ -209,22 +275,6 @@ def _hidden_by_border(stick_share: float, error: float, energy: Sequence[str] = 
     slips = 1 - stick_share
     below = {"stick_share"} if slips <= error else set()
     return below | {*AT_NODES, *energy} if error > 2 * RESOLVED * slips else below
-
-
-def unread_peak(found: FrictionSolution | None, elements: float) -> float:
-    """Relative error of the largest stresses of a patch in space that slips somewhere; 0 where
-    there is no slip.
-
-    found: solution with friction, or None. elements: number of elements on the smaller semi-axis.
-        At the border of stick and at the trailing edge the stress has a cusp. Smoothing cuts off a
-        part that falls as h^(1/3), with the element size h: at a coefficient of 0.5 10 % (rolling)
-        and 17 % (a shift) with four elements, 8 and 15 % with six. The value is 15 % (CUSP) with
-        six elements, whatever the coefficient.
-    """
-    touches = None if found is None else found.pressure > 0
-    if touches is None or found is None or found.sticks[touches].all():
-        return 0.0
-    return CUSP * (6.0 / elements) ** (1 / 3)
 
 
 def wear_and_shakedown(

@@ -7,14 +7,12 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from railhead.postprocess import friction
 from railhead.postprocess.findings import Array, Findings, Frame, Patch
 from railhead.postprocess.patch import patch, section
 from railhead.postprocess.patch.separate_patches import contact_frame, separate_patches
 from railhead.postprocess.stress import body_stresses
 from railhead.postprocess.symmetry import ON_PLANE
 from railhead.solver.system.fields import Fields
-from railhead.solver.system.solution import FrictionSolution
 
 BORDER_POINTS = 8  # on each edge of a facet
 FACET_SIDES = {
@@ -27,7 +25,6 @@ FACET_SIDES = {
 def findings(
     fields: Fields,
     frame: Frame,
-    friction_solution: FrictionSolution | None = None,
     *,
     parabolic: bool = False,
 ) -> Findings:
@@ -37,7 +34,6 @@ def findings(
     fields: the solution, in which some contact points carry pressure.
     frame: axes at the first contact; those of the most loaded patch are used instead where it has a
         plane of its own (`contact_frame`).
-    friction_solution: solution with friction, or None.
     parabolic: whether Hertz's theory is exact, that is for elastic half-spaces whose gap is
         quadratic; second moments of the pressure then give the semi-axes.
     Subject, notes and dissipated energy of the findings are left at their defaults.
@@ -51,7 +47,7 @@ def findings(
         reading = patch.read(fields, separate, frame, parabolic=parabolic)
     found, shape = reading.patch, reading.moments
     size = shape.a if flat else min(found.a, found.b)
-    stress = body_stresses.read(fields, frame, found.centre, size, separate[1:], friction_solution)
+    stress = body_stresses.read(fields, frame, found.centre, size, separate[1:])
     elements = elements_across(fields, frame, found)
     return Findings(
         frame=frame,
@@ -69,7 +65,6 @@ def findings(
         noise=noise(fields, reading.recovered_pressure),
         elements_across=elements,
         edge_distance=edge_distance(fields, found, stress.edges),
-        unread_peak=0.0 if flat else friction.unread_peak(friction_solution, min(elements) / 2),
     )
 
 

@@ -24,8 +24,9 @@ from railhead.postprocess.findings import (
     Surface,
     has_own_plane,
 )
-from railhead.postprocess.friction import unread_peak
+from railhead.postprocess.friction import AT_SURFACE
 from railhead.postprocess.patch import compare
+from railhead.solver.system.solution import GridTraction
 from railhead.theory.bem import grid_stress
 from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
@@ -37,8 +38,11 @@ if TYPE_CHECKING:
 
 SurfaceMap = Callable[[Array, Array], Array]
 """Places x (n,), s (n,), mm, on the developed surface -> points (n, 3) in space, mm."""
+Search = Callable[..., list[tuple[Array, float]]]
+"""`grid_stress.peaks` or `grid_stress.at_surface`."""
 DEEP = 3.0  # smaller half lengths: end of the axes below the patches
 DEPTHS = 61  # points on each of them
+STRIP, LONG = 128, 1e4  # cells along a section; length of cells across it over its patch
 LINES = 65  # of the grid on which an exact pressure is drawn, each way
 
 
@@ -164,33 +168,136 @@ def with_rigid_bodies(found: Findings, poisson: Mapping[str, float]) -> Findings
 
 def with_tractions(
     found: Findings,
-    windows: Sequence[PatchSolution],
+    sheared: Sequence[tuple[PatchSolution, Array]],
     points: SurfaceMap,
     poisson: Mapping[str, float],
-    tractions: Sequence[Array],
-    friction: FrictionSolution,
+    coarse: Sequence[tuple[PatchSolution, Array]],
 ) -> Findings:
     """Findings with stresses, largest ones and those on depth axes, by pressure and tractions
-    together, and the error of the largest ones at the border of stick; all else stays. windows,
-    points, poisson, tractions: as in `largest`. friction: the solution with these tractions.
+    together, and the change of the largest ones from coarser grids; all else stays. sheared,
+    coarse: windows and their tractions, and as they are on coarser grids. points, poisson,
+    tractions: as in `largest`.
     """
+    windows, tractions = zip(*sheared, strict=True)
     parts = [part for window in windows for part in window.separate()]
     parts = sorted(parts, key=lambda part: -part.force)[: 1 + len(found.also)]
     axes = [
         {body: _below(windows, part, points, body, nu, tractions) for body, nu in poisson.items()}
         for part in parts
     ]
-    cells = min(
-        half / (axis[1] - axis[0])
-        for half, axis in zip(parts[0].half_extents, (parts[0].x, parts[0].s), strict=True)
-    )
+    fine = largest(windows, points, poisson, tractions)
+    others, sheared_less = zip(*coarse, strict=True)
+    before = largest(others, points, poisson, sheared_less)
     return replace(
         found,
-        largest=largest(windows, points, poisson, tractions),
+        largest=fine,
         depth=axes[0],
         also=tuple(axis[found.axis.body] for axis in axes[1:]),
-        unread_peak=unread_peak(friction, cells),
+        surface_error=_changes(fine, before, fine),
     )
+
+
+def with_surface(
+    found: Findings, friction: FrictionSolution, poisson: Mapping[str, float], *, section: bool
+) -> Findings:
+    """Findings of finite elements with the largest stresses of half-spaces under the pressure and
+    the tractions of grids, which resolve the border of stick, where these are larger just below the
+    surface. Where those of the elements are that near to it, half-spaces replace them. Unchanged
+    without grids. poisson: Poisson's ratio by body. section: whether it is one of plane strain.
+    """
+    if section:
+        friction = _on_strips(friction, found.frame)
+    if not friction.grids or friction.coarse is None:
+        return found
+    deep = AT_SURFACE * min(found.patch.a, found.patch.b)
+    peaks = [peak for each in found.largest.values() for peak in (each.tau, each.von_mises)]
+    near = min(peak.depth for peak in peaks) < deep
+    search = grid_stress.peaks if near else grid_stress.at_surface
+    fine, coarse = (_of_grids(each, poisson, search) for each in (friction, friction.coarse))
+
+    def shown(own: Peak, other: Peak) -> Peak:
+        """Of the peaks of elements and of half-spaces the one that counts."""
+        return other if own.depth < deep or other.value > own.value else own
+
+    both = {
+        body: replace(
+            each,
+            tau=shown(each.tau, fine[body].tau),
+            von_mises=shown(each.von_mises, fine[body].von_mises),
+        )
+        for body, each in found.largest.items()
+    }
+    return replace(found, largest=both, surface_error=_changes(fine, coarse, both))
+
+
+def _on_strips(friction: FrictionSolution, frame: Frame) -> FrictionSolution:
+    """Friction of a section with grids of two long cells across it, 128 (STRIP) and half as many
+    along it, to which pressure and tractions of its points are interpolated. Points on one side of
+    a symmetry plane have images, whose tractions are the other way round.
+    """
+    local, traction = frame.local(friction.points), friction.traction @ frame.axes.T
+    axis = int(np.argmax(np.ptp(local[:, :2], axis=0)))
+    t, known = local[:, axis], np.stack([friction.pressure, traction[:, axis]])
+    touches = friction.pressure > 0
+    if not touches.any() or not (t[touches].min() < 0 < t[touches].max()):
+        t, known = np.append(t, -t), np.hstack([known, known * [[1.0], [-1.0]]])
+        touches = np.append(touches, touches)
+    order, (low, high) = np.argsort(t), (t[touches].min(), t[touches].max())
+    axes = frame.axes if axis == 0 else frame.axes[[1, 0, 2]] * [[1.0], [-1.0], [1.0]]
+    grids = []
+    for cells in (STRIP // 2, STRIP):
+        x = low + (high - low) * (np.arange(cells) + 0.5) / cells
+        y = LONG * (high - low) * np.array([-0.25, 0.25])
+        pressure, q = (
+            np.repeat(np.interp(x, t[order], each[order])[:, None], 2, 1) for each in known
+        )
+        grids.append(
+            GridTraction(
+                origin=np.array(frame.origin),
+                axes=axes,
+                x=x,
+                y=y,
+                pressure=pressure,
+                traction=np.stack([q, 0 * q]),
+            )
+        )
+    coarse, fine = ((each,) for each in grids)
+    return replace(friction, grids=fine, coarse=replace(friction, grids=coarse))
+
+
+def _of_grids(
+    friction: FrictionSolution, poisson: Mapping[str, float], search: Search
+) -> dict[str, Largest]:
+    """Largest stresses by body of half-spaces under grids of tractions, found by `search`."""
+    found: dict[str, Largest] = {}
+    for grid in friction.grids:
+        none = np.zeros_like(grid.pressure)
+        window = PatchSolution(grid.x, grid.y, np.zeros_like(grid.y), grid.pressure, none, 0.0)
+
+        def points(x: Array, s: Array, grid: GridTraction = grid) -> Array:
+            """Points (n, 3) in space, mm, at places of the grid's plane."""
+            return np.asarray(grid.origin + np.column_stack([x, s]) @ grid.axes[:2])
+
+        here = largest([window], points, poisson, [grid.traction], search)
+        for body, each in here.items():
+            if body not in found or each.von_mises.value > found[body].von_mises.value:
+                found[body] = each
+    return found
+
+
+def _changes(
+    fine: Mapping[str, Largest], coarse: Mapping[str, Largest], printed: Mapping[str, Largest]
+) -> dict[str, float]:
+    """Relative errors of the largest printed stresses by key of summary.json: how far those of the
+    finer grid, and their change from the coarser one, lie above; of the body that has the largest.
+    """
+    errors = {}
+    for key, name in (("tau_max_MPa", "tau"), ("von_mises_max_MPa", "von_mises")):
+        one, two, shown = (
+            max(getattr(each, name).value for each in of.values()) for of in (fine, coarse, printed)
+        )
+        errors[key] = max(one + abs(one - two) - shown, 0.0) / shown
+    return errors
 
 
 def largest(
@@ -198,6 +305,7 @@ def largest(
     points: SurfaceMap,
     poisson: Mapping[str, float],
     tractions: Sequence[Array] | None = None,
+    search: Search = grid_stress.peaks,
 ) -> dict[str, Largest]:
     """Largest stresses by body below windows that do not overlap, each by its own pressure and
     tractions alone.
@@ -205,6 +313,7 @@ def largest(
     points: maps x, s (n,) to points (n, 3) on the surface, mm. poisson: Poisson's ratio by body.
     tractions: of the wheel on the rail along x and s in each window, (2, nx, ns), MPa; None: no
         tractions.
+    search: how, in one window.
     """
     searched: dict[tuple[float, float], list[list[tuple[Array, float]]]] = {}
     pressed = [number for number, window in enumerate(windows) if window.pressure.any()]
@@ -215,7 +324,7 @@ def largest(
         if (nu, drag) not in searched:
             sheared = [None if tractions is None else drag * tractions[k] for k in pressed]
             searched[nu, drag] = [
-                grid_stress.peaks(windows[k], nu, traction)
+                search(windows[k], nu, traction)
                 for k, traction in zip(pressed, sheared, strict=True)
             ]
         both = []

@@ -124,13 +124,16 @@ class Plan:
 
     @property
     def family(self) -> Family | None:
-        """Family of calibrated error envelopes whose laws hold for this plan. None with effects
-        `beyond_envelopes`; where half-spaces answer without a mesh; and where no family was
-        calibrated for such a model. Half-spaces that are meshed have a family of their own, and so
-        have bodies that yield.
+        """Family of calibrated error envelopes whose laws hold for this plan. None where an effect
+        is simulated without which they were calibrated, but for friction on grids, which leaves
+        patch and pressure as they are; where half-spaces answer without a mesh; and where no family
+        was calibrated for such a model. Half-spaces that are meshed have a family of their own, and
+        so have bodies that yield.
         """
-        none = self.beyond_envelopes or self.by_half_spaces
-        return None if none else error_envelopes.family(self.setting)
+        rules = effects.EFFECTS
+        beyond = [n for n, each in self.effects.items() if each.on and rules[n].beyond_envelopes]
+        none = self.by_half_spaces or (self.condenses and "friction" in beyond)
+        return None if none or {*beyond} - {"friction"} else error_envelopes.family(self.setting)
 
     @property
     def by_half_spaces(self) -> bool:

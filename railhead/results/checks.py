@@ -21,7 +21,12 @@ from railhead.planning import effects
 from railhead.planning.error_envelopes import RANGE
 from railhead.planning.sizing import LINEAR_REFINEMENT
 from railhead.postprocess.findings import Frame
-from railhead.run.estimates import Estimate, largest_error, resolved_values
+from railhead.run.estimates import (
+    Estimate,
+    largest_bound,
+    largest_error,
+    resolved_values,
+)
 from railhead.run.half_spaces.answer import HalfSpaceSolution, Solved
 from railhead.run.half_spaces.normal_contact import CELLS
 from railhead.run.mesh_solution import MeshSolution
@@ -56,6 +61,7 @@ SOLVER = (
     "try solver.gamma_factor=1, solver.method=nitsche with solver.theta=1, a smaller "
     "mesh.patch_size, or solver.linear=direct"
 )
+USELESS = 0.25  # relative: an estimate beyond says that the number says little; a choice
 COMPARED = [each.key for each in QUANTITIES if each.compared]
 """Quantities held against a second method, as far as it has them and knows what it leaves out."""
 SECOND = "second_opinion"  # begins the names of those checks
@@ -122,6 +128,10 @@ def run(
         checks += physics(solved)
         checks += pressure_over_mean(elastic, estimates)
         checks += second_method(elastic, estimates, second)
+    if solved.result is not None:
+        bound = {key: each.value_error for key, each in estimates.items()}
+        unread = solved.result.get("friction", {}).get("below_resolution", ())
+        checks += useful({key: bound[key] for key in bound.keys() - {*unread}}, FINER)
     if reached is not None:
         error, wanted = largest_error(estimates, solved), float(solved.plan.scene.accuracy or 0.0)
         checks.append(
@@ -250,6 +260,21 @@ def equations(solved: MeshSolution) -> Iterator[Check]:
             limit=0.0,
             source=f"Newton's method without the load: {last.reason}",
             advice=SOLVER,
+        )
+
+
+def useful(bound: Mapping[str, float], advice: str) -> Iterator[Check]:
+    """Check of the largest estimate, by key of summary.json, against a quarter (USELESS); none
+    without estimates.
+    """
+    if bound:
+        key = max(bound, key=lambda each: bound[each])
+        yield Check(
+            name="estimates",
+            value=bound[key],
+            limit=USELESS,
+            source=f"that of {key}; a number that may be a quarter off says little",
+            advice=advice,
         )
 
 
@@ -442,11 +467,12 @@ def half_spaces(solved: HalfSpaceSolution, bound: dict[str, float]) -> Iterator[
         source="the load that the pressure carries",
         advice=BODIES,
     )
+    yield from useful(bound, BODIES)
     wanted = solved.plan.scene.accuracy
     if wanted is not None:
         yield Check(
             name="accuracy",
-            value=max(bound.values()),
+            value=largest_bound(bound),
             limit=wanted,
             source="asked",
             advice=BODIES,

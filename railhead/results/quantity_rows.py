@@ -13,8 +13,8 @@ from railhead.scene.scene import dotted
 Cell = float | str | None
 Row = dict[str, Cell]
 """Cells by column: "quantity", "unit", "FE" and what stands beside it; None where there is none.
-Where half-spaces are the answer, "FE" is "half-spaces". "estimate" is a relative error, or the
-words "below resolution"."""
+Where half-spaces are the answer, "FE" is "half-spaces". "estimate" is a relative error, or a word
+why there is none: "below resolution", "given", "no law" (of errors)."""
 
 ROUNDING = 1e-9  # of friction times load: a force below it is 0
 FIRST = ("quantity", "unit")
@@ -52,8 +52,9 @@ def rows(summary: Mapping[str, Any], table: str) -> list[Row]:
         return []
     answer = ANSWERS[summary.get("method") == ANSWERS[1]]
     friction = result.get("friction") or {}
-    unresolved = dict.fromkeys(friction.get("below_resolution", ()), "below resolution")
-    within = summary["accuracy"]["bound"] | unresolved
+    within = summary["accuracy"]["bound"] | dict.fromkeys(friction.get("given", ()), "given")
+    within |= dict.fromkeys(friction.get("below_resolution", ()), "below resolution")
+    limit = friction.get("limit_N", 0.0)
     others: dict[str, Any] = {}
     if table == "contact":
         others = {"half-space": summary.get("half_space"), "Hertz": summary["hertz"]}
@@ -72,12 +73,18 @@ def rows(summary: Mapping[str, Any], table: str) -> list[Row]:
         if each.key.endswith("depth_mm"):
             least = NO_DEPTH * result["patch"]["a_mm"]
         elif each.unit in ("N", "N mm"):  # of a moment over an arm of 1 mm
-            least = ROUNDING * friction.get("limit_N", 0.0)
+            least = ROUNDING * limit
+        value = _cell(each.value(result), least)
+        error = within.get(each.key, within.get(each.like))
+        if isinstance(value, float) and isinstance(error, float) and each.over_friction_limit:
+            error = error * limit / abs(value) if value else None
+        elif isinstance(value, float) and error is None and table != "load":
+            error = "no law" if value else None
         row: Row = {
             "quantity": each.label,
             "unit": each.unit,
-            answer: _cell(each.value(result), least),
-            "estimate": within.get(each.key),
+            answer: value,
+            "estimate": error,
             **{name: _cell(each.value(of), least) for name, of in others.items()},
         }
         if table == "contact":

@@ -9,6 +9,7 @@ The estimate of a quantity is the sum of
     geometry      contact points off the exact surface, over the smaller semi-axis
     load_steps    what more load steps would change where bodies yield
     algebraic     the residual of Newton's method, with what it moves a quantity by at most
+    grid          of friction: the changes from grid to grid of the tractions
     profile       what the noise of measured profiles hides (`planning.error_envelopes`)
 
 Estimates are relative to the value, those of forces by friction to mu N. An accuracy that a scene
@@ -20,7 +21,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from railhead.planning.effects import material
@@ -28,7 +29,7 @@ from railhead.planning.error_envelopes import STEP, Family, drop_beside_maximum
 from railhead.postprocess.findings import RIVAL, Findings
 from railhead.postprocess.friction import MOTION
 from railhead.run.mesh_solution import MeshSolution
-from railhead.run.quantities import QUANTITIES, SCATTER, numeric_values
+from railhead.run.quantities import ESTIMATED, QUANTITIES, SCATTER, numeric_values
 from railhead.theory.elastic.subsurface import max_shear
 
 # Error over the change between two meshes a step apart; first order leaves 1/(STEP - 1) = 1.67.
@@ -57,6 +58,7 @@ class Estimate:
     load_steps: error of the load steps where bodies yield.
     algebraic: effect of the residual that Newton's method leaves.
     profile: effect of the noise of measured profiles.
+    grid: of quantities of friction, the error of the grids of their tractions.
     flatness: where the quantity is the depth of a maximum, half the range of depths in which values
         are close to that maximum, over its depth; None for other quantities.
     """
@@ -69,15 +71,16 @@ class Estimate:
     load_steps: float = 0.0
     algebraic: float = 0.0
     profile: float = 0.0
+    grid: float = 0.0
     flatness: float | None = None
 
     @property
     def parts(self) -> dict[str, float]:
-        """All parts by name, without `flatness`; "load_steps" and "profile" only where they are not
-        zero.
+        """All parts by name, without `flatness`; "load_steps", "profile" and "grid" only where they
+        are not zero.
         """
         values = {name: value for name, value in vars(self).items() if name != "flatness"}
-        optional = ("load_steps", "profile")
+        optional = ("load_steps", "profile", "grid")
         return {name: value for name, value in values.items() if value or name not in optional}
 
     @property
@@ -95,14 +98,40 @@ class Estimate:
         return drop_beside_maximum((self.total - self.reading) / self.flatness)
 
 
+NONE = Estimate(mesh=0.0, reading=0.0, contact_law=0.0, left_out=0.0, geometry=0.0)
+
+
 def largest_error(estimated: Mapping[str, Estimate], solved: MeshSolution) -> float:
     """Largest `value_error` of the estimates by key, which is compared with a wanted accuracy;
     infinite off rank 0, where nothing touches, and where a quantity that the mesh resolves has no
     estimate.
     """
-    if solved.result is None or set(estimated) != set(resolved_values(solved)):
+    wanted = {} if solved.result is None else resolved_values(solved)
+    if not wanted or not wanted.keys() <= estimated.keys():
         return math.inf
-    return max((each.value_error for each in estimated.values()), default=math.inf)
+    return max(estimated[key].value_error for key in wanted)
+
+
+def largest_bound(bound: Mapping[str, float]) -> float:
+    """Largest error, by key of summary.json, of what is compared with a wanted accuracy: sizes,
+    values and forces, and the motion where a force is given.
+    """
+    keys = {*ESTIMATED, *FRICTION_SHARES, *(key for names in MOTION.values() for key in names)}
+    return max(bound[key] for key in bound.keys() & keys)
+
+
+def of_grids(solved: MeshSolution) -> float:
+    """Largest relative error that the grids of tractions leave, on any mesh, of what is compared
+    with a wanted accuracy: the largest stresses, and forces over mu N; 0 off rank 0.
+    """
+    if solved.findings is None or solved.result is None:
+        return 0.0
+    grids = friction_errors(solved.result.get("friction", {}), 1.0, 0.0, 0.0)
+    keys = friction_values(solved)
+    return max(
+        (*solved.findings.surface_error.values(), *(grids[k][1] for k in grids if k in keys)),
+        default=0.0,
+    )
 
 
 def resolved_values(solved: MeshSolution) -> dict[str, float]:
@@ -164,8 +193,8 @@ def reading_errors(found: Findings, tolerance: float = RIVAL) -> dict[str, float
 
     For the depth of the largest shear stress: the distance over that depth to other maxima that are
     lower by less than `tolerance` (relative); infinite at the surface. For the largest stresses:
-    the peak that no point reads (`Findings.unread_peak`), and, where the patch is not Hertz's,
-    twice (RIDGE_STRESS_FACTOR) the error of the largest pressure.
+    the grid of tractions (`Findings.surface_error`), and, where the patch is not Hertz's, twice
+    (RIDGE_STRESS_FACTOR) the error of the largest pressure.
     """
     peaks = {body: each.tau for body, each in found.largest.items()}
     top = max(peaks.values(), key=lambda peak: peak.value)
@@ -178,8 +207,32 @@ def reading_errors(found: Findings, tolerance: float = RIVAL) -> dict[str, float
     errors = {key: found.patch.scatter[name] for key, name in SCATTER.items()}
     # The stress below a ridge of the pressure is as uncertain as the ridge.
     ridge = 0.0 if found.hertzian else RIDGE_STRESS_FACTOR * found.patch.scatter["max_pressure"]
-    errors |= {each.key: ridge + found.unread_peak for each in QUANTITIES if each.ridge_stress}
+    keys = [each.key for each in QUANTITIES if each.ridge_stress]
+    errors |= {key: ridge + found.surface_error.get(key, 0.0) for key in keys}
     return {**errors, "tau_max_depth_mm": apart / top.depth if top.depth else math.inf}
+
+
+def friction_errors(
+    friction: Mapping[str, Any], used: float, area: float, pressure: float
+) -> dict[str, tuple[float, float]]:
+    """Errors of the numbers of friction by key of summary.json, of forces over mu N, others
+    relative: what the error of the patch changes, and that of the grids of the tractions. Without
+    numbers that are given or 0, and empty without grids.
+
+    friction: entry of "result". used: sum of the sizes of all tractions over mu N, 0 to 1. area,
+        pressure: relative errors of the area and of the largest pressure.
+    """
+    errors = {}
+    for key in friction.get("grid_error", {}).keys() - {"limit_N", "coefficient"}:
+        value, change = abs(friction[key]), friction["grid_error"][key]
+        if key in friction["given"] or not value:
+            continue
+        if key in FRICTION_SHARES:
+            errors[key] = used * area, change / friction["limit_N"]
+        else:
+            more = {"moment_Nmm": area / 2, "traction_max_MPa": pressure}
+            errors[key] = area + more.get(key, 0.0), change / value
+    return errors
 
 
 Numbers = Mapping[str, float]
@@ -323,4 +376,14 @@ def estimate(meshes: Sequence[MeshSolution]) -> tuple[dict[str, Estimate], str]:
         )
         for name, mesh in parts.items()
     }
+    if solved.solution.friction is not None and "area_mm2" in estimates:
+        used = solved.solution.friction.used
+        patch = [estimates[key].total for key in ("area_mm2", "max_MPa")]
+        still = solved.result["friction"].get("resolution", {})
+        for name, (mesh, grid) in friction_errors(solved.result["friction"], used, *patch).items():
+            over = abs(solved.result["friction"][name])
+            over = solved.solution.friction.friction_limit if name in FRICTION_SHARES else over
+            mesh += abs(still.get(name, 0.0)) / over if name != "stick_share" else 0.0
+            parts_of = estimates.get(name, NONE)
+            estimates[name] = replace(parts_of, mesh=max(mesh, parts_of.mesh), grid=grid)
     return {name: each for name, each in estimates.items() if math.isfinite(each.total)}, source

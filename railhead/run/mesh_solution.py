@@ -132,11 +132,11 @@ class MeshSolution:
     @property
     def family(self) -> Family | None:
         """Calibrated error envelopes that hold for this solution, with the shape of the solved
-        patch; None where there are none, as with friction. With yield, off rank 0, and where
-        nothing touches, those of the plan.
+        patch; None where there are none. With yield, off rank 0, and where nothing touches, those
+        of the plan.
         """
         plan, found = self.plan, self.findings
-        if found is None or not plan.elastic_laws_hold:
+        if found is None or plan.family is None or plan.effects["plasticity"].on:
             return plan.family
         return error_envelopes.family(replace(plan.setting, ellipse=found.hertzian))
 
@@ -287,9 +287,14 @@ def _read(solved: MeshSolution) -> MeshSolution:
     frame, unlike = plan.contact.frame, interface.unlike(plan.context)
     elastic = solution.plasticity is None and not (unlike and solution.friction is not None)
     parabolic = plan.contact.half_space and elastic
-    findings = read.findings(fields, frame, solution.friction, parabolic=parabolic)
+    findings = read.findings(fields, frame, parabolic=parabolic)
     if plan.rigid:
         findings = half_space.with_rigid_bodies(findings, plan.rigid)
+    if solution.friction is not None:
+        section = plan.plane_model and not fields.kinematics.revolved
+        findings = half_space.with_surface(
+            findings, solution.friction, plan.poisson_ratios, section=section
+        )
     result = compare.from_findings(findings, solution.load, solution.approach)
     if solution.friction is not None:
         findings, result["friction"] = read_friction(plan, findings, solution.friction)
@@ -312,6 +317,12 @@ def read_friction(
     if plan.condenses and not (plan.plane_model or plan.by_half_spaces):
         unread = {*quantities["below_resolution"], *friction.AT_NODES}
         quantities["below_resolution"] = sorted(unread)
+    forces = zip(plan.scene.tangential_forces[1:], ("along", "across"), strict=True)
+    motions = friction.MOTION[rolling.prescribed]
+    quantities["given"] = [motions[2]] + [
+        f"force_{way}_N" if force else motion
+        for (force, way), motion in zip(forces, motions[:2], strict=True)
+    ]
     return replace(found, dissipated=quantities.get("t_gamma_N", math.nan)), quantities
 
 

@@ -34,6 +34,7 @@ class Quantity:
         without one from the scatter of three meshes. Not set for friction:
         `estimates.friction_values` chooses those that are estimated as well.
     over_friction_limit: whether its errors are relative to mu N and not to the value.
+    like: key of the quantity whose relative error it has, where it has no estimate of its own.
     scatter: name in `Patch.scatter` of the difference between two readings; empty: none.
     ridge_stress: whether it is a largest stress in the bodies, whose reading error follows from
         that of the largest pressure (`estimates.reading_errors`).
@@ -50,6 +51,7 @@ class Quantity:
     bound: str = ""
     estimated: bool = False
     over_friction_limit: bool = False
+    like: str = ""
     scatter: str = ""
     ridge_stress: bool = False
     compared: bool = False
@@ -137,7 +139,7 @@ class PressureQuantities:
         scatter="max_pressure",
         compared=True,
     )
-    mean: float = quantity("mean_MPa", "MPa", "mean pressure", column="p_mean")
+    mean: float = quantity("mean_MPa", "MPa", "mean pressure", column="p_mean", like="area_mm2")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -350,7 +352,11 @@ class FrictionQuantities:
         "wear_number_N", "N", "T-gamma without spin, worst patch", column="wear number"
     )
     t_gamma_over_area: float | None = steel(
-        "t_gamma_over_area_MPa", "N/mm2", "T-gamma over the area", column="T-gamma/area"
+        "t_gamma_over_area_MPa",
+        "N/mm2",
+        "T-gamma over the area",
+        column="T-gamma/area",
+        like="t_gamma_N",
     )
     wear_regime: str | None = steel(
         "wear_regime", "", "   wear by it (R8T on 900A)", column="wear regime"
@@ -359,14 +365,16 @@ class FrictionQuantities:
     von_mises_max_depth: float = steel("von_mises_max_depth_mm")
     von_mises_max_at: str = steel("von_mises_max_at", "", "where von Mises stress is largest")
     traction_coefficient: float | None = steel(
-        "traction_coefficient", "", "tangential over normal force"
+        "traction_coefficient", "", "tangential over normal force", like="t_gamma_N"
     )
-    first_yield_p0_over_k: float | None = steel("first_yield_p0_over_k", "", "p0/k at first yield")
+    first_yield_p0_over_k: float | None = steel(
+        "first_yield_p0_over_k", "", "p0/k at first yield", like="von_mises_max_MPa"
+    )
     shakedown_limit_p0_over_k: float | None = steel(
         "shakedown_limit_p0_over_k", "", "p0/k at which a line shakes down"
     )
     shear_yield: float | None = steel("shear_yield_MPa", "MPa", "yield stress in shear k")
-    p0_over_k: float | None = steel("p0_over_k", "", "p0/k", column="p0/k")
+    p0_over_k: float | None = steel("p0_over_k", "", "p0/k", column="p0/k", like="max_MPa")
     surface_fatigue_index: float | None = steel(
         "surface_fatigue_index", "", "surface fatigue index", column="surface fatigue index"
     )

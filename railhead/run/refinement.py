@@ -83,6 +83,9 @@ def refine(
             return meshes, Ending(
                 f"the measured profile leaves {plan.profile_error:.1%} open on any mesh"
             )
+        fixed = comm.bcast(estimates.of_grids(done))
+        if fixed >= (scene.accuracy or math.inf):
+            return meshes, Ending(f"the grids of tractions leave {fixed:.1%} open on any mesh")
         if len(meshes) > 1 and scene.accuracy is None and math.isfinite(worst):
             limit = scene.budget or 0.0
             over = f"the least that gives an estimate took {spent:.1f} s, over the budget"

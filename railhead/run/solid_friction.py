@@ -23,6 +23,7 @@ from petsc4py import PETSc
 
 from railhead.postprocess.friction import at_cells
 from railhead.postprocess.patch.patch import SmoothPatch, smooth_patches
+from railhead.run.half_spaces.tangential_contact import CELLS
 from railhead.scene.scene import SceneError
 from railhead.solver.algebra.linear import StalledError
 from railhead.solver.contact import ContactModel, condensed_friction
@@ -32,12 +33,13 @@ from railhead.solver.friction.surface_response import SurfacePoints, SurfaceResp
 from railhead.solver.system.contact_system import LoadCase
 from railhead.solver.system.fields import Fields, gather
 from railhead.solver.system.response import ElasticResponse
-from railhead.solver.system.solution import FrictionSolution, Solution
+from railhead.solver.system.solution import FrictionSolution, GridTraction, Solution
 from railhead.theory.array_types import Array
 from railhead.theory.friction.rolling import (
     Creepage,
     HalfSpaceFriction,
     TangentialSolution,
+    cells_over,
     solve_for_forces,
 )
 from railhead.theory.friction.smooth_tractions import SmoothTractions
@@ -45,8 +47,7 @@ from railhead.theory.friction.tangential import MaterialPair, TractionInfluence,
 
 Stage = Callable[[str], None]
 """Called with what is being done, in words."""
-CELLS = 64  # of a patch, each way
-MARGIN = 1.04  # of the grid over the patch, which tractions may widen
+MORE = 2  # cells beside the patch, which tractions may widen
 CELLS_PER_EDGE = 4  # of an element: larger cells act as point forces on the elements
 TURNS, TURN_TOLERANCE = 30, 1e-5  # of the tractions of several patches, over mu N
 PRESSINGS, PRESS_TOLERANCE = 8, 1e-3  # of tractions and pressure, over mu N
@@ -57,7 +58,7 @@ class GridPatch:
     """Grid over one patch in its tangent plane, and the smooth tractions around it.
 
     patch: frame, symmetry planes and smooth pressure of the patch.
-    x, y: cell centres (CELLS,) along x and s of the patch's frame, mm.
+    x, y: cell centres (nx,), (ny,) along x and s of the patch's frame, mm.
     points: points of the surfaces on the normals of the plane through the parts of the cells.
     divided: number of parts of a cell each way.
     modes: rigid slip (4, 2, nx, ny) along the tangents at the cells, in the four motions and units
@@ -69,18 +70,32 @@ class GridPatch:
         where the surfaces end.
     smooth: smooth tractions.
     around: points of the surfaces on the normals through the cells of the smooth tractions.
+    rest: slip (2, nx, ny) up to the end of the last load step, mm; zero of bodies that roll.
+    pressed: pressure (nx, ny), MPa; of the last `press`.
     """
 
-    def __init__(self, patch: SmoothPatch, response: SurfaceResponse, edge: float) -> None:
-        """Collective. response: of the pressed bodies. edge: mean length of element edges, mm."""
-        frame = patch.frame
+    pressed: Array
 
-        def axes(count: int) -> list[Array]:
-            """Centres of `count` cells along each axis."""
-            ticks = (2 * np.arange(count) + 1) / count - 1
+    def __init__(
+        self, patch: SmoothPatch, response: SurfaceResponse, edge: float, cells: int
+    ) -> None:
+        """Collective. response: of the pressed bodies. edge: mean length of element edges, mm.
+        cells: number over the patch each way (`cells_over`).
+        """
+        frame = patch.frame
+        numbers = cells_over(patch.half, cells)
+
+        def axes(divided: int) -> list[Array]:
+            """Centres of cells along each axis, each divided into so many."""
             return [
-                middle + MARGIN * half * ticks
-                for middle, half in zip(patch.centre, patch.half, strict=True)
+                middle + half * ((2 * np.arange(-more, count + more) + 1) / count - 1)
+                for middle, half, count, more in zip(
+                    patch.centre,
+                    patch.half,
+                    [divided * each for each in numbers],
+                    [divided * MORE] * 2,
+                    strict=True,
+                )
             ]
 
         def on_surfaces(x: Array, y: Array) -> SurfacePoints:
@@ -90,16 +105,18 @@ class GridPatch:
 
         largest = edge / CELLS_PER_EDGE
         self.patch = patch
-        self.divided = max(1, int(np.ceil(2 * MARGIN * max(patch.half) / CELLS / largest)))
-        self.points = on_surfaces(*axes(CELLS * self.divided))
-        self.x, self.y = axes(CELLS)
-        cells, grid = on_surfaces(self.x, self.y), (CELLS, CELLS)
-        slip = response.settings.rigid_slip(cells.points)
-        modes = np.nan_to_num(np.einsum("mnc,nkc->nmk", slip, cells.tangents))
-        self.modes = cells.spread(modes).reshape(*grid, 4, 2).transpose(2, 3, 0, 1)
-        self.tangents = cells.spread(cells.tangents).reshape(*grid, 2, 3)
-        self.places = cells.spread(cells.points).reshape(*grid, 3)
+        widest = max(2 * h / n for h, n in zip(patch.half, numbers, strict=True))
+        self.divided = max(1, int(np.ceil(widest / largest)))
+        self.points = on_surfaces(*axes(self.divided))
+        self.x, self.y = axes(1)
+        middles, grid = on_surfaces(self.x, self.y), (self.x.size, self.y.size)
+        slip = response.settings.rigid_slip(middles.points)
+        modes = np.nan_to_num(np.einsum("mnc,nkc->nmk", slip, middles.tangents))
+        self.modes = middles.spread(modes).reshape(*grid, 4, 2).transpose(2, 3, 0, 1)
+        self.tangents = middles.spread(middles.tangents).reshape(*grid, 2, 3)
+        self.places = middles.spread(middles.points).reshape(*grid, 3)
         self.friction = response.settings.coefficient(self.places.reshape(-1, 3)).reshape(grid)
+        self.rest = np.zeros_like(self.modes[0])
         self.smooth = SmoothTractions(patch.centre, patch.half, largest)
         self.around = on_surfaces(self.smooth.x, self.smooth.y)
 
@@ -108,13 +125,14 @@ class GridPatch:
         """Area of a cell, mm2."""
         return float((self.x[1] - self.x[0]) * (self.y[1] - self.y[0]))
 
-    def pressure(self, patch: SmoothPatch) -> Array:
-        """Pressure (nx, ny), MPa, of a state of the patch in the cells, scaled to the normal force
-        of that state; zero where the surfaces end.
+    def press(self, patch: SmoothPatch) -> None:
+        """Make `pressed` that of a state of the patch, scaled to the normal force of that state;
+        zero where the surfaces end.
         """
-        smooth = patch.pressure(self.patch.frame, _places(self.x, self.y)).reshape(CELLS, CELLS)
-        pressure = np.where(self.tangents.any(axis=(2, 3)), smooth, 0.0)
-        return np.asarray(pressure * (patch.force / (self.cell * pressure.sum())))
+        smooth = patch.pressure(self.patch.frame, _places(self.x, self.y))
+        inside = self.tangents.any(axis=(2, 3))
+        pressure = np.where(inside, smooth.reshape(inside.shape), 0.0)
+        self.pressed = pressure * (patch.force / (self.cell * pressure.sum()))
 
     def forces(self, traction: Array) -> Array:
         """Forces (n, 2) along the tangents, N, at the places of `points`, of a traction (2, nx,
@@ -134,9 +152,7 @@ class SolidFriction:
     pair: materials of both bodies.
     response: response of the pressed bodies to tractions.
     patches: grids over the patches.
-    pressures: pressure (nx, ny) of each patch, MPa.
-    rest: slip (2, nx, ny) of each patch up to the end of the last load step, mm; zero of bodies
-        that roll.
+    coarse: the same with half as many cells each way, and half of those, the coarsest first.
     steps: largest number of Newton's steps on the tractions.
     """
 
@@ -161,10 +177,10 @@ class SolidFriction:
         self.pair = material_pair(model)
         self.response = SurfaceResponse(model, self.settings, pressed)
         edge = self.response.edge
-        self.patches = [GridPatch(patch, self.response, edge) for patch in smooth]
-        pairs = zip(self.patches, smooth, strict=True)
-        self.pressures = [each.pressure(patch) for each, patch in pairs]
-        self.rest = [np.zeros_like(each.modes[0]) for each in self.patches]
+        *self.coarse, self.patches = (
+            [GridPatch(patch, self.response, edge, cells) for patch in smooth] for cells in CELLS
+        )
+        self._press(smooth)
         count = len(self.patches)
         self._still = np.zeros((count, 20))
         self._added = np.zeros((count, count, 20, 6))
@@ -229,6 +245,7 @@ class SolidFriction:
         *,
         modes: float = 1.0,
         start: list[TangentialSolution] | None = None,
+        patches: list[GridPatch] | None = None,
     ) -> list[TangentialSolution]:
         """Tractions of all patches under one rigid motion, on every rank. Raises ValueError where
         they do not settle. Their moments are kept: the next call starts from them.
@@ -238,8 +255,10 @@ class SolidFriction:
             where the motion is prescribed.
         modes: factor on the rigid slip.
         start: similar tractions to begin with.
+        patches: the grids; None: the fine ones.
         """
         along, across = forces
+        patches = patches or self.patches
         others = self._added * (1 - np.eye(len(self.patches)))[:, :, None, None]
         found: list[TangentialSolution] = []
         for _ in range(TURNS):
@@ -249,21 +268,21 @@ class SolidFriction:
                 HalfSpaceFriction(
                     each.x,
                     each.y,
-                    self.pressures[number],
+                    each.pressed,
                     each.friction,
                     self.pair,
                     rolling=self.settings.rolling,
                     modes=modes * each.modes,
-                    drawn=self.rest[number]
+                    drawn=each.rest
                     + each.smooth.values(known[number].reshape(-1, 2), each.x, each.y),
                     added=each.smooth.response(self._added[number, number], each.x, each.y),
                 )
-                for number, each in enumerate(self.patches)
+                for number, each in enumerate(patches)
             ]
             before, begins = found, found or start or None
             found = solve_for_forces(bodies, creepage, along=along, across=across, start=begins)
             self.steps = max(self.steps, *(each.steps for each in found))
-            for number, (each, solved) in enumerate(zip(self.patches, found, strict=True)):
+            for number, (each, solved) in enumerate(zip(patches, found, strict=True)):
                 moments = each.smooth.coefficients(each.x, each.y, solved.traction)
                 self._coefficients[number] = moments.ravel()
             if len(bodies) == 1 or _change(found, before) <= TURN_TOLERANCE:
@@ -272,9 +291,9 @@ class SolidFriction:
 
     def press_again(self, case: LoadCase, found: list[TangentialSolution]) -> Solution:
         """Solution of the bodies under tractions, whose `load` includes what these carry on
-        inclined surfaces (collective). `pressures` become those of this solution. A solution that
-        did not converge, or in which patches have merged, says so and leaves `pressures` as they
-        were.
+        inclined surfaces (collective). The pressures of all grids become those of this solution. A
+        solution that did not converge, or in which patches have merged, says so and leaves them as
+        they were.
 
         case: load case, with forces that are added to those of the tractions.
         found: tractions of each patch.
@@ -292,9 +311,15 @@ class SolidFriction:
             smooth = shared_patches(self.model, fields, parabolic=self._parabolic)
             if len(smooth) < len(self.patches):  # two have become one
                 return self._failed(solution)
-            self.pressures = [each.pressure(each.patch.nearest(smooth)) for each in self.patches]
+            self._press(smooth)
         carried = float(total @ self.model.setup.direction)
         return replace(solution, load=solution.load + carried)
+
+    def _press(self, smooth: list[SmoothPatch]) -> None:
+        """Make the pressures of all grids those of a state of the patches."""
+        for patches in (*self.coarse, self.patches):
+            for each in patches:
+                each.press(each.patch.nearest(smooth))
 
     def solve(self, case: LoadCase) -> Solution:
         """Solution after all load steps; the first step that does not converge ends them, and the
@@ -304,18 +329,19 @@ class SolidFriction:
         case: load case of the frictionless solution, with its active points.
         """
         settings, solution = self.settings, self.pressed
+        motion = Creepage(*settings.creepage)
         found: list[TangentialSolution] = []
+        others: list[list[TangentialSolution]] = [[] for _ in self.coarse]
         pressed_under: list[TangentialSolution] = []
         steps: list[Array] = []
-        passes, energy, full = 0, 0.0, False
+        passes, energy, full = 0, np.zeros(len(CELLS)), False
         for _, share in settings.load_steps:
             given = {index: share * force for index, force in settings.force_controlled}
+            forces = given.get(0), given.get(1)
             for _ in range(PRESSINGS):
                 self.stage("friction: tractions")
                 try:
-                    found = self.tractions(
-                        Creepage(*settings.creepage), (given.get(0), given.get(1)), start=found
-                    )
+                    found = self.tractions(motion, forces, start=found)
                 except ValueError:
                     return self._failed(solution)
                 passes += 1
@@ -328,25 +354,43 @@ class SolidFriction:
                     return replace(solution, reference=self.pressed)
             else:
                 return self._failed(solution)
+            try:
+                others = [
+                    self.tractions(motion, forces, start=start, patches=patches)
+                    for patches, start in zip(self.coarse, others, strict=True)
+                ]
+            except ValueError:
+                return self._failed(solution)
+            grids = [*zip(self.coarse, others, strict=True), (self.patches, found)]
             if not settings.rolling:
-                self.rest = [slip + each.slip for slip, each in zip(self.rest, found, strict=True)]
+                for each, solved in (pair for grid in grids for pair in zip(*grid, strict=True)):
+                    each.rest = each.rest + solved.slip
                 if full:
-                    energy += sum(each.cell * (each.traction * each.slip).sum() for each in found)
+                    energy += [
+                        sum(each.cell * (each.traction * each.slip).sum() for each in solved)
+                        for _, solved in grids
+                    ]
             full = full or share == 1
-            described = self._friction_solution(found)
+            described = self._friction_solution(*grids[-1])
             steps.append(np.array([*described.force, *described.rigid_motion[:2]]))
+        coarser = None
+        for grid, work in zip(grids[:-1], energy, strict=False):
+            other = self._friction_solution(*grid)
+            coarser = replace(other, dissipated_energy=float(work), coarse=coarser)
         described = replace(
             described,
             load_steps=np.array(steps),
-            dissipated_energy=float(energy),
+            dissipated_energy=float(energy[-1]),
             coupling_iterations=passes,
             newton_steps=self.steps,
+            coarse=coarser,
         )
         if settings.rolling:
             try:
-                without = self._friction_solution(self.tractions(Creepage(), modes=0.0))
+                still = self.tractions(Creepage(), modes=0.0)
             except ValueError:
                 return self._failed(solution)
+            without = self._friction_solution(self.patches, still)
             described = replace(described, without_creepage=without)
         return replace(solution, reference=self.pressed, friction=described)
 
@@ -355,28 +399,41 @@ class SolidFriction:
         newton = replace(solution.newton, reason=NOT_CONVERGED)
         return replace(solution, newton=newton, reference=self.pressed)
 
-    def _friction_solution(self, found: list[TangentialSolution]) -> FrictionSolution:
-        """Friction solution, with vectors in space, at the cells of the meshed part that touch;
-        their areas are those of the whole model. Force and moment are those of the wheel on the
-        rail, of the whole model; the moment is 0 with symmetry planes.
+    def _friction_solution(
+        self, patches: list[GridPatch], found: list[TangentialSolution]
+    ) -> FrictionSolution:
+        """Friction solution of tractions on grids, with vectors in space, at the cells of the
+        meshed part that touch; their areas are those of the whole model. Force and moment are those
+        of the wheel on the rail, of the whole model; the moment is 0 with symmetry planes.
         """
         settings, setup = self.settings, self.model.setup
         planes = [np.array(normal) for _, normal in setup.planes]
         used = [
             (solved.pressure > 0) & np.all([each.places @ normal > 0 for normal in planes], axis=0)
-            for each, solved in zip(self.patches, found, strict=True)
+            for each, solved in zip(patches, found, strict=True)
         ]
         described = at_cells(
             found,
-            [each.places for each in self.patches],
-            [each.tangents for each in self.patches],
+            [each.places for each in patches],
+            [each.tangents for each in patches],
             used,
             setup.parts,
         )
         force, moment = settings.resultants(
             described.points, described.weights, described.traction, setup.planes
         )
-        return replace(described, force=force, moment=moment)
+        grids = tuple(
+            GridTraction(
+                origin=np.array(each.patch.frame.origin),
+                axes=each.patch.frame.axes,
+                x=each.x,
+                y=each.y,
+                pressure=solved.pressure,
+                traction=solved.traction,
+            )
+            for each, solved in zip(patches, found, strict=True)
+        )
+        return replace(described, force=force, moment=moment, grids=grids)
 
 
 def solve_by_suited_method(

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 if TYPE_CHECKING:  # half-spaces have such solutions, too, without a solver
     from petsc4py import PETSc
 
@@ -52,6 +54,24 @@ class PlasticSolution:
 
 
 @dataclass(frozen=True, kw_only=True)
+class GridTraction:
+    """Pressure and tractions in the cells of a grid over one patch, in a plane.
+
+    origin: (3,), mm. axes: (3, 3), unit vectors in space along x, along y and out of the rail.
+    x, y: cell centres (nx,), (ny,), mm.
+    pressure: (nx, ny), MPa.
+    traction: of the wheel on the rail along x and y (2, nx, ny), MPa.
+    """
+
+    origin: Array
+    axes: Array
+    x: Array
+    y: Array
+    pressure: Array
+    traction: Array
+
+
+@dataclass(frozen=True, kw_only=True)
 class FrictionSolution:
     """Tangential tractions and slip at n contact points of all ranks, at the last load step; the
     same on all ranks. Vectors are in space.
@@ -84,6 +104,9 @@ class FrictionSolution:
     newton_steps: largest number of steps of Newton's method on the tractions.
     without_creepage: where the wheel rolls, the tractions at the same pressure without any rigid
         slip; otherwise None.
+    inside: (n,) share of the area of each point in the patch; None: whole areas.
+    coarse: the same on a grid of half as many cells each way; None where there is none.
+    grids: of bodies whose tractions are those of half-spaces, whole patches; else empty.
     """
 
     points: Array
@@ -102,6 +125,15 @@ class FrictionSolution:
     rigid_slip: Array
     newton_steps: int
     without_creepage: FrictionSolution | None = None
+    inside: Array | None = None
+    coarse: FrictionSolution | None = None
+    grids: tuple[GridTraction, ...] = ()
+
+    @property
+    def used(self) -> float:
+        """Sum of the sizes of all tractions over the limit mu N, 0 to 1."""
+        sizes = np.linalg.norm(self.traction, axis=1)
+        return float(self.weights @ sizes) / self.friction_limit
 
     @property
     def friction_limit(self) -> float:

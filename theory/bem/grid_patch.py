@@ -6,11 +6,14 @@ developed surface, whose normals are tilted from the load by angles in rad.
 
 import math
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 from scipy.ndimage import label
 
 from railhead.theory.array_types import Array
+
+PARTS = 6  # of a cell each way, to which shares of the patch are counted
 
 
 @dataclass(frozen=True)
@@ -103,9 +106,18 @@ class PatchSolution(Grid):
         """Half lengths (mm) of the patch along x and along s between its outermost ends, which are
         extrapolated within the last cells.
         """
-        ends = [_edges(p) for p in (self.pressure, self.pressure.T)]
-        along, across = ((upper.max() - lower.min()) / 2 for upper, lower in ends)
-        return float(along * (self.x[1] - self.x[0])), float(across * (self.s[1] - self.s[0]))
+        return self.middle_and_half_extents[1]
+
+    @property
+    def middle_and_half_extents(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Middle (x, s) of the patch between these ends, mm, and `half_extents`."""
+        middle, half = [], []
+        for axis, pressure in ((self.x, self.pressure), (self.s, self.pressure.T)):
+            upper, lower = _edges(pressure)
+            low, high = axis[0] + (axis[1] - axis[0]) * np.array([lower.min(), upper.max()])
+            middle.append(float(low + high) / 2)
+            half.append(float(high - low) / 2)
+        return (middle[0], middle[1]), (half[0], half[1])
 
     def half_extents_on(self, plane: float) -> tuple[float, float]:
         """Half lengths (mm) along x and across of the patch's projection onto a plane tilted by
@@ -177,6 +189,59 @@ class PatchSolution(Grid):
             replace(self, pressure=np.where(parts == number, self.pressure, 0.0))
             for number in range(1, count + 1)
         ]
+
+
+def squares_at(axes: tuple[Array, Array], pressure: Array, x: Array, s: Array) -> Array:
+    """Squares p^2 (n, m), MPa^2, of a pressure at places x (n,) and s (m,), mm, bilinear between
+    the cells of a grid, and negative beyond the edge of the patch.
+
+    axes: cell centres (nx,), (ns,), mm. pressure: (nx, ns), MPa. At a smooth edge p^2 goes on over
+    two cells as it falls towards it, by parabolas. Where p does not fall, it stays.
+    """
+    squares = np.pad(pressure**2, 4)
+    known = squares > 0
+    for _ in range(2):
+        total, count = np.zeros_like(squares), np.zeros(squares.shape, dtype=int)
+        for axis, way in product((0, 1), (-1, 1)):
+            (one, is_one), (two, is_two), (three, is_three) = (
+                (np.roll(squares, k * way, axis), np.roll(known, k * way, axis)) for k in (1, 2, 3)
+            )
+            bend = np.where(is_three, one - 2 * two + three, 0.0)
+            falls = np.minimum(2 * one - two + bend, 0.0)
+            next_to = is_one & ~known
+            total += next_to * np.where(is_two & (two > one), falls, one)
+            count += next_to
+        squares = np.where(count > 0, total / np.maximum(count, 1), squares)
+        known |= count > 0
+    squares = np.where(known, squares, -squares.max())
+    hats = []
+    for centres, places in zip(axes, (x, s), strict=True):
+        step = centres[1] - centres[0]
+        nodes = centres[0] + step * np.arange(-4, centres.size + 4)
+        hats.append(np.maximum(0, 1 - np.abs(places[:, None] - nodes) / step))
+    return np.asarray(hats[0] @ squares @ hats[1].T)
+
+
+def shares(axes: tuple[Array, Array], pressure: Array, ahead: float) -> tuple[Array, Array]:
+    """Mean pressure (nx, ns), MPa, of all cells that a patch covers in part or wholly, and the
+    share of each that lies in the patch, `ahead` cells along x from the given centres.
+
+    axes: cell centres (nx,), (ns,), mm. pressure: (nx, ns), MPa, at the centres. Cells without
+    pressure at their centre are covered where p^2 falls to zero in them (`squares_at`).
+    """
+    parts = ((np.arange(PARTS) + 0.5) / PARTS - 0.5)[None]
+    x, s = (
+        (axis[:, None] + (axis[1] - axis[0]) * (parts + way)).ravel()
+        for axis, way in zip(axes, (ahead, 0.0), strict=True)
+    )
+    squares = squares_at(axes, pressure, x, s)
+    ends = (pressure > 0) | (squares_at(axes, pressure, *axes) <= 0)
+    (nx, ns), inside = pressure.shape, squares > 0
+    mean, share = (
+        ends * each.reshape(nx, PARTS, ns, PARTS).mean(axis=(1, 3))
+        for each in (np.sqrt(squares * inside), inside)
+    )
+    return mean, share
 
 
 def _edges(pressure: Array) -> tuple[Array, Array]:

@@ -128,18 +128,29 @@ def lattice(patch: PatchSolution) -> Array:
     return np.column_stack([each.ravel() for each in places])
 
 
-def surface_places(patch: PatchSolution) -> Array:
-    """Places (n, 3) just below the surface of a patch, mm: below the cell with the smallest x of
-    each line of cells along the rail, where the trailing edge is, and below every fourth cell of
-    every fourth line.
+def at_surface(patch: PatchSolution, poisson: float, traction: Array) -> list[tuple[Array, float]]:
+    """Places (3,), mm, and values (MPa) of the largest shear and of the largest von Mises stress,
+    in this order, just below the surface in the middle of cells; arguments are those of `stress`.
+    Looked for at every fourth cell of every fourth line, then at all cells beside the highest.
     """
-    filled = patch.pressure > 0
-    chosen = np.zeros_like(filled)
-    chosen[::4, ::4] = True
-    chosen[filled.argmax(axis=0), np.arange(patch.s.size)] = True
-    i, j = np.nonzero(chosen & filled)
-    depth = SURFACE * (patch.x[1] - patch.x[0])
-    return np.column_stack([patch.x[i], patch.s[j], np.full(i.size, -depth)])
+    pressed, depth = patch.pressure > 0, -SURFACE * (patch.x[1] - patch.x[0])
+
+    def below(cells: Array) -> tuple[Array, Array]:
+        """Places (n, 3) below the pressed ones of `cells` (2, m), and stresses there (n, 6)."""
+        i, j = cells[:, pressed[tuple(cells)]]
+        places = np.column_stack([patch.x[i], patch.s[j], np.full(i.size, depth)])
+        return places, stress(patch, poisson, places, traction)
+
+    places, known = below(np.indices(pressed.shape)[:, ::4, ::4].reshape(2, -1))
+    found = []
+    for invariant in (subsurface.max_shear, subsurface.von_mises):
+        x, s, _ = places[np.argmax(invariant(known))]
+        near = np.abs(patch.x[:, None] - x) < 4 * (patch.x[1] - patch.x[0])
+        near = near & (np.abs(patch.s - s) < 4 * (patch.s[1] - patch.s[0]))
+        around, more = below(np.array(np.nonzero(near)))
+        most = int(np.argmax(invariant(more)))
+        found.append((around[most], float(invariant(more[most : most + 1])[0])))
+    return found
 
 
 def peaks(
@@ -148,18 +159,16 @@ def peaks(
     """Places (3,), mm, and values (MPa) of the largest shear and of the largest von Mises stress,
     in this order, under the pressure and tractions of a patch; arguments are those of `stress`.
 
-    Each search starts at the largest value at the places of `lattice` and, with tractions, of
-    `surface_places`, and climbs by the simplex method of Nelder and Mead. It goes no nearer to the
-    surface than half a cell: there the stress is that of single cells. A start that is nearer is
-    kept.
+    Each search starts at the largest value at the places of `lattice`, and climbs by the simplex
+    method of Nelder and Mead. It goes no nearer to the surface than half a cell: there the stress
+    is that of single cells, which are read in their middle, with tractions by `at_surface`.
     """
     places, least = lattice(patch), (patch.x[1] - patch.x[0]) / 2
-    if traction is not None:
-        places = np.vstack([places, surface_places(patch)])
     known = stress(patch, poisson, places, traction)
     steps = np.append(np.ptp(places[:, :2], axis=0) / (4 * PLACES), 0.1)
+    above = None if traction is None else at_surface(patch, poisson, traction)
     found = []
-    for invariant in (subsurface.max_shear, subsurface.von_mises):
+    for number, invariant in enumerate((subsurface.max_shear, subsurface.von_mises)):
         values = invariant(known)
         start, top = places[np.argmax(values)], float(values.max())
 
@@ -179,6 +188,8 @@ def peaks(
             options = {"initial_simplex": simplex, "xatol": 0.05, "fatol": 1e-4 * top}
             best = minimize(lower, np.zeros(3), method="Nelder-Mead", options=options)
             start, top = moved(best.x), -float(best.fun)
+        if above is not None and above[number][1] > top:
+            start, top = above[number]
         found.append((start, top))
     return found
 

@@ -36,9 +36,11 @@ class CoulombSolver:
         if not bound.max() > 0:
             raise ValueError("no cell of the patch carries a pressure")
         self._influence, self._bound = influence, bound
-        self._step = 1 / float(influence.line[:, 0].mean())  # r
+        self._step = 1 / (influence.line[:, :1, None] + influence.edge).mean(axis=0)  # r (nx, ny)
         cells = np.arange(len(bound))
-        self._line = self._step * influence.line[:, cells[:, None] - cells]  # (2, nx, nx)
+        own = influence.edge.transpose(0, 2, 1)[..., None] * np.eye(len(bound))
+        line = influence.line[:, None, cells[:, None] - cells]
+        self._line = self._step.T[..., None] * (line + own)  # (2, ny, nx, nx)
         self._inverses: Array | None = None  # of the preconditioner, (2, ny, nx, nx)
         self._usual = 0  # iterations with new inverses
 
@@ -100,7 +102,7 @@ class CoulombSolver:
         if self._inverses is None:
             one = np.eye(shape[1])
             own = np.stack([D[0, 0], D[1, 1]]).transpose(0, 2, 1)[..., None]  # (2, ny, nx, 1)
-            matrices = one - own * one + own * self._line[:, None]
+            matrices = one - own * one + own * self._line
             self._inverses = np.asarray(np.linalg.inv(matrices), dtype=np.float64)
         inverses: Array = self._inverses
 

@@ -24,13 +24,17 @@ from scipy.interpolate import RegularGridInterpolator
 
 from railhead.theory.array_types import Array
 from railhead.theory.friction.kalker import coefficients
-from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction, TangentialSolution
+from railhead.theory.friction.rolling import (
+    Creepage,
+    HalfSpaceFriction,
+    TangentialSolution,
+    cells_over,
+)
 from railhead.theory.friction.tangential import MaterialPair
 
 NORMAL = 2 * math.pi / 3  # N of an ellipse with a b = 1 and a largest pressure of 1
 FARTHEST = 10.0  # X, Y and S, at most: beyond it the whole patch slips along the creepage
 BESIDE = 0.7  # of the other creepages, where axes are refined
-FINER = 8  # points each way of a cell over which the pressure is averaged
 CUBIC = 4  # nodes that a cubic needs
 AXES = "axis_ratio", "along", "across", "spin"
 NUMBERS = "force_along", "force_across", "moment"
@@ -65,15 +69,12 @@ class Ellipse:
 
 
 def _friction(axis_ratio: float, poisson: float, cells: int) -> HalfSpaceFriction:
-    """Friction of `Ellipse` on cells x cells cells that cover the ellipse. The pressure of a cell
-    is the mean over it, so that errors fall evenly with the cells.
-    """
+    """Friction of `Ellipse` on about cells x cells cells that cover the ellipse."""
     semi = math.sqrt(axis_ratio), 1 / math.sqrt(axis_ratio)
-    x, y = (half * ((2 * np.arange(cells) + 1) / cells - 1) for half in semi)
-    fine = (2 * np.arange(cells * FINER) + 1) / (cells * FINER) - 1
-    square = np.clip(1 - fine[:, None] ** 2 - fine**2, 0.0, None)
-    pressure = np.sqrt(square).reshape(cells, FINER, cells, FINER).mean(axis=(1, 3))
-    pressure *= NORMAL / (pressure.sum() * (x[1] - x[0]) * (y[1] - y[0]))
+    u, v = ((2 * np.arange(count) + 1) / count - 1 for count in cells_over(semi, cells))
+    pressure = np.sqrt(np.clip(1 - u[:, None] ** 2 - v**2, 0.0, None))
+    pressure *= NORMAL / (pressure.sum() * (u[1] - u[0]) * (v[1] - v[0]))
+    x, y = semi[0] * u, semi[1] * v
     return HalfSpaceFriction(x, y, pressure, 1.0, MaterialPair(1.0, poisson), rolling=True)
 
 

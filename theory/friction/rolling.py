@@ -18,19 +18,22 @@ Lengths in mm, forces in N, stresses in MPa, spin in 1/mm.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import astuple, dataclass
 
 import numpy as np
 
 from railhead.theory.array_types import Array, Mask
-from railhead.theory.bem.grid_patch import PatchSolution
+from railhead.theory.bem.grid_patch import PatchSolution, shares
 from railhead.theory.bem.influence import Influence
 from railhead.theory.bem.pressure_solver import equilibrium
 from railhead.theory.friction.coulomb_solver import CoulombSolver
-from railhead.theory.friction.tangential import MaterialPair, TractionInfluence
+from railhead.theory.friction.tangential import AHEAD, MaterialPair, TractionInfluence
 
 TOLERANCE = 1e-8  # of the tractions
+COARSEST, FEWEST, MOST = 16, 4, 256  # cells along x or across; least across, most along x
+LONGEST = 1.5  # of a cell along x over across; longer ones do not determine the tractions
 STUCK = 1e-6  # relative: a traction that is that much below its bound sticks
 TURNS, TRACTION_CHANGE = 40, 1e-3  # between pressure and tractions; of the tractions, over mu N
 PRESSED = 1e-6  # of the displacement
@@ -66,8 +69,9 @@ class TangentialSolution:
     y: cell centres across, (ny,), mm.
     modes: rigid slip along x and y, (4, 2, nx, ny): of unit creepage along, unit creepage across,
         unit spin, and the fixed mode (zero in a plane); all zero outside of the patch.
-    pressure: (nx, ny), MPa, zero outside of the patch.
+    pressure: mean of each cell, (nx, ny), MPa, zero outside of the patch.
     bound: largest traction that friction allows, mu p, (nx, ny), MPa.
+    covered: share of each cell in the patch, (nx, ny).
     creepage: the rigid motion.
     traction: of the wheel on the rail along x and y, (2, nx, ny), MPa.
     slip: of the wheel over the rail, (2, nx, ny); dimensionless in rolling, mm of a shift. It is
@@ -80,6 +84,7 @@ class TangentialSolution:
     modes: Array
     pressure: Array
     bound: Array
+    covered: Array
     creepage: Creepage
     traction: Array
     slip: Array
@@ -118,7 +123,8 @@ class TangentialSolution:
     @property
     def areas(self) -> tuple[float, float]:
         """Area that sticks and area of the patch, mm2."""
-        return self.cell * float(self.sticks.sum()), self.cell * float((self.pressure > 0).sum())
+        touches = self.covered * (self.pressure > 0)
+        return self.cell * float((touches * self.sticks).sum()), self.cell * float(touches.sum())
 
     @property
     def t_gamma(self) -> float:
@@ -159,16 +165,29 @@ class HalfSpaceFriction:
         """
         if pressure.shape != (x.size, y.size) or min(pressure.shape) < 2 or not pressure.min() >= 0:
             raise ValueError("pressure must be (nx, ny), two cells an axis at least, and >= 0")
+        if rolling and x[1] - x[0] > LONGEST * (y[1] - y[0]):
+            raise ValueError("cells that roll must not be longer along x than 1.5 times across")
         if not (np.greater(friction, 0) & np.less(friction, np.inf)).all():
             raise ValueError(f"friction must be positive and finite, got {friction}")
-        self._x, self._y, self._pressure, self._bound = x, y, pressure, friction * pressure
-        self._influence = TractionInfluence(x, y, pair, rolling=rolling, added=added)
+        self._x, self._y, self._rolling, self._pressure = x, y, rolling, pressure
+        if pair.mismatch:  # the pressure of cells is solved for, by turns with tractions
+            self._covered = panels = np.where(pressure > 0, 1.0, 0.0)
+        else:
+            mean, self._covered = shares((x, y), pressure, 0.0)
+            panels = shares((x, y), pressure, AHEAD / 2)[1] if rolling else self._covered
+            mean = np.where(panels > 0, mean, 0.0)
+            self._pressure = mean * (pressure.sum() / mean.sum())
+        self._bound = friction * self._pressure
+        more = None if added is None else lambda traction: self._there(added(traction))
+        self._influence = TractionInfluence(x, y, pair, rolling=rolling, added=more, covered=panels)
         self._tractions = CoulombSolver(self._influence, self._bound)
-        inside = np.where(pressure > 0, 1.0, 0.0)
-        self._modes = inside * (plane_modes(x, y) if modes is None else modes)
-        self._drawn: Array = np.zeros((2, *pressure.shape)) if drawn is None else inside * drawn
+        inside = np.where(self._pressure > 0, 1.0, 0.0)
+        every = plane_modes(x, y) if modes is None else modes
+        self._modes, self._rigid = inside * every, inside * self._there(every)
+        known = np.zeros((2, *pressure.shape)) if drawn is None else self._there(drawn)
         if pair.mismatch:
-            self._drawn = self._drawn + inside * self._influence.of_pressure(pressure)
+            known = known + self._influence.of_pressure(pressure)
+        self._drawn = inside * known
 
     def solve(
         self, creepage: Creepage, start: TangentialSolution | None = None
@@ -188,6 +207,7 @@ class HalfSpaceFriction:
             modes=self._modes,
             pressure=self._pressure,
             bound=self._bound,
+            covered=self._covered,
             creepage=creepage,
             traction=traction,
             slip=left,
@@ -199,12 +219,34 @@ class HalfSpaceFriction:
         (of a shift N/mm), at a solution of this patch; to 1 %, enough for Newton's method.
         """
         slip = self._slip(found.creepage)
-        changes = self._tractions.changes(found.traction, slip, self._modes[:2])
+        changes = self._tractions.changes(found.traction, slip, self._rigid[:2])
         return np.asarray(np.einsum("fcij,mcij->fm", self._modes[:2], changes) * found.cell)
 
     def _slip(self, creepage: Creepage) -> Array:
         """Slip (2, nx, ny) of surfaces without tractions at a creepage, less what is `drawn`."""
-        return np.asarray(np.tensordot(creepage.motion, self._modes, axes=1) - self._drawn)
+        return np.asarray(np.tensordot(creepage.motion, self._rigid, axes=1) - self._drawn)
+
+    def _there(self, field: Array) -> Array:
+        """A field (..., nx, ny) given at the cell centres, where slip is taken: half a cell ahead
+        in rolling (`TractionInfluence`), by the mean with the next cell.
+        """
+        if not self._rolling:
+            return field
+        last = 2 * field[..., -1:, :] - field[..., -2:-1, :]
+        ahead = np.concatenate([field[..., 1:, :], last], axis=-2)
+        return np.asarray((1 - AHEAD) * field + AHEAD * ahead)
+
+
+def cells_over(half: tuple[float, float], cells: int) -> tuple[int, int]:
+    """Numbers of cells along x and across over a patch with half lengths `half`: `cells` each way,
+    or as many square ones where it is longer along x. Cells longer along x than across do not
+    determine tractions that roll. Numbers are even, as patches may be symmetric, and twice as many
+    cells divide each in two.
+    """
+    ratio = max(half[0] / half[1], 1.0)
+    across = max(FEWEST, 2 * math.ceil(COARSEST / math.sqrt(ratio) / 2))
+    along = min(max(COARSEST, 2 * round(across * ratio / 2)), MOST)
+    return 2 * round(cells / COARSEST * along / 2), 2 * round(cells / COARSEST * across / 2)
 
 
 def plane_modes(x: Array, y: Array) -> Array:

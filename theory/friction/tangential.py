@@ -18,14 +18,10 @@ from railhead.theory.bem.influence import fast_shape, logarithms, restored, tran
 from railhead.theory.elastic.hertz import contact_modulus
 
 NO_MISMATCH = 1e-9  # largest |K| that is taken for a rounding error
-Upstream = tuple[tuple[float, float], ...]
-SHIFT: Upstream = ((0.0, 1.0),)  # (distance upstream in cells, weight): the displacement itself
-ROLLING: Upstream = (
-    (0.0, 3.0),
-    (0.5, -4.0),
-    (1.0, 1.0),
-)  # minus its derivative along x, times a cell
-CENTRAL: Upstream = ((-0.5, 1.0), (0.5, -1.0))  # the same of what does not follow the slip
+AHEAD = 0.5  # cells from a force to the place where its slip is taken, towards the leading edge
+EDGE = {True: math.pi / 2, False: 1.0}
+"""What a cell that the edge of the patch cuts yields beyond a whole one, over 1/share - 1, in
+rolling (True) and of a shift. In rolling a strip of any length has its exact force with it."""
 
 
 @dataclass(frozen=True)
@@ -79,14 +75,18 @@ class TractionInfluence:
     """Called with tractions (2, nx, ny) of the wheel on the rail, MPa, it returns the reduction (2,
     nx, ny) of the slip of the wheel over the rail; components along x and y in a plane.
 
-    Slips are in mm or, in rolling along +x, per rolled length: upstream differences of second order
-    over half a cell, -du/dx = (3 u(x) - 4 u(x + d/2) + u(x + d))/d, which dissipate. Cerruti: a
-    force Q_x moves both surfaces apart by Q_x/(pi G) ((1 - nu)/r + nu x^2/r^3) along x and by
-    Q_x/(pi G) nu x y/r^3 along y (Johnson, Contact Mechanics, 3.7), here integrated over a cell.
+    Cerruti: a force Q_x moves both surfaces apart by Q_x/(pi G) ((1 - nu)/r + nu x^2/r^3) along x
+    and by Q_x/(pi G) nu x y/r^3 along y (Johnson, Contact Mechanics, 3.7). Slips are in mm at the
+    cell centres, with Cerruti's kernels integrated over a cell. In rolling along +x they are per
+    rolled length, -du/dx half a cell ahead of the centres, and the force of a cell acts on the line
+    across through its centre. That is the lattice of wing theory, turned round: loads at a quarter
+    and slopes at three quarters of a panel give a strip its exact force on any number of panels
+    (James, Comp. Meth. Appl. Mech. Eng. 1, 1972).
 
     line: (2, padded), reduction of the slip per MPa at the cell k places ahead on the same line
         along x; k = 0 is the cell itself, negative k count from the end. Row 0: along x by
         traction along x, row 1: along y by traction along y.
+    edge: (2, nx, ny), what is added to `line[:, 0]` of a cell of which a share lies in the patch.
     """
 
     def __init__(
@@ -97,60 +97,83 @@ class TractionInfluence:
         *,
         rolling: bool,
         added: Callable[[Array], Array] | None = None,
+        covered: Array | None = None,
     ) -> None:
         """x (nx,), y (ny,): cell centres, evenly spaced and at least two an axis, mm; pair:
         materials; rolling: whether slips are per rolled length; added: reduction of the slip by
-        tractions beside that of half-spaces, linear; None: zero.
+        tractions beside that of half-spaces, linear; None: zero. covered (nx, ny): share of the
+        panel of each cell in the patch; None: whole cells. In rolling a panel reaches from a
+        quarter of a cell behind the centre to three quarters ahead.
         """
         self._size, self._pair, self._added = (x.size, y.size), pair, added
         self._padded = fast_shape(self._size)
         self._steps = float(x[1] - x[0]), float(y[1] - y[0])
-        upstream, self._scale = (ROLLING, 1 / self._steps[0]) if rolling else (SHIFT, 1.0)
-        self._given = CENTRAL if rolling else SHIFT
-        kernels = self._kernels(self._cerruti, upstream)
+        self._rolling = rolling
+        kernels = self._slopes() if rolling else self._displacements(self._cerruti)
         self._spectra = transform(kernels, self._padded)
         self.line = kernels[::2, :, 0]  # (2, padded): of a cell on those of its own line along x
+        whole = 1.0 if covered is None else np.where(covered > 0, covered, 1.0)
+        self.edge = EDGE[rolling] * self.line[:, :1, None] * (1 / whole - 1)
 
     def __call__(self, traction: Array) -> Array:
         """Reduction of the slip (2, nx, ny) by tractions (2, nx, ny), MPa."""
         xx, xy, yy = self._spectra
         along, across = transform(traction, self._padded)
         moved = np.array([xx * along + xy * across, xy * along + yy * across])
-        own = restored(moved, self._padded, self._size)
+        own = restored(moved, self._padded, self._size) + self.edge * traction
         return own if self._added is None else own + self._added(traction)
 
     def of_pressure(self, pressure: Array) -> Array:
         """Reduction of the slip (2, nx, ny) by a pressure (nx, ny), MPa, where materials differ:
         both surfaces move inwards, the softer one further. A force P gives K P/(pi G) x/r^2
-        along x (Johnson, 3.18b).
+        along x (Johnson, 3.18b). In rolling it is the difference over a cell.
         """
-        spectra = transform(self._kernels(self._boussinesq, self._given), self._padded)
-        moved = spectra * transform(pressure, self._padded)
+        kernels = self._displacements(self._boussinesq)
+        if self._rolling:
+            there = self._displacements(self._boussinesq, 2 * AHEAD)
+            kernels = (kernels - there) / self._steps[0]
+        moved = transform(kernels, self._padded) * transform(pressure, self._padded)
         return restored(moved, self._padded, self._size)
 
     def opening(self, traction: Array) -> Array:
         """Change of the normal gap (nx, ny), mm, by tractions (2, nx, ny), MPa, where materials
-        differ; only of an influence with `rolling` False. By reciprocity its kernel is that of
-        `of_pressure` with x and y reversed.
+        differ. By reciprocity its kernel is that of `of_pressure` of a shift with x and y reversed.
         """
-        spectra = transform(self._kernels(self._boussinesq, SHIFT), self._padded)
+        spectra = transform(self._displacements(self._boussinesq), self._padded)
         moved = (spectra * transform(traction, self._padded)).sum(axis=0)
         return -restored(moved, self._padded, self._size)
 
-    def _kernels(self, corners: Callable[[Array, Array], Array], upstream: Upstream) -> Array:
-        """Influence (m, padded x, padded y) of one cell on all others, the cell itself first.
-        corners: antiderivatives (m, ...) at corners (X, Y), mm; upstream: pairs (distance
-        upstream in cells, weight) of the difference formula.
+    def _places(self, ahead: float, lines: int) -> list[Array]:
+        """Coordinates X (px, 1) and Y (1, py + 1), mm, of places from the middle of a cell: X
+        `ahead` cells from the centres of cells (`lines` 0) or from their ends (1, one more), Y at
+        ends of cells.
         """
-        total = []
-        for cells, weight in upstream:
-            X, Y = (
-                (np.arange(n + 1.0) - n // 2 - 0.5 + shift) * step
-                for n, step, shift in zip(self._padded, self._steps, (cells, 0.0), strict=True)
-            )
-            total.append(weight * np.diff(np.diff(corners(X[:, None], Y[None]), axis=1), axis=2))
-        scale = self._scale / (math.pi * self._pair.shear_modulus)
-        return np.asarray(scale * np.fft.ifftshift(np.sum(total, axis=0), axes=(1, 2)))
+        (px, py), (dx, dy) = self._padded, self._steps
+        X = (np.arange(px + lines) - px // 2 + ahead - lines / 2) * dx
+        return [X[:, None], (np.arange(py + 1.0) - py // 2 - 0.5)[None] * dy]
+
+    def _displacements(self, corners: Callable[[Array, Array], Array], ahead: float = 0.0) -> Array:
+        """Displacements (m, padded x, padded y) of all cells by one, the cell itself first, `ahead`
+        cells from their centres. corners: antiderivatives (m, ...) at corners (X, Y), mm.
+        """
+        cells = np.diff(np.diff(corners(*self._places(ahead, 1)), axis=1), axis=2)
+        return self._scaled(cells)
+
+    def _slopes(self) -> Array:
+        """Minus the derivatives along x (3, padded x, padded y) of Cerruti's displacements half a
+        cell ahead of all cells, by forces of a cell on its line across, the cell itself first: x by
+        force along x, x by force along y, y by force along y.
+        """
+        X, Y = self._places(AHEAD, 0)
+        nu, r = self._pair.poisson, np.hypot(X, Y)
+        whole, part = Y / (X * r), nu * X * Y / r**3
+        ends = np.array([(1 - nu) * whole + part, nu * Y**2 / r**3, whole - part])
+        return self._scaled(self._steps[0] * np.diff(ends, axis=2))
+
+    def _scaled(self, kernels: Array) -> Array:
+        """Kernels over pi G, the cell itself first."""
+        scaled = kernels / (math.pi * self._pair.shear_modulus)
+        return np.asarray(np.fft.ifftshift(scaled, axes=(1, 2)))
 
     def _cerruti(self, X: Array, Y: Array) -> Array:
         """Antiderivatives (3, ...) at corners X, Y (mm) of Cerruti's kernels: x by force along x, x

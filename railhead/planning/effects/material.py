@@ -130,13 +130,13 @@ def decide_plasticity(context: Context) -> Effect:
 
 
 def check_plasticity(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict | None:
-    """Verdict whether the largest von Mises stress of the solution, raised by its estimated unread
-    peak, passes the yield stress of a body that was taken as elastic.
+    """Verdict whether the largest von Mises stress of the solution passes the yield stress of a
+    body that was taken as elastic.
     Without any yield stress nothing is needed, and the verdict is notable where the usual rail
     steel would yield.
     """
     stresses = {
-        name: found.largest[name].von_mises.value * (1 + found.unread_peak)
+        name: found.largest[name].von_mises.value
         for name in _yielding(context)
         if name in found.largest
     }

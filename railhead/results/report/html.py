@@ -72,6 +72,7 @@ CHECKS = {
     "pressure_of_steel": "a pressure that some steel bears, MPa",
     "axle_torque": "no torque on the axle",
     "edge_distance": "patch away from edges",
+    "estimates": "no number may be a quarter off",
     "grid_error": "the cells of half-spaces are small enough",
     "pressure_over_mean": "largest over mean pressure",
     "tangential_flux_rail": "the stresses below the patch carry the tangential force, rail",

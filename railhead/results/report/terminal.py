@@ -253,8 +253,8 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
         if friction := summary["result"].get("friction"):
             _show_rows("friction", quantity_rows.rows(summary, "friction"), console, units)
             console.print(
-                "Forces are those of the wheel on the rail; mu N = "
-                f"{units.text(friction['limit_N'], 'N')}, of which estimates of forces are shares.",
+                f"Forces are those of the wheel on the rail; mu N = "
+                f"{units.text(friction['limit_N'], 'N')}.",
                 highlight=False,
             )
             if rows := quantity_rows.rows(summary, "steel"):

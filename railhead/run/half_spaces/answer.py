@@ -23,12 +23,14 @@ from railhead.postprocess import friction
 from railhead.postprocess.findings import Findings
 from railhead.postprocess.pass_rows import Passes
 from railhead.postprocess.patch import compare, half_space
+from railhead.run.estimates import friction_errors
 from railhead.run.half_spaces import normal_contact, tangential_contact
 from railhead.run.half_spaces.normal_contact import CELLS, PressedPatch
 from railhead.run.mesh_solution import MeshSolution, read_friction
 from railhead.run.progress import Progress
 from railhead.run.quantities import numeric_values
 from railhead.theory.array_types import Array
+from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.elastic.line import Hertz
 from railhead.theory.friction.rolling import TangentialSolution
@@ -38,8 +40,6 @@ if TYPE_CHECKING:
 
 TURNS, BALANCE = 12, 1e-6  # between pressing and shearing; of the load
 CURVED = 0.3  # relative error of stresses over half width times curvature of a body: 0.26 measured
-UNLIKE_MARGIN = 1.5  # on the change by half as fine a grid; 1.24 times it was left in one scene
-FORCES = "force_along_N", "force_across_N"
 STRESSES = "tau_max_MPa", "von_mises_max_MPa"
 
 Parts = dict[str, dict[str, float]]
@@ -129,10 +129,9 @@ def _solve(plan: Plan) -> HalfSpaceSolution:
     angle, (_, _, across) = plan.contact.touch.angle, plan.scene.tangential_forces
     if load is not None and across * math.sin(angle):  # what a prescribed force carries is known
         profiles = _pressed(plan, load + across * math.sin(angle))
-    tractions = None
     for _ in range(TURNS):
         pressed = frictionless.load if profiles is None else profiles.load
-        tractions = _tractions(plan, profiles, pressed, tractions)
+        tractions = _tractions(plan, profiles, pressed)
         total = pressed - tractions.upwards
         if load is None or abs(total - load) <= BALANCE * load:
             plain = frictionless if profiles is alone else _read(plan, profiles)
@@ -237,25 +236,18 @@ def _with_friction(plain: HalfSpaceSolution, sheared: PatchTractions) -> HalfSpa
     points = normal_contact.surface(plan.contact)
     solution = _at_cells(plan, sheared, points)
     rolls, unlike = scene.rolling.prescribed, interface.unlike(plan.context)
+    assert sheared.coarse is not None
     found = half_space.with_tractions(
-        found,
-        [each.pressed for each in sheared.patches],
-        points,
-        plan.poisson_ratios,
-        [each.traction for each in sheared.found],
-        solution,
+        found, sheared.stressed, points, plan.poisson_ratios, sheared.coarse.stressed
     )
     found, tractions = read_friction(plan, found, solution)
-    parts = dict(plain.error_parts)
+    parts = {key: of for key, of in plain.error_parts.items() if key != "tau_max_depth_mm"}
     for key in STRESSES:
-        parts[key] = {**parts[key], "border of stick": found.unread_peak}
+        parts[key] = {**parts[key], "tractions": found.surface_error[key]}
     # Tractions of several patches may cancel out, what bodies change of each does not.
-    size = np.linalg.norm(solution.traction, axis=1)
-    share = float(solution.weights @ size) / solution.friction_limit
-    area = sum(parts["area_mm2"].values())
-    for key, force in zip(FORCES, solution.force, strict=True):
-        if force and rolls:
-            parts[key] = {"bodies": area * share, "grid": sheared.grid_error}
+    patch = (sum(parts[key].values()) for key in ("area_mm2", "max_MPa"))
+    for key, (bodies, grid) in friction_errors(tractions, solution.used, *patch).items():
+        parts[key] = {"bodies": bodies, "grid": grid}
     other = {}
     if rolls and not (plan.contact.line or unlike):
         pair = plan.context.tangential_pair
@@ -287,20 +279,22 @@ class PatchTractions:
     found: the tractions of each.
     scale: factor on areas and forces: load of the contact over that of the patches, as the strip of
         a line contact is longer than the contact; else about 1.
-    grid_error: larger change of the force along and of that across from a grid of half as many
-        cells each way, over mu N; for unlike bodies UNLIKE_MARGIN times as much.
+    coarse: the same on a grid of half as many cells each way; None on that grid itself.
     """
 
     patches: Sequence[PressedPatch]
     found: Sequence[TangentialSolution]
     scale: float
-    grid_error: float
+    coarse: PatchTractions | None = None
 
     @property
-    def relative_force(self) -> Array:
-        """Forces along and across over mu N (2,)."""
-        forces = np.sum([each.forces[:2] for each in self.found], axis=0)
-        return np.asarray(forces / sum(each.limit for each in self.found))
+    def stressed(self) -> list[tuple[PatchSolution, Array]]:
+        """Pressure with cells that the edge cuts, and tractions (2, nx, ns), MPa, of each patch."""
+        pairs = zip(self.patches, self.found, strict=True)
+        return [
+            (replace(each.pressed, pressure=solved.pressure), solved.traction)
+            for each, solved in pairs
+        ]
 
     @property
     def upwards(self) -> float:
@@ -318,25 +312,28 @@ def _tractions(
     plan: Plan,
     profiles: BoundaryElementSolution | None,
     load: float,
-    before: PatchTractions | None,
 ) -> PatchTractions:
     """Tractions of half-spaces pressed by a vertical load (N), at the creepages or forces of a
     plan. Raises ValueError where patches or tractions are not found.
 
-    profiles: boundary elements of the profiles; None between half-spaces. before: tractions under
-        nearly the same load, from which the iterations start and whose grid error holds; None: a
-        grid of half as many cells each way gives both.
+    profiles: boundary elements of the profiles; None between half-spaces.
     """
     scene, contact = plan.scene, plan.contact
     table = scene.rolling if scene.rolling.prescribed else scene.friction
-    few, many = tangential_contact.CELLS[contact.line]
+    pair = plan.context.tangential_pair
 
-    def on_grid(cells: int, start: Sequence[TangentialSolution] | None) -> PatchTractions:
+    def on_grid(cells: int, start: PatchTractions | None) -> PatchTractions:
         """Tractions on a grid of `cells` cells along each axis; start: from which the iterations
         begin, if these are as many patches; None: from none.
         """
         patches = normal_contact.patches(
-            contact, plan.hertz, hertzian=False, load=load, cells=cells, profiles=profiles
+            contact,
+            plan.hertz,
+            hertzian=False,
+            load=load,
+            cells=cells,
+            like=pair.like,
+            profiles=profiles,
         )
         longer = sum(each.pressed.load for each in patches) / load
         along, across = (
@@ -345,21 +342,18 @@ def _tractions(
         )
         sheared = tangential_contact.shear(
             patches,
-            plan.context.tangential_pair,
+            pair,
             interface.creepage(plan.context),
             (along, across),
             rolling=scene.rolling.prescribed,
-            start=_onto(start, patches),
+            start=_onto(None if start is None else start.found, patches),
         )
-        return PatchTractions(patches=patches, found=sheared, scale=1 / longer, grid_error=0.0)
+        return PatchTractions(patches=patches, found=sheared, scale=1 / longer)
 
-    if before is not None:
-        return replace(on_grid(many, before.found), grid_error=before.grid_error)
-    coarse = on_grid(few, None)
-    fine = on_grid(many, coarse.found)
-    margin = 1.0 if plan.context.tangential_pair.like else UNLIKE_MARGIN
-    change = float(np.abs(fine.relative_force - coarse.relative_force).max())
-    return replace(fine, grid_error=margin * change)
+    found = on_grid(tangential_contact.CELLS[0], None)
+    for cells in tangential_contact.CELLS[1:]:
+        found = replace(on_grid(cells, found), coarse=found)
+    return found
 
 
 def _onto(
@@ -383,8 +377,8 @@ def _at_cells(
     plan: Plan, sheared: PatchTractions, points: half_space.SurfaceMap
 ) -> FrictionSolution:
     """Tractions at the cells that touch, in the form of those of finite elements, with forces
-    along, across and moment of the wheel on the rail. In rolling its `without_creepage` has zero
-    tractions.
+    along, across and moment of the wheel on the rail, and those of coarser grids. In rolling its
+    `without_creepage` has zero tractions.
     points: maps x, s (n,) to points (n, 3) on the rail's surface, mm.
     """
     places, tangents, found = [], [], sheared.found
@@ -397,7 +391,10 @@ def _at_cells(
     touches = [each.pressure > 0 for each in found]
     solution = friction.at_cells(found, places, tangents, touches, sheared.scale)
     along, across, moment = sheared.scale * np.sum([each.forces for each in found], axis=0)
-    solution = replace(solution, force=(float(along), float(across)), moment=float(moment))
+    coarse = None if sheared.coarse is None else _at_cells(plan, sheared.coarse, points)
+    solution = replace(
+        solution, force=(float(along), float(across)), moment=float(moment), coarse=coarse
+    )
     if not plan.scene.rolling.prescribed:
         return solution
     still = replace(
@@ -406,5 +403,6 @@ def _at_cells(
         sticks=solution.pressure > 0,
         force=(0.0, 0.0),
         moment=0.0,
+        coarse=None,
     )
     return replace(solution, without_creepage=still)

@@ -7,7 +7,7 @@ creepages and unit spin, are where tractions are found (`tangential_contact`).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -23,15 +23,16 @@ from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.run.mesh_solution import MeshSolution
 from railhead.theory.array_types import Array
 from railhead.theory.bem import pressure_solver
-from railhead.theory.bem.grid_patch import Grid, PatchSolution
+from railhead.theory.bem.grid_patch import Grid, PatchSolution, squares_at
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.elastic.hertz import Strip
 from railhead.theory.elastic.line import Hertz, LineContact
-from railhead.theory.friction.rolling import plane_modes
+from railhead.theory.friction.rolling import cells_over, plane_modes
 
 CELLS = 128  # of a patch each way
-LENGTH, WIDER = 1e4, 1.25  # of a strip over its half width; its grid over it, as tractions widen it
-TOLERANCE = 1e-8  # of the displacement of a strip
+LENGTH = 1e4  # of a strip over its half width
+WIDER = 1.25  # grid of unlike bodies over the patch, which tractions widen
+TOLERANCE = 1e-8  # of the displacement
 PLANE = np.array([[0.0] * 3, [0.0] * 3, [0.0, 0.0, 1.0], [0.0] * 3])
 """`PressedPatch.angular` on the plane z = 0: about z for unit spin, zero for the other modes."""
 
@@ -154,55 +155,100 @@ def patches(
     hertzian: bool,
     load: float,
     cells: int,
+    like: bool = True,
     profiles: BoundaryElementSolution | str | None = None,
 ) -> list[PressedPatch]:
-    """Patches under a vertical load (N) on grids of `cells` x `cells`, one for each window; that of
-    a line contact is a strip, see `_strip`.
+    """Patches under a vertical load (N), each on a grid of about `cells` x `cells` cells
+    (`cells_over`); that of a line contact is a strip, see `_strip`.
 
     hertz: exact Hertz for the contact; where the patch is its ellipse or strip, its own load counts
         and not `load`.
-    hertzian: whether the patch is an ellipse; Hertz's gap is then used, unless the ellipse is
-        turned.
-    profiles: the solved half-space contact, or the reason why it failed. It is solved here where it
-        is None, or its grid (of two the coarser one) has another number of cells.
+    hertzian: whether the patch is an ellipse; Hertz's is then used, unless the ellipse is turned.
+    like: whether tractions do not change the pressure: the grid then ends with the patch, and the
+        pressure is sampled. Else the grid is 1.25 (WIDER) times as wide, and the pressure is solved
+        on it by boundary elements.
+    profiles: the solved half-space contact, or the reason why it failed. None: it is solved here.
     Raises ValueError where the patches are not known.
     """
     if isinstance(hertz, LineContact):
-        return _strip(contact, hertz.strip, cells)
+        return [_strip(contact, hertz.strip, cells, like=like)]
     if contact.half_space or (hertzian and not contact.touch.orientation):
-        pressed = pressure_solver.solve(
-            hertz.gap,
-            hertz.contact_modulus,
-            load=hertz.load,
-            cells=cells,
-            half_size=(2 * hertz.a, 2 * hertz.b),
-        )
+        grid = _grid((0.0, 0.0), (hertz.a, hertz.b), cells, like=like)
+        exact = hertz.pressure(grid.x[:, None], grid.s)
+        (pressed,) = _pressed([grid], [exact], hertz.gap, hertz.contact_modulus, hertz.load, like)
         return [PressedPatch(pressed, *_on_surface(contact, pressed))]
     if isinstance(profiles, str):
         raise ValueError(profiles)
-    known = None if profiles is None else profiles.coarse or profiles
-    if known is None or known.windows[0].x.size != cells:
-        known = boundary_elements.solve(contact, hertz, load, cells)
+    known = profiles or boundary_elements.solve(contact, hertz, load, CELLS)
+    windows = [each for each in known.windows if each.force > SMALLEST * known.force]
+    surface = boundary_elements.develop(contact)
+    grids = [_grid(*each.middle_and_half_extents, cells, like=like) for each in windows]
+    grids = [replace(grid, angle=surface.angle(grid.s)) for grid in grids]
+    sampled = [
+        np.sqrt(squares_at((each.x, each.s), each.pressure, grid.x, grid.s).clip(0.0))
+        for each, grid in zip(windows, grids, strict=True)
+    ]
     angular = wheelset_kinematics.rigid_slip(contact).angular
     return [
         PressedPatch(each, *_on_surface(contact, each), angular)
-        for each in known.windows
-        if each.force > SMALLEST * known.force
+        for each in _pressed(grids, sampled, surface.gap, known.contact_modulus, known.load, like)
     ]
 
 
-def _strip(contact: Contact, line: Strip, cells: int) -> list[PressedPatch]:
-    """Patch of a line contact, solved anew by boundary elements on a grid of `cells` cells over
-    1.25 (WIDER) widths, along x, and two cells along the line. These are so long that each is a
-    strip; the load is the load per length times their length.
+def _grid(
+    middle: tuple[float, float], half: tuple[float, float], cells: int, *, like: bool
+) -> Grid:
+    """Grid in a plane of `cells_over` cells over a patch, or 1.25 (WIDER) times as wide for unlike
+    bodies. middle, half: of the patch along x and s, mm.
     """
-    grid, gap = strip_grid(line.b, line.curvature, cells, WIDER)
-    load = line.load_per_length * LENGTH * line.b
-    (pressed,) = pressure_solver.equilibrium(
-        [grid], [gap], line.contact_modulus, load, None, TOLERANCE, None
+    wide = 1.0 if like else WIDER
+    x, s = (
+        place + wide * each * ((2 * np.arange(count) + 1) / count - 1)
+        for place, each, count in zip(middle, half, cells_over(half, cells), strict=True)
     )
+    return Grid(x, s, np.zeros_like(s))
+
+
+def _pressed(
+    grids: Sequence[Grid],
+    sampled: Sequence[Array],
+    gap: Callable[[Array, Array], Array],
+    modulus: float,
+    load: float,
+    like: bool,
+) -> list[PatchSolution]:
+    """Pressures on grids. For like bodies the `sampled` ones (nx, ns), MPa, scaled to the load (N)
+    together; their gap is 0 in the patch and NaN outside, their approach NaN. Else boundary
+    elements give them. gap: undeformed, of places x (n,), s (n,), mm. modulus: E*, MPa.
+    """
+    found = [
+        PatchSolution(g.x, g.s, g.angle, p, np.where(p > 0, 0.0, math.nan), math.nan)
+        for g, p in zip(grids, sampled, strict=True)
+    ]
+    scale = load / sum(each.load for each in found)
+    found = [replace(each, pressure=scale * each.pressure) for each in found]
+    if like:
+        return found
+    gaps = []
+    for grid in grids:
+        x, s = np.meshgrid(grid.x, grid.s, indexing="ij")
+        gaps.append(gap(x.ravel(), s.ravel()).reshape(x.shape))
+    guess = BoundaryElementSolution(tuple(found), modulus)
+    return pressure_solver.equilibrium(grids, gaps, modulus, load, None, TOLERANCE, guess)
+
+
+def _strip(contact: Contact, line: Strip, cells: int, *, like: bool) -> PressedPatch:
+    """Patch of a line contact on a grid of `cells` cells along x, and two cells along the line.
+    These are so long that each is a strip; the load is the load per length times their length.
+    Pressure and width of the grid follow from `like` as of `patches`.
+    """
+    grid, gap = strip_grid(line.b, line.curvature, cells, 1.0 if like else WIDER)
+    load = line.load_per_length * LENGTH * line.b
+    exact = np.repeat(line.pressure(grid.x)[:, None], 2, axis=1)
+    modulus = line.contact_modulus
+    (pressed,) = _pressed([grid], [exact], lambda x, s: gap.ravel(), modulus, load, like)
     friction = contact.scene.friction.at(np.full(grid.s.size, contact.touch.angle))
-    return [PressedPatch(pressed, plane_modes(grid.x, grid.s), friction)]
+    return PressedPatch(pressed, plane_modes(grid.x, grid.s), friction)
 
 
 def strip_grid(half_width: float, curvature: float, cells: int, wider: float) -> tuple[Grid, Array]:

@@ -36,7 +36,7 @@ from railhead.theory.friction.tangential import MaterialPair
 if TYPE_CHECKING:
     from railhead.solver.system.solution import FrictionSolution
 
-CELLS = {False: (32, 64), True: (128, 256)}  # coarse and fine, by whether the contact is a line
+CELLS = (16, 32, 64)  # of a patch each way, the coarsest first
 STRIP_KEYS = (
     "force_along_N",
     "stick_share",
@@ -84,6 +84,7 @@ def half_space_friction(
             hertzian=findings.hertzian,
             load=solved.solution.load,
             cells=cells,
+            like=pair.like,
             profiles=profiles,
         )
 
@@ -92,16 +93,12 @@ def half_space_friction(
     if isinstance(solved.ellipse, LineContact):
         return _strip(plan, found, solved.ellipse, patches)
     out: NumbersByMethod = {
-        "boundary elements": or_reason(
-            lambda: solve_by_boundary_elements(plan, found, patches, CELLS[False])
-        )
+        "boundary elements": or_reason(lambda: solve_by_boundary_elements(plan, found, patches))
     }
     if pair.like and rolling:
         name = "FASTSIM" if findings.hertzian else "FASTSIM (equal ellipses)"
         out[name] = or_reason(
-            lambda: fastsim(
-                patches(CELLS[False][1]), found.friction_limit, pair, found.rigid_motion
-            )
+            lambda: fastsim(patches(CELLS[1]), found.friction_limit, pair, found.rigid_motion)
         )
     elif pair.like and findings.hertzian and plan.scene.friction.uneven:
         out["Cattaneo, Mindlin"] = {"reason": UNEVEN}
@@ -120,7 +117,7 @@ def _strip(
     if not closed_forms.tangential_pair(plan.scene).like:
         if line.across:
             return {"boundary elements": {"reason": STRIP_ACROSS}}
-        numbers = or_reason(lambda: solve_by_boundary_elements(plan, found, patches, CELLS[True]))
+        numbers = or_reason(lambda: solve_by_boundary_elements(plan, found, patches))
         return {"boundary elements": {key: numbers[key] for key in STRIP_KEYS if key in numbers}}
     if not plan.scene.rolling.prescribed:
         if plan.scene.friction.uneven and line.across:
@@ -162,7 +159,7 @@ def _mindlin(plan: Plan, found: FrictionSolution, ellipse: Ellipse) -> dict[str,
 
 
 def solve_by_boundary_elements(
-    plan: Plan, found: FrictionSolution, patches: Patches, cells: tuple[int, int]
+    plan: Plan, found: FrictionSolution, patches: Patches, cells: Sequence[int] = CELLS
 ) -> Numbers:
     """Friction quantities of half-spaces by boundary elements, by their keys in summary.json.
     Raises ValueError as `shear`, and for several patches under a shift.
@@ -171,15 +168,10 @@ def solve_by_boundary_elements(
     found: solution by finite elements, of which the friction limit and the motion (rolling:
         creepages and spin) or the forces (a shift) count.
     patches: makes the pressed patches on a grid.
-    cells: coarse and fine number along each axis. Bodies of the same material are solved on the
-        fine grid alone, without a "grid_error". For others, which roll, both grids are solved and
-        extrapolated; "grid_error" is the change of the forces from fine to extrapolated, over mu N.
+    cells: numbers along each axis, the last ones a coarse and a fine one. Numbers are extrapolated
+        from both; "grid_error" is the change of the forces by that, over mu N.
     """
-    coarse, fine = cells
-    finest = _on_grid(plan, found, patches(fine))
-    if closed_forms.tangential_pair(plan.scene).like:
-        return finest
-    other = _on_grid(plan, found, patches(coarse))
+    other, finest = (_on_grid(plan, found, patches(each)) for each in cells[-2:])
     better = {name: 2 * value - other[name] for name, value in finest.items()}
     better["stick_share"] = min(max(better["stick_share"], 0.0), 1.0)
     change = max(abs(better[way] - finest[way]) for way in ("force_along_N", "force_across_N"))

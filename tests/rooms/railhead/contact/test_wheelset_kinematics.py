@@ -97,8 +97,8 @@ def test_points_slip_as_those_of_a_rigid_wheelset(axle: str) -> None:
     assert several >= 2
 
 
-def independent(contact: Contact, known, radius: float) -> dict[str, float]:
-    """Forces over mu N and T-gamma, N, of half-spaces under the pressures of a solution; places of
+def independent(contact: Contact, windows, radius: float) -> dict[str, float]:
+    """Forces over mu N and T-gamma, N, of half-spaces under the pressures of windows; places of
     their cells on the rail's profile and their slip are made here."""
     rail, touch = contact.pair.rail, contact.touch
     y = np.linspace(touch.y - 40, touch.y + 40, 80_001)
@@ -108,7 +108,7 @@ def independent(contact: Contact, known, radius: float) -> dict[str, float]:
     total, limit, work = np.zeros(3), 0.0, 0.0
     steel = contact.scene.rail.young_modulus, contact.scene.rail.poisson_ratio
     pair = tangential.pair(*steel, *steel)
-    for each in known.windows:
+    for each in windows:
         place = np.interp(each.s, s, y)
         x = np.repeat(each.x, each.s.size)
         places = np.tile(place, each.x.size)
@@ -146,10 +146,10 @@ def test_patches_and_a_flange_roll_as_half_spaces_do(shift: float, patches: int)
     half-spaces under the same pressures with a slip of their own."""
     plan = loaded(shift)
     known = boundary_elements.solve(plan.contact, plan.hertz, 80e3, 32)
-    rolled = independent(plan.contact, known, 460.0)
     pressed = normal_contact.patches(
         plan.contact, plan.hertz, hertzian=False, load=80e3, cells=32, profiles=known
     )
+    rolled = independent(plan.contact, [each.pressed for each in pressed], 460.0)
     assert len(pressed) == patches
     moves = wheelset_kinematics.wheelset_creepage(plan.contact).creepage
     limit = MU * sum(each.pressed.force for each in pressed)
@@ -181,7 +181,10 @@ def test_finite_elements_roll_as_half_spaces_do(shift: float) -> None:
     known = boundary_elements.solve(
         contact, found.mesh_solution.ellipse, found.mesh_solution.solution.load, 64
     )
-    rolled = independent(contact, known, 460.0)
+    pressed = normal_contact.patches(
+        contact, found.mesh_solution.ellipse, hertzian=False, load=80e3, cells=64, profiles=known
+    )
+    rolled = independent(contact, [each.pressed for each in pressed], 460.0)
     for name in FORCES:
         assert answer[name] / answer["limit_N"] == pytest.approx(rolled[name], abs=0.02)
 

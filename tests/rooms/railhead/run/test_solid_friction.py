@@ -69,7 +69,7 @@ def test_what_finite_bodies_add_is_what_tractions_do_to_them() -> None:
     before = friction.pressed.displacement
     after = friction.press_again(load, [found]).displacement
     smooth = grid.smooth
-    own = grid.points.jumps(after - before).T.reshape(2, *grid.pressure(grid.patch).shape)
+    own = grid.points.jumps(after - before).T.reshape(2, *grid.pressed.shape)
     influence = TractionInfluence(grid.x, grid.y, friction.pair, rolling=False)(found.traction)
     added = -smooth.response(friction._added[0, 0], grid.x, grid.y)(found.traction)
     inside = found.bound > 0

@@ -19,6 +19,7 @@ from railhead.theory.friction.rolling import (
     Creepage,
     HalfSpaceFriction,
     TangentialSolution,
+    cells_over,
     solve_dissimilar,
     solve_for_forces,
 )
@@ -42,9 +43,9 @@ def patch(
     rolling: bool = True,
 ) -> HalfSpaceFriction:  # fmt: skip
     """A Hertz ellipse that fills its grid."""
-    ticks = (2 * np.arange(cells) + 1) / cells - 1
-    pressure = p0 * np.sqrt(np.maximum(1 - ticks[:, None] ** 2 - ticks**2, 0))
-    return HalfSpaceFriction(a * ticks, b * ticks, pressure, friction, materials, rolling=rolling)
+    u, v = ((2 * np.arange(count) + 1) / count - 1 for count in cells_over((a, b), cells))
+    pressure = p0 * np.sqrt(np.maximum(1 - u[:, None] ** 2 - v**2, 0))
+    return HalfSpaceFriction(a * u, b * v, pressure, friction, materials, rolling=rolling)
 
 
 def creep_curves():
@@ -106,8 +107,7 @@ def test_what_does_not_converge_from_a_neighbour_does_from_the_start() -> None:
 
 @pytest.mark.parametrize("ratio", [4.336 / 3.465, 3.0, pytest.param(0.5, marks=SLOW)])
 def test_vanishing_creepage_gives_the_linear_coefficients(ratio: float) -> None:
-    """From two grids to 1 %; the error is of first order as the traction is infinite at the edge.
-    The moment is made at the ragged edge: 4 %."""
+    """From two grids to 0.5 %, the moment to 2 %."""
     a, b, exact = math.sqrt(ratio), 1 / math.sqrt(ratio), coefficients(ratio, 0.3)
     found = []
     for cells in (32, 64):
@@ -119,8 +119,8 @@ def test_vanishing_creepage_gives_the_linear_coefficients(ratio: float) -> None:
         found.append([forces[0][0], forces[1][1], forces[2][1], -forces[1][2], forces[2][2]])
     extrapolated = 2 * np.array(found[1]) - found[0]
     expected = [exact.c11, exact.c22, exact.c23, exact.c23]
-    np.testing.assert_allclose(extrapolated[:4], expected, rtol=1e-2)
-    assert extrapolated[4] == pytest.approx(exact.c33, rel=4e-2)
+    np.testing.assert_allclose(extrapolated[:4], expected, rtol=5e-3)
+    assert extrapolated[4] == pytest.approx(exact.c33, rel=2e-2)
 
 
 @pytest.mark.parametrize("share", [0.36, 0.84])
@@ -131,9 +131,10 @@ def test_the_middle_of_a_long_line_contact_is_carters(share: float) -> None:
     y = strip.b * 4 * (np.arange(15) - 7)
     pressure = np.repeat(strip.pressure(x)[:, None], 15, axis=1)
     body = HalfSpaceFriction(x, y, pressure, 0.3, STEEL, rolling=True)
-    q = body.solve(Creepage(along=exact.creepage)).traction[0, :, 7]
-    assert q.sum() / (0.3 * strip.pressure(x).sum()) == pytest.approx(share, abs=OWN)
-    sticks = x[q < 0.3 * strip.pressure(x) * (1 - 1e-6)]
+    rolled = body.solve(Creepage(along=exact.creepage))
+    used = rolled.traction[0, :, 7].sum() / rolled.bound[:, 7].sum()
+    assert used == pytest.approx(share, abs=OWN)
+    sticks = x[rolled.sticks[:, 7]]
     assert sticks.min() / strip.b == pytest.approx(
         (exact.stick_centre - exact.stick_half_width) / strip.b, abs=0.03
     )

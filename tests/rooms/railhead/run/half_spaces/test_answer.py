@@ -138,12 +138,14 @@ def test_what_few_cells_slip_is_not_read_from_one_grid() -> None:
 
 @pytest.mark.parametrize("share", [0.05, 0.3])
 def test_the_largest_traction_of_a_shift_is_cattaneo_s_or_said_to_be_unread(share: float) -> None:
-    """Where 3 % of the patch slip the cells have it a fifth too low; where a fifth slips, 3 %."""
+    """Where 3 % of the patch slip it is said to be unread; where a fifth slips its error holds."""
     result = fast("hertz_ellipse", *ROLLS, f"friction.force_along={share * 7500}N")
     exact = 0.3 * result.pressure.max * math.sqrt(1 - (1 - share) ** (2 / 3))
     off = abs(result.friction.traction_max / exact - 1)
-    below = result.summary["result"]["friction"]["below_resolution"]
-    assert ("traction_max_MPa" in below) is (off > 0.05) and off < 0.3
+    friction = result.summary["result"]["friction"]
+    error = friction["grid_error"]["traction_max_MPa"] / exact
+    unread = "traction_max_MPa" in friction["below_resolution"]
+    assert off < error and unread is (share == 0.05) and (unread or error < 0.15)
 
 
 def test_a_shift_of_half_spaces_is_cattaneo_and_mindlins() -> None:

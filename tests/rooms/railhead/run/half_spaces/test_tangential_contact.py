@@ -28,7 +28,10 @@ def ellipse(*keys: str) -> planning.Plan:
 
 
 def hertz(plan: planning.Plan, cells: int):
-    return normal_contact.patches(plan.contact, plan.hertz, hertzian=True, load=25e3, cells=cells)
+    like = plan.context.tangential_pair.like
+    return normal_contact.patches(
+        plan.contact, plan.hertz, hertzian=True, load=25e3, cells=cells, like=like
+    )
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +65,7 @@ def test_boundary_elements_shift_as_mindlin() -> None:
             known.approach(size) * part / size, rel=0.02
         )
     assert answer["stick_share"] == pytest.approx((1 - size / 7500) ** (2 / 3), abs=0.04)
-    assert "grid_error" not in answer and "t_gamma_N" not in answer
+    assert answer["grid_error"] < 1e-5 and "t_gamma_N" not in answer
 
 
 def test_what_sticks_in_any_patch_is_the_patch_of_the_force_that_is_left() -> None:
@@ -84,14 +87,13 @@ def test_what_sticks_in_any_patch_is_the_patch_of_the_force_that_is_left() -> No
 
 
 def test_unlike_bodies_are_extrapolated_and_say_how_far() -> None:
-    """A rigid wheel at a creepage of 0.001: 0.242 of mu N from up to 64 cells; finite elements gave
-    0.237 on 4.3 elements a semi-axis."""
+    """A rigid wheel at a creepage of 0.001: 0.228 of mu N from 64 and 96 cells."""
     plan = ellipse("wheel.young_modulus=inf", "rolling.creepage_along=0.1%")
     found = friction_found(MU * 25e3, (1e-3, 0.0, 0.0))
     coarse = solve_by_boundary_elements(plan, found, lambda cells: hertz(plan, cells), (16, 32))
     assert coarse["force_along_N"] / 7500 == pytest.approx(0.237, abs=0.03)
     assert 0.005 < coarse["grid_error"] < 0.05
-    assert abs(coarse["force_along_N"] / 7500 - 0.242) < coarse["grid_error"]
+    assert abs(coarse["force_along_N"] / 7500 - 0.228) < coarse["grid_error"]
     assert "shift_along_mm" not in coarse
 
 
