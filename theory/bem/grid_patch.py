@@ -180,6 +180,11 @@ class PatchSolution(Grid):
         ss = np.average((self.s - self.centroid[1]) ** 2, weights=across)
         return math.sqrt(5 * xx), math.sqrt(5 * ss)
 
+    def sampled(self, grid: Grid) -> "PatchSolution":
+        """The same pressure on another grid, scaled to the load; see `on_grid`."""
+        squares = squares_at((self.x, self.s), self.pressure, grid.x, grid.s)
+        return on_grid(grid, np.sqrt(squares.clip(0.0)), self.load)
+
     def separate(self) -> "list[PatchSolution]":
         """Connected patches, a solution each with the grid, gap and approach of all. Cells that
         share a corner are connected.
@@ -189,6 +194,15 @@ class PatchSolution(Grid):
             replace(self, pressure=np.where(parts == number, self.pressure, 0.0))
             for number in range(1, count + 1)
         ]
+
+
+def on_grid(grid: Grid, pressure: Array, load: float) -> PatchSolution:
+    """A known pressure (nx, ns), scaled to a load (N); the gap is 0 in the patch and NaN outside,
+    the approach NaN.
+    """
+    gap = np.where(pressure > 0, 0.0, math.nan)
+    found = PatchSolution(grid.x, grid.s, grid.angle, pressure, gap, math.nan)
+    return replace(found, pressure=pressure * (load / found.load))
 
 
 def squares_at(axes: tuple[Array, Array], pressure: Array, x: Array, s: Array) -> Array:

@@ -28,7 +28,7 @@ from railhead.theory.friction.rolling import (
     Creepage,
     HalfSpaceFriction,
     TangentialSolution,
-    cells_over,
+    grid_over,
 )
 from railhead.theory.friction.tangential import MaterialPair
 
@@ -71,11 +71,13 @@ class Ellipse:
 def _friction(axis_ratio: float, poisson: float, cells: int) -> HalfSpaceFriction:
     """Friction of `Ellipse` on about cells x cells cells that cover the ellipse."""
     semi = math.sqrt(axis_ratio), 1 / math.sqrt(axis_ratio)
-    u, v = ((2 * np.arange(count) + 1) / count - 1 for count in cells_over(semi, cells))
+    grid = grid_over((0.0, 0.0), semi, cells)
+    u, v = grid.x / semi[0], grid.s / semi[1]
     pressure = np.sqrt(np.clip(1 - u[:, None] ** 2 - v**2, 0.0, None))
-    pressure *= NORMAL / (pressure.sum() * (u[1] - u[0]) * (v[1] - v[0]))
-    x, y = semi[0] * u, semi[1] * v
-    return HalfSpaceFriction(x, y, pressure, 1.0, MaterialPair(1.0, poisson), rolling=True)
+    pressure *= NORMAL / (pressure.sum() * grid.cell)
+    return HalfSpaceFriction(
+        grid.x, grid.s, pressure, 1.0, MaterialPair(1.0, poisson), rolling=True
+    )
 
 
 def refined(

@@ -25,7 +25,7 @@ from dataclasses import astuple, dataclass
 import numpy as np
 
 from railhead.theory.array_types import Array, Mask
-from railhead.theory.bem.grid_patch import PatchSolution, shares
+from railhead.theory.bem.grid_patch import Grid, PatchSolution, shares
 from railhead.theory.bem.influence import Influence
 from railhead.theory.bem.pressure_solver import equilibrium
 from railhead.theory.friction.coulomb_solver import CoulombSolver
@@ -247,6 +247,19 @@ def cells_over(half: tuple[float, float], cells: int) -> tuple[int, int]:
     across = max(FEWEST, 2 * math.ceil(COARSEST / math.sqrt(ratio) / 2))
     along = min(max(COARSEST, 2 * round(across * ratio / 2)), MOST)
     return 2 * round(cells / COARSEST * along / 2), 2 * round(cells / COARSEST * across / 2)
+
+
+def grid_over(
+    middle: tuple[float, float], half: tuple[float, float], cells: int, wider: float = 1.0
+) -> Grid:
+    """Grid in a plane of `cells_over` cells over a patch with its middle (x, y) and half lengths,
+    mm, or `wider` times as wide.
+    """
+    x, y = (
+        place + wider * each * ((2 * np.arange(count) + 1) / count - 1)
+        for place, each, count in zip(middle, half, cells_over(half, cells), strict=True)
+    )
+    return Grid(x, y, np.zeros_like(y))
 
 
 def plane_modes(x: Array, y: Array) -> Array:

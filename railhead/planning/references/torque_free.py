@@ -21,7 +21,12 @@ from scipy.optimize import brentq
 from railhead.contact import solid, wheelset_kinematics
 from railhead.contact.solid import Contact, FreeAxle
 from railhead.planning.references import boundary_elements, closed_forms
-from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction, TangentialSolution
+from railhead.theory.friction.rolling import (
+    Creepage,
+    HalfSpaceFriction,
+    TangentialSolution,
+    grid_over,
+)
 
 CELLS = 32  # of a patch each way; with 64 the radius is 2e-3 mm off at most (S1002 on 60E1)
 PRESSINGS, BALANCE = 12, 1e-3  # between pressure and tractions; of the load
@@ -60,7 +65,9 @@ class _PressedWheel:
         pressed = boundary_elements.solve(contact, hertz, load, CELLS)
         known = wheelset_kinematics.wheelset_creepage(contact)
         self._patches = []
-        for each in (window for window in pressed.windows if window.force > 0):
+        for window in (window for window in pressed.windows if window.force > 0):
+            grid = grid_over(*window.middle_and_half_extents, CELLS)
+            each = window.sampled(replace(grid, angle=surface.angle(grid.s)))
             modes = surface.slip(each.x, each.s)
             slip = np.tensordot(known.creepage.motion, modes, axes=1)
             turned, still = known.turning * (slip - modes[0]), np.zeros_like(slip)

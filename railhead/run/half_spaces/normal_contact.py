@@ -23,11 +23,11 @@ from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.run.mesh_solution import MeshSolution
 from railhead.theory.array_types import Array
 from railhead.theory.bem import pressure_solver
-from railhead.theory.bem.grid_patch import Grid, PatchSolution, squares_at
+from railhead.theory.bem.grid_patch import Grid, PatchSolution, on_grid
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.elastic.hertz import Strip
 from railhead.theory.elastic.line import Hertz, LineContact
-from railhead.theory.friction.rolling import cells_over, plane_modes
+from railhead.theory.friction.rolling import grid_over, plane_modes
 
 CELLS = 128  # of a patch each way
 LENGTH = 1e4  # of a strip over its half width
@@ -172,69 +172,39 @@ def patches(
     """
     if isinstance(hertz, LineContact):
         return [_strip(contact, hertz.strip, cells, like=like)]
+    wider = 1.0 if like else WIDER
     if contact.half_space or (hertzian and not contact.touch.orientation):
-        grid = _grid((0.0, 0.0), (hertz.a, hertz.b), cells, like=like)
-        exact = hertz.pressure(grid.x[:, None], grid.s)
-        (pressed,) = _pressed([grid], [exact], hertz.gap, hertz.contact_modulus, hertz.load, like)
-        return [PressedPatch(pressed, *_on_surface(contact, pressed))]
+        grid = grid_over((0.0, 0.0), (hertz.a, hertz.b), cells, wider)
+        known = [on_grid(grid, hertz.pressure(grid.x[:, None], grid.s), hertz.load)]
+        (found,) = known if like else _pressed(known, hertz.gap, hertz.contact_modulus)
+        return [PressedPatch(found, *_on_surface(contact, found))]
     if isinstance(profiles, str):
         raise ValueError(profiles)
-    known = profiles or boundary_elements.solve(contact, hertz, load, CELLS)
-    windows = [each for each in known.windows if each.force > SMALLEST * known.force]
-    surface = boundary_elements.develop(contact)
-    grids = [_grid(*each.middle_and_half_extents, cells, like=like) for each in windows]
-    grids = [replace(grid, angle=surface.angle(grid.s)) for grid in grids]
-    sampled = [
-        np.sqrt(squares_at((each.x, each.s), each.pressure, grid.x, grid.s).clip(0.0))
-        for each, grid in zip(windows, grids, strict=True)
-    ]
+    solved = profiles or boundary_elements.solve(contact, hertz, load, CELLS)
+    surface, known = boundary_elements.develop(contact), []
+    for each in solved.windows:
+        if each.force > SMALLEST * solved.force:
+            grid = grid_over(*each.middle_and_half_extents, cells, wider)
+            known.append(each.sampled(replace(grid, angle=surface.angle(grid.s))))
     angular = wheelset_kinematics.rigid_slip(contact).angular
     return [
         PressedPatch(each, *_on_surface(contact, each), angular)
-        for each in _pressed(grids, sampled, surface.gap, known.contact_modulus, known.load, like)
+        for each in (known if like else _pressed(known, surface.gap, solved.contact_modulus))
     ]
-
-
-def _grid(
-    middle: tuple[float, float], half: tuple[float, float], cells: int, *, like: bool
-) -> Grid:
-    """Grid in a plane of `cells_over` cells over a patch, or 1.25 (WIDER) times as wide for unlike
-    bodies. middle, half: of the patch along x and s, mm.
-    """
-    wide = 1.0 if like else WIDER
-    x, s = (
-        place + wide * each * ((2 * np.arange(count) + 1) / count - 1)
-        for place, each, count in zip(middle, half, cells_over(half, cells), strict=True)
-    )
-    return Grid(x, s, np.zeros_like(s))
 
 
 def _pressed(
-    grids: Sequence[Grid],
-    sampled: Sequence[Array],
-    gap: Callable[[Array, Array], Array],
-    modulus: float,
-    load: float,
-    like: bool,
+    known: Sequence[PatchSolution], gap: Callable[[Array, Array], Array], modulus: float
 ) -> list[PatchSolution]:
-    """Pressures on grids. For like bodies the `sampled` ones (nx, ns), MPa, scaled to the load (N)
-    together; their gap is 0 in the patch and NaN outside, their approach NaN. Else boundary
-    elements give them. gap: undeformed, of places x (n,), s (n,), mm. modulus: E*, MPa.
+    """Pressures by boundary elements on the grids of nearly known ones, under the same load. gap:
+    undeformed, mm, of places x (n,), s (n,), mm. modulus: E*, MPa.
     """
-    found = [
-        PatchSolution(g.x, g.s, g.angle, p, np.where(p > 0, 0.0, math.nan), math.nan)
-        for g, p in zip(grids, sampled, strict=True)
-    ]
-    scale = load / sum(each.load for each in found)
-    found = [replace(each, pressure=scale * each.pressure) for each in found]
-    if like:
-        return found
     gaps = []
-    for grid in grids:
-        x, s = np.meshgrid(grid.x, grid.s, indexing="ij")
+    for each in known:
+        x, s = np.meshgrid(each.x, each.s, indexing="ij")
         gaps.append(gap(x.ravel(), s.ravel()).reshape(x.shape))
-    guess = BoundaryElementSolution(tuple(found), modulus)
-    return pressure_solver.equilibrium(grids, gaps, modulus, load, None, TOLERANCE, guess)
+    load, guess = sum(each.load for each in known), BoundaryElementSolution(tuple(known), modulus)
+    return pressure_solver.equilibrium(known, gaps, modulus, load, None, TOLERANCE, guess)
 
 
 def _strip(contact: Contact, line: Strip, cells: int, *, like: bool) -> PressedPatch:
@@ -243,12 +213,12 @@ def _strip(contact: Contact, line: Strip, cells: int, *, like: bool) -> PressedP
     Pressure and width of the grid follow from `like` as of `patches`.
     """
     grid, gap = strip_grid(line.b, line.curvature, cells, 1.0 if like else WIDER)
-    load = line.load_per_length * LENGTH * line.b
     exact = np.repeat(line.pressure(grid.x)[:, None], 2, axis=1)
-    modulus = line.contact_modulus
-    (pressed,) = _pressed([grid], [exact], lambda x, s: gap.ravel(), modulus, load, like)
+    found = on_grid(grid, exact, line.load_per_length * LENGTH * line.b)
+    if not like:
+        (found,) = _pressed([found], lambda x, s: gap.ravel(), line.contact_modulus)
     friction = contact.scene.friction.at(np.full(grid.s.size, contact.touch.angle))
-    return PressedPatch(pressed, plane_modes(grid.x, grid.s), friction)
+    return PressedPatch(found, plane_modes(grid.x, grid.s), friction)
 
 
 def strip_grid(half_width: float, curvature: float, cells: int, wider: float) -> tuple[Grid, Array]:
