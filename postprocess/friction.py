@@ -138,12 +138,16 @@ def quantities(
     Always "below_resolution": names of the quantities that mesh or grid do not resolve; without the
         resolution of each those that the border of stick hides (`_hidden_by_border`).
     """
-    words = {"rolling": rolling, "like": like, "speed": speed, "cycle": cycle, "patches": patches}
     grids, grid = [], found
-    while grid is not None:
-        grids.append(_values(grid, **words))
+    while True:
+        grids.append(
+            _values(grid, rolling=rolling, like=like, speed=speed, cycle=cycle, patches=patches)
+        )
+        if grid.coarse is None:
+            break
         grid = grid.coarse
-    out, errors = grids[0], {}
+    out: dict[str, Any] = grids[0]
+    errors: dict[str, float] = {}
     if len(grids) > 1:
         out, *before = (_extrapolated(*pair) for pair in pairwise(grids))
         errors = _errors(found, out, [grids[0], *before])

@@ -489,7 +489,7 @@ def half_spaces(solved: HalfSpaceSolution, bound: dict[str, float]) -> Iterator[
     )
     yield Check(
         name="grid_error",
-        value=max(parts.get("grid", 0.0) for parts in solved.error_parts.values()),
+        value=largest_bound({key: solved.error_parts[key].get("grid", 0.0) for key in bound}),
         limit=DEFAULT_TOLERANCE,
         source="the change from a grid of half as many cells each way",
         advice=BODIES,

@@ -76,8 +76,9 @@ def rows(summary: Mapping[str, Any], table: str) -> list[Row]:
             least = ROUNDING * limit
         value = _cell(each.value(result), least)
         error = within.get(each.key, within.get(each.like))
-        if isinstance(value, float) and isinstance(error, float) and each.over_friction_limit:
-            error = error * limit / abs(value) if value else None
+        over = limit if each.over_friction_limit else float(each.absolute)
+        if isinstance(value, float) and isinstance(error, float) and over:
+            error = error * over / abs(value) if value else None
         elif isinstance(value, float) and error is None and table != "load":
             error = "no law" if value else None
         row: Row = {

@@ -215,9 +215,9 @@ def reading_errors(found: Findings, tolerance: float = RIVAL) -> dict[str, float
 def friction_errors(
     friction: Mapping[str, Any], used: float, area: float, pressure: float
 ) -> dict[str, tuple[float, float]]:
-    """Errors of the numbers of friction by key of summary.json, of forces over mu N, others
-    relative: what the error of the patch changes, and that of the grids of the tractions. Without
-    numbers that are given or 0, and empty without grids.
+    """Errors of the numbers of friction by key of summary.json, of forces over mu N, of the stick
+    share in itself, others relative: what the error of the patch changes, and that of the grids of
+    the tractions. Without numbers that are given or 0, and empty without grids.
 
     friction: entry of "result". used: sum of the sizes of all tractions over mu N, 0 to 1. area,
         pressure: relative errors of the area and of the largest pressure.
@@ -229,6 +229,8 @@ def friction_errors(
             continue
         if key in FRICTION_SHARES:
             errors[key] = used * area, change / friction["limit_N"]
+        elif key == "stick_share":
+            errors[key] = area * value, change
         else:
             more = {"moment_Nmm": area / 2, "traction_max_MPa": pressure}
             errors[key] = area + more.get(key, 0.0), change / value

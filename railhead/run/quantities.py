@@ -34,6 +34,7 @@ class Quantity:
         without one from the scatter of three meshes. Not set for friction:
         `estimates.friction_values` chooses those that are estimated as well.
     over_friction_limit: whether its errors are relative to mu N and not to the value.
+    absolute: whether its errors are in its unit and not relative to the value.
     like: key of the quantity whose relative error it has, where it has no estimate of its own.
     scatter: name in `Patch.scatter` of the difference between two readings; empty: none.
     ridge_stress: whether it is a largest stress in the bodies, whose reading error follows from
@@ -51,6 +52,7 @@ class Quantity:
     bound: str = ""
     estimated: bool = False
     over_friction_limit: bool = False
+    absolute: bool = False
     like: str = ""
     scatter: str = ""
     ridge_stress: bool = False
@@ -334,7 +336,11 @@ class FrictionQuantities:
     )
     turn_rad: float | None = friction("turn_rad")
     stick_share: float = friction(
-        "stick_share", "", "share of the patch that sticks", column="stick share"
+        "stick_share",
+        "",
+        "share of the patch that sticks",
+        column="stick share",
+        absolute=True,
     )
     traction_max: float = friction("traction_max_MPa", "MPa", "largest traction")
     t_gamma: float | None = friction(

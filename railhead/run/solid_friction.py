@@ -23,7 +23,6 @@ from petsc4py import PETSc
 
 from railhead.postprocess.friction import at_cells
 from railhead.postprocess.patch.patch import SmoothPatch, smooth_patches
-from railhead.run.half_spaces.tangential_contact import CELLS
 from railhead.scene.scene import SceneError
 from railhead.solver.algebra.linear import StalledError
 from railhead.solver.contact import ContactModel, condensed_friction
@@ -36,6 +35,7 @@ from railhead.solver.system.response import ElasticResponse
 from railhead.solver.system.solution import FrictionSolution, GridTraction, Solution
 from railhead.theory.array_types import Array
 from railhead.theory.friction.rolling import (
+    CELLS,
     Creepage,
     HalfSpaceFriction,
     TangentialSolution,

@@ -16,7 +16,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import minimize
 
-from railhead.theory.array_types import Array
+from railhead.theory.array_types import Array, Index
 from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.elastic import subsurface
 
@@ -135,7 +135,7 @@ def at_surface(patch: PatchSolution, poisson: float, traction: Array) -> list[tu
     """
     pressed, depth = patch.pressure > 0, -SURFACE * (patch.x[1] - patch.x[0])
 
-    def below(cells: Array) -> tuple[Array, Array]:
+    def below(cells: Index) -> tuple[Array, Array]:
         """Places (n, 3) below the pressed ones of `cells` (2, m), and stresses there (n, 6)."""
         i, j = cells[:, pressed[tuple(cells)]]
         places = np.column_stack([patch.x[i], patch.s[j], np.full(i.size, depth)])

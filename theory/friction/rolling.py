@@ -32,6 +32,7 @@ from railhead.theory.friction.coulomb_solver import CoulombSolver
 from railhead.theory.friction.tangential import AHEAD, MaterialPair, TractionInfluence
 
 TOLERANCE = 1e-8  # of the tractions
+CELLS = (16, 32, 64)  # of a patch each way, the coarsest first: numbers are extrapolated
 COARSEST, FEWEST, MOST = 16, 4, 256  # cells along x or across; least across, most along x
 LONGEST = 1.5  # of a cell along x over across; longer ones do not determine the tractions
 STUCK = 1e-6  # relative: a traction that is that much below its bound sticks
@@ -163,8 +164,10 @@ class HalfSpaceFriction:
             half-spaces, linear; None: zero.
         ValueError: a shape or value out of range.
         """
-        if pressure.shape != (x.size, y.size) or min(pressure.shape) < 2 or not pressure.min() >= 0:
-            raise ValueError("pressure must be (nx, ny), two cells an axis at least, and >= 0")
+        if pressure.shape != (x.size, y.size) or min(pressure.shape) < 2:
+            raise ValueError("pressure must be (nx, ny), two cells an axis at least")
+        if not (pressure.min() >= 0 and pressure.max() > 0):
+            raise ValueError("pressure must be >= 0, and not zero everywhere")
         if rolling and x[1] - x[0] > LONGEST * (y[1] - y[0]):
             raise ValueError("cells that roll must not be longer along x than 1.5 times across")
         if not (np.greater(friction, 0) & np.less(friction, np.inf)).all():

@@ -25,7 +25,7 @@ from railhead.postprocess.pass_rows import Passes
 from railhead.postprocess.patch import compare, half_space
 from railhead.run.estimates import friction_errors
 from railhead.run.half_spaces import normal_contact, tangential_contact
-from railhead.run.half_spaces.normal_contact import CELLS, PressedPatch
+from railhead.run.half_spaces.normal_contact import PressedPatch
 from railhead.run.mesh_solution import MeshSolution, read_friction
 from railhead.run.progress import Progress
 from railhead.run.quantities import numeric_values
@@ -33,7 +33,7 @@ from railhead.theory.array_types import Array
 from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.elastic.line import Hertz
-from railhead.theory.friction.rolling import TangentialSolution
+from railhead.theory.friction.rolling import CELLS, TangentialSolution
 
 if TYPE_CHECKING:
     from railhead.solver.system.solution import FrictionSolution
@@ -149,7 +149,7 @@ def _pressed(plan: Plan, load: float | None) -> BoundaryElementSolution | None:
     """
     if plan.contact.half_space:
         return None
-    return boundary_elements.solve(plan.contact, plan.hertz, load, CELLS)
+    return boundary_elements.solve(plan.contact, plan.hertz, load, normal_contact.CELLS)
 
 
 def _read(plan: Plan, profiles: BoundaryElementSolution | None) -> HalfSpaceSolution:
@@ -350,8 +350,8 @@ def _tractions(
         )
         return PatchTractions(patches=patches, found=sheared, scale=1 / longer)
 
-    found = on_grid(tangential_contact.CELLS[0], None)
-    for cells in tangential_contact.CELLS[1:]:
+    found = on_grid(CELLS[0], None)
+    for cells in CELLS[1:]:
         found = replace(on_grid(cells, found), coarse=found)
     return found
 

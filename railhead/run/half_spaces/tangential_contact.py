@@ -25,6 +25,7 @@ from railhead.theory.elastic.line import LineContact
 from railhead.theory.friction import kalker, partial_slip
 from railhead.theory.friction.kalker import Coefficients
 from railhead.theory.friction.rolling import (
+    CELLS,
     Creepage,
     HalfSpaceFriction,
     TangentialSolution,
@@ -36,7 +37,6 @@ from railhead.theory.friction.tangential import MaterialPair
 if TYPE_CHECKING:
     from railhead.solver.system.solution import FrictionSolution
 
-CELLS = (16, 32, 64)  # of a patch each way, the coarsest first
 STRIP_KEYS = (
     "force_along_N",
     "stick_share",

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from railhead.postprocess.friction import unread_peak, wear_and_shakedown, wear_number
+from railhead.postprocess.friction import wear_and_shakedown, wear_number
 
 MU = 0.4
 SHIFT = {"poisson": 0.3, "rolling": False, "line": False}
@@ -121,15 +121,3 @@ def test_the_wear_number_leaves_spin_out_and_is_that_of_one_patch() -> None:
     )
     number = wear_number(found, np.array([[0.0, 0.0, 0.0], [0.0, 20.0, 0.0]]))
     assert number == pytest.approx(0.01 * len(disc) * 0.3 * 3e-3)
-
-
-def test_what_slips_somewhere_has_stresses_that_may_be_higher() -> None:
-    """15 % on six elements a semi-axis, and as the cube root of the element size on others."""
-    pressure = np.array([1.0, 1.0, 0.0])
-    sticks, slips = (
-        SimpleNamespace(pressure=pressure, sticks=np.array(each))
-        for each in ([True, True, False], [True, False, False])
-    )
-    assert unread_peak(None, 6.0) == 0.0 == unread_peak(sticks, 6.0)
-    assert unread_peak(slips, 6.0) == pytest.approx(0.15)
-    assert unread_peak(slips, 48.0) == pytest.approx(0.075)
