@@ -49,7 +49,12 @@ def rail_profile(scene: Scene, stretch: float = 1.0) -> Profile:
     if rail.profile in profiles.STANDARD_RAILS:
         return profiles.rail_head(rail.profile, rail.inclination)
     if rail.profile != "arc":
-        return sided(from_file(scene, "rail", stretch)).profile
+        found = sided(from_file(scene, "rail", stretch))
+        if found.oriented.open_by and rail.gauge is None:
+            text = f"nothing in {found.path.name} says that its origin is the crown centre, whose "
+            text += f"top is {found.oriented.open_by:.1f} mm beside it; give file if it is, or "
+            raise SceneError("rail.profile_origin", text + "rail.profile_shift, or rail.gauge")
+        return found.profile
     half_width = rail.width / 2 if rail.width else RAIL_HALF_WIDTH
     crown = profiles.single_radius(float(rail.crown_radius or 0), half_width)
     return profiles.rolled(crown, rail.inclination)

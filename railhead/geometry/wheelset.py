@@ -88,7 +88,7 @@ def gauge_face(rail: Profile, depth: float = GAUGE_HEIGHT) -> float:
     if not len(below):
         end = height - float(rail.height(y).min())
         text = f"is not reached by profile {rail.name}, which ends {end:.3g} mm below its top"
-        raise GaugeError(f"{depth:g} mm {text}; give less")
+        raise GaugeError(f"{depth:g} mm {text}; give less, or no gauge")
     ends = y[below[-1]], y[below[-1] + 1]
     return float(brentq(lambda y: float(rail.height(y)) - height + depth, *ends))
 

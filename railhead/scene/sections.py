@@ -182,6 +182,8 @@ def _coefficient(value: object) -> object:
     """
     if not isinstance(value, list | tuple):
         return units.COEFFICIENT(value)
+    if not all(isinstance(pair, list | tuple) and len(pair) == 2 for pair in value):
+        raise ValueError(f"{show(value)} is not allowed; {PAIRS}")
     try:
         pairs = tuple((units.SURFACE_ANGLE(a), units.PAIRED_COEFFICIENT(mu)) for a, mu in value)
     except (TypeError, ValueError) as error:

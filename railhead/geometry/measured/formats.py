@@ -43,6 +43,7 @@ UNIT_OF_NAME = {name: unit for unit, names in UNIT_NAMES.items() for name in nam
 OTHER_UNITS = ("km", "dm", "nm", "yd", "yard", "yards", "mil", "mils", "px", "deg", "°", "rad")
 UNIT = re.compile(r"[\[(/_]\s*([^\W\d_]+|°)")  # in a name: y [mm], y/mm, y_mm
 UNIT_LINE = re.compile(r"\bunits?\s*[:=]?\s*([^\W\d_]+)", re.IGNORECASE)
+LARGEST = 1e9  # of any unit: no profile has such a number
 SHOWN = 40  # characters of a wrong line that a message repeats
 
 SOME = 2000  # lines that tell the layout of a table, at most about
@@ -138,7 +139,7 @@ def _text(path: Path) -> str:
 
 def _numbers(line: str, separator: str, decimal: str) -> list[float] | None:
     """Numbers with which a line begins, up to the first cell that is no number; None if there are
-    fewer than two, or one is not finite.
+    fewer than two, or one is 1e9 (LARGEST) or more.
     separator: regular expression between cells; decimal: '.' or ','.
     """
     found: list[float] = []
@@ -149,7 +150,7 @@ def _numbers(line: str, separator: str, decimal: str) -> list[float] | None:
         if not NUMBER.fullmatch(text):
             break
         found.append(float(text))
-    return found if len(found) >= 2 and all(map(math.isfinite, found)) else None
+    return found if len(found) >= 2 and max(map(abs, found)) < LARGEST else None
 
 
 def _rows(
@@ -333,7 +334,7 @@ def _table(name: str, lines: Sequence[str], unit_is_given: bool) -> Table:
     separator, decimal, words = max(
         LAYOUTS, key=lambda each: sum(_numbers(line, *each[:2]) is not None for line in some)
     )
-    start = next((i for i, line in data if _numbers(line, separator, decimal)), 0)
+    start = next((i for i, line in data if _numbers(line, separator, decimal)), len(lines))
     span = range(start, len(lines))
     rows, at_lines, _ = _rows(name, lines, span, (separator, decimal), COMMENT)
     header = [(i + 1, line) for i, line in full if i < start]

@@ -31,8 +31,10 @@ SYMMETRIC = 0.05  # mm by which both sides may differ where their sides do not m
 FLANGE_HEIGHT, FLANGE_WIDTH = 10.0, 10.0  # mm, at least: over the tread, and at half its height
 FLANGE_WIDEST = 30.0  # mm from the flange back to the tip, at most
 NEAR_TOP, PLATEAU = 2.0, 0.02  # mm: an origin on the crown is kept; the crown is so flat
+BESIDE = 1.0  # mm from the middle of the top: an origin so far from it is worth a word
 TAPE_CIRCLE, TAPE_RANGE = 70.0, 20.0  # mm from the flange back, and how far from there z = 0 counts
-NEAR_ZERO, NEAR_LEVEL = 0.05, 5.0  # mm: the usual tape circle is that of z = 0; z = 0 is kept
+TAPE_CIRCLES = 30.0, 120.0  # mm from the flange back: tape circles that are allowed
+NEAR_ZERO = 0.05  # mm: the usual tape circle is that of z = 0
 UPRIGHT, VERTICAL = 0.18, 0.02  # slopes dy/dz of a flange back, at most
 LEAST_FACE = 1.0  # mm: height of a flange back, at least
 
@@ -69,6 +71,8 @@ class Oriented:
     sides: 'as in the file', 'mirrored', or 'open' where nothing tells the field side.
     unlike: difference in height, mm, of the profile and its mirror image about y = 0 where the
         sides are open, else 0.
+    open_by: distance in mm of a rail's origin from the middle of its top where nothing says that
+        it is the crown centre, else 0.
     tape_circle: distance of a wheel's tape circle from its flange back, mm; 0 for a rail.
     done: remarks on what was done, and why.
     """
@@ -78,12 +82,15 @@ class Oriented:
     move: Array
     sides: str
     unlike: float
+    open_by: float
     tape_circle: float
     done: tuple[str, ...]
 
     def in_file(self, point: Array) -> list[float]:
         """Coordinates in the axes of the file, mm, of a point (2,) in those of profiles."""
-        return [float(each) + 0.0 for each in (np.asarray(point) - self.move) * self.signs]
+        return [
+            round(float(each), 9) + 0.0 for each in (np.asarray(point) - self.move) * self.signs
+        ]
 
 
 def oriented(points: Array, body: str, table: Table, given: Orientation) -> Oriented:
@@ -92,14 +99,17 @@ def oriented(points: Array, body: str, table: Table, given: Orientation) -> Orie
     Raises PointError, with a place in the axes of `points`, where up and down of a rail, or the
     tape circle of a wheel, stay open.
     """
+    width, height = np.ptp(points, axis=0)
+    if HIGH * width < height and (body == "wheel" or height < SECTION):
+        raise PointError("is higher than it is wide; give y before z", points[0])
     turn = _rail_signs if body == "rail" else _wheel_signs
     signs, sides, done = turn(points, table, given)
     turned = points * signs
     if signs[1] < 0:
         done.append("turned upside down")
-    tape = 0.0
+    tape = open_by = 0.0
     if body == "rail":
-        move, how = _to_crown(turned, table, given)
+        move, open_by, how = _to_crown(turned, table, given)
     else:
         move, tape, how = _to_tape_circle(points, turned, table, given)
     done += [how] * bool(how)
@@ -113,6 +123,7 @@ def oriented(points: Array, body: str, table: Table, given: Orientation) -> Orie
         move=move,
         sides=sides,
         unlike=_unlike(turned) if sides == "open" else 0.0,
+        open_by=0.0 if any(given.shift) else open_by,
         tape_circle=tape,
         done=tuple(done),
     )
@@ -139,12 +150,10 @@ def _rail_signs(points: Array, table: Table, given: Orientation) -> tuple[Array,
     """Signs (2,) that turn the points (n, 2) of a rail, mm, into the axes of profiles, the sides as
     in `Oriented`, and why. Raises PointError where the shape does not tell which way is up.
     """
-    width, height = np.ptp(points, axis=0)
-    if HIGH * width < height < SECTION:
-        raise PointError("is higher than it is wide; give y before z", points[0])
+    height = np.ptp(points[:, 1])
     up = _sign(given.flip, table.outward)
     if not up:
-        if height < SECTION and flanged_way(points) is not None:
+        if height < SECTION and not table.body and flanged_way(points) is not None:
             text = "has the flange of a wheel; give it as a wheel's, or its profile_flip"
             raise PointError(text, points[0])
         bulge, narrow = _bulge(points), np.ptp(points[:, 0]) < NARROW
@@ -241,21 +250,30 @@ def _unlike(points: Array) -> float:
     return float(np.quantile(off, 0.95)) if len(off) else 0.0
 
 
-def _to_crown(turned: Array, table: Table, given: Orientation) -> tuple[Array, str]:
+def _to_crown(turned: Array, table: Table, given: Orientation) -> tuple[Array, float, str]:
     """Displacement (2,) in mm that brings the crown centre of a rail's upright points (n, 2) to
-    (0, 0), and a remark; zero where user or format define the origin, or it lies on the crown.
-    The crown centre of others is the middle of what is within 0.02 mm (PLATEAU) of the top.
+    (0, 0), how far in mm it may be wrong across, and a remark.
+    The crown centre is the origin where user or format define it, or where it lies within 2 mm
+    (NEAR_TOP) of the top; else the middle of what is within 0.02 mm (PLATEAU) of the top. An origin
+    that nothing defines may be wrong where it is more than 1 mm (BESIDE) beside that middle.
     """
     y, z = turned.T
     middle = float(z[np.argmin(np.abs(y))])
     hollow = _bulge(turned) < 0 and abs(middle) < NEAR_TOP
-    on_crown = y.min() < 0 < y.max() and (middle > z.max() - NEAR_TOP or hollow)
-    if given.origin == "file" or table.placed or on_crown:
-        return np.zeros(2), ""
+    on_crown = y.min() <= 0 <= y.max() and (middle > z.max() - NEAR_TOP or hollow)
     across, height = _even(turned).T
     crown = across[height > height.max() - PLATEAU]
-    move = -np.array([(crown[0] + crown[-1]) / 2, z.max()])
-    return move, f"moved by {move[0]:.2f}, {move[1]:.2f} mm to the crown centre"
+    top = np.array([(crown[0] + crown[-1]) / 2, z.max()])
+    defined = given.origin == "file" or table.placed
+    if not (defined or on_crown):
+        return -top, 0.0, f"moved by {-top[0]:.2f}, {-top[1]:.2f} mm to the crown centre"
+    if hollow or np.abs(top).max() < BESIDE:
+        return np.zeros(2), 0.0, ""
+    open_by = 0.0 if defined else float(abs(top[0]))
+    text = (
+        f"its crown centre is the file's origin, its top is at y = {top[0]:.1f}, z = {top[1]:.1f}"
+    )
+    return np.zeros(2), open_by if open_by > BESIDE else 0.0, text
 
 
 def _wheel_signs(points: Array, table: Table, given: Orientation) -> tuple[Array, str, list[str]]:
@@ -315,23 +333,31 @@ def _to_tape_circle(
     points: Array, turned: Array, table: Table, given: Orientation
 ) -> tuple[Array, float, str]:
     """Displacement (2,) in mm that brings the tape circle of a wheel to (0, 0), its distance from
-    the flange back in mm, and a remark. Heights of 5 mm (NEAR_LEVEL) at most stay.
+    the flange back in mm, and a remark. Heights of a format that defines its origin stay.
     points, turned: (n, 2) in the axes of the file, and with y to the field side and z outwards.
-    Without a flange the origin stays. An origin on the tread is the tape circle, one behind the
-    flange's tip is the flange back, else that is the upright face of the flange. The tape circle's
-    distance is the user's or the header's, else where z = 0, else 70 mm (TAPE_CIRCLE).
-    Raises PointError, in the axes of the file, where nothing tells.
+    Without a flange the origin stays. An origin on the tread, 30 to 120 mm (TAPE_CIRCLES) from the
+    flange back, is the tape circle; one behind the flange's tip is the flange back, else that is
+    the upright face of the flange. The tape circle's distance is the user's or the header's, else
+    where z = 0, else 70 mm (TAPE_CIRCLE).
+    Raises PointError, in the axes of the file, where nothing tells, and for a header's distance
+    that is not allowed.
     """
     even = _even(turned)
     found, tape = flange(even), given.tape_circle or table.tape_circle
+    low, high = TAPE_CIRCLES
+    if tape and not low <= tape <= high:
+        text = f"has its tape circle {tape:g} mm from the flange back by its header, {low:g} to "
+        raise PointError(f"{text}{high:g} are allowed; give its tape_circle", points[0])
     if given.origin == "file" or (given.origin == "auto" and not found):
         return np.zeros(2), tape or TAPE_CIRCLE, ""
     back = 0.0
     if found and given.origin == "auto":
         tip, root = found
-        if root < 0 < even[-1, 0] and not given.tape_circle:
-            shown = _flange_face(turned, tip, VERTICAL) or -TAPE_CIRCLE
-            return np.array([0.0, _to_level(even, 0.0)]), tape or -shown, ""
+        shown = -(_flange_face(turned, tip, VERTICAL) or -TAPE_CIRCLE)
+        if root < 0 < even[-1, 0] and low <= shown <= high and not given.tape_circle:
+            level = float(np.interp(0.0, *even.T))
+            text = f"its tread is at z = {level:.2f} mm on the tape circle, its origin"
+            return np.zeros(2), tape or shown, text * (abs(level) > NEAR_ZERO)
         defined, face = 0 < tip < FLANGE_WIDEST, _flange_face(turned, tip, UPRIGHT)
         if face is None and not defined:
             text = "begins in its flange, so that nothing tells where the tape circle is; give "
@@ -340,7 +366,8 @@ def _to_tape_circle(
         back = 0.0 if face is None or (defined and table.placed) else face
     zero = None if tape else _distance_of_zero(even, back)
     distance = tape or zero or TAPE_CIRCLE
-    move = np.array([-back - distance, _to_level(even, back + distance)])
+    level = 0.0 if table.placed else float(np.interp(back + distance, *even.T))
+    move = -np.array([back + distance, level])
     text = f"moved by {move[0]:.2f}, {move[1]:.2f} mm to the tape circle, {distance:.2f} mm"
     text += f" from the flange back{' by its z = 0' * bool(zero)}"
     return move, distance, text
@@ -369,14 +396,6 @@ def _distance_of_zero(even: Array, back: float) -> float | None:
         return None
     k = at[0]
     return float(y[k] - z[k] * (y[k + 1] - y[k]) / (z[k + 1] - z[k])) - back
-
-
-def _to_level(even: Array, at: float) -> float:
-    """Displacement in z, mm, that brings the tread at y = at (mm) to z = 0 where it is more than
-    5 mm (NEAR_LEVEL) off; else 0. even: (m, 2) outer side of the profile, mm.
-    """
-    height = float(np.interp(at, *even.T))
-    return -height if abs(height) > NEAR_LEVEL else 0.0
 
 
 def in_mm(table: Table, body: str, given: str) -> tuple[Array, str]:

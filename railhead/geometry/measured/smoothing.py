@@ -117,7 +117,7 @@ def noise(points: Array) -> Array:
 
 def folded(points: Array) -> PointError:
     """Error that no curve runs through points (n, 2), at the point where they turn most."""
-    text = "bends back on itself; delete the points that stand off here"
+    text = "makes no smooth curve here; delete points that stand off, or round an upright corner"
     return PointError(text, points[1 + int(np.argmax(turns(points)))])
 
 

@@ -253,7 +253,7 @@ def test_units_are_taken_from_headers(header: str, unit: str, tmp_path) -> None:
 
 BAD = {
     "empty": ("", 1, "two numbers"),
-    "words": ("rail\nof steel\n", 1, "two numbers"),
+    "words": ("rail\nof steel\n", 2, "no points follow; give two numbers"),
     "broken": (written(",").replace("-15.00000", "oops", 1), 5, "no point"),
     "one number": (written(",") + "\n7\n", 16, "no point"),
     "not a number": (written(",").replace("-15.00000", "nan", 1), 5, "no point"),

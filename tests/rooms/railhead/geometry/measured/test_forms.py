@@ -138,6 +138,53 @@ def test_a_rail_of_no_standard_is_read_in_its_axes(name: str, tmp_path) -> None:
     assert 1 / found.profile.curvature(17.0) == pytest.approx(31.75, rel=0.03)
 
 
+def test_an_origin_beside_the_crown_is_asked_about_where_no_gauge_places_the_wheel(
+    tmp_path,
+) -> None:
+    """A table 8 mm aside, whose top is 8 mm from its origin; one 1.5 mm too high says so."""
+    for name, moved in (("aside.csv", [8.0, 0.0]), ("high.csv", [0.0, 1.5])):
+        (tmp_path / name).write_text("y [mm],z [mm]\n" + text(rail() + moved, ","))
+    case, keys = rh.find("cone20_uninclined_uic54"), ["", "rail.profile_mirror=off"]
+    keys[0] = f"rail.profile={tmp_path / 'aside.csv'}"
+    with pytest.raises(ValueError, match=r"rail\.profile_origin: .* top is 8\.\d mm beside it"):
+        rh.locate(case.replace(keys))
+    answers = ("rail.profile_origin=file", "rail.profile_shift=[-8, 0]", "rail.gauge=1435")
+    placed = [rh.locate(case.replace([*keys, answer])).summary() for answer in answers]
+    at = [each["right"][0]["wheel_y_mm"] for each in placed]
+    assert at[0] == pytest.approx(at[1] + 8.0, abs=0.01)  # the rail stands 8 mm aside
+    plain = tmp_path / "plain.csv"
+    plain.write_text("y [mm],z [mm]\n" + text(rail(), ","))
+    keys[0] = f"rail.profile={plain}"
+    true = rh.locate(case.replace(keys)).summary()["right"][0]["wheel_y_mm"]
+    assert at[1] == pytest.approx(true, abs=1e-3)
+    high = measured.read(tmp_path / "high.csv", "rail")
+    assert any("its top is at y = " in each and "z = 1.5" in each for each in high.remarks)
+
+
+def test_the_tape_circle_of_a_header_counts_and_is_a_length_of_wheels(tmp_path) -> None:
+    path = tmp_path / "w.whl"
+    for given, allowed in ((66.5, True), (920.0, False), (2.75, False), (-70.0, False)):
+        path.write_text(f"{CAD}WheelDiameterTaperline={given}\n{text(wheel())}")
+        if allowed:
+            assert measured.read(path, "wheel").origin["tape_circle_mm"] == pytest.approx(given)
+            continue
+        with pytest.raises(ValueError, match=f"tape circle {given:g} mm .* 30 to 120 are allowed"):
+            measured.read(path, "wheel")
+
+
+def test_a_table_from_its_flange_back_has_its_tread_at_the_rolling_radius(tmp_path) -> None:
+    """Heights of such a table begin anywhere; a wheel's columns the other way are refused."""
+    path = tmp_path / "w.csv"
+    for height in (4.5, -30.0):
+        path.write_text("y [mm],z [mm]\n" + text(wheel() + [0.0, height], ","))
+        found = measured.read(path, "wheel")
+        assert found.profile.height(0.0) == pytest.approx(0.0, abs=0.01)
+        assert found.oriented.tape_circle == pytest.approx(70.0)
+    path.write_text(text(wheel()[:, ::-1], ","))
+    with pytest.raises(ValueError, match="higher than it is wide; give y before z"):
+        measured.read(path, "wheel")
+
+
 @pytest.mark.parametrize("given", [70.0, 80.0])
 def test_a_tape_circle_that_is_given_is_measured_from_the_flange_back(given, tmp_path) -> None:
     (tmp_path / "w.whl").write_text(WHEELS["2020.whl"])

@@ -221,7 +221,7 @@ def test_a_curve_far_longer_than_the_way_through_its_points_is_refused() -> None
     0.2 mm made so long a one that no memory held it."""
     points = np.column_stack([np.linspace(0, 30, 120), 2.0 * (np.arange(120) == 60)])
     points = noisy(points, 0.002, 9)
-    with pytest.raises(ValueError, match="bends back on itself"):
+    with pytest.raises(ValueError, match="makes no smooth curve here"):
         smoothing.smooth(points)
 
 
@@ -239,9 +239,9 @@ REFUSED = {
     "two heights": (np.repeat(HEAD, 2, axis=0) + APART,
                     "rounded y: points at the same y have different heights", ANY),
     "y in whole mm": (WHOLE_MM, "rounded y.* give more digits", ANY),
-    "two wild points": (wild(2, -3.0), "bends back on itself; delete the points", range(89, 95)),
+    "two wild points": (wild(2, -3.0), "makes no smooth curve here; delete points", range(89, 95)),
     "a gap": (np.delete(HEAD, slice(100, 130), axis=0), "has a gap of 7.75 mm", [100]),
-    "a far point": (FAR, "is 1e\\+300 wide", [71]),
+    "a far point": (FAR, "is no point", [71]),
 }  # fmt: skip
 
 
