@@ -159,17 +159,11 @@ def assignment(text: str) -> tuple[str, object]:
 
 
 def assigned(texts: Iterable[str]) -> dict[str, object]:
-    """Values by dotted key of texts "key=value". Raises SceneError for anything else, and for a key
-    that is given twice.
-    """
+    """Values by dotted key of texts "key=value". Raises SceneError for anything else."""
     if isinstance(texts, str) or not isinstance(texts, Iterable):
         text = f"{show(texts)} is no list of texts; give one, e.g. ['load=110kN']"
         raise SceneError("assignments", text)
-    given = [assignment(text) for text in texts]
-    names = [OTHER_NAMES.get(key, key) for key, _ in given]
-    if twice := [key for key in names if names.count(key) > 1]:
-        raise SceneError(twice[0], "given twice; give it once")
-    return dict(given)
+    return dict(map(assignment, texts))
 
 
 def dotted(table: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:

@@ -214,14 +214,6 @@ def test_none_gives_any_key_its_default() -> None:
         scene(**{"rail.gouge": "none"})
 
 
-@pytest.mark.parametrize("first", ["friction.force_along=1kN", "friction.tangential_load=1kN"])
-def test_a_key_that_is_given_twice_is_refused(first: str) -> None:
-    """The last one was taken."""
-    given = [first, "friction.force_along=2kN"]
-    said = refusal(lambda: scene().replace(given))
-    assert said == "friction.force_along: given twice; give it once"
-
-
 @pytest.mark.parametrize("texts", [3, "load=1", None])
 def test_assignments_that_are_no_list_are_one_line(texts: object) -> None:
     for call in (rh.find("hertz_ellipse").replace, lambda keys: rh.profile([[0, 0]], None, keys)):
