@@ -29,6 +29,12 @@ PANELS = {
 }
 FRICTION = {"force along [N]": "force along the rail, N", "force across [N]": "force across, N"}
 WEAR = {"T-gamma [N]": "T-gamma, N"}
+AHEAD = "contact ahead [mm]"
+SHAPE = {
+    AHEAD: "contact ahead of the smooth one, mm",
+    "load share": "load share of the most loaded patch",
+    "found approach [mm]": "approach, mm",
+}
 LABELS = 24  # patches of a strip whose values are written, at most
 GAP = 0.15  # between patches, of the longest
 LETTER = 0.11  # in: width of one of a value
@@ -55,9 +61,10 @@ def drawings(
 
 def panels(rows: Rows) -> dict[str, str]:
     """Labels of the panels of `curves` by column: with friction its forces and, where it rolls,
-    T-gamma.
+    T-gamma; of surfaces that vary along the rail where they touch, and the approach.
     """
-    known = PANELS | FRICTION | WEAR
+    varies = any(row.get(AHEAD) is not None for row in rows)
+    known = PANELS | (SHAPE if varies else {}) | FRICTION | WEAR
     return {
         name: label
         for name, label in known.items()

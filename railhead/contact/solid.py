@@ -6,10 +6,12 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 import numpy as np
 
+from railhead.contact import surface_shape
+from railhead.contact.surface_shape import SurfaceShape
 from railhead.geometry import placement, profiles, wheelset
 from railhead.geometry.measured import measured_profile as measured
 from railhead.geometry.measured.measured_profile import Measured
@@ -174,6 +176,8 @@ class Contact:
     placed: the whole wheelset, each side in axes of its own (`Placed.right` and `Placed.left`);
         None for half-spaces and sections.
     axle: how the axle turns without torque; None where that is not asked or not found out yet.
+    shape: what is added to the smooth surfaces; None where that is nothing. Place, curvatures and
+        sections are those of the smooth bodies, surfaces and gap those of the true ones.
 
     Class constants, other values in the sections of two dimensions in `plane_section`:
     plane: '' for a solid, 'xz' for a section along the rail, 'yz' for one across it.
@@ -200,6 +204,12 @@ class Contact:
     pose: Pose | None = None
     placed: Placed | None = None
     axle: FreeAxle | None = None
+    shape: SurfaceShape | None = None
+
+    @property
+    def smooth(self) -> Self:
+        """The contact of the smooth bodies: nothing is added to their surfaces."""
+        return replace(self, scene=self.scene.smooth, shape=None)
 
     @property
     def profiles(self) -> dict[str, tuple[Profile, float]]:
@@ -302,13 +312,18 @@ class Contact:
             return f"wheel shifted {scene.wheelset.shift:g} mm"
         if self.placed and self.placed.roll:
             return f"axle rolled by {1e3 * self.placed.roll:g} mrad"
-        return self._yawed
+        return self._yawed or self._uneven(1)
 
     def why_asymmetric_in_x(self) -> str | None:
         """Reason why x = 0 is not a plane of symmetry of the bodies, as text; None if it is one.
         Friction is not looked at.
         """
-        return self._yawed
+        return self._yawed or self._uneven(0)
+
+    def _uneven(self, axis: int) -> str | None:
+        """Text that the heights on the surfaces are no mirror images along (0) or across (1)."""
+        odd = self.shape is not None and self.shape.odd[axis]
+        return f"the surface differs at {'xy'[axis]} and -{'xy'[axis]}" if odd else None
 
     @property
     def _yawed(self) -> str | None:
@@ -347,6 +362,8 @@ class Contact:
         """The exact surfaces of rail and wheel in space. Raises ValueError for half-spaces."""
         if self.pair is None or self.pose is None:
             raise ValueError("half-spaces have no profiles")
+        if self.shape is not None:
+            return self.shape.surfaces(self.pair)
         wheel = WheelSurface(self.pair.wheel, self.pair.rolling_radius, self.pose)
         return RailSurface(self.pair.rail), wheel
 
@@ -449,9 +466,10 @@ def _on_side(scene: Scene, placed: Placed) -> Contact:
     """First contact of the wheel of a placed wheelset that a scene solves, with x = 0 there."""
     side = solved_side(scene, placed)
     touch = _tangent(scene, side.touches[0])
-    centred = side.pose.moved(x=-touch.x)
+    centred, touch = side.pose.moved(x=-touch.x), replace(touch, x=0.0)
+    added = surface_shape.shape(scene, side.pair, centred, touch)
     return Contact(
-        scene=scene, touch=replace(touch, x=0.0), pair=side.pair, pose=centred, placed=placed
+        scene=scene, touch=touch, pair=side.pair, pose=centred, placed=placed, shape=added
     )
 
 

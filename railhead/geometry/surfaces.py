@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from railhead.geometry.heights import Height
 from railhead.geometry.placement import Pose
 from railhead.geometry.profiles import Profile
 from railhead.theory.array_types import Array
@@ -16,43 +17,59 @@ CONVERGED = 1e-9  # mm, of the last step: a line that misses the surface takes l
 
 @dataclass(frozen=True)
 class RailSurface:
-    """Straight rail along x, the zero set of z - profile(y), in the axes x, y, z of space.
+    """Straight rail along x, the zero set of z - profile(y) - height(x, y), in the axes x, y, z of
+    space.
     profile: z(y) of the rail, mm.
+    height: added to the profile, mm; None: nothing is added.
     """
 
     profile: Profile
+    height: Height | None = None
 
     def implicit(self, points: Array) -> tuple[Array, Array]:
-        """Values (n,) of z - profile(y) in mm, positive above the rail, and gradients (n, 3) at
-        points (n, 3) in mm; NaN beyond the profile.
+        """Values (n,) of z - profile(y) - height(x, y) in mm, positive above the rail, and
+        gradients (n, 3) at points (n, 3) in mm; NaN beyond the profile.
         """
         y = points[:, 1]
         gradient = np.column_stack([np.zeros_like(y), -self.profile.slope(y), np.ones_like(y)])
-        return points[:, 2] - self.profile.height(y), gradient
+        value = points[:, 2] - self.profile.height(y)
+        if self.height is not None:
+            added, along, across = self.height(points[:, 0], y)
+            value = value - added
+            gradient -= np.column_stack([along, across, np.zeros_like(y)])
+        return value, gradient
 
 
 @dataclass(frozen=True)
 class WheelSurface:
     """Surface of revolution, the zero set of distance from the axle - (rolling_radius +
-    profile(y)).
+    profile(y) + height(x, y)), with x the arc length rolling_radius times the angle about the axle
+    from the wheel's lowest line, positive ahead.
     profile: height over the nominal rolling radius, outwards, mm.
     rolling_radius: nominal rolling radius, mm.
     pose: position and rotation of the wheel in space.
+    height: added to the profile, mm; None: nothing is added.
     """
 
     profile: Profile
     rolling_radius: float
     pose: Pose
+    height: Height | None = None
 
     def implicit(self, points: Array) -> tuple[Array, Array]:
-        """Values (n,) of distance from the axle - (rolling_radius + profile(y)) in mm, positive
-        outside the wheel, and gradients (n, 3), at points (n, 3) in mm. Both are in the axes of
-        space. NaN beyond the profile.
+        """Values (n,) of distance from the axle - (rolling_radius + profile(y) + height(x, y)) in
+        mm, positive outside the wheel, and gradients (n, 3), at points (n, 3) in mm. Both are in
+        the axes of space. NaN beyond the profile.
         """
         x, y, z = self.pose.inward(points).T
         distance = np.hypot(x, z)
         gradient = np.column_stack([x / distance, -self.profile.slope(y), z / distance])
         value = distance - self.rolling_radius - self.profile.height(y)
+        if self.height is not None:
+            added, along, across = self.height(self.rolling_radius * np.arctan2(x, -z), y)
+            value = value - added
+            along = along * self.rolling_radius / distance**2
+            gradient -= np.column_stack([-z * along, across, x * along])
         return value, gradient @ self.pose.rotation.T
 
 

@@ -296,7 +296,7 @@ def of_profiles(context: Context) -> Uncertainty | None:
     where no profile is measured, for half-spaces, and in sections, whose contacts no half-space
     has.
     """
-    scene, contact = context.scene, context.contact
+    scene, contact = context.contact.scene, context.contact
     if not contact.curved_solid or not solid.measured_bodies(scene):
         return None
     try:

@@ -112,6 +112,13 @@ class Result(terminal.Drawn):
         return self._answer.plastic
 
     @property
+    def surface_shape(self) -> quantities.SurfaceShapeQuantities | None:
+        """Where surfaces that vary along the rail touch; None where they do not vary. ValueError:
+        nothing touches.
+        """
+        return self._answer.surface_shape
+
+    @property
     def friction(self) -> quantities.FrictionQuantities | None:
         """Forces, creepages or shifts, and stick; None without friction. ValueError: nothing
         touches.

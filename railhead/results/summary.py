@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from railhead.planning import effects
-from railhead.planning.effects import material
+from railhead.planning.effects import material, shape
 from railhead.postprocess import friction
 from railhead.postprocess.patch import compare
 from railhead.results import checks
@@ -191,6 +191,10 @@ def _more(solved: Solved) -> dict[str, Any]:
     summary.json; those that do not apply are missing.
     """
     out: dict[str, Any] = {} if solved.residual_state is None else {"plastic": _plastic(solved)}
+    height = solved.findings and shape.height_in_patch(solved.plan.contact, solved.findings)
+    if solved.result is not None and height is not None:
+        ahead = solved.result["contact_point_mm"][0]
+        out["surface_shape"] = {"position_mm": ahead, "height_in_patch_mm": height}
     if solved.result is not None and (found := solved.result.get("friction")):
         plan = solved.plan
         rolling = plan.scene.rolling

@@ -429,6 +429,19 @@ class PlasticQuantities:
 
 
 @dataclass(frozen=True, kw_only=True)
+class SurfaceShapeQuantities:
+    """Where surfaces that vary along the rail touch.
+
+    position: place of the centre of pressure of the most loaded patch along the rail, from where
+        the smooth bodies touch, mm, positive to where the wheel rolls.
+    height: largest less smallest height in the patches that is added to both surfaces, mm.
+    """
+
+    position: float = quantity("position_mm", "mm", column="contact ahead")
+    height: float = quantity("height_in_patch_mm", "mm", column="height in patch")
+
+
+@dataclass(frozen=True, kw_only=True)
 class Answer:
     """The quantities of one method for a scene, as under "result" or "hertz" of summary.json.
 
@@ -444,6 +457,7 @@ class Answer:
     stress: largest stresses.
     friction: None without friction.
     plastic: None without yield.
+    surface_shape: None where nothing that varies is added to the surfaces.
     """
 
     patch: PatchQuantities = quantity("patch", record=PatchQuantities)
@@ -456,6 +470,9 @@ class Answer:
     stress: StressQuantities = quantity("stress", record=StressQuantities)
     friction: FrictionQuantities | None = quantity("friction", record=FrictionQuantities)
     plastic: PlasticQuantities | None = quantity("plastic", record=PlasticQuantities)
+    surface_shape: SurfaceShapeQuantities | None = quantity(
+        "surface_shape", record=SurfaceShapeQuantities
+    )
 
 
 def read(record: type[T], values: Mapping[str, Any]) -> T:

@@ -106,6 +106,9 @@ def read_scene(path: str | Path) -> Scene:
                 continue
             if key == "passes_from" or file.lower().endswith(EXTENSIONS):
                 section[key] = str(path.parent / file)
+        surface = section.get("surface")
+        if isinstance(surface, dict) and isinstance(surface.get("file"), str):
+            surface["file"] = str(path.parent / surface["file"])
     return Scene.from_mapping(data)
 
 
@@ -126,6 +129,8 @@ def portable(scene: Scene) -> dict[str, Any]:
     at, data = places(scene.files), scene.model_dump(exclude_none=True)
     for table in (data["rail"], data["wheel"], data["wheelset"], data["rolling"]):
         table |= {key: at.get(table[key], table[key]) for key in FILES if key in table}
+        if file := table.get("surface", {}).get("file"):
+            table["surface"]["file"] = at[file]
     return data
 
 

@@ -14,7 +14,7 @@ from functools import reduce
 from itertools import product
 from operator import getitem
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Self, get_args
 
 from pydantic import BeforeValidator, model_validator
 
@@ -70,7 +70,9 @@ _DROPS = {
     "solver.method": ("solver.theta", ("nitsche", "none")),
 }
 OTHER_NAMES = {"friction.tangential_load": "friction.force_along"}
-_WHEELSET = {
+_SOLID = {  # of a wheelset, and of surfaces along the rail
+    "rail.surface",
+    "wheel.surface",
     "rail.gauge",
     "rail.gauge_height",
     "wheel.tape_circle",
@@ -85,7 +87,7 @@ _WHEELSET = {
 _LINE = {"rail.width", "wheel.width", "wheelset.shift"}
 #: Keys that a half-space in point contact cannot use.
 HALF_SPACE = (
-    _WHEELSET
+    _SOLID
     | _LINE
     | {
         "rail.inclination",
@@ -103,11 +105,11 @@ UNUSED_KEYS: dict[str, tuple[str, frozenset[str]]] = {
         "line contact of half-spaces along the rail",
         frozenset(HALF_SPACE - {"rail.length"}),
     ),
-    "plane_along": ("section along the rail", frozenset(_WHEELSET | {"rail.inclination"})),
-    "plane_across": ("section across the rail", frozenset(_WHEELSET | {"wheel.segment_length"})),
+    "plane_along": ("section along the rail", frozenset(_SOLID | {"rail.inclination"})),
+    "plane_across": ("section across the rail", frozenset(_SOLID | {"wheel.segment_length"})),
     "axisymmetric": (
         "meridian section",
-        frozenset(_WHEELSET | _LINE | {"rail.inclination", "rail.length"}),
+        frozenset(_SOLID | _LINE | {"rail.inclination", "rail.length"}),
     ),
 }
 USUAL = {
@@ -254,6 +256,14 @@ class Scene(Section):
                 "rolling",
                 "is not allowed beside a force of [friction]; give one",
             ),
+            *(
+                (
+                    part.surface and (rolling.prescribed or rolling.passes is not None),
+                    "rolling",
+                    f"is not allowed beside {body}.surface, over which nothing rolls steadily",
+                )
+                for body, part in self.bodies.items()
+            ),
             (
                 rolling.passes is not None and self.cycles > 1,
                 "cycles",
@@ -291,6 +301,16 @@ class Scene(Section):
     def bodies(self) -> dict[str, Rail | Wheel]:
         """The sections of both bodies by "rail" and "wheel"."""
         return {"rail": self.rail, "wheel": self.wheel}
+
+    @property
+    def smooth(self) -> Self:
+        """The scene with nothing added to the surfaces of its bodies."""
+        return self.model_copy(
+            update={
+                body: part.model_copy(update={"surface": None})
+                for body, part in self.bodies.items()
+            }
+        )
 
     @property
     def opposite(self) -> Self:
@@ -363,6 +383,7 @@ class Scene(Section):
         """
         bodies = self.bodies.values()
         given = [path for body in bodies for path in (body.profile, body.stress_strain)]
+        given += [body.surface.file for body in bodies if body.surface]
         others = self.wheelset.other_rail, self.wheelset.other_wheel
         given += [self.rolling.passes_from, *others]
         return [path for path in map(Path, filter(None, given)) if path.suffix]
@@ -432,17 +453,18 @@ class Scene(Section):
             for key, value in given.items()
             if key in _DROPS and not (isinstance(value, str | None) and value in _DROPS[key][1])
         ]
-        data: dict[str, object] = self.model_dump()
+        data: dict[str, Any] = self.model_dump()
         for key, value in (dict.fromkeys(drops) | given).items():
-            section, dot, leaf = key.partition(".")
-            table = data.get(section)
-            if dot:
-                data[section] = {**(table if isinstance(table, dict) else {}), leaf: value}
-            elif isinstance(table, dict):
-                keys = ", ".join(table)
+            *above, leaf = key.split(".")
+            table = data
+            for name in above:
+                inner = table.get(name)
+                table[name] = dict(inner) if isinstance(inner, dict) else {}
+                table = table[name]
+            if not above and isinstance(data.get(leaf), dict):
+                keys = ", ".join(data[leaf])
                 raise SceneError(key, f"{show(value)} is not allowed; set one of its keys: {keys}")
-            else:
-                data[key] = value
+            table[leaf] = value
         if given.get("rail.extent") == "half-space":
             bare = self.from_mapping(without_keys(data, HALF_SPACE - given.keys()))
             data = without_keys(data, UNUSED_KEYS[bare._half_space][1] - given.keys())
@@ -459,9 +481,16 @@ def unit(key: str) -> str:
     """Base unit (N, mm, MPa, s, rad, 1/mm, m/s) of the values of a dotted key; empty for keys
     without unit and for unknown keys.
     """
-    table, _, leaf = OTHER_NAMES.get(key, key).rpartition(".")
-    section = type(Scene.model_fields[table].default) if table in Scene.model_fields else Scene
-    if not issubclass(section, Section) or leaf not in section.model_fields:
+    *above, leaf = OTHER_NAMES.get(key, key).split(".")
+    section: Any = Scene
+    for name in above:
+        field = section.model_fields.get(name)
+        tables = (field.annotation, *get_args(field.annotation)) if field else ()
+        inner = (each for each in tables if isinstance(each, type) and issubclass(each, Section))
+        section = next(inner, None)
+        if section is None:
+            return ""
+    if leaf not in section.model_fields:
         return ""
     field = section.model_fields[leaf]
     return next(filter(None, map(units.unit, (*field.metadata, field.annotation))), "")
@@ -477,6 +506,7 @@ def set_but_unused(scene: Scene, kind: str) -> list[tuple[str, str]]:
         table = getattr(scene, section)
         value = getattr(table, leaf)
         if value != type(table).model_fields[leaf].default:
+            value = getattr(value, "kind", value)  # of a surface
             pairs.append((key, show(value) if isinstance(value, str) else f"{value:g}"))
     return pairs
 

@@ -195,6 +195,14 @@ def _coefficient(value: object) -> object:
     return pairs
 
 
+def _map(value: object) -> str:
+    """The absolute path of a readable .csv or .npz file. Raises ValueError (one line)."""
+    path = os.path.abspath(str(value))
+    if not path.lower().endswith((".csv", ".npz")) or not _readable(path):
+        raise ValueError(f"{show(value)} is not a readable .csv or .npz file; give one that exists")
+    return path
+
+
 PAIRS = "give pairs with rising angles, e.g. [[0, 0.4], [60, 0.1]]"
 _SWITCHED = {"True": "on", "true": "on", "False": "off", "false": "off"}
 Switch = Annotated[
@@ -224,6 +232,42 @@ def _two(value: object) -> object:
     return tuple(value)
 
 
+class Surface(Section):
+    """A height that is added to the surface of a body, outwards, and varies along it.
+
+    kind: "flat", a hollow; "cosine", waves; "map", heights from a file.
+    length: mm, of a flat along the surface, or of a wave.
+    depth: mm, of a flat that is rounded, -depth/2 (1 + cos(2 pi x / length)); None: a wheel is cut
+        off in a plane, which makes its depth.
+    amplitude: mm, of waves amplitude cos(2 pi x / length); negative has a trough at 0.
+    file: of a map: a .csv file with x, y and height in mm, a row for each place of a grid, or a
+        .npz file with arrays x (n,), y (m,) and height (n, m).
+    position: mm, place x of the flat, the waves or the map at which the smooth bodies touch, or an
+        angle of the wheel, which becomes an arc of its rolling radius. x grows to where it rolls.
+    """
+
+    kind: Literal["flat", "cosine", "map"]
+    length: units.BodyLength | None = None
+    depth: units.Depth | None = None
+    amplitude: units.Displacement | None = None
+    file: Annotated[str, BeforeValidator(_map)] | None = None
+    position: units.Position = 0.0
+
+    @model_validator(mode="after")
+    def _keys_of_the_kind(self) -> Self:
+        """Raise SceneError for a key that the kind needs and that is missing, and for one that it
+        has no use for.
+        """
+        needs = {"flat": {"length"}, "cosine": {"length", "amplitude"}, "map": {"file"}}[self.kind]
+        for key in ("length", "depth", "amplitude", "file"):
+            given = getattr(self, key) is not None
+            if not given and key in needs:
+                raise SceneError(key, f"not given; kind {self.kind} needs it")
+            if given and key not in needs and (self.kind, key) != ("flat", "depth"):
+                raise SceneError(key, f"is not allowed beside kind {self.kind}; leave it out")
+        return self
+
+
 class BodySection(Section):
     """Material of a rail or a wheel, and how the file of its profile is read.
 
@@ -246,6 +290,7 @@ class BodySection(Section):
     profile_flip: "on": up and down of the file are exchanged, "off": they are not, or "auto".
     profile_shift: mm, (y, z) by which the profile is moved at last, in the axes of profiles.
     smoothing: mm, wavelength of waves that keep half of their height; "auto" chooses by the noise.
+    surface: table of a height that varies along the surface, a `Surface`; None: it is smooth.
     """
 
     _ARC_KEYS: ClassVar[tuple[str, ...]]  # only beside profile arc
@@ -263,6 +308,7 @@ class BodySection(Section):
         tuple[units.Displacement, units.Displacement], BeforeValidator(_two)
     ] = (0.0, 0.0)
     smoothing: units.Wavelength | Literal["auto"] = "auto"
+    surface: Surface | None = None
 
     @model_validator(mode="after")
     def _one_way_to_yield(self) -> Self:
@@ -345,7 +391,8 @@ class Rail(BodySection):
 
     Inherited from `BodySection`: young_modulus (MPa), poisson_ratio, steel, yield_stress (MPa),
     hardening_modulus (MPa), kinematic_fraction, stress_strain (a file), and for a profile's file
-    profile_unit, profile_mirror, profile_flip, profile_shift and smoothing (mm).
+    profile_unit, profile_mirror, profile_flip, profile_shift and smoothing (mm); and the table
+    surface.
 
     profile: 54E1 (UIC54), 60E1 (UIC60), arc, the path of a file of points, or an array (n, 2) of y
         and z, mm.
@@ -381,6 +428,13 @@ class Rail(BodySection):
     _ARC_KEYS: ClassVar = ("crown_radius", "depth", "width")
 
     @model_validator(mode="after")
+    def _depth_of_the_flat(self) -> Self:
+        """Raise SceneError for a flat without depth, which only a wheel can have."""
+        if self.surface and self.surface.kind == "flat" and self.surface.depth is None:
+            raise SceneError("surface.depth", "not given; a flat of the rail needs it")
+        return self
+
+    @model_validator(mode="after")
     def _gauge_of_the_height(self) -> Self:
         """Raise SceneError for a height of the gauge without a gauge."""
         if self.gauge is None and self.gauge_height != GAUGE_HEIGHT:
@@ -393,7 +447,8 @@ class Wheel(BodySection):
 
     Inherited from `BodySection`: young_modulus (MPa), poisson_ratio, steel, yield_stress (MPa),
     hardening_modulus (MPa), kinematic_fraction, stress_strain (a file), and for a profile's file
-    profile_unit, profile_mirror, profile_flip, profile_shift and smoothing (mm).
+    profile_unit, profile_mirror, profile_flip, profile_shift and smoothing (mm); and the table
+    surface.
 
     profile: cylinder, cone20, cone40, arc, S1002, the path of a file of points, or an array (n, 2)
         of y and z, mm.
@@ -422,6 +477,26 @@ class Wheel(BodySection):
     segment_length: units.BodyLength | None = None
 
     _ARC_KEYS: ClassVar = ("transverse_radius",)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _turned(cls, data: Any) -> Any:
+        """Replace the position of the surface by the arc, mm, where it is an angle (text)."""
+        given: Any = data.get("surface") if isinstance(data, dict) else None
+        angle = units.angle(given.get("position")) if isinstance(given, dict) else None
+        if angle is None:
+            return data
+        radius = units.to_base(data.get("rolling_radius", 420.0), units.LENGTH)
+        return {**data, "surface": {**given, "position": angle * radius}}
+
+    @model_validator(mode="after")
+    def _flat_of_a_circle(self) -> Self:
+        """Raise SceneError for a flat that is cut off in a plane and not shorter than the wheel."""
+        given = self.surface
+        if given and given.kind == "flat" and (given.length or 0.0) > self.rolling_radius:
+            text = f"{given.length:g} is not allowed; give at most wheel.rolling_radius"
+            raise SceneError("surface.length", f"{text} ({self.rolling_radius:g})")
+        return self
 
     @model_validator(mode="after")
     def _tape_circle_and_segment(self) -> Self:
@@ -701,6 +776,8 @@ class Effects(Section):
     true_profile: on: the gap is that of the real profiles. off: that of circles of curvature at the
         first contact; meshed bodies keep their profiles. on is not allowed for half-spaces and
         sections along the rail, off not without finite_bodies.
+    surface_shape: on: the gap is that of the surfaces with rail.surface and wheel.surface. off:
+        that of the smooth ones. on is not allowed where nothing is added to them.
     mean_dilatation: on: the volume change is constant in each cell, so that nearly incompressible
         cells do not lock. off: it is not. on needs quadratic tetrahedra or triangles.
     plasticity: on: bodies with a yield stress yield, where stresses reach it. off: they stay
@@ -727,6 +804,7 @@ class Effects(Section):
     far_field: Switch = "auto"
     finite_bodies: Switch = "auto"
     true_profile: Switch = "auto"
+    surface_shape: Switch = "auto"
     mean_dilatation: Switch = "auto"
     plasticity: Switch = "auto"
     friction: Switch = "auto"

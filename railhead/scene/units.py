@@ -256,6 +256,12 @@ def _short(number: float) -> str:
     return re.sub(r"e([+-])0*", lambda sign: "e" + sign[1].strip("+"), f"{number:g}")
 
 
+def angle(value: object) -> float | None:
+    """Angle in rad of a text that is a number with a unit of an angle; None for anything else."""
+    parts = _TEXT.fullmatch(value.strip()) if isinstance(value, str) else None
+    return ANGLE.convert(parts[1], parts[2]) if parts and parts[2] in ANGLE.factors else None
+
+
 def unit(annotation: object) -> str:
     """Base unit of the quantity that a key's type annotation reads; empty where it has none."""
     if isinstance(annotation, Range):
@@ -337,6 +343,17 @@ PAIRED_COEFFICIENT = Range(kind=NUMBER, low=0, high=2, note=", but not 0", exclu
 SURFACE_ANGLE = Range(kind=DEGREES, low=-90, high=90)
 Shift = Annotated[float, Range(kind=LENGTH, low=-30, high=30)]
 TapeCircle = Annotated[float, Range(kind=LENGTH, low=30, high=120, note=", e.g. 70")]
+Depth = Annotated[float, Range(kind=LENGTH, low=0, high=100)]
+Position = Annotated[
+    float,
+    Range(
+        kind=LENGTH,
+        low=0,
+        high=1e6,
+        either_sign=True,
+        words="a length of at most 1e6 mm, or an angle of a wheel",
+    ),
+]
 Displacement = Annotated[float, Range(kind=LENGTH, low=0, high=1000, either_sign=True)]
 AxleAngle = Annotated[float, Range(kind=ANGLE, low=-0.1, high=0.1, note=', e.g. "2 mrad"')]
 Gauge = Annotated[float, Range(kind=LENGTH, low=500, high=2000, note=", e.g. 1435")]

@@ -22,7 +22,7 @@ from railhead.sweeps.grid import column, shown
 COLUMNS = [each for each in quantities.QUANTITIES if each.column]
 CHECKS, PASSED, WARNINGS, BELOW = "checks", "passed", "warnings", "below resolution"
 REPORT = "report.html"
-FILES = ("profile", "stress_strain", "other_rail", "other_wheel")
+FILES = ("profile", "stress_strain", "other_rail", "other_wheel", "file")
 """Ends of keys whose values are files."""
 FEW = 0.05  # an estimate beyond is counted in the verdict
 
@@ -93,6 +93,8 @@ def row(record: Mapping[str, Any]) -> dict[str, Any]:
     point = result["contact_point_mm"]
     cells |= {f"patch {axis} [mm]": value for axis, value in zip("xyz", point, strict=True)}
     cells |= {"patches": max(1, len(patches)), "unknowns": summary["cost"]["dofs"]}
+    if "surface_shape" in result:
+        cells["load share"] = patches[0]["load_share"]
     cells |= {
         f"{each.column.removeprefix('found ')} estimate": bound.get(each.key)
         for each in COLUMNS

@@ -55,6 +55,9 @@ EFFECTS = {
         decide=shape.decide_axisymmetry,
         numerical_only=True,
     ),
+    "surface_shape": EffectRules(
+        words="surfaces that vary along the rail", decide=shape.decide_surface_shape
+    ),
     "symmetry_x": EffectRules(
         words="symmetry along the rail (half is solved)",
         decide=shape.decide_symmetry_x,
@@ -149,6 +152,8 @@ def decide(scene: Scene, dimension: Dimension, contact: Contact, hertz: Hertz) -
     context = Context(scene=scene, dimension=dimension, contact=contact, hertz=hertz, decided=found)
     for name, effect in EFFECTS.items():
         found[name] = effect.decide(context).forced(name, scene.effects.state(name))
+        if name == "surface_shape" and not found[name].on and contact.shape is not None:
+            context = replace(context, contact=contact.smooth)
     if not found["finite_bodies"].on:
         found |= {name: _without_bodies(name, found[name]) for name in EFFECTS}
     bodies = ("deformable_rail", "deformable_wheel")

@@ -18,7 +18,7 @@ from railhead.geometry.outlines import head_depth
 from railhead.geometry.profiles import STANDARD_RAILS, Arc, Polynomial, osculating
 from railhead.meshing.bodies import BODY_NAMES, RAIL, WHEEL
 from railhead.planning.context import Context, Effect, PostSolveVerdict
-from railhead.planning.references import closed_forms, rail_twist
+from railhead.planning.references import boundary_elements, closed_forms, rail_twist
 from railhead.planning.references.allowance import Allowance, allowance
 from railhead.postprocess.findings import Findings
 from railhead.scene.scene import SceneError
@@ -34,6 +34,10 @@ MARGIN = 1.1  # factor on the patch that must lie within one arc
 SMALL = 0.1  # largest semi-axis over relative radius of a small patch
 DOUBTFUL = ": the comparison with Hertz is doubtful"
 EDGE = 1.1  # factor on the semi-axis across that must lie within both profiles
+STEEPEST = 0.1  # slope of what is added to a surface: its cosine is 0.5 % below 1
+SHARES = np.linspace(0.0, 1.0, 9)  # of the way from the middle of a patch to its outline
+QUASI_STATIC = "each place is at rest: the dynamics of rolling over it is not simulated"
+SMOOTH = "nothing that varies is added to the surfaces"
 
 
 def decide_plane_strain(context: Context) -> Effect:
@@ -261,6 +265,55 @@ def check_true_profile(
     cosine, y = math.cos(found.frame.angle), found.frame.origin[1]
     leaves, why = _leaves(context.contact, y + low * cosine, y + high * cosine)
     return PostSolveVerdict(leaves and not effect.on, f"the patch, {why}")
+
+
+def decide_surface_shape(context: Context) -> Effect:
+    """Surfaces with what is added to them are called for where their height, in all places that
+    touch after Hertz's approach of the smooth bodies with it or without it, varies by more than the
+    accuracy times that approach. What a slope neglects, 1 - cos, is an error where they are on.
+    Raises SceneError for a slope above 0.1 (STEEPEST) there.
+    """
+    contact, hertz = context.contact, context.hertz
+    pair, shape = contact.pair, contact.shape
+    if shape is None or pair is None:
+        return Effect(False, False, SMOOTH, {"on": SMOOTH})
+    rigid = hertz.approach / math.cos(contact.touch.angle)
+    surface, plain = boundary_elements.develop(contact), boundary_elements.develop(contact.smooth)
+    x, s, above = (each.ravel() for each in surface.locus(rigid))
+    near = above - above.min() < rigid
+    near |= plain.gap(x, s) < rigid
+    turn, radius = np.meshgrid(np.linspace(0, 2 * np.pi, 25), [0.0, 0.5, 1.0])
+    a, b = hertz.half_lengths  # small patches may lie between the places of the grid
+    u, v = (a * radius * np.cos(turn)).ravel(), (b * radius * np.sin(turn)).ravel()
+    ahead, beside = shape.first[0], float(np.interp(shape.first[1], surface.y, surface.s))
+    x, s = np.concatenate([x[near], u, ahead + u]), np.concatenate([s[near], v, beside + v])
+    points = surface.points(x, s)
+    height, slopes = shape.at(pair, points[np.isfinite(points).all(axis=1)])
+    for body, slope in slopes.items():
+        if (steepest := float(slope.max())) > STEEPEST:
+            text = f"its slope is up to {steepest:.3g} where the bodies touch, beyond small sliding"
+            raise SceneError(f"{body}.surface", f"{text} on a kept body; give {STEEPEST} at most")
+    change, limit = float(np.ptp(height)) / rigid, context.accuracy
+    called = change > limit
+    side = "above" if called else "below"
+    why = f"where they may touch the height varies by {change:.2g} of the approach"
+    why = f"{why}, {side} {limit:g}"
+    tilted = max(1 - math.cos(math.atan(slope.max())) for slope in slopes.values())
+    if not called:
+        return Effect(False, False, why, error=change)
+    return Effect(True, True, f"{why}; {QUASI_STATIC}", error=tilted)
+
+
+def height_in_patch(contact: Contact, found: Findings) -> float | None:
+    """Largest less smallest height that is added to both surfaces in the patches of a solution, mm;
+    None where nothing is added.
+    """
+    if contact.shape is None or contact.pair is None:
+        return None
+    rings = [np.asarray(line) for line in found.patch.outlines]
+    inside = [line.mean(axis=0) + t * (line - line.mean(axis=0)) for line in rings for t in SHARES]
+    points = np.array([found.frame.place(*at) for at in np.concatenate(inside)])
+    return float(np.ptp(contact.shape.at(contact.pair, points)[0]))
 
 
 def one_radius(contact: Contact) -> Contact:

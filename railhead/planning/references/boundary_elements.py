@@ -73,18 +73,28 @@ class Developed:
 
     def gap(self, x: Array, s: Array) -> Array:
         """Undeformed gap (n,) along the rail's normals at x, s (n,), in mm; infinite where a normal
-        misses the wheel and beyond the rail's profile.
+        misses the wheel and beyond the rail's profile. Normals are those of the smooth rail.
         """
-        angle = self.angle(s)
+        angle, (rail, wheel) = self.angle(s), self.contact.surfaces()
         normals = np.column_stack([np.zeros_like(angle), -np.sin(angle), np.cos(angle)])
-        return along(self.contact.surfaces()[1], self.points(x, s), normals)
+        upper = along(wheel, self.points(x, s), normals)
+        if rail.height is None:
+            return upper
+        lower = along(rail, self.points(x, s), normals)
+        return np.where(np.isfinite(lower), upper - np.where(np.isfinite(lower), lower, 0), np.inf)
 
-    def locus(self) -> tuple[Array, Array, Array]:
+    def locus(self, closure: float) -> tuple[Array, Array, Array]:
         """x, s and vertical height over the rail (n,), in mm, of the wheel's contact locus, where
-        its points are over the rail.
+        its points are over the rail. Of surfaces with a shape it is a grid (n, m) instead, which
+        holds all places that can touch after a closure (mm).
         """
-        pair, pose = self.contact.pair, self.contact.pose
+        pair, pose, shape = self.contact.pair, self.contact.pose, self.contact.shape
         assert pair is not None and pose is not None
+        if shape is not None:
+            along_rail, across = shape.grid(pair, closure)
+            x, s = np.meshgrid(along_rail, np.interp(across, self.y, self.s), indexing="ij")
+            height = self.gap(x.ravel(), s.ravel()) / np.cos(self.angle(s.ravel()))
+            return x, s, height.reshape(x.shape)
         points = pair.outline(pose, np.linspace(*pair.wheel.domain, SAMPLES)).points
         x, y, z = points[np.isfinite(points).all(axis=1)].T
         over = (y > self.y[0]) & (y < self.y[-1])
@@ -123,7 +133,7 @@ def solve(
     """
     surface, cosine = develop(contact), math.cos(contact.touch.angle)
     rigid = ellipse.approach / cosine
-    x, s, height = surface.locus()
+    x, s, height = surface.locus(2 * FIRST_REACH * rigid)
     windows = _around(contact, surface, FIRST_REACH * rigid)
     windows += _boxes(contact, x, s, np.maximum(FIRST_REACH * rigid - height, 0))
     for _ in range(MAX_SOLUTIONS):
@@ -151,7 +161,7 @@ def _inside(
 ) -> Array:
     """Depth (n,) in mm of the wheel's contact locus in the rail outside of the windows of a
     solution; zero where this is at most 0.1 % (PENETRATION) of the approach.
-    x, s, height: (n,) of the locus in the developed plane, mm.
+    x, s, height: of the locus in the developed plane, or on a grid, mm; the depth has their shape.
     """
     beside = height < found.approach
     for window in found.windows:
@@ -178,9 +188,15 @@ def _window(x: Array, s: Array) -> Window:
 
 def _boxes(contact: Contact, x: Array, s: Array, depth: Array) -> list[Window]:
     """Rectangles around the runs of the contact locus x, s (n,) in mm that lie by depth (n,) mm in
-    the rail: centre (x, s) and half sizes (x, s).
+    the rail: centre (x, s) and half sizes (x, s). On a grid (n, m) they are its connected parts.
     """
     found: list[Window] = []
+    if depth.ndim == 2:
+        steps = [np.abs(np.diff(each, axis=k)).max() for k, each in enumerate((x, s))]
+        for part in find_objects(label(depth > 0, np.ones((3, 3)))[0]):
+            centre, (a, b) = _window(x[part], s[part])
+            found.append((centre, (a + float(steps[0]), b + float(steps[1]))))
+        return found
     curvature = max(contact.touch.curvature_x, 0.1 / contact.scene.wheel.rolling_radius)
     for (run,) in find_objects(label(depth > 0)[0]):
         half = math.sqrt(2 * depth[run].max() / curvature)
@@ -196,6 +212,8 @@ def _around(contact: Contact, surface: Developed, rigid: float) -> list[Window]:
     closure `rigid` (mm): centre (x, s) and half sizes (x, s), mm.
     """
     found: list[Window] = []
+    if contact.shape is not None:  # the smooth bodies touch elsewhere
+        return found
     for touch in contact.touches(rigid):
         depth = 2 * (rigid - touch.gap) * math.cos(touch.angle)
         least = 0.1 / contact.scene.wheel.rolling_radius

@@ -95,10 +95,12 @@ def hertz_if_valid(scene: Scene, contact: Contact) -> Hertz:
 
 def gap_is_quadratic(contact: Contact, ellipse: Hertz) -> bool:
     """Whether the exact gap over the ellipse is Hertz's parabola within 2 % (PARABOLIC) of the
-    approach, and no other contact point is within reach of the approach. Raises ValueError for
-    half-spaces.
+    approach, and no other contact point is within reach of the approach; not where the surfaces
+    have a shape. Raises ValueError for half-spaces.
     """
     touch = contact.touch
+    if contact.shape is not None:
+        return False
     if len(contact.touches(ellipse.approach / math.cos(touch.angle))) > 1:
         return False
     turn, radius = np.meshgrid(np.linspace(0, 2 * np.pi, 25), [0.5, 1.0])

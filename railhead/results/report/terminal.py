@@ -248,6 +248,10 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
                 f"({most:.3g} % of the load), area and stresses of all.",
                 highlight=False,
             )
+        if varies := summary["result"].get("surface_shape"):
+            ahead, height = (units.text(value, "mm") for value in varies.values())
+            text = f"They touch {ahead} ahead of the smooth ones; heights there vary by {height}."
+            console.print(text, highlight=False)
         if plastic := summary["result"].get("plastic"):
             _show_plastic(plastic, console, units)
         if friction := summary["result"].get("friction"):

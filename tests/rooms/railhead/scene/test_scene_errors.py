@@ -183,7 +183,7 @@ def test_half_space_refuses_a_tabulated_profile(tmp_path) -> None:
         ("load=", "load: '' is not a force"),
         ("load=[1]", "load: [1] is not a force"),
         ("load.x=1", "load: {'x': 1} is not a force"),
-        ("rail.a.b=1", "rail.a.b: unknown key"),
+        ("rail.a.b=1", "rail.a: unknown key"),
         ("foo.bar=1", "foo: unknown key"),
         ("rail.poisson_ratio=0.5", "rail.poisson_ratio: 0.5 is not allowed"),
         ("load=" + "[" * 5000, "load: "),

@@ -3,8 +3,10 @@
 import re
 from pathlib import Path
 
+from pydantic_core import PydanticUndefined
+
 from railhead.scene.scene import Scene
-from railhead.scene.sections import Section
+from railhead.scene.sections import Section, Surface
 
 PAGE = Path(__file__).parents[4] / "docs" / "scene.md"
 
@@ -13,7 +15,7 @@ def stated() -> dict[str, str]:
     """Defaults by dotted key, as the page says them."""
     found: dict[str, str] = {}
     for part in PAGE.read_text(encoding="utf-8").split("\n## ")[1:]:
-        tables = re.findall(r"\[(\w+)\]", part.split("\n")[0]) or [""]
+        tables = re.findall(r"\[([\w.]+)\]", part.split("\n")[0]) or [""]
         for key, default in re.findall(r"^\| `(\w+)` \| (\S+) \|", part, re.MULTILINE):
             for table in tables:
                 dotted = f"{table}.{key}".lstrip(".")
@@ -23,6 +25,8 @@ def stated() -> dict[str, str]:
 
 
 def said(default: object) -> str:
+    if default is PydanticUndefined:
+        return "-"
     if default is None or isinstance(default, bool):
         return str(default).lower()
     if isinstance(default, tuple):
@@ -34,8 +38,10 @@ def test_every_key_stands_on_its_page_with_its_default() -> None:
     known: dict[str, str] = {}
     for name, field in Scene.model_fields.items():
         if isinstance(field.default, Section):
-            inner = type(field.default).model_fields.items()
-            known |= {f"{name}.{key}": said(each.default) for key, each in inner}
+            inner = dict(type(field.default).model_fields)
+            if inner.pop("surface", None):  # a table in a table
+                inner |= {f"surface.{key}": each for key, each in Surface.model_fields.items()}
+            known |= {f"{name}.{key}": said(each.default) for key, each in inner.items()}
         else:
             known[name] = said(field.default)
     assert stated() == known

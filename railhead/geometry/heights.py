@@ -1,0 +1,178 @@
+"""Heights that are added to a smooth surface, along and across the rail."""
+
+from __future__ import annotations
+
+import re
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from scipy.interpolate import RectBivariateSpline
+
+from railhead.theory.array_types import Array
+
+Values = tuple[Array, Array, Array]
+"""Height (n,) in mm, and its slopes (n,) along and across."""
+FEWEST = 4  # places along a map, and across, for cubic splines
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Height(ABC):
+    """A height over a smooth surface, outwards, mm.
+    length: over which the height changes, mm.
+    position: place of the origin of x in the height's own coordinate along, mm.
+    """
+
+    length: float
+    position: float = 0.0
+
+    def __call__(self, x: Array, y: Array) -> Values:
+        """Height and slopes at places x along the surface and y across it, (n,) each, mm."""
+        return self._own(x + self.position, y)
+
+    @property
+    @abstractmethod
+    def range(self) -> float:
+        """Largest less smallest height, mm."""
+
+    @abstractmethod
+    def _own(self, x: Array, y: Array) -> Values:
+        """Height and slopes at places (n,) in the height's own coordinates, mm."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Cosine(Height):
+    """Waves amplitude cos(2 pi x / length), with a crest at x = 0; amplitude in mm."""
+
+    amplitude: float
+
+    @property
+    def range(self) -> float:
+        """Height of crests over troughs, mm."""
+        return 2 * abs(self.amplitude)
+
+    def _own(self, x: Array, y: Array) -> Values:
+        """Height and slopes; y has no effect."""
+        wave = 2 * np.pi / self.length
+        slope = -self.amplitude * wave * np.sin(wave * x)
+        return self.amplitude * np.cos(wave * x), slope, np.zeros_like(x)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RoundedFlat(Height):
+    """A hollow -depth/2 (1 + cos(2 pi x / length)) within |x| < length/2, else 0; depth in mm."""
+
+    depth: float
+
+    @property
+    def range(self) -> float:
+        """Largest depth, mm."""
+        return self.depth
+
+    def _own(self, x: Array, y: Array) -> Values:
+        """Height and slopes; y has no effect."""
+        inside, wave = np.abs(x) < self.length / 2, 2 * np.pi / self.length
+        height = -self.depth / 2 * (1 + np.cos(wave * x))
+        slope = self.depth / 2 * wave * np.sin(wave * x)
+        return np.where(inside, height, 0.0), np.where(inside, slope, 0.0), np.zeros_like(x)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FreshFlat(Height):
+    """A plane cut off a circle, R cos(length/2R) / cos(x/R) - R within |x| < length/2, else 0.
+    radius: R of the circle, mm; x is the length of arc along it.
+    """
+
+    radius: float
+
+    @property
+    def range(self) -> float:
+        """Depth in the middle, R (1 - cos(length/2R)), mm."""
+        return float(self.radius * (1 - np.cos(self.length / 2 / self.radius)))
+
+    def _own(self, x: Array, y: Array) -> Values:
+        """Height and slopes; y has no effect."""
+        inside = np.abs(x) < self.length / 2
+        turn = np.where(inside, x, 0.0) / self.radius
+        distance = np.cos(self.length / 2 / self.radius) / np.cos(turn)
+        height, slope = self.radius * (distance - 1), distance * np.tan(turn)
+        return np.where(inside, height, 0.0), np.where(inside, slope, 0.0), np.zeros_like(x)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Map(Height):
+    """Heights on a grid, with cubic splines between; beyond it those of its border.
+    x: along, (n,), ascending, mm. y: across, (m,), ascending, mm. height: (n, m), mm.
+    With a single y the height is the same everywhere across. NaN at places that are NaN.
+    """
+
+    x: Array = field(repr=False)
+    y: Array = field(repr=False)
+    height: Array = field(repr=False)
+
+    @property
+    def range(self) -> float:
+        """Largest less smallest height on the grid, mm."""
+        return float(np.ptp(self.height))
+
+    @cached_property
+    def _spline(self) -> RectBivariateSpline:
+        """Spline through the grid."""
+        y, height = self.y, self.height
+        if len(y) == 1:
+            y, height = np.arange(float(FEWEST)), np.repeat(height, FEWEST, axis=1)
+        return RectBivariateSpline(self.x, y, height)
+
+    def _own(self, x: Array, y: Array) -> Values:
+        """Height and slopes; both slopes are 0 where their coordinate is beyond the grid."""
+        at, across = np.clip(x, *self.x[[0, -1]]), np.clip(y, *self.y[[0, -1]])
+        value, along, beside = (
+            self._spline.ev(at, across, dx, dy) for dx, dy in ((0, 0), (1, 0), (0, 1))
+        )
+        return value, np.where(at == x, along, 0.0), np.where(across == y, beside, 0.0)
+
+
+def read_map(path: Path, position: float) -> Map:
+    """Map of a file in mm: .npz with the arrays x (n,), y (m,) and height (n, m), or text with x, y
+    and height in each row, a row for each place of a grid; lines that are no numbers are left out.
+    Raises ValueError for anything else, and OSError where the file cannot be read.
+    """
+    if path.suffix.lower() == ".npz":
+        with np.load(path, allow_pickle=False) as file:
+            if missing := {"x", "y", "height"} - set(file.files):
+                raise ValueError(f"{path.name} has no array {min(missing)}; give x, y and height")
+            x, y, height = (np.asarray(file[key], dtype=float) for key in ("x", "y", "height"))
+    else:
+        x, y, height = _grid(path)
+    wrong = height.shape != (x.size, y.size) or x.ndim != 1 or y.ndim != 1
+    if wrong or not all(np.isfinite(each).all() for each in (x, y, height)):
+        raise ValueError(f"{path.name} is no map; give finite x (n), y (m) and height (n, m)")
+    if len(x) < FEWEST or 1 < len(y) < FEWEST or any((np.diff(k) <= 0).any() for k in (x, y)):
+        text = f"{path.name} has {len(x)} places along and {len(y)} across; give {FEWEST} or more"
+        raise ValueError(f"{text}, or one across, and ascending x and y")
+    steps = [np.diff(each).min() for each in (x, y) if len(each) > 1]
+    return Map(length=FEWEST * float(min(steps)), position=position, x=x, y=y, height=height)
+
+
+def _grid(path: Path) -> tuple[Array, Array, Array]:
+    """x (n,), y (m,) and height (n, m) of the rows of a text file. Raises ValueError for rows that
+    are no grid.
+    """
+    rows = []
+    for line in path.read_text(encoding="utf-8-sig").splitlines():
+        try:
+            rows.append([float(cell) for cell in re.split(r"[,;\s]+", line.strip())])
+        except ValueError:  # a header
+            continue
+    if not rows or any(len(row) != 3 for row in rows):
+        raise ValueError(f"{path.name} has no rows of three numbers; give x, y, height in mm")
+    table = np.array(rows)
+    (x, i), (y, j) = (np.unique(table[:, k], return_inverse=True) for k in (0, 1))
+    height = np.full((len(x), len(y)), np.nan)
+    height[i, j] = table[:, 2]
+    if len(rows) != height.size or np.isnan(height).any():
+        text = f"{len(rows)} rows are no grid of {len(x)} x by {len(y)} y; give each place once"
+        raise ValueError(f"{path.name}: {text}")
+    return x, y, height
