@@ -32,6 +32,7 @@ AT_NODES = "traction_max_MPa", "surface_fatigue_index"  # of condensed solids th
 # contact point, whose pressure is noisy: 8 to 14 % above Cattaneo's and Mindlin's
 BORDER = 3.0  # over n^(-3/4): error of the stick share on a grid with n points in the patch; 0.8 to
 # 2.8 were measured beside grids of 128 and 192 cells, with and without finite bodies
+AT_BORDER = "stick_share", "traction_max_MPa"
 WEAR = "t_gamma_N", "wear_number_N", "power_W", "t_gamma_over_area_MPa", "wear_regime"
 AT_SURFACE = 0.1  # of the smaller half length of the patch: what lies less deep is at the surface
 
@@ -132,9 +133,8 @@ def quantities(
     Rolling with a speed: the power, W. Rolling of like bodies with centres: the wear number, N.
         Rolling of like bodies with a solution without creepage: the resolution of each quantity.
     Of a cycle: the energy that slip dissipates in it, N mm.
-    With solutions on coarser grids each number is extrapolated by the first order. "grid_error": by
-        key the larger change, from the finest grid and from what both coarser ones give, for forces
-        at least 1e-4 of mu N (RAGGED).
+    With solutions on coarser grids each number is extrapolated (`_extrapolated`). "grid_error": by
+        key the larger change, from the finest grid and from what both coarser ones give.
     Always "below_resolution": names of the quantities that mesh or grid do not resolve; without the
         resolution of each those that the border of stick hides (`_hidden_by_border`).
     """
@@ -149,7 +149,7 @@ def quantities(
     out: dict[str, Any] = grids[0]
     errors: dict[str, float] = {}
     if len(grids) > 1:
-        out, *before = (_extrapolated(*pair) for pair in pairwise(grids))
+        out, *before = (_extrapolated(*pair, rolling=rolling) for pair in pairwise(grids))
         errors = _errors(found, out, [grids[0], *before])
         out["grid_error"] = errors
     out |= {"newton_steps": found.newton_steps, "passes": found.coupling_iterations}
@@ -167,11 +167,16 @@ def quantities(
     return out
 
 
-def _extrapolated(fine: Mapping[str, float], coarse: Mapping[str, float]) -> dict[str, Any]:
+def _extrapolated(
+    fine: Mapping[str, float], coarse: Mapping[str, float], *, rolling: bool
+) -> dict[str, Any]:
     """Numbers of cells of size zero, by key, from those of two grids, the coarse one with cells
-    twice as long, by the first order; the stick share is kept within 0 to 1.
+    twice as long: of rolling, and at the border of stick (AT_BORDER), by the first order, else by
+    the second. The stick share is kept within 0 to 1.
     """
-    out = {key: 2 * value - coarse[key] for key, value in fine.items()}
+    out = {}
+    for key, value in fine.items():
+        out[key] = value + (value - coarse[key]) / (1 if rolling or key in AT_BORDER else 3)
     out["stick_share"] = min(max(out["stick_share"], 0.0), 1.0)
     return out
 

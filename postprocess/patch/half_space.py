@@ -26,7 +26,6 @@ from railhead.postprocess.findings import (
 )
 from railhead.postprocess.friction import AT_SURFACE
 from railhead.postprocess.patch import compare
-from railhead.solver.system.solution import GridTraction
 from railhead.theory.bem import grid_stress
 from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
@@ -34,7 +33,7 @@ from railhead.theory.elastic.line import Hertz
 from railhead.theory.elastic.subsurface import EllipsoidalPressure
 
 if TYPE_CHECKING:
-    from railhead.solver.system.solution import FrictionSolution
+    from railhead.solver.system.solution import FrictionSolution, GridTraction
 
 SurfaceMap = Callable[[Array, Array], Array]
 """Places x (n,), s (n,), mm, on the developed surface -> points (n, 3) in space, mm."""
@@ -235,6 +234,9 @@ def _on_strips(friction: FrictionSolution, frame: Frame) -> FrictionSolution:
     along it, to which pressure and tractions of its points are interpolated. Points on one side of
     a symmetry plane have images, whose tractions are the other way round.
     """
+
+    from railhead.solver.system.solution import GridTraction
+
     local, traction = frame.local(friction.points), friction.traction @ frame.axes.T
     axis = int(np.argmax(np.ptp(local[:, :2], axis=0)))
     t, known = local[:, axis], np.stack([friction.pressure, traction[:, axis]])

@@ -192,7 +192,7 @@ def answer_rows(summary: Mapping[str, Any], units: Units, found: Findings | None
     ):
         label, unit, texts = row
         cells = [
-            f"\u00b1 {text}" if name == "estimate" and text else names.get(text, text)
+            f"\u00b1 {text}" if name == "estimate" and "%" in text else names.get(text, text)
             for name, text in zip(columns, texts, strict=True)
         ]
         rows.append((label, unit, ".".join(quantity.path), cells))
