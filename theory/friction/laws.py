@@ -78,27 +78,27 @@ class Interface:
     memory: float | None = None
     layer: float = 0.0
 
-    def temperatures(self, x: Array, traction: Array, slip: Array) -> Array | None:
-        """Temperatures of the surfaces of rail and wheel (2, nx, ny), deg C, at tractions (2, nx,
-        ny), MPa, and a slip (2, nx, ny) per rolled length; x (nx,): cell centres, mm. None
-        without `heat`.
+    def rise(self, x: Array, traction: Array, slip: Array) -> Array | None:
+        """Rise of the surfaces of rail and wheel (2, nx, ny) above the bulk of each body, K, at
+        tractions (2, nx, ny), MPa, and a slip (2, nx, ny) per rolled length; x (nx,): cell centres,
+        mm. None without `heat`.
         """
         if self.heat is None:
             return None
-        return self.heat.temperatures(x, self.heat.speed * (traction * slip).sum(axis=0))
+        hot = self.heat.temperatures(x, self.heat.speed * (traction * slip).sum(axis=0))
+        return np.asarray(hot - self.heat.bulk[:, None, None])
 
     def coefficient(
         self, x: Array, static: Array, inside: Mask, traction: Array, slip: Array
     ) -> Array:
         """Coefficient (nx, ny) by the law. static: coefficient; inside: whether a cell lies in the
-        patch; both (nx, ny). Other arguments as of `temperatures`. ValueError: a law without
-        `heat`.
+        patch; both (nx, ny). Other arguments as of `rise`. ValueError: a law without `heat`.
         """
-        found = self.temperatures(x, traction, slip)
-        if self.law is None or self.heat is None or found is None:
+        if self.law is None or self.heat is None:
             raise ValueError("a law of friction needs a speed")
+        hot = self.heat.temperatures(x, self.heat.speed * (traction * slip).sum(axis=0))
         velocity = 1e3 * self.heat.speed * np.hypot(*slip)
-        aim, length = self.law(static, velocity, found.mean(axis=0)), self.memory
+        aim, length = self.law(static, velocity, hot.mean(axis=0)), self.memory
         if length is None:
             length = float(x[1] - x[0]) if isinstance(self.law, Falling) else 0.0
         return followed(aim, static, inside, (x[1] - x[0]) / length) if length else aim

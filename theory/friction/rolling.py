@@ -83,7 +83,8 @@ class TangentialSolution:
     slip: of the wheel over the rail, (2, nx, ny); dimensionless in rolling, mm of a shift. It is
         zero to the tolerance where cells stick, and zero outside of the patch.
     steps: number of Newton's steps that found the tractions.
-    temperature: of the surfaces of rail and wheel, (2, nx, ny), deg C; None without heat.
+    rise: of the temperatures of the surfaces of rail and wheel above the bulk of each body, (2, nx,
+        ny), K; None without heat.
     """
 
     x: Array
@@ -96,7 +97,7 @@ class TangentialSolution:
     traction: Array
     slip: Array
     steps: int = 0
-    temperature: Array | None = None
+    rise: Array | None = None
 
     @property
     def forces(self) -> tuple[float, float, float]:
@@ -281,7 +282,7 @@ class HalfSpaceFriction:
             traction=traction,
             slip=left,
             steps=self._tractions.steps,
-            temperature=self._interface.temperatures(self._x, traction, left),
+            rise=self._interface.rise(self._x, traction, left),
         )
 
     def stiffness(self, found: TangentialSolution) -> Array:
@@ -348,6 +349,7 @@ def solve_dissimilar(
     shear: Callable[[HalfSpaceFriction], TangentialSolution],
     *,
     modes: Array | None = None,
+    interface: Interface | None = None,
 ) -> TangentialSolution:
     """Tractions of a rolling patch of different materials whose pressure depends on the tractions.
 
@@ -357,6 +359,7 @@ def solve_dissimilar(
     shear: returns the tractions under the pressure of the `HalfSpaceFriction` that it is given,
         e.g. `lambda body: body.solve(creepage)`.
     modes: rigid slip (4, 2, nx, ny) of unit creepages, unit spin and the fixed mode; None: a plane.
+    interface: as of `HalfSpaceFriction`.
     The load along its direction stays that of `patch`; the pressure found is that of the result.
     The contact modulus is G/(1 - nu) of the pair. Where the pair has no mismatch the pressure
     stays, too. ValueError: no convergence in 40 turns.
@@ -368,7 +371,14 @@ def solve_dissimilar(
     now, before = patch, np.zeros((2, *patch.pressure.shape))
     for _ in range(TURNS):
         body = HalfSpaceFriction(
-            now.x, now.s, now.pressure, friction, pair, rolling=True, modes=modes
+            now.x,
+            now.s,
+            now.pressure,
+            friction,
+            pair,
+            rolling=True,
+            modes=modes,
+            interface=interface,
         )
         found = shear(body)
         changed = np.linalg.norm(found.traction - before, axis=0).sum() * found.cell
