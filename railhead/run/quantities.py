@@ -251,8 +251,16 @@ class TemperatureRise:
     wheel: of the wheel.
     """
 
-    rail: float = friction("rail", "K", "temperature rise of the rail", column="rise rail")
-    wheel: float = friction("wheel", "K", "   of the wheel", column="rise wheel")
+    rail: float = friction(
+        "rail",
+        "K",
+        "temperature rise of the rail",
+        column="rise rail",
+        like="temperature_rise_rail_K",
+    )
+    wheel: float = friction(
+        "wheel", "K", "   of the wheel", column="rise wheel", like="temperature_rise_wheel_K"
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

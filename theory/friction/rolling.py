@@ -228,7 +228,10 @@ class HalfSpaceFriction:
         if self._interface.law is None:
             return self._at(creepage, start)
         if start is not None:
-            return self._by_law(creepage, start.bound, start)
+            coefficient = np.divide(
+                start.bound, start.pressure, out=self._static.copy(), where=start.pressure > 0
+            )
+            return self._by_law(creepage, coefficient * self._pressure, start)
         found = self._by_law(creepage, self._static * self._pressure, None)
         slid = replace(found, slip=np.full_like(found.slip, FAST))
         other = self._by_law(creepage, self._law_bound(slid), found)

@@ -360,17 +360,18 @@ def _tractions(
 def _onto(
     found: Sequence[TangentialSolution] | None, patches: Sequence[PressedPatch]
 ) -> list[TangentialSolution] | None:
-    """Tractions with the cells of patches, each cell divided into as many as needed; None without
-    tractions or where there are more or fewer patches.
+    """Tractions, with pressure and bound, in the cells of patches, each cell divided into as many as
+    needed; None without tractions or where there are more or fewer patches.
     """
     if found is None or len(found) != len(patches):
         return None
     placed = []
     for each, patch in zip(found, patches, strict=True):
-        traction = each.traction
-        for axis, count in enumerate(patch.pressed.pressure.shape, 1):
-            traction = traction.repeat(count // traction.shape[axis], axis=axis)
-        placed.append(replace(each, traction=traction))
+        known = {"pressure": each.pressure, "bound": each.bound, "traction": each.traction}
+        for axis, count in enumerate(patch.pressed.pressure.shape, -2):
+            times = count // each.traction.shape[axis]
+            known = {name: value.repeat(times, axis=axis) for name, value in known.items()}
+        placed.append(replace(each, **known))
     return placed
 
 
