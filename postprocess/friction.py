@@ -34,6 +34,8 @@ BORDER = 3.0  # over n^(-3/4): error of the stick share on a grid with n points 
 # 2.8 were measured beside grids of 128 and 192 cells, with and without finite bodies
 AT_BORDER = "stick_share", "traction_max_MPa"
 WEAR = "t_gamma_N", "wear_number_N", "power_W", "t_gamma_over_area_MPa", "wear_regime"
+RISE = "temperature_rise_rail_K", "temperature_rise_wheel_K"
+EVEN = 1e-9  # relative difference of coefficients that are taken for the same
 AT_SURFACE = 0.1  # of the smaller half length of the patch: what lies less deep is at the surface
 
 
@@ -66,7 +68,7 @@ def at_cells(
         pairs = zip(values, tangents, strict=True)
         return joined([np.einsum("kab,abkc->abc", value, each) for value, each in pairs])
 
-    motion = found[0].creepage
+    motion, rises = found[0].creepage, [each.rise for each in found if each.rise is not None]
     return FrictionSolution(
         points=joined(places),
         weights=joined([np.full_like(each.bound, parts * each.cell) for each in found]),
@@ -86,6 +88,7 @@ def at_cells(
             [np.einsum("m,mdij->dij", motion.motion, each.modes) for each in found]
         ),
         newton_steps=0,
+        rise=np.array([joined(each) for each in zip(*rises, strict=True)]) if rises else None,
     )
 
 
@@ -130,6 +133,10 @@ def quantities(
     Rolling: T-gamma, the energy dissipated per rolled length, N. It is the integral of traction
         times rigid slip. Of unlike bodies, which creep without a force, it is that of traction
         times slip.
+    Where the coefficient differs from place to place: the least one. With temperatures: the largest
+        rise of each surface above the bulk of its body, K.
+    Where the coefficient differs from place to place: the least one. With temperatures: the largest
+        rise of each surface above the bulk of its body, K.
     Rolling with a speed: the power, W. Rolling of like bodies with centres: the wear number, N.
         Rolling of like bodies with a solution without creepage: the resolution of each quantity.
     Of a cycle: the energy that slip dissipates in it, N mm.
@@ -176,7 +183,8 @@ def _extrapolated(
     """
     out = {}
     for key, value in fine.items():
-        out[key] = value + (value - coarse[key]) / (1 if rolling or key in AT_BORDER else 3)
+        change = value - coarse.get(key, value)
+        out[key] = value + change / (1 if rolling or key in AT_BORDER else 3)
     out["stick_share"] = min(max(out["stick_share"], 0.0), 1.0)
     return out
 
@@ -189,7 +197,9 @@ def _errors(
     the order 1/2. Forces and moment that change, and the stick share, have what the ragged edges of
     cells leave at least (RAGGED; `_border_error`).
     """
-    errors = {key: max(abs(value - of[key]) for of in others) for key, value in out.items()}
+    errors = {
+        key: max(abs(value - of.get(key, value)) for of in others) for key, value in out.items()
+    }
     arm = math.sqrt(float(found.weights[found.pressure > 0].sum()) / math.pi)
     least = RAGGED * out["limit_N"]
     for key, floor in zip(LOADS, (least, least, arm * least), strict=True):
@@ -225,6 +235,11 @@ def _values(
         "stick_share": float(share),
         "traction_max_MPa": float(np.linalg.norm(found.traction, axis=1).max()),
     }
+    least = float((found.bound[touches] / found.pressure[touches]).min())
+    if least < (1 - EVEN) * out["coefficient"]:
+        out["coefficient_least"] = least
+    if found.rise is not None:
+        out |= {key: float(body.max()) for key, body in zip(RISE, found.rise, strict=True)}
     if cycle:
         out["energy_per_cycle_Nmm"] = found.dissipated_energy
     if rolling:

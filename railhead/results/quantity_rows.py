@@ -67,7 +67,7 @@ def rows(summary: Mapping[str, Any], table: str) -> list[Row]:
         others = {name: {"friction": of} for name, of in flat.items() if "reason" not in of}
     found = []
     for each in quantities.rows(table):
-        if table in ("friction", "steel") and each.key not in friction:
+        if table in ("friction", "steel") and each.path[1] not in friction:
             continue
         least = 0.0
         if each.key.endswith("depth_mm"):

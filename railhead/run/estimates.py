@@ -27,7 +27,7 @@ from typing import Any
 from railhead.planning.effects import material
 from railhead.planning.error_envelopes import STEP, Family, drop_beside_maximum
 from railhead.postprocess.findings import RIVAL, Findings
-from railhead.postprocess.friction import MOTION
+from railhead.postprocess.friction import MOTION, RISE
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.quantities import ESTIMATED, QUANTITIES, SCATTER, numeric_values
 from railhead.theory.elastic.subsurface import max_shear
@@ -223,8 +223,10 @@ def friction_errors(
         pressure: relative errors of the area and of the largest pressure.
     """
     errors = {}
+    rises = friction.get("temperature_rise_max_K", {}).values()
+    values = {**friction, **dict(zip(RISE, rises, strict=False))}
     for key in friction.get("grid_error", {}).keys() - {"limit_N", "coefficient"}:
-        value, change = abs(friction[key]), friction["grid_error"][key]
+        value, change = abs(values[key]), friction["grid_error"][key]
         if key in friction["given"] or not value:
             continue
         if key in FRICTION_SHARES:

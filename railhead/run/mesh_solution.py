@@ -314,6 +314,9 @@ def read_friction(
         cycle=plan.scene.friction.cycle,
         patches=np.array([each.centre for each in found.patch.each] or [found.frame.origin]),
     )
+    if friction.RISE[0] in quantities:
+        rises = zip(("rail", "wheel"), (quantities.pop(key) for key in friction.RISE), strict=True)
+        quantities["temperature_rise_max_K"] = dict(rises)
     if plan.condenses and not (plan.plane_model or plan.by_half_spaces):
         unread = {*quantities["below_resolution"], *friction.AT_NODES}
         quantities["below_resolution"] = sorted(unread)

@@ -243,6 +243,27 @@ class FrictionResolution:
 
 
 @dataclass(frozen=True, kw_only=True)
+class TemperatureRise:
+    """Largest rise of the surfaces' temperature in the patch above the bulk of each body, K; it is
+    negative where the other body is colder and slip does not make up for it.
+
+    rail: of the rail.
+    wheel: of the wheel.
+    """
+
+    rail: float = friction(
+        "rail",
+        "K",
+        "temperature rise of the rail",
+        column="rise rail",
+        like="temperature_rise_rail_K",
+    )
+    wheel: float = friction(
+        "wheel", "K", "   of the wheel", column="rise wheel", like="temperature_rise_wheel_K"
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
 class FrictionQuantities:
     """Friction of the wheel on the rail, and its effect on the steel. None where a quantity does
     not belong to the motion (rolling, or a shift).
@@ -256,7 +277,10 @@ class FrictionQuantities:
         N.
     moment_Nmm: moment of the wheel on the rail about the normal at the first contact, N mm; 0 with
         symmetry planes.
-    limit: friction coefficient times the integral of the pressure, N.
+    limit: integral of the friction coefficient times the pressure, N.
+    coefficient_least: least friction coefficient in the patch; None where it is the same
+        everywhere.
+    temperature_rise: largest rises of the surfaces' temperatures; None where not simulated.
     creepage_along: velocity of the wheel's surface relative to the rail's over the rolling speed,
         along +x; None of a shift.
     creepage_across: the same ratio along the tangent across; None of a shift.
@@ -320,6 +344,12 @@ class FrictionQuantities:
         "moment_Nmm", "N mm", "moment about the normal", column="moment"
     )
     limit: float = friction("limit_N", "N", column="mu N")
+    coefficient_least: float | None = friction(
+        "coefficient_least", "", "least friction coefficient", column="least mu"
+    )
+    temperature_rise: TemperatureRise | None = friction(
+        "temperature_rise_max_K", record=TemperatureRise
+    )
     creepage_along: float | None = friction(
         "creepage_along", "", "creepage along", column="creepage along"
     )

@@ -276,6 +276,7 @@ class SolidFriction:
                     drawn=each.rest
                     + each.smooth.values(known[number].reshape(-1, 2), each.x, each.y),
                     added=each.smooth.response(self._added[number, number], each.x, each.y),
+                    interface=self.settings.interface,
                 )
                 for number, each in enumerate(patches)
             ]
@@ -463,7 +464,7 @@ def solve_by_suited_method(
         returned. Not asked in a section.
 
     A linear solve that fails gives a solution that has not converged. Raises SceneError for bodies
-    with too many unknowns for condensation.
+    with too many unknowns for condensation, and for a law of friction or a layer on such bodies.
     """
     if model.setup.kinematics.dim == 2:
         return condensed_friction(model, response, case, pressed)
@@ -485,6 +486,10 @@ def solve_by_suited_method(
                 newton = replace(pressed.newton, reason=f"friction: {error}")
                 return replace(pressed, newton=newton, reference=pressed)
             return friction.solve(case)
+    surfaces = model.setup.friction and model.setup.friction.interface
+    if surfaces and (surfaces.law or surfaces.layer):
+        text = f"is not allowed beside {why}: it needs half-spaces (effects.finite_bodies=off)"
+        raise SceneError("friction.law" if surfaces.law else "friction.layer_thickness", text)
     if model.unknowns > LARGEST_CONDENSED:
         text = f"is not allowed with {model.unknowns} unknowns and {why}"
         raise SceneError(

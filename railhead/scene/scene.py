@@ -22,6 +22,7 @@ from railhead.scene import units
 from railhead.scene.sections import (
     Effects,
     Friction,
+    Heat,
     Mesh,
     Rail,
     Rolling,
@@ -37,6 +38,7 @@ from railhead.scene.units import show
 __all__ = [
     "Effects",
     "Friction",
+    "Heat",
     "Mesh",
     "Rail",
     "Rolling",
@@ -206,6 +208,7 @@ class Scene(Section):
     friction: coefficient of friction, also of rolling (0: none), and tangential forces that shift
         the wheel from rest, a `Friction`.
     rolling: steady rolling, a `Rolling`.
+    heat: warmth of the bodies, a `Heat`.
     solver: contact method and linear solver, a `Solver`.
     mesh: the elements, a `Mesh`.
     effects: physical effects and simplifications, each "auto", "on" or "off", an `Effects`.
@@ -223,6 +226,7 @@ class Scene(Section):
     wheelset: Wheelset = Wheelset()
     friction: Friction = Friction()
     rolling: Rolling = Rolling()
+    heat: Heat = Heat()
     solver: Solver = Solver()
     mesh: Mesh = Mesh()
     effects: Effects = Effects()
@@ -232,8 +236,9 @@ class Scene(Section):
         """Raise SceneError for the first rule that is broken: exactly one of load and approach; no
         patch size beside accuracy or budget; no force of [friction] beside rolling; no cycles
         beside passes; a load and friction for an axle without torque; a coefficient of friction
-        for a motion without passes; a force of [friction] for friction.cycle; at least one body
-        that deforms.
+        for a motion without passes; a speed for a law of friction, its temperatures for one that
+        depends on them; no such law and no layer beside passes; a force of [friction] for
+        friction.cycle; at least one body that deforms.
         """
         friction, rolling = self.friction, self.rolling
         free = rolling.axle == "torque_free"
@@ -275,14 +280,34 @@ class Scene(Section):
                 "torque_free is not allowed with an approach: give the load of each wheel",
             ),
             (
-                free and (not friction.coefficient or self.effects.friction == "off"),
+                free and (not friction.acts or self.effects.friction == "off"),
                 "rolling.axle",
                 "torque_free is not allowed without friction, which makes the torque",
             ),
             (
-                rolling.prescribed and not friction.coefficient and rolling.passes is None,
+                rolling.prescribed and not friction.acts and rolling.passes is None,
                 "rolling",
                 "has no use with a friction.coefficient of 0; give one above 0, or leave it out",
+            ),
+            (
+                friction.law != "coulomb" and rolling.speed is None,
+                "rolling.speed",
+                f"is missing; friction.law {friction.law} needs it",
+            ),
+            (
+                friction.law == "temperature" and self.effects.heat == "off",
+                "effects.heat",
+                "off is not allowed beside friction.law temperature",
+            ),
+            (
+                rolling.passes is not None and friction.law != "coulomb",
+                "friction.law",
+                f"{friction.law} is not allowed beside rolling.passes; give coulomb",
+            ),
+            (
+                rolling.passes is not None and friction.layer_thickness is not None,
+                "friction.layer_thickness",
+                "is not allowed beside rolling.passes; leave it out",
             ),
             (
                 friction.cycle and not shifted,
@@ -352,7 +377,7 @@ class Scene(Section):
         Both are False without friction.
         """
         friction, rolling = self.friction, self.rolling
-        if not friction.coefficient or self.effects.friction == "off":
+        if not friction.acts or self.effects.friction == "off":
             return False, False
         if rolling.prescribed:
             sideways = rolling.creepage_across or rolling.force_across or rolling.spin

@@ -203,6 +203,23 @@ def _map(value: object) -> str:
     return path
 
 
+def _table(value: object) -> object:
+    """Pairs (temperature in deg C, coefficient above 0) with rising temperatures. Raises ValueError
+    (one line) for anything else.
+    """
+    try:
+        pairs = tuple(
+            (units.TEMPERATURE_RANGE(t), units.PAIRED_COEFFICIENT(mu))
+            for t, mu in value  # type: ignore[attr-defined]
+        )
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{show(value)} is not allowed; {TABLE} ({error})") from None
+    if len(pairs) < 2 or any(b[0] <= a[0] for a, b in pairwise(pairs)):
+        raise ValueError(f"{show(value)} is not allowed; {TABLE}")
+    return pairs
+
+
+TABLE = "give pairs of a temperature, rising, and a coefficient, e.g. [[0, 0.3], [400, 0.12]]"
 PAIRS = "give pairs with rising angles, e.g. [[0, 0.4], [60, 0.1]]"
 _SWITCHED = {"True": "on", "true": "on", "False": "off", "false": "off"}
 Switch = Annotated[
@@ -602,11 +619,23 @@ class Mesh(Section):
 
 
 class Friction(Section):
-    """Coulomb friction, and tangential forces that shift the wheel on the rail from rest.
+    """Friction, what lies between the surfaces, and forces that shift the wheel from rest.
 
     coefficient: friction coefficient, 0 to 2; 0: no friction. Or pairs (angle, coefficient) with
         rising angles of the rail's surface across the track, degrees, positive where it rises to
         the field side; linear between them, constant beyond.
+        It is the static coefficient of every law.
+    law: "coulomb": the coefficient is the same at every slip and temperature. "exponential",
+        "linear": it falls with the slip velocity from `coefficient` to `kinetic`. "temperature": it
+        is that of `table`. All but coulomb need rolling.speed.
+    kinetic: coefficient at large slip velocities, above 0 to 2; of exponential and linear.
+    slip_half: mm/s, slip velocity at which half of the difference is gone; of both as well.
+    memory: mm, length along which the coefficient follows its law; None: the length of a cell where
+        it falls with slip, else 0.
+    table: pairs (temperature in deg C, coefficient), linear between, constant beyond; of
+        temperature. `coefficient` may be left out beside it.
+    layer_thickness: mm, of an elastic layer between the surfaces; None: no layer.
+    layer_modulus: MPa, its shear modulus.
     force_along: N, tangential force of the wheel on the rail along x, along the rail, reached from
         rest. The key tangential_load is another name of this one.
     force_across: N, tangential force of the wheel on the rail across it, along the common tangent
@@ -618,6 +647,13 @@ class Friction(Section):
     coefficient: Annotated[
         float | tuple[tuple[float, float], ...], BeforeValidator(_coefficient)
     ] = 0.0
+    law: Literal["coulomb", "exponential", "linear", "temperature"] = "coulomb"
+    kinetic: units.Kinetic | None = None
+    slip_half: units.SlipSpeed | None = None
+    memory: units.Memory | None = None
+    table: Annotated[tuple[tuple[float, float], ...], BeforeValidator(_table)] | None = None
+    layer_thickness: units.LayerThickness | None = None
+    layer_modulus: units.Stress | None = None
     force_along: units.SignedForce = 0.0
     force_across: units.SignedForce = 0.0
     cycle: bool = False
@@ -634,6 +670,48 @@ class Friction(Section):
             data["force_along"] = force
         return data
 
+    @model_validator(mode="after")
+    def _keys_of_the_law(self) -> Self:
+        """Raise SceneError for the first key that the law lacks or has no use for, for another
+        coefficient than that of the table, and for half of a layer.
+        """
+        falls, table = self.law in ("exponential", "linear"), self.table
+        missing, useless = f"is missing; law {self.law} needs it", f"has no use in law {self.law}"
+        first = table[0][1] if table else 0.0
+        layer = (self.layer_thickness, "layer_thickness"), (self.layer_modulus, "layer_modulus")
+        refuse_first(
+            *(
+                rule
+                for key in ("kinetic", "slip_half")
+                for given in [getattr(self, key) is not None]
+                for rule in ((falls and not given, key, missing), (given > falls, key, useless))
+            ),
+            (self.law == "temperature" and table is None, "table", missing),
+            (self.law != "temperature" and table is not None, "table", useless),
+            (self.law == "coulomb" and self.memory is not None, "memory", useless),
+            (
+                self.law == "temperature" and self.coefficient not in (0.0, first),
+                "coefficient",
+                f"{show(self.coefficient)} is not the first of the table, {first:g}; leave it out",
+            ),
+            *(
+                (value is None and other is not None, key, f"is missing beside {beside}")
+                for (value, key), (other, beside) in (layer, layer[::-1])
+            ),
+        )
+        return self
+
+    @property
+    def acts(self) -> bool:
+        """Whether there is a coefficient above 0."""
+        return self.largest > 0
+
+    @property
+    def largest(self) -> float:
+        """Largest coefficient of all angles, slips and temperatures."""
+        rest = [(0.0, self.kinetic or 0.0), *(self.table or ())]
+        return max(mu for _, mu in (*self.pairs, *rest))
+
     @property
     def uneven(self) -> bool:
         """Whether the coefficient depends on the angle of the rail's surface."""
@@ -641,12 +719,14 @@ class Friction(Section):
 
     @property
     def pairs(self) -> tuple[tuple[float, float], ...]:
-        """Pairs of an angle, degrees, and the coefficient there; a single one of a number."""
-        given = self.coefficient
+        """Pairs of an angle, degrees, and the static coefficient there; a single one of a number,
+        and of a table its first.
+        """
+        given = self.table[0][1] if self.table else self.coefficient
         return ((0.0, given),) if isinstance(given, float) else given
 
     def at(self, angle: "Array | float") -> "Array":
-        """Coefficient of friction (n,) where the rail's surface has the angle (n,) to the
+        """Static coefficient of friction (n,) where the rail's surface has the angle (n,) to the
         horizontal across the track, rad.
         """
         import numpy as np  # not before `process.prepare`
@@ -675,7 +755,7 @@ class Rolling(Section):
     force_across: N, tangential force of the wheel on the rail to be met across it, along the common
         tangent to the field side; the creepage follows. None: not given.
     spin: 1/mm, angular velocity about the normal out of the rail over the rolling speed.
-    speed: m/s, for the friction power and the flash temperature; None: neither is computed.
+    speed: m/s, for the friction power, temperatures and laws of friction; None: there are none.
     passes: how often the wheel rolls over a rail that yields, 1 to 1000; None: not simulated.
     pressure: beside passes, "contact": the pressure follows from the rail as the passes leave it;
         "hertz": the elastic pressure is kept.
@@ -748,6 +828,31 @@ class Rolling(Section):
         return self.from_wheelset or any(value is not None for value in chosen) or self.spin != 0
 
 
+class Heat(Section):
+    """Warmth of the bodies and constants of their material, for temperatures of their surfaces.
+    Constants of steel: Ertz and Knothe, Wear 253 (2002) 498.
+
+    bulk_rail, bulk_wheel: deg C, temperatures far from the patch.
+    conductivity: W/(m K).
+    density: kg/m3.
+    specific_heat: J/(kg K).
+    share: of the heat of friction that the rail takes, 0 to 1.
+    """
+
+    bulk_rail: units.Temperature = 0.0
+    bulk_wheel: units.Temperature = 0.0
+    conductivity: units.ThermalConstant = 50.0
+    density: units.ThermalConstant = 7850.0
+    specific_heat: units.ThermalConstant = 450.0
+    share: units.Share = 0.5
+
+    @property
+    def known(self) -> bool:
+        """Whether a constant of the material is given that is not that of steel."""
+        given = self.model_dump(exclude_defaults=True)
+        return bool(given.keys() & {"conductivity", "density", "specific_heat"})
+
+
 class Effects(Section):
     """Physical effects and simplifications: each is "on", "off", or "auto", which leaves the choice
     to the plan. A value that is not allowed raises SceneError when the scene is planned. Where
@@ -789,8 +894,12 @@ class Effects(Section):
         is not allowed without rolling.passes.
     plasticity_wheel: off accepts that passes leave out the yield of the wheel. on is not allowed,
         as passes know the yield of the rail alone.
-    heat: off accepts that heat is left out where the flash temperature is 100 K or more. on is not
-        allowed, as no temperature is simulated.
+    heat: on: surface temperatures are simulated. off: they are not; not allowed beside a
+        coefficient that depends on them. on is not allowed without friction and rolling.speed, and
+        for bodies whose tractions are condensed.
+    falling_friction: on: the coefficient follows friction.law. off: it is the static one
+        everywhere.
+    layer: on: the layer of [friction] shears. off: it does not.
     """
 
     symmetry: Switch = "auto"
@@ -811,6 +920,8 @@ class Effects(Section):
     passes: Switch = "auto"
     plasticity_wheel: Switch = "auto"
     heat: Switch = "auto"
+    falling_friction: Switch = "auto"
+    layer: Switch = "auto"
 
     def state(self, name: str) -> Switch:
         """The value ("auto", "on" or "off") of the key `name`, as it was given, whether or not it

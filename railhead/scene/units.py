@@ -142,6 +142,19 @@ SPIN = QuantityKind(
 SPEED = QuantityKind(
     noun="a speed", hint='m/s or a speed with its unit, e.g. 20 or "72 km/h"', unit="m/s", pint=True
 )
+SLIP_SPEED = QuantityKind(
+    noun="a slip velocity",
+    hint='mm/s or a velocity with its unit, e.g. 1250 or "1.25 m/s"',
+    unit="mm/s",
+    pint=True,
+)
+_CELSIUS = dict.fromkeys(("degC", "°C", "C"), Decimal(1))
+TEMPERATURE = QuantityKind(
+    noun="a temperature",
+    hint='degrees Celsius, e.g. 20 or "20 degC"',
+    unit="degC",
+    factors=_CELSIUS,
+)
 ANGLE = QuantityKind(
     noun="an angle",
     hint='radians or an angle with its unit, e.g. 0.002 or "2 mrad"',
@@ -340,6 +353,13 @@ Speed = Annotated[
 ]
 COEFFICIENT = Range(kind=NUMBER, low=0, high=2, note=" or pairs of an angle and a coefficient")
 PAIRED_COEFFICIENT = Range(kind=NUMBER, low=0, high=2, note=", but not 0", excluded=(0,))
+Kinetic = Annotated[float, PAIRED_COEFFICIENT]
+SlipSpeed = Annotated[float, Range(kind=SLIP_SPEED, low=1e-6, high=1e9)]
+TEMPERATURE_RANGE = Range(kind=TEMPERATURE, low=-273.15, high=5000)
+Temperature = Annotated[float, TEMPERATURE_RANGE]
+ThermalConstant = Annotated[float, Range(kind=NUMBER, low=1e-6, high=1e6)]
+LayerThickness = Annotated[float, Range(kind=LENGTH, low=1e-9, high=10)]
+Memory = Annotated[float, Range(kind=LENGTH, low=0, high=1e6)]
 SURFACE_ANGLE = Range(kind=DEGREES, low=-90, high=90)
 Shift = Annotated[float, Range(kind=LENGTH, low=-30, high=30)]
 TapeCircle = Annotated[float, Range(kind=LENGTH, low=30, high=120, note=", e.g. 70")]

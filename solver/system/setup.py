@@ -14,6 +14,7 @@ from railhead.solver.material.elasticity import Material
 from railhead.solver.space.contact_interface import ContactLaw, Gap
 from railhead.solver.space.kinematics import SOLID, Kinematics, must_be_orthonormal
 from railhead.theory.array_types import Array
+from railhead.theory.friction.laws import Interface
 
 LINEAR_SOLVERS = ("auto", "direct", "multigrid")
 FarField = Callable[[float, int, Array], Array]
@@ -86,6 +87,8 @@ class FrictionSettings:
     far_field: (0 along or 1 across, body tag, points (n, 3) mm) -> displacement (n, 3) mm of the
         supported faces under a force of 1 N of the wheel on the rail; None: tangential forces do
         not move the supported faces.
+    interface: law of the coefficient, heat and layer, where tractions are those of half-spaces on a
+        grid; None: Coulomb's law alone.
     """
 
     coefficient: Callable[[Array], Array]
@@ -97,6 +100,7 @@ class FrictionSettings:
     force_controlled: tuple[tuple[int, float], ...]
     load_steps: tuple[tuple[float, float], ...] = ((1.0, 1.0),)
     far_field: Callable[[int, int, Array], Array] | None = None
+    interface: Interface | None = None
 
     def __post_init__(self) -> None:
         """Check axes and load steps; raises ValueError for axes that are no right-handed unit

@@ -106,6 +106,8 @@ class FrictionSolution:
         slip; otherwise None.
     inside: (n,) share of the area of each point in the patch; None: whole areas.
     coarse: the same on a grid of half as many cells each way; None where there is none.
+    rise: of the temperatures of the surfaces of rail and wheel above the bulk of each body, (2, n),
+        K; None without heat.
     grids: of bodies whose tractions are those of half-spaces, whole patches; else empty.
     """
 
@@ -127,6 +129,7 @@ class FrictionSolution:
     without_creepage: FrictionSolution | None = None
     inside: Array | None = None
     coarse: FrictionSolution | None = None
+    rise: Array | None = None
     grids: tuple[GridTraction, ...] = ()
 
     @property

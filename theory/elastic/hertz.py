@@ -8,7 +8,6 @@ digits near the circle and need no case distinction between a > b and a < b.
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -29,11 +28,7 @@ class Ellipse(EllipsoidalPressure):
     contact_modulus: E*, MPa; 1/E* is the sum of (1 - nu^2)/E of both bodies.
     curvature_x: relative curvature along x, 1/mm.
     curvature_y: relative curvature along y, 1/mm.
-    middle_over_mean: mean pressure on the longest line of the patch along the rail over that of the
-        patch.
     """
-
-    middle_over_mean: ClassVar[float] = 3 * math.pi / 8
 
     approach: float
     load: float

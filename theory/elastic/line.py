@@ -32,12 +32,9 @@ class LineContact:
     datum: depth of the points between which the approach is measured, mm, in each body.
     approach: approach of those points, mm, which depends on the datum. Points at infinity have no
         finite approach in plane strain.
-    middle_over_mean: mean pressure on the longest line of the patch along the rail over that of the
-        patch.
     shape: of the contact.
     """
 
-    middle_over_mean: ClassVar[float] = 1.0
     shape: ClassVar[str] = "line"
 
     strip: Strip

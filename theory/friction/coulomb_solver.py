@@ -26,6 +26,7 @@ class CoulombSolver:
     where the slip s = w - C q is not zero. q: tractions, MPa; g: bound, MPa, 0 outside of the
     patch; w: slip without tractions; C: influence.
 
+    bound: g; a later solve may have another one.
     steps: number of Newton's steps in the last solve.
     """
 
@@ -35,7 +36,7 @@ class CoulombSolver:
         """influence: C; bound: g (nx, ny), MPa. ValueError: g is not above 0 anywhere."""
         if not bound.max() > 0:
             raise ValueError("no cell of the patch carries a pressure")
-        self._influence, self._bound = influence, bound
+        self._influence, self.bound = influence, bound
         self._step = 1 / (influence.line[:, :1, None] + influence.edge).mean(axis=0)  # r (nx, ny)
         cells = np.arange(len(bound))
         own = influence.edge.transpose(0, 2, 1)[..., None] * np.eye(len(bound))
@@ -56,7 +57,7 @@ class CoulombSolver:
         no convergence.
         """
         still = np.zeros_like(slip)
-        inside = np.where(self._bound > 0, 1.0, 0.0)
+        inside = np.where(self.bound > 0, 1.0, 0.0)
         q = self._newton(still, inside, inside * self._step * slip) if guess is None else guess
         before = still
         for self.steps in range(STEPS):
@@ -86,7 +87,7 @@ class CoulombSolver:
     def _ratio(self, z: Array) -> Array:
         """Factor (nx, ny) by which the projection scales z (2, nx, ny); 1 where a cell sticks."""
         size = np.maximum(np.linalg.norm(z, axis=0), 1e-300)
-        return np.asarray(np.minimum(self._bound / size, 1.0))
+        return np.asarray(np.minimum(self.bound / size, 1.0))
 
     def _newton(self, z: Array, ratio: Array, right: Array) -> Array:
         """Newton step dq (2, nx, ny): solution of (I - D + r D C) dq = right, D being the

@@ -1,4 +1,4 @@
-"""Damage of steel by rolling: shakedown, first yield, surface fatigue, wear, flash temperature.
+"""Damage of steel by rolling: shakedown, first yield, surface fatigue, wear.
 
 Limits of repeated rolling are in p0/k, by Melan's theorem. p0: largest pressure; k: yield stress in
 shear. Residual stresses of plane strain, rho_xx and rho_yy, depend on the depth alone. At every
@@ -10,10 +10,7 @@ not balance yy everywhere: 2.32 k at a coefficient of 0.4, where the shear stres
 Of a circle Ponter, Hearle and Johnson (J. Mech. Phys. Solids 33, 1985) have 4.68 k without
 friction.
 
-T-gamma is the energy dissipated per rolled length. Blok's formula of the flash temperature is that
-of a band of heat that moves fast. Thermal constants of steel, and the case that they are tested on:
-Ertz and Knothe, Wear 253 (2002) 498, as in examples/ertz_temperature.inp of
-github.com/eve70a/CONTACT.
+T-gamma is the energy dissipated per rolled length.
 """
 
 from __future__ import annotations
@@ -34,9 +31,6 @@ DEPTHS, PLACES = 81, 161  # where the shear stress of a strip is looked for
 #: github.com/thiernodms/KPFASTSIMUSFD.
 TWIN_DISC = (10.4, 77.2)
 REGIMES = ("mild", "severe", "catastrophic")
-CONDUCTIVITY = 50.0  # W/(m K)
-DENSITY = 7850.0  # kg/m3
-SPECIFIC_HEAT = 450.0  # J/(kg K)
 
 
 def _strip(scale: float) -> line.LineContact:
@@ -181,23 +175,3 @@ def wear_regime(value: float, limits: tuple[float, float]) -> str:
     belongs to the regime above it.
     """
     return REGIMES[sum(value >= limit for limit in limits)]
-
-
-def flash_temperature(
-    dissipated: float, area: float, half_length: float, speed: float, middle_over_mean: float
-) -> float:
-    """Largest rise of the surface temperature, K: 1.13 (q/2) sqrt(2 a/v)/sqrt(k rho c), q the mean
-    heat flux on the longest line of the patch along the rail, k rho c the thermal constants of
-    steel. It holds for one patch.
-
-    dissipated: energy per rolled length, N.
-    area: of the patch, mm2.
-    half_length: a, half length of the patch along the rail, mm.
-    speed: v, m/s.
-    middle_over_mean: mean pressure on that line over that of the patch: 3 pi/8 of an ellipse,
-        1 of a line contact.
-    The heat is distributed as the pressure; half of it flows into each body.
-    """
-    flux = dissipated * speed / (1e-6 * area) * middle_over_mean
-    effusivity = math.sqrt(CONDUCTIVITY * DENSITY * SPECIFIC_HEAT)
-    return 1.13 * flux / 2 * math.sqrt(2e-3 * half_length / speed) / effusivity

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 
@@ -29,6 +29,7 @@ from railhead.theory.bem.grid_patch import Grid, PatchSolution, shares
 from railhead.theory.bem.influence import Influence
 from railhead.theory.bem.pressure_solver import equilibrium
 from railhead.theory.friction.coulomb_solver import CoulombSolver
+from railhead.theory.friction.laws import Interface
 from railhead.theory.friction.tangential import AHEAD, MaterialPair, TractionInfluence
 
 TOLERANCE = 1e-8  # of the tractions
@@ -39,6 +40,10 @@ STUCK = 1e-6  # relative: a traction that is that much below its bound sticks
 TURNS, TRACTION_CHANGE = 40, 1e-3  # between pressure and tractions; of the tractions, over mu N
 PRESSED = 1e-6  # of the displacement
 STEPS, FORCE_TOLERANCE = 40, 1e-6  # of Newton under prescribed forces; over mu N
+LAW_TURNS, SETTLED = 60, 1e-7  # between tractions and coefficient; change of the bound, relative
+SLOWEST = 0.02  # least part of a change of the coefficient that is taken
+FAST = 1e6  # slip per rolled length at which a law has its last coefficient
+ALIKE, LONGER = 1e-3, "the law falls too steeply; give a longer friction.memory"
 
 
 @dataclass(frozen=True)
@@ -78,6 +83,8 @@ class TangentialSolution:
     slip: of the wheel over the rail, (2, nx, ny); dimensionless in rolling, mm of a shift. It is
         zero to the tolerance where cells stick, and zero outside of the patch.
     steps: number of Newton's steps that found the tractions.
+    rise: of the temperatures of the surfaces of rail and wheel above the bulk of each body, (2, nx,
+        ny), K; None without heat.
     """
 
     x: Array
@@ -90,6 +97,7 @@ class TangentialSolution:
     traction: Array
     slip: Array
     steps: int = 0
+    rise: Array | None = None
 
     @property
     def forces(self) -> tuple[float, float, float]:
@@ -137,7 +145,9 @@ class TangentialSolution:
 
 
 class HalfSpaceFriction:
-    """Tangential contact of half-spaces whose pressure is given: each cell obeys Coulomb's law."""
+    """Tangential contact of half-spaces whose pressure is given: each cell obeys Coulomb's law. Its
+    coefficient may depend on slip and temperature.
+    """
 
     def __init__(
         self,
@@ -151,6 +161,7 @@ class HalfSpaceFriction:
         modes: Array | None = None,
         drawn: Array | None = None,
         added: Callable[[Array], Array] | None = None,
+        interface: Interface | None = None,
     ) -> None:
         """x (nx,), y (ny,): cell centres, evenly spaced, mm.
         pressure: (nx, ny), MPa, 0 outside of the patch; it does not change.
@@ -162,6 +173,8 @@ class HalfSpaceFriction:
         drawn: reduction of the slip (2, nx, ny) by other causes; None: zero.
         added: reduction of the slip (2, nx, ny) by tractions (2, nx, ny) beside that of
             half-spaces, linear; None: zero.
+        interface: law of the coefficient, heat and layer; None: Coulomb's law alone. All but a
+            layer need rolling. `friction` is the static coefficient.
         ValueError: a shape or value out of range.
         """
         if pressure.shape != (x.size, y.size) or min(pressure.shape) < 2:
@@ -180,10 +193,19 @@ class HalfSpaceFriction:
             panels = shares((x, y), pressure, AHEAD / 2)[1] if rolling else self._covered
             mean = np.where(panels > 0, mean, 0.0)
             self._pressure = mean * (pressure.sum() / mean.sum())
-        self._bound = friction * self._pressure
+        self._interface = interface or Interface()
+        self._static = np.broadcast_to(np.asarray(friction, dtype=float), pressure.shape)
         more = None if added is None else lambda traction: self._there(added(traction))
-        self._influence = TractionInfluence(x, y, pair, rolling=rolling, added=more, covered=panels)
-        self._tractions = CoulombSolver(self._influence, self._bound)
+        self._influence = TractionInfluence(
+            x,
+            y,
+            pair,
+            rolling=rolling,
+            added=more,
+            covered=panels,
+            layer=self._interface.layer,
+        )
+        self._tractions = CoulombSolver(self._influence, self._static * self._pressure)
         inside = np.where(self._pressure > 0, 1.0, 0.0)
         every = plane_modes(x, y) if modes is None else modes
         self._modes, self._rigid = inside * every, inside * self._there(every)
@@ -198,8 +220,56 @@ class HalfSpaceFriction:
         """Tractions at a creepage in steady rolling, or under one shift from rest.
 
         start: an earlier solution of this patch, from which the iterations begin; None: from the
-            tractions that stick everywhere. ValueError: no convergence.
+            tractions that stick everywhere, and the static coefficient.
+        A coefficient that depends on slip or temperature is found in turns with the tractions.
+        Without a `start` they end a second time, from the coefficient of large slip.
+        ValueError: no convergence, or both ends differ by more than 1e-3 (ALIKE) of mu N.
         """
+        if self._interface.law is None:
+            return self._at(creepage, start)
+        if start is not None:
+            coefficient = np.divide(
+                start.bound, start.pressure, out=self._static.copy(), where=start.pressure > 0
+            )
+            return self._by_law(creepage, coefficient * self._pressure, start)
+        found = self._by_law(creepage, self._static * self._pressure, None)
+        slid = replace(found, slip=np.full_like(found.slip, FAST))
+        other = self._by_law(creepage, self._law_bound(slid), found)
+        apart = np.linalg.norm(found.traction - other.traction, axis=0).sum() * found.cell
+        if apart > ALIKE * found.limit:
+            along = (f"{each.forces[0]:.4g}" for each in (found, other))
+            raise ValueError(f"several steady states, e.g. {' and '.join(along)} N along; {LONGER}")
+        return found
+
+    def _by_law(
+        self, creepage: Creepage, bound: Array, start: TangentialSolution | None
+    ) -> TangentialSolution:
+        """Tractions under the bound (nx, ny), MPa, that the law has at their slip, in turns with
+        Aitken's factor, from a first bound and a solution near it. ValueError: they do not settle.
+        """
+        before, factor, found = np.zeros_like(bound), 1.0, start
+        for _ in range(LAW_TURNS):
+            self._tractions.bound = bound
+            found = self._at(creepage, found)
+            change = self._law_bound(found) - bound
+            if np.abs(change).sum() <= SETTLED * bound.sum():
+                return found
+            if before.any():
+                turned = change - before
+                factor *= -float((before * turned).sum() / (turned * turned).sum())
+                factor = min(max(factor, SLOWEST), 1.0)
+            bound, before = bound + factor * change, change
+        raise ValueError(f"tractions and coefficient of friction do not settle; {LONGER}")
+
+    def _law_bound(self, found: TangentialSolution) -> Array:
+        """Largest traction (nx, ny), MPa, that the law allows at the slip of a solution."""
+        inside = self._pressure > 0
+        return self._pressure * self._interface.coefficient(
+            self._x, self._static, inside, found.traction, found.slip
+        )
+
+    def _at(self, creepage: Creepage, start: TangentialSolution | None) -> TangentialSolution:
+        """Tractions at a creepage under the present bound; start: as of `solve`."""
         slip = self._slip(creepage)
         guess = None if start is None else start.traction
         traction = self._tractions.solve(slip, TOLERANCE, guess)
@@ -209,12 +279,13 @@ class HalfSpaceFriction:
             y=self._y,
             modes=self._modes,
             pressure=self._pressure,
-            bound=self._bound,
+            bound=self._tractions.bound,
             covered=self._covered,
             creepage=creepage,
             traction=traction,
             slip=left,
             steps=self._tractions.steps,
+            rise=self._interface.rise(self._x, traction, left),
         )
 
     def stiffness(self, found: TangentialSolution) -> Array:
@@ -281,6 +352,7 @@ def solve_dissimilar(
     shear: Callable[[HalfSpaceFriction], TangentialSolution],
     *,
     modes: Array | None = None,
+    interface: Interface | None = None,
 ) -> TangentialSolution:
     """Tractions of a rolling patch of different materials whose pressure depends on the tractions.
 
@@ -290,6 +362,7 @@ def solve_dissimilar(
     shear: returns the tractions under the pressure of the `HalfSpaceFriction` that it is given,
         e.g. `lambda body: body.solve(creepage)`.
     modes: rigid slip (4, 2, nx, ny) of unit creepages, unit spin and the fixed mode; None: a plane.
+    interface: as of `HalfSpaceFriction`.
     The load along its direction stays that of `patch`; the pressure found is that of the result.
     The contact modulus is G/(1 - nu) of the pair. Where the pair has no mismatch the pressure
     stays, too. ValueError: no convergence in 40 turns.
@@ -301,7 +374,14 @@ def solve_dissimilar(
     now, before = patch, np.zeros((2, *patch.pressure.shape))
     for _ in range(TURNS):
         body = HalfSpaceFriction(
-            now.x, now.s, now.pressure, friction, pair, rolling=True, modes=modes
+            now.x,
+            now.s,
+            now.pressure,
+            friction,
+            pair,
+            rolling=True,
+            modes=modes,
+            interface=interface,
         )
         found = shear(body)
         changed = np.linalg.norm(found.traction - before, axis=0).sum() * found.cell

@@ -98,22 +98,29 @@ class TractionInfluence:
         rolling: bool,
         added: Callable[[Array], Array] | None = None,
         covered: Array | None = None,
+        layer: float = 0.0,
     ) -> None:
         """x (nx,), y (ny,): cell centres, evenly spaced and at least two an axis, mm; pair:
         materials; rolling: whether slips are per rolled length; added: reduction of the slip by
         tractions beside that of half-spaces, linear; None: zero. covered (nx, ny): share of the
         panel of each cell in the patch; None: whole cells. In rolling a panel reaches from a
-        quarter of a cell behind the centre to three quarters ahead.
+        quarter of a cell behind the centre to three quarters ahead. layer: thickness over shear
+            modulus of an elastic layer between the surfaces, mm/MPa: they move apart by that times
+            the traction (Kalker's simplified theory).
         """
         self._size, self._pair, self._added = (x.size, y.size), pair, added
         self._padded = fast_shape(self._size)
         self._steps = float(x[1] - x[0]), float(y[1] - y[0])
         self._rolling = rolling
         kernels = self._slopes() if rolling else self._displacements(self._cerruti)
+        own = kernels[::2, 0, 0].copy()
+        kernels[::2, 0, 0] += layer / self._steps[0] if rolling else layer
+        if rolling:  # the difference to the cell ahead
+            kernels[::2, -1, 0] -= layer / self._steps[0]
         self._spectra = transform(kernels, self._padded)
         self.line = kernels[::2, :, 0]  # (2, padded): of a cell on those of its own line along x
         whole = 1.0 if covered is None else np.where(covered > 0, covered, 1.0)
-        self.edge = EDGE[rolling] * self.line[:, :1, None] * (1 / whole - 1)
+        self.edge = EDGE[rolling] * own[:, None, None] * (1 / whole - 1)
 
     def __call__(self, traction: Array) -> Array:
         """Reduction of the slip (2, nx, ny) by tractions (2, nx, ny), MPa."""

@@ -9,7 +9,7 @@ from functools import partial
 from railhead.contact.dimension import Dimension
 from railhead.contact.solid import Contact
 from railhead.planning.context import Context, Effect, PostSolveVerdict
-from railhead.planning.effects import interface, material, passes, shape
+from railhead.planning.effects import interface, material, passes, shape, tribology
 from railhead.postprocess.findings import Findings
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.elastic.line import Hertz
@@ -130,10 +130,17 @@ EFFECTS = {
         absent_in_half_spaces=True,
     ),
     "heat": EffectRules(
-        words="heat of friction (estimated, not simulated)",
-        decide=interface.decide_heat,
-        check=interface.check_heat,
+        words="heat of friction: temperatures of the surfaces",
+        decide=tribology.decide_heat,
+        check=tribology.check_heat,
         absent_in_half_spaces=True,
+    ),
+    "falling_friction": EffectRules(
+        words="friction that falls with slip or temperature",
+        decide=tribology.decide_falling_friction,
+    ),
+    "layer": EffectRules(
+        words="an elastic layer between the surfaces", decide=tribology.decide_layer
     ),
 }
 ASSUMPTIONS: dict[str, tuple[str, Weigh]] = {

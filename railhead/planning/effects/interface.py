@@ -1,7 +1,4 @@
-"""Effects of the interface: friction (a shift from rest, or steady rolling) and its heat.
-
-Heat is an indicator alone, as no temperature is simulated.
-"""
+"""Friction: a shift from rest, or steady rolling."""
 
 from __future__ import annotations
 
@@ -12,17 +9,13 @@ from railhead.contact.wheelset_kinematics import WheelsetCreepage
 from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.planning.references import closed_forms
 from railhead.postprocess.findings import Findings
-from railhead.scene import flow_curves
 from railhead.scene.scene import SceneError
 from railhead.scene.sections import refuse_first
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.friction import kalker
-from railhead.theory.friction.damage import flash_temperature
 from railhead.theory.friction.rolling import Creepage
 
-OMITTED = "not simulated: falling friction, third bodies, roughness, dynamics (docs/limits.md)"
-HOT = 100.0  # K, least flash temperature that matters (a choice)
-UNKNOWN = "flash temperature not known for this material: the constants are those of steel"
+OMITTED = "not simulated: roughness, dynamics (docs/limits.md)"
 
 
 def decide_friction(context: Context) -> Effect:
@@ -34,7 +27,7 @@ def decide_friction(context: Context) -> Effect:
     not have, and linear cells.
     """
     scene = context.scene
-    coefficient, largest = friction_coefficient(context), max(mu for _, mu in scene.friction.pairs)
+    coefficient, largest = friction_coefficient(context), scene.friction.largest
     table, along, across = scene.tangential_forces
     # On an inclined contact a force across carries a part of the load, or adds to it.
     normal = context.hertz.load + across * math.tan(context.contact.touch.angle)
@@ -106,7 +99,7 @@ def grows(context: Context) -> bool:
 
 
 def friction_coefficient(context: Context) -> float:
-    """Coefficient of friction at the first contact."""
+    """Static coefficient of friction at the first contact."""
     return float(context.scene.friction.at(context.contact.touch.angle))
 
 
@@ -190,57 +183,3 @@ def _fits_the_section(context: Context) -> None:
             "across the rail is not allowed: the scene is a section along it",
         ),
     )
-
-
-def decide_heat(context: Context) -> Effect:
-    """Decision on heat, which is never simulated: called for where the flash temperature, if the
-    whole patch slips, is 100 K (HOT) or more.
-    """
-    scene, hertz = context.scene, context.hertz
-    speed, rolling = scene.rolling.speed, scene.rolling
-    refused = {"on": "no temperature is simulated"}
-    if speed is None or not context.decided["friction"].on:
-        why = "nothing slips" if speed else "no rolling.speed is given"
-        return Effect(False, False, why, refused)
-    if not _steel(context):
-        return Effect(False, False, UNKNOWN, refused)
-    if rolling.force_along or rolling.force_across:
-        return Effect(False, False, "the creepage of a given force is known afterwards", refused)
-    moves = creepage(context)
-    slip = math.hypot(moves.along, moves.across) + abs(moves.spin) * max(hertz.half_lengths)
-    most = flash_temperature(
-        friction_coefficient(context) * hertz.load * slip,
-        hertz.area,
-        hertz.half_lengths[0],
-        speed,
-        hertz.middle_over_mean,
-    )
-    called = most >= HOT
-    side = "above" if called else "below"
-    why = f"flash temperature up to {most:.3g} K where all slips, {side} {HOT:g} K"
-    return Effect(called, False, why, refused)
-
-
-def check_heat(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict | None:
-    """Verdict whether the flash temperature (a rise, K) of the dissipated energy reaches 100 K
-    (HOT).
-
-    It is 'unknown' (not needed) where a body is neither steel nor of infinite modulus, and None
-    without a rolling speed or where nothing rolls with friction.
-    """
-    speed = context.scene.rolling.speed
-    if speed is None or math.isnan(found.dissipated):
-        return None
-    if not _steel(context):
-        return PostSolveVerdict(False, UNKNOWN)
-    patch, share = found.patch, context.hertz.middle_over_mean
-    rise = flash_temperature(found.dissipated, patch.area, patch.a, speed, share)
-    hot = rise >= HOT
-    text = f"flash temperature {rise:.3g} K, {'above' if hot else 'below'} {HOT:g} K"
-    return PostSolveVerdict(hot, f"{text}: friction and yield stress fall with it" if hot else text)
-
-
-def _steel(context: Context) -> bool:
-    """Whether each body has the modulus of a steel or an infinite one."""
-    moduli = (part.young_modulus for part in context.scene.bodies.values())
-    return all(math.isinf(each) or flow_curves.is_steel(each) for each in moduli)

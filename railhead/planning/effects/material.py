@@ -55,7 +55,7 @@ def decide_deformable(body: str, context: Context) -> Effect:
         why = f"above {limit:.1g}"
     elif not context.contact.solid_half_space:
         why = "but its stresses are not those of a half-space"
-    elif scene.friction.coefficient:
+    elif scene.friction.acts:
         why = "but friction adds to its stresses"
     elif part.yields and context.von_mises(part.poisson_ratio) > part.first_yield:
         why = f"but von Mises {context.von_mises(part.poisson_ratio):.4g} MPa passes its yield"

@@ -16,7 +16,7 @@ import numpy as np
 from railhead.planning import effects
 from railhead.planning.context import PostSolveVerdict
 from railhead.planning.effects import interface, shape
-from railhead.planning.references import boundary_elements
+from railhead.planning.references import boundary_elements, tribology
 from railhead.planning.references.allowance import added_stress
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess import friction
@@ -249,7 +249,7 @@ def _with_friction(plain: HalfSpaceSolution, sheared: PatchTractions) -> HalfSpa
     for key, (bodies, grid) in friction_errors(tractions, solution.used, *patch).items():
         parts[key] = {"bodies": bodies, "grid": grid}
     other = {}
-    if rolls and not (plan.contact.line or unlike):
+    if rolls and not (plan.contact.line or unlike) and tribology.coulomb(scene):
         pair = plan.context.tangential_pair
         other["FASTSIM (equal ellipses)"] = tangential_contact.or_reason(
             lambda: tangential_contact.fastsim(
@@ -346,6 +346,7 @@ def _tractions(
             interface.creepage(plan.context),
             (along, across),
             rolling=scene.rolling.prescribed,
+            interface=tribology.interface(scene),
             start=_onto(None if start is None else start.found, patches),
         )
         return PatchTractions(patches=patches, found=sheared, scale=1 / longer)
@@ -359,17 +360,19 @@ def _tractions(
 def _onto(
     found: Sequence[TangentialSolution] | None, patches: Sequence[PressedPatch]
 ) -> list[TangentialSolution] | None:
-    """Tractions with the cells of patches, each cell divided into as many as needed; None without
-    tractions or where there are more or fewer patches.
+    """Tractions, with pressure and bound, in the cells of patches, each cell divided into as many
+    as needed; None without tractions or where there are more or fewer patches.
     """
     if found is None or len(found) != len(patches):
         return None
     placed = []
     for each, patch in zip(found, patches, strict=True):
-        traction = each.traction
-        for axis, count in enumerate(patch.pressed.pressure.shape, 1):
-            traction = traction.repeat(count // traction.shape[axis], axis=axis)
-        placed.append(replace(each, traction=traction))
+        known = [each.pressure, each.bound, each.traction]
+        for axis, count in enumerate(patch.pressed.pressure.shape, -2):
+            times = count // each.traction.shape[axis]
+            known = [field.repeat(times, axis=axis) for field in known]
+        pressure, bound, traction = known
+        placed.append(replace(each, pressure=pressure, bound=bound, traction=traction))
     return placed
 
 

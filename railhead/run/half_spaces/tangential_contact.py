@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from railhead.planning.effects import interface
-from railhead.planning.references import closed_forms
+from railhead.planning.references import closed_forms, tribology
 from railhead.planning.simulation_plan import Plan
 from railhead.run.half_spaces import normal_contact
 from railhead.run.half_spaces.normal_contact import PressedPatch
@@ -24,6 +24,7 @@ from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.line import LineContact
 from railhead.theory.friction import kalker, partial_slip
 from railhead.theory.friction.kalker import Coefficients
+from railhead.theory.friction.laws import Interface
 from railhead.theory.friction.rolling import (
     CELLS,
     Creepage,
@@ -95,7 +96,7 @@ def half_space_friction(
     out: NumbersByMethod = {
         "boundary elements": or_reason(lambda: solve_by_boundary_elements(plan, found, patches))
     }
-    if pair.like and rolling:
+    if pair.like and rolling and tribology.coulomb(plan.scene):
         name = "FASTSIM" if findings.hertzian else "FASTSIM (equal ellipses)"
         out[name] = or_reason(
             lambda: fastsim(patches(CELLS[1]), found.friction_limit, pair, found.rigid_motion)
@@ -195,6 +196,7 @@ def _on_grid(plan: Plan, found: FrictionSolution, patches: Sequence[PressedPatch
         Creepage(*found.rigid_motion) if rolling else Creepage(),
         (None, None) if rolling else (along, across),
         rolling=rolling,
+        interface=tribology.interface(plan.scene),
     )
     forces = scale * np.sum([each.forces for each in sheared], axis=0)
     sticks, touches = np.sum([each.areas for each in sheared], axis=0)
@@ -223,6 +225,7 @@ def shear(
     forces: tuple[float | None, float | None],
     *,
     rolling: bool,
+    interface: Interface | None = None,
     start: Sequence[TangentialSolution] | None = None,
 ) -> list[TangentialSolution]:
     """Tractions of pressed patches of half-spaces under one rigid motion, a solution for each
@@ -232,6 +235,7 @@ def shear(
     forces: prescribed force of the wheel on the rail along and across, of all patches together, N;
         None where the creepage is prescribed.
     rolling: steady rolling; else one shift, of like bodies.
+    interface: law of friction, heat and layer; None: Coulomb's law alone.
     start: tractions of similar patches of like bodies on as many cells, from which the iterations
         begin; None: without.
     Raises ValueError where tractions are not found, and for forces on several patches of unlike
@@ -255,6 +259,7 @@ def shear(
                     pair,
                     rolling=rolling,
                     modes=each.modes,
+                    interface=interface,
                 )
                 for each in patches
             ]
@@ -268,6 +273,7 @@ def shear(
             each.friction,
             lambda body: solve([body])[0],
             modes=each.modes,
+            interface=interface,
         )
         for each in patches
     ]

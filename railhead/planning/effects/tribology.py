@@ -1,0 +1,139 @@
+"""Effects between the surfaces: heat of friction, friction that falls, an elastic layer."""
+
+from __future__ import annotations
+
+import math
+
+from railhead.planning.context import Context, Effect, PostSolveVerdict
+from railhead.planning.effects import interface
+from railhead.planning.references import tribology
+from railhead.postprocess.findings import Findings
+from railhead.scene import flow_curves
+from railhead.scene.scene import SceneError
+
+HOT = 100.0  # K, least rise of the surfaces that matters where it is not simulated (a choice)
+UNKNOWN = "flash temperature not known for this material; give the constants of [heat]"
+TIMES = "3 to 12 times the time of the tractions"
+
+
+def beyond_grids(context: Context) -> str:
+    """Bodies whose tractions are not found on grids of half-spaces, in words: these can have no
+    heat, no law of friction but Coulomb's and no layer. Empty of all others.
+    """
+    decided = context.decided
+    if decided["passes"].on:
+        return "rolling.passes"
+    if not decided["finite_bodies"].on:
+        return ""
+    if context.contact.plane:
+        return "a section in two dimensions"
+    if interface.unlike(context):
+        return "meshed bodies of unlike materials"
+    return "bodies that yield" if decided["plasticity"].on else ""
+
+
+def decide_heat(context: Context) -> Effect:
+    """Surface temperatures are called for where bodies roll at a given speed with friction. Where
+    they cannot be simulated, they are called for from a rise of 100 K (HOT) on.
+    """
+    scene, hertz = context.scene, context.hertz
+    speed, rolling = scene.rolling.speed, scene.rolling
+    if speed is None or not context.decided["friction"].on:
+        why = "nothing slips" if speed else "no rolling.speed is given"
+        return Effect(False, False, why, {"on": why})
+    if not _known(context):
+        return Effect(False, False, UNKNOWN, {"on": UNKNOWN})
+    missing = beyond_grids(context)
+    if rolling.force_along or rolling.force_across:
+        called, why = not missing, "the creepage of a given force is known afterwards"
+    else:
+        most = tribology.flash_rise(scene, hertz, _slides(context) * hertz.load)
+        called = most >= HOT or not missing
+        why = f"flash temperature up to {most:.3g} K where all slips"
+        why += f", {'above' if most >= HOT else 'below'} {HOT:g} K" if missing else ""
+    if missing:
+        text = f"no temperature is simulated with {missing}"
+        return Effect(called, False, f"{why}; {text}" if called else why, {"on": text})
+    return Effect(called, called, f"{why}; a strip integral, below 1 % of the time")
+
+
+def _slides(context: Context) -> float:
+    """Static coefficient of friction times the largest rigid slip over the rolling speed."""
+    moves = interface.creepage(context)
+    slip = abs(moves.spin) * max(context.hertz.half_lengths) + math.hypot(moves.along, moves.across)
+    return interface.friction_coefficient(context) * slip
+
+
+def check_heat(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict | None:
+    """Verdict whether the flash temperature (a rise, K) of the dissipated energy reaches 100 K
+    (HOT) where it is not simulated.
+
+    It is 'unknown' (not needed) where a body is neither steel nor of infinite modulus, and None
+    without a rolling speed, where nothing rolls with friction, and where it is simulated.
+    """
+    if context.scene.rolling.speed is None or math.isnan(found.dissipated) or effect.on:
+        return None
+    if not _known(context):
+        return PostSolveVerdict(False, UNKNOWN)
+    rise = tribology.flash_rise(context.scene, context.hertz, found.dissipated)
+    hot = rise >= HOT
+    text = f"flash temperature {rise:.3g} K, {'above' if hot else 'below'} {HOT:g} K"
+    return PostSolveVerdict(hot, f"{text}: friction and yield stress fall with it" if hot else text)
+
+
+def _known(context: Context) -> bool:
+    """Whether thermal constants are given, or each body has the modulus of a steel or an infinite
+    one.
+    """
+    moduli = (part.young_modulus for part in context.scene.bodies.values())
+    steel = all(math.isinf(each) or flow_curves.is_steel(each) for each in moduli)
+    return steel or context.scene.heat.known
+
+
+def decide_falling_friction(context: Context) -> Effect:
+    """A coefficient that depends on slip or temperature is called for by friction.law, where bodies
+    roll with friction. Raises SceneError where it cannot be simulated and is not switched off.
+    """
+    scene = context.scene
+    friction, law = scene.friction, tribology.law(scene)
+    if law is None or not context.decided["friction"].on:
+        why = "nothing slips" if law else "friction.law is coulomb"
+        return Effect(False, False, why, {"on": why})
+    if friction.law == "temperature" and not _known(context):
+        raise SceneError("friction.law", f"temperature is not allowed: {UNKNOWN}")
+    _refuse_beyond_grids(context, "falling_friction", "friction.law", friction.law)
+    if friction.table:
+        what = "it depends on the temperature"
+    else:
+        what = f"it falls with slip ({friction.law}), half at {friction.slip_half:g} mm/s"
+        if friction.memory is None:
+            what += "; no friction.memory is given: it follows along the length of a cell"
+    static = interface.friction_coefficient(context)
+    where = static if not friction.table else friction.table[-1][1]
+    last = friction.kinetic or where
+    cost = f"left out, the coefficient is {static:g} and not down to {min(last, static):g}"
+    return Effect(True, True, f"{what}; {TIMES}; {cost}")
+
+
+def decide_layer(context: Context) -> Effect:
+    """An elastic layer is called for by its thickness and modulus, where there is friction. Raises
+    SceneError where it cannot be simulated and is not switched off.
+    """
+    friction = context.scene.friction
+    thick, modulus = friction.layer_thickness, friction.layer_modulus
+    if thick is None or modulus is None or not context.decided["friction"].on:
+        why = "nothing slips" if thick else "no friction.layer_thickness is given"
+        return Effect(False, False, why, {"on": why})
+    _refuse_beyond_grids(context, "layer", "friction.layer_thickness", f"{thick:g} mm")
+    why = f"it shears by {thick / modulus:.3g} mm/MPa; left out, creep curves begin steeper"
+    return Effect(True, True, f"{why}; no price")
+
+
+def _refuse_beyond_grids(context: Context, effect: str, key: str, value: str) -> None:
+    """Raises SceneError for a key where tractions are not found on grids of half-spaces, unless the
+    effect is switched off.
+    """
+    missing = beyond_grids(context)
+    if missing and context.scene.effects.state(effect) != "off":
+        text = f"{value} is not allowed with {missing}"
+        raise SceneError(key, f"{text}; give effects.finite_bodies=off or effects.{effect}=off")

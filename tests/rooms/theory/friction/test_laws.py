@@ -1,0 +1,61 @@
+"""Laws of the coefficient at their known places, and the memory along the rail."""
+
+import numpy as np
+import pytest
+
+from railhead.theory.friction.heat import Heat
+from railhead.theory.friction.laws import ByTemperature, Falling, Interface, followed
+
+ONE = np.ones((1, 1))
+
+
+@pytest.mark.parametrize(
+    ("linear", "slip", "expected"),
+    [
+        (False, 0.0, 0.33), (False, 1250.0, 0.235), (False, 2500.0, 0.1875), (False, 1e6, 0.14),
+        (True, 0.0, 0.33), (True, 1250.0, 0.235), (True, 2500.0, 0.14), (True, 1e6, 0.14),
+    ],
+)  # fmt: skip
+def test_half_of_the_difference_is_gone_at_half(linear, slip, expected) -> None:
+    law = Falling(0.14, 1250.0, linear)
+    assert law(0.33 * ONE, slip * ONE, 0 * ONE) == pytest.approx(expected)
+
+
+def test_a_table_is_linear_between_its_pairs_and_constant_beyond() -> None:
+    law = ByTemperature(((0.0, 0.3), (400.0, 0.12)))
+    found = [float(law(ONE, ONE, t * ONE)[0, 0]) for t in (-50.0, 0.0, 100.0, 400.0, 900.0)]
+    assert found == pytest.approx([0.3, 0.3, 0.255, 0.12, 0.12])
+
+
+def test_a_coefficient_follows_exponentially_from_the_leading_edge() -> None:
+    """mu - aim = (mu_0 - aim) exp(-s/d_c) at the end of each cell, each line from its own edge."""
+    aim, start = np.full((6, 2), 0.1), np.full((6, 2), 0.3)
+    inside = np.array([[1, 1], [1, 1], [1, 1], [1, 1], [1, 0], [0, 0]], dtype=bool)
+    found = followed(aim, start, inside, 0.25)
+    for line, cells in ((0, 5), (1, 4)):
+        s = 0.25 * np.arange(1, cells + 1)
+        np.testing.assert_allclose(found[:cells, line][::-1], 0.1 + 0.2 * np.exp(-s))
+    assert (found[~inside] == 0.3).all()
+    np.testing.assert_allclose(followed(aim, start, inside, 1e3)[inside], 0.1)
+
+
+def test_a_law_without_a_speed_is_refused() -> None:
+    still = np.zeros((2, 1, 1))
+    with pytest.raises(ValueError, match="needs a speed"):
+        Interface(law=Falling(0.1, 1.0)).coefficient(ONE[0], ONE, ONE > 0, still, still)
+
+
+def test_memory_is_a_cell_where_the_law_falls_with_slip() -> None:
+    """A law of the temperature follows at once: the temperature itself remembers."""
+    x, inside, slip = np.array([0.0, 0.5]), np.ones((2, 1), dtype=bool), np.full((2, 2, 1), 0.1)
+    static, none = np.full((2, 1), 0.3), np.zeros((2, 2, 1))
+
+    def found(law, memory) -> np.ndarray:
+        surfaces = Interface(heat=Heat(speed=10.0, bulk_rail=80.0), law=law, memory=memory)
+        return surfaces.coefficient(x, static, inside, none, slip)
+
+    falling, table = Falling(0.1, 1.0), ByTemperature(((0.0, 0.3), (80.0, 0.1)))
+    np.testing.assert_array_equal(found(falling, None), found(falling, 0.5))
+    assert found(falling, None)[1, 0] == pytest.approx(0.1 + 0.2 / np.e)
+    np.testing.assert_allclose(found(table, None), 0.2)
+    np.testing.assert_allclose(found(falling, 0.0), 0.1, atol=1e-12)

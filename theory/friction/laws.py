@@ -1,0 +1,118 @@
+"""Coefficients of friction that depend on slip or on temperature, and follow along the rail.
+
+Of a static coefficient mu_0, a kinetic one mu_k, and a slip velocity s_h at which half of their
+difference is gone, at a slip velocity s:
+
+    exponential  mu = mu_k + (mu_0 - mu_k) 2^(-s/s_h)
+    linear       mu = mu_k + (mu_0 - mu_k) max(0, 1 - s/(2 s_h))
+
+Rolling with friction that falls with slip has several steady solutions (Vollebregt and
+Schuttelaars, J. Sound Vib. 331, 2012), unless the coefficient follows its law mu(s) along a memory
+length d_c:
+
+    d mu/dx = (mu(s) - mu)/d_c    with mu_0 at the leading edge, x being the way through the patch
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from railhead.theory.array_types import Array, Mask
+from railhead.theory.friction.heat import Heat
+
+Law = Callable[[Array, Array, Array], Array]
+"""Coefficient (nx, ny) of the static coefficient, the slip velocity (mm/s) and the mean temperature
+of both surfaces (deg C), each (nx, ny)."""
+
+
+@dataclass(frozen=True)
+class Falling:
+    """A coefficient that falls (or rises) with slip from a static to a kinetic one.
+
+    kinetic: coefficient at large slip velocities.
+    half: slip velocity at which half of the difference is gone, mm/s.
+    linear: whether it falls linearly, else exponentially.
+    """
+
+    kinetic: float
+    half: float
+    linear: bool = False
+
+    def __call__(self, static: Array, slip: Array, temperature: Array) -> Array:
+        """Coefficient (nx, ny), as of `Law`."""
+        gone = slip / self.half
+        left = np.maximum(1 - gone / 2, 0.0) if self.linear else 2.0**-gone
+        return np.asarray(self.kinetic + (static - self.kinetic) * left)
+
+
+@dataclass(frozen=True)
+class ByTemperature:
+    """A coefficient that depends on the temperature: linear between pairs, constant beyond.
+
+    table: pairs of temperature (deg C, rising) and coefficient.
+    """
+
+    table: tuple[tuple[float, float], ...]
+
+    def __call__(self, static: Array, slip: Array, temperature: Array) -> Array:
+        """Coefficient (nx, ny), as of `Law`."""
+        return np.interp(temperature, *np.transpose(self.table))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Interface:
+    """What lies between two surfaces that roll, beside Coulomb's friction.
+
+    heat: warmth of the bodies; its speed is that of slip, too.
+    law: of the coefficient; None: it is the static one everywhere.
+    memory: length along which the coefficient follows its law, mm; None: the length of a cell for
+        a law of slip, else 0.
+    layer: an elastic layer's thickness over its shear modulus, mm/MPa.
+    """
+
+    heat: Heat | None = None
+    law: Law | None = None
+    memory: float | None = None
+    layer: float = 0.0
+
+    def rise(self, x: Array, traction: Array, slip: Array) -> Array | None:
+        """Rise of the surfaces of rail and wheel (2, nx, ny) above the bulk of each body, K, at
+        tractions (2, nx, ny), MPa, and a slip (2, nx, ny) per rolled length; x (nx,): cell centres,
+        mm. None without `heat`.
+        """
+        if self.heat is None:
+            return None
+        hot = self.heat.temperatures(x, self.heat.speed * (traction * slip).sum(axis=0))
+        return np.asarray(hot - self.heat.bulk[:, None, None])
+
+    def coefficient(
+        self, x: Array, static: Array, inside: Mask, traction: Array, slip: Array
+    ) -> Array:
+        """Coefficient (nx, ny) by the law. static: coefficient; inside: whether a cell lies in the
+        patch; both (nx, ny). Other arguments as of `rise`. ValueError: a law without `heat`.
+        """
+        if self.law is None or self.heat is None:
+            raise ValueError("a law of friction needs a speed")
+        hot = self.heat.temperatures(x, self.heat.speed * (traction * slip).sum(axis=0))
+        velocity = 1e3 * self.heat.speed * np.hypot(*slip)
+        aim, length = self.law(static, velocity, hot.mean(axis=0)), self.memory
+        if length is None:
+            length = float(x[1] - x[0]) if isinstance(self.law, Falling) else 0.0
+        return followed(aim, static, inside, (x[1] - x[0]) / length) if length else aim
+
+
+def followed(aim: Array, start: Array, inside: Mask, step: float) -> Array:
+    """Coefficient (nx, ny) that follows another one, `aim`, along x from the last cell of a line to
+    the first: d mu/dx = (aim - mu)/d_c, exact where `aim` is constant in each cell.
+
+    start: coefficient where a line enters the patch; inside: whether a cell lies in the patch;
+        both (nx, ny). step: length of a cell over d_c.
+    """
+    found, share = start.copy(), -np.expm1(-step)
+    for i in range(len(aim) - 1, -1, -1):
+        ahead = np.where(inside[i + 1], found[i + 1], start[i]) if i + 1 < len(aim) else start[i]
+        found[i] = np.where(inside[i], ahead + share * (aim[i] - ahead), start[i])
+    return found
