@@ -124,7 +124,8 @@ def _wheel(contact: Contact, reach: float, *, half: bool) -> Body:
     if base >= wheel.rolling_radius:
         raise SceneError(
             "wheel.rim_depth",
-            f"{deep:g} is not allowed; it must be smaller than wheel.rolling_radius "
+            f"{deep:g} is not allowed; with the drop of the tread towards the axle "
+            f"({base - deep:g}) it must be smaller than wheel.rolling_radius "
             f"({wheel.rolling_radius:g})",
         )
     reach = wheel.segment_length / 2 if wheel.segment_length else reach

@@ -131,7 +131,7 @@ class LongitudinalSection(SectionContact):
         whole_section: has no effect here.
         half: whether only x >= 0 is outlined. For a meridian section the caller must pass True
             (`Plan.parts`).
-        A wheel ends at 1.2 rolling radii of arc to each side, also with a longer `segment_length`.
+        A wheel ends at 1.2 rolling radii of arc to each side at most.
         Raises SceneError for a `rim_depth` above the rolling radius, and for a `segment_length`
         with a depth equal to the radius, which makes half a disc.
         """

@@ -116,6 +116,8 @@ USUAL = {
     "rail.yield_stress": (200.0, 1500.0),
     "wheel.yield_stress": (200.0, 1500.0),
     "wheel.rolling_radius": (250.0, 650.0),
+    "wheel.transverse_radius": (50.0, 1000.0),
+    "rail.crown_radius": (50.0, 1000.0),
     "load": (5e3, 250e3),
 }
 """Usual range of values for steel wheels on rails, in base units, by dotted key."""
@@ -227,8 +229,9 @@ class Scene(Section):
     def _keys_of_several_tables(self) -> Self:
         """Raise SceneError for the first rule that is broken: exactly one of load and approach; no
         patch size beside accuracy or budget; no force of [friction] beside rolling; no cycles
-        beside passes; a load and friction for an axle without torque; a force of [friction] for
-        friction.cycle; at least one body that deforms.
+        beside passes; a load and friction for an axle without torque; a coefficient of friction
+        for a motion without passes; a force of [friction] for friction.cycle; at least one body
+        that deforms.
         """
         friction, rolling = self.friction, self.rolling
         free = rolling.axle == "torque_free"
@@ -265,6 +268,11 @@ class Scene(Section):
                 free and (not friction.coefficient or self.effects.friction == "off"),
                 "rolling.axle",
                 "torque_free is not allowed without friction, which makes the torque",
+            ),
+            (
+                rolling.prescribed and not friction.coefficient and rolling.passes is None,
+                "rolling",
+                "has no use with a friction.coefficient of 0; give one above 0, or leave it out",
             ),
             (
                 friction.cycle and not shifted,
@@ -509,7 +517,7 @@ def unit_questions(*scenes: Scene) -> Iterable[str]:
         if not isinstance(value, float) or (key == "load" and scene.rail.profile == "arc"):
             continue
         for factor in FACTORS:
-            if low <= value / factor <= high:
+            if low <= abs(value) / factor <= high:
                 meant = f"{value / factor:g} {unit(key)} meant?"
                 said = f"{key} = {value:g} {unit(key)}, {factor:g} times what is usual: {meant}"
                 lines.setdefault(key, said)

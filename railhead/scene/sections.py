@@ -118,23 +118,24 @@ def _readable(path: str) -> bool:
 def _profile(body: str, *names: str) -> BeforeValidator:
     """A pydantic validator of the key `profile` of a body ("rail" or "wheel").
 
-    names: names of the allowed standard profiles. The validator returns one of them (UIC54 and
-        UIC60 become 54E1 and 60E1) or the absolute path of a readable profile file, also of one
-        that it makes of an array. It raises ValueError (one line) for anything else.
+    names: names of the allowed standard profiles, in capitals or not. The validator returns one of
+        them (UIC54 and UIC60 become 54E1 and 60E1) or the absolute path of a readable profile file,
+        also of one that it makes of an array. It raises ValueError (one line) for anything else.
     """
     suffixes = [suffix for suffix in EXTENSIONS if BODY_BY_EXTENSION.get(suffix, body) == body]
     kinds = f"a {', '.join(suffixes[:-1])} or {suffixes[-1]} file"
+    known = {name.casefold(): ALIASES.get(name, name) for name in (*ALIASES, *names)}
 
     def validate(value: object) -> str:
         """The name of a standard profile or the absolute path of a file. Raises ValueError."""
         text = str(value)
         if arrays.is_array(value):
             text = arrays.file_of(value, "profile", {"y_mm": "mm", "z_mm": "mm"})
-        text = ALIASES.get(text, text)
-        if text in names:
-            return text
+        if (name := known.get(text.casefold())) in names:
+            return name
         if not text.lower().endswith(tuple(suffixes)):
-            allowed = ", ".join(names)
+            quoted = "a text in quotes: " if isinstance(value, int | float) else ""
+            allowed = quoted + ", ".join(names)
             raise ValueError(f"{show(value)} is not allowed; give {allowed} or {kinds}")
         path = os.path.abspath(text)
         if not _readable(path):
@@ -407,8 +408,8 @@ class Wheel(BodySection):
     width: mm across the rail that are meshed, half to each side of the contact, within the profile;
         None: the whole profile.
     rim_depth: mm of the rim that is meshed, inwards to where it is held; None: the plan chooses.
-    segment_length: mm of the circumference that is meshed, half to each side of the contact; None:
-        the plan chooses.
+    segment_length: mm of the circumference that is meshed, half to each side of the contact, at
+        most 2.4 rolling radii; None: the plan chooses.
     """
 
     profile: Annotated[str, _profile("wheel", *WHEELS, "arc")] = "cylinder"
@@ -423,8 +424,13 @@ class Wheel(BodySection):
     _ARC_KEYS: ClassVar = ("transverse_radius",)
 
     @model_validator(mode="after")
-    def _tape_circle_of_the_profile(self) -> Self:
-        """Raise SceneError for another tape circle of S1002 than its own."""
+    def _tape_circle_and_segment(self) -> Self:
+        """Raise SceneError for another tape circle of S1002 than its own, and for a segment longer
+        than 2.4 rolling radii.
+        """
+        if self.segment_length and self.segment_length > 2.4 * self.rolling_radius:
+            text = f"{self.segment_length:g} is not allowed; give at most 2.4 rolling_radius"
+            raise SceneError("segment_length", f"{text} ({2.4 * self.rolling_radius:g})")
         if self.profile == "S1002" and self.tape_circle not in (None, 70.0):
             text = f"{self.tape_circle:g} is not allowed; S1002 has its tape circle at 70"
             raise SceneError("tape_circle", text)

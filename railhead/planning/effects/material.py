@@ -27,6 +27,7 @@ LARGEST_RATIO = {False: 0.45, True: 0.49}
 # yield the centre pressure of a sphere is within 1 % of many steps at up to 10 times that load, and
 # within 0.3 % at up to twice.
 STEPS = 4
+LARGEST_OVERLOAD = 1000.0  # load over that of first yield: nine times what is signed
 LINE_STEPS = 16  # the same for a line, where four steps make the strain 20 % too large
 HALF_SPACES = "half-spaces are solved elastically; effects.plasticity=off accepts that"
 IN_PASSES = "it is simulated in the passes of rolling.passes, before them the bodies are elastic"
@@ -125,6 +126,9 @@ def decide_plasticity(context: Context) -> Effect:
             why += f"; {what} elastically with friction, whose tractions add to it"
             why += "" if yields else _slipping(context)
     if yields and not refused:
+        if (over := overload(context)) > LARGEST_OVERLOAD:
+            text = f"{over:.3g} times the load of first yield is not allowed; give a load, or an"
+            raise SceneError("load", f"{text} approach, of at most {LARGEST_OVERLOAD:g} times")
         why += f"; {steps(context)} load steps"
     return Effect(yields, yields and not refused, why, refused)
 

@@ -48,7 +48,7 @@ def test_a_body_below_a_thousandth_of_the_compliance_is_rigid(ratio: int, deform
 @pytest.mark.parametrize(
     ("case", "keys", "why"),
     [
-        ("hertz_ellipse", ["wheel.yield_stress=1"], "von Mises 780.6 MPa passes its yield"),
+        ("hertz_ellipse", ["wheel.yield_stress=100"], "von Mises 780.6 MPa passes its yield"),
         ("hertz_ellipse", ["friction.coefficient=0.1"], "friction adds"),
         ("uic54_thesis", [], "not those of a half-space"),
         ("long_roller", [], "not those of a half-space"),
@@ -250,10 +250,16 @@ ALONG = ["wheel.width=8", "load=50kN", "effects.plane_strain=on"]
          "mesh.order: 1 is not allowed with friction"),
         (ELLIPSE, ["rail.yield_stress=300", "load=2e5", "mesh.order=1"],
          "mesh.order: 1 is not allowed where a body yields"),
+        (ELLIPSE, ["rail.yield_stress=1"], "load: 1.19e+08 times the load of first yield is not"),
     ],
 )  # fmt: skip
 def test_a_choice_that_cannot_be_had_is_refused_in_one_line(case, keys, said) -> None:
     assert refusal(lambda: planned(case, *keys)).startswith(said)
+
+
+def test_a_section_says_where_its_bodies_are_held() -> None:
+    why = planned("long_roller", "wheel.rim_depth=70").effects["finite_bodies"].why
+    assert why.endswith("; held 50 mm below and 70 mm above the contact")
 
 
 def test_a_section_along_the_rail_has_no_whole_rail() -> None:

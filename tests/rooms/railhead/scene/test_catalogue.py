@@ -47,7 +47,6 @@ wheels = table(
     rolling_radius=radius,
     width=body,
     rim_depth=body,
-    segment_length=body,
     **material(modulus | st.just(math.inf)),
 ) | table(
     {"profile": st.just("arc"), "transverse_radius": radius},

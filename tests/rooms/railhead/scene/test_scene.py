@@ -96,6 +96,8 @@ def test_usual_units_are_those_of_pint(kind: units.QuantityKind, number: str) ->
 def test_aliases_name_the_standard_profile() -> None:
     assert scene(**{"rail.profile": "UIC54"}).rail.profile == "54E1"
     assert scene(**{"rail.profile": "UIC60"}).rail.profile == "60E1"
+    assert scene(**{"rail.profile": "60e1"}).rail.profile == "60E1"
+    assert scene(**{"wheel.profile": "s1002"}).wheel.profile == "S1002"
 
 
 def test_defaults_are_the_thesis_pair() -> None:
@@ -217,10 +219,15 @@ def test_files_that_a_scene_needs_are_named() -> None:
         ("wheel.rolling_radius", "0.42", "420 mm"),
         ("load", "25", "25000 N"),
         ("rail.yield_stress", "0.472", "472 MPa"),
+        ("rail.crown_radius", "0.3", "300 mm"),
+        ("wheel.transverse_radius", "-0.33", "-330 mm"),
     ],
 )
 def test_a_thousand_times_off_is_asked_about(key: str, value: str, meant: str) -> None:
-    (line,) = unit_questions(rh.find("uic54_thesis").replace([f"{key}={value}"]))
+    arcs = (
+        [f"{key.split('.')[0]}.profile=arc"] if key.endswith("radius") and "roll" not in key else []
+    )
+    (line,) = unit_questions(rh.find("uic54_thesis").replace([*arcs, f"{key}={value}"]))
     assert line.startswith(f"{key} = ") and line.endswith(f"{meant} meant?")
 
 

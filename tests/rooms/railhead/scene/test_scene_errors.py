@@ -61,6 +61,8 @@ WRONG: list[tuple[str, object, str]] = [
         ".ban or .prr file",
     ),
     ("rail.profile", 54, "54 is not allowed"),
+    ("rail.profile", 60e1, "600.0 is not allowed; give a text in quotes: 54E1, 60E1, arc or"),
+    ("wheel.segment_length", 1009, "1009 is not allowed; give at most 2.4 rolling_radius (1008)"),
     ("rail.profile", "no_such_file.csv", "is not a readable file"),
     ("rail.profile", "\ud800.csv", "is not a readable file"),
     ("rail.profile", "\0.csv", "is not a readable file"),
@@ -147,6 +149,7 @@ CONTRADICTIONS = [
     ),
     ({**HALF, **ARC_WHEEL, "wheel.transverse_radius": -200}, "curvature of -0.00166667 1/mm"),
     ({"rolling.pressure": "hertz"}, "rolling.pressure: hertz is not allowed without"),
+    ({"rolling.creepage_along": 0.001}, "rolling: has no use with a friction.coefficient of 0"),
     ({**HALF, "wheel.profile": "S1002"}, "wheel.profile: 'S1002' has no single radius"),
     *(
         ({**ARC, key: 1e-4}, f"{key}: 0.0001 is not allowed; give a length from 0.001 to 1e6 mm")
