@@ -317,7 +317,8 @@ def wear_and_shakedown(
         yield stress in shear k, MPa, or None. poisson: Poisson's ratio. rolling: whether the wheel
         rolls. line: whether the contact is a line.
 
-    Always: the largest von Mises stress, its depth, and whether its place is at the 'surface' or
+    Without "stress" in the result none of what follows from it. Else always: the largest von Mises
+        stress, its depth, and whether its place is at the 'surface' or
         'below', that is deeper than 0.1 (AT_SURFACE) of the smaller half length.
     Rolling: T-gamma, the energy dissipated per rolled length, over the area, with its wear regime;
         traction_coefficient, tangential over normal force; first_yield_p0_over_k, the largest
@@ -329,15 +330,17 @@ def wear_and_shakedown(
         up to first yield, 'shakes down' up to the limit, else 'ratchets'. A patch that is no line
         is 'open' instead where its index is not positive and p0/k at most `damage.CIRCLE`.
     """
-    forces, patch, stress = result["friction"], result["patch"], result["stress"]
-    pressure, hardest = result["pressure"]["max_MPa"], stress["von_mises_max_MPa"]
-    depth = abs(stress["von_mises_max_depth_mm"])
-    near = depth < AT_SURFACE * min(patch["a_mm"], patch["b_mm"])
-    out = {
-        "von_mises_max_MPa": hardest,
-        "von_mises_max_depth_mm": depth,
-        "von_mises_max_at": "surface" if near else "below",
-    }
+    forces, patch, stress = result["friction"], result["patch"], result.get("stress")
+    pressure, hardest, out = result["pressure"]["max_MPa"], math.nan, dict[str, Any]()
+    if stress:
+        hardest = stress["von_mises_max_MPa"]
+        depth = abs(stress["von_mises_max_depth_mm"])
+        near = depth < AT_SURFACE * min(patch["a_mm"], patch["b_mm"])
+        out = {
+            "von_mises_max_MPa": hardest,
+            "von_mises_max_depth_mm": depth,
+            "von_mises_max_at": "surface" if near else "below",
+        }
     if not rolling:
         return out
     normal = forces["limit_N"] / coefficient
@@ -350,9 +353,10 @@ def wear_and_shakedown(
         "t_gamma_over_area_MPa": density,
         "wear_regime": damage.wear_regime(density, damage.TWIN_DISC),
         "traction_coefficient": used,
-        "first_yield_p0_over_k": first,
-        "shakedown_limit_p0_over_k": limit,
     }
+    if not stress:
+        return out
+    out |= {"first_yield_p0_over_k": first, "shakedown_limit_p0_over_k": limit}
     if shear_yield is None:
         return out
     ratio = pressure / shear_yield

@@ -27,6 +27,7 @@ def findings(
     frame: Frame,
     *,
     parabolic: bool = False,
+    stresses: bool = True,
 ) -> Findings:
     """Read the patch, the smooth fields on the contact surfaces and the stresses in every meshed
     body out of a solution.
@@ -36,6 +37,7 @@ def findings(
         plane of its own (`contact_frame`).
     parabolic: whether Hertz's theory is exact, that is for elastic half-spaces whose gap is
         quadratic; second moments of the pressure then give the semi-axes.
+    stresses: whether stresses in the bodies are read.
     Subject, notes and dissipated energy of the findings are left at their defaults.
     """
     flat = fields.kinematics.dim == 2
@@ -47,7 +49,7 @@ def findings(
         reading = patch.read(fields, separate, frame, parabolic=parabolic)
     found, shape = reading.patch, reading.moments
     size = shape.a if flat else min(found.a, found.b)
-    stress = body_stresses.read(fields, frame, found.centre, size, separate[1:])
+    stress = body_stresses.read(fields, frame, found.centre, size, separate[1:], wanted=stresses)
     elements = elements_across(fields, frame, found)
     return Findings(
         frame=frame,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -35,13 +35,22 @@ Quantities = dict[str, Any]
 
 def from_findings(found: Findings, load: float, approach: float) -> Quantities:
     """Quantities of the finite-element result, nested and named as under "result" in summary.json:
-    load, approach, contact point, extents, pressures and stresses.
+    load, approach, contact point, extents, pressures and, where they were read, stresses.
 
     load: vertical load on the wheel, N, which at an inclined contact is not the normal force.
         approach: of the hub, along the load, mm. Findings of half-spaces are read in the same way.
     """
-    axis, patch = found.axis, found.patch
-    below = [axis, *found.also][: len(patch.each)]
+    patch, stress = found.patch, {}
+    below: Sequence[DepthAxis | None] = [None] * len(patch.each)
+    if found.largest:
+        axis = found.axis
+        below = [axis, *found.also][: len(patch.each)]
+        stress["stress"] = {
+            **_largest_stresses(
+                found.largest, _largest_in(axis.body, axis.largest), axis.stress[0, :3]
+            ),
+            "at_edges": _edge_stresses(found.largest),
+        }
     return {
         "load_N": load,
         "approach_mm": approach,
@@ -49,12 +58,7 @@ def from_findings(found: Findings, load: float, approach: float) -> Quantities:
         "patch": {"a_mm": patch.a, "b_mm": patch.b, "area_mm2": patch.area},
         "patches": [_one(*each) for each in zip(patch.each, below, strict=True)],
         "pressure": {"max_MPa": patch.max_pressure, "mean_MPa": patch.mean_pressure},
-        "stress": {
-            **_largest_stresses(
-                found.largest, _largest_in(axis.body, axis.largest), axis.stress[0, :3]
-            ),
-            "at_edges": _edge_stresses(found.largest),
-        },
+        **stress,
     }
 
 

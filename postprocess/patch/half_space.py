@@ -125,7 +125,7 @@ def of_boundary_elements(
         {body: _below(coarse.windows, patch, points, body, nu) for body, nu in poisson.items()}
         for patch in solution.patches[: len(each)]
     ]
-    shown = next(iter(poisson))
+    shown = next(iter(poisson), "")
     return Findings(
         frame=frame,
         patch=Patch(
@@ -145,7 +145,7 @@ def of_boundary_elements(
             frame,
         ),
         depth=axes[0],
-        also=tuple(axis[shown] for axis in axes[1:]),
+        also=tuple(axis[shown] for axis in axes[1:] if axis),
         along=AxisPressure(along, main.pressure[:, j], float(across[j])),
         across=AxisPressure(across, main.pressure[i], float(along[i])),
         shape_error=error,

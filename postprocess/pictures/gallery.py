@@ -35,6 +35,7 @@ MODULES = (
     "theory.elastic.line",
 )
 """Modules whose dataclasses a file of `save` may hold."""
+WITHOUT_STRESSES = "pressure.png", "patch.png", "patch_on_rail.png"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -155,6 +156,8 @@ def drawings(
             every["passes_section.png"] = partial(
                 plastic_plots.draw_passes_section, shown.passes, found
             )
+    if not found.largest:  # stresses were left out
+        every = {name: draw for name, draw in every.items() if name in WITHOUT_STRESSES}
     if shown.friction is not None:
         every["friction.png"] = partial(friction_plots.draw_tractions, shown.friction, found)
     return every

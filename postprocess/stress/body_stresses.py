@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,8 +56,11 @@ def read(
     centre: tuple[float, float],
     size: float,
     others: list[SeparatePatch],
+    *,
+    wanted: bool = True,
 ) -> BodyStresses:
-    """Smooth stresses in the bodies, below the patches and where they are largest.
+    """Smooth stresses in the bodies, below the patches and where they are largest; only the sharp
+    edges where they are not `wanted`.
 
     centre: (x, s) of the most loaded patch in the frame, mm. size: its smaller semi-axis, mm.
         others: the other patches.
@@ -66,6 +70,9 @@ def read(
         cells = np.flatnonzero(fields.body == tag)
         if len(cells):
             bodies[name] = Solid(fields, cells), Recovery(fields, cells)
+    edges = np.concatenate([solid.sharp_edges() for solid, _ in bodies.values()])
+    if not wanted:
+        return BodyStresses(axes={}, other_axes=(), largest={}, edges=edges, misfit=math.nan)
     axes = {
         name: _below(*body, frame, centre, name, size * DEPTH_REACH)
         for name, body in bodies.items()
@@ -75,7 +82,6 @@ def read(
         _below(*bodies[shown], part.frame, (0.0, 0.0), shown, min(part.a, part.b) * DEPTH_REACH)
         for part in others
     )
-    edges = np.concatenate([solid.sharp_edges() for solid, _ in bodies.values()])
     largest = {
         name: _largest(Search(fields, *body, edges, size), axes[name])
         for name, body in bodies.items()

@@ -27,6 +27,7 @@ from railhead.run import process
 from railhead.scene import catalogue
 from railhead.scene.scene import (
     OTHER_NAMES,
+    QUANTITIES,
     Effects,
     Scene,
     SceneError,
@@ -122,6 +123,7 @@ _scene_options = (
     _effect("--with", "switched_on", help="Simulate this effect."),
     _effect("--without", "switched_off", help="Leave this effect out."),
     click.option("--fast", is_flag=True, help="Half-spaces: --without finite_bodies."),
+    click.option("--only", metavar="NAME,NAME", help=f"Compute these: {','.join(QUANTITIES)}."),
 )
 _units = click.option("--units", "unit_names", help="Of tables, pictures and report: mm,kN,MPa.")
 _report_options = (
@@ -147,8 +149,9 @@ _takes_report = functools.partial(_with_options, options=_report_options)
 
 
 def _takes_scene(command: Callable[..., Any]) -> Any:
-    """The command with the argument CASE and the options --set, --with, --without and --fast, which
-    it gets as one argument `scene`. Raises SceneError for a wrong case, key, value or effect.
+    """The command with the argument CASE and the options --set, --with, --without, --fast and
+    --only, which it gets as one argument `scene`. Raises SceneError for a wrong case, key, value,
+    effect or quantity.
     """
 
     @functools.wraps(command)
@@ -159,6 +162,7 @@ def _takes_scene(command: Callable[..., Any]) -> Any:
         switched_on: Sequence[str],
         switched_off: Sequence[str],
         fast: bool,
+        only: str | None,
         **values: Any,
     ) -> Any:
         """The command with a scene in the place of the options that change it."""
@@ -167,7 +171,8 @@ def _takes_scene(command: Callable[..., Any]) -> Any:
             raise SceneError(f"effects.{name}", "given with --with and --without; give one of them")
         switches = [f"effects.{name}=on" for name in switched_on]
         switches += [f"effects.{name}=off" for name in switched_off]
-        scene = catalogue.find(case).replace([*assignments, *switches])
+        asked = {} if only is None else {"quantities": only}
+        scene = catalogue.find(case).replace([*assignments, *switches], **asked)
         return command(*arguments, scene=scene, **values)
 
     return _with_options(call, _scene_options)
@@ -407,7 +412,8 @@ def sweep(
     other: store.Other = "replace" if force else "move" if out is None and not resume else "refuse"
     quiet = quiet or as_json
     with process.told_at_a_signal(KEPT.format(folder)):
-        outcome = parallel.run(task, pictures=not no_pictures, quiet=quiet, other=other)
+        pictures = not no_pictures and scene.asks("pictures")
+        outcome = parallel.run(task, pictures=pictures, quiet=quiet, other=other)
     if outcome is None:  # a rank that worked for the first one
         return SOLVED
     status = outcome.status

@@ -19,6 +19,7 @@ import numpy as np
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.planning import effects
 from railhead.planning.error_envelopes import RANGE
+from railhead.planning.simulation_plan import Plan
 from railhead.planning.sizing import LINEAR_REFINEMENT
 from railhead.postprocess.findings import Frame
 from railhead.run.estimates import (
@@ -32,6 +33,7 @@ from railhead.run.half_spaces.normal_contact import CELLS
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.quantities import QUANTITIES, numeric_values
 from railhead.scene import flow_curves
+from railhead.scene.sections import QUANTITIES as QUANTITY_GROUPS
 
 DEFAULT_TOLERANCE = 0.05  # relative difference allowed to a number without an estimate
 ESTIMATE_FACTOR = 1.5  # difference allowed to a number with an estimate, over the estimate
@@ -65,6 +67,7 @@ USELESS = 0.25  # relative: an estimate beyond says that the number says little;
 COMPARED = [each.key for each in QUANTITIES if each.compared]
 """Quantities held against a second method, as far as it has them and knows what it leaves out."""
 SECOND = "second_opinion"  # begins the names of those checks
+NOT_ASKED = "not among the quantities that were asked for"
 SHIFT_UNKNOWN = "the shift of bodies that end depends on where they are held"
 
 
@@ -347,13 +350,14 @@ def resolution(solved: MeshSolution) -> Iterator[Check]:
             source="the load; the elements' stresses are integrated around the patch",
             advice=FINER,
         )
-    yield Check(
-        name="stress_misfit",
-        value=found.misfit,
-        limit=tolerance * linear,
-        source="the elements' own stresses around the largest smooth ones, on the average",
-        advice=FINER,
-    )
+    if found.largest:
+        yield Check(
+            name="stress_misfit",
+            value=found.misfit,
+            limit=tolerance * linear,
+            source="the elements' own stresses around the largest smooth ones, on the average",
+            advice=FINER,
+        )
     yield Check(
         name="edge_distance",
         value=found.edge_distance,
@@ -374,19 +378,20 @@ def physics(solved: Solved) -> Iterator[Check]:
     plan, result = solved.plan, solved.result
     assert result is not None
     elastic = (solved.elastic_reference or solved).result or result
-    stress, largest = elastic["stress"], result["pressure"]["max_MPa"]
-    yield from _between(
-        "shear_over_pressure",
-        stress["tau_max_MPa"] / elastic["pressure"]["max_MPa"],
-        SHEAR_OVER_PRESSURE,
-        "0.266 to 0.488 in Hertz's ellipses, and a quarter more room",
-    )
-    yield from _between(
-        "mises_over_shear",
-        stress["von_mises_max_MPa"] / stress["tau_max_MPa"],
-        (math.sqrt(3.0) * (1 - MISES_READING), 2.0 * (1 + MISES_READING)),
-        "von Mises stress over shear stress, sqrt(3) to 2 in any state, and what reading costs",
-    )
+    largest = result["pressure"]["max_MPa"]
+    if stress := elastic.get("stress"):
+        yield from _between(
+            "shear_over_pressure",
+            stress["tau_max_MPa"] / elastic["pressure"]["max_MPa"],
+            SHEAR_OVER_PRESSURE,
+            "0.266 to 0.488 in Hertz's ellipses, and a quarter more room",
+        )
+        yield from _between(
+            "mises_over_shear",
+            stress["von_mises_max_MPa"] / stress["tau_max_MPa"],
+            (math.sqrt(3.0) * (1 - MISES_READING), 2.0 * (1 + MISES_READING)),
+            "von Mises stress over shear stress, sqrt(3) to 2 in any state, and what reading costs",
+        )
     if solved.residual_state is not None:
         yield Check(
             name="load_over_first_yield",
@@ -647,6 +652,18 @@ def not_made(
         if name not in names:
             missing[name] = next(iter(reasons), SHIFT_UNKNOWN)
     return missing
+
+
+def not_asked(plan: Plan) -> dict[str, str]:
+    """A reason by name of each group of quantities that the scene of a plan does not ask for,
+    although it has them.
+    """
+    rubs = plan.effects["friction"].called_for
+    return {
+        name: NOT_ASKED
+        for name in QUANTITY_GROUPS
+        if not plan.scene.asks(name) and (rubs or name not in ("forces", "friction_stresses"))
+    }
 
 
 def _unknown(second: Mapping[str, Any]) -> str:

@@ -62,7 +62,8 @@ def write(
         shown: Shown | None = None
         cells = cache(partial(_cells, solved, stresses))
         with attempt(SHOWN):
-            shown = _shown(solved, units, whole=whole)
+            if solved.plan.scene.asks("pictures"):
+                shown = _shown(solved, units, whole=whole)
             if shown is not None:
                 from railhead.postprocess.pictures import gallery
 
@@ -125,9 +126,11 @@ def kept_drawings(folder: Path, summary: Mapping[str, Any], units: Units) -> dic
 
 def nodal_stress(solved: Solved) -> Array | None:
     """Stresses at the nodes (n, 6), columns xx, yy, zz, xy, xz, yz, MPa. None where nothing
-    touches, off rank 0, and of half-spaces.
+    touches, off rank 0, of half-spaces, and where stresses are left out.
     """
-    if not isinstance(solved, MeshSolution) or solved.fields is None or solved.findings is None:
+    if not isinstance(solved, MeshSolution) or solved.fields is None:
+        return None
+    if solved.findings is None or not solved.findings.largest:
         return None
     from railhead.postprocess.stress import gauss_points
 

@@ -324,7 +324,7 @@ class Result(terminal.Drawn):
         """Write the files of `railhead run` into a folder. Under MPI to be called on all ranks;
         rank 0 writes, errors are raised on all.
 
-        pictures: whether PNG files are written.
+        pictures: whether PNG files are written; not where the scene does not ask for them.
         report: whether report.html is written, "brief" on one page; without pictures it is not.
         whole: whether .vtu files of cells contain the mirror images of what symmetry left out.
         units: of pictures and report.html; None: mm, N, MPa.
@@ -342,6 +342,7 @@ class Result(terminal.Drawn):
             raise SceneError("units", f"{units!r} is no `Units`; give output_units.parse of a text")
         problem: Exception | None = None
         comm, out = self.comm, as_path(folder, "folder")
+        pictures = pictures and self.plan.scene.asks("pictures")
         if comm.rank == 0:
             try:
                 result_folder.check_free(out, "run", self.plan.scene, force=force is not False)

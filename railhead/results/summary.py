@@ -36,11 +36,16 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
     reached = None
     if plan.scene.accuracy is not None and solved.result is not None:
         reached = bool(estimates.largest_error(known, solved) <= plan.scene.accuracy)
-    half_spaces = normal_contact.solve(solved)
-    profiles = normal_contact.half_space(solved, half_spaces)
-    rubbed = tangential_contact.half_space_friction(solved, half_spaces)
+    profiles = rubbed = None
+    if plan.scene.asks("second_method"):
+        half_spaces = normal_contact.solve(solved)
+        profiles = normal_contact.half_space(solved, half_spaces)
+        rubbed = tangential_contact.half_space_friction(solved, half_spaces)
     second = {**exact_quantities(solved), "allowance": {}} if plan.contact.half_space else profiles
     second, beside = second or NO_SECTION, rubbed
+    if not plan.scene.asks("second_method"):
+        second = {"reason": checks.NOT_ASKED}
+        beside = {"scene": second}
     other = effects.overruled(plan.effects)
     if not all(effects.EFFECTS[name].absent_in_half_spaces for name in other):
         second = {"reason": f"another problem than the scene's was chosen: {', '.join(other)}"}
@@ -49,6 +54,7 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
     judged += checks.friction(solved, known, beside)
     judged += checks.passes(solved)
     cost, missing = ending.would_cost, checks.not_made(solved, judged, second, beside)
+    missing |= checks.not_asked(plan)
     return _summary(
         solved,
         method="finite elements",
@@ -97,7 +103,7 @@ def summarise_half_spaces(solved: HalfSpaceSolution) -> dict[str, Any]:
     asked, reached = solved.plan.scene.accuracy, None
     if asked is not None and solved.result is not None:
         reached = estimates.largest_bound(bound) <= asked
-    missing = {checks.SECOND: "half-spaces are the answer itself"}
+    missing = {checks.SECOND: "half-spaces are the answer itself"} | checks.not_asked(solved.plan)
     return _summary(
         solved,
         method="half-spaces",

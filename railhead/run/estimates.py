@@ -179,8 +179,11 @@ def error_scales(found: Findings, result: Mapping[str, Any]) -> dict[str, float]
     "result" of summary.json.
 
     For the depth of the largest shear stress: half the range of depths in which the shear stress is
-    within 1 % (FLAT) of its maximum, over the depth; infinite at the surface.
+    within 1 % (FLAT) of its maximum, over the depth; infinite at the surface. Empty without
+    stresses.
     """
+    if not found.largest:
+        return {}
     body, depth = (result["stress"][f"tau_max_{key}"] for key in ("body", "depth_mm"))
     axis = found.depth[body]
     return {
@@ -196,6 +199,9 @@ def reading_errors(found: Findings, tolerance: float = RIVAL) -> dict[str, float
     the grid of tractions (`Findings.surface_error`), and, where the patch is not Hertz's, twice
     (RIDGE_STRESS_FACTOR) the error of the largest pressure.
     """
+    errors = {key: found.patch.scatter[name] for key, name in SCATTER.items()}
+    if not found.largest:
+        return errors
     peaks = {body: each.tau for body, each in found.largest.items()}
     top = max(peaks.values(), key=lambda peak: peak.value)
     high = {body: each for body, each in peaks.items() if each.value > (1 - tolerance) * top.value}
@@ -204,7 +210,6 @@ def reading_errors(found: Findings, tolerance: float = RIVAL) -> dict[str, float
     for body in high.keys() & found.depth.keys():
         rivals = found.depth[body].rivals(tolerance)
         apart = max(apart, max(rivals) - min(rivals))
-    errors = {key: found.patch.scatter[name] for key, name in SCATTER.items()}
     # The stress below a ridge of the pressure is as uncertain as the ridge.
     ridge = 0.0 if found.hertzian else RIDGE_STRESS_FACTOR * found.patch.scatter["max_pressure"]
     keys = [each.key for each in QUANTITIES if each.ridge_stress]
@@ -324,8 +329,9 @@ def _of_rigid_bodies(solved: MeshSolution) -> set[str]:
     largest pressure of the solution.
     """
     assert solved.result is not None
-    stress, keys = solved.result["stress"], [each.key for each in QUANTITIES if each.ridge_stress]
-    return {key for key in keys if stress[key.replace("_MPa", "_body")] in solved.plan.rigid}
+    stress = solved.result.get("stress", {})
+    keys = [each.key for each in QUANTITIES if each.ridge_stress]
+    return {key for key in keys if stress.get(key.replace("_MPa", "_body")) in solved.plan.rigid}
 
 
 def load_step_errors(meshes: Sequence[MeshSolution]) -> dict[str, float]:

@@ -287,10 +287,11 @@ def _read(solved: MeshSolution) -> MeshSolution:
     frame, unlike = plan.contact.frame, interface.unlike(plan.context)
     elastic = solution.plasticity is None and not (unlike and solution.friction is not None)
     parabolic = plan.contact.half_space and elastic
-    findings = read.findings(fields, frame, parabolic=parabolic)
-    if plan.rigid:
+    stresses = plan.scene.asks("stresses" if solution.friction is None else "friction_stresses")
+    findings = read.findings(fields, frame, parabolic=parabolic, stresses=stresses)
+    if plan.rigid and stresses:
         findings = half_space.with_rigid_bodies(findings, plan.rigid)
-    if solution.friction is not None:
+    if solution.friction is not None and stresses:
         section = plan.plane_model and not fields.kinematics.revolved
         findings = half_space.with_surface(
             findings, solution.friction, plan.poisson_ratios, section=section

@@ -20,6 +20,7 @@ from pydantic import BeforeValidator, model_validator
 
 from railhead.scene import units
 from railhead.scene.sections import (
+    QUANTITIES,
     Effects,
     Friction,
     Heat,
@@ -142,6 +143,21 @@ def _name(value: object) -> str:
     raise ValueError(f"{show(value)} is not allowed; {allowed} (of others than a to z fewer)")
 
 
+def _quantities(value: object) -> tuple[str, ...]:
+    """Names of `QUANTITIES`, each once, from a list or a text with commas. Raises ValueError (one
+    line) for anything else.
+    """
+    names = value.split(",") if isinstance(value, str) else value
+    try:
+        found = tuple(dict.fromkeys(str(name).strip() for name in names))  # type: ignore[attr-defined]
+    except TypeError:
+        found = ()
+    if not found or not QUANTITIES.keys() >= {*found}:
+        allowed = f"give one or more of {', '.join(QUANTITIES)}"
+        raise ValueError(f"{show(value)} is not allowed; {allowed}")
+    return found
+
+
 def assignment(text: str) -> tuple[str, object]:
     """Split the text "key=value" into key and value.
 
@@ -202,6 +218,8 @@ class Scene(Section):
     unload: whether bodies that yield are unloaded after the load; no effect where nothing yields.
     cycles: how often bodies that yield are loaded at the same place, 1 to 100; no effect where
         nothing yields.
+    quantities: what is computed, some of `QUANTITIES`, as a list or a text "patch,forces". Without
+        "forces" the contact is frictionless.
     rail: the rail, a `Rail`.
     wheel: the wheel, a `Wheel`.
     wheelset: position of the wheelset, a `Wheelset`.
@@ -221,6 +239,7 @@ class Scene(Section):
     budget: units.Duration | None = None
     unload: bool = True
     cycles: units.Cycles = 1
+    quantities: Annotated[tuple[str, ...], BeforeValidator(_quantities)] = tuple(QUANTITIES)
     rail: Rail = Rail()
     wheel: Wheel = Wheel()
     wheelset: Wheelset = Wheelset()
@@ -280,7 +299,7 @@ class Scene(Section):
                 "torque_free is not allowed with an approach: give the load of each wheel",
             ),
             (
-                free and (not friction.acts or self.effects.friction == "off"),
+                free and not self.rubs,
                 "rolling.axle",
                 "torque_free is not allowed without friction, which makes the torque",
             ),
@@ -362,6 +381,21 @@ class Scene(Section):
         """Whether the scene is solved on one mesh: neither an accuracy nor a budget is set."""
         return self.accuracy is None and self.budget is None
 
+    def asks(self, name: str) -> bool:
+        """Whether a group of `QUANTITIES` is computed: it is asked for, or needed by one that
+        is.
+        """
+        asked = any(name in (each, *QUANTITIES[each]) for each in self.quantities)
+        return asked or name == "patch"
+
+    @property
+    def rubs(self) -> bool:
+        """Whether friction may act: there is a coefficient, and neither the effect is off nor are
+        forces left out.
+        """
+        on = self.effects.friction != "off" and self.asks("forces")
+        return self.friction.acts and on
+
     @property
     def tangential_forces(self) -> tuple[str, float, float]:
         """The table that sets the tangential forces of the wheel on the rail ("rolling" or
@@ -377,7 +411,7 @@ class Scene(Section):
         Both are False without friction.
         """
         friction, rolling = self.friction, self.rolling
-        if not friction.acts or self.effects.friction == "off":
+        if not self.rubs:
             return False, False
         if rolling.prescribed:
             sideways = rolling.creepage_across or rolling.force_across or rolling.spin

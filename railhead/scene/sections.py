@@ -22,6 +22,15 @@ ALIASES = {"UIC54": "54E1", "UIC60": "60E1"}
 GAUGE_HEIGHT = 14.0  # mm, of EN 13848-1
 RAILS, WHEELS = ("54E1", "60E1"), ("cylinder", "cone20", "cone40", "S1002")
 """Names of the profiles that have no key of their own."""
+QUANTITIES: dict[str, tuple[str, ...]] = {
+    "patch": (),
+    "stresses": (),
+    "forces": (),
+    "friction_stresses": ("forces",),
+    "second_method": (),
+    "pictures": ("stresses", "forces", "friction_stresses"),
+}
+"""What a scene may ask for, and what else each of it needs. Patch and pressure are always found."""
 
 
 class SceneError(ValueError):

@@ -158,7 +158,11 @@ def decide(scene: Scene, dimension: Dimension, contact: Contact, hertz: Hertz) -
     found: dict[str, Effect] = {}
     context = Context(scene=scene, dimension=dimension, contact=contact, hertz=hertz, decided=found)
     for name, effect in EFFECTS.items():
-        found[name] = effect.decide(context).forced(name, scene.effects.state(name))
+        decided = effect.decide(context).forced(name, scene.effects.state(name))
+        if name == "friction" and not scene.asks("forces"):
+            why = f"{decided.why}; off: forces are not among the quantities"
+            decided = replace(decided, on=False, override=True, why=why)
+        found[name] = decided
         if name == "surface_shape" and not found[name].on and contact.shape is not None:
             context = replace(context, contact=contact.smooth)
     if not found["finite_bodies"].on:

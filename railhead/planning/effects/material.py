@@ -144,6 +144,8 @@ def check_plasticity(context: Context, effect: Effect, found: Findings) -> PostS
         for name in _yielding(context)
         if name in found.largest
     }
+    if not found.largest:
+        return None
     if not stresses:
         largest = {name: each.von_mises.value for name, each in found.largest.items()}
         return PostSolveVerdict(False, *_steel_yields(context, largest))

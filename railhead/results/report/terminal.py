@@ -275,7 +275,7 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
                 f"(moments off by {summary['checks']['shape_error']:.1%}): "
                 "Hertz is what the formula would have said."
             )
-        for edge in summary["result"]["stress"]["at_edges"]:
+        for edge in summary["result"].get("stress", {}).get("at_edges", ()):
             console.print(
                 f"Left out: {edge['quantity']} {units.text(edge['value_MPa'], 'MPa')} in the "
                 f"{edge['body']} at {units.place(edge['place_mm'])}, at a sharp edge or held face, "

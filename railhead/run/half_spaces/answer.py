@@ -123,7 +123,8 @@ def _solve(plan: Plan) -> HalfSpaceSolution:
     """
     load = plan.scene.load
     profiles = alone = _pressed(plan, load)
-    frictionless = _read(plan, alone)
+    rubbed = plan.scene.asks("friction_stresses")
+    frictionless = _read(plan, alone, stresses=plan.scene.asks("stresses"))
     if not plan.effects["friction"].on:
         return frictionless
     angle, (_, _, across) = plan.contact.touch.angle, plan.scene.tangential_forces
@@ -134,7 +135,9 @@ def _solve(plan: Plan) -> HalfSpaceSolution:
         tractions = _tractions(plan, profiles, pressed)
         total = pressed - tractions.upwards
         if load is None or abs(total - load) <= BALANCE * load:
-            plain = frictionless if profiles is alone else _read(plan, profiles)
+            plain = frictionless
+            if profiles is not alone or rubbed > plan.scene.asks("stresses"):
+                plain = _read(plan, profiles, stresses=rubbed)
             return replace(_with_friction(plain, tractions), elastic_reference=frictionless)
         if total <= 0:
             break
@@ -152,13 +155,16 @@ def _pressed(plan: Plan, load: float | None) -> BoundaryElementSolution | None:
     return boundary_elements.solve(plan.contact, plan.hertz, load, normal_contact.CELLS)
 
 
-def _read(plan: Plan, profiles: BoundaryElementSolution | None) -> HalfSpaceSolution:
+def _read(
+    plan: Plan, profiles: BoundaryElementSolution | None, *, stresses: bool
+) -> HalfSpaceSolution:
     """The frictionless solution with the quantities read from it. Load and approach are those along
-    the vertical. profiles: boundary elements; None between half-spaces.
+    the vertical. profiles: boundary elements; None between half-spaces. stresses: whether these are
+    searched.
     """
     contact, hertz = plan.contact, plan.hertz
     cosine = math.cos(contact.touch.angle)
-    poisson = plan.poisson_ratios
+    poisson = plan.poisson_ratios if stresses else {}
     if profiles is None:
         grid = {}
         found = half_space.of_hertz(hertz, contact.frame, poisson, section=plan.plane_model)
@@ -208,7 +214,8 @@ def _error_parts(
         exact.pop(plan.contact.prescribed_length or "", None)
         return {key: {"exact": 0.0} for key in exact}
     expected = shape.half_space_errors(plan.context)
-    like = dict.fromkeys(STRESSES, "max_MPa") | {"max_MPa": "max_MPa", "area_mm2": "area_mm2"}
+    like = dict.fromkeys(STRESSES if "stress" in result else (), "max_MPa")
+    like |= {"max_MPa": "max_MPa", "area_mm2": "area_mm2"}
     if hertzian:
         like |= {"a_mm": "area_mm2", "b_mm": "area_mm2"}
     parts = {}
@@ -220,7 +227,7 @@ def _error_parts(
             parts[key]["profile"] = plan.profile_error
     more, touch = added_stress(plan.contact, plan.deformable, profiles), plan.contact.touch
     curvature = max(abs(touch.rail_curvature), abs(touch.wheel_curvatures[1]))
-    for key in STRESSES:
+    for key in STRESSES if "stress" in result else ():
         parts[key]["faces"] = more / result["stress"][key]
         parts[key]["curvature"] = CURVED * curvature * result["patch"]["b_mm"]
     return parts
@@ -237,19 +244,25 @@ def _with_friction(plain: HalfSpaceSolution, sheared: PatchTractions) -> HalfSpa
     solution = _at_cells(plan, sheared, points)
     rolls, unlike = scene.rolling.prescribed, interface.unlike(plan.context)
     assert sheared.coarse is not None
-    found = half_space.with_tractions(
-        found, sheared.stressed, points, plan.poisson_ratios, sheared.coarse.stressed
-    )
+    stressed = scene.asks("friction_stresses")
+    if stressed:
+        found = half_space.with_tractions(
+            found, sheared.stressed, points, plan.poisson_ratios, sheared.coarse.stressed
+        )
+    else:
+        found = replace(found, largest={}, depth={}, also=())
     found, tractions = read_friction(plan, found, solution)
-    parts = {key: of for key, of in plain.error_parts.items() if key != "tau_max_depth_mm"}
-    for key in STRESSES:
+    without = {"tau_max_depth_mm", *(() if stressed else STRESSES)}
+    parts = {key: of for key, of in plain.error_parts.items() if key not in without}
+    for key in STRESSES if stressed else ():
         parts[key] = {**parts[key], "tractions": found.surface_error[key]}
     # Tractions of several patches may cancel out, what bodies change of each does not.
     patch = (sum(parts[key].values()) for key in ("area_mm2", "max_MPa"))
     for key, (bodies, grid) in friction_errors(tractions, solution.used, *patch).items():
         parts[key] = {"bodies": bodies, "grid": grid}
     other = {}
-    if rolls and not (plan.contact.line or unlike) and tribology.coulomb(scene):
+    second = scene.asks("second_method") and tribology.coulomb(scene)
+    if rolls and not (plan.contact.line or unlike) and second:
         pair = plan.context.tangential_pair
         other["FASTSIM (equal ellipses)"] = tangential_contact.or_reason(
             lambda: tangential_contact.fastsim(

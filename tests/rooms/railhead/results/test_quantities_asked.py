@@ -1,0 +1,118 @@
+"""What is not asked for is not computed, is absent, and is named."""
+
+import csv
+import json
+
+import command
+import pytest
+
+import railhead as rh
+from railhead.postprocess.patch import half_space
+from railhead.postprocess.stress import body_stresses
+from railhead.run.half_spaces import normal_contact, tangential_contact
+from railhead.theory.bem import grid_stress
+
+ROLLS = [
+    "effects.finite_bodies=off", "friction.coefficient=0.3", "rolling.creepage_along=0.1%",
+    "rolling.spin=2e-4",
+]  # fmt: skip
+SOLID = ["mesh.patch_size=1.2"]
+
+
+def forbid(monkeypatch, *names: tuple[object, str]) -> None:
+    """Let functions raise where they are called."""
+
+    def refuse(*_: object, **__: object) -> None:
+        raise AssertionError("it was not asked for")
+
+    for module, name in names:
+        monkeypatch.setattr(module, name, refuse)
+
+
+def answer(case: str, *assignments: str, **keys: object) -> dict:
+    """summary.json of a scene, which passes its checks."""
+    result = rh.solve(rh.find(case).replace(assignments, **keys), quiet=True)
+    assert result.passed
+    return result.as_dict()
+
+
+def test_forces_alone_are_the_same_forces(monkeypatch) -> None:
+    every = answer("hertz_ellipse", *ROLLS)
+    searches = (half_space, "largest"), (grid_stress, "stress"), (tangential_contact, "fastsim")
+    forbid(monkeypatch, *searches)
+    some = answer("hertz_ellipse", *ROLLS, quantities="patch,forces")
+    missing = {"von_mises_max_MPa", "von_mises_max_depth_mm", "von_mises_max_at",
+               "first_yield_p0_over_k", "shakedown_limit_p0_over_k"}  # fmt: skip
+    rubbed = every["result"]["friction"]
+    assert some["result"]["friction"] == {key: rubbed[key] for key in rubbed.keys() - missing}
+    assert "stress" in every["result"] and "stress" not in some["result"]
+    names = {"tau_max_MPa", "von_mises_max_MPa"}
+    assert every["accuracy"]["bound"].keys() - some["accuracy"]["bound"].keys() == names
+    assert some["half_space_friction"] == {} != every["half_space_friction"]
+    left_out = some["checks"]["not_made"].keys() - every["checks"]["not_made"].keys()
+    assert left_out == {"stresses", "friction_stresses", "second_method", "pictures"}
+
+
+def test_stresses_alone_are_frictionless(monkeypatch) -> None:
+    forbid(monkeypatch, (tangential_contact, "shear"))
+    some = answer("hertz_ellipse", *ROLLS, quantities=["stresses"])
+    assert "friction" not in some["result"] and "frictionless" not in some
+    assert some["result"]["stress"] == answer("hertz_ellipse", *ROLLS[:1])["result"]["stress"]
+    assert {"forces", "friction_stresses"} <= some["checks"]["not_made"].keys()
+
+
+def test_stresses_under_tractions_need_the_forces() -> None:
+    every = answer("hertz_ellipse", *ROLLS)
+    some = answer("hertz_ellipse", *ROLLS, quantities=["friction_stresses"])
+    assert some["result"] == every["result"]
+    assert "stress" not in some["frictionless"] and "stress" in every["frictionless"]
+
+
+def test_the_patch_of_bodies_alone_has_no_stresses_and_no_second_method(
+    monkeypatch, tmp_path
+) -> None:
+    searches = (body_stresses, "Search"), (body_stresses, "_below"), (normal_contact, "solve")
+    forbid(monkeypatch, *searches)
+    scene = rh.find("uic54_thesis").replace(SOLID, quantities="patch")
+    result = rh.solve(scene, quiet=True)
+    assert result.passed and result.stress is None and result.estimate.tau_max is None
+    assert result.summary["half_space"] is None
+    made = result.summary["checks"]
+    assert {"second_opinion", "stresses", "pictures"} <= made["not_made"].keys()
+    assert "stress_misfit" not in made and "shear_over_pressure" not in made
+    assert {*result.drawings()} == {"pressure.png", "patch.png", "patch_on_rail.png"}
+    result.save(tmp_path / "out")
+    files = {path.name for path in (tmp_path / "out").iterdir()}
+    assert {name for name in files if name[0] != "."} == {
+        "result.csv",
+        "scene.toml",
+        "summary.json",
+    }
+    assert rh.find(str(tmp_path / "out" / "scene.toml")).quantities == ("patch",)
+
+
+def test_pictures_need_all_stresses() -> None:
+    scene = rh.find("hertz_ellipse").replace(quantities="pictures")
+    names = "patch", "stresses", "forces", "friction_stresses", "pictures"
+    assert all(map(scene.asks, names)) and not scene.asks("second_method")
+
+
+@pytest.mark.parametrize("names", ["", "patch,force", "[]", "3", "true"])
+def test_what_is_no_quantity_is_refused(names: str, capsys) -> None:
+    line = command.refused(capsys, "plan", "hertz_ellipse", "--only", names)
+    assert "quantities: " in line and "give one or more of patch, stresses, forces" in line
+
+
+def test_a_sweep_computes_what_is_asked(tmp_path, monkeypatch) -> None:
+    out = tmp_path / "out"
+    keys = [word for key in ROLLS[1:] for word in ("--set", key)]
+    asked = ["--over", "load=20kN,30kN", "--only", "forces", "--quiet", "--out", str(out)]
+    assert command.status("sweep", "hertz_ellipse", "--fast", *keys, *asked) == 0
+    with open(out / "sweep.csv", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    (force,) = (name for name in rows[0] if name.startswith("force along"))
+    assert len(rows) == 2 and all(float(row[force]) > 0 for row in rows)
+    records = [json.loads(path.read_text()) for path in (out / "records").iterdir()]
+    assert len(records) == 2
+    assert not any("stress" in each["summary"]["result"] for each in records)
+    assert not [path for path in out.iterdir() if path.suffix == ".png"]
