@@ -56,7 +56,8 @@ class SeparatedProblem(PlasticProblem):
         reference_force: as the field.
         """
         stiffness = problem.stiffness.pinned(problem.stiffness.typical)
-        return cls(**problem.shared() | {"stiffness": stiffness}, reference_force=reference_force)
+        changed = {"stiffness": stiffness, "reference_force": reference_force}
+        return cls(**problem.shared() | changed)
 
     def indicator(self, y: PETSc.Vec) -> Array:
         """Array (n,) of -1 MPa: no contact point is active. The plastic state at the free unknowns
