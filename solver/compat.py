@@ -232,21 +232,24 @@ def cell_type(mesh: Any) -> str:
     return str(dmesh.to_string(kind)) if hasattr(dmesh, "to_string") else str(kind.name)
 
 
-def straight_mesh(comm: MPI.Comm, cells: NDArray, points: NDArray[np.float64], cell: str) -> Any:
-    """dolfinx mesh of straight-sided cells.
+def cells_mesh(
+    comm: MPI.Comm, cells: NDArray, points: NDArray[np.float64], cell: str, degree: int = 1
+) -> Any:
+    """dolfinx mesh of cells.
 
     comm: communicator of the mesh.
-    cells: (m, k) corners of each cell as row numbers of `points`, in basix order.
+    cells: (m, k) nodes of each cell as row numbers of `points`, in basix order.
     points: (n, d), mm.
     cell: 'tetrahedron', 'hexahedron', 'triangle' or 'quadrilateral'.
+    degree: of the map from the reference cell; 1: straight cells.
     """
     cells, dim = cells.astype(np.int64), points.shape[1]
     if _OLD:
-        domain = ufl.Mesh(ufl.VectorElement("Lagrange", ufl.Cell(cell, dim), 1))
+        domain = ufl.Mesh(ufl.VectorElement("Lagrange", ufl.Cell(cell, dim), degree))
         return dmesh.create_mesh(comm, cells, points, domain)
     from basix.ufl import element
 
-    domain = ufl.Mesh(element("Lagrange", cell, 1, shape=(dim,)))
+    domain = ufl.Mesh(element("Lagrange", cell, degree, shape=(dim,)))
     return dmesh.create_mesh(comm, cells, x=points, e=domain)
 
 

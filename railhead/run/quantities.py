@@ -421,8 +421,8 @@ class FrictionQuantities:
 class PlasticQuantities:
     """Yield under the load, and the state after unloading.
 
-    load_over_first_yield: load over the load of first yield, above 1; by Hertz's theory from the
-        largest von Mises stress of the elastic solution.
+    load_over_first_yield: load over the load of first yield, above 1; from the largest von Mises
+        stresses of elastic solutions.
     load_steps: number of load steps from first yield until the load is reached for the first time,
         halved ones and those that failed counted.
     strain_max: largest equivalent plastic strain.

@@ -29,6 +29,7 @@ from railhead.theory.array_types import Array, Mask
 
 ROUNDING = 100 * np.finfo(float).eps  # of diag(K) y: the residual cannot fall below it
 OVERSHOOT = 0.3  # slope past the minimum, relative to the slope at the start, that is let pass
+LEAST_FORCE = 1e-3  # of the contact, over that of an earlier state, by which a residual is divided
 MOST_RETURNED = 8  # halves of steps that lose contact
 MOST_RETURNS = 3  # times an active set may come back before the method gives up
 CONVERGED = "residual below tolerance"
@@ -166,8 +167,9 @@ def solve(
 
     A linear solve ends early where its solution changes the active set so much that this leaves
     more in R than the linear residual. Where the tangent changes within a set, see `ForcingTerm`.
-    Where the approach is prescribed and nothing touches, the residual is measured by the applied
-    forces: bodies apart are a solution. A result that did not converge is returned too.
+    Where nothing has to touch and nothing does, the residual is measured by the applied forces or,
+    without any, by the largest contact force so far: bodies apart are a solution. The residual must
+    fall by half there in each step. A result that did not converge is returned too.
     """
     comm = problem.stiffness.comm.tompi4py()
     result = NewtonResult(problem.force.duplicate(), np.zeros(len(active)), "too many Newton steps")
@@ -176,7 +178,8 @@ def solve(
     iterations, length = 0, 1.0
     seen = _SeenActiveSets(comm)
     diagonal, increment = problem.stiffness.diagonal(), None
-    returned, free = 0, False  # steps taken back; whether one was taken without contact
+    largest = problem.reference_force  # of the contact so far
+    returned, before = 0, np.inf  # steps taken back; residual in the last state without contact
     try:
         if start is not None:
             start.copy(y)
@@ -194,10 +197,12 @@ def solve(
             indicator = problem.indicator(y)
             result.pressure = pressure = np.maximum(indicator, 0.0)
             residual = problem.residual(y, pressure)
-            scale = problem.contact_force(pressure)
-            apart = not scale and problem.stiffness.border is None
+            contact = problem.contact_force(pressure)
+            largest = max(largest, contact)
+            scale = max(contact, LEAST_FORCE * problem.reference_force)
+            apart = not contact and problem.stiffness.border is None
             if apart:  # bodies may rest without contact
-                scale = problem.force.norm() or residual.norm() or 1.0
+                scale = problem.force.norm() or largest or residual.norm() or 1.0
             norm = residual.norm() / scale if scale else float("inf")
             rounding = ROUNDING * (diagonal * y).norm()
             active = pressure > 0.0
@@ -208,9 +213,9 @@ def solve(
                     returned, length = returned + 1, length / 2  # where something touched
                     y.axpy(-length, increment)
                     continue
-                if norm > rtol and free:
+                if norm > max(rtol, before / 2):
                     failure = "the bodies do not touch"
-                free = True
+                before = norm
             elif not np.isfinite(norm):
                 failure = "the residual is not a number" if scale else "the bodies do not touch"
             result.history.append(

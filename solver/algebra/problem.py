@@ -78,6 +78,8 @@ class ContactProblem:
     start_gap: gap at zero free unknowns, g0 + N u0 (n,), mm; where a rigid body moves under
         approach control, less what the approach closes.
     start_stress: normal stress at zero free unknowns, s0 = S u0 (n,), MPa.
+    reference_force: force that the residual may be divided by where nothing, or hardly anything,
+        touches, N: of an earlier state.
     tangent_depends_on_state: whether the tangent changes while the active set stays.
     tangent_context: class of the PETSc shell context that computes the products of the tangent.
     """
@@ -91,6 +93,7 @@ class ContactProblem:
     force: PETSc.Vec
     start_gap: Array
     start_stress: Array
+    reference_force: float = 0.0
     _tangents: list[Any] = field(init=False, repr=False, default_factory=list)
     tangent_depends_on_state: ClassVar[bool] = False
     tangent_context: ClassVar[type[Tangent]] = Tangent

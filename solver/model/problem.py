@@ -228,8 +228,8 @@ class Factors(Direct):
             changed = (state != self.state).reshape(parts, len(area)).any(axis=0)
             local = np.array([area[changed].sum(), area[active].sum()])
             differs, touching = self.problem.stiffness.comm.tompi4py().allreduce(local)
-            if differs <= self.outdated_share * touching:
-                return False
+            if not touching or differs <= self.outdated_share * touching:
+                return False  # without contact the tangent may be singular
         self.rebuild(active)
         return True
 

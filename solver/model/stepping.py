@@ -84,9 +84,11 @@ def _step(model: Assembly, before: State, loads: HubLoads) -> State:
     outdated = False
     for _ in range(MOST_PAIRINGS):
         problem, prescribed = _problem(model, before, pairing, loads)
-        active = _carried(before.pressure, before.pairing, pairing) > 0
+        pressed = _carried(before.pressure, before.pairing, pairing)
+        problem.reference_force = problem.contact_force(pressed)
+        active = pressed > 0
         if not model.comm.allreduce(int(active.sum())):
-            active = model.nearest(pairing, loads)
+            active = model.first_touch(pairing, loads)
         preconditioner = model.preconditioner(problem, pairing, loads)
         result = newton.solve(problem, preconditioner, active, y, rtol=TOLERANCE, max_steps=STEPS)
         done += result.history

@@ -96,7 +96,7 @@ class Block:
             for at in product((0, 1), repeat=self.dim)  # the first coordinate changes first
         ]
         cells = np.stack(corners, axis=-1).reshape(-1, 2**self.dim)
-        return compat.straight_mesh(MPI.COMM_SELF, cells, points, CELLS[self.dim])
+        return compat.cells_mesh(MPI.COMM_SELF, cells, points, CELLS[self.dim])
 
     @property
     def _tags(self) -> Any:

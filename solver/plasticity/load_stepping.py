@@ -40,17 +40,15 @@ START_TOLERANCE = 1e-2  # Newton's at the elastic solution from which the first 
 STEP_TOLERANCE = 1e-3  # Newton's at other shares: moves pressure and area by up to 2e-4
 LARGEST_GROWTH = 2.0  # of a load step over the last one: with more than 2.41 BDF2 is not stable
 SMALLEST_STEP = 1 / 32  # of a load step, below which it is cut no further
+SAME_POWER = 0.05  # by which powers of the load that give the same first yield may differ in it
+MOST_GUESSES = 4  # of the load of first yield
 
 
 @dataclass
 class SeparatedProblem(PlasticProblem):
     """Equilibrium of bodies that yield, without contact. Nothing resists the approach then; a
-    spring in `stiffness` holds it. The other fields are those of `PlasticProblem`.
-
-    reference_force: force that the norm of Newton's residual is divided by, N.
+    spring in `stiffness` holds it. Its fields are those of `PlasticProblem`.
     """
-
-    reference_force: float = 1.0
 
     @classmethod
     def of(cls, problem: PlasticProblem, reference_force: float) -> SeparatedProblem:
@@ -58,7 +56,8 @@ class SeparatedProblem(PlasticProblem):
         reference_force: as the field.
         """
         stiffness = problem.stiffness.pinned(problem.stiffness.typical)
-        return cls(**problem.shared() | {"stiffness": stiffness}, reference_force=reference_force)
+        changed = {"stiffness": stiffness, "reference_force": reference_force}
+        return cls(**problem.shared() | changed)
 
     def indicator(self, y: PETSc.Vec) -> Array:
         """Array (n,) of -1 MPa: no contact point is active. The plastic state at the free unknowns
@@ -285,21 +284,29 @@ class PlasticResponse(ElasticResponse):
     def press(self, case: LoadCase) -> Solution:
         """Frictionless solution: elastic up to first yield, then in equal load steps (collective).
 
+        The elastic von Mises stress grows with a power of the load. It is Hertz's where a second
+        elastic solution, at the first step, has it too, else that between the two solutions.
         With several cycles the load is lowered to the shares `LOWERING` before it is applied
         again. The elastic solution is the field `reference` of the one returned. It is returned
         itself, without a field `plasticity`, where nothing yields or it does not converge.
         """
         elastic = super().press(case)
-        over = self._load_over_first_yield(elastic, case)
-        if not elastic.newton.converged or over <= 1:
+        worst = self._mises_over_yield(elastic, case)
+        if not elastic.newton.converged or worst <= 1:
             return elastic
         self.problem.reset_history()
-        first_yield, *up = np.linspace(1 / over, 1.0, self.path.steps + 1)
-        start = elastic
-        if up[0] < 1:
-            active = predict_active_set(self.system, elastic.indicator, up[0])
-            lower = replace(case.scaled(up[0]), active=active, tolerance=START_TOLERANCE)
-            start = super().press(lower)
+        over, start = worst**self.system.setup.kinematics.load_power, elastic
+        for _ in range(MOST_GUESSES):
+            first_yield, *up = np.linspace(1 / over, 1.0, self.path.steps + 1)
+            share = min(up[0], 1 / over) if up[0] == 1 else up[0]
+            active = predict_active_set(self.system, elastic.indicator, share)
+            lower = replace(case.scaled(share), active=active, tolerance=START_TOLERANCE)
+            less = super().press(lower)
+            start = less if up[0] < 1 else elastic
+            again = worst ** (np.log(share) / np.log(self._mises_over_yield(less, lower) / worst))
+            if abs(again / over - 1) < SAME_POWER:
+                break
+            over = float(again)
         self.stepping = stepping = LoadStepping(
             self.system, self.problem, case, first_yield, start, up[0]
         )
@@ -379,10 +386,9 @@ class PlasticResponse(ElasticResponse):
         )
         return replace(solution, plasticity=plasticity)
 
-    def _load_over_first_yield(self, elastic: Solution, case: LoadCase) -> float:
-        """Ratio of the load to that of first yield. In Hertz's theory it is the cube of the largest
-        elastic von Mises stress over the yield stress, for a line contact the square. The stress is
-        that at the points at which plastic strain is followed (collective).
+    def _mises_over_yield(self, elastic: Solution, case: LoadCase) -> float:
+        """Largest elastic von Mises stress over the yield stress, at the points at which plastic
+        strain is followed (collective).
         """
         self.problem.set_prescribed_strain(self.system.prescribed(case))
         worst = 0.0
@@ -393,8 +399,7 @@ class PlasticResponse(ElasticResponse):
             for members, hardening in points.groups:
                 largest = float(np.max(size[members], initial=0.0))
                 worst = max(worst, largest / hardening.initial_yield_stress)
-        over = float(max(self.system.comm.allgather(worst / ROOT)))
-        return over**self.system.setup.kinematics.load_power
+        return float(max(self.system.comm.allgather(worst / ROOT)))
 
 
 def plastic_problem(system: ContactSystem, path: LoadPath) -> PlasticProblem:

@@ -32,8 +32,8 @@ class PlasticStrain:
 class PlasticSolution:
     """Load history of bodies of which at least one yields.
 
-    load_over_first_yield: load over the load of first yield, by Hertz's theory from the largest von
-        Mises stress of the elastic solution.
+    load_over_first_yield: load over the load of first yield, from the largest von Mises stresses
+        of elastic solutions.
     newton_results: results of Newton's method in all load steps, in order, failed ones and the
         halves of a halved step included. Where the load is removed those of friction and of
         unloading are included, else neither.

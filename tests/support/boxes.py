@@ -41,7 +41,7 @@ def two_boxes(
     cells, x = np.concatenate(nodes), np.concatenate(points)
     if MPI.COMM_WORLD.rank > 0:
         cells, x = np.empty((0, cells.shape[1])), np.empty((0, dim))
-    both = compat.straight_mesh(MPI.COMM_WORLD, cells, x, cell)
+    both = compat.cells_mesh(MPI.COMM_WORLD, cells, x, cell)
     index = both.topology.index_map(dim)
     every = np.arange(index.size_local + index.num_ghosts, dtype=np.int32)
     middle = dmesh.compute_midpoints(both, dim, every)

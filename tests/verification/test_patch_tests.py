@@ -21,10 +21,11 @@ from railhead.postprocess.stress import gauss_points
 from railhead.solver import compat
 from railhead.solver.contact import ContactModel
 from railhead.solver.material.elasticity import Material, assemble
+from railhead.solver.material.hardening import Hardening
 from railhead.solver.space.contact_interface import ContactLaw
 from railhead.solver.space.kinematics import SOLID, Kinematics
 from railhead.solver.system.fields import gather
-from railhead.solver.system.setup import Setup
+from railhead.solver.system.setup import LoadPath, Setup
 from studies.hard.block_pairs import GAP, STEEL, contact_model, press, side, two_blocks
 
 SOFT = Material(1000.0, 0.0)
@@ -115,6 +116,23 @@ def two_half_blocks(
 def pressed(made: mesh.ContactMesh, setup: Setup, **control: float):
     model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
     return model, model.solve(active=np.ones(len(model.interface.points), bool), **control)
+
+
+def test_first_yield_of_flat_blocks_grows_with_the_load() -> None:
+    """Stresses of blocks that lie flat grow with the load itself, not with its square root: twice
+    the load is twice as far over first yield, which is where it was told to be."""
+    steel = replace(SOFT, hardening=Hardening.linear(3.0, 100.0))
+    path = LoadPath(steps=4, cycles=1, unload=False, near=lambda x: np.ones(len(x), bool))
+    made, setup = two_half_blocks(materials=(SOFT, steel), load_path=path)
+    over = []
+    for load in (400.0, 800.0):
+        solution = pressed(made, setup, load=load)[1]
+        assert solution.newton.converged and solution.plasticity
+        over.append(solution.plasticity.load_over_first_yield)
+    assert over[1] / over[0] == pytest.approx(2.0, rel=1e-3)
+    least = 400.0 / over[0]
+    assert pressed(made, setup, load=0.98 * least)[1].plasticity is None
+    assert pressed(made, setup, load=1.02 * least)[1].plasticity is not None
 
 
 GRADIENT = np.array([[1e-3, 2e-4, 0], [2e-4, -5e-4, 1e-4], [0, 1e-4, 7e-4]])
@@ -360,7 +378,7 @@ def mirrored(made, axis: int, size: float):
     flip = np.where(np.arange(3) == axis, -1.0, 1.0)
     whole = np.concatenate([points, points[off] * flip])
     both = np.concatenate([cells, image[cells][:, [1, 0, 2, 3]]])
-    new = compat.straight_mesh(MPI.COMM_WORLD, both, whole, "tetrahedron")
+    new = compat.cells_mesh(MPI.COMM_WORLD, both, whole, "tetrahedron")
     bodies = np.zeros(len(cells), dtype=np.int32)
     bodies[made.cell_tags.indices] = made.cell_tags.values
     bodies = np.tile(bodies, 2)[new.topology.original_cell_index]
