@@ -158,6 +158,8 @@ class Patch:
     scatter: relative differences of a, b, area and max_pressure, by these names, from other
         readings of the same solution; infinite where such a reading failed, empty for half-spaces.
         They are no measure of the error by the mesh.
+    unbalance: relative difference of the force of the pressure that is shown from that of the
+        computed one, of several patches the largest; 0 for half-spaces.
     """
 
     a: float
@@ -169,6 +171,7 @@ class Patch:
     outlines: list[Array]
     each: tuple[OnePatch, ...] = ()
     scatter: dict[str, float] = field(default_factory=dict)
+    unbalance: float = 0.0
 
     @property
     def box(self) -> tuple[Array, Array]:

@@ -100,10 +100,17 @@ def largest_pressure(fields: Fields, frame: Frame, found: PressureMoments) -> fl
     local = symmetry.vectors(frame.local(contact.points)[:, :2], fields.mirrors)
     p = symmetry.repeated(contact.pressure, fields.mirrors)
     weight = symmetry.repeated(contact.weights, fields.mirrors)
-    scaled = ((local - found.centre) / (found.a, found.b))[:, axes]
-    near = (np.linalg.norm(scaled, axis=1) < PEAK_RADIUS) & (p > 0)
-    x = scaled[near]
-    if len(x) < PEAK_POINTS * math.comb(len(axes) + 2, 2):
+    return fitted_peak(((local - found.centre) / (found.a, found.b))[:, axes], p, weight)
+
+
+def fitted_peak(points: Array, p: Array, weight: Array) -> float:
+    """Largest pressure, MPa, of a quadratic polynomial fitted to the square of pressures p (n,),
+    MPa, at points (n, d) nearer to the origin than 0.6 (PEAK_RADIUS), with weights (n,); as
+    `largest_pressure`.
+    """
+    near = (np.linalg.norm(points, axis=1) < PEAK_RADIUS) & (p > 0)
+    x = points[near]
+    if len(x) < PEAK_POINTS * math.comb(x.shape[1] + 2, 2):
         return float(p.max())
     middle, slope, hessian = quadratic_fit(x, p[near] ** 2, weight[near])
     if np.linalg.eigvalsh(hessian).max() < 0:

@@ -21,6 +21,7 @@ is large near the ends across, where F would otherwise follow facets that are ha
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from math import comb
 
@@ -34,8 +35,8 @@ from scipy.linalg import cho_factor, cho_solve
 from railhead.postprocess.findings import Array
 
 DEGREE = 4  # of F along the rail
-YIELD_DEGREE = 8  # of F where bodies yield: with 4 the largest pressure of a sphere at 20 times its
-# first-yield load is 7.5 % too high on six elements, with 8 it is 1.5 %
+UNEVEN_DEGREE = 8  # of an uneven F: with 4 the largest pressure of a sphere that yields at 20 times
+# its first-yield load is 7.5 % too high on six elements, with 8 it is 1.5 %
 NECK = 3.0  # elements: the unit of length along, in the change across of the curvature along
 ROUGHNESS = 1e-5  # r of a spline with INTERVALS intervals
 INTERVALS = 16  # r grows with their number squared; else finer meshes would scatter as much
@@ -46,6 +47,7 @@ LINE_ROWS = 60  # of a section, where no second direction averages the end of th
 NEWTON_STEPS, CONVERGED = 80, 1e-10  # of the functional
 DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e-9, 1e6  # of the tangent, over its diagonal
 SETTLED = 1e-8  # of the functional: what Newton's method may still promise at the end
+NEIGHBOURHOOD = 1.5  # elements, see `misfit`
 EDGE = 0.02  # of the largest pressure: below it the tangent of sqrt(F) is that of this pressure
 Box = tuple[tuple[float, float], tuple[float, float]]
 """(lowest, highest) place along x and along s, mm."""
@@ -69,6 +71,9 @@ class Samples:
     revolved: whether that section is a meridian of a body of revolution.
     thickness: length of a plane section across its plane, mm.
     yields: whether the solution has plastic strains.
+    rubs: whether unlike materials rub, so that tractions bend the pressure.
+    uneven: whether the pressure changes along x within elements: where bodies yield or rub, and
+        where a polynomial of fourth degree was found not to follow it.
     """
 
     x: Array
@@ -82,13 +87,17 @@ class Samples:
     revolved: bool = False
     thickness: float = 1.0
     yields: bool = False
+    rubs: bool = False
+    uneven: bool = False
 
     @property
     def degree(self) -> int:
-        """Highest power of x in the polynomial for p^2; higher where bodies yield, 0 of a
-        section.
-        """
-        return 0 if self.section else YIELD_DEGREE if self.yields else DEGREE
+        """Highest power of x in the polynomial for p^2; higher of an uneven one, 0 of a section."""
+        return 0 if self.section else UNEVEN_DEGREE if self.uneven else DEGREE
+
+    def unbalance(self, force: float) -> float:
+        """Relative difference of a force (N) from that of all points."""
+        return abs(force / float(self.force.sum()) - 1)
 
     def measure(self, s: Array) -> Array:
         """Weight at s (n,) by which an integral over (x, s) becomes one over the contact area: 1
@@ -110,6 +119,8 @@ class SquaredPressure:
     powers (k,): exponents of (x - middle)/half.
     settled: whether the minimisation that gave the coefficients converged; True where there was
         none.
+    exponent: g of p = F^g, where F is in MPa^(1/g): 1/2, or more where the pressure ends less
+        steeply than as a square root.
     """
 
     box: Box
@@ -117,6 +128,7 @@ class SquaredPressure:
     coefficients: Array
     powers: Array
     settled: bool = True
+    exponent: float = 0.5
 
     @property
     def middle(self) -> float:
@@ -138,14 +150,20 @@ class SquaredPressure:
         """Smooth p^2 (m, n), MPa^2, on the grid of x (n,) and s (m,), mm, which must lie in the
         box.
         """
-        return np.asarray(_splines(self.knots, s) @ self.coefficients.T @ self._along(x))
+        return self._squared(_splines(self.knots, s) @ self.coefficients.T @ self._along(x))
+
+    def _squared(self, values: Array) -> Array:
+        """p^2, MPa^2, negative outside of the patch, from values of F."""
+        if self.exponent != 0.5:
+            values = np.sign(values) * np.abs(values) ** (2 * self.exponent)
+        return np.asarray(values)
 
     def __call__(self, x: Array, s: Array) -> Array:
         """Smooth p^2 (n,), MPa^2, at points x (n,), s (n,), mm; minus infinity outside the box."""
         (x0, x1), (s0, s1) = self.box
         inside = (x >= x0) & (x <= x1) & (s >= s0) & (s <= s1)
         across = _splines(self.knots, np.clip(s, s0, s1)) @ self.coefficients.T
-        values = np.sum(across.T * self._along(x), axis=0)
+        values = self._squared(np.sum(across.T * self._along(x), axis=0))
         return np.where(inside, values, -np.inf)
 
 
@@ -160,19 +178,23 @@ def zero_squared_pressure(samples: Samples) -> SquaredPressure:
 
 
 def reconstruct(
-    samples: Samples, roughness: float = ROUGHNESS, start: SquaredPressure | None = None
+    samples: Samples,
+    roughness: float = ROUGHNESS,
+    start: SquaredPressure | None = None,
+    exponent: float = 0.5,
 ) -> SquaredPressure:
-    """Smooth p^2 = F that minimises int 2/3 F+^(3/2) dA - int p_h F dA + 1/2 int r |D3 F|^2, by
-    Newton's method with the damping of Levenberg and Marquardt.
+    """Smooth p = F^g that minimises int F+^(1 + g)/(1 + g) dA - int p_h F dA + 1/2 int r |D3 F|^2,
+    by Newton's method with the damping of Levenberg and Marquardt.
 
-    F+ is the positive part of F, p_h the computed pressure, D3 F the third derivatives of F.
-    roughness: the factor r. start: a result for the same samples from which the iteration starts;
-    None: it starts from Hertz's ellipsoid. A result that did not converge is returned, too: see
-    `SquaredPressure.settled`.
+    F+ is the positive part of F, p_h the computed pressure, D3 F the third derivatives of F, g the
+    `exponent`. roughness: the factor r. start: a result for the same samples and exponent from
+    which the iteration starts; None: it starts from Hertz's ellipsoid. A result that did not
+    converge is returned, too: see `SquaredPressure.settled`.
     """
-    like = zero_squared_pressure(samples)
+    like = replace(zero_squared_pressure(samples), exponent=exponent)
     knots, powers, middle, half = like.knots, like.powers, like.middle, like.half
     n, top = len(knots) - 4, float(samples.pressure.max())
+    unit = top ** (1 / exponent)  # of F
 
     inner = knots[3:-3]
     width = np.diff(inner)
@@ -201,18 +223,20 @@ def reconstruct(
 
     def value(c: Array) -> float:
         """Value of the functional to be minimised, made dimensionless, for coefficients c (kn,)."""
-        volume = cell @ (np.maximum(field(c), 0.0) ** 1.5).sum(axis=1)
-        return float(2 / 3 * volume - moments @ c + 0.5 * c @ penalty @ c)
+        volume = cell @ (np.maximum(field(c), 0.0) ** (1 + exponent)).sum(axis=1)
+        return float(volume / (1 + exponent) - moments @ c + 0.5 * c @ penalty @ c)
 
     splines, columns = _products(across), (along[:, None] * along).reshape(-1, along.shape[1])
-    c = _start(samples, like) if start is None else np.asarray(start.coefficients.ravel() / top**2)
+    c = _start(samples, like) if start is None else np.asarray(start.coefficients.ravel() / unit)
     best, damping = value(c), DAMPING
     for _ in range(NEWTON_STEPS):
         squared = field(c)
-        pressure = np.sqrt(np.maximum(squared, 0.0))
+        pressure = np.maximum(squared, 0.0) ** exponent
         gradient = (across.T @ (pressure @ along.T * cell[:, None])).T.ravel()
         gradient = gradient - moments + penalty @ c
-        slope = np.where(squared > 0, 0.5 / np.maximum(pressure, EDGE), 0.0)
+        slope = np.where(
+            squared > 0, exponent / np.maximum(pressure, EDGE) ** (1 / exponent - 1), 0.0
+        )
         blocks = splines @ (cell[:, None] * (slope @ columns.T))
         tangent = blocks.reshape(n, n, len(along), len(along)).transpose(2, 0, 3, 1)
         tangent = tangent.reshape(len(c), len(c)) + penalty
@@ -230,7 +254,20 @@ def reconstruct(
             break
     left = gradient @ cho_solve(cho_factor(tangent + LEAST_DAMPING * diagonal), gradient)
     settled = bool(left < SETTLED * abs(best))
-    return replace(like, coefficients=top**2 * c.reshape(-1, n), settled=settled)
+    return replace(like, coefficients=unit * c.reshape(-1, n), settled=settled)
+
+
+def misfit(square: SquaredPressure, samples: Samples) -> tuple[float, float]:
+    """Relative L2 difference of smooth and computed pressure: of points, where the computed one
+    oscillates, and of their means over squares of 1.5 (NEIGHBOURHOOD) elements, where it does not.
+    """
+    area, side = samples.force / samples.pressure, NEIGHBOURHOOD * float(samples.size.mean())
+    off = samples.pressure - np.sqrt(np.maximum(square(samples.x, samples.s), 0.0))
+    cells = np.floor(np.column_stack([samples.x, samples.s]) / side)
+    _, number = np.unique(cells, axis=0, return_inverse=True)
+    of_cells = np.bincount(number, area * off) ** 2 / np.bincount(number, area)
+    whole = float(samples.force @ samples.pressure)
+    return math.sqrt(area @ off**2 / whole), math.sqrt(of_cells.sum() / whole)
 
 
 def _products(across: sp.csr_matrix) -> sp.csr_matrix:
@@ -287,8 +324,8 @@ def _penalty(knots: Array, powers: Array, s: Array, weight: Array, samples: Samp
 
     Derivatives along s are per interval of the splines, those along x per half width of the box. In
     the term with two derivatives along x and one along s, the unit along x is three elements
-    (NECK). Where bodies yield, the unit along x is one element throughout: the pressure then has a
-    plateau, whose edges are as sharp along x as along s.
+    (NECK). Of an uneven pressure the unit along x is one element throughout: edges of a plateau and
+    peaks are as sharp along x as along s.
 
     s (m,): points of integration, mm. weight (m,): their weights, which add up to 1.
     """
@@ -301,7 +338,7 @@ def _penalty(knots: Array, powers: Array, s: Array, weight: Array, samples: Samp
     at, share = leggauss(samples.degree + 2)
     x0, x1 = _box(samples)[0]
     element = 2 * float(samples.size.mean()) / (x1 - x0)
-    units = [1.0, element, element, element] if samples.yields else [1.0, 1.0, NECK * element, 1.0]
+    units = [1.0, element, element, element] if samples.uneven else [1.0, 1.0, NECK * element, 1.0]
     total = np.zeros((len(powers) * (len(knots) - 4),) * 2)
     splines = BSpline(knots, np.eye(len(knots) - 4), 3)
     for order in range(4):  # of the derivative along x
@@ -316,24 +353,29 @@ def _penalty(knots: Array, powers: Array, s: Array, weight: Array, samples: Samp
 
 
 def ellipsoid(
-    like: SquaredPressure, centre: tuple[float, float], semi: tuple[float, float], peak: float
+    like: SquaredPressure,
+    centre: tuple[float, float],
+    semi: tuple[float, float],
+    peak: float,
+    bulge: tuple[float, float] = (0.0, 0.0),
 ) -> SquaredPressure:
-    """Hertz's p^2 = p0^2 (1 - (x - xc)^2/a^2 - (s - sc)^2/b^2), represented exactly by the splines.
+    """p^2 = p0^2 (1 - u - v) (1 + alpha u + beta v) with u = (x - xc)^2/a^2, v = (s - sc)^2/b^2:
+    Hertz's without a bulge, then represented exactly; else fitted by the splines.
 
     like: gives the box, the knots and the powers. centre: (xc, sc), mm. semi: (a, b), mm. peak: p0,
-        MPa. Of a section the term in x is left out.
+        MPa. bulge: (alpha, beta). Of a section the terms in x are left out.
     """
-    half, middle = like.half, like.middle
-    t1, t2, t3 = (like.knots[k : len(like.knots) - 4 + k] for k in (1, 2, 3))
-    first, second = (t1 + t2 + t3) / 3, (t1 * t2 + t1 * t3 + t2 * t3) / 3  # s and s^2 as splines
-    (xc, sc), (a, b) = centre, semi
-    c = np.zeros((len(like.powers), len(first)))
-    c[0] = 1 - (second - 2 * sc * first + sc**2) / b**2
-    if len(like.powers) > 1:
-        along = Polynomial([middle - xc, half]) ** 2 / a**2
-        for row, power in enumerate(like.powers[like.powers < 3]):
-            c[row] -= along.coef[int(power)]
-    return replace(like, coefficients=peak**2 * c)
+    places, (alpha, beta) = np.linspace(*like.box[1], 4 * len(like.knots)), bulge
+    u = Polynomial([like.middle - centre[0], like.half]) ** 2 / semi[0] ** 2
+    v = (places - centre[1]) ** 2 / semi[1] ** 2
+    u = u if len(like.powers) > 1 else Polynomial([0.0])
+    factors = 1 + (beta - 1) * v - beta * v**2, alpha - 1 - (alpha + beta) * v, 0 * v - alpha
+    values = sum(
+        np.outer(np.pad(term.coef, (0, UNEVEN_DEGREE))[like.powers.astype(int)], factor)
+        for term, factor in zip((u**0, u, u**2), factors, strict=True)
+    )
+    c = np.linalg.lstsq(_splines(like.knots, places).toarray(), np.transpose(values), rcond=None)[0]
+    return replace(like, coefficients=peak**2 * c.T)
 
 
 def blend(one: SquaredPressure, other: SquaredPressure, weight: float) -> SquaredPressure:

@@ -14,6 +14,7 @@ from railhead.postprocess.patch.moments import (
     moments,
 )
 from railhead.postprocess.patch.patch import (
+    BEND_FACTOR,
     FOURTH_MOMENT_FACTOR,
     Elliptic,
     PatchReading,
@@ -26,6 +27,7 @@ from railhead.postprocess.patch.surface import recover_surfaces
 from railhead.solver.system.fields import Fields
 
 SECTION_SIZE_FACTOR = 0.03  # as `patch.SOLID_SIZE_FACTOR`, of sections
+STRIP_BEND_FACTOR = 16 / 5  # as `patch.BEND_FACTOR`, of a strip
 PRESSURE_POINTS = 61  # at which the pressure along the section is given
 LINE_POINTS = 2000  # at which p^2 is evaluated to find its zeros and its maximum
 Value = TypeVar("Value")
@@ -46,11 +48,12 @@ def read(fields: Fields, frame: Frame, *, parabolic: bool = False) -> PatchReadi
     def elliptic() -> Elliptic:
         """The patch with nearly Hertz's pressure, by moments. Only its second semi-axis counts."""
         peak = largest_pressure(fields, frame, found)
-        half, errors = _ellipse(found, peak, float(given.size.mean()), fields, parabolic=parabolic)
-        return (0.0, found.centre[axis]), (1.0, half), peak, errors
+        element = float(given.size.mean())
+        half, bulge, errors = _ellipse(found, peak, element, fields, parabolic=parabolic)
+        return (0.0, found.centre[axis]), (1.0, half), peak, bulge, errors
 
     square, shape, scatter = smooth_square(
-        given, found.shape_error, elliptic, lambda each: _shape(each, fields)
+        given, found.shape_error, elliptic, lambda each: _shape(each, fields, given)
     )
     patch = Patch(
         a=shape.a,
@@ -61,6 +64,7 @@ def read(fields: Fields, frame: Frame, *, parabolic: bool = False) -> PatchReadi
         mean_pressure=found.force / shape.area,
         outlines=shape.outlines,
         scatter=scatter,
+        unbalance=given.unbalance(shape.force),
     )
 
     def pressure(points: Array) -> Array:
@@ -110,6 +114,8 @@ def samples(fields: Fields, frame: Frame) -> Samples:
         revolved=revolved,
         thickness=thickness,
         yields=fields.plastic_strain is not None,
+        rubs=fields.rubs,
+        uneven=fields.rubs or fields.plastic_strain is not None,
     )
 
 
@@ -118,7 +124,7 @@ def _pressure(square: SquaredPressure, t: Array) -> Array:
     return np.asarray(np.sqrt(np.maximum(square(np.zeros_like(t), t), 0.0)))
 
 
-def _shape(square: SquaredPressure, fields: Fields) -> PatchShape:
+def _shape(square: SquaredPressure, fields: Fields, given: Samples) -> PatchShape:
     """Outlines, half lengths along x and s, area and largest pressure of a section's smooth p^2.
     In plane strain outlines are rectangles whose half length out of the plane is half the
     thickness. Of a body of revolution they are circles, and both half lengths their radius. Half
@@ -126,7 +132,9 @@ def _shape(square: SquaredPressure, fields: Fields) -> PatchShape:
     """
     spans, (axis,) = _spans(square), fields.kinematics.varying
     half = a = b = (spans[-1][1] - spans[0][0]) / 2
-    peak = _pressure(square, np.linspace(*square.box[1], LINE_POINTS, dtype=np.float64)).max()
+    t = np.linspace(*square.box[1], LINE_POINTS, dtype=np.float64)
+    pressure = _pressure(square, t)
+    force, peak = float(pressure @ given.measure(t) * (t[1] - t[0])), float(pressure.max())
     if fields.kinematics.revolved:
         angle, area = np.linspace(0, 2 * np.pi, 181), np.pi * half**2
         ring = np.column_stack([np.cos(angle), np.sin(angle)])
@@ -139,7 +147,7 @@ def _shape(square: SquaredPressure, fields: Fields) -> PatchShape:
             np.column_stack(_along_across(axis, np.array([low, high, high, low, low]), other))
             for low, high in spans
         ]
-    return PatchShape(outlines=outlines, area=float(area), a=a, b=b, max_pressure=float(peak))
+    return PatchShape(outlines=outlines, area=float(area), a=a, b=b, max_pressure=peak, force=force)
 
 
 def _along_across(axis: int, own: Value, other: Value) -> tuple[Value, Value]:
@@ -151,26 +159,28 @@ def _along_across(axis: int, own: Value, other: Value) -> tuple[Value, Value]:
 
 def _ellipse(
     found: PressureMoments, peak: float, element: float, fields: Fields, *, parabolic: bool
-) -> tuple[float, dict[str, float]]:
-    """Half width from moments, mm, and relative errors of a, b, area and max_pressure, by these
-    names.
+) -> tuple[float, tuple[float, float], dict[str, float]]:
+    """Half width from moments, mm, the bulge, and relative errors of a, b, area and max_pressure,
+    by these names, as of `nearly_elliptic`.
 
     peak: fitted largest pressure, MPa; its error is the difference from that of Hertz's pressure
         with the same force and half width. element: element size, mm. parabolic: whether Hertz's
         theory is exact.
     """
     revolved, length = fields.kinematics.revolved, fields.kinematics.thickness
-    (half, _), (error, _) = nearly_elliptic(
+    (half, _), (error, _), bulge = nearly_elliptic(
         found,
         element,
         parabolic=parabolic,
         fourth=FOURTH_MOMENT_FACTOR if revolved else 1.0,
         mesh=SECTION_SIZE_FACTOR,
+        bend=BEND_FACTOR if revolved else STRIP_BEND_FACTOR,
     )
     unit = 2 / 3 * np.pi * found.a**2 if revolved else np.pi / 2 * found.a * length
     along, across = _along_across(fields.kinematics.varying[0], error, error if revolved else 0.0)
     off = abs(found.force / (peak * unit) - 1)
-    return half, {"a": along, "b": across, "area": along + across, "max_pressure": max(off, error)}
+    errors = {"a": along, "b": across, "area": along + across, "max_pressure": max(off, error)}
+    return half, bulge, errors
 
 
 def _axis_pressures(

@@ -40,6 +40,7 @@ ESTIMATE_FACTOR = 1.5  # difference allowed to a number with an estimate, over t
 FINER = "give a smaller mesh.patch_size, or an accuracy"
 BALANCE_TOLERANCE = 1e-6  # relative; forces balance to rounding, an approach to this
 NOISE_LIMIT = 0.5  # relative L2: where half of the pressure is noise, none of it is an answer
+READING_FORCE = 0.02  # relative; it is 0.011 on linear elements, else up to 0.007
 YIELD_LOAD_LIMIT = 110.0  # times the load of first yield
 SHEAR_OVER_PRESSURE = (0.2, 0.6)
 """Largest shear stress over largest pressure: 0.266 to 0.488 in Hertz's ellipses of any axis ratio
@@ -334,6 +335,13 @@ def resolution(solved: MeshSolution) -> Iterator[Check]:
         limit=min(fitted, NOISE_LIMIT),
         source=noisy,
         advice=FINER,
+    )
+    yield Check(
+        name="pressure_force",
+        value=found.patch.unbalance,
+        limit=READING_FORCE,
+        source="the contact force; the pressure that is shown is integrated over the patch",
+        advice=f"{FINER}; the pressure has a peak or an end that is not read",
     )
     yield Check(
         name="penetration",

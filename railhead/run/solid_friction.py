@@ -43,7 +43,7 @@ from railhead.theory.friction.rolling import (
     solve_for_forces,
 )
 from railhead.theory.friction.smooth_tractions import SmoothTractions
-from railhead.theory.friction.tangential import MaterialPair, TractionInfluence, pair
+from railhead.theory.friction.tangential import TractionInfluence
 
 Stage = Callable[[str], None]
 """Called with what is being done, in words."""
@@ -174,7 +174,7 @@ class SolidFriction:
         assert model.setup.friction is not None
         self.model, self.settings, self.pressed = model, model.setup.friction, pressed
         self.stage, self._parabolic = stage, parabolic
-        self.pair = material_pair(model)
+        self.pair = model.setup.material_pair
         self.response = SurfaceResponse(model, self.settings, pressed)
         edge = self.response.edge
         *self.coarse, self.patches = (
@@ -473,7 +473,7 @@ def solve_by_suited_method(
         return pressed
     if model.setup.load_path is not None:
         why = "bodies that yield"
-    elif not material_pair(model).like:
+    elif not model.setup.material_pair.like:
         why = "bodies of unlike materials"
     else:
         smooth = shared_patches(model, fields, parabolic=parabolic)
@@ -497,12 +497,6 @@ def solve_by_suited_method(
         )
     stage("friction: condensing the bodies to the contact points")
     return condensed_friction(model, response, case, pressed)
-
-
-def material_pair(model: ContactModel) -> MaterialPair:
-    """Combined constants of the wheel's and the rail's material for tangential contact."""
-    wheel, rail = model.setup.moving.material, model.setup.fixed.material
-    return pair(wheel.young_modulus, wheel.poisson_ratio, rail.young_modulus, rail.poisson_ratio)
 
 
 def shared_patches(

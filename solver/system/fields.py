@@ -69,6 +69,7 @@ class Fields:
         revolved.
     plastic_strain: plastic strain in all m cells, zero where it is not followed; None where no body
         yields.
+    rubs: whether unlike materials rub: they slip under pressure, and tractions change it.
     master_surface: gap at the nodes of the other contact surface that face the slave; None where
         that body is rigid, and where `gather` leaves it out.
     """
@@ -85,6 +86,7 @@ class Fields:
     contact: ContactFields
     kinematics: Kinematics = SOLID
     plastic_strain: PlasticStrain | None = None
+    rubs: bool = False
     master_surface: MasterSurface | None = None
 
     @property
@@ -158,6 +160,7 @@ def gather(model: ContactSystem, solution: Solution, *, facing: bool = True) -> 
         contact=ContactFields(**contact),
         kinematics=kinematics,
         plastic_strain=plastic,
+        rubs=solution.friction is not None and not model.setup.material_pair.like,
         master_surface=surface,
     )
 

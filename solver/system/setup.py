@@ -14,7 +14,9 @@ from railhead.solver.material.elasticity import Material
 from railhead.solver.space.contact_interface import ContactLaw, Gap
 from railhead.solver.space.kinematics import SOLID, Kinematics, must_be_orthonormal
 from railhead.theory.array_types import Array
+from railhead.theory.friction import tangential
 from railhead.theory.friction.laws import Interface
+from railhead.theory.friction.tangential import MaterialPair
 
 LINEAR_SOLVERS = ("auto", "direct", "multigrid")
 FarField = Callable[[float, int, Array], Array]
@@ -200,6 +202,16 @@ class Setup:
         the power of the number of symmetry planes, 1 for a section that is revolved.
         """
         return self.kinematics.copies(len(self.planes))
+
+    @property
+    def material_pair(self) -> MaterialPair:
+        """Combined constants of both materials, the moving one as the wheel's, for tangential
+        contact.
+        """
+        moving, fixed = self.moving.material, self.fixed.material
+        return tangential.pair(
+            moving.young_modulus, moving.poisson_ratio, fixed.young_modulus, fixed.poisson_ratio
+        )
 
     @property
     def push(self) -> Array:

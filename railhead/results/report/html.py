@@ -59,6 +59,7 @@ CHECKS = {
     "unloaded": "the bodies were unloaded",
     "elements_across": "elements across the patch",
     "pressure_noise": "noise of the pressure",
+    "pressure_force": "the pressure that is shown carries the load",
     "penetration": "overlap of the bodies",
     "flux_rail": "the stresses below the patch carry the load, rail",
     "flux_wheel": "the stresses above the patch carry the load, wheel",

@@ -1,5 +1,6 @@
 """Patches painted with a known pressure are read back: any shape, to second order."""
 
+from dataclasses import replace
 from functools import lru_cache
 from types import SimpleNamespace
 
@@ -89,6 +90,40 @@ def test_a_reading_that_comes_to_no_minimum_has_no_bound(monkeypatch) -> None:
     assert min(_read(fields).scatter.values()) == np.inf
 
 
+@pytest.mark.parametrize(("end", "limit"), [(0.75, 0.04), (1.0, 0.01)])
+def test_a_pressure_that_ends_less_steeply_than_a_square_root_is_read(end, limit) -> None:
+    """(1 - u - v)^g, as on a thin layer: a square root of a p^2 of fourth degree along has 3 % too
+    little pressure and up to 8 % too little area, whatever the mesh."""
+
+    def square(x: Array, s: Array) -> Array:
+        inside = 1 - x**2 / 4 - s**2 / 3
+        return np.sign(inside) * np.abs(inside) ** (2 * end)
+
+    exact = np.array([2.0, np.sqrt(3.0), np.pi * 2 * np.sqrt(3.0), 1.0])
+    for seed in range(3):
+        found = _read(painted(square, (2.6, 2.2), 0.29, 0.02, seed, even=True))
+        error = np.abs(_numbers(found) / exact - 1)
+        assert (error < [limit, limit, limit, 0.006]).all()
+        assert error[2] < found.scatter["area"] < 0.08
+        assert found.unbalance < 1e-3
+
+
+def test_a_peak_where_unlike_materials_rub_is_read() -> None:
+    """A cone of 0.3 of the radius on an ellipsoid, 8 % high: a fit over 0.6 of it loses 4 % of the
+    largest pressure."""
+
+    def square(x: Array, s: Array) -> Array:
+        r = np.hypot(x / 2, s / 1.6)
+        p = np.sqrt(np.maximum(1 - r**2, 0.0)) + 0.08 * np.maximum(1 - r / 0.3, 0.0)
+        return np.where(r < 1, p**2, -1.0)
+
+    fields = painted(square, (2.6, 2.2), 0.16, 0.0, even=True)
+    smooth, sharp = _read(fields), _read(replace(fields, rubs=True))
+    assert smooth.max_pressure < 1.045 and smooth.unbalance > 3e-3
+    assert sharp.max_pressure == pytest.approx(1.08, abs=0.006) and sharp.unbalance < 1e-3
+    assert abs(sharp.max_pressure / 1.08 - 1) < sharp.scatter["max_pressure"] < 0.02
+
+
 def test_numbers_do_not_jump_where_an_ellipse_becomes_another_shape() -> None:
     """A growing fourth power across: the fourth moments pass both thresholds."""
     read, shares = [], []
@@ -120,7 +155,7 @@ def test_fourth_moments_tell_the_error_of_half_lengths() -> None:
     """Those of an ellipsoid grow as the fourth power of its half length."""
     fourth = (1.02**4 - 1, 0.99**4 - 1)
     found = SimpleNamespace(a=3.0, b=2.0, fourth=fourth, shape_error=0.0)
-    half, error = patch.nearly_elliptic(found, 0.1, parabolic=True)
+    half, error, _ = patch.nearly_elliptic(found, 0.1, parabolic=True)
     assert half.tolist() == [3.0, 2.0] and error == pytest.approx([0.02, 0.01])
 
 
@@ -138,7 +173,9 @@ def test_a_patch_that_is_nearly_an_ellipse_is_read_as_it_is() -> None:
     for seed in range(3):
         fields = painted(square, (2.6, 2.2), 0.1, 0.02, seed, even=True)
         assert pressure.moments(fields, FRAME).shape_error < patch.ELLIPTIC
-        read.append(_numbers(_read(fields)) / exact - 1)
+        found = _read(fields)
+        assert found.unbalance < 0.005  # 0.026 of an ellipsoid with its numbers
+        read.append(_numbers(found) / exact - 1)
     assert np.abs(np.mean(read, axis=0)).max() < 0.003
 
 

@@ -75,6 +75,10 @@ def loaded_beyond_yield(solution: MeshSolution, times: float) -> MeshSolution:
 WRONG = {
     "noise": (lambda one: found(one, noise=0.55), ["pressure_noise"]),
     "noise that is no number": (lambda one: found(one, noise=np.nan), ["pressure_noise"]),
+    "a pressure that does not carry the load": (
+        lambda one: found(one, patch=replace(one.findings.patch, unbalance=0.021)),
+        ["pressure_force"],
+    ),
     "few elements": (lambda one: found(one, elements_across=(5.0, 5.0)), ["elements_across"]),
     "a patch at an edge": (lambda one: found(one, edge_distance=0.01), ["edge_distance"]),
     "stresses off the elements'": (lambda one: found(one, misfit=0.06), ["stress_misfit"]),
