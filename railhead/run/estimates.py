@@ -228,8 +228,7 @@ def friction_errors(
         pressure: relative errors of the area and of the largest pressure.
     """
     errors = {}
-    rises = friction.get("temperature_rise_max_K", {}).values()
-    values = {**friction, **dict(zip(RISE, rises, strict=False))}
+    values = _with_rises(friction)
     for key in friction.get("grid_error", {}).keys() - {"limit_N", "coefficient"}:
         value, change = abs(values[key]), friction["grid_error"][key]
         if key in friction["given"] or not value:
@@ -242,6 +241,12 @@ def friction_errors(
             more = {"moment_Nmm": area / 2, "traction_max_MPa": pressure}
             errors[key] = area + more.get(key, 0.0), change / value
     return errors
+
+
+def _with_rises(friction: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Entry "friction" of "result" with the temperature rises of both bodies by keys of their own."""
+    rises = friction.get("temperature_rise_max_K", {}).values()
+    return {**friction, **dict(zip(RISE, rises, strict=False))}
 
 
 Numbers = Mapping[str, float]
@@ -391,7 +396,7 @@ def estimate(meshes: Sequence[MeshSolution]) -> tuple[dict[str, Estimate], str]:
         patch = [estimates[key].total for key in ("area_mm2", "max_MPa")]
         still = solved.result["friction"].get("resolution", {})
         for name, (mesh, grid) in friction_errors(solved.result["friction"], used, *patch).items():
-            over = abs(solved.result["friction"][name])
+            over = abs(_with_rises(solved.result["friction"])[name])
             over = solved.solution.friction.friction_limit if name in FRICTION_SHARES else over
             mesh += abs(still.get(name, 0.0)) / over if name != "stick_share" else 0.0
             parts_of = estimates.get(name, NONE)
