@@ -69,6 +69,7 @@ def at_cells(
         return joined([np.einsum("kab,abkc->abc", value, each) for value, each in pairs])
 
     motion, rises = found[0].creepage, [each.rise for each in found if each.rise is not None]
+    hot = [joined(body) for body in zip(*rises, strict=True)] if rises else (None, None)
     return FrictionSolution(
         points=joined(places),
         weights=joined([np.full_like(each.bound, parts * each.cell) for each in found]),
@@ -88,7 +89,8 @@ def at_cells(
             [np.einsum("m,mdij->dij", motion.motion, each.modes) for each in found]
         ),
         newton_steps=0,
-        rise=np.array([joined(each) for each in zip(*rises, strict=True)]) if rises else None,
+        rise_rail=hot[0],
+        rise_wheel=hot[1],
     )
 
 
@@ -238,8 +240,9 @@ def _values(
     least = float((found.bound[touches] / found.pressure[touches]).min())
     if least < (1 - EVEN) * out["coefficient"]:
         out["coefficient_least"] = least
-    if found.rise is not None:
-        out |= {key: float(body.max()) for key, body in zip(RISE, found.rise, strict=True)}
+    for key, rise in zip(RISE, (found.rise_rail, found.rise_wheel), strict=True):
+        if rise is not None:
+            out[key] = float(rise.max())
     if cycle:
         out["energy_per_cycle_Nmm"] = found.dissipated_energy
     if rolling:

@@ -30,6 +30,8 @@ UNITS = {
     "max_shear": "MPa",
     "traction": "MPa",
     "residual_stress": "MPa",
+    "temperature_rise_rail": "K",
+    "temperature_rise_wheel": "K",
 }
 _ARRAY = re.compile(rb'<DataArray [^>]*Name="(\w+)"[^>]*>[^<]*')  # with its data
 _HEXAHEDRON = [0, 1, 3, 2, 4, 5, 7, 6]
@@ -157,7 +159,7 @@ def traction_points(found: FrictionSolution) -> meshio.Mesh:
     """Contact points with pressure, of the modelled part, as vertices. Point data: traction (n, 3)
     in space of the wheel on the rail, MPa; slip (n, 3) in space of the wheel over the rail, mm, or,
     in rolling, dimensionless; sticks (n,), 1 where the point sticks, 0 where it slips; pressure
-    (n,), MPa.
+    (n,), MPa; with heat temperature_rise_rail and temperature_rise_wheel (n,), K.
     """
     touches = found.pressure > 0
     count = int(touches.sum())
@@ -169,6 +171,11 @@ def traction_points(found: FrictionSolution) -> meshio.Mesh:
             "slip": found.slip[touches],
             "sticks": found.sticks[touches].astype(np.int32),
             "pressure": found.pressure[touches],
+            **{
+                f"temperature_rise_{body}": rise[touches]
+                for body, rise in (("rail", found.rise_rail), ("wheel", found.rise_wheel))
+                if rise is not None
+            },
         },
     )
 

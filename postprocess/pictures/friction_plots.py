@@ -40,10 +40,10 @@ def draw_tractions(
     """Tractions of the wheel on the rail.
 
     One panel shows the zones of stick and slip in the tangent plane, with tractions as arrows; of a
-    section it is left out. The other shows tractions along and across over x, between the limits
-    +/- mu p. They are interpolated on the line at the s of the centre of the most loaded patch. Of
-    a section it shows those along its line, over the coordinate along it. Only points with pressure
-    are used.
+    section it is left out. With heat one shows the temperature rise of the rail's surface. The last
+    shows tractions along and across over x, between the limits +/- mu p. They are interpolated on
+    the line at the s of the centre of the most loaded patch. Of a section it shows those along its
+    line, over the coordinate along it. Only points with pressure are used.
 
     found: solution at the points of the whole model.
     """
@@ -55,9 +55,12 @@ def draw_tractions(
     extent = np.ptp(local, axis=0)
     flat = extent.min() < 1e-9
     line = int(flat and extent[1] > extent[0])  # 0: along x, 1: along s
-    count = 1 if flat else 2
+    hot = None if flat or found.rise_rail is None else found.rise_rail[touches]
+    count = (1 if flat else 2) + (hot is not None)
     with new_figure(target, 2 + 5 * count, 5.4, findings) as figure:
         *maps, axes = figure.subplots(1, count, squeeze=False)[0]
+        if hot is not None:
+            _rise(maps.pop(0), local, hot, findings)
         values: Array = np.column_stack([traction, bound, sticks])
         order = np.argsort(local[:, line])
         x, values = local[order, line], values[order]
@@ -89,6 +92,16 @@ def draw_tractions(
         handles = axes.get_legend_handles_labels()
         figure.legend(*handles, loc="outside upper right", ncols=1 + count)
     return figure
+
+
+def _rise(axes: Axes, local: Array, rise: Array, findings: Findings) -> None:
+    """Draw the rise (n,) of the rail's surface temperature, K, at x and s (n, 2), mm."""
+    subject = findings.subject
+    for outline in findings.patch.outlines:
+        axes.plot(*outline.T, color=FE, lw=1.2)
+    drawn = axes.tripcolor(*local.T, rise, shading="gouraud", cmap="inferno")
+    axes.figure.colorbar(drawn, ax=axes, label=f"temperature rise, {subject.names['rail']}, K")
+    axes.set(xlabel=subject.label(0), ylabel=subject.label(1), aspect="equal")
 
 
 def _map(

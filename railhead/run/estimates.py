@@ -244,7 +244,7 @@ def friction_errors(
 
 
 def _with_rises(friction: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Entry "friction" of "result" with the temperature rises of both bodies by keys of their own."""
+    """Entry "friction" of "result", with both temperature rises by keys of their own."""
     rises = friction.get("temperature_rise_max_K", {}).values()
     return {**friction, **dict(zip(RISE, rises, strict=False))}
 

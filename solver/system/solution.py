@@ -106,8 +106,8 @@ class FrictionSolution:
         slip; otherwise None.
     inside: (n,) share of the area of each point in the patch; None: whole areas.
     coarse: the same on a grid of half as many cells each way; None where there is none.
-    rise: of the temperatures of the surfaces of rail and wheel above the bulk of each body, (2, n),
-        K; None without heat.
+    rise_rail, rise_wheel: of the temperature of each surface above the bulk of its body, (n,), K;
+        None without heat.
     grids: of bodies whose tractions are those of half-spaces, whole patches; else empty.
     """
 
@@ -129,7 +129,8 @@ class FrictionSolution:
     without_creepage: FrictionSolution | None = None
     inside: Array | None = None
     coarse: FrictionSolution | None = None
-    rise: Array | None = None
+    rise_rail: Array | None = None
+    rise_wheel: Array | None = None
     grids: tuple[GridTraction, ...] = ()
 
     @property

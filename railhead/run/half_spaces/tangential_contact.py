@@ -96,14 +96,16 @@ def half_space_friction(
     out: NumbersByMethod = {
         "boundary elements": or_reason(lambda: solve_by_boundary_elements(plan, found, patches))
     }
-    if pair.like and rolling and tribology.coulomb(plan.scene):
+    if not pair.like or not tribology.coulomb(plan.scene):
+        return out
+    if rolling:
         name = "FASTSIM" if findings.hertzian else "FASTSIM (equal ellipses)"
         out[name] = or_reason(
             lambda: fastsim(patches(CELLS[1]), found.friction_limit, pair, found.rigid_motion)
         )
-    elif pair.like and findings.hertzian and plan.scene.friction.uneven:
+    elif findings.hertzian and plan.scene.friction.uneven:
         out["Cattaneo, Mindlin"] = {"reason": UNEVEN}
-    elif pair.like and findings.hertzian:
+    elif findings.hertzian:
         out["Cattaneo, Mindlin"] = _mindlin(plan, found, solved.ellipse)
     return out
 
@@ -180,15 +182,16 @@ def solve_by_boundary_elements(
 
 
 def _on_grid(plan: Plan, found: FrictionSolution, patches: Sequence[PressedPatch]) -> Numbers:
-    """Quantities of friction by boundary elements on given patches, scaled to the limit mu N of
+    """Quantities of friction by boundary elements on given patches, scaled to the normal force of
     `found`, by the keys of summary.json.
     Raises ValueError for several patches under a shift.
     """
     pair, rolling = closed_forms.tangential_pair(plan.scene), plan.scene.rolling.prescribed
     if len(patches) > 1 and not rolling:
         raise ValueError(SEVERAL)
-    limit = sum(each.limit for each in patches)
-    scale = found.friction_limit / limit  # the normal forces differ by what the finite bodies do
+    pressed = sum(each.pressed.cell * float(each.pressed.pressure.sum()) for each in patches)
+    # The normal forces differ by what the finite bodies do.
+    scale = float(found.weights @ found.pressure) / pressed
     along, across = (force / scale for force in found.force)
     sheared = shear(
         patches,
