@@ -22,7 +22,7 @@ from railhead.geometry.surfaces import RailSurface, WheelSurface, along
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.array_types import Array
 
-LEAST, MOST = 201, 400_000  # samples along the rail, and of a whole grid
+LEAST, MOST = 201, 100_000  # samples along the rail, and of a whole grid
 PER_LENGTH = 8  # samples in the length over which a height changes
 BEST = 24  # lowest samples around which the lowest point is looked for
 ZOOMS, CLOSER = 12, 4  # steps towards a lowest point, and how much finer each is
@@ -91,7 +91,7 @@ class SurfaceShape:
 def shape(scene: Scene, pair: ProfilePair, pose: Pose, touch: ContactPoint) -> SurfaceShape | None:
     """What a scene adds to the surfaces of rail and wheel; None where that is nothing.
     pair, pose, touch: smooth profiles, pose of the wheel, and first contact, which is at x = 0.
-    Raises SceneError for a map that cannot be read.
+    Raises SceneError for a map that cannot be read, and for heights that change too quickly.
     """
     rail, wheel = height(scene, "rail"), height(scene, "wheel")
     if rail is None and wheel is None:
@@ -101,6 +101,10 @@ def shape(scene: Scene, pair: ProfilePair, pose: Pose, touch: ContactPoint) -> S
         wheel = replace(wheel, position=wheel.position - turned)
     smooth = SurfaceShape(rail=rail, wheel=wheel, pose=pose)
     x, y = smooth.grid(pair, 0.0)
+    for body, each in (("rail", rail), ("wheel", wheel)):
+        if each is not None and each.length < 2 * (step := x[1] - x[0]):
+            text = f"its height changes within {each.length:.3g} mm, as roughness does"
+            raise SceneError(f"{body}.surface", f"{text}; give at least {2 * step:.2g} mm")
     gap, first = _lowest(_over_rail(smooth, pair), x, y)
     lowered = replace(smooth, pose=pose.moved(z=-gap), first=first)
     return replace(lowered, odd=_odd(lowered, pair, x, y))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -19,8 +18,8 @@ FEWEST = 4  # places along a map, and across, for cubic splines
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Height(ABC):
-    """A height over a smooth surface, outwards, mm.
+class Height:
+    """A height over a smooth surface, outwards, mm, the same everywhere across.
     length: over which the height changes, mm.
     position: place of the origin of x in the height's own coordinate along, mm.
     """
@@ -30,16 +29,16 @@ class Height(ABC):
 
     def __call__(self, x: Array, y: Array) -> Values:
         """Height and slopes at places x along the surface and y across it, (n,) each, mm."""
-        return self._own(x + self.position, y)
+        return *self._along(x + self.position), np.zeros_like(x)
 
     @property
-    @abstractmethod
     def range(self) -> float:
-        """Largest less smallest height, mm."""
+        """Largest less smallest height, mm: of those at the middle and the ends of its length."""
+        return float(np.ptp(self._along(self.length * np.array([-0.5, 0.0, 0.5]))[0]))
 
-    @abstractmethod
-    def _own(self, x: Array, y: Array) -> Values:
-        """Height and slopes at places (n,) in the height's own coordinates, mm."""
+    def _along(self, x: Array) -> tuple[Array, Array]:
+        """Height and its slope along at places (n,) in the height's own coordinate, mm: none."""
+        return np.zeros_like(x), np.zeros_like(x)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -48,16 +47,9 @@ class Cosine(Height):
 
     amplitude: float
 
-    @property
-    def range(self) -> float:
-        """Height of crests over troughs, mm."""
-        return 2 * abs(self.amplitude)
-
-    def _own(self, x: Array, y: Array) -> Values:
-        """Height and slopes; y has no effect."""
+    def _along(self, x: Array) -> tuple[Array, Array]:
         wave = 2 * np.pi / self.length
-        slope = -self.amplitude * wave * np.sin(wave * x)
-        return self.amplitude * np.cos(wave * x), slope, np.zeros_like(x)
+        return self.amplitude * np.cos(wave * x), -self.amplitude * wave * np.sin(wave * x)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -66,17 +58,9 @@ class RoundedFlat(Height):
 
     depth: float
 
-    @property
-    def range(self) -> float:
-        """Largest depth, mm."""
-        return self.depth
-
-    def _own(self, x: Array, y: Array) -> Values:
-        """Height and slopes; y has no effect."""
-        inside, wave = np.abs(x) < self.length / 2, 2 * np.pi / self.length
-        height = -self.depth / 2 * (1 + np.cos(wave * x))
-        slope = self.depth / 2 * wave * np.sin(wave * x)
-        return np.where(inside, height, 0.0), np.where(inside, slope, 0.0), np.zeros_like(x)
+    def _along(self, x: Array) -> tuple[Array, Array]:
+        wave, at = 2 * np.pi / self.length, np.clip(x, -self.length / 2, self.length / 2)
+        return -self.depth / 2 * (1 + np.cos(wave * at)), self.depth / 2 * wave * np.sin(wave * at)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -87,18 +71,11 @@ class FreshFlat(Height):
 
     radius: float
 
-    @property
-    def range(self) -> float:
-        """Depth in the middle, R (1 - cos(length/2R)), mm."""
-        return float(self.radius * (1 - np.cos(self.length / 2 / self.radius)))
-
-    def _own(self, x: Array, y: Array) -> Values:
-        """Height and slopes; y has no effect."""
-        inside = np.abs(x) < self.length / 2
-        turn = np.where(inside, x, 0.0) / self.radius
+    def _along(self, x: Array) -> tuple[Array, Array]:
+        turn = np.clip(x, -self.length / 2, self.length / 2) / self.radius
         distance = np.cos(self.length / 2 / self.radius) / np.cos(turn)
-        height, slope = self.radius * (distance - 1), distance * np.tan(turn)
-        return np.where(inside, height, 0.0), np.where(inside, slope, 0.0), np.zeros_like(x)
+        slope = np.where(np.abs(x) < self.length / 2, distance * np.tan(turn), 0.0)
+        return self.radius * (distance - 1), slope
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -112,6 +89,15 @@ class Map(Height):
     y: Array = field(repr=False)
     height: Array = field(repr=False)
 
+    def __call__(self, x: Array, y: Array) -> Values:
+        """Height and slopes at places (n,), mm; a slope is 0 where its coordinate is beyond."""
+        x = x + self.position
+        at, across = np.clip(x, *self.x[[0, -1]]), np.clip(y, *self.y[[0, -1]])
+        value, along, beside = (
+            self._spline.ev(at, across, dx, dy) for dx, dy in ((0, 0), (1, 0), (0, 1))
+        )
+        return value, np.where(at == x, along, 0.0), np.where(across == y, beside, 0.0)
+
     @property
     def range(self) -> float:
         """Largest less smallest height on the grid, mm."""
@@ -124,14 +110,6 @@ class Map(Height):
         if len(y) == 1:
             y, height = np.arange(float(FEWEST)), np.repeat(height, FEWEST, axis=1)
         return RectBivariateSpline(self.x, y, height)
-
-    def _own(self, x: Array, y: Array) -> Values:
-        """Height and slopes; both slopes are 0 where their coordinate is beyond the grid."""
-        at, across = np.clip(x, *self.x[[0, -1]]), np.clip(y, *self.y[[0, -1]])
-        value, along, beside = (
-            self._spline.ev(at, across, dx, dy) for dx, dy in ((0, 0), (1, 0), (0, 1))
-        )
-        return value, np.where(at == x, along, 0.0), np.where(across == y, beside, 0.0)
 
 
 def read_map(path: Path, position: float) -> Map:

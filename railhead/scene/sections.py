@@ -516,15 +516,6 @@ class Wheel(BodySection):
         return {**data, "surface": {**given, "position": angle * radius}}
 
     @model_validator(mode="after")
-    def _flat_of_a_circle(self) -> Self:
-        """Raise SceneError for a flat that is cut off in a plane and not shorter than the wheel."""
-        given = self.surface
-        if given and given.kind == "flat" and (given.length or 0.0) > self.rolling_radius:
-            text = f"{given.length:g} is not allowed; give at most wheel.rolling_radius"
-            raise SceneError("surface.length", f"{text} ({self.rolling_radius:g})")
-        return self
-
-    @model_validator(mode="after")
     def _tape_circle_and_segment(self) -> Self:
         """Raise SceneError for another tape circle of S1002 than its own, and for a segment longer
         than 2.4 rolling radii.

@@ -42,8 +42,9 @@ def test_a_rounded_flat_by_half_spaces(degrees: int) -> None:
     assert found.passed
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("degrees", ROUNDED)
+@pytest.mark.parametrize(
+    "degrees", [3, *(pytest.param(each, marks=pytest.mark.slow) for each in (5, 0))]
+)
 def test_a_rounded_flat_by_finite_elements(degrees: int) -> None:
     """Within the asked 1 %; both methods within their estimates."""
     ahead, pressure, area = ROUNDED[degrees]
@@ -53,7 +54,7 @@ def test_a_rounded_flat_by_finite_elements(degrees: int) -> None:
     assert result["surface_shape"]["position_mm"] == pytest.approx(ahead, abs=0.03)
     assert result["pressure"]["max_MPa"] == pytest.approx(pressure, rel=0.01)
     assert result["patch"]["area_mm2"] == pytest.approx(area, rel=0.01)
-    assert found.passed and found.estimate["pressure_max"] < 0.01
+    assert found.passed and found.summary["accuracy"]["bound"]["max_MPa"] < 0.01
 
 
 def test_finite_elements_find_both_patches_of_a_hollow_that_half_spaces_find() -> None:

@@ -9,7 +9,7 @@ bend, whose weight falls with the distance.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import find_objects, label
@@ -212,9 +212,11 @@ def _around(contact: Contact, surface: Developed, rigid: float) -> list[Window]:
     closure `rigid` (mm): centre (x, s) and half sizes (x, s), mm.
     """
     found: list[Window] = []
+    touches = contact.touches(rigid)
     if contact.shape is not None:  # the smooth bodies touch elsewhere
-        return found
-    for touch in contact.touches(rigid):
+        x, y = contact.shape.first
+        touches = [replace(contact.touch, x=x, y=y)]
+    for touch in touches:
         depth = 2 * (rigid - touch.gap) * math.cos(touch.angle)
         least = 0.1 / contact.scene.wheel.rolling_radius
         halves = [math.sqrt(depth / max(c, least)) for c in (touch.curvature_x, touch.curvature_y)]

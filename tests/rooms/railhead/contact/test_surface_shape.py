@@ -103,6 +103,23 @@ def test_steep_slopes_are_refused_with_their_size() -> None:
     assert line.startswith("rail.surface: its slope is up to 0.12")
 
 
+def test_roughness_is_no_shape() -> None:
+    """What changes between the places that are looked at is refused, not overlooked."""
+    pit = {"rail.surface.kind": "flat", "rail.surface.length": 0.01, "rail.surface.depth": 100.0}
+    line = refusal(lambda: solid.locate(BASE.replace(**pit)))
+    assert line.startswith("rail.surface: its height changes within 0.01 mm, as roughness does")
+
+
+@pytest.mark.parametrize("load", [1e-6, 1.0, 10e3])
+def test_the_patch_is_forecast_where_the_surfaces_touch(load: float) -> None:
+    """Whatever its size beside the steps of the search."""
+    keys = {"load": load, "wheel.surface.position": "3 deg"}
+    made = simulation_plan.make(BASE.replace(**(FLAT | keys)))
+    (zone,) = made.forecast.zones
+    assert zone.centre[0] == pytest.approx(made.contact.shape.first[0], abs=0.1 * zone.a)
+    assert made.forecast.reason == ""
+
+
 def test_the_effect_may_be_switched_off() -> None:
     made = simulation_plan.make(BASE.replace(**WAVES, **{"effects.surface_shape": "off"}))
     assert made.effects["surface_shape"].called_for and made.contact.shape is None
