@@ -24,11 +24,13 @@ if TYPE_CHECKING:
         Scene,
         SceneError,
         Solver,
+        Wear,
         Wheel,
         Wheelset,
     )
     from railhead.sweeps.creep_tables import creep_table
     from railhead.sweeps.sweep_results import Sweep, sweep
+    from railhead.sweeps.wear import wear
 
 __version__ = "0.3.0"
 __all__ = [
@@ -43,6 +45,7 @@ __all__ = [
     "SceneError",
     "Solver",
     "Sweep",
+    "Wear",
     "Wheel",
     "Wheelset",
     "creep_table",
@@ -54,6 +57,7 @@ __all__ = [
     "solve",
     "steels",
     "sweep",
+    "wear",
 ]
 _HOMES = dict.fromkeys(__all__, "railhead.scene.scene") | {
     "MeshError": "railhead.meshing.mesh",
@@ -62,6 +66,7 @@ _HOMES = dict.fromkeys(__all__, "railhead.scene.scene") | {
     "Result": "railhead.results.result",
     "creep_table": "railhead.sweeps.creep_tables",
     **dict.fromkeys(("Sweep", "sweep"), "railhead.sweeps.sweep_results"),
+    "wear": "railhead.sweeps.wear",
 }
 
 _MOVED = {

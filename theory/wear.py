@@ -16,10 +16,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
+from scipy.interpolate import PchipInterpolator, make_interp_spline
 
 from railhead.theory.array_types import Array, Index
 from railhead.theory.bem.grid_patch import PatchSolution
@@ -36,8 +36,8 @@ USFD: Pairs = ((55.0 / 5.3, 55.0), (77.2, 55.0), (78.2, 116.9))
 #: T-gamma of a patch, N, and damage of one passage: no cracks up to 15 N, and beyond 175 N wear
 #: takes them off. Burstow's whole-life rail model, from memory; others begin at 20 N.
 DAMAGE: Pairs = ((15.0, 0.0), (65.0, 1e-5), (175.0, 0.0))
-FIRST, SHORTEST, GROWTH = 0.125, 1e-4, 3.0  # share of the first step, and least; largest growth
-CLOSE = 0.5  # of the accuracy: change of the depth by halving a step, over the largest at the end
+FIRST, DEEPEST = 0.125, 0.02  # largest share, and depth in mm, of the first step
+SHORTEST, GROWTH = 1e-5, 3.0  # share of a step that is not made shorter; largest growth
 
 
 @dataclass(frozen=True)
@@ -99,6 +99,18 @@ def onto(places: Array, s: Array, values: Array) -> Array:
     return np.nan_to_num(PchipInterpolator(x, np.pad(kept, 1), extrapolate=False)(places))
 
 
+def seen(values: Array, step: float, width: Array) -> Array:
+    """Values (n,) that are `step` mm apart, as lines of the width (n,), mm, see them: averages with
+    weights that fall linearly to zero at one width to each side. With values as of `onto` this
+    keeps the influence of several grids on each other symmetric; what is shorter than a line cannot
+    be taken for a longer wave.
+    """
+    s = step * np.arange(values.size)
+    twice = make_interp_spline(s, values, k=1).antiderivative(2)
+    ends = twice(s + width) + twice(s - width) - 2 * twice(s)
+    return np.asarray(ends / width**2)
+
+
 Advance = Callable[[Array, Sequence[float]], list[Array]]
 """Worn depth (n,), mm, and shares of the whole wear -> depth (n,) after one step of backward Euler
 from there for each of the shares."""
@@ -132,21 +144,31 @@ def march(advance: Advance, start: Stage, ends: Sequence[float]) -> Iterator[Sta
         yield stage
 
 
-def march_freely(advance: Advance, start: Stage, accuracy: float) -> Iterator[Stage]:
-    """Worn depth as of `march` after steps that are chosen: halving a step changes the depth by at
-    most half (CLOSE) of the accuracy, a fraction of the largest depth that is expected at the end.
+def march_freely(
+    advance: Advance, start: Stage, accuracy: float, largest: float = math.inf
+) -> Iterator[Stage]:
+    """Worn depth as of `march` after steps that are chosen: halving a step changes the depth by no
+    more than about the accuracy, a fraction of the largest depth that is expected at the end, and
+    no more than about `largest`, mm. A step in which `advance` raises ValueError is made shorter;
+    from SHORTEST on it is raised.
     """
     stage = start
     while stage.done < 1.0:
         count = math.ceil((1.0 - stage.done) / stage.share - 1e-9)
         share = (1.0 - stage.done) / count
-        found = _step(advance, stage, share)
-        most = CLOSE * accuracy * float(found.depth.max()) / found.done
+        try:
+            found = _step(advance, stage, share)
+        except ValueError:
+            if share <= SHORTEST:
+                raise
+            stage = replace(stage, share=share / GROWTH)
+            continue
+        most = min(accuracy * float(found.depth.max()) / found.done, largest)
         factor = 0.9 * math.sqrt(most / found.change) if found.change > 0 else GROWTH
         if found.change > 2 * most and share > SHORTEST:
-            stage = Stage(stage.done, stage.depth, stage.change, share * max(factor, 1 / GROWTH))
+            stage = replace(stage, share=share * max(factor, 1 / GROWTH))
             continue
-        stage = Stage(found.done, found.depth, found.change, share * min(factor, GROWTH))
+        stage = replace(found, share=share * min(factor, GROWTH))
         yield stage
 
 

@@ -465,6 +465,32 @@ def table(
 
 
 @railhead.command()
+@_takes_scene
+@click.option("--out", type=click.Path(path_type=Path), help="Folder [results/<case>_wear].")
+@_force
+@click.option("--quiet", is_flag=True, help="Print only what fails.")
+@click.option("--json", "as_json", is_flag=True, help="Print wear.json and nothing else.")
+def wear(scene: Scene, out: Path | None, force: bool, quiet: bool, as_json: bool) -> int:
+    """Wear rail and wheel over a route of positions, [wear] of the scene."""
+    from railhead.results import result_folder
+    from railhead.sweeps import wear as sweep
+
+    _ask(scene)
+    folder = out if out is not None else Path("results") / f"{scene.name}_wear"
+    result_folder.check_folder(folder)
+    found = sweep.wear(scene, folder, force=force, quiet=quiet or as_json)
+    if found is None:  # a rank that worked for the first one
+        return SOLVED
+    for name, advice in found.summary["checks"]["advice"].items():
+        click.echo(f"FAILED {name}: {advice}", err=True)
+    if as_json:
+        click.echo(result_folder.to_json(found.summary), nl=False)
+    elif not quiet:
+        click.echo("\n".join([*sweep.words(found), f"written to {folder}/"]))
+    return SOLVED if found.passed else CHECK_FAILED
+
+
+@railhead.command()
 @click.argument("folder", type=click.Path(path_type=Path))
 @_units
 @click.option("--pictures", is_flag=True, help="Draw the pictures again.")

@@ -111,6 +111,16 @@ def wheelset_creepage(contact: Contact) -> WheelsetCreepage:
     )
 
 
+def creepage(contact: Contact) -> Creepage:
+    """Creepage of a scene that rolls: of its wheelset where rolling.from_wheelset is true, else the
+    given one; zero where not given, as beside a force. Raises SceneError as `wheelset_creepage`.
+    """
+    rolling = contact.scene.rolling
+    if rolling.from_wheelset:
+        return wheelset_creepage(contact).creepage
+    return Creepage(rolling.creepage_along or 0.0, rolling.creepage_across or 0.0, rolling.spin)
+
+
 def turning_radius(contact: Contact) -> float:
     """Distance in mm that the axle moves while it turns by 1 rad: that of `Contact.axle`; without
     it the mean of both wheels' rolling radii, of a nominal axle the nominal radius, also where the

@@ -50,7 +50,10 @@ def find(name: str | Path) -> Scene:
 
 
 INPUT = "input"  # folder in a result folder with the files that the scene names
-FILES = ("profile", "stress_strain", "passes_from", "other_rail", "other_wheel")
+FILES = (
+    *("profile", "stress_strain", "passes_from", "other_rail", "other_wheel"),
+    *("positions", "law"),
+)
 """Keys of tables whose values may be paths."""
 
 
@@ -127,7 +130,7 @@ def portable(scene: Scene) -> dict[str, Any]:
     result folder. OSError: a file cannot be read.
     """
     at, data = places(scene.files), scene.model_dump(exclude_none=True)
-    for table in (data["rail"], data["wheel"], data["wheelset"], data["rolling"]):
+    for table in (data["rail"], data["wheel"], data["wheelset"], data["rolling"], data["wear"]):
         table |= {key: at.get(table[key], table[key]) for key in FILES if key in table}
         if file := table.get("surface", {}).get("file"):
             table["surface"]["file"] = at[file]

@@ -10,6 +10,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -62,6 +63,30 @@ def checked_name(value: object) -> str:
 MIN_STRESS, MAX_STRESS = 1e-6, 1e9  # MPa
 
 
+def read_pairs(path: str, first: str, second: str) -> Iterator[tuple[int, tuple[float, float]]]:
+    """Numbers of the lines of a .csv file that hold pairs of numbers, and the pairs; a heading in
+    the first line is left out. first, second: what the numbers are, for messages. Raises ValueError
+    (one line) for a row that is not two numbers and for a file that is no text, OSError where it
+    cannot be read.
+    """
+    try:
+        with open(path, newline="", encoding="utf-8-sig") as file:
+            rows = list(csv.reader(file))
+    except (UnicodeDecodeError, csv.Error):
+        raise ValueError(f"{path} is no text; give {first} and {second}, a row each") from None
+    for number, row in enumerate(rows, 1):
+        if not any(cell.strip() for cell in row):
+            continue
+        try:
+            one, other = map(float, row)
+        except ValueError:
+            if number == 1:
+                continue  # a heading
+            text = f"{','.join(row)!r} is not a {first} and a {second}; give two numbers"
+            raise ValueError(f"{path}, line {number}: {text}") from None
+        yield number, (one, other)
+
+
 def read_curve(path: str) -> list[tuple[float, float]]:
     """Points (plastic strain, true stress in MPa) of a .csv file; a heading in its first line is
     left out.
@@ -72,25 +97,9 @@ def read_curve(path: str) -> list[tuple[float, float]]:
     Raises OSError where the file cannot be read.
     """
     points: list[tuple[float, float]] = []
-    try:
-        with open(path, newline="", encoding="utf-8-sig") as file:
-            rows = list(csv.reader(file))
-    except (UnicodeDecodeError, csv.Error):
-        raise ValueError(f"{path} is no text; give plastic strain and stress, a row each") from None
-    for number, row in enumerate(rows, 1):
-        if not any(cell.strip() for cell in row):
-            continue
-        try:
-            strain, stress = map(float, row)
-        except ValueError:
-            if number == 1:
-                continue  # a heading
-            raise ValueError(
-                f"{path}, line {number}: {','.join(row)!r} is not a plastic strain and a "
-                "stress; give two numbers"
-            ) from None
-        _check(path, number, (strain, stress), points)
-        points.append((strain, stress))
+    for number, pair in read_pairs(path, "plastic strain", "stress"):
+        _check(path, number, pair, points)
+        points.append(pair)
     if len(points) < 2:
         raise ValueError(f"{path} has {len(points)} points; give at least two")
     return points

@@ -30,6 +30,7 @@ from railhead.scene.sections import (
     SceneError,
     Section,
     Solver,
+    Wear,
     Wheel,
     Wheelset,
     refuse_first,
@@ -46,6 +47,7 @@ __all__ = [
     "Scene",
     "SceneError",
     "Solver",
+    "Wear",
     "Wheel",
     "Wheelset",
 ]
@@ -227,6 +229,7 @@ class Scene(Section):
         the wheel from rest, a `Friction`.
     rolling: steady rolling, a `Rolling`.
     heat: warmth of the bodies, a `Heat`.
+    wear: wear over a route, a `Wear`.
     solver: contact method and linear solver, a `Solver`.
     mesh: the elements, a `Mesh`.
     effects: physical effects and simplifications, each "auto", "on" or "off", an `Effects`.
@@ -246,6 +249,7 @@ class Scene(Section):
     friction: Friction = Friction()
     rolling: Rolling = Rolling()
     heat: Heat = Heat()
+    wear: Wear = Wear()
     solver: Solver = Solver()
     mesh: Mesh = Mesh()
     effects: Effects = Effects()
@@ -437,14 +441,14 @@ class Scene(Section):
 
     @property
     def files(self) -> list[Path]:
-        """Absolute paths of the files that profiles, stress-strain curves and earlier passes are
-        read from.
+        """Absolute paths of the files that profiles, stress-strain curves, earlier passes, and a
+        route and law of wear are read from.
         """
         bodies = self.bodies.values()
         given = [path for body in bodies for path in (body.profile, body.stress_strain)]
         given += [body.surface.file for body in bodies if body.surface]
         others = self.wheelset.other_rail, self.wheelset.other_wheel
-        given += [self.rolling.passes_from, *others]
+        given += [self.rolling.passes_from, *others, self.wear.positions, self.wear.law]
         return [path for path in map(Path, filter(None, given)) if path.suffix]
 
     @property

@@ -4,6 +4,7 @@ Lengths are in mm, stresses in MPa, and wherever a number is expected a string w
 as well. A key that may be None leaves the choice to the plan.
 """
 
+import math
 import os
 from difflib import get_close_matches
 from itertools import pairwise
@@ -166,10 +167,7 @@ def _curve(value: object) -> str:
     """
     if arrays.is_array(value):
         value = arrays.file_of(value, "curve", {"plastic_strain": "", "stress_MPa": "MPa"})
-    path = os.path.abspath(str(value))
-    if not path.lower().endswith(".csv") or not _readable(path):
-        raise ValueError(f"{show(value)} is not a readable .csv file; give one that exists")
-    flow_curves.read_curve(path)
+    flow_curves.read_curve(path := _csv(value))
     return path
 
 
@@ -851,6 +849,84 @@ class Heat(Section):
         """Whether a constant of the material is given that is not that of steel."""
         given = self.model_dump(exclude_defaults=True)
         return bool(given.keys() & {"conductivity", "density", "specific_heat"})
+
+
+def _csv(value: object) -> str:
+    """The absolute path of a .csv file that can be read. Raises ValueError (one line) for another
+    value.
+    """
+    path = os.path.abspath(str(value))
+    if not path.lower().endswith(".csv") or not _readable(path):
+        raise ValueError(f"{show(value)} is not a readable .csv file; give one that exists")
+    return path
+
+
+def _law(value: object) -> str:
+    """A law of wear: 'energy', 'usfd' or the absolute path of a .csv file of pairs. Raises
+    ValueError (one line) for another value and a file that holds no pairs.
+    """
+    if value in ("energy", "usfd"):
+        return str(value)
+    if not str(value).lower().endswith(".csv"):
+        raise ValueError(f"{show(value)} is not allowed; give energy, usfd or a .csv file of pairs")
+    wear_pairs(path := _csv(value))
+    return path
+
+
+def wear_pairs(path: str) -> tuple[tuple[float, float], ...]:
+    """Pairs of a law of wear in a .csv file: T-gamma over the area, N/mm2, positive and rising, and
+    worn mass, ug per m and mm2, not negative. Raises ValueError (one line) for other content.
+    """
+    names = "T-gamma over the area", "rate"
+    found, last = [], 0.0
+    for number, (density, mass) in flow_curves.read_pairs(path, *names):
+        if not (last < density < math.inf and 0 <= mass < math.inf):
+            text = f"{density:g}, {mass:g} is not allowed; give rising {names[0]} above 0 and rates"
+            raise ValueError(f"{path}, line {number}: {text} of 0 or more")
+        found.append((density, mass))
+        last = density
+    if not found:
+        raise ValueError(f"{path} has no pair; give {names[0]} and {names[1]}, a row each")
+    return tuple(found)
+
+
+class Wear(Section):
+    """Wear of rail and wheel over a route; only `railhead wear` reads it.
+
+    law: "energy": one `rate`; "usfd": rates of twin discs by T-gamma over the area; or the path of
+        a .csv file of pairs: T-gamma over the area, N/mm2, and ug worn per m rolled and mm2.
+    rate: of law energy, worn volume over dissipated energy, mm3/(N mm), the same of both bodies.
+    on: what is worn: "rail", "wheel" or "both".
+    axles: number of wheels that pass the rail. Needed where the rail is worn.
+    distance: mm that the wheel rolls. Needed where the wheel is worn.
+    positions: path of a .csv file of the route: a row a position, its first line keys of a scene,
+        and "share" of the passages, of which the sum counts as 1; without it all are alike. None:
+        the scene alone.
+    step: number of equal steps; "auto": as many as the accuracy needs.
+    accuracy: largest relative error of largest depth and worn area, by steps and grids.
+    depth_limit: mm; None: none. The result says when each limit is reached.
+    flange_limit: mm, least thickness of the flange; None: none.
+    conicity_limit: largest equivalent conicity at 3 mm; None: none.
+    """
+
+    law: Annotated[str, BeforeValidator(_law)] = "energy"
+    rate: units.WearRate = 6.75e-7
+    on: Literal["rail", "wheel", "both"] = "rail"
+    axles: units.Axles | None = None
+    distance: units.Distance | None = None
+    positions: Annotated[str, BeforeValidator(_csv)] | None = None
+    step: units.Steps | Literal["auto"] = "auto"
+    accuracy: units.Accuracy = 0.01
+    depth_limit: units.WearDepth | None = None
+    flange_limit: units.Thickness | None = None
+    conicity_limit: units.Conicity | None = None
+
+    @model_validator(mode="after")
+    def _rate_of_energy(self) -> Self:
+        """Raise SceneError for a rate beside another law than energy."""
+        if self.law != "energy" and self.rate != type(self).model_fields["rate"].default:
+            raise SceneError("rate", f"{self.rate:g} is not allowed; only law energy takes it")
+        return self
 
 
 class Effects(Section):

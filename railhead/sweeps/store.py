@@ -131,7 +131,7 @@ def records(folder: Path) -> dict[int, tuple[dict[str, Any], dict[str, Any]]]:
             try:
                 found[int(number)] = record, sweep_table.row(record)
             except (LookupError, TypeError, ValueError, AttributeError):
-                raise _broken(path) from None
+                raise broken(path) from None
     return found
 
 
@@ -143,7 +143,7 @@ def request(folder: Path) -> tuple[str, list[str]]:
     try:
         return str(found["scene"]["name"]), list(found["over"])
     except (LookupError, TypeError):
-        raise _broken(folder / REQUEST) from None
+        raise broken(folder / REQUEST) from None
 
 
 def check(folder: Path, values: Callable[[int], Mapping[str, object]]) -> None:
@@ -160,7 +160,7 @@ def check(folder: Path, values: Callable[[int], Mapping[str, object]]) -> None:
         with suppress(LookupError):
             good = record["over"] == json.loads(result_folder.to_json(dict(values(number))))
         if not good:
-            raise _broken(_record(folder, number))
+            raise broken(_record(folder, number))
 
 
 def vtu_folder(folder: Path, number: int) -> Path:
@@ -180,10 +180,10 @@ def _load(path: Path) -> dict[str, Any]:
     except (ValueError, RecursionError):
         table = None
     if not isinstance(table, dict):
-        raise _broken(path)
+        raise broken(path)
     return table
 
 
-def _broken(path: Path) -> SceneError:
+def broken(path: Path) -> SceneError:
     """The error that reports a broken file of a sweep."""
     return SceneError("--out", f"{str(path)!r} is broken; delete it and start again")

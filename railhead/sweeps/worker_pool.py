@@ -42,11 +42,11 @@ Submit = Callable[..., "Future[Attempt[Any]]"]
 
 
 @contextmanager
-def submitting(ranks: int) -> Iterator[Submit | None]:
+def submitting(ranks: int, jobs: int = JOBS_PER_PROCESS) -> Iterator[Submit | None]:
     """A function submit(work, *arguments) that starts a job and returns the future of its Attempt.
 
     ranks: number of MPI ranks. With several ranks, call this on all of them: ranks that do the jobs
-        get None, after the last job.
+        get None, after the last job. jobs: as of `processes`.
     """
     if ranks > 1:
         from mpi4py.futures import MPICommExecutor
@@ -54,7 +54,7 @@ def submitting(ranks: int) -> Iterator[Submit | None]:
         with MPICommExecutor() as executor:
             yield executor and (lambda *job: executor.submit(attempt, *job))
         return
-    with processes() as pool:
+    with processes(jobs) as pool:
         yield lambda *job: pool.schedule(attempt, args=job)
 
 
@@ -74,12 +74,14 @@ def outcome(future: Future[Attempt[T]]) -> Attempt[T]:
 
 
 @contextmanager
-def processes() -> Iterator[ProcessPool]:
-    """Pool of processes, one for each core; stopped at the end of the block."""
+def processes(jobs: int = JOBS_PER_PROCESS) -> Iterator[ProcessPool]:
+    """Pool of processes, one for each core; stopped at the end of the block. jobs: of a process
+    before it ends; 0: no limit.
+    """
     # Where a signal ends this process, a process of multiprocessing warns of what it tidies up.
     os.environ.setdefault("PYTHONWARNINGS", "ignore:resource_tracker")
     with ProcessPool(
-        os.cpu_count() or 1, max_tasks=JOBS_PER_PROCESS, initializer=_single, context=_Context()
+        os.cpu_count() or 1, max_tasks=jobs, initializer=_single, context=_Context()
     ) as pool:
         try:
             yield pool

@@ -291,7 +291,8 @@ def equilibrium(
             return [PatchSolution(g.x, g.s, g.angle, q, gaps, rigid) for g, q, gaps in found]
         descent = np.where(used, residual, 0)
         square = float(np.sum(weight * descent**2))
-        direction = np.where(used, descent + square / previous * direction, 0)
+        growth = square / previous if previous else 0.0  # a single cell has no descent
+        direction = np.where(used, descent + growth * direction, 0)
         if approach is None:
             direction -= np.where(used, c, 0) * (np.sum(wc * direction) / norm)
         change = influence(direction)

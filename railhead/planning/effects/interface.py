@@ -129,14 +129,8 @@ def wheelset_creepage(context: Context) -> WheelsetCreepage | None:
 
 
 def creepage(context: Context) -> Creepage:
-    """Creepage of the scene: from the wheelset, or the given creepages and spin, zero where not
-    given, as where a force is given instead. Zero for a shift. Raises SceneError for half-spaces
-    and sections with rolling.from_wheelset.
-    """
-    rolling, wheelset = context.scene.rolling, wheelset_creepage(context)
-    if wheelset:
-        return wheelset.creepage
-    return Creepage(rolling.creepage_along or 0.0, rolling.creepage_across or 0.0, rolling.spin)
+    """Creepage of the scene as of `wheelset_kinematics.creepage`; zero for a shift."""
+    return wheelset_kinematics.creepage(context.contact)
 
 
 def _expected(context: Context, limit: float) -> str:

@@ -19,6 +19,7 @@ from railhead.contact.solid import Contact
 from railhead.geometry.surfaces import along
 from railhead.theory.array_types import Array
 from railhead.theory.bem import pressure_solver
+from railhead.theory.bem.influence import Lines
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution, Window
 from railhead.theory.elastic.line import Hertz
 
@@ -119,7 +120,12 @@ def develop(contact: Contact) -> Developed:
 
 
 def solve(
-    contact: Contact, ellipse: Hertz, load: float | None, cells: int = CELLS
+    contact: Contact,
+    ellipse: Hertz,
+    load: float | None,
+    cells: int = CELLS,
+    *,
+    lines: Lines | None = None,
 ) -> BoundaryElementSolution:
     """Boundary-element solution, elastic and frictionless, with all patches of a contact under a
     vertical load (N), or at the ellipse's approach.
@@ -127,6 +133,7 @@ def solve(
     load: vertical load, N; None for the approach along the vertical, the ellipse's over the cosine
         of the contact angle.
     cells: number of cells along each axis of a patch.
+    lines: compliance of the lines along x beside that of the half-spaces; None: zero.
     Where the solution leaves a point of the wheel's contact locus inside the rail, a patch was
     missed and is added. Raises ValueError for half-spaces, where there is no closed patch within
     the profiles, and where patches are still missed after five solutions (MAX_SOLUTIONS).
@@ -146,6 +153,7 @@ def solve(
             load=load,
             approach=rigid if load is None else None,
             tolerance=TOLERANCE,
+            lines=lines,
         )
         missed = _boxes(contact, x, s, _inside(surface, found, x, s, height))
         if not missed:

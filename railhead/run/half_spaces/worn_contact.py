@@ -1,0 +1,369 @@
+"""One position of a wheelset on worn profiles: pressure, tractions, and what they wear off.
+
+A position bears a share of all passages. It sees the depth that all positions wore before, and in a
+step its own wear by the pressure of the step's end (`theory.wear`). What the others wear in the
+step is taken to grow with the position's own pressure on each line: alike positions then wear as
+one, and any step is stable.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from railhead.contact import solid, wheelset_kinematics
+from railhead.contact.solid import Contact
+from railhead.geometry import worn_profile
+from railhead.geometry.placement import ProfilePair
+from railhead.geometry.worn_profile import Places
+from railhead.planning.references import (
+    boundary_elements,
+    closed_forms,
+    torque_free,
+    tribology,
+)
+from railhead.run.half_spaces import normal_contact, tangential_contact
+from railhead.scene.scene import Scene
+from railhead.theory import wear
+from railhead.theory.array_types import Array
+from railhead.theory.bem.grid_patch import PatchSolution
+from railhead.theory.bem.influence import Lines
+from railhead.theory.bem.pressure_solver import BoundaryElementSolution
+from railhead.theory.elastic.line import Hertz
+from railhead.theory.friction.damage import surface_fatigue_index
+from railhead.theory.wear import WearLaw
+
+BODIES = ("rail", "wheel")
+BROAD, FAINT = 8.0, 0.05
+LINES = ("energy", "worn", "pressure", "traction", "damage")
+FIELDS = ("pressure", "index", "energy", "damage", "rate", "force")
+Fields = dict[str, Array]
+"""Values (n,) at the places along the profile of a body, by body or by name."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Position:
+    """A position of the wheelset, and how much of the wear it brings.
+
+    scene: the scene, whose profiles are new.
+    hertz: exact Hertz of the new profiles, of which contact modulus and approach are used.
+    law: of wear.
+    axles: wheels that pass the rail in this position; 0: the rail is not worn.
+    distance: that the wheel rolls in this position, mm; 0: the wheel is not worn.
+    """
+
+    scene: Scene
+    hertz: Hertz
+    law: WearLaw
+    axles: float
+    distance: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fineness:
+    """Resolution of a solution.
+
+    places: along each profile, at which the depth is given.
+    cells: of the pressure of a patch each way; the tractions have half as many.
+    """
+
+    places: int
+    cells: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Known:
+    """What a solution of a position tells the next one.
+
+    rises: vertical force that the tractions carry, N.
+    lines: by body, y of the middle of each window and the width of its lines, mm, by rising y.
+    """
+
+    rises: float = 0.0
+    lines: dict[str, list[tuple[float, float]]] = field(default_factory=dict)
+
+    def depths(self, along: Mapping[str, Places], depths: Fields) -> Fields:
+        """Worn depths as the lines of this position see them (`theory.wear.seen`); unchanged before
+        the first solution.
+        """
+        if not self.lines:
+            return depths
+        return {
+            body: wear.seen(
+                depths[body],
+                places.step,
+                np.interp(places.points[:, 0], *np.transpose(self.lines[body])),
+            )
+            for body, places in along.items()
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Seen:
+    """The contact of a position on profiles as they are.
+
+    values: quantities by their names in wear.json; 'rail_mm2' and 'wheel_mm2' are areas that all
+        passages take at the present rate, 'edge_cells' the least distance of a patch from an end
+        of a profile, in cells.
+    fields: by body and name, (n,) at the places along its profile: 'pressure', largest of the line,
+        MPa; 'index', largest surface fatigue index of the line, NaN without pressure or yield
+        stress; by all passages at the present rate 'energy', the sum of T-gamma per width, N/mm,
+        and 'damage'; and as averages over 8 (BROAD) lines 'rate', the depth by all passages, mm,
+        and 'force' per width, N/mm, at least 5 % (FAINT) of its largest value.
+    known: what the next solution of this position begins with.
+    """
+
+    values: dict[str, float]
+    fields: dict[str, Fields]
+    known: Known
+
+
+def places(scene: Scene, count: int) -> dict[str, Places]:
+    """Places along the new profiles of 'rail' and 'wheel' of a scene, `count` along each."""
+    new = solid.pair(scene)
+    return {body: worn_profile.along(getattr(new, body), count) for body in BODIES}
+
+
+def pairs(scene: Scene, along: Mapping[str, Places], depths: Fields) -> solid.Pairs:
+    """Both sides of a wheelset with worn profiles. The other side is worn alike, but a profile of
+    its own stays new. Raises ValueError where a profile folds.
+    """
+    rail, wheel = (along[body].profile_at(depths[body]) for body in BODIES)
+    here = ProfilePair(rail, wheel, scene.wheel.rolling_radius, solid.tape_circle(scene))
+    return here, solid.pairs(scene)[1] if scene.wheelset.unlike else here
+
+
+class WornContact:
+    """A position on worn profiles: its pressure, and what it wears off.
+
+    seen: what is read of pressure and tractions.
+    """
+
+    def __init__(
+        self, position: Position, fineness: Fineness, depths: Fields, known: Known
+    ) -> None:
+        """depths: worn so far. known: of an earlier solution of this position.
+        Raises ValueError where a profile folds or no pressure or tractions are found, SceneError
+        where the wheelset does not stand on its track.
+        """
+        scene, along = position.scene, places(position.scene, fineness.places)
+        depths = known.depths(along, depths)
+        self._position, self._cells = position, fineness.cells
+        self._contact = _placed(scene, pairs(scene, along, depths))
+        self._surface = boundary_elements.develop(self._contact)
+        self._steps = {body: along[body].step for body in BODIES}
+        self._across = {body: along[body].worn(depths[body])[:, 0] for body in BODIES}
+        self._load = float(scene.load or 0.0) + known.rises
+        self._pressed = self._press(None)
+        self._windows = sorted(self._pressed.windows, key=lambda window: window.centroid[1])
+        self._middle = np.array([window.centroid for window in self._windows]).T
+        self.seen = self._sheared()
+
+    def wear(self, share: float, others: Fields) -> Fields:
+        """Depth that this position wears off both bodies in a share of its passages, by the
+        pressure of their end. others: depth that the other positions wear in all of theirs over
+        the force per width of this one, mm2/N.
+        """
+
+        def opening(s: Array) -> Array:
+            """Compliance (n,), mm2/N, of the lines at s (n,), mm."""
+            rest = sum(
+                np.interp(self._y(body, s), self._across[body], others[body]) for body in BODIES
+            )
+            return np.asarray(share * (sum(self._line(body, s) for body in BODIES) + rest))
+
+        after = self._press(opening).windows
+        return {
+            body: share
+            * self._field(body, after, [self._line(body, each.s) * _force(each) for each in after])
+            for body in BODIES
+        }
+
+    def _press(self, lines: Lines | None) -> BoundaryElementSolution:
+        """The pressure on the present profiles, with a compliance of the lines or without."""
+        hertz, cells = self._position.hertz, self._cells
+        return boundary_elements.solve(self._contact, hertz, self._load, cells, lines=lines)
+
+    def _y(self, body: str, s: Array) -> Array:
+        """y (n,) on the profile of a body, mm, of the lines at s (n,), mm; a line on the wheel is
+        one of its circles.
+        """
+        if body == "rail":
+            return np.interp(s, self._surface.s, self._surface.y)
+        assert self._contact.pose is not None
+        s = s.clip(*self._surface.s[[0, -1]])
+        points = self._surface.points(np.interp(s, self._middle[1], self._middle[0]), s)
+        return self._contact.pose.inward(points)[:, 1]
+
+    def _passes(self, body: str, s: Array) -> Array:
+        """Number (n,) of passages, or of the wheel's turns, that wear the lines at s (n,), mm."""
+        if body == "rail":
+            return np.full(s.shape, self._position.axles)
+        assert self._contact.pair is not None
+        pair = self._contact.pair
+        radius = pair.rolling_radius + pair.wheel.height(self._y(body, s))
+        return np.nan_to_num(self._position.distance / (2 * math.pi * radius))
+
+    def _line(self, body: str, s: Array) -> Array:
+        """Depth by all passages over the force per width, (n,), mm2/N, of the lines at s (n,)."""
+        return self._passes(body, s) * self._rate(s)
+
+    def _field(self, body: str, windows: Sequence[PatchSolution], values: Sequence[Array]) -> Array:
+        """Sum (n,) of values of the lines of windows at the places along the profile of a body."""
+        total = np.zeros_like(self._across[body])
+        for window, value in zip(windows, values, strict=True):
+            s = np.interp(self._across[body], self._y(body, window.s), window.s)
+            total += wear.onto(s, window.s, value)
+        return total
+
+    def _sheared(self) -> Seen:
+        """Tractions under the pressure, and what is read from both."""
+        scene, contact = self._position.scene, self._contact
+        pair, rolling = closed_forms.tangential_pair(scene), scene.rolling
+        patches = normal_contact.patches(
+            contact,
+            self._position.hertz,
+            hertzian=False,
+            load=self._load,
+            cells=self._cells // 2,
+            like=pair.like,
+            profiles=self._pressed,
+        )
+        found = tangential_contact.shear(
+            patches,
+            pair,
+            wheelset_kinematics.creepage(contact),
+            (rolling.force_along, rolling.force_across),
+            rolling=True,
+            interface=tribology.interface(scene),
+        )
+        windows, curves, rises = [patch.pressed for patch in patches], [], 0.0
+        lines: dict[str, list[Array]] = {name: [] for name in LINES}
+        for window, each in zip(windows, found, strict=True):
+            energy = (each.traction * each.slip).sum(axis=0)
+            if pair.like and energy.any():  # what the grid adds to the slip has no part
+                energy *= each.t_gamma / (each.cell * float(energy.sum()))
+            total = each.cell * float(energy.sum())
+            rate = self._position.law.rate(total / window.area)
+            loaded, ratios = wear.line_ratios(each.pressure, energy)
+            curves.append((each.y[loaded], rate * ratios))
+            width = float(each.x[1] - each.x[0]) * energy.sum(axis=0)
+            lines["energy"].append(width)
+            lines["worn"].append(rate * width)
+            lines["pressure"].append(each.pressure.max(axis=0))
+            lines["traction"].append(np.linalg.norm(each.traction, axis=0).max(axis=0))
+            lines["damage"].append(wear.damage(total) * (each.pressure > 0).any(axis=0))
+            rises += each.cell * float((each.traction[1] * np.sin(window.angle)).sum())
+        self._rate = _curve(*zip(*curves, strict=True))
+        return Seen(
+            values=self._values(windows, lines),
+            fields={body: self._fields(body, windows, lines) for body in BODIES},
+            known=Known(rises=rises, lines={body: self._widths(body) for body in BODIES}),
+        )
+
+    def _widths(self, body: str) -> list[tuple[float, float]]:
+        """`Known.lines` of a body."""
+        middles = self._y(body, self._middle[1])
+        steps = [float(window.s[1] - window.s[0]) for window in self._windows]
+        return sorted(zip(map(float, middles), steps, strict=True))
+
+    def _values(
+        self, windows: Sequence[PatchSolution], lines: Mapping[str, Sequence[Array]]
+    ) -> dict[str, float]:
+        """`Seen.values` of windows and of what their lines carry."""
+        steps = [float(window.s[1] - window.s[0]) for window in windows]
+        edges = []
+        for window in self._pressed.windows:
+            used = window.s[window.pressure.any(axis=0)]
+            for body in BODIES if used.size else ():
+                y, ends = self._y(body, used[[0, -1]]), self._across[body][[0, -1]]
+                room = min(float(y.min() - ends[0]), float(ends[1] - y.max()))
+                edges.append(room / float(window.s[1] - window.s[0]))
+        worn = {
+            f"{body}_mm2": sum(
+                step * float(self._passes(body, window.s) @ line)
+                for step, window, line in zip(steps, windows, lines["worn"], strict=True)
+            )
+            for body in BODIES
+        }
+        energy = zip(steps, lines["energy"], strict=True)
+        return {
+            "pressure_max_MPa": self._pressed.max_pressure,
+            "area_mm2": self._pressed.area,
+            "t_gamma_N": sum(step * float(line.sum()) for step, line in energy),
+            **worn,
+            "edge_cells": min(edges),
+        }
+
+    def _fields(
+        self, body: str, windows: Sequence[PatchSolution], lines: Mapping[str, Sequence[Array]]
+    ) -> Fields:
+        """`Seen.fields` of a body, of windows and of what their lines carry."""
+        steel = self._position.scene.bodies[body]
+        passes = [self._passes(body, window.s) for window in windows]
+        summed = {
+            name: [number * line for number, line in zip(passes, lines[name], strict=True)]
+            for name in ("worn", "energy", "damage")
+        }
+        found = {
+            name: self._field(body, windows, line) for name, line in {**lines, **summed}.items()
+        }
+        width = BROAD * np.interp(self._across[body], *np.transpose(self._widths(body)))
+        forces = self._field(body, self._windows, [_force(window) for window in self._windows])
+        found["rate"] = wear.seen(found["worn"], self._steps[body], width).clip(0.0)
+        found["force"] = wear.seen(forces, self._steps[body], width).clip(FAINT * forces.max())
+        touches = found["pressure"] > 0
+        found["index"] = np.full(touches.shape, np.nan)
+        if steel.yields:
+            peak, k = float(found["pressure"].max()), steel.first_yield / math.sqrt(3)
+            found["index"][touches] = [
+                surface_fatigue_index(each, peak, k) for each in found["traction"][touches].tolist()
+            ]
+        return {name: found[name] for name in FIELDS}
+
+
+def solve(
+    position: Position,
+    fineness: Fineness,
+    depths: Fields,
+    known: Known,
+    shares: Sequence[float],
+    others: Fields,
+) -> tuple[Seen, list[Fields]]:
+    """A position on profiles that are worn by some depths, and the depth that it wears in each of
+    some shares of its passages, from there. Arguments and errors as of `WornContact`.
+    """
+    contact = WornContact(position, fineness, depths, known)
+    return contact.seen, [contact.wear(share, others) for share in shares]
+
+
+def _placed(scene: Scene, both: solid.Pairs) -> Contact:
+    """The wheel of a scene on its rail with given profiles, x = 0 at its lowest point, which need
+    not be a point contact. Raises SceneError where the wheelset does not stand, ValueError where
+    that point is an end of a profile.
+    """
+    placed = solid.place(scene, both=both)
+    side = solid.solved_side(scene, placed)
+    touch = side.touches[0]
+    if touch.at_edge:
+        raise ValueError(f"the wheel touches an end of a profile, at y = {touch.y:.2f} mm")
+    pose = side.pose.moved(x=-touch.x)
+    contact = Contact(
+        scene=scene, touch=replace(touch, x=0.0), pair=side.pair, pose=pose, placed=placed
+    )
+    return torque_free.balanced(contact)
+
+
+def _force(window: PatchSolution) -> Array:
+    """Force per width of the lines of a window (ns,), N/mm."""
+    return np.asarray(float(window.x[1] - window.x[0]) * window.pressure.sum(axis=0))
+
+
+def _curve(s: Sequence[Array], values: Sequence[Array]) -> Lines:
+    """Straight lines through values at places s, mm, of several windows; constant beyond."""
+    places, known = np.concatenate([*s]), np.concatenate([*values])
+    order = np.argsort(places)
+    return lambda at: np.interp(at, places[order], known[order])

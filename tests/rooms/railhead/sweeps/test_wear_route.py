@@ -1,0 +1,283 @@
+"""Wear over a route: files, errors, checks, going on, and what is refused."""
+
+import csv
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from railhead.cli.commands import main
+from railhead.contact import solid
+from railhead.run.half_spaces import worn_contact
+from railhead.run.half_spaces.worn_contact import Fineness
+from railhead.scene.scene import Effects, Friction, Rail, Rolling, Scene, SceneError, Wear, Wheel
+from railhead.sweeps import wear as sweep
+from railhead.sweeps import wear_route, wear_run
+
+AXLES = 2200.6  # worn area 0.3565 mm2 at a creepage of 1 %
+COARSE = {
+    "main": Fineness(places=2001, cells=64),
+    "coarse": Fineness(places=1001, cells=32),
+    "halved": Fineness(places=1001, cells=32),
+}
+
+
+def crown(**wear: object) -> Scene:
+    """A cylinder on a crown, which slips everywhere."""
+    return Scene(
+        load=80e3,
+        rail=Rail(profile="arc", crown_radius=300),
+        wheel=Wheel(profile="cylinder", rolling_radius=460),
+        friction=Friction(coefficient=0.3),
+        rolling=Rolling(creepage_along=0.01),
+        wear=Wear(**({"axles": AXLES} | wear)),
+        effects=Effects(finite_bodies="off"),
+    )
+
+
+@pytest.fixture(autouse=True)
+def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Grids that take a tenth of the time, and no processes."""
+    monkeypatch.setattr(wear_run, "RUNS", COARSE)
+    monkeypatch.setattr(sweep.worker_pool, "workers", lambda ranks: 1)
+
+
+@pytest.fixture(scope="module")
+def worn(tmp_path_factory: pytest.TempPathFactory) -> tuple[sweep.WearResult, Path]:
+    """The crown after its whole wear with steps that are chosen, and the folder."""
+    folder = tmp_path_factory.mktemp("wear") / "out"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(wear_run, "RUNS", COARSE)
+        found = sweep.wear(crown(depth_limit=0.02), folder)
+    assert found is not None
+    return found, folder
+
+
+def rows(path: Path) -> list[dict[str, str]]:
+    return list(csv.DictReader(path.read_text(encoding="utf-8-sig").splitlines()))
+
+
+def test_own_steps_give_pressure_and_depth_of_the_prototype_within_their_errors(worn):
+    found, folder = worn
+    summary = json.loads((folder / "wear.json").read_text())
+    assert found.passed and summary["checks"]["passed"] and not summary["checks"]["failed"]
+    first, last = (summary["pressure_max_MPa"][key] for key in ("first", "last"))
+    bound = summary["accuracy"]["bound"]
+    assert first == pytest.approx(1137.9, abs=2)
+    assert last == pytest.approx(840, abs=4)
+    assert abs(last - 840.0) < bound["pressure_max_MPa"]["last"] * last + 0.5
+    depth = summary["depth_max_mm"]
+    assert depth["rail"] == pytest.approx(0.0416, abs=3e-4) and depth["wheel"] == 0.0
+    assert summary["worn_mm2"]["rail"] == pytest.approx(0.3565, rel=5e-3)
+    assert summary["worn_mm2_by_part"]["rail"]["crown"] == summary["worn_mm2"]["rail"]
+    per_million = 0.3565e6 / AXLES
+    assert summary["worn_mm2_per"]["rail_1e6_axles"] == pytest.approx(per_million, rel=5e-3)
+
+
+def test_fewer_steps_are_the_same_within_their_errors(worn, tmp_path):
+    found = sweep.wear(crown(step=3), tmp_path / "three")
+    assert found is not None and found.summary["steps"] == 3
+    bound, value = (
+        each["pressure_max_MPa"]["last"]
+        for each in (found.summary["accuracy"]["bound"], found.summary)
+    )
+    fine = worn[0].summary["pressure_max_MPa"]["last"]
+    assert 0 < abs(value - fine) < bound * value
+
+
+def test_tables_hold_the_worn_depth_over_y_with_its_error(worn):
+    _, folder = worn
+    rail = [row for row in rows(folder / "wear.csv") if row["body"] == "rail"]
+    y, depth, off = (
+        np.array([float(row[name]) for row in rail])
+        for name in ("y [mm]", "depth [mm]", "depth [mm] estimate")
+    )
+    assert abs(y[np.argmax(depth)]) < 1 and depth.max() == pytest.approx(0.0416, abs=3e-4)
+    half = np.ptp(y[depth > 1e-6]) / 2
+    assert half == pytest.approx(6.75, abs=0.2)
+    assert 0 < off.max() < 0.1 * depth.max()
+    history = rows(folder / "history.csv")
+    assert float(history[0]["done"]) == 0.0 and float(history[-1]["axles"]) == AXLES
+    pressures = [float(row["pressure_max_MPa"]) for row in history]
+    assert pressures == sorted(pressures, reverse=True)
+    damage = [row for row in rows(folder / "damage.csv") if row["body"] == "rail"]
+    middle = max(damage, key=lambda row: float(row["sum of T-gamma [N/mm]"]))
+    # 240 N over 10 to 13.5 mm of width, 2200 times
+    assert float(middle["sum of T-gamma [N/mm]"]) == pytest.approx(AXLES * 240 / 8.6, rel=0.1)
+    assert float(middle["damage"]) == 0.0  # wear takes the cracks off at 240 N
+    assert float(middle["p_max [MPa]"]) == pytest.approx(1138, rel=0.01)
+    assert middle["p0/k"] == ""
+
+
+def test_limits_are_reached_where_the_depth_passes_them(worn):
+    found, _ = worn
+    limit = found.summary["limits_reached"]["depth_limit"]
+    before, after = (
+        next(row for row in each if (row["depth_rail_mm"] >= 0.02) is way)
+        for way, each in ((False, found.rows[::-1]), (True, found.rows))
+    )
+    assert before["axles"] < limit["axles"] < after["axles"] and limit["limit"] == 0.02
+
+
+def test_worn_profiles_are_read_back_to_a_micrometre(worn):
+    found, folder = worn
+    run = found.runs["main"]
+    for body in ("rail", "wheel"):
+        points = found.places(run)[body].worn(run.depths()[body])
+        table = {"profile": str(folder / f"{body}_profile.csv"), "profile_mirror": "off"}
+        again = Scene(load=1e4, **{body: table})
+        profile = solid.rail_profile(again) if body == "rail" else solid.wheel_profile(again)
+        off = profile.height(points[1:-1, 0]) - points[1:-1, 1]
+        assert np.abs(off).max() < 1e-3
+
+
+def test_a_rail_that_leans_is_written_as_it_stood_before(tmp_path):
+    scene = Scene(load=1e4, rail=Rail(profile="60E1", inclination=0.05))
+    places = worn_contact.places(scene, 2001)["rail"]
+    depth = 0.1 * np.exp(-((places.points[:, 0] / 5) ** 2))
+    file = tmp_path / "rail.csv"
+    file.write_text(sweep._profile(places, depth, 0.05))
+    again = solid.rail_profile(scene.replace(**{"rail.profile": str(file)}))
+    inner = places.worn(depth)[20:-20]
+    assert np.abs(again.height(inner[:, 0]) - inner[:, 1]).max() < 1e-3
+
+
+def test_a_run_goes_on_after_its_last_record(worn, tmp_path, monkeypatch):
+    found, _ = worn
+    folder, solve, calls = tmp_path / "killed", worn_contact.solve, []
+
+    def some(*job):
+        calls.append(job)
+        if len(calls) == 10:
+            raise KeyboardInterrupt
+        return solve(*job)
+
+    monkeypatch.setattr(worn_contact, "solve", some)
+    with pytest.raises(KeyboardInterrupt):
+        sweep.wear(crown(depth_limit=0.02), folder)
+    done = len(list((folder / "records").glob("*.json")))
+    assert done >= 2
+    again = sweep.wear(crown(depth_limit=0.02), folder)
+    assert again is not None
+    for one, other in zip(again.runs["main"].stages, found.runs["main"].stages, strict=True):
+        assert one.done == other.done and np.array_equal(one.depth, other.depth)
+    assert again.summary["pressure_max_MPa"] == found.summary["pressure_max_MPa"]
+    with pytest.raises(SceneError, match="another"):
+        sweep.wear(crown(depth_limit=0.03), folder)
+
+
+def test_two_runs_are_one(worn, tmp_path):
+    found, _ = worn
+    first = sweep.wear(crown(axles=AXLES / 2), tmp_path / "first")
+    assert first is not None
+    profile = {"profile": str(tmp_path / "first" / "rail_profile.csv"), "profile_mirror": "off"}
+    then = crown(axles=AXLES / 2).model_copy(update={"rail": Rail(**profile)})
+    second = sweep.wear(then, tmp_path / "second")
+    assert second is not None and second.passed
+    total = sum(each.summary["depth_max_mm"]["rail"] for each in (first, second))
+    assert total == pytest.approx(found.summary["depth_max_mm"]["rail"], rel=5e-3)
+    last = second.summary["pressure_max_MPa"]["last"]
+    assert last == pytest.approx(found.summary["pressure_max_MPa"]["last"], rel=5e-3)
+
+
+def test_rail_and_wheel_share_the_wear(worn, tmp_path):
+    found, _ = worn
+    amounts = {"axles": AXLES / 2, "distance": AXLES / 2 * 2 * math.pi * 460}
+    both = sweep.wear(crown(on="both", step=6, **amounts), tmp_path / "both")
+    assert both is not None and both.passed
+    depth = both.summary["depth_max_mm"]
+    assert depth["rail"] == pytest.approx(depth["wheel"], rel=1e-3)
+    assert depth["rail"] == pytest.approx(found.summary["depth_max_mm"]["rail"] / 2, rel=0.01)
+
+
+def test_positions_that_are_alike_wear_as_one(tmp_path):
+    scene = crown(axles=AXLES / 4)
+    (one,) = wear_route.read(scene).positions
+    half = replace(one, axles=one.axles / 2)
+    for name in ("one", "two"):
+        (tmp_path / name).mkdir()
+    alone, shared = (
+        wear_run.solve(
+            wear_route.Route(
+                scene=scene, positions=given, shares=(1 / len(given),) * len(given), left_out={}
+            ),
+            folder,
+            None,
+            wear_run.Progress(quiet=True),
+        )
+        for given, folder in (((one,), tmp_path / "one"), ((half, half), tmp_path / "two"))
+    )
+    depths = [runs["main"].depths()["rail"] for runs in (alone, shared)]
+    assert np.abs(depths[1] - depths[0]).max() < 0.02 * depths[0].max()
+
+
+def test_wear_that_leaves_the_profile_fails_a_check(tmp_path):
+    narrow = crown(axles=AXLES / 100, step=2)
+    rail = narrow.rail.model_copy(update={"width": 8.0})
+    found = sweep.wear(narrow.model_copy(update={"rail": rail}), tmp_path / "narrow")
+    assert found is not None and not found.passed
+    assert "patch_on_profile" in found.summary["checks"]["failed"] or found.summary["reason"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "key"),
+    [
+        ({"wear.axles": "none"}, "wear.axles"),
+        ({"wear.distance": "1 km"}, "wear.distance"),
+        ({"effects.friction": "off"}, "effects.friction"),
+        ({"rolling.creepage_along": "none"}, "rolling"),
+        ({"approach": 0.05}, "load"),
+        ({"rail.extent": "half-space"}, "rail.extent"),
+    ],
+)
+def test_scenes_without_wear_are_refused(changes, key, tmp_path):
+    with pytest.raises(SceneError) as caught:
+        sweep.wear(crown().replace(**changes), tmp_path / "out")
+    assert caught.value.key == key and not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("table", "key"),
+    [
+        ("share,load [kN]\n0,80\n", "wear.positions"),
+        ("share,load [kN]\nx,80\n", "wear.positions"),
+        ("share,load\n1\n", "wear.positions"),
+        ("share,rail.crown_radius\n1,200\n", "rail.crown_radius"),
+        ("share,rail.crown\n1,200\n", "rail.crown"),
+    ],
+)
+def test_wrong_positions_are_one_line(table, key, tmp_path):
+    file = tmp_path / "positions.csv"
+    file.write_text(table)
+    with pytest.raises(SceneError) as caught:
+        wear_route.read(crown(positions=str(file)))
+    assert caught.value.key == key and "\n" not in str(caught.value)
+
+
+def test_pairs_are_a_law(tmp_path):
+    file = tmp_path / "law.csv"
+    file.write_text("x,rate\n10,53\n")
+    (position,) = wear_route.read(crown(law=str(file))).positions
+    assert position.law.rate(3.0) == pytest.approx(6.75e-7, rel=1e-3)
+    file.write_text("10,53\n5,60\n")
+    with pytest.raises(SceneError, match="line 2"):
+        crown(law=str(file))
+
+
+def test_the_command_prints_what_was_worn(tmp_path, capsys):
+    scene = tmp_path / "crown.toml"
+    scene.write_text(
+        'load = 80e3\n[rail]\nprofile = "arc"\ncrown_radius = 300\n[wheel]\nrolling_radius = 460\n'
+        "[friction]\ncoefficient = 0.3\n[rolling]\ncreepage_along = 0.01\n[wear]\naxles = 20\n"
+        "step = 2\n"
+    )
+    with pytest.raises(SystemExit) as ended:
+        main(["wear", str(scene), "--out", str(tmp_path / "out"), "--quiet"])
+    assert ended.value.code == 0 and capsys.readouterr().out == ""
+    with pytest.raises(SystemExit):
+        main(["wear", str(scene), "--out", str(tmp_path / "out")])
+    said = capsys.readouterr().out
+    assert "2 steps" in said and "rail: at most" in said and "all passed" in said
