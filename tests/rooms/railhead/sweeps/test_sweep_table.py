@@ -71,6 +71,7 @@ def test_a_row_holds_what_its_columns_say() -> None:
         "shift along [mm]": 27.0, "shift across [mm]": 28.0, "stick share": 29.0,
         "T-gamma [N]": 30.0, "T-gamma/area [N/mm2]": 31.0, "surface fatigue index": 32.0,
         "shakedown": 33.0, "axle": None, "wear number [N]": None, "wear regime": None, "p0/k": None,
+        "least mu": None, "rise rail [K]": None, "rise wheel [K]": None,
         "warnings": "plasticity: yields", "left contact angle [deg]": 3.0,
         "p_max estimate": 40.0, "area estimate": 41.0, "a estimate": 42.0,
         "b estimate": 43.0, "tau_max estimate": 44.0, "approach estimate": 45.0,
