@@ -34,6 +34,7 @@ MARGIN = 1.1  # factor on the patch that must lie within one arc
 SMALL = 0.1  # largest semi-axis over relative radius of a small patch
 DOUBTFUL = ": the comparison with Hertz is doubtful"
 EDGE = 1.1  # factor on the semi-axis across that must lie within both profiles
+LEFT_OUT = 0.5  # of the accuracy, that heights may take; the mesh has the other half
 STEEPEST = 0.1  # slope of what is added to a surface: its cosine is 0.5 % below 1
 SHARES = np.linspace(0.0, 1.0, 9)  # of the way from the middle of a patch to its outline
 QUASI_STATIC = "each place is at rest: the dynamics of rolling over it is not simulated"
@@ -269,8 +270,9 @@ def check_true_profile(
 
 def decide_surface_shape(context: Context) -> Effect:
     """Surfaces with what is added to them are called for where their height, in all places that
-    touch after Hertz's approach of the smooth bodies with it or without it, varies by more than the
-    accuracy times that approach. What a slope neglects, 1 - cos, is an error where they are on.
+    touch after Hertz's approach of the smooth bodies with it or without it, varies by more than
+    half (LEFT_OUT) of the accuracy times that approach. What a slope neglects, 1 - cos, is an error
+    where they are on.
     Raises SceneError for a slope above 0.1 (STEEPEST) there.
     """
     contact, hertz = context.contact, context.hertz
@@ -293,11 +295,10 @@ def decide_surface_shape(context: Context) -> Effect:
         if (steepest := float(slope.max())) > STEEPEST:
             text = f"its slope is up to {steepest:.3g} where the bodies touch, beyond small sliding"
             raise SceneError(f"{body}.surface", f"{text} on a kept body; give {STEEPEST} at most")
-    change, limit = float(np.ptp(height)) / rigid, context.accuracy
+    change, limit = float(np.ptp(height)) / rigid, LEFT_OUT * context.accuracy
     called = change > limit
-    side = "above" if called else "below"
     why = f"where they may touch the height varies by {change:.2g} of the approach"
-    why = f"{why}, {side} {limit:g}"
+    why = f"{why}, {'above' if called else 'below'} {limit:g}"
     tilted = max(1 - math.cos(math.atan(slope.max())) for slope in slopes.values())
     if not called:
         return Effect(False, False, why, error=change)

@@ -103,6 +103,16 @@ def test_steep_slopes_are_refused_with_their_size() -> None:
     assert line.startswith("rail.surface: its slope is up to 0.12")
 
 
+@pytest.mark.parametrize("amplitude, called", [(1e-3, False), (4e-3, True)])
+def test_heights_below_half_of_the_accuracy_are_left_out(amplitude: float, called: bool) -> None:
+    """The bodies would overlap 4.5 mm either way, where waves of 60 mm fall by 0.11 of their
+    amplitude; the approach is 0.023 mm. What is left out counts as an error."""
+    made = simulation_plan.make(BASE.replace(**(WAVES | {"rail.surface.amplitude": amplitude})))
+    assert made.effects["surface_shape"].called_for == called == (made.contact.shape is not None)
+    change = 0.11 * amplitude / 0.023
+    assert made.effects["surface_shape"].error == pytest.approx(0 if called else change, abs=5e-4)
+
+
 def test_roughness_is_no_shape() -> None:
     """What changes between the places that are looked at is refused, not overlooked."""
     pit = {"rail.surface.kind": "flat", "rail.surface.length": 0.01, "rail.surface.depth": 100.0}

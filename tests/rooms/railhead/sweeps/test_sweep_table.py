@@ -165,3 +165,25 @@ def _cells(text: str, name: str) -> list[list[str]]:
     return [
         [unescape(each) for each in re.findall("<t[dh].*?>(.*?)</t[dh]>", line)] for line in lines
     ]
+
+
+def test_a_surface_along_the_rail_has_its_columns_and_panels() -> None:
+    """Where it touches, how the patches share the load, and the approach; not beside it."""
+    hollow = {"kind": "flat", "length": 20.0, "depth": 0.2}
+    scene = rh.Scene(
+        load=10e3,
+        rail={"profile": "arc", "crown_radius": 300},
+        wheel={"surface": hollow},
+        effects={"finite_bodies": "off"},
+    )
+    rows = []
+    for position in (0.02, 40.0):
+        over = {"wheel.surface.position": position}
+        solved = rh.solve(scene.replace(**over), quiet=True)
+        rows.append(sweep_table.row(sweep_table.record(over, solved)))
+    assert rows[0]["wheel.surface.position [mm]"] == 0.02 and rows[0]["patches"] == 2
+    assert rows[0]["contact ahead [mm]"] == pytest.approx(8.0, abs=0.2)
+    assert 0.5 < rows[0]["load share"] < 0.6 and 0 < rows[0]["height in patch [mm]"] < 0.2
+    assert not {"contact ahead [mm]", "load share"} & rows[1].keys()
+    assert set(plots.SHAPE) < plots.panels(rows).keys()
+    assert not set(plots.SHAPE) & plots.panels(rows[1:]).keys()
