@@ -40,6 +40,10 @@ MAX_LOAD_RATIO = 8.0
 def plan_all(grid: ParameterGrid, progress: Progress) -> list[Plan]:
     """Plans of all scenes of a grid. Raises SceneError, with the values of the scene, for the first
     scene that makes no contact problem.
+
+    The approach of a whole rail is to its foot, that of a head to its cut. So that one sweep has
+    one datum, `effects.rail_section` is set to on in the grid's scenes that leave it to the plan,
+    where the plan of another scene has it.
     """
     plans = []
     for number, scene in enumerate(grid.scenes):
@@ -49,6 +53,13 @@ def plan_all(grid: ParameterGrid, progress: Progress) -> list[Plan]:
             plans.append(planning.make(scene))
         except SceneError as error:
             raise SceneError(error.key, f"{error.text} ({grid.label(number)})") from None
+    sections = [plan.effects["rail_section"] for plan in plans]
+    if any(each.on for each in sections) and "effects.rail_section" not in grid.keys:
+        for number, each in enumerate(sections):
+            scene = grid.scenes[number]
+            if not each.on and "on" not in each.refused and scene.effects.rail_section == "auto":
+                grid.scenes[number] = scene.replace(["effects.rail_section=on"])
+                plans[number] = planning.make(grid.scenes[number])
     return plans
 
 

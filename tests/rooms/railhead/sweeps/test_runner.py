@@ -23,6 +23,17 @@ def test_the_manchester_positions_are_one_command() -> None:
     assert len({round(plan.contact.touch.y, 3) for plan in plans}) == 3
 
 
+def test_a_sweep_has_one_datum_of_the_approach() -> None:
+    """The whole rail is called for at 1 and 2 mm alone."""
+    given = rh.find("s1002_60e1").replace(["load=40kN", "effects.plasticity=off"])
+    grid = ParameterGrid.combine(given, parse_values(["wheelset.shift=1mm,2mm,3mm"]))
+    alone = [planning.make(scene).effects["rail_section"].on for scene in grid.scenes]
+    plans = runner.plan_all(grid, Progress(quiet=True))
+    assert alone == [True, True, False]
+    assert [plan.effects["rail_section"].on for plan in plans] == [True, True, True]
+    assert [scene.effects.rail_section for scene in grid.scenes] == ["auto", "auto", "on"]
+
+
 def test_what_makes_no_contact_is_refused_before_anything_runs(capsys, tmp_path) -> None:
     """The last of three: it is named with its values."""
     line = refused(
