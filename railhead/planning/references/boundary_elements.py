@@ -119,7 +119,11 @@ def develop(contact: Contact) -> Developed:
 
 
 def solve(
-    contact: Contact, ellipse: Hertz, load: float | None, cells: int = CELLS
+    contact: Contact,
+    ellipse: Hertz,
+    load: float | None,
+    cells: int = CELLS,
+    known: BoundaryElementSolution | None = None,
 ) -> BoundaryElementSolution:
     """Boundary-element solution, elastic and frictionless, with all patches of a contact under a
     vertical load (N), or at the ellipse's approach.
@@ -127,6 +131,7 @@ def solve(
     load: vertical load, N; None for the approach along the vertical, the ellipse's over the cosine
         of the contact angle.
     cells: number of cells along each axis of a patch.
+    known: the same on 64 cells (CELLS), from which finer grids start; None: it is solved first.
     Where the solution leaves a point of the wheel's contact locus inside the rail, a patch was
     missed and is added. Raises ValueError for half-spaces, where there is no closed patch within
     the profiles, and where patches are still missed after five solutions (MAX_SOLUTIONS).
@@ -146,7 +151,9 @@ def solve(
             load=load,
             approach=rigid if load is None else None,
             tolerance=TOLERANCE,
+            known=known,
         )
+        known = None
         missed = _boxes(contact, x, s, _inside(surface, found, x, s, height))
         if not missed:
             return found
