@@ -91,9 +91,9 @@ def from_exact(
     "result" in summary.json.
 
     contact: under the normal force. poisson: Poisson's ratio by body name; the axis of the first
-        body is shown. angle: contact angle, rad; the load in the result is the vertical part of the
-        normal force. origin: contact point, mm. approach: of the supports of the bodies along the
-        load, mm, or None where it is not known.
+        body is shown. Empty: without stresses. angle: contact angle, rad; the load in the result is
+        the vertical part of the normal force. origin: contact point, mm. approach: of the supports
+        of the bodies along the load, mm, or None where it is not known.
     """
     return {
         "load_N": contact.load * math.cos(angle),
@@ -101,7 +101,7 @@ def from_exact(
         "contact_point_mm": list(origin),
         "patch": {"a_mm": contact.a, "b_mm": contact.b, "area_mm2": contact.area},
         "pressure": {"max_MPa": contact.p0, "mean_MPa": contact.p_mean},
-        "stress": _exact_stresses(contact, poisson, Frame(origin, angle)),
+        **({"stress": _exact_stresses(contact, poisson, Frame(origin, angle))} if poisson else {}),
     }
 
 

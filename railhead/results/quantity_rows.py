@@ -69,6 +69,8 @@ def rows(summary: Mapping[str, Any], table: str) -> list[Row]:
     for each in quantities.rows(table):
         if table in ("friction", "steel") and each.path[1] not in friction:
             continue
+        if each.path[0] == "stress" and "stress" not in {**result, **summary["hertz"]}:
+            continue
         least = 0.0
         if each.key.endswith("depth_mm"):
             least = NO_DEPTH * result["patch"]["a_mm"]

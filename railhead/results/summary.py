@@ -233,9 +233,11 @@ def exact_quantities(solved: Solved) -> dict[str, Any]:
     "result" of summary.json; load and approach are along the vertical. Where nothing touches, the
     load or approach of the scene is taken. "approach_mm" is None where no formula is known for it.
     """
-    contact, hertz = solved.plan.contact, solved.ellipse
+    contact, hertz, scene = solved.plan.contact, solved.ellipse, solved.plan.scene
     angle, approach = contact.touch.angle, contact.exact_approach(hertz)
-    return compare.from_exact(hertz, solved.plan.poisson_ratios, angle, contact.origin, approach)
+    stresses = scene.asks("stresses") or scene.asks("friction_stresses")
+    poisson = solved.plan.poisson_ratios if stresses else {}
+    return compare.from_exact(hertz, poisson, angle, contact.origin, approach)
 
 
 def _trace(solved: MeshSolution) -> dict[str, Any]:

@@ -258,10 +258,9 @@ class Scene(Section):
     def _keys_of_several_tables(self) -> Self:
         """Raise SceneError for the first rule that is broken: exactly one of load and approach; no
         patch size beside accuracy or budget; no force of [friction] beside rolling; no cycles
-        beside passes; a load and friction for an axle without torque; a coefficient of friction
-        for a motion without passes; a speed for a law of friction, its temperatures for one that
-        depends on them; no such law and no layer beside passes; a force of [friction] for
-        friction.cycle; at least one body that deforms.
+        beside passes; a load and friction for an axle without torque; a speed for a law of
+        friction, its temperatures for one that depends on them; no such law and no layer beside
+        passes; a force of [friction] for friction.cycle; at least one body that deforms.
         """
         friction, rolling = self.friction, self.rolling
         free = rolling.axle == "torque_free"
@@ -306,11 +305,6 @@ class Scene(Section):
                 free and not self.rubs,
                 "rolling.axle",
                 "torque_free is not allowed without friction, which makes the torque",
-            ),
-            (
-                rolling.prescribed and not friction.acts and rolling.passes is None,
-                "rolling",
-                "has no use with a friction.coefficient of 0; give one above 0, or leave it out",
             ),
             (
                 friction.law != "coulomb" and rolling.speed is None,

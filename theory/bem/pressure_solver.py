@@ -154,6 +154,7 @@ def solve_developed(
     tolerance: float = 1e-8,
     split: bool = True,
     lines: Lines | None = None,
+    known: BoundaryElementSolution | None = None,
 ) -> BoundaryElementSolution:
     """Normal contact on a developed (unrolled) curved surface, of patches that may lie far apart.
 
@@ -171,6 +172,8 @@ def solve_developed(
     split: whether separate patches get domains of their own.
     lines: compliance of the lines along x, which adds to u(p) lines(s) times the integral of p
         along x; None: zero.
+    known: what the coarse search of this contact found, which is then left out; its domains are
+        taken, and `windows` have no effect.
     The domains are adapted until each suits its patch, first coarse, then with `cells` cells along
     each axis. ValueError: an argument or gap out of range, no contact, no bounded patch, no
     convergence.
@@ -187,7 +190,12 @@ def solve_developed(
         names = f"cells ({cells}) must be at least 16, centre {centres} and approach {approach}"
         raise ValueError(f"{names} within +-{FAR} mm")
     where = _merged([np.array(window, dtype=float) for window in windows])
-    found, coarse, fine = None, None, False
+    found, coarse, fine = known, known, known is not None
+    if known is not None:
+        where = [
+            np.transpose([((e[0] + e[-1]) / 2, (e[-1] - e[0]) / 2) for e in each.edges])
+            for each in known.windows
+        ]
     for _ in range(SEARCHES):
         count = cells if fine else min(cells, SEARCH_CELLS)
         ticks = (2 * np.arange(count) + 1) / count - 1
@@ -216,6 +224,22 @@ def solve_developed(
         f"no bounded contact found, the last domain was {last} mm: the gap "
         f"must fall below the approach (if given, here {approach}) and grow around the patch"
     )
+
+
+def under_load(
+    found: BoundaryElementSolution, load: float, tolerance: float
+) -> BoundaryElementSolution:
+    """The contact of a solution under another load (N), nearly the same, on the same grids, and on
+    those of its coarser solution. tolerance: as of `solve`. Raises ValueError without convergence.
+    """
+    windows, influence = found.windows, Influence(found.windows, found.contact_modulus)
+    moved = influence.split(influence(np.concatenate([w.pressure.ravel() for w in windows])))
+    gaps = [
+        w.gap - each + w.approach * w.normals[0] for w, each in zip(windows, moved, strict=True)
+    ]
+    solved = equilibrium(windows, gaps, found.contact_modulus, load, None, tolerance, found)
+    coarse = found.coarse and under_load(found.coarse, load, tolerance)
+    return BoundaryElementSolution(tuple(solved), found.contact_modulus, coarse)
 
 
 def flat(s: Array) -> Array:

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -62,6 +63,7 @@ class Coefficients:
         )
 
 
+@lru_cache(maxsize=1000)
 def coefficients(axis_ratio: float, poisson: float) -> Coefficients:
     """Kalker's linear creepage coefficients of an ellipse with a/b = axis_ratio (a along the
     rolling direction), by polynomials (Kalker 1967).

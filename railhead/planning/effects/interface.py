@@ -24,7 +24,7 @@ def decide_friction(context: Context) -> Effect:
     5.4).
     With a coefficient of 0 it is not called for, and 'on' is refused, as where half-spaces answer
     and cannot have it. Raises SceneError for a force that would slide, a motion that a section does
-    not have, and linear cells.
+    not have or without friction, and linear cells.
     """
     scene = context.scene
     coefficient, largest = friction_coefficient(context), scene.friction.largest
@@ -42,6 +42,9 @@ def decide_friction(context: Context) -> Effect:
     wheelset = wheelset_creepage(context)
     _fits_the_section(context)
     untouched = "no tangential force and no creepage"
+    if scene.rolling.prescribed and not largest and scene.rolling.passes is None:
+        text = "has no use with a friction.coefficient of 0; give one above 0, or leave it out"
+        raise SceneError("rolling", text)
     if not coefficient and scene.rolling.prescribed:
         called, why = False, "friction.coefficient = 0: it rolls freely"
     elif scene.rolling.prescribed:

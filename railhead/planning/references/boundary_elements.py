@@ -124,6 +124,7 @@ def solve(
     ellipse: Hertz,
     load: float | None,
     cells: int = CELLS,
+    known: BoundaryElementSolution | None = None,
     *,
     lines: Lines | None = None,
 ) -> BoundaryElementSolution:
@@ -134,6 +135,7 @@ def solve(
         of the contact angle.
     cells: number of cells along each axis of a patch.
     lines: compliance of the lines along x beside that of the half-spaces; None: zero.
+    known: the same on 64 cells (CELLS), from which finer grids start; None: it is solved first.
     Where the solution leaves a point of the wheel's contact locus inside the rail, a patch was
     missed and is added. Raises ValueError for half-spaces, where there is no closed patch within
     the profiles, and where patches are still missed after five solutions (MAX_SOLUTIONS).
@@ -154,7 +156,9 @@ def solve(
             approach=rigid if load is None else None,
             tolerance=TOLERANCE,
             lines=lines,
+            known=known,
         )
+        known = None
         missed = _boxes(contact, x, s, _inside(surface, found, x, s, height))
         if not missed:
             return found

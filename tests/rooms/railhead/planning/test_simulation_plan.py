@@ -250,6 +250,7 @@ ALONG = ["wheel.width=8", "load=50kN", "effects.plane_strain=on"]
          "mesh.order: 1 is not allowed with friction"),
         (ELLIPSE, ["rail.yield_stress=300", "load=2e5", "mesh.order=1"],
          "mesh.order: 1 is not allowed where a body yields"),
+        (ELLIPSE, ["rolling.spin=0.001"], "rolling: has no use with a friction.coefficient of 0"),
         (ELLIPSE, ["rail.yield_stress=1"], "load: 1.19e+08 times the load of first yield is not"),
     ],
 )  # fmt: skip

@@ -149,7 +149,6 @@ CONTRADICTIONS = [
     ),
     ({**HALF, **ARC_WHEEL, "wheel.transverse_radius": -200}, "curvature of -0.00166667 1/mm"),
     ({"rolling.pressure": "hertz"}, "rolling.pressure: hertz is not allowed without"),
-    ({"rolling.creepage_along": 0.001}, "rolling: has no use with a friction.coefficient of 0"),
     ({**HALF, "wheel.profile": "S1002"}, "wheel.profile: 'S1002' has no single radius"),
     *(
         ({**ARC, key: 1e-4}, f"{key}: 0.0001 is not allowed; give a length from 0.001 to 1e6 mm")

@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from railhead.theory.bem.pressure_solver import PatchSolution, solve
+from railhead.theory.bem.pressure_solver import (
+    PatchSolution,
+    flat,
+    solve,
+    solve_developed,
+    under_load,
+)
 from railhead.theory.elastic.hertz import Ellipse, point_contact
 
 Array = NDArray[np.float64]
@@ -158,6 +164,46 @@ def test_load_and_approach_control_agree(gap) -> None:
     assert by_approach.load == pytest.approx(LOAD, rel=5e-5)
     assert by_approach.max_pressure == pytest.approx(by_load.max_pressure, rel=1e-4)
     assert by_approach.semi_axes == pytest.approx(by_load.semi_axes, rel=1e-4)
+
+
+def test_another_load_on_the_same_grids_is_that_load() -> None:
+    """Without a gap; two windows press each other, and the coarser solution is pressed, too."""
+
+    def gap(x: Array, s: Array) -> Array:
+        return np.minimum(paraboloid()(x, s + 12), paraboloid()(x, s - 12))
+
+    def press(load: float):
+        windows = [((0.0, -12.0), (5.0, 5.0)), ((0.0, 12.0), (5.0, 5.0))]
+        return solve_developed(gap, 1e5, windows, flat, load=load, tolerance=1e-9)
+
+    first, direct = press(1e4), press(1.1e4)
+    again = under_load(first, 1.1e4, 1e-9)
+    for one, other in ((again, direct), (again.coarse, direct.coarse)):
+        assert len(one.windows) == len(other.windows) == 2
+        assert one.load == pytest.approx(1.1e4, rel=1e-12)
+        assert one.approach == pytest.approx(other.approach, rel=1e-4)
+        assert one.max_pressure == pytest.approx(other.max_pressure, rel=3e-4)
+    assert again.windows[0].x is first.windows[0].x
+    back = under_load(again, 1e4, 1e-9)
+    assert np.allclose(
+        back.windows[1].pressure, first.windows[1].pressure, atol=1e-6 * first.max_pressure
+    )
+
+
+def test_a_known_search_is_not_repeated() -> None:
+    places = []
+
+    def gap(x: Array, s: Array) -> Array:
+        places.append(len(x))
+        return paraboloid()(x, s)
+
+    keys = {"load": 1e4, "tolerance": 1e-9}
+    whole = solve_developed(gap, 1e5, [((1.0, 0.0), (20.0, 20.0))], flat, **keys)
+    searched = solve_developed(gap, 1e5, [((1.0, 0.0), (20.0, 20.0))], flat, cells=64, **keys)
+    places.clear()
+    known = solve_developed(gap, 1e5, [((0.0, 0.0), (1.0, 1.0))], flat, known=searched, **keys)
+    assert places == [128**2]
+    assert np.allclose(known.windows[0].pressure, whole.windows[0].pressure, rtol=1e-9)
 
 
 def test_load_grows_as_the_approach_to_three_halves() -> None:

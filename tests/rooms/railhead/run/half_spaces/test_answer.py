@@ -11,6 +11,7 @@ from csv_rows import rows
 from solved import planned
 
 import railhead as rh
+from railhead.planning.references import boundary_elements
 from railhead.run import mesh_solution, quantities
 from railhead.theory.friction import kalker
 from railhead.theory.friction.rolling import Creepage
@@ -233,3 +234,19 @@ def test_the_option_fast_is_without_finite_bodies(tmp_path) -> None:
     assert float(row["value"]) == pytest.approx(794.0, rel=2e-3)
     assert float(row["half-spaces - Hertz"]) == pytest.approx(0, abs=2e-3)
     assert 0 < float(row["estimate"]) < 5e-3 and "FE" not in row
+
+
+def test_a_position_is_pressed_once_whatever_the_tractions_carry(monkeypatch) -> None:
+    """Eight times: the load was never met, as each pressing found other grids."""
+    loads, solve = [], boundary_elements.solve
+
+    def count(contact, ellipse, load, *more):
+        loads.append(load)
+        return solve(contact, ellipse, load, *more)
+
+    monkeypatch.setattr(boundary_elements, "solve", count)
+    keys = "wheelset.yaw=1 mrad", "rolling.from_wheelset=true", "quantities=forces"
+    result = fast("s1002_60e1", "friction.coefficient=0.3", "wheelset.shift=2mm", *keys)
+    assert result.as_dict()["checks"]["force_balance"] < 1e-6
+    # By the plan, there also with the twisted rail, and on the finer grid.
+    assert loads == [result.plan.scene.load] * 3
