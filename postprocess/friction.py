@@ -137,8 +137,6 @@ def quantities(
         times slip.
     Where the coefficient differs from place to place: the least one. With temperatures: the largest
         rise of each surface above the bulk of its body, K.
-    Where the coefficient differs from place to place: the least one. With temperatures: the largest
-        rise of each surface above the bulk of its body, K.
     Rolling with a speed: the power, W. Rolling of like bodies with centres: the wear number, N.
         Rolling of like bodies with a solution without creepage: the resolution of each quantity.
     Of a cycle: the energy that slip dissipates in it, N mm.
