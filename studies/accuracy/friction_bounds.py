@@ -20,7 +20,7 @@ from railhead.theory.friction.tangential import MaterialPair, TractionInfluence
 from studies import tables
 from studies.tables import Row
 
-SEED, SCENES = 20261206, 50
+SEED, SCENES = 20261206, 20
 GRIDS = (48, 96, 192)  # cells each way of the other scheme
 UPSTREAM = ((0.0, 3.0), (0.5, -4.0), (1.0, 1.0))  # (distance upstream in cells, weight)
 PARTS = 8  # of a cell each way, over which the pressure is averaged
