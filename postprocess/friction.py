@@ -137,8 +137,6 @@ def quantities(
         times slip.
     Where the coefficient differs from place to place: the least one. With temperatures: the largest
         rise of each surface above the bulk of its body, K.
-    Where the coefficient differs from place to place: the least one. With temperatures: the largest
-        rise of each surface above the bulk of its body, K.
     Rolling with a speed: the power, W. Rolling of like bodies with centres: the wear number, N.
         Rolling of like bodies with a solution without creepage: the resolution of each quantity.
     Of a cycle: the energy that slip dissipates in it, N mm.
@@ -149,9 +147,7 @@ def quantities(
     """
     grids, grid = [], found
     while True:
-        grids.append(
-            _values(grid, rolling=rolling, like=like, speed=speed, cycle=cycle, patches=patches)
-        )
+        grids.append(_values(grid, rolling=rolling, like=like, cycle=cycle, patches=patches))
         if grid.coarse is None:
             break
         grid = grid.coarse
@@ -161,6 +157,10 @@ def quantities(
         out, *before = (_extrapolated(*pair, rolling=rolling) for pair in pairwise(grids))
         errors = _errors(found, out, [grids[0], *before])
         out["grid_error"] = errors
+    if rolling and speed is not None:
+        out["power_W"] = speed * out["t_gamma_N"]
+        if errors:
+            errors["power_W"] = speed * errors["t_gamma_N"]
     out |= {"newton_steps": found.newton_steps, "passes": found.coupling_iterations}
     error = errors.get("stick_share", _border_error(found))
     energy = WEAR if rolling and not like else ("energy_per_cycle_Nmm",) * cycle
@@ -197,7 +197,7 @@ def _errors(
     """Errors of extrapolated numbers `out` by key, in their units: the largest distance to `others`
     of less fine grids. That of the largest traction counts twice: at the border of stick it is of
     the order 1/2. Forces and moment that change, and the stick share, have what the ragged edges of
-    cells leave at least (RAGGED; `_border_error`).
+    cells leave at least (RAGGED; `_border_error`), and T-gamma what these forces make of it.
     """
     errors = {
         key: max(abs(value - of.get(key, value)) for of in others) for key, value in out.items()
@@ -207,6 +207,9 @@ def _errors(
     for key, floor in zip(LOADS, (least, least, arm * least), strict=True):
         if errors[key] > GIVEN * out["limit_N"]:
             errors[key] = max(errors[key], floor)
+    work = sum(errors[key] * abs(each) for key, each in zip(LOADS, found.rigid_motion, strict=True))
+    for key in errors.keys() & {"t_gamma_N", "wear_number_N"}:
+        errors[key] = max(errors[key], work)
     errors["stick_share"] = max(errors["stick_share"], _border_error(found))
     errors["traction_max_MPa"] *= 2
     return errors
@@ -217,7 +220,6 @@ def _values(
     *,
     rolling: bool,
     like: bool,
-    speed: float | None,
     cycle: bool,
     patches: Array | None,
 ) -> dict[str, float]:
@@ -251,8 +253,6 @@ def _values(
         out["t_gamma_N"] = wear
         if like and patches is not None:
             out["wear_number_N"] = wear_number(found, patches)
-        if speed is not None:
-            out["power_W"] = wear * speed
     return out
 
 

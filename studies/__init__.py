@@ -30,6 +30,10 @@ STUDIES = {
         "studies.accuracy.error_bounds",
         "estimates against true errors, 20 random scenes of each family",
     ),
+    "friction_bounds": (
+        "studies.accuracy.friction_bounds",
+        "estimates of rolling half-spaces against finer grids of another scheme, 20 random scenes",
+    ),
     "fuzz": (
         "studies.hard.fuzz",
         "500 fuzzed scenes: no traceback, no abort, no wrong number with status 0",

@@ -43,6 +43,9 @@ DEEP = 3.0  # smaller half lengths: end of the axes below the patches
 DEPTHS = 61  # points on each of them
 STRIP, LONG = 128, 1e4  # cells along a section; length of cells across it over its patch
 LINES = 65  # of the grid on which an exact pressure is drawn, each way
+AT_EDGE = 4.0  # error of the largest stress at the surface over its change from half as many cells:
+# at the edge of a patch that slips in part it rises as the square root of the distance. Of a shift
+# at 0.7 mu N (R 420 x 300, mu 0.5) 602 MPa on 64 cells, 591 on 32; Mindlin's tractions have 645.
 
 
 def of_hertz(
@@ -192,7 +195,7 @@ def with_tractions(
         largest=fine,
         depth=axes[0],
         also=tuple(axis[found.axis.body] for axis in axes[1:]),
-        surface_error=_changes(fine, before, fine),
+        surface_error=_changes(fine, before, fine, AT_SURFACE * min(found.patch.a, found.patch.b)),
     )
 
 
@@ -226,7 +229,7 @@ def with_surface(
         )
         for body, each in found.largest.items()
     }
-    return replace(found, largest=both, surface_error=_changes(fine, coarse, both))
+    return replace(found, largest=both, surface_error=_changes(fine, coarse, both, deep))
 
 
 def _on_strips(friction: FrictionSolution, frame: Frame) -> FrictionSolution:
@@ -288,17 +291,23 @@ def _of_grids(
 
 
 def _changes(
-    fine: Mapping[str, Largest], coarse: Mapping[str, Largest], printed: Mapping[str, Largest]
+    fine: Mapping[str, Largest],
+    coarse: Mapping[str, Largest],
+    printed: Mapping[str, Largest],
+    deep: float,
 ) -> dict[str, float]:
     """Relative errors of the largest printed stresses by key of summary.json: how far those of the
     finer grid, and their change from the coarser one, lie above; of the body that has the largest.
+    The change counts four times (AT_EDGE) where the largest is less deep than `deep`, mm.
     """
     errors = {}
     for key, name in (("tau_max_MPa", "tau"), ("von_mises_max_MPa", "von_mises")):
         one, two, shown = (
-            max(getattr(each, name).value for each in of.values()) for of in (fine, coarse, printed)
+            max((getattr(each, name) for each in of.values()), key=lambda peak: peak.value)
+            for of in (fine, coarse, printed)
         )
-        errors[key] = max(one + abs(one - two) - shown, 0.0) / shown
+        change = abs(one.value - two.value) * (AT_EDGE if one.depth < deep else 1.0)
+        errors[key] = max(one.value + change - shown.value, 0.0) / shown.value
     return errors
 
 

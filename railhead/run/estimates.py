@@ -117,21 +117,18 @@ def largest_bound(bound: Mapping[str, float]) -> float:
     values and forces, and the motion where a force is given.
     """
     keys = {*ESTIMATED, *FRICTION_SHARES, *(key for names in MOTION.values() for key in names)}
-    return max(bound[key] for key in bound.keys() & keys)
+    return max((bound[key] for key in bound.keys() & keys), default=0.0)
 
 
-def of_grids(solved: MeshSolution) -> float:
+def of_grids(found: Findings | None, result: Mapping[str, Any] | None) -> float:
     """Largest relative error that the grids of tractions leave, on any mesh, of what is compared
-    with a wanted accuracy: the largest stresses, and forces over mu N; 0 off rank 0.
+    with a wanted accuracy: the largest stresses, forces over mu N, the motion; 0 without findings.
+    result: as of summary.json.
     """
-    if solved.findings is None or solved.result is None:
+    if found is None or result is None:
         return 0.0
-    grids = friction_errors(solved.result.get("friction", {}), 1.0, 0.0, 0.0)
-    keys = friction_values(solved)
-    return max(
-        (*solved.findings.surface_error.values(), *(grids[k][1] for k in grids if k in keys)),
-        default=0.0,
-    )
+    errors = friction_errors(result.get("friction", {}), 1.0, 0.0, 0.0)
+    return largest_bound({**found.surface_error, **{k: grid for k, (_, grid) in errors.items()}})
 
 
 def resolved_values(solved: MeshSolution) -> dict[str, float]:

@@ -12,8 +12,10 @@ from railhead.planning.simulation_plan import Plan
 from railhead.planning.sizing import LINEAR_REFINEMENT
 from railhead.run import estimates, quantities
 from railhead.run.estimates import STEP_ORDER
+from railhead.run.half_spaces import answer
 from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
 from railhead.run.progress import Progress
+from railhead.scene.scene import SceneError
 
 MAX_LEVELS = 5
 ONE_MESH = "one mesh"
@@ -52,13 +54,14 @@ def refine(
     solved first. Where the error envelopes do not cover the coarse mesh, that mesh confirms nothing
     and is left out.
 
-    SceneError: the only mesh of a scene does not fit into the memory. In a sequence a finer mesh
-        that does not fit ends it.
+    SceneError: no mesh meets the accuracy (`_refuse`), or the only mesh of a scene does not fit
+        into the memory. In a sequence a finer mesh that does not fit ends it.
     MeshError: gmsh fails.
     """
     plan.check_memory(comm.bcast(cost.free_memory()))
     if plan.scene.one_mesh:
         return [mesh_and_solve(plan, progress, comm)], Ending(ONE_MESH)
+    _refuse(plan, progress)
     scene, known = plan.scene, plan.family
     wanted = plan.sizing.resolution
     if scene.budget is not None:
@@ -79,11 +82,7 @@ def refine(
             return meshes, Ending("Newton's method did not converge")
         if len(meshes) >= least and scene.accuracy is not None and worst <= scene.accuracy:
             return meshes, Ending("asked accuracy reached")
-        if len(meshes) >= least and plan.profile_error >= (scene.accuracy or math.inf):
-            return meshes, Ending(
-                f"the measured profile leaves {plan.profile_error:.1%} open on any mesh"
-            )
-        fixed = comm.bcast(estimates.of_grids(done))
+        fixed = comm.bcast(estimates.of_grids(done.findings, done.result))
         if fixed >= (scene.accuracy or math.inf):
             return meshes, Ending(f"the grids of tractions leave {fixed:.1%} open on any mesh")
         if len(meshes) > 1 and scene.accuracy is None and math.isfinite(worst):
@@ -101,6 +100,19 @@ def refine(
             return meshes, Ending(stop or "too many meshes", would_cost)
         meshes.append(mesh_and_solve(finer, progress, comm))
         spent += sum(meshes[-1].seconds.values())
+
+
+def _refuse(plan: Plan, progress: Progress) -> None:
+    """Raise SceneError where no mesh meets the accuracy of a scene: measured profiles leave more
+    open, or the grids of tractions, which half-spaces foresee.
+    """
+    wanted, fixed = plan.scene.accuracy or math.inf, {"the measured profile": plan.profile_error}
+    if plan.scene.accuracy and plan.effects["friction"].on and not plan.condenses:
+        foreseen = answer.solve(plan, progress)
+        fixed["the grid of tractions"] = estimates.of_grids(foreseen.findings, foreseen.result)
+    for what, error in fixed.items():
+        if error >= wanted:
+            raise SceneError("accuracy", f"{wanted:.3g}: {what} leaves {error:.2%} on any mesh")
 
 
 def unplanned_yield(solved: MeshSolution, comm: MPI.Intracomm) -> str:

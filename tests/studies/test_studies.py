@@ -30,6 +30,7 @@ QUICK = {
          "creep_sliding.png", "friction_axes.png"},
         "Full sliding",
     ),
+    "friction-bounds": ({"friction_bounds.csv"}, "3 random ellipses of half-spaces"),
     "passes": (
         {"passes_axle.csv", "passes_map.csv", "passes_study.png"},
         "on the right side of the limit at all 2 places",

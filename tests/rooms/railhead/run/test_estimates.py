@@ -374,3 +374,12 @@ def test_a_mesh_half_as_fine_again_is_compared() -> None:
     """Refined by 1.6, the number of elements of a found patch is often a little less."""
     before = [(8.0, {"max_MPa": 2.0}, {}), (6.0, {"max_MPa": 3.0}, {}), (5.0, {"max_MPa": 4.0}, {})]
     assert estimates._steps(12.1, before) == [{"max_MPa": 2.0}, {"max_MPa": 4.0}]
+
+
+def test_an_accuracy_that_no_grid_of_tractions_meets_is_refused_before_the_first_mesh(
+    monkeypatch,
+) -> None:
+    monkeypatch.setattr(refinement, "mesh_and_solve", None)
+    given = "friction.coefficient=0.9", "rolling.creepage_across=1e-3", "accuracy=0.05%"
+    scene = rh.find("hertz_ellipse").replace(["effects.plasticity=off", *given])
+    assert "accuracy: 0.0005: the grid of tractions leaves" in refusal(lambda: rh.solve(scene))
