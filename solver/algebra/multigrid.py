@@ -11,7 +11,7 @@ active set costs a small product and a numeric factorisation.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -59,7 +59,7 @@ class Hierarchy:
         cls,
         fine: Bulk,
         cell_tags: Any,
-        materials: Mapping[int, Material],
+        materials: dict[int, Material],
         reduction: Reduction,
         reduce: Callable[[Any], Reduction],
         stiffness: Callable[[PETSc.Mat, Reduction], Stiffness],

@@ -131,7 +131,7 @@ class ContactSystem:
         tags = (-1 if side.rigid else side.support for side in (setup.fixed, setup.moving))
         self.clamp, self.hub = Clamp(next(tags)), Hub(next(tags), tuple(setup.push))
         flatten = setup.kinematics.flatten
-        planes = [Slide(tag, flatten(np.array(normal))) for tag, normal in setup.planes]
+        planes = [Slide(tag, tuple(flatten(np.array(normal)))) for tag, normal in setup.planes]
         self.masks = masks(self.bulk.space, facet_tags, [self.clamp, self.hub, *planes])
         supports = self.supports(self.bulk.space)
         self.reduction = constraints.reduce(supports, self.comm)
