@@ -47,13 +47,15 @@ class Preconditioner(ABC):
     pc: the PETSc preconditioner; None before it is set up.
     operator: matrix that it was made for; None before that.
     active: active set (n,) that it was made for; None: it is set up anew at the next use.
+    state: state of the contact points that it was made for (`ContactProblem.branches`).
     flexible: whether it contains a Krylov method, so that it changes between iterations.
-    outdated_share: change of the active area since the set-up, over the active area, beyond which
-        it is set up again.
+    outdated_share: area whose state has changed since the set-up, over the active area, beyond
+        which it is set up again.
     iterations_per_decade: Krylov iterations per factor of ten in the residual, right after the set-
         up, at least one.
     """
 
+    state: Mask
     pc: PETSc.PC | None = None
     operator: PETSc.Mat | None = None
     flexible: bool = False
@@ -68,12 +70,14 @@ class Preconditioner(ABC):
         """Set up for these active points (n,), unless the last set-up was for almost the same area;
         returns whether it was set up (collective).
         """
+        state, area = self.problem.branches(active), self.problem.area
         if self.active is not None:
-            area = self.problem.weight * self.problem.tau
-            local = np.array([area[active != self.active].sum(), area[active].sum()])
+            parts = len(state) // max(len(area), 1)
+            differs = (state != self.state).reshape(parts, len(area)).any(axis=0)
+            local = np.array([area[differs].sum(), area[active].sum()])
             changed, touching = self.problem.stiffness.comm.tompi4py().allreduce(local)
-            if changed <= self.outdated_share * touching:
-                return False
+            if not touching or changed <= self.outdated_share * touching:
+                return False  # without contact the tangent may be singular
         self.rebuild(active)
         return True
 
@@ -84,7 +88,7 @@ class Preconditioner(ABC):
         self.pc = self.operator = None
         compat.collect(self.problem.stiffness.comm.tompi4py())
         self.set_up(active)
-        self.active = active
+        self.active, self.state = active, self.problem.branches(active)
 
     def start(self, operator: PETSc.Mat) -> PETSc.PC:
         """New PETSc preconditioner of a matrix; both become the fields `pc` and `operator`."""

@@ -11,7 +11,9 @@ active set costs a small product and a numeric factorisation.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 from petsc4py import PETSc
 
@@ -19,6 +21,10 @@ from railhead.solver import compat
 from railhead.solver.algebra.linear import Preconditioner, factorise, near_nullspace
 from railhead.solver.algebra.problem import ContactProblem
 from railhead.solver.algebra.reduced_stiffness import DIFFERENT, Stiffness
+from railhead.solver.material.elasticity import Material, assemble
+from railhead.solver.space import constraints
+from railhead.solver.space.cells import Bulk, quadrature_degree
+from railhead.solver.space.constraints import Reduction
 from railhead.solver.space.operators import vector, weighted_product
 from railhead.theory.array_types import Mask
 
@@ -47,6 +53,32 @@ class Hierarchy:
     prolongation: PETSc.Mat
     stiffness: Stiffness
     rigid_modes: list[PETSc.Vec]
+
+    @classmethod
+    def of(
+        cls,
+        fine: Bulk,
+        cell_tags: Any,
+        materials: dict[int, Material],
+        reduction: Reduction,
+        reduce: Callable[[Any], Reduction],
+        stiffness: Callable[[PETSc.Mat, Reduction], Stiffness],
+    ) -> Hierarchy:
+        """Level of linear cells on the mesh of quadratic ones (collective).
+
+        fine, cell_tags, materials, reduction: space of the problem, with its supports. reduce: from
+            a space to the supports there. stiffness: from that on all dofs to the free unknowns.
+        """
+        mesh, kinematics = fine.space.mesh, fine.kinematics
+        rule = quadrature_degree(compat.cell_type(mesh), fine.degree, kinematics)
+        coarse, matrix = assemble(mesh, cell_tags, materials, 1, kinematics, rule)
+        reduced = reduce(coarse.space)
+        full = compat.interpolation(coarse.space, fine.space)
+        return cls(
+            constraints.reduced_prolongation(full, reduction, reduced),
+            stiffness(matrix, reduced),
+            constraints.rigid_modes(compat.dof_points(coarse.space), reduced, kinematics),
+        )
 
 
 class PMultigrid(Preconditioner):

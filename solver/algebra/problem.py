@@ -338,7 +338,7 @@ def reduce_problem(
     gap = interface.gap.matMult(p)
     if reduction.rigid_approach:
         count = len(gap_per_approach)
-        places = np.arange(count), np.full(count, reduction.column)
+        places = np.arange(count), np.full(count, reduction.columns[0])
         table = sp.csr_matrix((gap_per_approach, places), shape=(count, p.getSize()[1]))
         extra = petsc_matrix(table, p.getLocalSize()[1], p.comm.tompi4py())
         gap.axpy(1.0, extra, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)

@@ -55,7 +55,7 @@ class Stiffness:
         (collective).
         """
         p, border = reduction.matrix, None
-        if reduction.column >= 0:
+        if reduction.columns:
             moved, pushed, border = p.createVecLeft(), p.createVecLeft(), p.createVecRight()
             unit = unit_vector(border, reduction.approach)
             p.mult(unit, moved)

@@ -2,39 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 import ufl
-from dolfinx import fem
 from dolfinx.fem.petsc import assemble_vector
 from petsc4py import PETSc
 
 from railhead.solver import compat
-from railhead.solver.algebra.linear import Preconditioner
+from railhead.solver.algebra.linear import Direct, Preconditioner
 from railhead.solver.algebra.multigrid import Hierarchy, PMultigrid
 from railhead.solver.algebra.newton import CONVERGED, NewtonResult
 from railhead.solver.algebra.problem import ContactProblem
 from railhead.solver.material.elasticity import assemble
 from railhead.solver.material.hardening import History
 from railhead.solver.model.pairing import Pairing, Surfaces
-from railhead.solver.model.parts import Body, Clamp, Contact, Hub, Part, Slide, unit
-from railhead.solver.model.problem import AssembledStiffness, Factors, with_hubs
+from railhead.solver.model.parts import Body, Contact, Part
+from railhead.solver.model.problem import AssembledStiffness
 from railhead.solver.model.state import HubLoads, State
 from railhead.solver.plasticity.plastic_problem import YieldPoints, bulk_points
 from railhead.solver.space import constraints
-from railhead.solver.space.cells import quadrature_degree
 from railhead.solver.space.constraints import Reduction
 from railhead.solver.space.kinematics import SOLID, Kinematics
 from railhead.solver.space.operators import vector
+from railhead.solver.space.supports import Clamp, Hub, Slide, held, masks, must_exist, unit
 from railhead.solver.system.contact_system import DIRECT_BELOW
 from railhead.theory.array_types import Array, Mask
 
 SECTIONS = (None, "plane strain", "plane stress", "axisymmetric")
 NEAREST = 12  # points of a contact, at least, that the iterations start from
-Support = Clamp | Slide | Hub
 ON_AXIS = 1e-9  # radius of a node on the axis, over the largest
 
 
@@ -69,14 +68,14 @@ class Assembly:
             raise ValueError("a model needs a Contact")
         self.materials = {each.tag: each.material.material(section) for each in self.bodies}
         for body in self.bodies:
-            self._must_exist("cells", cell_tags, body.tag)
+            must_exist("cell", cell_tags, body.tag, self.comm)
         tags = [each.tag for each in supports] + [each.secondary for each in contacts]
         tags += [each.primary for each in contacts if isinstance(each.primary, int)]
         for tag in tags:
-            self._must_exist("facets", facet_tags, tag)
+            must_exist("facet", facet_tags, tag, self.comm)
         self.bulk, stiffness = assemble(mesh, cell_tags, self.materials, degree, self.kinematics)
         self.stiffness = stiffness.convert("aij", PETSc.Mat())
-        self.masks = self._masks(self.bulk.space, supports)
+        self.masks = masks(self.bulk.space, facet_tags, supports)
         self.body_force = self._body_force()
         self.secondary = [
             self.materials[self._body_at(facet_tags.find(each.secondary))] for each in contacts
@@ -89,27 +88,8 @@ class Assembly:
         self.surfaces = Surfaces(contacts, self.bulk, facet_tags, self.secondary, self.comm)
         yields = any(each.hardening for each in self.materials.values())
         self.remembers = yields or any(each.friction for each in contacts)
-        self._maps: dict[tuple[Hub, ...], tuple[Reduction, dict[Hub, int], AssembledStiffness]] = {}
-        self._hierarchies: dict[tuple[Hub, ...], Hierarchy] = {}
-        self._factors: tuple[Pairing, tuple[Hub, ...], Factors] | None = None
-        self._points: dict[tuple[Hub, ...], YieldPoints] = {}
-
-    def _must_exist(self, what: str, tags: Any, tag: int) -> None:
-        """Raise ValueError where no rank has an entity with this tag (collective)."""
-        if not self.comm.allreduce(len(tags.find(tag))):
-            raise ValueError(f"no {what} carry the tag {tag}")
-
-    def _masks(self, space: Any, supports: Sequence[Support]) -> dict[Support, Mask]:
-        """Of each support, the nodes of a space on its facets that this rank owns (collective)."""
-        dim, out = self.kinematics.dim, {}
-        space.mesh.topology.create_connectivity(dim - 1, dim)
-        for each in supports:
-            facets = self.facet_tags.find(each.tag)
-            dofs = fem.locate_dofs_topological(space, dim - 1, facets)
-            mask = np.zeros(space.dofmap.index_map.size_local, dtype=bool)
-            mask[dofs[dofs < len(mask)]] = True
-            out[each] = mask
-        return out
+        self._unknowns: dict[tuple[Hub, ...], Unknowns] = {}
+        self._factors: tuple[Pairing, Unknowns, Direct] | None = None
 
     def _body_at(self, facets: Any) -> int:
         """Tag of the body that some facets belong to (collective)."""
@@ -151,87 +131,27 @@ class Assembly:
         """Hubs whose motion along their free direction is unknown."""
         return tuple(hub for hub, (force, _) in loads.items() if force is not None)
 
-    def _map(self, loads: HubLoads) -> tuple[Reduction, dict[Hub, int], AssembledStiffness]:
-        """Map from free unknowns to dofs, the places of the free hubs, and the stiffness of the
-        free unknowns; kept for each set of free hubs (collective).
-        """
+    def unknowns(self, loads: HubLoads) -> Unknowns:
+        """Free unknowns under these loads; kept for each set of free hubs (collective)."""
         free = self._free(loads)
-        if free not in self._maps:
-            reduction, places = self._reduction(self.bulk.space, self.masks, free)
-            stiffness = AssembledStiffness.of(self.stiffness, reduction.matrix, reduction.free)
-            self._maps[free] = reduction, places, stiffness
-        return self._maps[free]
+        if free not in self._unknowns:
+            self._unknowns[free] = Unknowns(self, free)
+        return self._unknowns[free]
 
-    def _reduction(
-        self, space: Any, masks: Mapping[Support, Mask], free: tuple[Hub, ...]
-    ) -> tuple[Reduction, dict[Hub, int]]:
-        """Map from free unknowns to the dofs of a space, and the places of the free hubs; masks: of
-        each support, this rank's nodes in the space (collective).
-        """
-        points, dim = compat.dof_points(space), self.kinematics.dim
-        fixed, planes = np.zeros(len(points), dtype=bool), []
-        for part, mask in masks.items():
-            if isinstance(part, Slide):
-                planes.append((mask, unit("normal", part.normal)))
-            elif isinstance(part, Hub) and part.slides:
-                planes.append((mask, unit("free", part.free)))
-            else:
-                fixed |= mask
+    def reduce(self, space: Any, free: tuple[Hub, ...]) -> Reduction:
+        """Map from free unknowns to the dofs of a space where these hubs are free (collective)."""
+        points, found = compat.dof_points(space), masks(space, self.facet_tags, self.masks)
+        supports = held(found, free, len(points), self.kinematics.dim)
         if self.kinematics.revolved:
             r = np.abs(points[:, 0])
             largest = max(self.comm.allgather(float(np.max(r, initial=0.0))))
-            planes.append((r < ON_AXIS * largest, np.array([1.0, 0.0])))
-        held = constraints.Supports(
-            fixed=fixed, planes=planes, direction=np.zeros(dim), hub_free=False
-        )
-        reduction = constraints.reduce(held, self.comm)
-        hubs = [(masks[hub], unit("free", hub.free)) for hub in free]
-        matrix, places = with_hubs(reduction, hubs, self.comm)
-        unknown = reduction.free.copy()
-        unknown[[place for place in places if place >= 0]] = True
-        count = reduction.unknowns + len(hubs)
-        reduction = replace(reduction, matrix=matrix, free=unknown, unknowns=count)
-        return reduction, dict(zip(free, places, strict=True))
-
-    def _hierarchy(self, loads: HubLoads) -> Hierarchy:
-        """Linear cells as the coarse level of a solid of degree 2; kept for each set of free hubs
-        (collective).
-        """
-        free = self._free(loads)
-        if free not in self._hierarchies:
-            mesh, kinematics = self.bulk.space.mesh, self.kinematics
-            rule = quadrature_degree(compat.cell_type(mesh), 2, kinematics)
-            bulk, stiffness = assemble(mesh, self.cell_tags, self.materials, 1, kinematics, rule)
-            masks = self._masks(bulk.space, [*self.masks])
-            coarse, _ = self._reduction(bulk.space, masks, free)
-            full = compat.interpolation(bulk.space, self.bulk.space)
-            self._hierarchies[free] = Hierarchy(
-                constraints.reduced_prolongation(full, self.reduction(loads), coarse),
-                AssembledStiffness.of(stiffness, coarse.matrix, coarse.free),
-                constraints.rigid_modes(compat.dof_points(bulk.space), coarse, kinematics),
-            )
-        return self._hierarchies[free]
+            supports.planes.append((r < ON_AXIS * largest, np.array([1.0, 0.0])))
+        return constraints.reduce(supports, self.comm)
 
     @property
     def bulk_points(self) -> Array:
         """Positions (nodes, c) of this rank's nodes."""
         return compat.dof_points(self.bulk.space)
-
-    def reduction(self, loads: HubLoads) -> Reduction:
-        """Map from free unknowns to dofs, with its supports."""
-        return self._map(loads)[0]
-
-    def map(self, loads: HubLoads) -> PETSc.Mat:
-        """Matrix from free unknowns to dofs."""
-        return self._map(loads)[0].matrix
-
-    def places(self, loads: HubLoads) -> dict[Hub, int]:
-        """Local place of the unknown of each free hub, -1 on other ranks."""
-        return self._map(loads)[1]
-
-    def reduced(self, loads: HubLoads) -> AssembledStiffness:
-        """Stiffness of the free unknowns."""
-        return self._map(loads)[2]
 
     def preconditioner(
         self, problem: ContactProblem, pairing: Pairing, loads: HubLoads
@@ -239,29 +159,15 @@ class Assembly:
         """Preconditioner of a problem: the last factorisation, where contact points and free hubs
         are the same; p-multigrid for a large solid of degree 2 without friction.
         """
-        free, last = self._free(loads), self._factors
-        large = self.reduction(loads).unknowns > DIRECT_BELOW[self.kinematics.dim, self.bulk.degree]
+        unknowns, last = self.unknowns(loads), self._factors
+        large = unknowns.reduction.unknowns > DIRECT_BELOW[self.kinematics.dim, self.bulk.degree]
         rubs = any(each.friction for each in self.surfaces.contacts)
         if large and self.bulk.degree == 2 and self.kinematics.dim == 3 and not rubs:
-            return PMultigrid(problem, self._hierarchy(loads))
-        if last is None or last[0] is not pairing or last[1] != free:
-            last = self._factors = pairing, free, Factors(problem)
+            return PMultigrid(problem, unknowns.hierarchy)
+        if last is None or last[0] is not pairing or last[1] is not unknowns:
+            last = self._factors = pairing, unknowns, Direct(problem)
         last[2].problem = problem
         return last[2]
-
-    def gauss_points(self, loads: HubLoads) -> YieldPoints:
-        """Gauss points of the bodies that yield (collective)."""
-        free = self._free(loads)
-        if free not in self._points:
-            self._points[free] = bulk_points(
-                self.bulk,
-                self.cell_tags,
-                self.materials,
-                lambda points: np.ones(len(points), dtype=bool),
-                self.reduction(loads),
-                self.comm,
-            )
-        return self._points[free]
 
     def prescribed(self, loads: HubLoads) -> PETSc.Vec:
         """Displacement on all dofs that hubs prescribe."""
@@ -323,7 +229,7 @@ class Assembly:
         u.set(0.0)
         pairing = self.surfaces.pair(self.gathered(u))
         count, size = len(pairing.contact), 3 + len(self.kinematics.shears)
-        gauss = len(self.gauss_points(zero).points) if self.remembers else 0
+        gauss = len(self.unknowns(zero).points.points) if self.remembers else 0
         return State(
             displacement=u,
             loads=zero,
@@ -337,6 +243,45 @@ class Assembly:
             gap=pairing.interface.initial_gap,
             traction=np.zeros(pairing.tangents.shape[:2]),
             result=NewtonResult(u, np.zeros(count), CONVERGED),
+        )
+
+
+class Unknowns:
+    """Free unknowns of a model in which some hubs move freely along their free direction.
+
+    hubs: these hubs, in the order of `Reduction.places`.
+    reduction: map from free unknowns to dofs. stiffness: that of the free unknowns.
+    """
+
+    def __init__(self, model: Assembly, hubs: tuple[Hub, ...]) -> None:
+        self._model, self.hubs = model, hubs
+        self.reduction = model.reduce(model.bulk.space, hubs)
+        self.stiffness = AssembledStiffness.reduced(model.stiffness, self.reduction)
+
+    @cached_property
+    def hierarchy(self) -> Hierarchy:
+        """Linear cells as the coarse level of a solid of degree 2 (collective)."""
+        model = self._model
+        return Hierarchy.of(
+            model.bulk,
+            model.cell_tags,
+            model.materials,
+            self.reduction,
+            lambda space: model.reduce(space, self.hubs),
+            AssembledStiffness.reduced,
+        )
+
+    @cached_property
+    def points(self) -> YieldPoints:
+        """Gauss points of the bodies that yield (collective)."""
+        model = self._model
+        return bulk_points(
+            model.bulk,
+            model.cell_tags,
+            model.materials,
+            lambda points: np.ones(len(points), dtype=bool),
+            self.reduction,
+            model.comm,
         )
 
 

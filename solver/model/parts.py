@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from railhead.solver.material.elasticity import Material
 from railhead.solver.material.hardening import Hardening
+from railhead.solver.space.supports import Clamp, Direction, Hub, Slide, unit
 from railhead.theory.array_types import Array
 
-Direction = Sequence[float]
 GapFunction = Callable[[Array], tuple[Array, Array]]
 """Points (n, c) of the secondary surface -> gap (n,) along its outward normals, and these unit
 normals (n, c or 3)."""
@@ -131,39 +130,6 @@ class Contact:
             raise ValueError("Contact needs a primary surface, or a gap")
 
 
-@dataclass(frozen=True, eq=False)
-class Clamp:
-    """Facets that do not move."""
-
-    tag: int
-
-
-@dataclass(frozen=True, eq=False)
-class Slide:
-    """Facets that do not move along a normal, of either sense: a sliding face or a symmetry."""
-
-    tag: int
-    normal: Direction
-
-
-@dataclass(frozen=True, eq=False)
-class Hub:
-    """Facets that move as a rigid face without turning. Along `free`, a direction, a force may be
-    given; without it, only a motion. A hub without a load stays.
-
-    slides: whether the facets slide on the rigid face, and only move along `free` together.
-    """
-
-    tag: int
-    free: Direction | None = None
-    slides: bool = False
-
-    def __post_init__(self) -> None:
-        """Raises ValueError for facets that slide on a face without a free direction."""
-        if self.slides and self.free is None:
-            raise ValueError(f"Hub({self.tag}, slides=True) needs a free direction")
-
-
 @dataclass(frozen=True)
 class Force:
     """Force along the free direction of a hub, of the meshed part: in a plane section per
@@ -184,12 +150,3 @@ class Move:
 
 Part = Body | Contact | Clamp | Slide | Hub
 Load = Force | Move
-
-
-def unit(name: str, vector: Any) -> Array:
-    """Unit vector along a direction (c,); raises ValueError for one without a length."""
-    out = np.asarray(vector, float)
-    length = np.linalg.norm(out)
-    if not 0 < length < math.inf:
-        raise ValueError(f"{name} must have a direction, not {vector!r}")
-    return np.asarray(out / length)

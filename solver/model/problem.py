@@ -9,16 +9,13 @@ where s is the slip since the last step. History is the displacement then; no tr
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 import scipy.sparse as sp
-from mpi4py import MPI
 from petsc4py import PETSc
 
-from railhead.solver.algebra.linear import Direct
 from railhead.solver.algebra.problem import Tangent
 from railhead.solver.algebra.reduced_stiffness import DIFFERENT, Stiffness
 from railhead.solver.plasticity.plastic_problem import PlasticProblem, PlasticTangent
@@ -35,16 +32,15 @@ class AssembledStiffness(Stiffness):
     """
 
     @classmethod
-    def of(cls, full: PETSc.Mat, p: PETSc.Mat, free: Mask) -> AssembledStiffness:
-        """P^T K P with the map p from free unknowns to dofs and the stiffness `full` on all dofs;
-        free: (c n,) whether a place holds an unknown, the others have a typical diagonal
-        (collective).
+    def reduced(cls, full: PETSc.Mat, reduction: Reduction) -> AssembledStiffness:
+        """P^T K P with the map P of the reduction; full: stiffness K on all dofs, which stays as it
+        is. Places without an unknown have a typical diagonal (collective).
         """
-        matrix = full.convert("aij", PETSc.Mat()).ptap(p)
+        matrix = full.convert("aij", PETSc.Mat()).ptap(reduction.matrix)
+        holds = reduction.free.copy()
+        holds[[place for place in reduction.places if place >= 0]] = True
         diagonal = matrix.getDiagonal()
-        count = matrix.comm.tompi4py().allreduce(int(free.sum()))
-        empty = matrix.duplicate()
-        diagonal.array[:] = np.where(free, 0.0, diagonal.sum() / max(count, 1))
+        diagonal.array[:] = np.where(holds, 0.0, diagonal.sum() / max(reduction.unknowns, 1))
         empty = PETSc.Mat().createAIJ(matrix.getSizes(), nnz=1, comm=matrix.comm)
         empty.setDiagonal(diagonal)
         empty.assemble()
@@ -55,34 +51,6 @@ class AssembledStiffness(Stiffness):
     def add(self, rows: PETSc.Mat, weights: Array) -> None:
         """Add rows^T diag(weights) rows to the stiffness, in place (collective)."""
         self.blocks.axpy(1.0, weighted_product(rows, weights, rows), DIFFERENT)
-
-
-def with_hubs(
-    reduction: Reduction, hubs: Sequence[tuple[Mask, Array]], comm: MPI.Intracomm
-) -> tuple[PETSc.Mat, list[int]]:
-    """Map from free unknowns to dofs with one more unknown for each hub, and the local place of
-    that unknown, -1 on other ranks (collective).
-
-    reduction: supports, in which the nodes of a hub have no unknown along its direction.
-    hubs: (nodes (n,), unit vector (c,) along which they move) of each hub.
-    """
-    first = reduction.matrix.getOwnershipRangeColumn()[0]
-    table = _local(reduction.matrix)
-    places = []
-    for mask, direction in hubs:
-        nodes, dim = np.flatnonzero(mask), len(direction)
-        own = -1
-        if len(nodes):
-            last_node = dim * int(nodes[-1])
-            own = last_node + int(reduction.free[last_node : last_node + dim].argmin())
-        last = comm.allgather(own)
-        owner = max(rank for rank, place in enumerate(last) if place >= 0)
-        column = comm.bcast(first + own, root=owner)
-        rows = (dim * nodes[:, None] + np.arange(dim)).ravel()
-        entries = np.tile(direction, len(nodes)), (rows, np.full(len(rows), column))
-        table = table + sp.csr_matrix(entries, shape=table.shape)
-        places.append(own if comm.rank == owner else -1)
-    return petsc_matrix(table.tocsr(), table.shape[0], comm), places
 
 
 class _FrictionalTangent(PlasticTangent):
@@ -208,35 +176,6 @@ class FrictionalProblem(PlasticProblem):
         rubs = self.area * active * (self.coefficient > 0)
         add_transposed(self.slip, rubs[:, None] * start, rhs)
         return rhs
-
-
-class Factors(Direct):
-    """Factorisation that is made anew where a tenth of the area in contact touches, parts, sticks
-    or slides otherwise; between, and from one step to the next, it preconditions. Its fields are
-    those of `Preconditioner`.
-    """
-
-    state: Mask
-
-    def update_if_outdated(self, active: Mask) -> bool:
-        """Factorise the tangent at these active points (n,) where the last one is outdated; returns
-        whether it was (collective).
-        """
-        state, area = self.problem.branches(active), self.problem.area
-        if self.active is not None:
-            parts = len(state) // max(len(area), 1)
-            changed = (state != self.state).reshape(parts, len(area)).any(axis=0)
-            local = np.array([area[changed].sum(), area[active].sum()])
-            differs, touching = self.problem.stiffness.comm.tompi4py().allreduce(local)
-            if not touching or differs <= self.outdated_share * touching:
-                return False  # without contact the tangent may be singular
-        self.rebuild(active)
-        return True
-
-    def rebuild(self, active: Mask) -> None:
-        """Factorise the tangent at exactly these active points (n,) (collective)."""
-        super().rebuild(active)
-        self.state = self.problem.branches(active)
 
 
 def _local(matrix: PETSc.Mat) -> Any:

@@ -10,7 +10,7 @@ from petsc4py import PETSc
 from railhead.solver.algebra.newton import NewtonResult, NewtonStep
 from railhead.solver.material.hardening import History
 from railhead.solver.model.pairing import Pairing
-from railhead.solver.model.parts import Hub
+from railhead.solver.space.supports import Hub
 from railhead.theory.array_types import Array
 
 HubLoads = Mapping[Hub, tuple[float | None, Array]]

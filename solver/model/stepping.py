@@ -15,11 +15,11 @@ from railhead.solver.algebra.problem import ContactProblem
 from railhead.solver.material.hardening import History
 from railhead.solver.model.assembly import Assembly
 from railhead.solver.model.pairing import Pairing
-from railhead.solver.model.parts import Hub, unit
 from railhead.solver.model.problem import FrictionalProblem
 from railhead.solver.model.state import HubLoads, State
 from railhead.solver.plasticity.plastic_problem import surface_points
 from railhead.solver.space.operators import add_transposed
+from railhead.solver.space.supports import Hub, unit
 from railhead.theory.array_types import Array
 
 TOLERANCE = 1e-8  # of Newton's method
@@ -93,7 +93,7 @@ def _step(model: Assembly, before: State, loads: HubLoads) -> State:
         result = newton.solve(problem, preconditioner, active, y, rtol=TOLERANCE, max_steps=STEPS)
         done += result.history
         u = prescribed.copy()
-        model.map(loads).multAdd(result.y, prescribed, u)
+        model.unknowns(loads).reduction.matrix.multAdd(result.y, prescribed, u)
         gap = pairing.interface.initial_gap + (pairing.interface.gap * u).array
         if not result.converged:
             break
@@ -127,17 +127,18 @@ def _problem(
     model: Assembly, before: State, pairing: Pairing, loads: HubLoads
 ) -> tuple[ContactProblem, PETSc.Vec]:
     """Equations of a step from a state, and the prescribed displacement (collective)."""
-    p, face, law = model.map(loads), pairing.interface, model.surfaces.law
+    unknowns, face, law = model.unknowns(loads), pairing.interface, model.surfaces.law
+    p = unknowns.reduction.matrix
     prescribed = model.prescribed(loads)
     force = model.stiffness * prescribed
     force.scale(-1.0)
     force.axpy(1.0, model.body_force)
     reduced = p.createVecRight()
     p.multTranspose(force, reduced)
-    for hub, place in model.places(loads).items():
+    for hub, place in zip(unknowns.hubs, unknowns.reduction.places, strict=True):
         if place >= 0:
             reduced.array[place] += loads[hub][0]
-    stiffness = model.reduced(loads).copy()
+    stiffness = unknowns.stiffness.copy()
     values = {
         "law": law,
         "stiffness": stiffness,
@@ -168,9 +169,9 @@ def _with_history(
     values: dict[str, Any],
 ) -> FrictionalProblem:
     """Equations with yield and friction, from those without them."""
-    p, face, shape = model.map(loads), pairing.interface, pairing.tangents.shape[:2]
-    bulk = model.gauss_points(loads)
-    surface = surface_points(face, None, model.bulk, model.reduction(loads), model.comm)
+    unknowns, face, shape = model.unknowns(loads), pairing.interface, pairing.tangents.shape[:2]
+    p, bulk = unknowns.reduction.matrix, unknowns.points
+    surface = surface_points(face, None, model.bulk, unknowns.reduction, model.comm)
     surface.groups = [
         (np.flatnonzero(pairing.contact == number), material.hardening)
         for number, material in enumerate(model.secondary)
@@ -231,13 +232,10 @@ def _state(
     add_transposed(face.gap, -face.weights * pressure, nodal)
     normal = (face.stress * u).array - lost
     add_transposed(face.stress, -problem.consistency * problem.weight * (pressure + normal), nodal)
-    motions = {}
-    for hub, (force, motion) in loads.items():
-        motions[hub] = motion
-        if force is not None:
-            place = model.places(loads)[hub]
-            along = model.comm.allreduce(float(result.y.array[place]) if place >= 0 else 0.0)
-            motions[hub] = motion + along * unit("free", hub.free)
+    motions, unknowns = {hub: motion for hub, (_, motion) in loads.items()}, model.unknowns(loads)
+    for hub, place in zip(unknowns.hubs, unknowns.reduction.places, strict=True):
+        along = model.comm.allreduce(float(result.y.array[place]) if place >= 0 else 0.0)
+        motions[hub] = motions[hub] + along * unit("free", hub.free)
     return State(
         displacement=u,
         loads=loads,

@@ -136,13 +136,8 @@ class Block:
             for axis in range(int(self.tied), self.dim - 1)
             for side in (0, -1)
         ]
-        supports = constraints.Supports(
-            fixed=self.at(self.dim - 1, self.axes[-1][0]),
-            planes=planes,
-            hub=None,
-            direction=unit[-1],
-            hub_free=False,
-        )
+        fixed = self.at(self.dim - 1, self.axes[-1][0])
+        supports = constraints.Held(fixed=fixed, planes=planes, dim=self.dim)
         return constraints.reduce(supports, MPI.COMM_SELF)
 
     @cached_property

@@ -20,6 +20,7 @@ from railhead.solver.plasticity.plastic_problem import (
     bulk_points,
     surface_points,
 )
+from railhead.solver.space.supports import on_facets
 from railhead.solver.system.contact_system import ContactSystem, LoadCase
 from railhead.solver.system.response import ElasticResponse
 from railhead.solver.system.setup import LoadPath
@@ -443,6 +444,6 @@ def indentation_depth(
     for body in (setup.fixed, setup.moving):
         if not body.rigid:
             inwards = -moved if body.tag == setup.slave else moved
-            own = inwards[system.nodes_on_facets(system.bulk.space, body.contact)]
+            own = inwards[on_facets(system.bulk.space, system.facet_tags, body.contact)]
             depth[body.tag] = float(max(system.comm.allgather(np.max(own, initial=-np.inf))))
     return depth

@@ -1,7 +1,7 @@
 """Supports as one affine map: u = P y + u0, with y the free unknowns.
 
 A fixed node has no unknown, a node on a symmetry plane moves in the plane only, and all nodes of
-the rigid hub share one unknown, the approach. P has orthogonal columns. y has the layout of u, so
+a rigid hub share one unknown, its approach. P has orthogonal columns. y has the layout of u, so
 that a node keeps its block of unknowns; places without an unknown stay zero. Multigrid needs the
 rigid motions in the free unknowns, and their prolongation from a coarser space.
 """
@@ -23,27 +23,22 @@ from railhead.theory.array_types import Array
 
 
 @dataclass(frozen=True, kw_only=True)
-class Supports:
-    """Supports of a displacement space, as masks over its n owned block dofs, and directions in the
-    c coordinates of the mesh.
+class Held:
+    """What supports leave to the nodes of a displacement space, as masks over its n owned block
+    dofs, and directions in the c coordinates of the mesh.
 
-    fixed: (n,) nodes that move by the prescribed displacement u0 alone.
+    fixed: (n,) nodes without an unknown of their own: they move by the prescribed displacement u0
+        and with a hub.
     planes: (mask (n,), unit normal (c,)) of each symmetry plane; there u . normal = 0.
-    hub: (n,) nodes that move by u0 + approach * direction; None: the moving body has no cells.
-    direction: unit vector of the approach (c,).
-    hub_free: True: the approach is an unknown, also where hub is None; False: it is prescribed.
+    hubs: (mask (n,), unit direction (c,)) of nodes that move by one unknown approach along it; no
+        node: the moving body has no cells.
+    dim: c.
     """
 
     fixed: NDArray[np.bool_]
     planes: list[tuple[NDArray[np.bool_], Array]] = field(default_factory=list)
-    hub: NDArray[np.bool_] | None = None
-    direction: Array = field(default_factory=lambda: np.array([0.0, 0.0, -1.0]))
-    hub_free: bool = True
-
-    @property
-    def held(self) -> NDArray[np.bool_]:
-        """Mask (n,) of the nodes of fixed faces and of the hub."""
-        return self.fixed if self.hub is None else self.fixed | self.hub
+    hubs: list[tuple[NDArray[np.bool_], Array]] = field(default_factory=list)
+    dim: int = 3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,10 +49,10 @@ class Reduction:
     matrix: P (c n x c n), distributed.
     free: (c n,) whether a local place holds an unknown of its node.
     aligned: whether every unknown moves its node along an axis of the mesh.
-    approach: local place that holds the approach, which is a place of no node's unknown; -1: on
-        another rank, or the approach is prescribed.
-    column: number of that place among the places of all ranks; -1: the approach is prescribed.
-    unknowns: number of free unknowns of all ranks, the approach included.
+    places: local place of the approach of each hub, which is a place of no node's unknown; -1: on
+        another rank.
+    columns: numbers of these places among the places of all ranks.
+    unknowns: number of free unknowns of all ranks, approaches included.
     rigid_approach: whether the approach is an unknown but moves no node, because the body that it
         moves is rigid.
     """
@@ -65,10 +60,15 @@ class Reduction:
     matrix: PETSc.Mat
     free: NDArray[np.bool_]
     aligned: bool
-    approach: int
-    column: int
+    places: list[int]
+    columns: list[int]
     unknowns: int
     rigid_approach: bool
+
+    @property
+    def approach(self) -> int:
+        """Local place of the approach of the first hub; -1: on another rank, or prescribed."""
+        return self.places[0] if self.places else -1
 
     def squared_norms(self) -> PETSc.Vec:
         """Squared norms of the columns of the map P from free unknowns to dofs, as a distributed
@@ -100,15 +100,13 @@ class Reduction:
         return out
 
 
-def reduce(supports: Supports, comm: MPI.Intracomm) -> Reduction:
+def reduce(supports: Held, comm: MPI.Intracomm) -> Reduction:
     """Map from the free unknowns to displacements for given supports (collective).
 
     comm: communicator of the mesh. Raises ValueError where the approach is an unknown and every
         place holds an unknown of a node.
     """
-    dim = len(supports.direction)
-    count = len(supports.fixed)
-    hub = supports.hub if supports.hub is not None else np.zeros(count, dtype=bool)
+    dim, count = supports.dim, len(supports.fixed)
     basis = np.tile(np.eye(dim), (count, 1, 1))  # columns: free directions of the node
     mask = np.zeros(count, dtype=np.int64)
     for bit, (members, _) in enumerate(supports.planes):
@@ -116,30 +114,31 @@ def reduce(supports: Supports, comm: MPI.Intracomm) -> Reduction:
     for code in np.unique(mask[mask > 0]):
         normals = [n for bit, (_, n) in enumerate(supports.planes) if code >> bit & 1]
         basis[mask == code] = _directions_normal_to(np.array(normals))
-    basis[supports.fixed | hub] = 0.0
+    basis[supports.fixed] = 0.0
     free = np.any(basis != 0.0, axis=1)
 
     start, total = comm.exscan(dim * count) or 0, comm.allreduce(dim * count)
     node, row, column = np.nonzero(basis)
     rows, values = dim * node + row, basis[node, row, column]
     columns = start + dim * node + column
-    approach = place = -1
-    if supports.hub_free:
-        approach, place = _place(np.flatnonzero(~free), start, comm)
-        moved = np.flatnonzero(hub & ~supports.fixed)
+    chosen = _places(start + np.flatnonzero(~free), len(supports.hubs), comm)
+    for (hub, direction), place in zip(supports.hubs, chosen, strict=True):
+        moved = np.flatnonzero(hub)
         rows = np.concatenate([rows, (dim * moved[:, None] + np.arange(dim)).ravel()])
         columns = np.concatenate([columns, np.full(dim * len(moved), place)])
-        values = np.concatenate([values, np.tile(supports.direction, len(moved))])
+        values = np.concatenate([values, np.tile(direction, len(moved))])
+    places = [place - start if 0 <= place - start < dim * count else -1 for place in chosen]
     keep = values != 0.0
     table = sp.csr_matrix((values[keep], (rows[keep], columns[keep])), shape=(dim * count, total))
+    moving = comm.allreduce(sum(int(hub.sum()) for hub, _ in supports.hubs))
     return Reduction(
         matrix=petsc_matrix(table, dim * count, comm),
         free=free.ravel(),
         aligned=not comm.allreduce(int(np.any(row != column))),
-        approach=approach,
-        column=place,
-        unknowns=int(comm.allreduce(int(free.sum()) + (approach >= 0))),
-        rigid_approach=supports.hub_free and not comm.allreduce(int(hub.sum())),
+        places=places,
+        columns=chosen,
+        unknowns=int(comm.allreduce(int(free.sum())) + len(chosen)),
+        rigid_approach=bool(chosen) and not moving,
     )
 
 
@@ -158,21 +157,17 @@ def _directions_normal_to(normals: Array) -> Array:
     return np.column_stack([rest.T, np.zeros((normals.shape[1], rank))])
 
 
-def _place(empty: NDArray[np.intp], start: int, comm: MPI.Intracomm) -> tuple[int, int]:
-    """Place of the approach: the last one without an unknown, on the last rank that has one
-    (collective). Returns its local number, -1 on other ranks, and its number among all ranks'
-    places.
+def _places(empty: NDArray[np.intp], count: int, comm: MPI.Intracomm) -> list[int]:
+    """Places of approaches, numbers among those of all ranks: the last ones without an unknown
+    (collective).
 
-    empty: local numbers of places without an unknown, ascending.
-    start: number of the first local place among those of all ranks. Raises ValueError where no rank
-        has an empty place.
+    empty: numbers of this rank's places without an unknown, ascending. count: of approaches. Raises
+        ValueError where there are not so many.
     """
-    last = comm.allgather(int(empty[-1]) if len(empty) else -1)
-    owner = max((rank for rank, place in enumerate(last) if place >= 0), default=-1)
-    if owner < 0:
+    every = np.concatenate(comm.allgather(empty[max(len(empty) - count, 0) :]))
+    if len(every) < count:
         raise ValueError("nothing is held, so that there is no place for the approach")
-    own = last[owner] if comm.rank == owner else -1
-    return own, comm.bcast(start + last[owner], root=owner)
+    return [int(place) for place in every[len(every) - count :]]
 
 
 def reduced_prolongation(full: PETSc.Mat, fine: Reduction, coarse: Reduction) -> PETSc.Mat:

@@ -8,7 +8,6 @@ from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
-from dolfinx import fem
 from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
@@ -21,10 +20,11 @@ from railhead.solver.algebra.problem import ContactProblem, reduce_problem
 from railhead.solver.algebra.reduced_stiffness import Stiffness, SupportReactions, unit_vector
 from railhead.solver.material.elasticity import assemble
 from railhead.solver.space import constraints, contact_interface
-from railhead.solver.space.cells import Bulk, quadrature_degree
+from railhead.solver.space.cells import Bulk
 from railhead.solver.space.contact_interface import Interface
 from railhead.solver.space.facets import FacetSet
 from railhead.solver.space.operators import vector
+from railhead.solver.space.supports import Clamp, Hub, Slide, held, masks, must_exist
 from railhead.solver.system.setup import Setup
 from railhead.solver.system.solution import Solution
 from railhead.theory.array_types import Array, Mask
@@ -89,6 +89,8 @@ class ContactSystem:
     bulk: displacement space and elastic constants of the cells.
     owned: number of block dofs that this rank owns.
     interface: contact points, with gap and normal stress as matrices.
+    clamp, hub: support of the fixed body, and that of the moving one, which moves along the push.
+    masks: owned block dofs (nodes,) of each support and symmetry plane.
     reduction: supports, as the map from free unknowns to dofs.
     reactions: rows of the stiffness matrix at the supported nodes.
     law: contact law, with the parameters that suit the slave's material.
@@ -104,12 +106,12 @@ class ContactSystem:
         self.cell_tags, self.facet_tags = cell_tags, facet_tags
         sides = [s for s in (setup.fixed, setup.moving) if not s.rigid]
         for side in sides:
-            self._must_exist("cell", cell_tags, side.tag)
-            self._must_exist("contact facet", facet_tags, side.contact)
+            must_exist("cell", cell_tags, side.tag, self.comm)
+            must_exist("contact facet", facet_tags, side.contact, self.comm)
             if side is setup.moving or not setup.planes:  # planes may hold the other one
-                self._must_exist("support facet", facet_tags, side.support)
+                must_exist("support facet", facet_tags, side.support, self.comm)
         for tag, _ in setup.planes:
-            self._must_exist("plane facet", facet_tags, tag)
+            must_exist("plane facet", facet_tags, tag, self.comm)
         self.materials = {side.tag: side.material for side in sides}
         self.bulk: Bulk
         self.bulk, stiffness = assemble(
@@ -126,9 +128,14 @@ class ContactSystem:
             self.comm,
             setup.cut,
         )
+        tags = (-1 if side.rigid else side.support for side in (setup.fixed, setup.moving))
+        self.clamp, self.hub = Clamp(next(tags)), Hub(next(tags), tuple(setup.push))
+        flatten = setup.kinematics.flatten
+        planes = [Slide(tag, tuple(flatten(np.array(normal)))) for tag, normal in setup.planes]
+        self.masks = masks(self.bulk.space, facet_tags, [self.clamp, self.hub, *planes])
         supports = self.supports(self.bulk.space)
         self.reduction = constraints.reduce(supports, self.comm)
-        self.reactions = SupportReactions.of(stiffness, supports.held, setup.kinematics.dim)
+        self.reactions = SupportReactions.of(stiffness, supports.fixed, setup.kinematics.dim)
         material = self.materials[setup.slave]
         self.law = setup.law.suited(material.young_modulus, material.lame)
         self.gap_per_approach: Array = self.interface.normals @ setup.push
@@ -137,13 +144,6 @@ class ContactSystem:
         )
         del stiffness
         compat.collect(self.comm)
-
-    def _must_exist(self, what: str, tags: Any, tag: int) -> None:
-        """Raise ValueError where no rank has an entity with this tag; what: word for the entity in
-        the message; tags: MeshTags (collective).
-        """
-        if not self.comm.allreduce(len(tags.find(tag))):
-            raise ValueError(f"no {what} carries the tag {tag}")
 
     def release(self) -> None:
         """Drop everything but `comm`, which frees all matrices; afterwards the system cannot be
@@ -157,34 +157,13 @@ class ContactSystem:
         """Number of free unknowns of all ranks."""
         return self.reduction.unknowns
 
-    def nodes_on_facets(self, space: Any, tag: int) -> NDArray[np.bool_]:
-        """Mask over the owned block dofs of a space: True on the facets with this tag
-        (collective).
+    def supports(self, space: Any) -> constraints.Held:
+        """What the fixed face, the symmetry planes and the hub leave to the owned block dofs of a
+        space (collective).
         """
-        dim = space.mesh.topology.dim
-        space.mesh.topology.create_connectivity(dim - 1, dim)
-        dofs = fem.locate_dofs_topological(space, dim - 1, self.facet_tags.find(tag))
-        count = space.dofmap.index_map.size_local
-        mask = np.zeros(count, dtype=bool)
-        mask[dofs[dofs < count]] = True
-        return mask
-
-    def supports(self, space: Any) -> constraints.Supports:
-        """Fixed faces, symmetry planes and hub as masks over the owned block dofs of a space, with
-        the direction of the approach (collective).
-        """
-        setup = self.setup
-        none = np.zeros(space.dofmap.index_map.size_local, dtype=bool)
-        fixed = none if setup.fixed.rigid else self.nodes_on_facets(space, setup.fixed.support)
-        hub = none if setup.moving.rigid else self.nodes_on_facets(space, setup.moving.support)
-        flatten = setup.kinematics.flatten
-        planes = [
-            (self.nodes_on_facets(space, tag), flatten(np.array(normal)))
-            for tag, normal in setup.planes
-        ]
-        return constraints.Supports(
-            fixed=fixed, planes=planes, hub=hub, direction=setup.push, hub_free=setup.load_control
-        )
+        found = masks(space, self.facet_tags, self.masks)
+        hubs = [self.hub] if self.setup.load_control else []
+        return held(found, hubs, len(found[self.hub]), self.setup.kinematics.dim)
 
     def prescribed(self, case: LoadCase) -> PETSc.Vec:
         """Prescribed displacement u0 on all dofs, mm: far field of the load, support displacement
@@ -193,9 +172,8 @@ class ContactSystem:
         values: Array = np.zeros((self.owned, self.setup.kinematics.dim))
         if self.setup.far_field is not None and case.load:
             values = self.support_field(partial(self.setup.far_field, case.load))
-        supports = self.supports(self.bulk.space)
-        if not self.setup.load_control and supports.hub is not None:
-            values[supports.hub] += case.approach * supports.direction
+        if not self.setup.load_control:
+            values[self.masks[self.hub]] += case.approach * self.setup.push
         out = vector(self.reduction.matrix, values)
         if case.support_displacement is not None:
             out.axpy(1.0, case.support_displacement)
@@ -207,11 +185,12 @@ class ContactSystem:
 
         field: (body tag, points in space (k, 3) mm) -> displacement in space (k, 3) mm.
         """
-        supports, kinematics = self.supports(self.bulk.space), self.setup.kinematics
+        setup, kinematics = self.setup, self.setup.kinematics
         points = kinematics.lift(compat.dof_points(self.bulk.space))
         values = np.zeros((self.owned, kinematics.dim))
-        for side, mask in ((self.setup.fixed, supports.fixed), (self.setup.moving, supports.hub)):
-            if mask is not None and mask.any():
+        for side, part in ((setup.fixed, self.clamp), (setup.moving, self.hub)):
+            mask = self.masks[part]
+            if mask.any():
                 values[mask] = kinematics.flatten(field(side.tag, points[mask]))
         return values
 
@@ -366,8 +345,7 @@ class ContactSystem:
         force counts along the direction.
         """
         law, problem, jumps = self.law, self.problem, self.interface
-        supports = self.supports(self.bulk.space)
-        mask, sign = (supports.fixed, -1.0) if not self.setup.fixed.rigid else (supports.hub, 1.0)
+        part, sign = (self.hub, 1.0) if self.setup.fixed.rigid else (self.clamp, -1.0)
         force, push = jumps.gap.createVecRight(), jumps.gap.createVecLeft()
         push.array[:] = -jumps.weights * pressure
         jumps.gap.multTranspose(push, force)
@@ -379,7 +357,7 @@ class ContactSystem:
         if outer is not None:
             force.axpy(-1.0, outer)
         nodal = force.array.reshape(-1, self.setup.kinematics.dim)
-        local = sign * float(np.sum(nodal[mask] @ supports.direction))
+        local = sign * float(np.sum(nodal[self.masks[part]] @ self.setup.push))
         return float(self.setup.parts * self.comm.allreduce(local))
 
     def gaps(self, displacement: PETSc.Vec, approach: float) -> Array:
@@ -430,13 +408,11 @@ class ContactSystem:
         """Coarse level of p-multigrid: linear cells on the same mesh, with the quadrature of the
         quadratic cells.
         """
-        mesh, kinematics = self.bulk.space.mesh, self.setup.kinematics
-        rule = quadrature_degree(compat.cell_type(mesh), self.setup.degree, kinematics)
-        coarse, stiffness = assemble(mesh, self.cell_tags, self.materials, 1, kinematics, rule)
-        reduction = constraints.reduce(self.supports(coarse.space), self.comm)
-        full = compat.interpolation(coarse.space, self.bulk.space)
-        return Hierarchy(
-            constraints.reduced_prolongation(full, self.reduction, reduction),
-            Stiffness.reduced(stiffness, reduction),
-            constraints.rigid_modes(compat.dof_points(coarse.space), reduction, kinematics),
+        return Hierarchy.of(
+            self.bulk,
+            self.cell_tags,
+            self.materials,
+            self.reduction,
+            lambda space: constraints.reduce(self.supports(space), self.comm),
+            Stiffness.reduced,
         )

@@ -122,7 +122,7 @@ def test_a_load_step_whose_start_stalls_begins_from_the_last_one(monkeypatch) ->
 
 
 @pytest.mark.parametrize("normal, depth", [(-1.0, 3e-3), (1.0, -1e-3)])
-def test_a_surface_that_bulges_everywhere_has_a_negative_depth(normal, depth) -> None:
+def test_a_surface_that_bulges_everywhere_has_a_negative_depth(monkeypatch, normal, depth) -> None:
     """A depth cut off at zero says that nothing is left."""
     rail = SimpleNamespace(tag=RAIL, rigid=False, contact=0)
     setup = SimpleNamespace(
@@ -136,8 +136,9 @@ def test_a_surface_that_bulges_everywhere_has_a_negative_depth(normal, depth) ->
         setup=setup,
         interface=SimpleNamespace(weights=np.ones(1), normals=np.array([[0.0, normal]])),
         bulk=SimpleNamespace(space=None),
-        nodes_on_facets=lambda *_: np.arange(2),
+        facet_tags=None,
     )
+    monkeypatch.setattr(load_stepping, "on_facets", lambda *_: np.arange(2))
     moved = SimpleNamespace(displacement=SimpleNamespace(array=np.array([0, 1e-3, 0, 3e-3])))
     found = load_stepping.indentation_depth(system, moved, np.ones(1))
     assert found == {RAIL: pytest.approx(depth)}

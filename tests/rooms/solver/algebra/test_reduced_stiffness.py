@@ -12,7 +12,7 @@ from railhead.solver.space import constraints
 from studies.hard.block_pairs import contact_model, two_blocks
 
 
-def oblique(supports: constraints.Supports) -> constraints.Supports:
+def oblique(supports: constraints.Held) -> constraints.Held:
     """The same with its first plane turned out of the axes."""
     (members, _), *others = supports.planes
     return replace(supports, planes=[(members, np.array([0.6, 0.8, 0.0])), *others])
@@ -20,9 +20,11 @@ def oblique(supports: constraints.Supports) -> constraints.Supports:
 
 CHANGES = {
     "load": lambda supports: supports,
-    "approach given": lambda supports: replace(supports, hub_free=False),
+    "approach given": lambda supports: replace(supports, hubs=[]),
     "oblique plane": oblique,
-    "rigid counterface": lambda supports: replace(supports, hub=None),
+    "rigid counterface": lambda supports: replace(
+        supports, hubs=[(np.zeros_like(mask), way) for mask, way in supports.hubs]
+    ),
 }
 
 
@@ -79,4 +81,4 @@ def test_an_approach_needs_a_place() -> None:
     model = contact_model()
     none = np.zeros_like(model.supports(model.bulk.space).fixed)
     with pytest.raises(ValueError, match="nothing is held"):
-        constraints.reduce(constraints.Supports(fixed=none), model.comm)
+        constraints.reduce(constraints.Held(fixed=none, hubs=[(none, np.eye(3)[0])]), model.comm)

@@ -47,8 +47,8 @@ def solved(*parts: object, loads: dict | None = None, **changes: object) -> rs.S
         (lambda: model(section=None), "does not fit a mesh with 2 coordinates"),
         (lambda: model(degree=3), "degree 3 is not there"),
         (lambda: model().solve(), "a model needs a Contact"),
-        (lambda: solved(rs.Clamp(77)), "no facets carry the tag 77"),
-        (lambda: solved(rs.Body(7, SOFT)), "no cells carry the tag 7"),
+        (lambda: solved(rs.Clamp(77)), "no facet carries the tag 77"),
+        (lambda: solved(rs.Body(7, SOFT)), "no cell carries the tag 7"),
         (lambda: solved(rs.Slide(30, normal=(0, 0))), "normal must have a direction"),
         (lambda: solved(rs.Contact(12, 31)), "surface 12 has nothing opposite"),
         (
