@@ -96,10 +96,14 @@ def draw_tractions(
 
 def _rise(axes: Axes, local: Array, rise: Array, findings: Findings) -> None:
     """Draw the rise (n,) of the rail's surface temperature, K, at x and s (n, 2), mm."""
-    subject = findings.subject
-    for outline in findings.patch.outlines:
-        axes.plot(*outline.T, color=FE, lw=1.2)
+    from matplotlib.path import Path as Path2D
+
+    subject, outlines = findings.subject, findings.patch.outlines
     drawn = axes.tripcolor(*local.T, rise, shading="gouraud", cmap="inferno")
+    inside = Path2D.make_compound_path(*(Path2D(line, closed=True) for line in outlines))
+    drawn.set_clip_path(inside, axes.transData)
+    for outline in outlines:
+        axes.plot(*outline.T, color=FE, lw=1.2)
     axes.figure.colorbar(drawn, ax=axes, label=f"temperature rise, {subject.names['rail']}, K")
     axes.set(xlabel=subject.label(0), ylabel=subject.label(1), aspect="equal")
 

@@ -1,11 +1,16 @@
 """Friction that falls with slip or temperature, and an elastic layer, between half-spaces."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from one_line import refusal
+from solved import friction, passed, solved
 
+import railhead as rh
+from railhead.planning import simulation_plan
 from railhead.theory.friction.heat import Heat
 from railhead.theory.friction.kalker import coefficients
 from railhead.theory.friction.laws import ByTemperature, Falling, Interface
@@ -199,3 +204,123 @@ def test_a_layer_under_one_shift_adds_its_own() -> None:
     found = ellipse(0.3, Interface(layer=1.0), rolling=False).solve(Creepage(1.0, 2.0))
     sticks = found.sticks
     np.testing.assert_allclose(found.traction[:, sticks].T, [[1.0, 2.0]] * sticks.sum(), rtol=1e-2)
+
+
+FAST = "effects.finite_bodies=off"
+ROLLS = "rolling.creepage_along=3.33333%", "rolling.speed=30"
+SLIP_LAW = (
+    "friction.coefficient=0.3", "friction.law=exponential", "friction.kinetic=0.15",
+    "friction.slip_half=0.3 m/s",
+)  # fmt: skip
+
+
+def ertz(*assignments: str, young: float = STEEL) -> rh.Scene:
+    """The ellipse as a scene of half-spaces; radii grow with the moduli."""
+    radii = [f"wheel.{key}={young / STEEL * r}" for key, r in (
+        ("rolling_radius", 492.61), ("transverse_radius", 1186.2))]  # fmt: skip
+    moduli = [f"{body}.{key}" for body in ("rail", "wheel")
+              for key in (f"young_modulus={young}", "poisson_ratio=0.28")]  # fmt: skip
+    bodies = ["rail.profile=arc", "rail.crown_radius=inf", "wheel.profile=arc"]
+    assignments = (*bodies, *radii, *moduli, *assignments)
+    scene = rh.Scene(
+        load=LOAD, rail={"extent": "half-space", "profile": "arc", "crown_radius": 1e9}
+    )
+    return scene.replace([FAST, "heat.density=7850", *assignments])
+
+
+@pytest.mark.parametrize(("young", "kelvin"), [(1e3 * STEEL, 150.3), (STEEL, 152.6)])
+def test_a_scene_has_the_temperatures_of_its_surfaces(young: float, kelvin: float) -> None:
+    keys = ("heat.conductivity=50.0001",) if young > STEEL else ()
+    found = friction(passed(ertz("friction.coefficient=0.3", *ROLLS, *keys, young=young)))
+    rises = found["temperature_rise_max_K"]
+    assert rises["rail"] == rises["wheel"] == pytest.approx(kelvin, rel=0.003)
+    assert found["power_W"] == pytest.approx(30e3, rel=1e-3)
+    assert "coefficient_least" not in found
+
+
+def test_a_scene_of_unlike_warmth_that_does_not_slip() -> None:
+    keys = "friction.coefficient=0.3", "rolling.creepage_along=0", "rolling.speed=30"
+    rises = friction(solved(ertz(*keys, "heat.bulk_wheel=150")))["temperature_rise_max_K"]
+    assert rises == {"rail": pytest.approx(75.0), "wheel": pytest.approx(-75.0)}
+
+
+def test_a_scene_with_a_table_needs_no_other_coefficient() -> None:
+    table = "friction.law=temperature", "friction.table=[[0, 0.3], [400, 0.12]]"
+    found = friction(passed(ertz(*table, *ROLLS)))
+    assert found["force_along_N"] == pytest.approx(26.38e3, rel=0.005)
+    least = 0.3 - 0.18 * found["temperature_rise_max_K"]["rail"] / 400
+    assert found["coefficient_least"] == pytest.approx(least, rel=1e-3)
+    same = friction(passed(ertz(*table, *ROLLS, "friction.coefficient=0.3")))
+    assert same["force_along_N"] == found["force_along_N"]
+
+
+@pytest.mark.slow
+def test_solids_have_the_law_and_the_heat_of_half_spaces() -> None:
+    keys = (*SLIP_LAW, "rolling.creepage_along=0.3%", "rolling.speed=30")
+    layer = "friction.layer_thickness=0.005", "friction.layer_modulus=300", "friction.memory=0.3"
+    result = solved("hertz_ellipse", *keys, *layer, "mesh.patch_size=0.87")
+    found, fast = friction(result), friction(passed("hertz_ellipse", FAST, *keys, *layer))
+    other = result.summary["half_space_friction"]["boundary elements"]
+    for each in (other, fast):
+        assert each["force_along_N"] == pytest.approx(found["force_along_N"], rel=0.01)
+    assert list(result.summary["half_space_friction"]) == ["boundary elements"]
+    assert found["coefficient_least"] == pytest.approx(fast["coefficient_least"], rel=0.02)
+    rises = (each["temperature_rise_max_K"]["rail"] for each in (found, fast))
+    assert next(rises) == pytest.approx(next(rises), rel=0.03)
+
+
+def test_the_plan_names_what_laws_and_layers_change() -> None:
+    plan = simulation_plan.make(
+        rh.find("hertz_ellipse").replace([
+            FAST, *SLIP_LAW, "rolling.creepage_along=1%", "rolling.speed=30",
+            "friction.layer_thickness=0.02", "friction.layer_modulus=300",
+        ])
+    )  # fmt: skip
+    heat, law, layer = (plan.effects[each] for each in ("heat", "falling_friction", "layer"))
+    assert heat.on and law.on and layer.on
+    assert "flash temperature up to" in heat.why
+    assert "no friction.memory is given" in law.why and "0.3 and not down to 0.15" in law.why
+    assert "mm/MPa" in layer.why
+
+
+@pytest.mark.parametrize("effect", ["falling_friction", "layer"])
+def test_an_effect_that_is_off_leaves_coulombs_answer(effect: str) -> None:
+    keys = {
+        "falling_friction": SLIP_LAW[1:],
+        "layer": ("friction.layer_thickness=0.02", "friction.layer_modulus=300"),
+    }[effect]
+    rolls = "friction.coefficient=0.3", "rolling.creepage_along=0.2%", "rolling.speed=30", FAST
+    plain = friction(solved("hertz_ellipse", *rolls))
+    off = friction(solved("hertz_ellipse", *rolls, *keys, f"effects.{effect}=off"))
+    assert off["force_along_N"] == plain["force_along_N"]
+    with_it = friction(solved("hertz_ellipse", *rolls, *keys))
+    assert with_it["force_along_N"] < 0.97 * plain["force_along_N"]
+
+
+@pytest.mark.parametrize(
+    ("case", "keys", "expected"),
+    [
+        ("long_roller", (), "friction.law: exponential is not allowed with a section"),
+        ("hertz_ellipse", ("wheel.young_modulus=7e4",), "friction.law: .* of unlike materials"),
+        ("hertz_ellipse", ("rolling.speed=none",), "rolling.speed: is missing; friction.law"),
+        ("hertz_ellipse", ("friction.slip_half=none",), "friction.slip_half: is missing; law"),
+        ("hertz_ellipse", ("friction.law=coulomb",), "friction.kinetic: has no use in law coulomb"),
+        ("hertz_ellipse", ("friction.layer_modulus=9",), "friction.layer_thickness: is missing"),
+        ("hertz_ellipse", ("rolling.passes=2",), "friction.law: .* beside rolling.passes"),
+        ("hertz_ellipse", ("friction.table=[[0, 0.3], [400, 0.1]]",), "friction.table: has no use"),
+    ],
+)
+def test_what_cannot_take_a_law_says_so_in_one_line(case, keys, expected) -> None:
+    given = dict(each.split("=", 1) for each in (
+        *SLIP_LAW, "rolling.creepage_along=1%", "rolling.speed=30", *keys))  # fmt: skip
+    scene = [f"{key}={value}" for key, value in given.items()]
+    line = refusal(lambda: simulation_plan.make(rh.find(case).replace(scene)))
+    assert re.search(expected, line)
+
+
+def test_a_law_that_does_not_settle_is_no_answer() -> None:
+    steep = "friction.coefficient=0.6", "friction.kinetic=0.1", "friction.slip_half=20"
+    keys = (SLIP_LAW[1], *steep, "rolling.creepage_along=0.3%", "rolling.speed=80", FAST)
+    result = solved("hertz_ellipse", *keys)
+    assert not result.passed
+    assert "longer friction.memory" in str(result.summary)
