@@ -323,7 +323,8 @@ def run(
         with process.told_at_a_signal("nothing was written"):
             result = pipeline.solve(planned, progress)
         first, problem = result.comm.rank == 0, None
-        progress.stage("writing files" + ("" if no_pictures else " and pictures"))
+        drawn = not no_pictures and scene.asks("pictures")
+        progress.stage("writing files" + (" and pictures" if drawn else ""))
         try:
             result.save(
                 folder,

@@ -69,12 +69,12 @@ def rows(summary: Mapping[str, Any], table: str) -> list[Row]:
     for each in quantities.rows(table):
         if table in ("friction", "steel") and each.path[1] not in friction:
             continue
-        if each.path[0] == "stress" and "stress" not in {**result, **summary["hertz"]}:
+        if each.path[0] == "stress" and "stress" not in result:
             continue
         least = 0.0
         if each.key.endswith("depth_mm"):
             least = NO_DEPTH * result["patch"]["a_mm"]
-        elif each.unit in ("N", "N mm"):  # of a moment over an arm of 1 mm
+        elif each.over_friction_limit or each.unit == "N mm":  # a moment's arm is 1 mm
             least = ROUNDING * limit
         value = _cell(each.value(result), least)
         error = within.get(each.key, within.get(each.like))

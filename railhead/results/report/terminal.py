@@ -249,7 +249,7 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
                 highlight=False,
             )
         if varies := summary["result"].get("surface_shape"):
-            ahead, height = (units.text(value, "mm") for value in varies.values())
+            ahead, height = (units.text(round(value, 4), "mm") for value in varies.values())
             text = f"They touch {ahead} ahead of the smooth ones; heights there vary by {height}."
             console.print(text, highlight=False)
         if plastic := summary["result"].get("plastic"):
