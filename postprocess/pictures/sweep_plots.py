@@ -117,7 +117,7 @@ def curves(
                 hidden = np.array([short in each for each in names])
                 axes.plot(x[hidden], found[hidden], "x", ms=9, color=HERTZ, zorder=3)
             axes.set_ylabel(label + y if name == PLACE else label)
-            if name != PLACE and name not in FRICTION:
+            if name not in (PLACE, AHEAD, *FRICTION):
                 axes.set_ylim(0, 1.05 * axes.get_ylim()[1])  # room for a ring
             axes.set_xlabel(over if numbers else units.unit(over))  # words are in units already
             axes.tick_params(labelbottom=True)

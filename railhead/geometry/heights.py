@@ -14,7 +14,7 @@ from railhead.theory.array_types import Array
 
 Values = tuple[Array, Array, Array]
 """Height (n,) in mm, and its slopes (n,) along and across."""
-FEWEST = 4  # places along a map, and across, for cubic splines
+FEWEST = 4  # places along a map, for cubic splines
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -109,7 +109,7 @@ class Map(Height):
         y, height = self.y, self.height
         if len(y) == 1:
             y, height = np.arange(float(FEWEST)), np.repeat(height, FEWEST, axis=1)
-        return RectBivariateSpline(self.x, y, height)
+        return RectBivariateSpline(self.x, y, height, ky=min(3, len(y) - 1))
 
 
 def read_map(path: Path, position: float) -> Map:
@@ -127,9 +127,9 @@ def read_map(path: Path, position: float) -> Map:
     wrong = height.shape != (x.size, y.size) or x.ndim != 1 or y.ndim != 1
     if wrong or not all(np.isfinite(each).all() for each in (x, y, height)):
         raise ValueError(f"{path.name} is no map; give finite x (n), y (m) and height (n, m)")
-    if len(x) < FEWEST or 1 < len(y) < FEWEST or any((np.diff(k) <= 0).any() for k in (x, y)):
+    if len(x) < FEWEST or len(y) == 2 or any((np.diff(k) <= 0).any() for k in (x, y)):
         text = f"{path.name} has {len(x)} places along and {len(y)} across; give {FEWEST} or more"
-        raise ValueError(f"{text}, or one across, and ascending x and y")
+        raise ValueError(f"{text} along and 1, 3 or more across, ascending")
     steps = [np.diff(each).min() for each in (x, y) if len(each) > 1]
     return Map(length=FEWEST * float(min(steps)), position=position, x=x, y=y, height=height)
 
