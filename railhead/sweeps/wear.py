@@ -91,7 +91,7 @@ def _beside(found: WearResult, folder: Path, progress: Progress) -> dict[str, An
     number = int(np.argmax(found.route.shares))
     scene = found.route.positions[number].scene
     for body in found.route.worn:
-        own = {"rolling_radius", "inclination"}
+        own = {"profile", "rolling_radius", "inclination"}
         shape = {key: "none" for key in wear_route.SHAPE[body] if key not in own} | AS_WRITTEN
         scene = scene.replace(
             **{f"{body}.{key}": value for key, value in shape.items()},
