@@ -37,6 +37,8 @@ USFD: Pairs = ((55.0 / 5.3, 55.0), (77.2, 55.0), (78.2, 116.9))
 #: takes them off. Burstow's whole-life rail model, from memory; others begin at 20 N.
 DAMAGE: Pairs = ((15.0, 0.0), (65.0, 1e-5), (175.0, 0.0))
 FIRST, DEEPEST = 0.125, 0.02  # largest share, and depth in mm, of the first step
+LEAST = 6  # lines of a patch
+ENDS, SMOOTH = 0.75, 0.1  # spacings from the outermost line to the end; of the value beside it
 SHORTEST, GROWTH = 1e-5, 3.0  # share of a step that is not made shorter; largest growth
 
 
@@ -85,18 +87,32 @@ def opening(patch: PatchSolution, lines: Lines) -> Array:
 
 def onto(places: Array, s: Array, values: Array) -> Array:
     """Values (n,) at places (n,) of a curve through values (m,) at s (m,), evenly spaced, mm, by
-    cubic pieces that make no new extremes. Beyond the outermost values that are not 0 it ends where
-    the line through the last two is 0, at most one spacing further on; zero beyond.
+    cubic pieces that make no new extremes; zero beyond its ends, which follow from the outermost
+    values that are not 0 (`_ended`).
     """
     (used,) = np.nonzero(values)
-    if used.size < 2:
+    if used.size < LEAST:
         return np.zeros_like(places)
-    first, last = used[[0, -1]]
-    step, kept = s[1] - s[0], values[first : last + 1]
-    rises = np.array([kept[1] - kept[0], kept[-2] - kept[-1]])
-    room = step * np.minimum(1.0, kept[[0, -1]] / np.maximum(rises, kept[[0, -1]]))
-    x = np.concatenate([[s[first] - room[0]], s[first : last + 1], [s[last] + room[1]]])
-    return np.nan_to_num(PchipInterpolator(x, np.pad(kept, 1), extrapolate=False)(places))
+    low, left = _ended(s[used[0] :], values[used[0] :])
+    high, right = _ended(s[used[-1] :: -1], values[used[-1] :: -1])
+    inner = slice(used[0] + left, used[-1] + 1 - right)
+    x = np.concatenate([[low], s[inner], [high]])
+    return np.nan_to_num(PchipInterpolator(x, np.pad(values[inner], 1), extrapolate=False)(places))
+
+
+def _ended(s: Array, values: Array) -> tuple[float, int]:
+    """Place at which values at s, mm, from the outermost one on, end, and how many of them do not
+    count. The outermost line, which a smooth patch covers in part, does not where the parabola
+    through the three next ones goes through it and is 0 close to it. Else the end is where the
+    straight line through the last two is 0, or one spacing beyond.
+    """
+    edge, one, two, three = values[:4].tolist()
+    bend, rise = (one - 2 * two + three) / 2, (one - three) / 2
+    smooth = abs(two + 2 * rise + 4 * bend - edge) <= SMOOTH * one
+    for root in np.roots([bend, rise, two]) if smooth else ():  # s[1] is at 1, the outermost at 2
+        if root.imag == 0 and abs(root.real - 2) <= ENDS:
+            return float(s[2] + root.real * (s[1] - s[2])), 1
+    return float(s[0] + (s[0] - s[1]) * min(1.0, edge / max(one - edge, edge))), 0
 
 
 def seen(values: Array, step: float, width: Array) -> Array:

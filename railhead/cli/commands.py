@@ -469,9 +469,13 @@ def table(
 @_takes_scene
 @click.option("--out", type=click.Path(path_type=Path), help="Folder [results/<case>_wear].")
 @_force
+@click.option("--no-pictures", is_flag=True, help="Write no PNG files.")
+@_format
 @click.option("--quiet", is_flag=True, help="Print only what fails.")
 @click.option("--json", "as_json", is_flag=True, help="Print wear.json and nothing else.")
-def wear(scene: Scene, out: Path | None, force: bool, quiet: bool, as_json: bool) -> int:
+def wear(
+    scene: Scene, out: Path | None, force: bool, no_pictures: bool, quiet: bool, as_json: bool
+) -> int:
     """Wear rail and wheel over a route of positions, [wear] of the scene."""
     from railhead.results import result_folder
     from railhead.sweeps import wear as sweep
@@ -479,7 +483,7 @@ def wear(scene: Scene, out: Path | None, force: bool, quiet: bool, as_json: bool
     _ask(scene)
     folder = out if out is not None else Path("results") / f"{scene.name}_wear"
     result_folder.check_folder(folder)
-    found = sweep.wear(scene, folder, force=force, quiet=quiet or as_json)
+    found = sweep.wear(scene, folder, force=force, pictures=not no_pictures, quiet=quiet or as_json)
     if found is None:  # a rank that worked for the first one
         return SOLVED
     for name, advice in found.summary["checks"]["advice"].items():

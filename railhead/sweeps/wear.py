@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +12,9 @@ import numpy as np
 from mpi4py import MPI
 
 from railhead.geometry.worn_profile import Places
-from railhead.results import result_folder
+from railhead.meshing.mesh import MeshError
+from railhead.postprocess.findings import Subject
+from railhead.results import pipeline, result_folder
 from railhead.run.half_spaces.worn_contact import BODIES
 from railhead.run.progress import Progress, Tell
 from railhead.scene.catalogue import INPUT, copy_files, portable
@@ -22,8 +26,14 @@ from railhead.theory.array_types import Array
 
 SUMMARY, DEPTH, DAMAGE, HISTORY = "wear.json", "wear.csv", "damage.csv", "history.csv"
 PROFILES = {body: f"{body}_profile.csv" for body in BODIES}
-LATER = (INPUT, result_folder.SCENE, SUMMARY, DEPTH, DAMAGE, HISTORY, *PROFILES.values())
+PICTURES = ("depth", "history")
+LATER = (
+    *(INPUT, result_folder.SCENE, SUMMARY, DEPTH, DAMAGE, HISTORY, *PROFILES.values()),
+    *(f"{name}.{kind}" for name in PICTURES for kind in ("png", "svg", "pdf")),
+)
 DECIMALS = 7  # of profiles, mm
+AS_WRITTEN = {"profile_mirror": "off", "profile_flip": "off", "profile_origin": "file"}
+"""Keys with which the files of worn profiles are read back."""
 
 
 def wear(
@@ -31,6 +41,7 @@ def wear(
     out: str | Path,
     *,
     force: bool = False,
+    pictures: bool = True,
     quiet: bool = True,
     progress: Tell | None = None,
 ) -> WearResult | None:
@@ -39,6 +50,7 @@ def wear(
 
     out: the folder, into which the files of the result are written.
     force: whether another result in the folder is replaced.
+    pictures: whether PNG files are drawn, too.
     quiet: whether no progress is shown. progress: as of `Progress`.
     Returns None on all MPI ranks but the first. Raises SceneError for a scene, a route or a folder
     that cannot be used, OSError where nothing can be written.
@@ -63,8 +75,46 @@ def wear(
             if route is None:
                 return None
             found = WearResult(route, wear_run.solve(route, folder, submit, shown))
-            _save(found, folder)
+            _write_profiles(found, folder)
+            if scene.effects.finite_bodies != "off" and comm.size == 1:
+                found = replace(found, beside=_beside(found, folder, shown))
+            shown.stage("writing files" + " and pictures" * pictures)
+            _save(found, folder, pictures=pictures)
             return found
+
+
+def _beside(found: WearResult, folder: Path, progress: Progress) -> dict[str, Any]:
+    """Entry "beside" of wear.json: the position with the largest share on the worn profiles in a
+    folder, by finite elements and by half-spaces, elastic and without friction; or the reason why
+    finite elements fail.
+    """
+    number = int(np.argmax(found.route.shares))
+    scene = found.route.positions[number].scene
+    for body in found.route.worn:
+        own = {"profile", "rolling_radius", "inclination"}
+        shape = {key: "none" for key in wear_route.SHAPE[body] if key not in own} | AS_WRITTEN
+        scene = scene.replace(
+            **{f"{body}.{key}": value for key, value in shape.items()},
+            **{f"{body}.profile": str(folder / PROFILES[body])},
+        )
+    switches = {"finite_bodies": "auto", "friction": "off", "plasticity": "off"}
+    scene = scene.replace(**{f"effects.{key}": value for key, value in switches.items()})
+    try:
+        solved = pipeline.run(scene, progress, MPI.COMM_SELF).summary
+        bodies, half_spaces = solved["result"], solved["half_space"]
+        return {
+            "position": number + 1,
+            **{
+                name: {
+                    "pressure_max_MPa": each["pressure"]["max_MPa"],
+                    "area_mm2": each["patch"]["area_mm2"],
+                }
+                for name, each in (("finite_elements", bodies), ("half_spaces", half_spaces))
+            },
+            "checks": solved["checks"]["failed"],
+        }
+    except (SceneError, MeshError, KeyError, TypeError) as error:
+        return {"position": number + 1, "reason": f"{type(error).__name__}: {error}"}
 
 
 def _scenes(route: Route) -> list[Scene]:
@@ -83,21 +133,41 @@ def _request(route: Route) -> dict[str, Any]:
     }
 
 
-def _save(found: WearResult, folder: Path) -> None:
+def _save(found: WearResult, folder: Path, *, pictures: bool) -> None:
     """Write the files of a result into its folder. OSError: one cannot be written."""
-    scene, run = found.route.scene, found.runs["main"]
+    scene, depths = found.route.scene, found.depth_rows()
     files = {
         result_folder.SCENE: result_folder.scene_toml("wear", scene).encode(),
-        DEPTH: result_folder.encoded(result_folder.signed(found.depth_rows())),
+        DEPTH: result_folder.encoded(result_folder.signed(depths)),
         DAMAGE: result_folder.encoded(result_folder.signed(found.damage_rows())),
         HISTORY: result_folder.encoded(result_folder.signed(found.rows)),
         SUMMARY: result_folder.to_json(result_folder.origin() | found.summary).encode(),
     }
-    for body, places in found.places(run).items():
-        slope = scene.rail.inclination if body == "rail" else 0.0
-        files[PROFILES[body]] = _profile(places, run.depths()[body], slope).encode()
     for name, content in files.items():
         store.write_whole(folder, folder / name, content)
+    if not pictures:
+        return
+    from railhead.postprocess.pictures import wear_plots
+
+    title, failures = Subject(f"wear of {scene.name}"), list[str]()
+    drawings = {
+        "depth.png": partial(wear_plots.depth, depths, found.route.worn, title),
+        "history.png": partial(wear_plots.history, found.rows, title),
+    }
+    result_folder.draw(
+        drawings, folder, lambda name: result_folder.attempt(failures, folder / name, folder)
+    )
+    if failures:
+        raise OSError("\n".join(failures))
+
+
+def _write_profiles(found: WearResult, folder: Path) -> None:
+    """Write the worn profiles into a folder. OSError: one cannot be written."""
+    run, inclination = found.runs["main"], found.route.scene.rail.inclination
+    for body, places in found.places(run).items():
+        slope = inclination if body == "rail" else 0.0
+        text = _profile(places, run.depths()[body], slope)
+        store.write_whole(folder, folder / PROFILES[body], text.encode())
 
 
 def _profile(places: Places, depth: Array, slope: float) -> str:
@@ -134,6 +204,15 @@ def words(found: WearResult) -> list[str]:
             if key in ("axles", "distance_km") and value
         ]
         lines.append(f"{name} {limit['limit']:g}: {' and '.join(after) or 'not reached'}")
+    if beside := summary["beside"]:
+        pairs = [
+            f"{name.replace('_', ' ')} {each['pressure_max_MPa']:.5g} MPa on "
+            f"{each['area_mm2']:.4g} mm2"
+            for name, each in beside.items()
+            if isinstance(each, dict)
+        ]
+        text = "; ".join(pairs) or beside["reason"]
+        lines.append(f"position {beside['position']}, worn: {text}")
     for name, why in summary["left_out"].items():
         lines.append(f"left out: {name.replace('_', ' ')} ({why})")
     failed = summary["checks"]["failed"]

@@ -42,10 +42,13 @@ class WearResult:
 
     route: the route.
     runs: by name, `wear_run.RUNS`.
+    beside: one position on the worn profiles by finite elements and by half-spaces, as in
+        wear.json; None where it is not solved.
     """
 
     route: Route
     runs: Mapping[str, Run]
+    beside: dict[str, Any] | None = None
 
     @property
     def passed(self) -> bool:
@@ -72,6 +75,7 @@ class WearResult:
             "rows": self.rows,
             "positions": self._positions(),
             "left_out": self.route.left_out,
+            "beside": self.beside,
             "damage_law": DAMAGE_LAW,
             "accuracy": {
                 "asked": scene.wear.accuracy,

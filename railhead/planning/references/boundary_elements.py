@@ -127,6 +127,7 @@ def solve(
     known: BoundaryElementSolution | None = None,
     *,
     lines: Lines | None = None,
+    start: BoundaryElementSolution | None = None,
 ) -> BoundaryElementSolution:
     """Boundary-element solution, elastic and frictionless, with all patches of a contact under a
     vertical load (N), or at the ellipse's approach.
@@ -134,8 +135,10 @@ def solve(
     load: vertical load, N; None for the approach along the vertical, the ellipse's over the cosine
         of the contact angle.
     cells: number of cells along each axis of a patch.
-    lines: compliance of the lines along x beside that of the half-spaces; None: zero.
     known: the same on 64 cells (CELLS), from which finer grids start; None: it is solved first.
+    lines: compliance of the lines along x beside that of the half-spaces; None: zero.
+    start: a similar solution, in whose windows the patches are searched first; None: around the
+        contact points.
     Where the solution leaves a point of the wheel's contact locus inside the rail, a patch was
     missed and is added. Raises ValueError for half-spaces, where there is no closed patch within
     the profiles, and where patches are still missed after five solutions (MAX_SOLUTIONS).
@@ -143,8 +146,11 @@ def solve(
     surface, cosine = develop(contact), math.cos(contact.touch.angle)
     rigid = ellipse.approach / cosine
     x, s, height = surface.locus(2 * FIRST_REACH * rigid)
-    windows = _around(contact, surface, FIRST_REACH * rigid)
-    windows += _boxes(contact, x, s, np.maximum(FIRST_REACH * rigid - height, 0))
+    if start is None:
+        windows = _around(contact, surface, FIRST_REACH * rigid)
+        windows += _boxes(contact, x, s, np.maximum(FIRST_REACH * rigid - height, 0))
+    else:
+        windows = [_window(window.x, window.s) for window in start.windows]
     for _ in range(MAX_SOLUTIONS):
         found = pressure_solver.solve_developed(
             surface.gap,

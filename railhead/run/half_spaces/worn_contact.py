@@ -184,8 +184,14 @@ class WornContact:
 
     def _press(self, lines: Lines | None) -> BoundaryElementSolution:
         """The pressure on the present profiles, with a compliance of the lines or without."""
-        hertz, cells = self._position.hertz, self._cells
-        return boundary_elements.solve(self._contact, hertz, self._load, cells, lines=lines)
+        return boundary_elements.solve(
+            self._contact,
+            self._position.hertz,
+            self._load,
+            self._cells,
+            lines=lines,
+            start=None if lines is None else self._pressed,
+        )
 
     def _y(self, body: str, s: Array) -> Array:
         """y (n,) on the profile of a body, mm, of the lines at s (n,), mm; a line on the wheel is

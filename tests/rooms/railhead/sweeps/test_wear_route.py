@@ -19,9 +19,9 @@ from railhead.sweeps import wear_route, wear_run
 
 AXLES = 2200.6  # worn area 0.3565 mm2 at a creepage of 1 %
 COARSE = {
-    "main": Fineness(places=2001, cells=64),
-    "coarse": Fineness(places=1001, cells=32),
-    "halved": Fineness(places=1001, cells=32),
+    "main": Fineness(places=2001, cells=48),
+    "coarse": Fineness(places=1001, cells=24),
+    "halved": Fineness(places=1001, cells=24),
 }
 
 
@@ -171,10 +171,10 @@ def test_a_run_goes_on_after_its_last_record(worn, tmp_path, monkeypatch):
 
 def test_two_runs_are_one(worn, tmp_path):
     found, _ = worn
-    first = sweep.wear(crown(axles=AXLES / 2), tmp_path / "first")
+    first = sweep.wear(crown(axles=AXLES / 2, step=3), tmp_path / "first")
     assert first is not None
     profile = {"profile": str(tmp_path / "first" / "rail_profile.csv"), "profile_mirror": "off"}
-    then = crown(axles=AXLES / 2).model_copy(update={"rail": Rail(**profile)})
+    then = crown(axles=AXLES / 2, step=3).model_copy(update={"rail": Rail(**profile)})
     second = sweep.wear(then, tmp_path / "second")
     assert second is not None and second.passed
     total = sum(each.summary["depth_max_mm"]["rail"] for each in (first, second))
@@ -186,7 +186,7 @@ def test_two_runs_are_one(worn, tmp_path):
 def test_rail_and_wheel_share_the_wear(worn, tmp_path):
     found, _ = worn
     amounts = {"axles": AXLES / 2, "distance": AXLES / 2 * 2 * math.pi * 460}
-    both = sweep.wear(crown(on="both", step=6, **amounts), tmp_path / "both")
+    both = sweep.wear(crown(on="both", step=5, accuracy=0.03, **amounts), tmp_path / "both")
     assert both is not None and both.passed
     depth = both.summary["depth_max_mm"]
     assert depth["rail"] == pytest.approx(depth["wheel"], rel=1e-3)
@@ -194,7 +194,7 @@ def test_rail_and_wheel_share_the_wear(worn, tmp_path):
 
 
 def test_positions_that_are_alike_wear_as_one(tmp_path):
-    scene = crown(axles=AXLES / 4)
+    scene = crown(axles=AXLES / 4, step=2)
     (one,) = wear_route.read(scene).positions
     half = replace(one, axles=one.axles / 2)
     for name in ("one", "two"):
@@ -212,6 +212,18 @@ def test_positions_that_are_alike_wear_as_one(tmp_path):
     )
     depths = [runs["main"].depths()["rail"] for runs in (alone, shared)]
     assert np.abs(depths[1] - depths[0]).max() < 0.02 * depths[0].max()
+
+
+@pytest.mark.slow
+def test_finite_elements_stand_beside_the_half_spaces(tmp_path):
+    scene = crown(axles=AXLES / 2, step=2).replace(**{"effects.finite_bodies": "auto"})
+    found = sweep.wear(scene, tmp_path / "out")
+    assert found is not None and found.beside is not None and not found.beside["checks"]
+    bodies, flat = (found.beside[name] for name in ("finite_elements", "half_spaces"))
+    last = found.summary["pressure_max_MPa"]["last"]
+    assert flat["pressure_max_MPa"] == pytest.approx(last, rel=5e-3)
+    assert bodies["pressure_max_MPa"] == pytest.approx(flat["pressure_max_MPa"], rel=0.02)
+    assert bodies["area_mm2"] == pytest.approx(flat["area_mm2"], rel=0.03)
 
 
 def test_wear_that_leaves_the_profile_fails_a_check(tmp_path):
@@ -275,9 +287,9 @@ def test_the_command_prints_what_was_worn(tmp_path, capsys):
         "step = 2\n"
     )
     with pytest.raises(SystemExit) as ended:
-        main(["wear", str(scene), "--out", str(tmp_path / "out"), "--quiet"])
+        main(["wear", str(scene), "--out", str(tmp_path / "out"), "--fast", "--quiet"])
     assert ended.value.code == 0 and capsys.readouterr().out == ""
     with pytest.raises(SystemExit):
-        main(["wear", str(scene), "--out", str(tmp_path / "out")])
+        main(["wear", str(scene), "--out", str(tmp_path / "out"), "--fast"])
     said = capsys.readouterr().out
     assert "2 steps" in said and "rail: at most" in said and "all passed" in said
