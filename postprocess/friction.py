@@ -45,6 +45,8 @@ def at_cells(
     tangents: Sequence[Array],
     used: Sequence[NDArray[np.bool_]],
     parts: float = 1.0,
+    *,
+    centred: bool = False,
 ) -> FrictionSolution:
     """Tractions of patches that share one rigid motion as a solution with vectors in space, at the
     cells that are used; nothing is solved. Forces, moment, load steps, energy and numbers of
@@ -53,6 +55,9 @@ def at_cells(
     found: tractions of each patch on a grid.
     places (nx, ny, 3), tangents (nx, ny, 2, 3): of each patch, cell centres in space, mm, and unit
         vectors along and across. used (nx, ny): whether a cell is used.
+    centred: whether slip is the mean of that half a cell ahead and half a cell behind. In rolling
+        it is known ahead of the centres; traction times slip is 4 % too small there on 64 cells,
+        and 0.4 % with the mean.
     parts: factor on the areas of the cells: number of symmetric parts of the model, where only the
         cells of one are used.
     """
@@ -76,7 +81,7 @@ def at_cells(
         pressure=joined([each.pressure for each in found]),
         bound=joined([each.bound for each in found]),
         traction=in_space([each.traction for each in found]),
-        slip=in_space([each.slip for each in found]),
+        slip=in_space([_centred(each.slip) if centred else each.slip for each in found]),
         sticks=joined([each.sticks for each in found]),
         inside=joined([each.covered for each in found]),
         rigid_motion=(motion.along, motion.across, motion.spin),
@@ -92,6 +97,11 @@ def at_cells(
         rise_rail=hot[0],
         rise_wheel=hot[1],
     )
+
+
+def _centred(slip: Array) -> Array:
+    """Slip (2, nx, ny) at the centres of cells from that half a cell ahead along x."""
+    return np.asarray((slip + np.concatenate([slip[:, :1], slip[:, :-1]], axis=1)) / 2)
 
 
 def wear_number(found: FrictionSolution, centres: Array) -> float:

@@ -378,6 +378,7 @@ def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: b
 @_force
 @click.option("--resume", is_flag=True, help="Refuse a folder that holds no part of this sweep.")
 @click.option("--vtu", is_flag=True, help="Write .vtu files of each combination, for ParaView.")
+@click.option("--fields", is_flag=True, help="Write pressure and tractions of all into fields.npz.")
 @click.option("--no-pictures", is_flag=True, help="Write no PNG files and no report.html.")
 @_format
 @_units
@@ -391,6 +392,7 @@ def sweep(
     force: bool,
     resume: bool,
     vtu: bool,
+    fields: bool,
     no_pictures: bool,
     unit_names: str | None,
     quiet: bool,
@@ -409,7 +411,7 @@ def sweep(
 
     from railhead.sweeps import parallel, store, sweep_table
 
-    task = parallel.ParallelSweep(grid=grid, folder=folder, vtu=vtu, units=units)
+    task = parallel.ParallelSweep(grid=grid, folder=folder, vtu=vtu, fields=fields, units=units)
     other: store.Other = "replace" if force else "move" if out is None and not resume else "refuse"
     quiet = quiet or as_json
     with process.told_at_a_signal(KEPT.format(folder)):

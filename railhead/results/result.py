@@ -246,6 +246,31 @@ class Result(terminal.Drawn):
         found, planes = solved.solution.friction, [normal for _, normal in solved.plan.planes]
         return found and symmetry.tractions(found, planes)
 
+    @property
+    def contact_points(self) -> dict[str, Array]:
+        """Arrays over the n points of the whole patch that touch, by name: "points" (n, 3) in
+        space, mm; "pressure" (n,), MPa. Without friction these are nodes of `surface`.
+
+        With friction, of `tractions`: "area" (n,), mm2; "traction" (n, 3), MPa; "slip" (n, 3) and
+        "sticks" (n,). Where the wheel rolls: "dissipation" (n,), traction times slip, MPa, the
+        energy per area and rolled length; with a speed "power" (n,), W/mm2; with heat "rise_rail"
+        and "rise_wheel" (n,), K. ValueError: as of `surface`.
+        """
+        found, rolling = self.tractions, self.plan.scene.rolling
+        if found is None:
+            surface = self.surface
+            values = {"points": surface.points, "pressure": surface.pressure}
+        else:
+            names = "points", "pressure", "traction", "slip", "sticks", "rise_rail", "rise_wheel"
+            values = {name: getattr(found, name) for name in names}
+            values["area"] = found.weights
+            if rolling.prescribed:
+                values["dissipation"] = (found.traction * found.slip).sum(axis=1)
+            if rolling.speed is not None:
+                values["power"] = rolling.speed * values["dissipation"]
+        touches = values["pressure"] > 0
+        return {name: each[touches] for name, each in values.items() if each is not None}
+
     def stress_at(self, points: Array, body: str | None = None) -> Array:
         """Smooth stress (n, 6), components xx, yy, zz, xy, xz, yz in global axes, MPa, tension
         positive, at points (n, 3) in space of the undeformed bodies, mm; NaN outside of them.

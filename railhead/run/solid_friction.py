@@ -419,6 +419,7 @@ class SolidFriction:
             [each.tangents for each in patches],
             used,
             setup.parts,
+            centred=settings.rolling,
         )
         force, moment = settings.resultants(
             described.points, described.weights, described.traction, setup.planes

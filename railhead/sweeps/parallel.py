@@ -37,6 +37,7 @@ class ParallelSweep:
     grid: the scenes.
     folder: folder of records, table and pictures.
     vtu: whether files for ParaView are written for each scene; not for half-spaces.
+    fields: whether the arrays of `Result.contact_points` are written, of all scenes into one file.
     keep_results: whether `Outcome.results` holds the results, with their fields, of the scenes that
         are solved now; those that had a record are not solved again. Else it is empty.
     units: of pictures and report.
@@ -45,6 +46,7 @@ class ParallelSweep:
     grid: ParameterGrid
     folder: Path
     vtu: bool = False
+    fields: bool = False
     keep_results: bool = False
     units: Units = BASE_UNITS
 
@@ -65,8 +67,8 @@ class ParallelSweep:
     @property
     def request(self) -> dict[str, Any]:
         """Everything that determines the records: "railhead" (version), "scene", "over" (values by
-        key) and "vtu". Files are named by their places in the folder, which hold the first digits
-        of their SHA-256. Raises OSError where a file cannot be read.
+        key), "vtu" and "fields". Files are named by their places in the folder, which hold the
+        first digits of their SHA-256. Raises OSError where a file cannot be read.
         """
         rows = [self.values(number) for number in range(len(self.grid.scenes))]
         over = {key: [row[key] for row in rows] for key in self.grid.keys}
@@ -77,6 +79,7 @@ class ParallelSweep:
             "scene": portable(self.grid.base),
             "over": over,
             **({"vtu": True} if self.vtu else {}),
+            **({"fields": True} if self.fields else {}),
         }
 
     @property
@@ -187,7 +190,9 @@ def _solve_all(
         scenes = {number: sweep.grid.scenes[number] for number in group}
         for part in split_among_workers(wanted, busy, workers):
             over = {number: sweep.values(number) for number in part}
-            job = submit(_solve, sweep.folder, over, scenes, sweep.vtu, sweep.keep_results)
+            job = submit(
+                _solve, sweep.folder, over, scenes, sweep.vtu, sweep.fields, sweep.keep_results
+            )
             numbers_of[job] = part
     faults: dict[int, str] = {}
     pending = set(numbers_of)
@@ -219,10 +224,11 @@ def _solve(
     over: Mapping[int, Mapping[str, object]],
     group: Mapping[int, Scene],
     vtu: bool,
+    fields: bool,
     keep_results: bool,
 ) -> tuple[dict[int, Result], dict[int, str]]:
-    """Solve scenes of a group in this process, and write for each its .vtu files (with `vtu`) and
-    then its record.
+    """Solve scenes of a group in this process, and write for each its .vtu files (with `vtu`), its
+    arrays (with `fields`) and then its record.
 
     over: of the scenes that are solved, values of the changing keys by number. Returns results by
         number (with `keep_results`), and reasons by number for scenes without a record: not enough
@@ -241,6 +247,8 @@ def _solve(
             grids.mkdir(parents=True, exist_ok=True)
             files.write_grids(result.solved, files.nodal_stress(result.solved), grids)
             result_folder.stamp(grids)
+        if fields and not isinstance(result, Exception) and result.summary["result"]:
+            store.write_fields(folder, number, result.contact_points)
         if keep_results and not isinstance(result, Exception):
             results[number] = result
         store.write(folder, number, sweep_table.record(over[number], result))
@@ -303,6 +311,9 @@ def _write(
         subject = Subject(title, units=sweep.units)
         drawings = plots.drawings(keys, outcome.rows, outlines, y_label, subject)
         result_folder.draw(drawings, folder, attempt)
+    if sweep.fields:
+        with attempt(f"{store.FIELDS}.npz"):
+            store.join_fields(folder)
     with attempt(""):
         result_folder.stamp(folder)
     if pictures:

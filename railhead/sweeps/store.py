@@ -5,6 +5,7 @@ A record appears whole or not at all, so a sweep that is killed loses only what 
 
 from __future__ import annotations
 
+import io
 import json
 import os
 from collections.abc import Callable, Collection, Mapping
@@ -12,12 +13,15 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
+
 from railhead.results import result_folder
 from railhead.scene.catalogue import INPUT
 from railhead.scene.scene import SceneError, dotted
 from railhead.sweeps import sweep_table
 
 REQUEST, RECORDS, VTU, TABLE = "sweep.json", "records", "vtu", "sweep.csv"
+FIELDS = "fields"  # folder of the arrays of each scene, and name of the file of all of them
 PICTURES = ("sweep.png", "patches.png")
 BESIDE = (".svg", ".pdf")  # what pictures may have beside them
 SERIES = ("solution", "contact")  # names of the .vtu files of a scene
@@ -28,6 +32,8 @@ LATER = (
     INPUT,
     RECORDS,
     VTU,
+    FIELDS,
+    f"{FIELDS}.npz",
     TABLE,
     sweep_table.REPORT,
     *PICTURES,
@@ -161,6 +167,29 @@ def check(folder: Path, values: Callable[[int], Mapping[str, object]]) -> None:
             good = record["over"] == json.loads(result_folder.to_json(dict(values(number))))
         if not good:
             raise broken(_record(folder, number))
+
+
+def write_fields(folder: Path, number: int, fields: Mapping[str, Any]) -> None:
+    """Write the arrays of scene `number` by their names. OSError: they cannot be written."""
+    path = folder / FIELDS / f"{number:05d}.npz"
+    path.parent.mkdir(exist_ok=True)
+    content = io.BytesIO()
+    np.savez(content, **fields)
+    write_whole(folder, path, content.getvalue())
+
+
+def join_fields(folder: Path) -> None:
+    """Write the arrays of all scenes of a sweep one after the other into one file, and "row", the
+    number of the scene of each point, from 0. Arrays that not every scene has are left out.
+    OSError: it cannot be written.
+    """
+    paths = sorted((folder / FIELDS).glob("*.npz"))
+    each = [dict(np.load(path)) for path in paths]
+    names = set.intersection(*(set(fields) for fields in each)) if each else ()
+    joined = {name: np.concatenate([fields[name] for fields in each]) for name in sorted(names)}
+    counts = [len(fields["pressure"]) for fields in each]
+    row = np.repeat([int(path.stem) for path in paths], counts)
+    np.savez_compressed(folder / f"{FIELDS}.npz", row=row, **joined)
 
 
 def vtu_folder(folder: Path, number: int) -> Path:

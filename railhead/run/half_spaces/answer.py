@@ -438,7 +438,8 @@ def _at_cells(
         across = np.stack([0 * x, np.cos(slope), np.sin(slope)], axis=-1)
         tangents.append(np.stack([np.broadcast_to([1.0, 0.0, 0.0], across.shape), across], axis=2))
     touches = [each.pressure > 0 for each in found]
-    solution = friction.at_cells(found, places, tangents, touches, sheared.scale)
+    centred = plan.scene.rolling.prescribed and plan.context.tangential_pair.like
+    solution = friction.at_cells(found, places, tangents, touches, sheared.scale, centred=centred)
     along, across, moment = sheared.scale * np.sum([each.forces for each in found], axis=0)
     coarse = None if sheared.coarse is None else _at_cells(plan, sheared.coarse, points)
     solution = replace(

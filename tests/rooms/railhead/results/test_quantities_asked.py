@@ -4,6 +4,7 @@ import csv
 import json
 
 import command
+import numpy as np
 import pytest
 
 import railhead as rh
@@ -106,9 +107,10 @@ def test_what_is_no_quantity_is_refused(names: str, capsys) -> None:
 def test_a_sweep_computes_what_is_asked(tmp_path, monkeypatch) -> None:
     out = tmp_path / "out"
     keys = [word for key in ROLLS[1:] for word in ("--set", key)]
-    asked = ["--over", "load=20kN,30kN", "--only", "forces", "--quiet", "--out", str(out)]
+    asked = ["--over", "load=20kN,30kN", "--only", "forces", "--fields"]
+    asked += ["--set", "rolling.speed=20", "--quiet", "--out", str(out)]
     assert command.status("sweep", "hertz_ellipse", "--fast", *keys, *asked) == 0
-    with open(out / "sweep.csv", encoding="utf-8") as file:
+    with open(out / "sweep.csv", encoding="utf-8-sig") as file:
         rows = list(csv.DictReader(file))
     (force,) = (name for name in rows[0] if name.startswith("force along"))
     assert len(rows) == 2 and all(float(row[force]) > 0 for row in rows)
@@ -116,3 +118,14 @@ def test_a_sweep_computes_what_is_asked(tmp_path, monkeypatch) -> None:
     assert len(records) == 2
     assert not any("stress" in each["summary"]["result"] for each in records)
     assert not [path for path in out.iterdir() if path.suffix == ".png"]
+    with np.load(out / "fields.npz") as fields:
+        arrays = dict(fields)
+    names = "row points area pressure traction slip sticks dissipation power rise_rail rise_wheel"
+    assert arrays.keys() == {*names.split()} and len({len(each) for each in arrays.values()}) == 1
+    for number, row in enumerate(rows):
+        own = {name: each[arrays["row"] == number] for name, each in arrays.items()}
+        assert own["area"] @ own["pressure"] == pytest.approx(float(row["load [N]"]), rel=1e-9)
+        assert own["area"] @ own["traction"][:, 0] == pytest.approx(float(row[force]), rel=5e-3)
+        energy = own["area"] @ own["dissipation"]
+        assert energy == pytest.approx(float(row["T-gamma [N]"]), rel=4e-3)
+        assert np.allclose(own["power"], 20 * own["dissipation"])
