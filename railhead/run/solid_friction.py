@@ -35,8 +35,8 @@ from railhead.solver.system.response import ElasticResponse
 from railhead.solver.system.solution import FrictionSolution, GridTraction, Solution
 from railhead.theory.array_types import Array
 from railhead.theory.friction.rolling import (
-    LONGER,
     CELLS,
+    LONGER,
     Creepage,
     HalfSpaceFriction,
     TangentialSolution,
