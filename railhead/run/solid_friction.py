@@ -36,6 +36,7 @@ from railhead.solver.system.solution import FrictionSolution, GridTraction, Solu
 from railhead.theory.array_types import Array
 from railhead.theory.friction.rolling import (
     CELLS,
+    LONGER,
     Creepage,
     HalfSpaceFriction,
     TangentialSolution,
@@ -397,7 +398,9 @@ class SolidFriction:
 
     def _failed(self, solution: Solution) -> Solution:
         """The solution, said not to have converged; its `reference` is the frictionless one."""
-        newton = replace(solution.newton, reason=NOT_CONVERGED)
+        laws = self.settings.interface
+        more = f"; {LONGER}" if laws and laws.law else ""
+        newton = replace(solution.newton, reason=NOT_CONVERGED + more)
         return replace(solution, newton=newton, reference=self.pressed)
 
     def _friction_solution(

@@ -182,16 +182,14 @@ def solve_by_boundary_elements(
 
 
 def _on_grid(plan: Plan, found: FrictionSolution, patches: Sequence[PressedPatch]) -> Numbers:
-    """Quantities of friction by boundary elements on given patches, scaled to the normal force of
+    """Quantities of friction by boundary elements on given patches, scaled to the limit mu N of
     `found`, by the keys of summary.json.
     Raises ValueError for several patches under a shift.
     """
     pair, rolling = closed_forms.tangential_pair(plan.scene), plan.scene.rolling.prescribed
     if len(patches) > 1 and not rolling:
         raise ValueError(SEVERAL)
-    pressed = sum(each.pressed.cell * float(each.pressed.pressure.sum()) for each in patches)
-    # The normal forces differ by what the finite bodies do.
-    scale = float(found.weights @ found.pressure) / pressed
+    scale = found.friction_limit / sum(each.limit for each in patches)  # of a shift
     along, across = (force / scale for force in found.force)
     sheared = shear(
         patches,
@@ -201,6 +199,8 @@ def _on_grid(plan: Plan, found: FrictionSolution, patches: Sequence[PressedPatch
         rolling=rolling,
         interface=tribology.interface(plan.scene),
     )
+    # The normal forces differ by what the finite bodies do.
+    scale = found.friction_limit / sum(each.limit for each in sheared)
     forces = scale * np.sum([each.forces for each in sheared], axis=0)
     sticks, touches = np.sum([each.areas for each in sheared], axis=0)
     largest = max(float(np.linalg.norm(each.traction, axis=0).max()) for each in sheared)

@@ -183,6 +183,7 @@ def rubbed(case: Any, centre: float) -> tuple[Any, Any]:
         bound=0.3 * pressure,
         traction=traction,
         sticks=local[:, 0] > 0,
+        rise_rail=None,
     )
     return rubbing, replace(case.findings, patch=moved, subject=Subject(TITLE, gauge=True))
 
