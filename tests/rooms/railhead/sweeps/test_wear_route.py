@@ -221,7 +221,7 @@ def test_finite_elements_stand_beside_the_half_spaces(tmp_path):
     assert found is not None and found.beside is not None and not found.beside["checks"]
     bodies, flat = (found.beside[name] for name in ("finite_elements", "half_spaces"))
     last = found.summary["pressure_max_MPa"]["last"]
-    assert flat["pressure_max_MPa"] == pytest.approx(last, rel=5e-3)
+    assert flat["pressure_max_MPa"] == pytest.approx(last, rel=0.015)  # its 48 cells
     assert bodies["pressure_max_MPa"] == pytest.approx(flat["pressure_max_MPa"], rel=0.02)
     assert bodies["area_mm2"] == pytest.approx(flat["area_mm2"], rel=0.03)
 
