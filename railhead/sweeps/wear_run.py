@@ -24,7 +24,7 @@ from railhead.theory import wear
 from railhead.theory.array_types import Array
 from railhead.theory.wear import Stage
 
-FINE, COARSE = Fineness(places=4001, cells=128), Fineness(places=2001, cells=64)
+FINE, COARSE = Fineness(places=4001, cells=96), Fineness(places=2001, cells=48)
 RUNS = {"main": FINE, "coarse": COARSE, "halved": COARSE}
 SETTLES = 0.03  # of the smallest approach: a depth by which halving a step may change the profile
 APART = 10_000  # numbers of records from one run to the next
