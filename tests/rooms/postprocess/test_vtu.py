@@ -141,6 +141,8 @@ def test_traction_points_are_those_that_touch() -> None:
         traction=10 * vectors,
         slip=100 * vectors,
         sticks=np.array([True, True, False, False]),
+        rise_rail=None,
+        rise_wheel=None,
     )
     grid = vtu.traction_points(cast(FrictionSolution, found))
     assert grid.points[:, 0].tolist() == [0.0, 2.0]
