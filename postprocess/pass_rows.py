@@ -15,7 +15,7 @@ from railhead.theory.bem.grid_patch import PatchSolution
 
 if TYPE_CHECKING:
     from railhead.solver.material.hardening import Hardening
-    from railhead.solver.passes.rolling_block import RollingBlock, RollingPass, SectionState
+    from railhead.solver.plasticity.rolling_block import RollingBlock, RollingPass, SectionState
 
 PASS_COLUMNS = {
     "strain_increment_max": ("strain", ""),

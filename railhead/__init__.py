@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     )
     from railhead.sweeps.creep_tables import creep_table
     from railhead.sweeps.sweep_results import Sweep, sweep
-    from railhead.sweeps.wear import wear
+    from railhead.sweeps.wear.wear import wear
 
 __version__ = "0.3.0"
 __all__ = [
@@ -66,7 +66,7 @@ _HOMES = dict.fromkeys(__all__, "railhead.scene.scene") | {
     "Result": "railhead.results.result",
     "creep_table": "railhead.sweeps.creep_tables",
     **dict.fromkeys(("Sweep", "sweep"), "railhead.sweeps.sweep_results"),
-    "wear": "railhead.sweeps.wear",
+    "wear": "railhead.sweeps.wear.wear",
 }
 
 _MOVED = {

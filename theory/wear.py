@@ -24,7 +24,7 @@ from scipy.interpolate import PchipInterpolator, make_interp_spline
 from railhead.theory.array_types import Array, Index
 from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.bem.influence import Lines
-from railhead.theory.friction.heat import DENSITY
+from railhead.theory.tribology.heat import DENSITY
 
 Pairs = tuple[tuple[float, float], ...]
 """Pairs of numbers, the first ones positive and rising."""

@@ -1,17 +1,16 @@
-"""The command `railhead`: its options and what each of its commands does.
+"""The command `railhead`: what each of its commands does.
 
 Modules that a command needs are imported when it runs: imports are half of a short command.
 """
 
 from __future__ import annotations
 
-import functools
 import io
 import shutil
 import sys
 import textwrap
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from contextlib import redirect_stdout
 from datetime import timedelta
 from pathlib import Path
@@ -20,19 +19,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from railhead import __version__
-from railhead.cli import errors
+from railhead.cli import errors, options
 from railhead.cli.errors import CHECK_FAILED, SOLVED, WRONG_INPUT
 from railhead.meshing import isolated_process
 from railhead.run import process
 from railhead.scene import catalogue
 from railhead.scene.scene import (
-    OTHER_NAMES,
-    QUANTITIES,
-    Effects,
     Scene,
     SceneError,
-    assignment,
-    dotted,
     unit_questions,
 )
 
@@ -46,136 +40,6 @@ PROCESSES.name = "number of processes; give a whole number from 1 on"
 START_BYTES = 750_000_000  # address space with which libraries start and half-spaces are solved
 # Commands of which MPI prints one copy.
 SERIAL = ("list", "plan", "show", "diff", "locate", "profile")
-
-
-def _completing(words: Callable[[], Iterable[str]]) -> Callable[..., list[str]]:
-    """The function for click's shell completion that offers those words that begin as typed.
-    words: returns all of them.
-    """
-    return lambda context, parameter, begun: [each for each in words() if each.startswith(begun)]
-
-
-def _keys() -> list[str]:
-    """Beginnings of assignments, "load=", "rail.profile=", of all keys of a scene."""
-    return [f"{key}=" for key, _ in dotted(Scene(load=1.0).model_dump())]
-
-
-_over = click.option(
-    "--over",
-    "lists",
-    multiple=True,
-    shell_complete=_completing(_keys),
-    metavar="KEY=VALUES",
-    help="Values of a key: 25kN,50kN or first:last:step, 0:10:0.5mm.",
-)
-_over_file = click.option(
-    "--over-file",
-    type=click.Path(path_type=Path),
-    help="Rows of values: a .csv file, its first line keys.",
-)
-
-
-def _beside_png(_: click.Context, __: click.Parameter, kind: str | None) -> None:
-    """Let matplotlib write each picture in the format `kind` beside PNG; None: in PNG alone."""
-    if kind is not None:
-        import matplotlib
-
-        matplotlib.rcParams["savefig.format"] = kind
-
-
-_format = click.option(
-    "--format",
-    type=click.Choice(["svg", "pdf"]),
-    expose_value=False,
-    callback=_beside_png,
-    help="Pictures in this format beside PNG.",
-)
-
-
-def _once(_: click.Context, __: click.Parameter, assignments: Sequence[str]) -> Sequence[str]:
-    """The assignments of --set. Raises SceneError for a key that is given twice."""
-    keys = [OTHER_NAMES.get(key, key) for key, _ in map(assignment, assignments)]
-    if twice := [key for key in keys if keys.count(key) > 1]:
-        raise SceneError(twice[0], "given twice with --set; give it once")
-    return assignments
-
-
-_force = click.option("--force", is_flag=True, help="Replace another result in --out.")
-_set = click.option(
-    "--set",
-    "assignments",
-    multiple=True,
-    metavar="KEY=VALUE",
-    callback=_once,
-    help="Change a key of the scene.",
-    shell_complete=_completing(_keys),
-)
-_case = click.argument("case", shell_complete=_completing(catalogue.shipped))
-_effect = functools.partial(
-    click.option,
-    multiple=True,
-    metavar="NAME",
-    shell_complete=_completing(lambda: Effects.model_fields),
-)
-_scene_options = (
-    _case,
-    _set,
-    _effect("--with", "switched_on", help="Simulate this effect."),
-    _effect("--without", "switched_off", help="Leave this effect out."),
-    click.option("--fast", is_flag=True, help="Half-spaces: --without finite_bodies."),
-    click.option("--only", metavar="NAME,NAME", help=f"Compute these: {','.join(QUANTITIES)}."),
-)
-_units = click.option("--units", "unit_names", help="Of tables, pictures and report: mm,kN,MPa.")
-_report_options = (
-    click.option(
-        "--out", type=click.Path(path_type=Path), help="Folder [results/<name>_<command>]."
-    ),
-    _force,
-    click.option("--no-pictures", is_flag=True, help="Write no PNG files."),
-    _format,
-    _units,
-    click.option("--quiet", is_flag=True, help="Print nothing."),
-    click.option("--json", "as_json", is_flag=True, help="Print the summary and nothing else."),
-)
-
-
-def _with_options(command: Callable[..., Any], options: Iterable[Callable[[Any], Any]]) -> Any:
-    """The command with additional arguments and options of click, in their order."""
-    return functools.reduce(lambda inner, option: option(inner), reversed([*options]), command)
-
-
-_takes_report = functools.partial(_with_options, options=_report_options)
-"""Adds the options that `_report` takes, and --format."""
-
-
-def _takes_scene(command: Callable[..., Any]) -> Any:
-    """The command with the argument CASE and the options --set, --with, --without, --fast and
-    --only, which it gets as one argument `scene`. Raises SceneError for a wrong case, key, value,
-    effect or quantity.
-    """
-
-    @functools.wraps(command)
-    def call(
-        *arguments: Any,
-        case: str,
-        assignments: Sequence[str],
-        switched_on: Sequence[str],
-        switched_off: Sequence[str],
-        fast: bool,
-        only: str | None,
-        **values: Any,
-    ) -> Any:
-        """The command with a scene in the place of the options that change it."""
-        switched_off = [*switched_off, *(["finite_bodies"] if fast else [])]
-        for name in set(switched_on) & set(switched_off):
-            raise SceneError(f"effects.{name}", "given with --with and --without; give one of them")
-        switches = [f"effects.{name}=on" for name in switched_on]
-        switches += [f"effects.{name}=off" for name in switched_off]
-        asked = {} if only is None else {"quantities": only}
-        scene = catalogue.find(case).replace([*assignments, *switches], **asked)
-        return command(*arguments, scene=scene, **values)
-
-    return _with_options(call, _scene_options)
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -212,10 +76,10 @@ def list_cases() -> None:
 
 
 @railhead.command()
-@_takes_scene
+@options.takes_scene
 @click.option("--accuracy", help="Asked accuracy, e.g. 1%.")
-@_over
-@_over_file
+@options.over
+@options.over_file
 @click.option("--json", "as_json", is_flag=True, help="Print the plan as JSON and nothing else.")
 def plan(
     scene: Scene,
@@ -257,19 +121,19 @@ def plan(
 
 
 @railhead.command()
-@_takes_scene
+@options.takes_scene
 @click.option("--accuracy", help="Asked accuracy, e.g. 1%.")
 @click.option("--budget", help="Best accuracy for that time, e.g. 30s.")
 @click.option("--out", type=click.Path(path_type=Path), help="Result folder [results/<case>].")
-@_force
+@options.force
 @click.option("--no-pictures", is_flag=True, help="Write no PNG files and no report.html.")
-@_format
+@options.picture_format
 @click.option("--no-report", is_flag=True, help="Write no report.html.")
 @click.option("--brief", is_flag=True, help="Write report.html on one page.")
 @click.option(
     "--whole", is_flag=True, help="Mirror solution.vtu and residual.vtu to the whole model."
 )
-@_units
+@options.units
 @click.option("--ranks", type=PROCESSES, metavar="NUMBER", help="Processes [as many as pay].")
 @click.option("--quiet", is_flag=True, help="Print only what fails.")
 @click.option("--json", "as_json", is_flag=True, help="Print summary.json and nothing else.")
@@ -371,17 +235,17 @@ def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: b
 
 
 @railhead.command()
-@_takes_scene
-@_over
-@_over_file
+@options.takes_scene
+@options.over
+@options.over_file
 @click.option("--out", type=click.Path(path_type=Path), help="Folder [results/<case>_sweep].")
-@_force
+@options.force
 @click.option("--resume", is_flag=True, help="Refuse a folder that holds no part of this sweep.")
 @click.option("--vtu", is_flag=True, help="Write .vtu files of each combination, for ParaView.")
 @click.option("--fields", is_flag=True, help="Write pressure and tractions of all into fields.npz.")
 @click.option("--no-pictures", is_flag=True, help="Write no PNG files and no report.html.")
-@_format
-@_units
+@options.picture_format
+@options.units
 @click.option("--quiet", is_flag=True, help="Print only what fails.")
 @click.option("--json", "as_json", is_flag=True, help="Print the rows and nothing else.")
 def sweep(
@@ -440,7 +304,7 @@ def sweep(
 @click.option("--accuracy", default="2%", help="Of the interpolation, over mu N [2%].")
 @click.option("--ratios", default="0.1:10", help="Smallest and largest a/b [0.1:10].")
 @click.option("--cells", default=24, help="Of the finer grid each way [24].")
-@_force
+@options.force
 @click.option("--quiet", is_flag=True, help="Print only what fails.")
 @click.option("--json", "as_json", is_flag=True, help="Print the errors and nothing else.")
 def table(
@@ -468,11 +332,11 @@ def table(
 
 
 @railhead.command()
-@_takes_scene
+@options.takes_scene
 @click.option("--out", type=click.Path(path_type=Path), help="Folder [results/<case>_wear].")
-@_force
+@options.force
 @click.option("--no-pictures", is_flag=True, help="Write no PNG files.")
-@_format
+@options.picture_format
 @click.option("--quiet", is_flag=True, help="Print only what fails.")
 @click.option("--json", "as_json", is_flag=True, help="Print wear.json and nothing else.")
 def wear(
@@ -480,7 +344,7 @@ def wear(
 ) -> int:
     """Wear rail and wheel over a route of positions, [wear] of the scene."""
     from railhead.results import result_folder
-    from railhead.sweeps import wear as sweep
+    from railhead.sweeps.wear import wear as sweep
 
     _ask(scene)
     folder = out if out is not None else Path("results") / f"{scene.name}_wear"
@@ -499,9 +363,9 @@ def wear(
 
 @railhead.command()
 @click.argument("folder", type=click.Path(path_type=Path))
-@_units
+@options.units
 @click.option("--pictures", is_flag=True, help="Draw the pictures again.")
-@_format
+@options.picture_format
 @click.option("--json", "as_json", is_flag=True, help="Print the numbers as JSON.")
 def show(folder: Path, unit_names: str | None, pictures: bool, as_json: bool) -> None:
     """Print the result of a run or a sweep that lies in a folder; solve nothing."""
@@ -528,7 +392,7 @@ def show(folder: Path, unit_names: str | None, pictures: bool, as_json: bool) ->
 @railhead.command()
 @click.argument("a", type=click.Path(path_type=Path))
 @click.argument("b", type=click.Path(path_type=Path))
-@_units
+@options.units
 @click.option("--json", "as_json", is_flag=True, help="Print the comparison as JSON.")
 def diff(a: Path, b: Path, unit_names: str | None, as_json: bool) -> None:
     """Compare the results of two runs that lie in folders, and their scenes; solve nothing."""
@@ -552,12 +416,12 @@ def diff(a: Path, b: Path, unit_names: str | None, as_json: bool) -> None:
 
 
 @railhead.command()
-@_case
-@_set
+@options.case
+@options.assign
 @click.option("--shift", help="Lateral shift of the wheelset, e.g. 3mm.")
 @click.option("--yaw", help="Yaw of the wheelset, e.g. 2mrad.")
-@_over
-@_takes_report
+@options.over
+@options.takes_report
 def locate(
     case: str,
     assignments: Sequence[str],
@@ -581,8 +445,8 @@ def locate(
 @railhead.command()
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--body", type=click.Choice(["rail", "wheel"]), help="Whose profile it is.")
-@_set
-@_takes_report
+@options.assign
+@options.takes_report
 def profile(file: Path, body: str | None, assignments: Sequence[str], **options: Any) -> None:
     """Read and smooth a measured profile, and say what is worn off it; solve nothing."""
     from railhead.cli import geometry

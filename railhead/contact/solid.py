@@ -28,8 +28,8 @@ from railhead.geometry.surfaces import ExactGap, ParabolicGap, RailSurface, Whee
 from railhead.geometry.wheelset import Placed, Side, Track, WheelsetOnTrack
 from railhead.meshing.bodies import RAIL
 from railhead.postprocess.findings import Frame
+from railhead.scene.bodies import is_profile_file
 from railhead.scene.scene import Rail, Scene, SceneError, Wheel
-from railhead.scene.sections import is_profile_file
 from railhead.theory.array_types import Array
 from railhead.theory.elastic.line import Hertz, LineContact
 

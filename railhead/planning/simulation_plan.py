@@ -30,8 +30,8 @@ from railhead.planning.error_envelopes import Family, Setting, Uncertainty
 from railhead.planning.forecast import Forecast, forecast
 from railhead.planning.references import closed_forms, torque_free
 from railhead.planning.sizing import Sizing
+from railhead.scene.bodies import Rail, Wheel
 from railhead.scene.scene import Scene, SceneError
-from railhead.scene.sections import Rail, Wheel
 from railhead.theory.elastic.line import Hertz
 
 PRICED_ACCURACIES = (0.05, 0.01, 0.002)  # accuracies whose cost a plan predicts

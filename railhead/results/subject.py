@@ -8,7 +8,7 @@ from pathlib import Path
 
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.findings import BASE_UNITS, Subject, Units, brief
-from railhead.scene.sections import Rail, Wheel, Wheelset
+from railhead.scene.bodies import Rail, Wheel, Wheelset
 
 
 def subject(plan: Plan, load: float, units: Units = BASE_UNITS) -> Subject:

@@ -18,8 +18,8 @@ from railhead.planning.forecast import Zone
 from railhead.planning.references import closed_forms, tribology
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.findings import Frame
+from railhead.scene.bodies import BodySection
 from railhead.scene.scene import Scene
-from railhead.scene.sections import BodySection
 from railhead.solver.material.elasticity import Material
 from railhead.solver.material.hardening import Hardening
 from railhead.solver.space.contact_interface import ContactLaw

@@ -19,20 +19,18 @@ from typing import Annotated, Any, Self, get_args
 from pydantic import BeforeValidator, model_validator
 
 from railhead.scene import units
+from railhead.scene.bodies import Rail, Wheel, Wheelset
 from railhead.scene.sections import (
     QUANTITIES,
     Effects,
     Friction,
     Heat,
     Mesh,
-    Rail,
     Rolling,
     SceneError,
     Section,
     Solver,
     Wear,
-    Wheel,
-    Wheelset,
     refuse_first,
 )
 from railhead.scene.units import show

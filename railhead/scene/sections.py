@@ -8,21 +8,16 @@ import math
 import os
 from difflib import get_close_matches
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, model_validator
 
-from railhead.geometry.measured import BODY_BY_EXTENSION, EXTENSIONS
-from railhead.scene import arrays, flow_curves, units
+from railhead.scene import flow_curves, units
 from railhead.scene.units import show
 
 if TYPE_CHECKING:
     from railhead.theory.array_types import Array
 
-ALIASES = {"UIC54": "54E1", "UIC60": "60E1"}
-GAUGE_HEIGHT = 14.0  # mm, of EN 13848-1
-RAILS, WHEELS = ("54E1", "60E1"), ("cylinder", "cone20", "cone40", "S1002")
-"""Names of the profiles that have no key of their own."""
 QUANTITIES: dict[str, tuple[str, ...]] = {
     "patch": (),
     "stresses": (),
@@ -119,56 +114,10 @@ class Section(BaseModel):
                 return SceneError(key, f"{value} is not Unicode text; give whole characters")
 
 
-def _readable(path: str) -> bool:
+def readable(path: str) -> bool:
     """Whether a path is a readable file whose name is valid Unicode, as TOML needs it."""
     is_text = path.encode(errors="ignore").decode() == path
     return is_text and os.path.isfile(path) and os.access(path, os.R_OK)
-
-
-def _profile(body: str, *names: str) -> BeforeValidator:
-    """A pydantic validator of the key `profile` of a body ("rail" or "wheel").
-
-    names: names of the allowed standard profiles, in capitals or not. The validator returns one of
-        them (UIC54 and UIC60 become 54E1 and 60E1) or the absolute path of a readable profile file,
-        also of one that it makes of an array. It raises ValueError (one line) for anything else.
-    """
-    suffixes = [suffix for suffix in EXTENSIONS if BODY_BY_EXTENSION.get(suffix, body) == body]
-    kinds = f"a {', '.join(suffixes[:-1])} or {suffixes[-1]} file"
-    known = {name.casefold(): ALIASES.get(name, name) for name in (*ALIASES, *names)}
-
-    def validate(value: object) -> str:
-        """The name of a standard profile or the absolute path of a file. Raises ValueError."""
-        text = str(value)
-        if arrays.is_array(value):
-            text = arrays.file_of(value, "profile", {"y_mm": "mm", "z_mm": "mm"})
-        if (name := known.get(text.casefold())) in names:
-            return name
-        if not text.lower().endswith(tuple(suffixes)):
-            quoted = "a text in quotes: " if isinstance(value, int | float) else ""
-            allowed = quoted + ", ".join(names)
-            raise ValueError(f"{show(value)} is not allowed; give {allowed} or {kinds}")
-        path = os.path.abspath(text)
-        if not _readable(path):
-            raise ValueError(f"{show(value)} is not a readable file; give {kinds} that exists")
-        return path
-
-    return BeforeValidator(validate)
-
-
-def is_profile_file(profile: str) -> bool:
-    """Whether a checked profile is the path of a file, not the name of a standard profile."""
-    return os.path.isabs(profile)
-
-
-def _curve(value: object) -> str:
-    """The absolute path of a .csv file with a stress-strain curve, also of one that is made of an
-    array. Raises ValueError (one line) for a file that cannot be read or that holds no valid curve
-    (`flow_curves.read_curve`).
-    """
-    if arrays.is_array(value):
-        value = arrays.file_of(value, "curve", {"plastic_strain": "", "stress_MPa": "MPa"})
-    flow_curves.read_curve(path := _csv(value))
-    return path
 
 
 def _passes_file(value: object) -> str:
@@ -178,7 +127,7 @@ def _passes_file(value: object) -> str:
     path = os.path.abspath(str(value))
     if os.path.isdir(path):
         path = os.path.join(path, "passes.npz")
-    if not path.endswith(".npz") or not _readable(path):
+    if not path.endswith(".npz") or not readable(path):
         text = "give the folder of a result with rolling.passes"
         raise ValueError(f"{show(value)} has no readable passes.npz; {text}")
     return path
@@ -200,14 +149,6 @@ def _coefficient(value: object) -> object:
     if not angles or any(b <= a for a, b in pairwise(angles)):
         raise ValueError(f"{show(value)} is not allowed; {PAIRS}")
     return pairs
-
-
-def _map(value: object) -> str:
-    """The absolute path of a readable .csv or .npz file. Raises ValueError (one line)."""
-    path = os.path.abspath(str(value))
-    if not path.lower().endswith((".csv", ".npz")) or not _readable(path):
-        raise ValueError(f"{show(value)} is not a readable .csv or .npz file; give one that exists")
-    return path
 
 
 def _table(value: object) -> object:
@@ -235,332 +176,6 @@ Switch = Annotated[
         lambda value: _SWITCHED.get(str(value), value) if isinstance(value, bool | str) else value
     ),
 ]
-_FILE_KEYS = (
-    "profile_unit",
-    "profile_mirror",
-    "profile_flip",
-    "profile_origin",
-    "profile_shift",
-    "smoothing",
-)
-
-
-def _two(value: object) -> object:
-    """A list of two numbers, or its text "[1, 2]", as a tuple. Raises ValueError (one line) for
-    anything else.
-    """
-    if isinstance(value, str):
-        value = value.strip().removeprefix("[").removesuffix("]").split(",")
-    if not isinstance(value, (list, tuple)) or len(value) != 2:
-        raise ValueError(f"{show(value)} is not allowed; give two lengths [y, z], e.g. [0, -1.5]")
-    return tuple(value)
-
-
-class Surface(Section):
-    """A height that is added to the surface of a body, outwards, and varies along it.
-
-    kind: "flat", a hollow; "cosine", waves; "map", heights from a file.
-    length: mm, of a flat along the surface, or of a wave.
-    depth: mm, of a flat that is rounded, -depth/2 (1 + cos(2 pi x / length)); None: a wheel is cut
-        off in a plane, which makes its depth.
-    amplitude: mm, of waves amplitude cos(2 pi x / length); negative has a trough at 0.
-    file: of a map: a .csv file with x, y and height in mm, a row for each place of a grid, or a
-        .npz file with arrays x (n,), y (m,) and height (n, m).
-    position: mm, place x of the flat, the waves or the map at which the smooth bodies touch, or an
-        angle of the wheel, which becomes an arc of its rolling radius. x grows to where it rolls.
-    """
-
-    kind: Literal["flat", "cosine", "map"]
-    length: units.BodyLength | None = None
-    depth: units.Depth | None = None
-    amplitude: units.Displacement | None = None
-    file: Annotated[str, BeforeValidator(_map)] | None = None
-    position: units.Position = 0.0
-
-    @model_validator(mode="after")
-    def _keys_of_the_kind(self) -> Self:
-        """Raise SceneError for a key that the kind needs and that is missing, and for one that it
-        has no use for.
-        """
-        needs = {"flat": {"length"}, "cosine": {"length", "amplitude"}, "map": {"file"}}[self.kind]
-        for key in ("length", "depth", "amplitude", "file"):
-            given = getattr(self, key) is not None
-            if not given and key in needs:
-                raise SceneError(key, f"not given; kind {self.kind} needs it")
-            if given and key not in needs and (self.kind, key) != ("flat", "depth"):
-                raise SceneError(key, f"is not allowed beside kind {self.kind}; leave it out")
-        return self
-
-
-class BodySection(Section):
-    """Material of a rail or a wheel, and how the file of its profile is read.
-
-    At most one of steel, yield_stress and stress_strain may be given; with none of them the body is
-    elastic. Keys of the file are only allowed where the profile is a file; "auto" derives them from
-    the points.
-
-    young_modulus: MPa; inf is a rigid body, which is not meshed; not for both bodies.
-    poisson_ratio: 0 to below 0.5.
-    steel: name of a steel with a known yield stress; None: no steel.
-    yield_stress: MPa; None: no yield stress.
-    hardening_modulus: MPa, derivative of stress by plastic (not total) strain beyond yield_stress;
-        None: no hardening. Only beside yield_stress.
-    kinematic_fraction: share of the hardening that moves the yield surface, 0 to 1; the rest widens
-        the surface. None: not given. Only in a body that yields.
-    stress_strain: path of a .csv file, a row of plastic strain and true stress (MPa) a line, or an
-        array (n, 2) of them; None: no curve.
-    profile_unit: unit of the file's numbers: "auto", "mm", "m" or "inch".
-    profile_mirror: "on": left and right of the file are exchanged, "off": they are not, or "auto".
-    profile_flip: "on": up and down of the file are exchanged, "off": they are not, or "auto".
-    profile_shift: mm, (y, z) by which the profile is moved at last, in the axes of profiles.
-    smoothing: mm, wavelength of waves that keep half of their height; "auto" chooses by the noise.
-    surface: table of a height that varies along the surface, a `Surface`; None: it is smooth.
-    """
-
-    _ARC_KEYS: ClassVar[tuple[str, ...]]  # only beside profile arc
-    young_modulus: units.Modulus = 207000.0
-    poisson_ratio: units.PoissonRatio = 0.3
-    steel: Annotated[str, BeforeValidator(flow_curves.checked_name)] | None = None
-    yield_stress: units.Stress | None = None
-    hardening_modulus: units.Hardening | None = None
-    kinematic_fraction: units.Share | None = None
-    stress_strain: Annotated[str, BeforeValidator(_curve)] | None = None
-    profile_unit: Literal["auto", "mm", "m", "inch"] = "auto"
-    profile_mirror: Switch = "auto"
-    profile_flip: Switch = "auto"
-    profile_shift: Annotated[
-        tuple[units.Displacement, units.Displacement], BeforeValidator(_two)
-    ] = (0.0, 0.0)
-    smoothing: units.Wavelength | Literal["auto"] = "auto"
-    surface: Surface | None = None
-
-    @model_validator(mode="after")
-    def _one_way_to_yield(self) -> Self:
-        """Raise SceneError for two of steel, stress_strain and yield_stress, and for a
-        hardening_modulus or a kinematic_fraction without what they need.
-        """
-        given = [key for key in ("steel", "stress_strain", "yield_stress") if getattr(self, key)]
-        hardens, kinematic = self.hardening_modulus, self.kinematic_fraction
-        refuse_first(
-            *(
-                (True, key, f"is not allowed beside {given[0]}; give one of them")
-                for key in given[1:]
-            ),
-            (
-                hardens is not None and given != ["yield_stress"],
-                "hardening_modulus",
-                "is not allowed without yield_stress",
-            ),
-            (
-                kinematic is not None and not given,
-                "kinematic_fraction",
-                "is not allowed without steel, yield_stress or stress_strain",
-            ),
-        )
-        return self
-
-    @model_validator(mode="after")
-    def _keys_of_the_profile(self) -> Self:
-        """Raise SceneError for an arc without radius, for a key of an arc beside another profile,
-        and for a key that says how a file is read where the profile is no file.
-        """
-        profile: str = getattr(self, "profile", "")
-        for key in self._ARC_KEYS:
-            value = getattr(self, key)
-            if profile == "arc" and value is None and key.endswith("radius"):
-                raise SceneError(key, 'not given; profile arc needs it, e.g. 80 or "80 mm"')
-            if profile != "arc" and value is not None:
-                raise SceneError(key, f"{value:g} is not allowed; only profile arc takes it")
-        for key in _FILE_KEYS:
-            value, default = getattr(self, key), type(self).model_fields[key].default
-            if value != default and not is_profile_file(profile):
-                text = f"{value} is not allowed; only a profile from a file takes it; give "
-                raise SceneError(key, text + ("auto" if default == "auto" else str([*default])))
-        return self
-
-    @property
-    def yields(self) -> bool:
-        """Whether the body has a yield stress, so that yield may be simulated: a steel, a yield
-        stress or a curve is set.
-        """
-        return bool(self.steel or self.stress_strain or self.yield_stress)
-
-    @property
-    def curve(self) -> tuple[tuple[float, float], ...]:
-        """Points (plastic strain, true stress in MPa) of the flow curve: of `steel`, of the file
-        `stress_strain`, or `yield_stress` at zero strain. After the last point the slope is
-        `hardening_modulus`, or zero without it. Empty for a body that stays elastic.
-        """
-        if self.yield_stress is not None:
-            return ((0.0, self.yield_stress),)
-        if self.steel is not None:
-            return ((0.0, flow_curves.by_name()[self.steel].yield_stress),)
-        if self.stress_strain is not None:
-            return tuple(flow_curves.read_curve(self.stress_strain))
-        return ()
-
-    @property
-    def first_yield(self) -> float:
-        """Yield stress of a body that yields, before any hardening, MPa."""
-        return float(self.curve[0][1])
-
-    @property
-    def hardens(self) -> bool:
-        """Whether the flow curve of a body that yields grows anywhere."""
-        return bool(self.hardening_modulus or self.curve[-1][1] > self.curve[0][1])
-
-
-class Rail(BodySection):
-    """A straight rail.
-
-    Inherited from `BodySection`: young_modulus (MPa), poisson_ratio, steel, yield_stress (MPa),
-    hardening_modulus (MPa), kinematic_fraction, stress_strain (a file), and for a profile's file
-    profile_unit, profile_mirror, profile_flip, profile_shift and smoothing (mm); and the table
-    surface.
-
-    profile: 54E1 (UIC54), 60E1 (UIC60), arc, the path of a file of points, or an array (n, 2) of y
-        and z, mm.
-    profile_origin: "file": the file's origin is the crown centre; "auto": as format and shape tell.
-    crown_radius: mm, radius of an arc; inf is flat. Required for arc, not allowed (None) otherwise.
-    inclination: tangent of the angle by which the rail leans towards the track's middle (y < 0),
-        e.g. 1/20; negative: away from it.
-    gauge: mm between both rails, `gauge_height` below their tops, which places the wheelset; None:
-        the wheel's tape circle (70 mm from the flange back) stands over the crown.
-    gauge_height: mm below the highest point of a rail at which the gauge is measured. Only beside
-        gauge.
-    extent: "head" meshes the head, unless the plan needs the section; "section" web and foot too,
-        of 54E1 or 60E1; "half-space" makes rail and wheel unbounded bodies under Hertz's parabolic
-        gap.
-    length: mm of the rail that is meshed, half to each side of the contact; None: the plan chooses.
-        Where rolling_radius is inf, it is the length of the line contact, and required.
-    depth: mm of the block below the crown's top, where it is held; None: the plan chooses. Only for
-        arc.
-    width: mm of the block across; None: the plan chooses. Only for arc.
-    """
-
-    profile: Annotated[str, _profile("rail", *RAILS, "arc")] = "54E1"
-    profile_origin: Literal["auto", "file"] = "auto"
-    crown_radius: units.Radius | None = None
-    inclination: units.Slope = 0.0
-    gauge: units.Gauge | None = None
-    gauge_height: units.GaugeHeight = GAUGE_HEIGHT
-    extent: Literal["head", "section", "half-space"] = "head"
-    length: units.BodyLength | None = None
-    depth: units.BodyLength | None = None
-    width: units.BodyLength | None = None
-
-    _ARC_KEYS: ClassVar = ("crown_radius", "depth", "width")
-
-    @model_validator(mode="after")
-    def _depth_of_the_flat(self) -> Self:
-        """Raise SceneError for a flat without depth, which only a wheel can have."""
-        if self.surface and self.surface.kind == "flat" and self.surface.depth is None:
-            raise SceneError("surface.depth", "not given; a flat of the rail needs it")
-        return self
-
-    @model_validator(mode="after")
-    def _gauge_of_the_height(self) -> Self:
-        """Raise SceneError for a height of the gauge without a gauge."""
-        if self.gauge is None and self.gauge_height != GAUGE_HEIGHT:
-            raise SceneError("gauge_height", f"{self.gauge_height:g} is not allowed without gauge")
-        return self
-
-
-class Wheel(BodySection):
-    """A wheel.
-
-    Inherited from `BodySection`: young_modulus (MPa), poisson_ratio, steel, yield_stress (MPa),
-    hardening_modulus (MPa), kinematic_fraction, stress_strain (a file), and for a profile's file
-    profile_unit, profile_mirror, profile_flip, profile_shift and smoothing (mm); and the table
-    surface.
-
-    profile: cylinder, cone20, cone40, arc, S1002, the path of a file of points, or an array (n, 2)
-        of y and z, mm.
-    profile_origin: "file": the file's origin is the tape circle; "flange_back": its y begins at the
-        flange back; "auto": as format and shape tell.
-    tape_circle: mm from the flange back to the tape circle; None: as the file of the profile tells,
-        else 70. Not for S1002, which has it at 70.
-    rolling_radius: mm, nominal, at the tape circle; inf is a straight bar with the profile of the
-        tread, solved in a section across the rail.
-    transverse_radius: mm, radius of an arc across the rail; negative is concave, inf is straight.
-        Required for arc, not allowed (None) otherwise.
-    width: mm across the rail that are meshed, half to each side of the contact, within the profile;
-        None: the whole profile.
-    rim_depth: mm of the rim that is meshed, inwards to where it is held; None: the plan chooses.
-    segment_length: mm of the circumference that is meshed, half to each side of the contact, at
-        most 2.4 rolling radii; None: the plan chooses.
-    """
-
-    profile: Annotated[str, _profile("wheel", *WHEELS, "arc")] = "cylinder"
-    profile_origin: Literal["auto", "file", "flange_back"] = "auto"
-    tape_circle: units.TapeCircle | None = None
-    rolling_radius: units.Radius = 420.0
-    transverse_radius: units.SignedRadius | None = None
-    width: units.BodyLength | None = None
-    rim_depth: units.BodyLength | None = None
-    segment_length: units.BodyLength | None = None
-
-    _ARC_KEYS: ClassVar = ("transverse_radius",)
-
-    @model_validator(mode="before")
-    @classmethod
-    def _turned(cls, data: Any) -> Any:
-        """Replace the position of the surface by the arc, mm, where it is an angle (text)."""
-        given: Any = data.get("surface") if isinstance(data, dict) else None
-        angle = units.angle(given.get("position")) if isinstance(given, dict) else None
-        if angle is None:
-            return data
-        radius = units.to_base(data.get("rolling_radius", 420.0), units.LENGTH)
-        return {**data, "surface": {**given, "position": angle * radius}}
-
-    @model_validator(mode="after")
-    def _tape_circle_and_segment(self) -> Self:
-        """Raise SceneError for another tape circle of S1002 than its own, and for a segment longer
-        than 2.4 rolling radii.
-        """
-        if self.segment_length and self.segment_length > 2.4 * self.rolling_radius:
-            text = f"{self.segment_length:g} is not allowed; give at most 2.4 rolling_radius"
-            raise SceneError("segment_length", f"{text} ({2.4 * self.rolling_radius:g})")
-        if self.profile == "S1002" and self.tape_circle not in (None, 70.0):
-            text = f"{self.tape_circle:g} is not allowed; S1002 has its tape circle at 70"
-            raise SceneError("tape_circle", text)
-        return self
-
-
-class Wheelset(Section):
-    """Position of the wheelset on the track, which wheel is solved, and what is on the other side.
-
-    Shift, yaw and roll are in the axes of the right side, whichever wheel is solved. Everything
-    else is in the axes of the wheel that is solved: those of the left one are the mirror image.
-
-    shift: mm, lateral displacement towards the field side (+y) of the right rail, which brings the
-        flange of the right wheel towards that rail.
-    yaw: rad, rotation of the axle about the vertical axis z, from x to y.
-    roll: rad, rotation of the axle about x, from y to z; each wheel then touches its rail at a
-        height of its own. None: both rails are equally high, and the roll follows.
-    back_to_back: mm between the backs of both flanges.
-    side: wheel that is solved, on its rail, "right" or "left". The tables [rail] and [wheel]
-        describe it.
-    other_rail: profile of the other rail: 54E1, 60E1, or a file, which is read by the keys of
-        [rail]; None: the same profile.
-    other_wheel: profile of the other wheel: cylinder, cone20, cone40, S1002, or a file, which is
-        read by the keys of [wheel]; None: the same profile.
-    other_radius: mm, nominal rolling radius of the other wheel; None: the same.
-    """
-
-    shift: units.Shift = 0.0
-    yaw: units.AxleAngle = 0.0
-    roll: units.AxleAngle | None = None
-    back_to_back: units.Gauge = 1360.0
-    side: Literal["right", "left"] = "right"
-    other_rail: Annotated[str, _profile("rail", *RAILS)] | None = None
-    other_wheel: Annotated[str, _profile("wheel", *WHEELS)] | None = None
-    other_radius: units.Radius | None = None
-
-    @property
-    def unlike(self) -> bool:
-        """Whether the other side has a profile or a rolling radius of its own."""
-        return bool(self.other_rail or self.other_wheel or self.other_radius)
 
 
 class Solver(Section):
@@ -851,12 +466,12 @@ class Heat(Section):
         return bool(given.keys() & {"conductivity", "density", "specific_heat"})
 
 
-def _csv(value: object) -> str:
+def csv_file(value: object) -> str:
     """The absolute path of a .csv file that can be read. Raises ValueError (one line) for another
     value.
     """
     path = os.path.abspath(str(value))
-    if not path.lower().endswith(".csv") or not _readable(path):
+    if not path.lower().endswith(".csv") or not readable(path):
         raise ValueError(f"{show(value)} is not a readable .csv file; give one that exists")
     return path
 
@@ -869,7 +484,7 @@ def _law(value: object) -> str:
         return str(value)
     if not str(value).lower().endswith(".csv"):
         raise ValueError(f"{show(value)} is not allowed; give energy, usfd or a .csv file of pairs")
-    wear_pairs(path := _csv(value))
+    wear_pairs(path := csv_file(value))
     return path
 
 
@@ -914,7 +529,7 @@ class Wear(Section):
     on: Literal["rail", "wheel", "both"] = "rail"
     axles: units.Axles | None = None
     distance: units.Distance | None = None
-    positions: Annotated[str, BeforeValidator(_csv)] | None = None
+    positions: Annotated[str, BeforeValidator(csv_file)] | None = None
     step: units.Steps | Literal["auto"] = "auto"
     accuracy: units.Accuracy = 0.01
     depth_limit: units.WearDepth | None = None

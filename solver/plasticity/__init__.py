@@ -1,1 +1,1 @@
-"""Contact problem of bodies that yield, its load steps, and the response to a load case."""
+"""Bodies that yield: their contact problem, load steps, response, and steady passes of a load."""

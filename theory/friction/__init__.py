@@ -1,1 +1,1 @@
-"""Friction of half-spaces: closed forms, boundary elements, FASTSIM, shakedown, wear and heat."""
+"""Friction of half-spaces: closed forms, boundary elements, FASTSIM, shakedown and wear."""

@@ -6,8 +6,8 @@ import numpy as np
 
 from railhead.scene.scene import Scene
 from railhead.theory.elastic.line import Hertz, LineContact
-from railhead.theory.friction.heat import Heat
-from railhead.theory.friction.laws import ByTemperature, Falling, Interface, Law
+from railhead.theory.tribology.heat import Heat
+from railhead.theory.tribology.laws import ByTemperature, Falling, Interface, Law
 
 CELLS = 64  # along the patch, for temperatures before anything is solved: 0.1 %
 

@@ -22,7 +22,7 @@ from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.line import Strips
 
 if TYPE_CHECKING:
-    from railhead.solver.passes.rolling_block import ProfileChange, RollingBlock, SurfaceMotion
+    from railhead.solver.plasticity.rolling_block import ProfileChange, RollingBlock, SurfaceMotion
 
 STRIP_CELLS, SOLID_CELLS = 128, 40  # of the grid of the pressure, each way
 ROOM = 1.4  # half size of that grid over the half length of the elastic patch

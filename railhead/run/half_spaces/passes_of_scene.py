@@ -1,9 +1,9 @@
 """Passes of the wheel of a solved scene over its rail, which yields; and the file from which a
 later run goes on.
 
-Below the patch the rail is a block of quadratic cells, whose far faces are held (`solver.passes`);
-what rolls is in `run.half_spaces.pass_contact`. Lengths in mm, forces in N, stresses in MPa; z
-points out of the rail.
+Below the patch the rail is a block of quadratic cells, whose far faces are held
+(`solver.plasticity.block`); what rolls is in `run.half_spaces.pass_contact`. Lengths in mm, forces
+in N, stresses in MPa; z points out of the rail.
 """
 
 from __future__ import annotations
@@ -44,8 +44,8 @@ from railhead.run.progress import Progress
 from railhead.scene.scene import Scene
 from railhead.solver.material.elasticity import Material
 from railhead.solver.material.hardening import History
-from railhead.solver.passes.block import Block, graded, mirrored
-from railhead.solver.passes.rolling_block import RollingBlock
+from railhead.solver.plasticity.block import Block, graded, mirrored
+from railhead.solver.plasticity.rolling_block import RollingBlock
 from railhead.solver.system.solution import FrictionSolution
 from railhead.theory.array_types import Array
 from railhead.theory.elastic.line import LineContact

@@ -24,7 +24,6 @@ from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.line import LineContact
 from railhead.theory.friction import kalker, partial_slip
 from railhead.theory.friction.kalker import Coefficients
-from railhead.theory.friction.laws import Interface
 from railhead.theory.friction.rolling import (
     CELLS,
     Creepage,
@@ -34,6 +33,7 @@ from railhead.theory.friction.rolling import (
     solve_for_forces,
 )
 from railhead.theory.friction.tangential import MaterialPair
+from railhead.theory.tribology.laws import Interface
 
 if TYPE_CHECKING:
     from railhead.solver.system.solution import FrictionSolution

@@ -10,8 +10,8 @@ import pytest
 from railhead.postprocess.pass_rows import Passes, RailState, rail_state, verdict, words
 from railhead.solver.material.elasticity import Material
 from railhead.solver.material.hardening import Hardening
-from railhead.solver.passes.block import Block
-from railhead.solver.passes.rolling_block import RollingBlock
+from railhead.solver.plasticity.block import Block
+from railhead.solver.plasticity.rolling_block import RollingBlock
 
 
 def test_below_the_middle_are_means_of_the_nearest_points():

@@ -11,9 +11,7 @@ from solved import friction, passed, solved
 
 import railhead as rh
 from railhead.planning import simulation_plan
-from railhead.theory.friction.heat import Heat
 from railhead.theory.friction.kalker import coefficients
-from railhead.theory.friction.laws import ByTemperature, Falling, Interface
 from railhead.theory.friction.rolling import (
     Creepage,
     HalfSpaceFriction,
@@ -22,6 +20,8 @@ from railhead.theory.friction.rolling import (
     solve_for_forces,
 )
 from railhead.theory.friction.tangential import pair
+from railhead.theory.tribology.heat import Heat
+from railhead.theory.tribology.laws import ByTemperature, Falling, Interface
 
 A, B, LOAD = 5.88, 10.54, 1e5
 STEEL = 209920.0  # G = 82 GPa with nu = 0.28

@@ -5,8 +5,9 @@ from pathlib import Path
 
 from pydantic_core import PydanticUndefined
 
+from railhead.scene.bodies import Surface
 from railhead.scene.scene import Scene
-from railhead.scene.sections import Section, Surface
+from railhead.scene.sections import Section
 
 PAGE = Path(__file__).parents[4] / "docs" / "scene.md"
 

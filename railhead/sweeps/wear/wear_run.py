@@ -19,7 +19,7 @@ from railhead.run.half_spaces.worn_contact import BODIES, Fields, Fineness, Know
 from railhead.run.progress import Progress
 from railhead.scene.scene import SceneError
 from railhead.sweeps import store, worker_pool
-from railhead.sweeps.wear_route import Route
+from railhead.sweeps.wear.wear_route import Route
 from railhead.theory import wear
 from railhead.theory.array_types import Array
 from railhead.theory.wear import Stage

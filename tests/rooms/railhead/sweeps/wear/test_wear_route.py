@@ -14,8 +14,8 @@ from railhead.contact import solid
 from railhead.run.half_spaces import worn_contact
 from railhead.run.half_spaces.worn_contact import Fineness
 from railhead.scene.scene import Effects, Friction, Rail, Rolling, Scene, SceneError, Wear, Wheel
-from railhead.sweeps import wear as sweep
-from railhead.sweeps import wear_route, wear_run
+from railhead.sweeps.wear import wear as sweep
+from railhead.sweeps.wear import wear_route, wear_run
 
 AXLES = 2200.6  # worn area 0.3565 mm2 at a creepage of 1 %
 COARSE = {

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from railhead.theory.array_types import Array, Mask
-from railhead.theory.friction.heat import Heat
+from railhead.theory.tribology.heat import Heat
 
 Law = Callable[[Array, Array, Array], Array]
 """Coefficient (nx, ny) of the static coefficient, the slip velocity (mm/s) and the mean temperature

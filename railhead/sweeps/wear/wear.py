@@ -19,9 +19,10 @@ from railhead.run.half_spaces.worn_contact import BODIES
 from railhead.run.progress import Progress, Tell
 from railhead.scene.catalogue import INPUT, copy_files, portable
 from railhead.scene.scene import Scene, SceneError
-from railhead.sweeps import store, wear_route, wear_run, worker_pool
-from railhead.sweeps.wear_result import WearResult
-from railhead.sweeps.wear_route import Route
+from railhead.sweeps import store, worker_pool
+from railhead.sweeps.wear import wear_route, wear_run
+from railhead.sweeps.wear.wear_result import WearResult
+from railhead.sweeps.wear.wear_route import Route
 from railhead.theory.array_types import Array
 
 SUMMARY, DEPTH, DAMAGE, HISTORY = "wear.json", "wear.csv", "damage.csv", "history.csv"
@@ -147,7 +148,7 @@ def _save(found: WearResult, folder: Path, *, pictures: bool) -> None:
         store.write_whole(folder, folder / name, content)
     if not pictures:
         return
-    from railhead.postprocess.pictures import wear_plots
+    from railhead.sweeps.wear import wear_plots
 
     title, failures = Subject(f"wear of {scene.name}"), list[str]()
     drawings = {

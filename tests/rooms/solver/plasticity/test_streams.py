@@ -5,7 +5,7 @@ import pytest
 from one_line import refusal
 
 from railhead.solver.material.hardening import Hardening, History, radial_return
-from railhead.solver.passes.rolling_block import Streams, follow
+from railhead.solver.plasticity.rolling_block import Streams, follow
 
 MU = 80e3
 

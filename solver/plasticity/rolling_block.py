@@ -28,7 +28,7 @@ from railhead.solver.material.hardening import (
     radial_return,
     yield_radius,
 )
-from railhead.solver.passes.block import Block, slab
+from railhead.solver.plasticity.block import Block, slab
 from railhead.theory.array_types import Array, Index
 
 TOLERANCE = 1e-4  # change of the stress in an iteration over the yield stress in shear

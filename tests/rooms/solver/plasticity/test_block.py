@@ -5,8 +5,8 @@ import pytest
 
 from railhead.solver.material.elasticity import Material
 from railhead.solver.material.hardening import Hardening
-from railhead.solver.passes.block import Block, graded, mirrored
-from railhead.solver.passes.rolling_block import RollingBlock
+from railhead.solver.plasticity.block import Block, graded, mirrored
+from railhead.solver.plasticity.rolling_block import RollingBlock
 
 STEEL = Material(207e3, 0.3, Hardening.linear(480.0))
 

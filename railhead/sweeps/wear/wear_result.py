@@ -20,8 +20,8 @@ from railhead.run.half_spaces import worn_contact
 from railhead.run.half_spaces.worn_contact import BODIES
 from railhead.scene.catalogue import portable
 from railhead.scene.scene import SceneError
-from railhead.sweeps.wear_route import Route
-from railhead.sweeps.wear_run import Run, by_body
+from railhead.sweeps.wear.wear_route import Route
+from railhead.sweeps.wear.wear_run import Run, by_body
 from railhead.theory.array_types import Array
 
 ROW_STEP = 0.1  # mm between the rows of tables

@@ -1,0 +1,149 @@
+"""Options that several commands take, and the decorators that add them."""
+
+import functools
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+from railhead.scene import catalogue
+from railhead.scene.scene import (
+    OTHER_NAMES,
+    QUANTITIES,
+    Effects,
+    Scene,
+    SceneError,
+    assignment,
+    dotted,
+)
+
+
+def _completing(words: Callable[[], Iterable[str]]) -> Callable[..., list[str]]:
+    """The function for click's shell completion that offers those words that begin as typed.
+    words: returns all of them.
+    """
+    return lambda context, parameter, begun: [each for each in words() if each.startswith(begun)]
+
+
+def _keys() -> list[str]:
+    """Beginnings of assignments, "load=", "rail.profile=", of all keys of a scene."""
+    return [f"{key}=" for key, _ in dotted(Scene(load=1.0).model_dump())]
+
+
+over = click.option(
+    "--over",
+    "lists",
+    multiple=True,
+    shell_complete=_completing(_keys),
+    metavar="KEY=VALUES",
+    help="Values of a key: 25kN,50kN or first:last:step, 0:10:0.5mm.",
+)
+over_file = click.option(
+    "--over-file",
+    type=click.Path(path_type=Path),
+    help="Rows of values: a .csv file, its first line keys.",
+)
+
+
+def _beside_png(_: click.Context, __: click.Parameter, kind: str | None) -> None:
+    """Let matplotlib write each picture in the format `kind` beside PNG; None: in PNG alone."""
+    if kind is not None:
+        import matplotlib
+
+        matplotlib.rcParams["savefig.format"] = kind
+
+
+picture_format = click.option(
+    "--format",
+    type=click.Choice(["svg", "pdf"]),
+    expose_value=False,
+    callback=_beside_png,
+    help="Pictures in this format beside PNG.",
+)
+
+
+def _once(_: click.Context, __: click.Parameter, assignments: Sequence[str]) -> Sequence[str]:
+    """The assignments of --set. Raises SceneError for a key that is given twice."""
+    keys = [OTHER_NAMES.get(key, key) for key, _ in map(assignment, assignments)]
+    if twice := [key for key in keys if keys.count(key) > 1]:
+        raise SceneError(twice[0], "given twice with --set; give it once")
+    return assignments
+
+
+force = click.option("--force", is_flag=True, help="Replace another result in --out.")
+assign = click.option(
+    "--set",
+    "assignments",
+    multiple=True,
+    metavar="KEY=VALUE",
+    callback=_once,
+    help="Change a key of the scene.",
+    shell_complete=_completing(_keys),
+)
+case = click.argument("case", shell_complete=_completing(catalogue.shipped))
+_effect = functools.partial(
+    click.option,
+    multiple=True,
+    metavar="NAME",
+    shell_complete=_completing(lambda: Effects.model_fields),
+)
+_scene_options = (
+    case,
+    assign,
+    _effect("--with", "switched_on", help="Simulate this effect."),
+    _effect("--without", "switched_off", help="Leave this effect out."),
+    click.option("--fast", is_flag=True, help="Half-spaces: --without finite_bodies."),
+    click.option("--only", metavar="NAME,NAME", help=f"Compute these: {','.join(QUANTITIES)}."),
+)
+units = click.option("--units", "unit_names", help="Of tables, pictures and report: mm,kN,MPa.")
+_report_options = (
+    click.option(
+        "--out", type=click.Path(path_type=Path), help="Folder [results/<name>_<command>]."
+    ),
+    force,
+    click.option("--no-pictures", is_flag=True, help="Write no PNG files."),
+    picture_format,
+    units,
+    click.option("--quiet", is_flag=True, help="Print nothing."),
+    click.option("--json", "as_json", is_flag=True, help="Print the summary and nothing else."),
+)
+
+
+def _with_options(command: Callable[..., Any], options: Iterable[Callable[[Any], Any]]) -> Any:
+    """The command with additional arguments and options of click, in their order."""
+    return functools.reduce(lambda inner, option: option(inner), reversed([*options]), command)
+
+
+takes_report = functools.partial(_with_options, options=_report_options)
+"""Adds the options that `_report` takes, and --format."""
+
+
+def takes_scene(command: Callable[..., Any]) -> Any:
+    """The command with the argument CASE and the options --set, --with, --without, --fast and
+    --only, which it gets as one argument `scene`. Raises SceneError for a wrong case, key, value,
+    effect or quantity.
+    """
+
+    @functools.wraps(command)
+    def call(
+        *arguments: Any,
+        case: str,
+        assignments: Sequence[str],
+        switched_on: Sequence[str],
+        switched_off: Sequence[str],
+        fast: bool,
+        only: str | None,
+        **values: Any,
+    ) -> Any:
+        """The command with a scene in the place of the options that change it."""
+        switched_off = [*switched_off, *(["finite_bodies"] if fast else [])]
+        for name in set(switched_on) & set(switched_off):
+            raise SceneError(f"effects.{name}", "given with --with and --without; give one of them")
+        switches = [f"effects.{name}=on" for name in switched_on]
+        switches += [f"effects.{name}=off" for name in switched_off]
+        asked = {} if only is None else {"quantities": only}
+        scene = catalogue.find(case).replace([*assignments, *switches], **asked)
+        return command(*arguments, scene=scene, **values)
+
+    return _with_options(call, _scene_options)

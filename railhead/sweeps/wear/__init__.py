@@ -1,0 +1,1 @@
+"""Wear over a route of positions: the route, its runs, the answer with its files and pictures."""

@@ -1,0 +1,1 @@
+"""Laws of friction that slip and temperature change, and heat of surfaces that roll and slip."""
