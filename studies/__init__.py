@@ -70,6 +70,10 @@ STUDIES = {
         "studies.accuracy.scaling",
         "time and memory per unknown, contact against one linear elastic solve",
     ),
+    "speed": (
+        "studies.accuracy.speed",
+        "processor seconds of a position by half-spaces: all, or patch and forces alone",
+    ),
     "thesis": (
         "studies.thesis.thesis_study",
         "every claim of the 2012 thesis recomputed, with a verdict, and its figures drawn again",

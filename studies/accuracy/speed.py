@@ -1,0 +1,89 @@
+"""What a position costs, by what is asked of it: processor seconds in a warm process."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from statistics import median
+
+import numpy as np
+
+import railhead
+from railhead.run.progress import Progress
+from railhead.scene import catalogue
+from railhead.scene.scene import Scene
+from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction
+from railhead.theory.friction.tangential import pair
+from studies import tables
+from studies.tables import Row
+
+REPEATS = 3  # the median of so many runs, after one that is not counted
+UNIT = "hertz_ellipse by finite elements, mesh.patch_size = 0.3"
+ASKED: Mapping[str, tuple[str, ...]] = {
+    "all": (),
+    "patch, forces": ("quantities=patch,forces",),
+}
+ROLLS = (
+    "friction.coefficient=0.3",
+    "effects.finite_bodies=off",
+    "effects.plasticity=off",
+)
+SCENES = {
+    "S1002 on 60E1 at 2 mm that rolls": (
+        "s1002_60e1",
+        (*ROLLS, "wheelset.shift=2mm", "wheelset.yaw=1mrad", "rolling.from_wheelset=true"),
+    ),
+    "ellipse that rolls": ("hertz_ellipse", (*ROLLS, "rolling.creepage_along=0.1%")),
+}
+CREEPAGES = 100  # solved one by one on 24 cells each way
+
+
+def main(out: Path, *, quick: bool) -> None:
+    """Measure each row (quick: the ellipse alone, once), and write speed.csv and the page."""
+    repeats = 1 if quick else REPEATS
+    rows: list[Row] = []
+    with Progress(quiet=False) as progress:
+        progress.stage(UNIT)
+        unit = catalogue.find("hertz_ellipse").replace(["mesh.patch_size=0.3"])
+        whole = seconds(lambda: railhead.solve(unit, quiet=True), repeats)
+        rows.append({"what": UNIT, "asked": "all", "seconds": whole, "units": 1.0})
+        for name, (case, keys) in list(SCENES.items())[1 if quick else 0 :]:
+            for asked, only in ASKED.items():
+                progress.stage(f"{name}: {asked}")
+                scene = catalogue.find(case).replace([*keys, *only])
+                each = seconds(solved(scene), repeats)
+                rows.append({"what": name, "asked": asked, "seconds": each, "units": each / whole})
+        progress.stage("creep forces")
+        each = seconds(creep_forces, repeats) / CREEPAGES
+        text = "a creep force on 24 x 24 cells"
+        rows.append({"what": text, "asked": "forces", "seconds": each, "units": each / whole})
+    tables.publish(out, page(rows), {"seconds": "s"}, speed=rows)
+
+
+def solved(scene: Scene) -> Callable[[], object]:
+    """A function that solves a scene."""
+    return lambda: railhead.solve(scene, quiet=True)
+
+
+def seconds(work: Callable[[], object], repeats: int) -> float:
+    """Median processor seconds of a function, after one call that is not counted."""
+    found = []
+    for _ in range(repeats + 1):
+        start = tables.processor_seconds()
+        work()
+        found.append(tables.processor_seconds() - start)
+    return median(found[1:])
+
+
+def creep_forces() -> None:
+    """Tractions of a circle of half-spaces at growing creepages, each from the one before."""
+    x = (np.arange(24) + 0.5) / 12 - 1
+    pressure = np.sqrt(np.maximum(1 - x[:, None] ** 2 - x**2, 0.0))
+    like = pair(1.0, 0.28, 1.0, 0.28)
+    friction, found = HalfSpaceFriction(x, x, pressure, 0.3, like, rolling=True), None
+    for step in range(CREEPAGES):
+        found = friction.solve(Creepage(0.02 * (step + 1), 0.01, 0.1), found)
+
+
+def page(rows: list[Row]) -> str:
+    """Text of the page."""
+    shown = tables.cells(rows, "{what}", "{asked}", "{seconds:.3f}", "{units:.3f}")
+    return tables.render("speed", rows=shown)
