@@ -88,8 +88,9 @@ def opening(patch: PatchSolution, lines: Lines) -> Array:
 def onto(places: Array, s: Array, values: Array) -> Array:
     """Values (n,) at places (n,) of a curve through values (m,) at s (m,), evenly spaced, mm, by
     cubic pieces that make no new extremes; zero beyond its ends, which follow from the outermost
-    values that are not 0 (`_ended`).
+    values above 0 (`_ended`). Values below 0, which are rounding errors, count as 0.
     """
+    values = np.maximum(values, 0.0)
     (used,) = np.nonzero(values)
     if used.size < LEAST:
         return np.zeros_like(places)

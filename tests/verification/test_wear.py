@@ -115,6 +115,14 @@ def test_chosen_steps_reach_the_accuracy_and_go_on_from_any_of_them():
     assert len(loose) < len(whole)
 
 
+def test_a_line_at_the_edge_with_less_than_nothing_has_no_end_within():
+    """Energies of lines that the edge cuts may be rounding errors below 0."""
+    s = np.arange(12.0)
+    values = np.array([0.0, -1e-9, 40.0, 90.0, 110.0, 120.0, 120.0, 110.0, 90.0, 40.0, 5.0, 0.0])
+    clipped = wear.onto(s, s, np.maximum(values, 0.0))
+    assert np.array_equal(wear.onto(s, s, values), clipped) and clipped.min() == 0.0
+
+
 def test_two_bodies_that_share_the_wear_wear_alike():
     # Half of the passages on both bodies open the gap as all of them on one.
     alone, both = Crown(cells=48), Crown(cells=48, bodies=2)

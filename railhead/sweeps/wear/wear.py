@@ -26,6 +26,7 @@ from railhead.sweeps.wear.wear_route import Route
 from railhead.theory.array_types import Array
 
 SUMMARY, DEPTH, DAMAGE, HISTORY = "wear.json", "wear.csv", "damage.csv", "history.csv"
+LIMITS = tuple(f"wear.{name}_limit" for name in ("depth", "flange", "conicity"))
 PROFILES = {body: f"{body}_profile.csv" for body in BODIES}
 PICTURES = ("depth", "history")
 LATER = (
@@ -124,11 +125,13 @@ def _scenes(route: Route) -> list[Scene]:
 
 
 def _request(route: Route) -> dict[str, Any]:
-    """All that determines the records of a route. OSError: a file cannot be read."""
-    scenes = [portable(scene) for scene in _scenes(route)]
+    """All that determines the records of a route; limits, which are read from them, do not.
+    OSError: a file cannot be read.
+    """
+    scenes = [portable(scene.replace(**dict.fromkeys(LIMITS, "none"))) for scene in _scenes(route)]
     return {
         "railhead": result_folder.VERSION,
-        "wear": scenes[0],
+        "scene": scenes[0],
         "positions": scenes[1:],
         "shares": list(route.shares),
     }

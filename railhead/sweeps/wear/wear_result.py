@@ -21,12 +21,13 @@ from railhead.run.half_spaces.worn_contact import BODIES
 from railhead.scene.catalogue import portable
 from railhead.scene.scene import SceneError
 from railhead.sweeps.wear.wear_route import Route
-from railhead.sweeps.wear.wear_run import Run, by_body
+from railhead.sweeps.wear.wear_run import SETTLES, Run, by_body
 from railhead.theory.array_types import Array
 
 ROW_STEP = 0.1  # mm between the rows of tables
 AMPLITUDE, REACH = 3.0, 8.0  # mm: of the equivalent conicity, and of the shifts it is read from
 VOLUME = 0.02  # relative: of the worn area, by the passages between two steps
+USEFUL = 0.25  # largest relative error of a pressure that says something
 EDGE = 2.0  # cells between a patch and the end of a profile, at least
 STEEP = 0.2  # least y between two places of the worn profile, over that of the new one
 KM, MILLION = 1e6, 1e6  # mm; wheels
@@ -245,7 +246,23 @@ class WearResult:
             value=self._largest(self._bounds),
             limit=given.accuracy,
             source="wear.accuracy; largest error of area and depth by steps and grids",
-            advice="give more steps, or leave wear.step to the program",
+            advice="ask for less; where wear.step is given, give more steps or leave it out",
+        )
+        approach = min(position.hertz.approach for position in self.route.positions)
+        yield Check(
+            name="steps",
+            value=max(stage.change for stage in run.stages) / approach,
+            limit=2 * SETTLES,
+            source="change of the worn depth by half a step, over the smallest approach",
+            advice="leave wear.step to the program, or give more steps",
+        )
+        known = [each or 0.0 for each in self._bounds["pressure_max_MPa"].values()]
+        yield Check(
+            name="pressure_estimate",
+            value=max(known),
+            limit=USEFUL,
+            source="relative error of the largest pressure of any position; more tells nothing",
+            advice="the depths stand; for the pressure give more steps or leave out that position",
         )
         for body in self.route.worn:
             area = self._numbers(run)["worn_mm2"][body] or math.nan
@@ -310,7 +327,7 @@ class WearResult:
             }
 
         rows = []
-        for row in self._lines(fields) if self.runs["main"].seen else ():
+        for row in self._lines(fields) if all(run.seen for run in self.runs.values()) else ():
             steel = self.route.scene.bodies[row["body"]]
             k = steel.first_yield / math.sqrt(3) if steel.yields else None
             rows.append({**row, "p0/k": row["p_max [MPa]"] / k if k else None})

@@ -98,9 +98,13 @@ def _rows(scene: Scene) -> list[dict[str, object]]:
     if scene.wear.positions is None:
         return [{}]
     try:
-        return read_rows(Path(scene.wear.positions))
+        rows = read_rows(Path(scene.wear.positions))
     except SceneError as error:
         raise SceneError("wear.positions", error.text) from None
+    if own := [key for key in rows[0] if key.startswith("wear.")]:
+        text = f"{own[0]} is of the whole route; give it in the scene, not in a position"
+        raise SceneError("wear.positions", text)
+    return rows
 
 
 def _weight(value: object, number: int) -> float:

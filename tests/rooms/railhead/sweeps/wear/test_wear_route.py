@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -110,6 +111,29 @@ def test_tables_hold_the_worn_depth_over_y_with_its_error(worn):
     assert float(middle["damage"]) == 0.0  # wear takes the cracks off at 240 N
     assert float(middle["p_max [MPa]"]) == pytest.approx(1138, rel=0.01)
     assert middle["p0/k"] == ""
+
+
+def test_one_step_for_all_the_wear_fails_a_check(worn, tmp_path):
+    """It gives 1341 MPa, more than unworn, where many steps give 599."""
+    assert "steps" not in worn[0].summary["checks"]["failed"]
+    found = sweep.wear(crown(step=1, axles=10 * AXLES, accuracy=0.2), tmp_path / "one")
+    assert found is not None and "steps" in found.summary["checks"]["failed"]
+
+
+def test_another_limit_goes_on_from_the_records(worn, tmp_path):
+    folder = tmp_path / "again"
+    shutil.copytree(worn[1], folder)
+    found = sweep.wear(crown(depth_limit=0.03), folder)
+    assert found is not None and found.summary["limits_reached"]["depth_limit"]["limit"] == 0.03
+    assert np.array_equal(found.rows[-1]["depth_rail_mm"], worn[0].rows[-1]["depth_rail_mm"])
+
+
+def test_a_check_run_that_fails_at_once_leaves_the_files(worn):
+    found = worn[0]
+    main = found.runs["main"]
+    failed = replace(found.runs["coarse"], stages=main.stages[:1], seen=[], reason="no patch")
+    cut = replace(found, runs={**found.runs, "coarse": failed})
+    assert cut.damage_rows() == [] and "accuracy" in cut.summary["checks"]["failed"]
 
 
 def test_limits_are_reached_where_the_depth_passes_them(worn):
@@ -257,6 +281,7 @@ def test_scenes_without_wear_are_refused(changes, key, tmp_path):
         ("share,load [kN]\n0,80\n", "wear.positions"),
         ("share,load [kN]\nx,80\n", "wear.positions"),
         ("share,load\n1\n", "wear.positions"),
+        ("share,wear.rate\n1,1e-4\n", "wear.positions"),
         ("share,rail.crown_radius\n1,200\n", "rail.crown_radius"),
         ("share,rail.crown\n1,200\n", "rail.crown"),
     ],
