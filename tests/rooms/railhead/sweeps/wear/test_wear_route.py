@@ -190,7 +190,7 @@ def test_a_run_goes_on_after_its_last_record(worn, tmp_path, monkeypatch):
         assert one.done == other.done and np.array_equal(one.depth, other.depth)
     assert again.summary["pressure_max_MPa"] == found.summary["pressure_max_MPa"]
     with pytest.raises(SceneError, match="another"):
-        sweep.wear(crown(depth_limit=0.03), folder)
+        sweep.wear(crown(axles=AXLES + 1), folder)
 
 
 def test_two_runs_are_one(worn, tmp_path):
