@@ -256,7 +256,7 @@ class Contact:
         angle: Array = np.full(np.shape(y), self.touch.angle)
         for _, rail, _ in self.cross_profiles[:1]:
             angle = np.arctan(rail.slope(np.clip(y, *rail.domain)))
-        return self.scene.friction.at(angle)
+        return self.scene.friction.at(angle, self.scene.heat.bulk)
 
     @property
     def line(self) -> bool:

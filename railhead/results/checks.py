@@ -19,6 +19,7 @@ import numpy as np
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.planning import effects
 from railhead.planning.error_envelopes import RANGE
+from railhead.planning.references import tribology
 from railhead.planning.simulation_plan import Plan
 from railhead.planning.sizing import LINEAR_REFINEMENT
 from railhead.postprocess.findings import Frame
@@ -59,6 +60,7 @@ PRESSURE_OVER_MEAN = {False: ("3/2", 1.5, 5.25), True: ("4/pi", 4 / math.pi, 2.0
 """Hertz's largest over mean pressure by whether the contact is a line, as text and number; and what
 a fourth power in p^2 changes of it, over the shape error, to first order: p^2 = (1 - r^2)(1 + c
 r^2) has c/5 and 4 c/105; a strip has c/8 and c/16."""
+LAW = "give another force or creepage, or change the law or the layer"
 BODIES = "simulate finite bodies: leave out --fast, --without finite_bodies"
 SOLVER = (
     "try solver.gamma_factor=1, solver.method=nitsche with solver.theta=1, a smaller "
@@ -467,7 +469,7 @@ def half_spaces(solved: HalfSpaceSolution, bound: dict[str, float]) -> Iterator[
         value=math.inf if solved.result is None else 0.0,
         limit=0.0,
         source=solved.reason or "boundary elements to 1e-5 of the displacement",
-        advice=BODIES,
+        advice=BODIES if tribology.coulomb(solved.plan.scene) else LAW,
     )
     if solved.result is None:
         return

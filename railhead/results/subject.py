@@ -33,8 +33,8 @@ def subject(plan: Plan, load: float, units: Units = BASE_UNITS) -> Subject:
     end = ", as half-spaces" if contact.half_space else ""
     end += _stands(scene.wheelset, units)
     if has_friction:
-        values = sorted({mu for _, mu in scene.friction.pairs})
-        text = f"{values[0]:g} to {values[-1]:g}" if scene.friction.uneven else f"{values[0]:g}"
+        values = sorted({mu for _, mu in scene.friction.table or scene.friction.pairs})
+        text = f"{values[0]:g} to {values[-1]:g}" if len(values) > 1 else f"{values[0]:g}"
         end += f", friction\N{NO-BREAK SPACE}{text}"
     along, across = "in the rolling direction", "along the axis" if roller else "across"
     if bar:

@@ -315,6 +315,9 @@ def read_friction(
         cycle=plan.scene.friction.cycle,
         patches=np.array([each.centre for each in found.patch.each] or [found.frame.origin]),
     )
+    given = plan.scene.friction.given
+    for key in {"coefficient", "coefficient_least"} & quantities.keys():
+        quantities[key] = min(max(quantities[key], min(given)), max(given))
     if friction.RISE[0] in quantities:
         rises = zip(("rail", "wheel"), (quantities.pop(key) for key in friction.RISE), strict=True)
         quantities["temperature_rise_max_K"] = dict(rises)

@@ -237,7 +237,8 @@ class Friction(Section):
     coefficient: friction coefficient, 0 to 2; 0: no friction. Or pairs (angle, coefficient) with
         rising angles of the rail's surface across the track, degrees, positive where it rises to
         the field side; linear between them, constant beyond.
-        It is the static coefficient of every law.
+        It is the static coefficient of every law but temperature, which has that of `table` at the
+        bulk temperature.
     law: "coulomb": the coefficient is the same at every slip and temperature. "exponential",
         "linear": it falls with the slip velocity from `coefficient` to `kinetic`. "temperature": it
         is that of `table`. All but coulomb need rolling.speed.
@@ -322,8 +323,13 @@ class Friction(Section):
     @property
     def largest(self) -> float:
         """Largest coefficient of all angles, slips and temperatures."""
-        rest = [(0.0, self.kinetic or 0.0), *(self.table or ())]
-        return max(mu for _, mu in (*self.pairs, *rest))
+        return max(self.given)
+
+    @property
+    def given(self) -> list[float]:
+        """Coefficients of all keys: of every angle, slip and temperature one between them."""
+        kinetic = [] if self.kinetic is None else [self.kinetic]
+        return [mu for _, mu in self.table or self.pairs] + kinetic
 
     @property
     def uneven(self) -> bool:
@@ -332,18 +338,18 @@ class Friction(Section):
 
     @property
     def pairs(self) -> tuple[tuple[float, float], ...]:
-        """Pairs of an angle, degrees, and the static coefficient there; a single one of a number,
-        and of a table its first.
-        """
-        given = self.table[0][1] if self.table else self.coefficient
+        """Pairs of an angle, degrees, and `coefficient` there; a single one of a number."""
+        given = self.coefficient
         return ((0.0, given),) if isinstance(given, float) else given
 
-    def at(self, angle: "Array | float") -> "Array":
+    def at(self, angle: "Array | float", bulk: float) -> "Array":
         """Static coefficient of friction (n,) where the rail's surface has the angle (n,) to the
-        horizontal across the track, rad.
+        horizontal across the track, rad; of a table its value at the temperature `bulk`, deg C.
         """
         import numpy as np  # not before `process.prepare`
 
+        if self.table:
+            return np.interp(np.full(np.shape(angle), bulk), *np.transpose(self.table))
         angles, values = np.transpose(self.pairs)
         return np.interp(np.degrees(angle), angles, values)
 
@@ -458,6 +464,11 @@ class Heat(Section):
     density: units.ThermalConstant = 7850.0
     specific_heat: units.ThermalConstant = 450.0
     share: units.Share = 0.5
+
+    @property
+    def bulk(self) -> float:
+        """Temperature that both surfaces have where they touch without slip, deg C."""
+        return (self.bulk_rail + self.bulk_wheel) / 2
 
     @property
     def known(self) -> bool:

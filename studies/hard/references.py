@@ -314,7 +314,7 @@ def friction(scene: Scene, reference: str) -> CaseErrors:
             "force_along_N",
             lambda: partial_slip.carter_share(
                 line.strip,  # type: ignore[union-attr]
-                float(given.at(0.0)),
+                float(given.at(0.0, scene.heat.bulk)),
                 creepage,
             ),
             FORCE,

@@ -223,7 +223,7 @@ class HalfSpaceFriction:
             tractions that stick everywhere, and the static coefficient.
         A coefficient that depends on slip or temperature is found in turns with the tractions.
         Without a `start` they end a second time, from the coefficient of large slip.
-        ValueError: no convergence, or both ends differ by more than 1e-3 (ALIKE) of mu N.
+        ValueError: no convergence, or both ends differ as of `agree`.
         """
         if self._interface.law is None:
             return self._at(creepage, start)
@@ -234,12 +234,19 @@ class HalfSpaceFriction:
             return self._by_law(creepage, coefficient * self._pressure, start)
         found = self._by_law(creepage, self._static * self._pressure, None)
         slid = replace(found, slip=np.full_like(found.slip, FAST))
-        other = self._by_law(creepage, self._law_bound(slid), found)
-        apart = np.linalg.norm(found.traction - other.traction, axis=0).sum() * found.cell
-        if apart > ALIKE * found.limit:
-            along = (f"{each.forces[0]:.4g}" for each in (found, other))
-            raise ValueError(f"several steady states, e.g. {' and '.join(along)} N along; {LONGER}")
+        agree(found, self._by_law(creepage, self._law_bound(slid), found))
         return found
+
+    @property
+    def limit(self) -> float:
+        """Largest tangential force under the largest coefficient of the law, N."""
+        bound = self._interface.largest(self._static) * self._pressure
+        return float(bound.sum() * (self._x[1] - self._x[0]) * (self._y[1] - self._y[0]))
+
+    @property
+    def has_law(self) -> bool:
+        """Whether the coefficient depends on slip or temperature."""
+        return self._interface.law is not None
 
     def _by_law(
         self, creepage: Creepage, bound: Array, start: TangentialSolution | None
@@ -309,6 +316,16 @@ class HalfSpaceFriction:
         last = 2 * field[..., -1:, :] - field[..., -2:-1, :]
         ahead = np.concatenate([field[..., 1:, :], last], axis=-2)
         return np.asarray((1 - AHEAD) * field + AHEAD * ahead)
+
+
+def agree(found: TangentialSolution, other: TangentialSolution) -> None:
+    """Raise ValueError where the tractions of two steady states of a patch differ by more than 1e-3
+    (ALIKE) of mu N.
+    """
+    apart = np.linalg.norm(found.traction - other.traction, axis=0).sum() * found.cell
+    if apart > ALIKE * found.limit:
+        along = " and ".join(f"{each.forces[0]:.4g}" for each in (found, other))
+        raise ValueError(f"several steady states, e.g. {along} N along; {LONGER}")
 
 
 def cells_over(half: tuple[float, float], cells: int) -> tuple[int, int]:
@@ -409,7 +426,9 @@ def solve_for_forces(
     start: solutions of similar patches with the same forces, at whose motion Newton's method
         begins; None: no motion, where all sticks.
     The forces are met to 1e-6 mu N. The force is concave in its creepage, and a step that does not
-    reduce the residual is halved. ValueError: forces of mu N or more, or no convergence.
+    reduce the residual is halved. Under a law of the coefficient, the patches at the creepage found
+    are solved again without a start, unless they were. ValueError: forces of mu N or more, mu being
+    the largest coefficient of a law; no convergence; several steady states, as of `agree`.
     """
     goals = {k: force for k, force in enumerate((along, across)) if force is not None}
     free, target = list(goals), np.array(list(goals.values()))
@@ -418,12 +437,14 @@ def solve_for_forces(
     begins: Sequence[TangentialSolution | None] = start or [None] * len(bodies)
     motion = Creepage(*values)
     now = [body.solve(motion, begin) for body, begin in zip(bodies, begins, strict=True)]
-    limit = sum(each.limit for each in now)
+    limit, lawful = sum(each.limit for each in bodies), any(each.has_law for each in bodies)
     if not np.linalg.norm(target) < limit:
-        raise ValueError(f"the force must be below mu N = {limit} N, got {target}")
+        raise ValueError(f"the force must be below mu N = {limit:.6g} N, got {target}")
     missing = target - _forces(now)[free]
     for _ in range(STEPS):
         if np.linalg.norm(missing) <= FORCE_TOLERANCE * limit:
+            for body, each in zip(bodies, now, strict=True) if lawful and (free or start) else ():
+                agree(each, body.solve(motion))
             return now
         pairs = zip(bodies, now, strict=True)
         stiffness = np.sum([body.stiffness(each) for body, each in pairs], axis=0)
@@ -438,8 +459,12 @@ def solve_for_forces(
             if np.linalg.norm(left) < np.linalg.norm(missing) or share < 1e-6:
                 break
             share /= 2
+        if share < 1e-6:
+            break
         values, now, missing = trial, then, left
-    raise ValueError(f"no creepage or shift found under the forces {target} N")
+    nearest = ", ".join(f"{each:.5g}" for each in _forces(now)[free])
+    below = f" but {nearest} N: the largest force of the law may lie below" if lawful else ""
+    raise ValueError(f"no creepage or shift found under the forces {target} N{below}")
 
 
 def _forces(found: Sequence[TangentialSolution]) -> Array:

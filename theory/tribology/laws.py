@@ -15,17 +15,12 @@ length d_c:
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from railhead.theory.array_types import Array, Mask
 from railhead.theory.tribology.heat import Heat
-
-Law = Callable[[Array, Array, Array], Array]
-"""Coefficient (nx, ny) of the static coefficient, the slip velocity (mm/s) and the mean temperature
-of both surfaces (deg C), each (nx, ny)."""
 
 
 @dataclass(frozen=True)
@@ -42,10 +37,16 @@ class Falling:
     linear: bool = False
 
     def __call__(self, static: Array, slip: Array, temperature: Array) -> Array:
-        """Coefficient (nx, ny), as of `Law`."""
+        """Coefficient (nx, ny) of the static coefficient, the slip velocity (mm/s) and the mean
+        temperature of both surfaces (deg C), each (nx, ny).
+        """
         gone = slip / self.half
         left = np.maximum(1 - gone / 2, 0.0) if self.linear else 2.0**-gone
         return np.asarray(self.kinetic + (static - self.kinetic) * left)
+
+    def largest(self, static: Array, bulk: float) -> Array:
+        """Largest coefficient (nx, ny) at any slip; static: (nx, ny)."""
+        return np.maximum(static, self.kinetic)
 
 
 @dataclass(frozen=True)
@@ -58,8 +59,16 @@ class ByTemperature:
     table: tuple[tuple[float, float], ...]
 
     def __call__(self, static: Array, slip: Array, temperature: Array) -> Array:
-        """Coefficient (nx, ny), as of `Law`."""
+        """Coefficient (nx, ny), as of `Falling`."""
         return np.interp(temperature, *np.transpose(self.table))
+
+    def largest(self, static: Array, bulk: float) -> Array:
+        """Largest coefficient (nx, ny) from a temperature on, deg C: friction does not cool."""
+        most = max(np.interp(max(hot, bulk), *np.transpose(self.table)) for hot, _ in self.table)
+        return np.full(static.shape, most)
+
+
+Law = Falling | ByTemperature
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,6 +96,12 @@ class Interface:
             return None
         hot = self.heat.temperatures(x, self.heat.speed * (traction * slip).sum(axis=0))
         return np.asarray(hot - self.heat.bulk[:, None, None])
+
+    def largest(self, static: Array) -> Array:
+        """Largest coefficient (nx, ny) that the law has at any slip; static: (nx, ny)."""
+        if self.law is None or self.heat is None:
+            return static
+        return np.maximum(static, self.law.largest(static, float(self.heat.bulk.mean())))
 
     def coefficient(
         self, x: Array, static: Array, inside: Mask, traction: Array, slip: Array

@@ -103,7 +103,8 @@ def grows(context: Context) -> bool:
 
 def friction_coefficient(context: Context) -> float:
     """Static coefficient of friction at the first contact."""
-    return float(context.scene.friction.at(context.contact.touch.angle))
+    scene = context.scene
+    return float(scene.friction.at(context.contact.touch.angle, scene.heat.bulk))
 
 
 def unlike(context: Context) -> bool:

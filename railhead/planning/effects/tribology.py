@@ -102,16 +102,17 @@ def decide_falling_friction(context: Context) -> Effect:
     if friction.law == "temperature" and not _known(context):
         raise SceneError("friction.law", f"temperature is not allowed: {UNKNOWN}")
     _refuse_beyond_grids(context, "falling_friction", "friction.law", friction.law)
+    static = interface.friction_coefficient(context)
+    last = friction.table[-1][1] if friction.table else friction.kinetic or static
+    rises, way = ("rises", "up") if last > static else ("falls", "down")
     if friction.table:
         what = "it depends on the temperature"
     else:
-        what = f"it falls with slip ({friction.law}), half at {friction.slip_half:g} mm/s"
+        what = f"it {rises} with slip ({friction.law}), half at {friction.slip_half:g} mm/s"
         if friction.memory is None:
             what += "; no friction.memory is given: it follows along the length of a cell"
-    static = interface.friction_coefficient(context)
-    where = static if not friction.table else friction.table[-1][1]
-    last = friction.kinetic or where
-    cost = f"left out, the coefficient is {static:g} and not down to {min(last, static):g}"
+    cost = f"left out, the coefficient is {static:g}"
+    cost += f" and not {way} to {last:g}" if last != static else ""
     return Effect(True, True, f"{what}; {TIMES}; {cost}")
 
 

@@ -217,7 +217,8 @@ def _strip(contact: Contact, line: Strip, cells: int, *, like: bool) -> PressedP
     found = on_grid(grid, exact, line.load_per_length * LENGTH * line.b)
     if not like:
         (found,) = _pressed([found], lambda x, s: gap.ravel(), line.contact_modulus)
-    friction = contact.scene.friction.at(np.full(grid.s.size, contact.touch.angle))
+    scene, angle = contact.scene, np.full(grid.s.size, contact.touch.angle)
+    friction = scene.friction.at(angle, scene.heat.bulk)
     return PressedPatch(found, plane_modes(grid.x, grid.s), friction)
 
 

@@ -173,6 +173,33 @@ def test_a_given_force_is_met_on_the_rising_branch() -> None:
     assert 0 < found.creepage.along < 0.003
 
 
+@pytest.mark.parametrize(
+    ("static", "law"),
+    [(0.3, ByTemperature(((0.0, 0.3), (400.0, 0.48)))), (0.2, Falling(0.4, 300.0))],
+)
+def test_a_rising_law_carries_a_force_beyond_that_at_rest(static, law) -> None:
+    body = ellipse(static, Interface(heat=Heat(speed=30.0), law=law), cells=16)
+    force = 1.05 * static * LOAD
+    (found,) = solve_for_forces([body], Creepage(), along=force)
+    assert found.forces[0] == pytest.approx(force, rel=1e-5)
+    most = 0.48 if static == 0.3 else 0.4
+    with pytest.raises(ValueError, match=f"below mu N = {most * LOAD:.6g} N"):
+        solve_for_forces([body], Creepage(), along=most * LOAD)
+
+
+def test_a_given_force_with_several_steady_states_is_refused() -> None:
+    steep = Interface(heat=Heat(speed=100.0), law=Falling(0.1, 1.0))
+    with pytest.raises(ValueError, match=r"several steady states.*longer friction.memory"):
+        solve_for_forces([ellipse(0.6, steep, cells=16)], Creepage(), along=0.3 * 0.6 * LOAD)
+
+
+def test_a_force_beyond_the_maximum_of_a_falling_law_says_so() -> None:
+    """The creep curve of the ellipse has its maximum near 0.843 mu N."""
+    law = Interface(heat=Heat(speed=30.0), law=Falling(0.3, 300.0))
+    with pytest.raises(ValueError, match="the largest force of the law may lie below"):
+        solve_for_forces([ellipse(0.6, law, cells=16)], Creepage(), along=0.9 * 0.6 * LOAD)
+
+
 def test_a_soft_layer_is_kalkers_simplified_theory() -> None:
     """Tractions xi s/L, s behind the leading edge, where all sticks: F = xi 8 a^2 b/(3 L)."""
     layer, creepage = 1.0, 1e-6
@@ -254,6 +281,25 @@ def test_a_scene_with_a_table_needs_no_other_coefficient() -> None:
     assert same["force_along_N"] == found["force_along_N"]
 
 
+@pytest.mark.parametrize(
+    ("pairs", "bulk", "least", "most"),
+    [
+        ("[[-50, 0.6], [0, 0.3], [400, 0.12]]", 0, 0.2, 0.3),
+        ("[[0, 0.3], [200, 0.1]]", 200, 0.1, 0.1),
+    ],
+)
+@pytest.mark.parametrize("effect", ["auto", "off"])
+def test_lines_start_at_the_bulk_temperatures_coefficient(pairs, bulk, least, most, effect) -> None:
+    """The mean bulk of both bodies; without the law it is the coefficient everywhere."""
+    keys = "friction.law=temperature", f"friction.table={pairs}", "friction.memory=5"
+    warm = f"heat.bulk_rail={bulk + 20}", f"heat.bulk_wheel={bulk - 20}"
+    scene = ertz(*keys, *warm, *ROLLS, f"effects.falling_friction={effect}")
+    found = friction(passed(scene))["coefficient"]
+    assert least <= found <= most
+    if effect == "off":
+        assert found == pytest.approx(most)
+
+
 @pytest.mark.slow
 def test_solids_have_the_law_and_the_heat_of_half_spaces() -> None:
     keys = (*SLIP_LAW, "rolling.creepage_along=0.3%", "rolling.speed=30")
@@ -280,7 +326,10 @@ def test_the_plan_names_what_laws_and_layers_change() -> None:
     assert heat.on and law.on and layer.on
     assert "flash temperature up to" in heat.why
     assert "no friction.memory is given" in law.why and "0.3 and not down to 0.15" in law.why
-    assert "mm/MPa" in layer.why
+    assert "it falls with slip" in law.why and "mm/MPa" in layer.why
+    rises = plan.scene.replace(["friction.kinetic=0.45"])
+    law = simulation_plan.make(rises).effects["falling_friction"]
+    assert "it rises with slip" in law.why and "0.3 and not up to 0.45" in law.why
 
 
 @pytest.mark.parametrize("effect", ["falling_friction", "layer"])
@@ -324,3 +373,4 @@ def test_a_law_that_does_not_settle_is_no_answer() -> None:
     result = solved("hertz_ellipse", *keys)
     assert not result.passed
     assert "longer friction.memory" in str(result.summary)
+    assert "--fast" not in result.summary["checks"]["advice"]["converged"]

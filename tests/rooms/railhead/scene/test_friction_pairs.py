@@ -28,10 +28,10 @@ def test_pairs_are_the_same_in_toml_in_set_and_in_python(tmp_path) -> None:
 
 def test_between_angles_it_is_linear_and_beyond_them_constant() -> None:
     angles = np.radians([-90.0, -10.0, 5.0, 20.0, 50.0, 60.0, 80.0])
-    found = scene(PAIRS).friction.at(angles)
+    found = scene(PAIRS).friction.at(angles, 0.0)
     assert found == pytest.approx([0.5, 0.5, 0.45, 0.4, 0.175, 0.1, 0.1])
-    assert scene(0.3).friction.at(angles).tolist() == 7 * [0.3]
-    assert scene("30%").friction.at(math.pi / 4) == 0.3
+    assert scene(0.3).friction.at(angles, 0.0).tolist() == 7 * [0.3]
+    assert scene("30%").friction.at(math.pi / 4, 0.0) == 0.3
 
 
 @pytest.mark.parametrize(

@@ -27,6 +27,20 @@ def test_a_table_is_linear_between_its_pairs_and_constant_beyond() -> None:
     assert found == pytest.approx([0.3, 0.3, 0.255, 0.12, 0.12])
 
 
+@pytest.mark.parametrize(
+    ("law", "expected"),
+    [
+        (Falling(0.14, 1250.0), 0.33), (Falling(0.5, 1250.0), 0.5),
+        (ByTemperature(((-50.0, 0.6), (50.0, 0.4), (400.0, 0.12))), 0.45),
+        (ByTemperature(((0.0, 0.3), (100.0, 0.5), (400.0, 0.12))), 0.5),
+    ],
+)  # fmt: skip
+def test_the_largest_coefficient_from_rest_and_the_bulk_on(law, expected) -> None:
+    warm = Interface(heat=Heat(speed=10.0, bulk_rail=50.0), law=law)
+    assert warm.largest(0.33 * ONE) == pytest.approx(expected)
+    assert warm.largest(0.33 * ONE).shape == ONE.shape
+
+
 def test_a_coefficient_follows_exponentially_from_the_leading_edge() -> None:
     """mu - aim = (mu_0 - aim) exp(-s/d_c) at the end of each cell, each line from its own edge."""
     aim, start = np.full((6, 2), 0.1), np.full((6, 2), 0.3)
