@@ -426,9 +426,10 @@ def solve_for_forces(
     start: solutions of similar patches with the same forces, at whose motion Newton's method
         begins; None: no motion, where all sticks.
     The forces are met to 1e-6 mu N. The force is concave in its creepage, and a step that does not
-    reduce the residual is halved. Under a law of the coefficient, the patches at the creepage found
-    are solved again without a start, unless they were. ValueError: forces of mu N or more, mu being
-    the largest coefficient of a law; no convergence; several steady states, as of `agree`.
+    reduce the residual is halved. Under a law of the coefficient, `stiffness` lacks the change of
+    the bound: Broyden's update follows it (Math. Comp. 19, 1965), and the patches at the creepage
+    found are solved again without a start, unless they were. ValueError: forces of mu N or more, mu
+    being the largest coefficient of a law; no convergence; several steady states, as of `agree`.
     """
     goals = {k: force for k, force in enumerate((along, across)) if force is not None}
     free, target = list(goals), np.array(list(goals.values()))
@@ -440,15 +441,17 @@ def solve_for_forces(
     limit, lawful = sum(each.limit for each in bodies), any(each.has_law for each in bodies)
     if not np.linalg.norm(target) < limit:
         raise ValueError(f"the force must be below mu N = {limit:.6g} N, got {target}")
-    missing = target - _forces(now)[free]
+    missing, slope = target - _forces(now)[free], None
     for _ in range(STEPS):
         if np.linalg.norm(missing) <= FORCE_TOLERANCE * limit:
             for body, each in zip(bodies, now, strict=True) if lawful and (free or start) else ():
                 agree(each, body.solve(motion))
             return now
-        pairs = zip(bodies, now, strict=True)
-        stiffness = np.sum([body.stiffness(each) for body, each in pairs], axis=0)
-        step = np.linalg.lstsq(stiffness[np.ix_(free, free)], missing, rcond=None)[0]
+        if slope is None:
+            pairs = zip(bodies, now, strict=True)
+            stiffness = np.sum([body.stiffness(each) for body, each in pairs], axis=0)
+            slope = stiffness[np.ix_(free, free)]
+        step = np.linalg.lstsq(slope, missing, rcond=None)[0]
         share = 1.0
         while True:
             trial = values.copy()
@@ -461,10 +464,12 @@ def solve_for_forces(
             share /= 2
         if share < 1e-6:
             break
+        more = missing - left - share * slope @ step
+        slope = slope + np.outer(more, step) / (share * step @ step) if lawful else None
         values, now, missing = trial, then, left
     nearest = ", ".join(f"{each:.5g}" for each in _forces(now)[free])
-    below = f" but {nearest} N: the largest force of the law may lie below" if lawful else ""
-    raise ValueError(f"no creepage or shift found under the forces {target} N{below}")
+    text = f"no creepage or shift found under the forces {target} N, the nearest is {nearest} N"
+    raise ValueError(f"{text}; the largest force of the law may lie below" if lawful else text)
 
 
 def _forces(found: Sequence[TangentialSolution]) -> Array:
