@@ -42,7 +42,9 @@ class RollingRadii:
 
     @property
     def differences(self) -> tuple[Array, Array]:
-        """Shifts (m,) and radii, right less left (m,), in mm; NaN between both sides of a jump."""
+        """Lateral shifts (m,), and rolling radius of the right wheel less that of the left one
+        (m,), mm; NaN in both between the two sides of a jump.
+        """
         at, difference = self.steep + 1, self.right - self.left
         return np.insert(self.shifts, at, np.nan), np.insert(difference, at, np.nan)
 

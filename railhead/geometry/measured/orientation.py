@@ -123,7 +123,7 @@ def oriented(points: Array, body: str, table: Table, given: Orientation) -> Orie
         move=move,
         sides=sides,
         unlike=_unlike(turned) if sides == "open" else 0.0,
-        open_by=0.0 if any(given.shift) else open_by,
+        open_by=open_by,
         tape_circle=tape,
         done=tuple(done),
     )
@@ -269,11 +269,9 @@ def _to_crown(turned: Array, table: Table, given: Orientation) -> tuple[Array, f
         return -top, 0.0, f"moved by {-top[0]:.2f}, {-top[1]:.2f} mm to the crown centre"
     if hollow or np.abs(top).max() < BESIDE:
         return np.zeros(2), 0.0, ""
-    open_by = 0.0 if defined else float(abs(top[0]))
-    text = (
-        f"its crown centre is the file's origin, its top is at y = {top[0]:.1f}, z = {top[1]:.1f}"
-    )
-    return np.zeros(2), open_by if open_by > BESIDE else 0.0, text
+    sure = defined or any(given.shift) or abs(top[0]) <= BESIDE
+    text = f"its crown centre is the file's origin, its top is at y = {top[0]:.1f}, "
+    return np.zeros(2), 0.0 if sure else float(abs(top[0])), f"{text}z = {top[1]:.1f}"
 
 
 def _wheel_signs(points: Array, table: Table, given: Orientation) -> tuple[Array, str, list[str]]:

@@ -51,5 +51,5 @@ def flash_rise(scene: Scene, hertz: Hertz, dissipated: float) -> float:
     along = isinstance(hertz, LineContact) and hertz.across
     pressure = np.full_like(u, hertz.p0) if along else hertz.p0 * np.sqrt(1 - u**2)
     flux = heat.speed * dissipated / hertz.load * pressure[:, None]
-    hot = heat.temperatures(hertz.half_lengths[0] * u, flux) - heat.temperatures(u, 0 * flux)
-    return float(hot.max())
+    hot = heat.temperatures(hertz.half_lengths[0] * u, flux)
+    return float((hot - heat.bulk.mean()).max())

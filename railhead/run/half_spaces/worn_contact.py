@@ -279,7 +279,9 @@ class WornContact:
     def _values(
         self, windows: Sequence[PatchSolution], lines: Mapping[str, Sequence[Array]]
     ) -> dict[str, float]:
-        """`Seen.values` of windows and of what their lines carry."""
+        """Quantities of the contact, as of `Seen.values`, from the pressed patches and, by name
+        (LINES), what each of their lines carries.
+        """
         steps = [float(window.s[1] - window.s[0]) for window in windows]
         edges = []
         for window in self._pressed.windows:
@@ -307,7 +309,7 @@ class WornContact:
     def _fields(
         self, body: str, windows: Sequence[PatchSolution], lines: Mapping[str, Sequence[Array]]
     ) -> Fields:
-        """`Seen.fields` of a body, of windows and of what their lines carry."""
+        """Fields along the profile of a body, as of `Seen.fields`; arguments as of `_values`."""
         steel = self._position.scene.bodies[body]
         passes = [self._passes(body, window.s) for window in windows]
         summed = {

@@ -66,7 +66,7 @@ class WearResult:
             "steps": len(run.stages) - 1,
             "done": run.stages[-1].done,
             "reason": run.reason,
-            **self._numbers(run),
+            **self._found[0],
             "worn_mm2_by_part": {
                 body: places.parts(body, run.depths()[body])
                 for body, places in self.places(run).items()
@@ -87,7 +87,7 @@ class WearResult:
         }
 
     def places(self, run: Run) -> dict[str, Places]:
-        """Places along the new profiles of both bodies in a run."""
+        """Places along the new profiles of 'rail' and 'wheel', as many as a run has."""
         return worn_contact.places(self.route.scene, run.fineness.places)
 
     def _numbers(self, run: Run) -> Numbers:
@@ -101,6 +101,11 @@ class WearResult:
             "depth_max_mm": {body: float(depths[body].max()) for body in BODIES},
             "pressure_max_MPa": {"first": pressures[0], "last": pressures[-1]},
         }
+
+    @cached_property
+    def _found(self) -> list[Numbers]:
+        """`_numbers` of the three runs, that of the main run first."""
+        return [self._numbers(run) for run in self.runs.values()]
 
     @cached_property
     def _complete(self) -> bool:
@@ -122,7 +127,7 @@ class WearResult:
     @cached_property
     def _bounds(self) -> Numbers:
         """Relative errors of `_numbers`; None where a number is 0 or its error is not known."""
-        main, *others = (self._numbers(run) for run in self.runs.values())
+        main, *others = self._found
         found: Numbers = {}
         for name, group in main.items():
             found[name] = {}
@@ -185,7 +190,7 @@ class WearResult:
 
     def _per(self) -> dict[str, float | None]:
         """Worn area of the rail by a million wheels, and of the wheel in 1000 km, mm2."""
-        given, worn = self.route.scene.wear, self._numbers(self.runs["main"])["worn_mm2"]
+        given, worn = self.route.scene.wear, self._found[0]["worn_mm2"]
         done = self.runs["main"].stages[-1].done
         return {
             f"{body}_{name}": worn[body] * unit / (done * amount) if amount and done else None
@@ -196,8 +201,8 @@ class WearResult:
         }
 
     def _limits(self) -> dict[str, dict[str, float | None]]:
-        """By limit of the scene: its value, and axles and km after which it is reached, linear
-        between stages; None where it is not reached.
+        """Limits of wear that the scene gives, by name: the limit, and the wheels, km and share of
+        the wear after which it is first passed, linear between stages; None where it is not.
         """
         given, rows, found = self.route.scene.wear, self.rows, {}
         depth = [max(row["depth_rail_mm"], row["depth_wheel_mm"]) for row in rows]
@@ -265,7 +270,7 @@ class WearResult:
             advice="the depths stand; for the pressure give more steps or leave out that position",
         )
         for body in self.route.worn:
-            area = self._numbers(run)["worn_mm2"][body] or math.nan
+            area = self._found[0]["worn_mm2"][body] or math.nan
             rates = [sum(each[f"{body}_mm2"] for each in seen.values) for seen in run.seen]
             done = [stage.done for stage in run.stages][: len(rates)]
             yield Check(
