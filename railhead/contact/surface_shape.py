@@ -16,9 +16,17 @@ from typing import Any
 import numpy as np
 from scipy.ndimage import minimum_filter
 
-from railhead.geometry.heights import Cosine, FreshFlat, Height, RoundedFlat, read_map
 from railhead.geometry.placement import ContactPoint, Pose, ProfilePair
-from railhead.geometry.surfaces import RailSurface, WheelSurface, along
+from railhead.geometry.surfaces import (
+    Cosine,
+    FreshFlat,
+    Height,
+    RailSurface,
+    RoundedFlat,
+    WheelSurface,
+    along,
+    read_map,
+)
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.array_types import Array
 

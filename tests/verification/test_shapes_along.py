@@ -11,7 +11,7 @@ from curved import meshed
 
 import railhead as rh
 import railhead.solver as rs
-from railhead.geometry.heights import Cosine
+from railhead.geometry.surfaces import Cosine
 from railhead.scene.scene import Scene
 
 STEEL = {"young_modulus": 209920.0, "poisson_ratio": 0.28}

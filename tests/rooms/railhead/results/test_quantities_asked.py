@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import railhead as rh
+from railhead.postprocess import read
 from railhead.postprocess.patch import half_space
-from railhead.postprocess.stress import body_stresses
 from railhead.run.half_spaces import normal_contact, tangential_contact
 from railhead.theory.bem import grid_stress
 
@@ -72,7 +72,7 @@ def test_stresses_under_tractions_need_the_forces() -> None:
 def test_the_patch_of_bodies_alone_has_no_stresses_and_no_second_method(
     monkeypatch, tmp_path
 ) -> None:
-    searches = (body_stresses, "Search"), (body_stresses, "_below"), (normal_contact, "solve")
+    searches = (read, "Search"), (read, "_below"), (normal_contact, "solve")
     forbid(monkeypatch, *searches)
     scene = rh.find("uic54_thesis").replace(SOLID, quantities="patch")
     result = rh.solve(scene, quiet=True)

@@ -6,10 +6,18 @@ import numpy as np
 import pytest
 from one_line import refusal
 
-from railhead.geometry.heights import Cosine, FreshFlat, Height, Map, RoundedFlat, read_map
 from railhead.geometry.placement import upright
 from railhead.geometry.profiles import single_radius
-from railhead.geometry.surfaces import RailSurface, WheelSurface
+from railhead.geometry.surfaces import (
+    Cosine,
+    FreshFlat,
+    Height,
+    Map,
+    RailSurface,
+    RoundedFlat,
+    WheelSurface,
+    read_map,
+)
 
 X, Y = np.linspace(-20.0, 20.0, 9), np.linspace(-10.0, 10.0, 6)
 MAP = Map(length=20.0, position=0.3, x=X, y=Y, height=np.outer(np.sin(X / 9), np.cos(Y / 7)))
