@@ -1,10 +1,10 @@
-"""Error envelopes, families of scenes, and the twist of a rail, as the studies measure them."""
+"""Error envelopes, families of scenes, twist of a rail, and effects, as studies measure them."""
 
 import pytest
 
 from railhead.planning.references import rail_twist
 from studies.accuracy import calibrate as measured
-from studies.accuracy import error_bounds, families
+from studies.accuracy import effects, error_bounds, families
 
 
 def test_estimates_hold_in_random_sections() -> None:
@@ -28,3 +28,54 @@ def test_a_whole_rail_twists_as_the_plan_expects() -> None:
     angle, _ = measured.turn(solved)
     planned = solved.plan
     assert rail_twist.twist(planned.contact, planned.hertz) == pytest.approx(angle, rel=0.1)
+
+
+def run(effect: str, on: bool, change: float) -> dict:
+    return {
+        "scene": "made_up",
+        "effect": effect,
+        "on": on,
+        "called_for": not on,
+        "accuracy": 0.01,
+        "unknowns": 100,
+        "seconds": 2.0,
+        "p_max": 1.0,
+        "area": 1.0,
+        "tau_max": 1.0,
+        "approach": 1.0,
+        "change_p_max": change,
+        "change_area": 0.0,
+        "change_tau_max": 0.0,
+        "change_approach": 0.0,
+    }
+
+
+def test_verdict_names_what_was_wrongly_left_out() -> None:
+    fine = [run("", True, 0.0), run("symmetry_x", False, 0.002), run("true_profile", False, 0.05)]
+    assert effects.wrong(fine) == []
+    assert effects.verdict(fine).startswith("Yes: of 1 effects")
+    bad = [*fine, run("rail_section", True, 0.03), run("symmetry_y", False, -0.02)]
+    assert [row["effect"] for row in effects.wrong(bad)] == ["rail_section", "symmetry_y"]
+    assert effects.verdict(bad).startswith("**No.**")
+
+
+def test_what_the_scene_switched_off_is_no_fault_of_the_plan() -> None:
+    overruled = {**run("plasticity", True, 0.3), "called_for": True}
+    assert effects.wrong([run("", True, 0.0), overruled]) == []
+    told = effects.verdict([run("", True, 0.0), run("friction", True, 0.001), overruled])
+    assert told.startswith("Yes: of 1 effects")
+    assert "called for `plasticity` of made_up, which the scene switches off: 30 %" in told
+
+
+def test_an_effect_kept_without_need_is_named_too() -> None:
+    told = effects.verdict([run("", True, 0.0), run("far_field", False, 0.001)])
+    assert "0 change one of them" in told and "Not so `far_field`" in told
+
+
+@pytest.mark.slow
+def test_off_effects_cost_no_unknown_no_form_and_no_digit() -> None:
+    """The plan with all optional effects off is the bare contact, built without a plan."""
+    planned, direct = effects.compare(1, patch_size=1.2)
+    assert planned["unknowns"] == direct["unknowns"]
+    assert planned["forms"] == direct["forms"] == 1
+    assert planned["p_max"] == pytest.approx(direct["p_max"], rel=1e-10)

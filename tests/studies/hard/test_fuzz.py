@@ -1,15 +1,38 @@
-"""No input makes a traceback, no wrong number is signed; `railhead study fuzz` takes 500 scenes."""
+"""No input makes a traceback, no wrong number is signed; numbers from 1e-300 to 1e300."""
 
 import json
+import math
 
 import pytest
 from hypothesis import HealthCheck, given, settings
-from strategies import scenes
+from hypothesis import strategies as st
+from solved import passed, solved
 
 from railhead.cli import commands
+from railhead.planning import simulation_plan
+from railhead.scene import catalogue
+from railhead.scene.scene import SceneError
 from studies.hard import fuzz as study
+from studies.hard import fuzz_scenes
 from studies.hard.fuzz import ended, fuzz
 from studies.hard.fuzz_scenes import plans
+
+
+class Drawn:
+    """A source of choices that hypothesis makes and shrinks."""
+
+    def __init__(self, draw) -> None:
+        self._draw = draw
+
+    def number(self, low: float, high: float) -> float:
+        return self._draw(st.floats(low, high))
+
+    def choice(self, options):
+        return self._draw(st.sampled_from(options))
+
+
+scenes = st.composite(lambda draw: fuzz_scenes.scene(Drawn(draw)))()
+
 
 patient = settings(
     deadline=None,
@@ -54,7 +77,7 @@ def command(status: int, said: str = "", summary: dict | None = None):
     return run
 
 
-def solved(
+def answer(
     pressure: float, failed: list[str], bound: dict[str, float], plain: float | None = None
 ) -> dict:
     result = {"pressure": {"max_MPa": pressure}}
@@ -72,15 +95,21 @@ def solved(
 @pytest.mark.parametrize(
     "ends, fault",
     [
-        (command(0, summary=solved(104, [], {})), ""),
-        (command(0, summary=solved(106, [], {})), "max_MPa off by 0.06, 0.05 allowed"),
-        (command(0, summary=solved(104, [], {"max_MPa": 0.02})), "max_MPa off by 0.04"),
-        (command(0, summary=solved(150, [], {}, plain=104)), ""),
-        (command(0, summary=solved(100, [], {"max_MPa": 0.5}, plain=106)), "max_MPa off by 0.06"),
-        (command(1, summary=solved(150, ["flux_rail"], {})), ""),
-        (command(0, summary=solved(100, ["flux_rail"], {})), "status 0, failed checks: flux_rail"),
-        (command(1, summary=solved(100, [], {})), "status 1, failed checks: none"),
-        (command(0, summary=solved(float("nan"), [], {})), "a result with NaN"),
+        (command(0, summary=answer(104, [], {})), ""),
+        (command(0, summary=answer(106, [], {})), "max_MPa off by 0.06, 0.05 allowed"),
+        (command(0, summary=answer(104, [], {"max_MPa": 0.02})), "max_MPa off by 0.04"),
+        (command(0, summary=answer(150, [], {}, plain=104)), ""),
+        (
+            command(0, summary=answer(100, [], {"max_MPa": 0.5}, plain=106)),
+            "max_MPa off by 0.06",
+        ),
+        (command(1, summary=answer(150, ["flux_rail"], {})), ""),
+        (
+            command(0, summary=answer(100, ["flux_rail"], {})),
+            "status 0, failed checks: flux_rail",
+        ),
+        (command(1, summary=answer(100, [], {})), "status 1, failed checks: none"),
+        (command(0, summary=answer(float("nan"), [], {})), "a result with NaN"),
         (command(1, "railhead: NOT MESHED: overlap"), ""),
         (command(1, "railhead: why"), "status 1 without a result"),
         (command(2, "railhead: load: nan"), ""),
@@ -99,3 +128,58 @@ def test_the_page_lists_faults_and_counts_outcomes() -> None:
     text = study.page([right, ended(2, "odd value", fault="the process crashed")], [1.0, 2.0])
     assert "- odd value, seed 2: the process crashed" in text and "0.25" in text
     assert study.MOST <= 15_000
+
+
+EXTREMES = [10.0**n for n in (-300, -12, -6, -3, 6, 15, 300)]
+KEYS = [
+    "load",
+    "approach",
+    "mesh.patch_size",
+    "solver.gamma_factor",
+    "rail.crown_radius",
+    "wheel.rolling_radius",
+    "wheel.transverse_radius",
+    "rail.young_modulus",
+    "wheel.young_modulus",
+    "rail.length",
+    "rail.depth",
+    "rail.width",
+    "wheel.width",
+    "wheel.rim_depth",
+    "wheel.segment_length",
+]
+CASES = ["hertz_ellipse", "two_cylinders", "uic54_thesis"]
+
+
+@pytest.mark.parametrize("key", KEYS)
+@pytest.mark.parametrize("case", CASES)
+def test_a_plan_is_finite_or_refused_in_one_line(case: str, key: str) -> None:
+    for value in EXTREMES:
+        try:
+            made = simulation_plan.make(catalogue.find(case).replace([f"{key}={value!r}"]))
+        except SceneError as error:
+            assert len(str(error).splitlines()) == 1
+            continue
+        numbers = [made.patch_size, made.reach, made.hertz.p0, *made.zone, made.seconds]
+        assert made.unknowns >= 0 and min(numbers) > 0 and all(map(math.isfinite, numbers))
+
+
+@pytest.mark.parametrize(
+    "case, assignments",
+    [
+        ("long_roller", ["load=1e-3"]),
+        ("hertz_ellipse", ["load=1e-9"]),
+        ("sphere_on_plane", ["load=1e-15"]),
+        ("sphere_on_plane", ["load=1e12", "wheel.young_modulus=1e13"]),
+    ],
+)
+def test_small_and_large_scenes_are_hertz(case, assignments) -> None:
+    """Pressure and area within the default accuracy of 1 %."""
+    off = passed(case, *assignments).as_dict()["difference"]
+    assert abs(off["pressure"]["max_MPa"]) < 0.01 and abs(off["patch"]["area_mm2"]) < 0.01
+
+
+def test_a_noisy_pressure_is_no_nan() -> None:
+    """A state far from converged, whose squared pressure is no concave parabola."""
+    result = solved("sphere_on_plane", "solver.gamma_factor=1e12")
+    assert "converged" in result.failed and result.as_dict()["result"]

@@ -1,12 +1,20 @@
-"""How a body yields is said in one way, and a wrong one is one line."""
+"""Tables of a scene: steels and flow curves, pairs of friction, surfaces that are added."""
+
+import math
+from pathlib import Path
 
 import numpy as np
 import pytest
+import tomli_w
+from one_line import refusal
 
-from railhead import Rail, Scene, find
+from railhead import find
 from railhead.planning import simulation_plan as planning
 from railhead.run.model_setup import hardening
+from railhead.scene import catalogue
+from railhead.scene.catalogue import portable, read_scene
 from railhead.scene.flow_curves import by_name
+from railhead.scene.scene import Rail, Scene, unit
 from railhead.scene.sections import SceneError
 
 ROLLING = ("friction.coefficient=0.3", "rolling.creepage_along=0.1%")
@@ -82,3 +90,97 @@ def test_half_spaces_have_no_cells_that_lock() -> None:
         find("hertz_ellipse").replace([*ROLLING, "mesh.order=1", "effects.finite_bodies=off"])
     )
     assert plan.effects["friction"].on
+
+
+PAIRS = ((-10.0, 0.5), (20.0, 0.4), (60.0, 0.1))
+
+
+def scene(coefficient: object) -> Scene:
+    return Scene(load="80 kN", friction={"coefficient": coefficient})
+
+
+def test_pairs_are_the_same_in_toml_in_set_and_in_python(tmp_path) -> None:
+    given = scene([["-10 deg", 0.5], (20, "40%"), [60, 0.1]])
+    assert given.friction.coefficient == PAIRS
+    text = "friction.coefficient=[[-10, 0.5], [20, 0.4], [60, 0.1]]"
+    assert scene(0.3).replace([text]) == given
+    (tmp_path / "scene.toml").write_text(tomli_w.dumps(catalogue.portable(given)))
+    assert catalogue.read_scene(tmp_path / "scene.toml") == given
+
+
+def test_between_angles_it_is_linear_and_beyond_them_constant() -> None:
+    angles = np.radians([-90.0, -10.0, 5.0, 20.0, 50.0, 60.0, 80.0])
+    found = scene(PAIRS).friction.at(angles, 0.0)
+    assert found == pytest.approx([0.5, 0.5, 0.45, 0.4, 0.175, 0.1, 0.1])
+    assert scene(0.3).friction.at(angles, 0.0).tolist() == 7 * [0.3]
+    assert scene("30%").friction.at(math.pi / 4, 0.0) == 0.3
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ([], "rising angles"),
+        ([[0, 0.3], [0, 0.4]], "rising angles"),
+        ([[20, 0.3], [10, 0.4]], "rising angles"),
+        ([0.3, 0.4], "give pairs"),
+        ([[0, 0.3, 0.1]], "give pairs"),
+        ([[0, 0.0], [60, 0.1]], "0.0 is not allowed; give a number from 0 to 2, but not 0"),
+        ([[0, 3.0], [60, 0.1]], "3.0 is not allowed"),
+        ([["x", 0.3], [60, 0.1]], "'x' is not an angle; give degrees"),
+        ([[0, 0.3], [91, 0.1]], "91 is not allowed; give an angle from -90 to 90 deg"),
+        (3.0, "give a number from 0 to 2 or pairs of an angle and a coefficient"),
+        ("high", "'high' is not a number"),
+        ("[[0, 0.3], [60, 0.1", "is not a number"),
+    ],
+)
+def test_what_is_neither_a_number_nor_pairs_is_refused_in_one_line(given, words: str) -> None:
+    said = refusal(lambda: scene(given))
+    assert said.startswith("friction.coefficient: ") and words in said
+
+
+SCENE = Scene(load=1e4, wheel={"rolling_radius": 450.0})
+
+
+@pytest.mark.parametrize(
+    "keys, said",
+    [
+        ({"kind": "dent"}, "rail.surface.kind: 'dent' is not allowed; give flat, cosine or map"),
+        ({"length": 3.0}, "rail.surface.kind"),
+        ({"kind": "flat", "length": 3.0}, "rail.surface.depth: not given"),
+        ({"kind": "flat", "depth": 3.0}, "rail.surface.length: not given; kind flat needs it"),
+        ({"kind": "cosine", "length": 9.0}, "rail.surface.amplitude: not given"),
+        ({"kind": "map"}, "rail.surface.file: not given"),
+        ({"kind": "map", "file": "gone.csv"}, "rail.surface.file: 'gone.csv' is not a readable"),
+        ({"kind": "flat", "length": 3, "depth": 1, "amplitude": 1}, "rail.surface.amplitude: is"),
+        ({"kind": "flat", "length": 3, "depth": -1}, "rail.surface.depth: -1 is not allowed"),
+        ({"kind": "flat", "length": 3, "depth": 1, "position": "5 deg"}, "rail.surface.position"),
+        ({"kind": "flat", "length": 3, "depht": 1}, "rail.surface.depht: unknown key; did you me"),
+    ],
+)
+def test_wrong_keys_are_one_line(keys: dict, said: str) -> None:
+    assert refusal(lambda: SCENE.replace(rail={"surface": keys})).startswith(said)
+
+
+def test_a_position_in_degrees_is_an_arc_of_the_wheel() -> None:
+    flat = {"kind": "flat", "length": 60.0, "position": "5 deg"}
+    given = SCENE.replace(wheel={"surface": flat})
+    assert given.wheel.surface.position == pytest.approx(450 * math.radians(5), rel=1e-14)
+    turned = given.replace(["wheel.surface.position=-0.1 rad"])
+    assert turned.value("wheel.surface.position") == -45.0
+    assert turned.wheel.surface.length == 60.0 and unit("wheel.surface.position") == "mm"
+    assert given.replace(["wheel.surface=none"]) == SCENE
+
+
+def test_nothing_rolls_steadily_over_a_shape() -> None:
+    keys = {"surface": {"kind": "cosine", "length": 30.0, "amplitude": 0.01}}
+    line = refusal(lambda: SCENE.replace(rail=keys, rolling={"creepage_along": 0.001}))
+    assert line.startswith("rolling: is not allowed beside rail.surface")
+
+
+def test_the_file_of_a_map_moves_with_its_scene(tmp_path: Path) -> None:
+    (tmp_path / "m.csv").write_text("0,0,0\n")
+    (tmp_path / "a.toml").write_text('load = 1\nrail.surface = {kind = "map", file = "m.csv"}\n')
+    scene = read_scene(tmp_path / "a.toml")
+    assert scene.rail.surface.file == str(tmp_path / "m.csv")
+    assert Path(scene.rail.surface.file) in scene.files
+    assert portable(scene)["rail"]["surface"]["file"].startswith("input/")

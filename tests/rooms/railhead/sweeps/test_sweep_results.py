@@ -1,19 +1,27 @@
-"""The sweep of a script: side by side, as the command, and read again from its folder."""
+"""The sweep of a script, read again from its folder; its rows of sweep.csv and its report."""
 
 import json
+import math
 import os
+import re
 import subprocess
 import sys
+from html import unescape
 
 import command
 import matplotlib.image
+import numpy as np
 import pytest
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from sweep_command import rows
 
 import railhead as rh
 from railhead.meshing.mesh import MeshError
+from railhead.postprocess.findings import Subject, Units
+from railhead.postprocess.pictures import sweep_plots as plots
 from railhead.results import pipeline
+from railhead.sweeps import store, sweep_table
 
 FAST = rh.find("hertz_ellipse").replace(["effects.finite_bodies=off"])
 
@@ -93,3 +101,177 @@ def test_pictures_are_drawn_again_from_the_folder(swept, copied, capsys) -> None
     assert shape[0] > 200 and shape == matplotlib.image.imread(swept / "patches.png").shape
     assert (copied / "sweep.csv").read_bytes() == before["sweep.csv"]
     assert b"railhead" in (copied / "sweep.png").read_bytes()[:200]
+
+
+def test_the_angle_of_a_row_is_that_of_its_patch(swept) -> None:
+    """Of several patches the most loaded one, which need not be where the plan saw the first."""
+    kept = store.read(swept, 0)
+    planned = sweep_table.row(kept)["contact angle [deg]"]
+    assert planned == math.degrees(kept["summary"]["plan"]["contact_angle_rad"])
+    kept["summary"]["result"]["patches"] = [{"contact_angle_rad": 0.1}, {"contact_angle_rad": 0.3}]
+    line = sweep_table.row(kept)
+    assert line["contact angle [deg]"] == math.degrees(0.1) and line["patches"] == 2
+
+
+def test_a_row_holds_what_its_columns_say() -> None:
+    """Each number of a summary is another one."""
+    numbers = {
+        "max_MPa": 1.0, "mean_MPa": 2.0, "area_mm2": 3.0, "a_mm": 4.0, "b_mm": 5.0,
+        "tau_max_MPa": 6.0, "tau_max_depth_mm": 7.0, "von_mises_max_MPa": 8.0,
+    }  # fmt: skip
+    forces = (
+        "force_along_N", "force_across_N", "moment_Nmm", "limit_N", "creepage_along",
+        "creepage_across", "spin_per_mm", "shift_along_mm", "shift_across_mm", "stick_share",
+        "t_gamma_N", "t_gamma_over_area_MPa", "surface_fatigue_index", "shakedown",
+    )  # fmt: skip
+    bounds = ("max_MPa", "area_mm2", "a_mm", "b_mm", "tau_max_MPa", "approach_mm")
+    result = {
+        "pressure": numbers, "patch": numbers, "stress": {**numbers, "tau_max_body": "rail"},
+        "approach_mm": 9.0, "load_N": 10.0, "contact_point_mm": [11.0, 12.0, 13.0],
+        "patches": [{"contact_angle_rad": 14.0}, {}],
+        "friction": {key: 20.0 + i for i, key in enumerate(forces)}
+        | {"below_resolution": ["t_gamma_N", "traction_max_MPa", "force_along_N"]},
+    }  # fmt: skip
+    summary = {
+        "railhead": "0", "date": "now",
+        "effects_after": {
+            "plasticity": {"needed": False, "notable": True, "why": "yields"},
+            "heat": {"needed": False, "notable": False, "why": "cold"},
+        }, "result": result,
+        "checks": {"converged": True, "passed": True},
+        "plan": {"contact_angle_rad": 17.0}, "cost": {"dofs": 15},
+        "accuracy": {"bound": {key: 40.0 + i for i, key in enumerate(bounds)}},
+    }  # fmt: skip
+    over = {"load": 16.0, "wheelset.yaw": 0.0015, "rail.profile": "input/0123abcd/worn.csv"}
+    wheelset = {"left contact angle [deg]": 3.0}
+    record = {"over": over, "fault": "", "summary": summary, "wheelset": wheelset}
+    assert sweep_table.row(record) == {
+        "load [N]": 16.0, "wheelset.yaw [mrad]": 1.5, "rail.profile": "worn.csv",
+        "below resolution": "force along; T-gamma",
+        "checks": "passed", "p_max [MPa]": 1.0, "p_mean [MPa]": 2.0,
+        "area [mm2]": 3.0, "a [mm]": 4.0, "b [mm]": 5.0, "tau_max [MPa]": 6.0,
+        "tau_max depth [mm]": 7.0, "tau_max body": "rail", "von_mises_max [MPa]": 8.0,
+        "found approach [mm]": 9.0, "found load [N]": 10.0,
+        "contact angle [deg]": math.degrees(14.0),
+        "unknowns": 15, "patch x [mm]": 11.0, "patch y [mm]": 12.0, "patch z [mm]": 13.0,
+        "patches": 2, "force along [N]": 20.0, "force across [N]": 21.0, "moment [N mm]": 22.0,
+        "mu N [N]": 23.0, "creepage along": 24.0, "creepage across": 25.0, "spin [1/mm]": 26.0,
+        "shift along [mm]": 27.0, "shift across [mm]": 28.0, "stick share": 29.0,
+        "T-gamma [N]": 30.0, "T-gamma/area [N/mm2]": 31.0, "surface fatigue index": 32.0,
+        "shakedown": 33.0, "axle": None, "wear number [N]": None, "wear regime": None, "p0/k": None,
+        "least mu": None, "rise rail [K]": None, "rise wheel [K]": None,
+        "warnings": "plasticity: yields", "left contact angle [deg]": 3.0,
+        "p_max estimate": 40.0, "area estimate": 41.0, "a estimate": 42.0,
+        "b estimate": 43.0, "tau_max estimate": 44.0, "approach estimate": 45.0,
+        "tau_max depth estimate": None, "von_mises_max estimate": None, "program": "railhead 0",
+        "date": "now",
+    }  # fmt: skip
+
+
+def test_a_sweep_says_what_a_run_says() -> None:
+    """Fifty combinations that passed with estimates of 16 to 43 %, and bodies that would yield."""
+    rows = [
+        {"checks": "passed", "p_max [MPa]": 900.0, "p_max estimate": 0.003, "warnings": ""},
+        {"checks": "passed", "p_max [MPa]": 6400.0, "p_max estimate": 0.43,
+         "warnings": "plasticity: R260 would yield; heat: 200 K"},
+        {"checks": "FAILED: a", "p_max [MPa]": 3e3, "p_max estimate": None,
+         "warnings": "plasticity: R260 would yield"},
+        {"checks": "NOT SOLVED: gmsh"},
+    ]  # fmt: skip
+    (said,) = [
+        line for line in sweep_table.verdict(rows, Units({"MPa": "GPa"})) if "largest" in line
+    ]
+    assert said.startswith("largest pressure 0.9 to 6.4 GPa, estimated within 0.30%")
+    assert sweep_table.verdict(rows) == [
+        "4 combinations, 2 not passed, 2 with warnings",
+        "largest pressure 900 to 6400 MPa, estimated within 0.30% to 43.00% (1 of them beyond 5%); "
+        "1 without an estimate",
+        "plasticity: a warning in 2 of 4 (column warnings)",
+        "heat: a warning in 1 of 4 (column warnings)",
+    ]
+
+
+def test_what_is_below_resolution_is_marked_in_every_row() -> None:
+    """As a run marks it; one key that fails in several rows is named once."""
+    row = {"checks": "FAILED: a", "T-gamma [N]": 3.0, "force along [N]": -5.0, "mu N [N]": 100.0,
+           "below resolution": "T-gamma", "force along estimate": 1.2e-5}  # fmt: skip
+    assert sweep_table.cell(row, "T-gamma [N]", Units()) == "3 (below resolution)"
+    error = "-5\u00a0\u00b1\u00a00.0012% of mu N"
+    assert sweep_table.cell(row, "force along [N]", Units()) == error
+    assert sweep_table.verdict([row, row]) == [
+        "2 combinations, 2 not passed",
+        "FAILED: a (in 2)",
+        "T-gamma: below resolution in 2",
+    ]
+    assert {"T-gamma [N]", "force along [N]"} < set(sweep_table.short([row]))
+
+
+def test_bars_are_estimates(tmp_path, monkeypatch) -> None:
+    drawn = []
+    monkeypatch.setattr(Axes, "errorbar", lambda self, x, y, error, **_: drawn.append((y, error)))
+    rows = [
+        {"load [N]": load, "checks": "passed", "p_max [MPa]": 100.0, "p_max estimate": bound}
+        for load, bound in ((1.0, 0.1), (2.0, None))
+    ]
+    plots.curves(["load [N]"], rows, "y, mm", Subject(), tmp_path / "a.png")
+    assert drawn[0][1][0] == pytest.approx(10.0) and np.isnan(drawn[0][1][1])
+    assert np.isnan(drawn[1][1]).all()
+
+
+def test_the_report_of_a_sweep_has_all_of_it(swept) -> None:
+    """Pictures, a row for each combination in both tables, what differs and what does not."""
+    text = (swept / "report.html").read_text(encoding="utf-8")
+    assert "<title>sweep of long_roller over load and wheel.rolling_radius</title>" in text
+    assert "6 combinations, all passed" in text and text.count("data:image/png;base64,") == 2
+    short, full = (_cells(text, name) for name in ("answers", "all"))
+    table = rows(swept)
+    assert len(short) == len(full) == 7 and full[0] == list(table[0])
+    for line, row in zip(short[1:], table, strict=True):
+        found = dict(zip(short[0], line, strict=True))
+        bound = f"{100 * float(row['p_max estimate']):.2g}%"
+        assert found["p_max [MPa]"] == f"{float(row['p_max [MPa]']):.5g}\u00a0\u00b1\u00a0{bound}"
+        assert found["checks"] == "passed"
+    assert _cells(text, "asked")[0] == ["load [N]", "50000, 80000, 110000"]
+    same = {name for name, _ in _cells(text, "scene")}
+    assert "mesh: patch size" in same and not {"load", "wheel: rolling radius"} & same
+
+
+def test_what_failed_is_red(tmp_path) -> None:
+    table = [{"load [N]": 1.0, "checks": "NOT SOLVED: gmsh <no>"}]
+    scenes = [rh.find("sphere_on_plane")]
+    sweep_table.write_report(
+        "a sweep", scenes, ["load [N]"], table, tmp_path, ["none.png"], Units()
+    )
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert 'class="verdict bad"' in text and '<td class="bad">NOT SOLVED: gmsh &lt;no&gt;' in text
+
+
+def _cells(text: str, name: str) -> list[list[str]]:
+    """Texts of the cells of the table of this id, by line."""
+    (table,) = re.findall(rf'<table id="{name}">(.*?)</table>', text, re.DOTALL)
+    lines = re.findall("<tr>(.*?)</tr>", table, re.DOTALL)
+    return [
+        [unescape(each) for each in re.findall("<t[dh].*?>(.*?)</t[dh]>", line)] for line in lines
+    ]
+
+
+def test_a_surface_along_the_rail_has_its_columns_and_panels() -> None:
+    """Where it touches, how the patches share the load, and the approach; not beside it."""
+    hollow = {"kind": "flat", "length": 20.0, "depth": 0.2}
+    scene = rh.Scene(
+        load=10e3,
+        rail={"profile": "arc", "crown_radius": 300},
+        wheel={"surface": hollow},
+        effects={"finite_bodies": "off"},
+    )
+    rows = []
+    for position in (0.02, 40.0):
+        over = {"wheel.surface.position": position}
+        solved = rh.solve(scene.replace(**over), quiet=True)
+        rows.append(sweep_table.row(sweep_table.record(over, solved)))
+    assert rows[0]["wheel.surface.position [mm]"] == 0.02 and rows[0]["patches"] == 2
+    assert rows[0]["contact ahead [mm]"] == pytest.approx(8.0, abs=0.2)
+    assert 0.5 < rows[0]["load share"] < 0.6 and 0 < rows[0]["height in patch [mm]"] < 0.2
+    assert not {"contact ahead [mm]", "load share"} & rows[1].keys()
+    assert set(plots.SHAPE) < plots.panels(rows).keys()
+    assert not set(plots.SHAPE) & plots.panels(rows[1:]).keys()
