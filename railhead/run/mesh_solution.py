@@ -316,7 +316,7 @@ def read_friction(
         patches=np.array([each.centre for each in found.patch.each] or [found.frame.origin]),
     )
     given = plan.scene.friction.given
-    for key in {"coefficient", "coefficient_least"} & quantities.keys():
+    for key in [key for key in quantities if key.startswith("coefficient")]:
         quantities[key] = min(max(quantities[key], min(given)), max(given))
     if friction.RISE[0] in quantities:
         rises = zip(("rail", "wheel"), (quantities.pop(key) for key in friction.RISE), strict=True)

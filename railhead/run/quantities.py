@@ -280,6 +280,8 @@ class FrictionQuantities:
     limit: integral of the friction coefficient times the pressure, N.
     coefficient_least: least friction coefficient in the patch; None where it is the same
         everywhere.
+    coefficient_slipping: mean one where the surfaces slip, weighted by pressure; None where it is
+        the same everywhere, or nothing slips.
     temperature_rise: largest rises of the surfaces' temperatures; None where not simulated.
     creepage_along: velocity of the wheel's surface relative to the rail's over the rolling speed,
         along +x; None of a shift.
@@ -347,6 +349,7 @@ class FrictionQuantities:
     coefficient_least: float | None = friction(
         "coefficient_least", "", "least friction coefficient", column="least mu"
     )
+    coefficient_slipping: float | None = friction("coefficient_slipping", "", "   where it slips")
     temperature_rise: TemperatureRise | None = friction(
         "temperature_rise_max_K", record=TemperatureRise
     )

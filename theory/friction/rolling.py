@@ -42,7 +42,7 @@ PRESSED = 1e-6  # of the displacement
 STEPS, FORCE_TOLERANCE = 40, 1e-6  # of Newton under prescribed forces; over mu N
 LAW_TURNS, SETTLED = 60, 1e-7  # between tractions and coefficient; change of the bound, relative
 SLOWEST = 0.02  # least part of a change of the coefficient that is taken
-FAST = 1e6  # slip per rolled length at which a law has its last coefficient
+FAST = 1e6  # slip per rolled length, and rise in K, at which a law has its last coefficient
 ALIKE, LONGER = 1e-3, "the law falls too steeply; give a longer friction.memory"
 
 
@@ -80,8 +80,9 @@ class TangentialSolution:
     covered: share of each cell in the patch, (nx, ny).
     creepage: the rigid motion.
     traction: of the wheel on the rail along x and y, (2, nx, ny), MPa.
-    slip: of the wheel over the rail, (2, nx, ny); dimensionless in rolling, mm of a shift. It is
-        zero to the tolerance where cells stick, and zero outside of the patch.
+    slip: of the wheel over the rail, (2, nx, ny); dimensionless in rolling, and half a cell ahead
+        of the centres; mm of a shift. It is zero to the tolerance where cells stick, and zero
+        outside of the patch.
     steps: number of Newton's steps that found the tractions.
     rise: of the temperatures of the surfaces of rail and wheel above the bulk of each body, (2, nx,
         ny), K; None without heat.
@@ -121,6 +122,18 @@ class TangentialSolution:
     def limit(self) -> float:
         """Largest tangential force that friction allows: sum of the bound over the area, N."""
         return float(self.bound.sum() * self.cell)
+
+    @property
+    def central_slip(self) -> Array:
+        """Slip (2, nx, ny) of rolling at the cell centres: the mean of that half a cell ahead and
+        half a cell behind, which behind the patch follows a straight line. Traction times this slip
+        is the power of friction.
+        """
+        inside = self.pressure > 0
+        wider = np.pad(self.slip, ((0, 0), (1, 1), (0, 0)))
+        follows = np.pad(inside, ((1, 0), (0, 0)))[:-1]
+        behind = np.where(follows, wider[:, :-2], 2 * self.slip - wider[:, 2:])
+        return np.asarray(inside * (self.slip + behind) / 2)
 
     @property
     def sticks(self) -> Mask:
@@ -233,7 +246,8 @@ class HalfSpaceFriction:
             )
             return self._by_law(creepage, coefficient * self._pressure, start)
         found = self._by_law(creepage, self._static * self._pressure, None)
-        slid = replace(found, slip=np.full_like(found.slip, FAST))
+        endless = np.full_like(found.slip, FAST)
+        slid = replace(found, slip=endless, rise=endless)
         agree(found, self._by_law(creepage, self._law_bound(slid), found))
         return found
 
@@ -272,7 +286,7 @@ class HalfSpaceFriction:
         """Largest traction (nx, ny), MPa, that the law allows at the slip of a solution."""
         inside = self._pressure > 0
         return self._pressure * self._interface.coefficient(
-            self._x, self._static, inside, found.traction, found.slip
+            self._x, self._static, inside, found.slip, found.rise
         )
 
     def _at(self, creepage: Creepage, start: TangentialSolution | None) -> TangentialSolution:
@@ -281,7 +295,7 @@ class HalfSpaceFriction:
         guess = None if start is None else start.traction
         traction = self._tractions.solve(slip, TOLERANCE, guess)
         left = np.where(self._pressure > 0, slip - self._influence(traction), 0)
-        return TangentialSolution(
+        found = TangentialSolution(
             x=self._x,
             y=self._y,
             modes=self._modes,
@@ -292,8 +306,8 @@ class HalfSpaceFriction:
             traction=traction,
             slip=left,
             steps=self._tractions.steps,
-            rise=self._interface.rise(self._x, traction, left),
         )
+        return replace(found, rise=self._interface.rise(self._x, traction, found.central_slip))
 
     def stiffness(self, found: TangentialSolution) -> Array:
         """Derivatives (2, 2) of the forces along and across by the creepages along and across, N

@@ -94,7 +94,7 @@ class Interface:
         """
         if self.heat is None:
             return None
-        hot = _by_friction(self.heat, x, traction, slip)
+        hot = self.heat.temperatures(x, self.heat.speed * (traction * slip).sum(axis=0))
         return np.asarray(hot - self.heat.bulk[:, None, None])
 
     def largest(self, static: Array) -> Array:
@@ -104,26 +104,20 @@ class Interface:
         return np.maximum(static, self.law.largest(static, float(self.heat.bulk.mean())))
 
     def coefficient(
-        self, x: Array, static: Array, inside: Mask, traction: Array, slip: Array
+        self, x: Array, static: Array, inside: Mask, slip: Array, rise: Array | None
     ) -> Array:
         """Coefficient (nx, ny) by the law. static: coefficient; inside: whether a cell lies in the
-        patch; both (nx, ny). Other arguments as of `rise`. ValueError: a law without `heat`.
+        patch; both (nx, ny). slip: half a cell ahead of the centres; rise: as of `rise`.
+        ValueError: a law without `heat`.
         """
-        if self.law is None or self.heat is None:
+        if self.law is None or self.heat is None or rise is None:
             raise ValueError("a law of friction needs a speed")
-        hot = _by_friction(self.heat, x, traction, slip)
         velocity = 1e3 * self.heat.speed * np.hypot(*slip)
-        aim, length = self.law(static, velocity, hot.mean(axis=0)), self.memory
+        aim = self.law(static, velocity, rise.mean(axis=0) + self.heat.bulk.mean())
+        length = self.memory
         if length is None:
             length = float(x[1] - x[0]) if isinstance(self.law, Falling) else 0.0
         return followed(aim, static, inside, (x[1] - x[0]) / length) if length else aim
-
-
-def _by_friction(heat: Heat, x: Array, traction: Array, slip: Array) -> Array:
-    """Temperatures (2, nx, ny), deg C, as of `Heat.temperatures`, by the power of tractions (2, nx,
-    ny), MPa, at a slip (2, nx, ny) per rolled length; x (nx,): cell centres, mm.
-    """
-    return heat.temperatures(x, heat.speed * (traction * slip).sum(axis=0))
 
 
 def followed(aim: Array, start: Array, inside: Mask, step: float) -> Array:

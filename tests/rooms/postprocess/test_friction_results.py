@@ -81,6 +81,15 @@ def test_a_line_of_which_a_part_sticks_has_a_lower_limit_than_one_that_slips() -
         assert found["shakedown_limit_p0_over_k"] == pytest.approx(limit, abs=2e-3)
 
 
+def test_a_coefficient_of_what_slips_stands_in_for_the_mean() -> None:
+    """0.336 under a coefficient of 0.4 where it slips, and 0.5 in the mean."""
+    given = result(0.336, 900.0, 560.0, mu=0.5)
+    given["friction"]["coefficient_slipping"] = MU
+    found = wear_and_shakedown(given, 0.5, None, poisson=0.3, rolling=True, line=True)
+    assert found["traction_coefficient"] == pytest.approx(0.336)
+    assert found["shakedown_limit_p0_over_k"] == pytest.approx(2.141, abs=2e-3)
+
+
 @pytest.mark.parametrize("line, used", [(True, 0.2), (False, 0.2), (False, 0.0)])
 def test_a_traction_above_k_ratchets_whatever_the_force_is(line: bool, used: float) -> None:
     """A pure spin has no force at all; 3 k under 0.35 of the pressure are 1.05 k."""

@@ -54,9 +54,10 @@ def test_a_coefficient_follows_exponentially_from_the_leading_edge() -> None:
 
 
 def test_a_law_without_a_speed_is_refused() -> None:
-    still = np.zeros((2, 1, 1))
     with pytest.raises(ValueError, match="needs a speed"):
-        Interface(law=Falling(0.1, 1.0)).coefficient(ONE[0], ONE, ONE > 0, still, still)
+        Interface(law=Falling(0.1, 1.0)).coefficient(
+            ONE[0], ONE, ONE > 0, np.zeros((2, 1, 1)), None
+        )
 
 
 def test_memory_is_a_cell_where_the_law_falls_with_slip() -> None:
@@ -66,7 +67,7 @@ def test_memory_is_a_cell_where_the_law_falls_with_slip() -> None:
 
     def found(law, memory) -> np.ndarray:
         surfaces = Interface(heat=Heat(speed=10.0, bulk_rail=80.0), law=law, memory=memory)
-        return surfaces.coefficient(x, static, inside, none, slip)
+        return surfaces.coefficient(x, static, inside, slip, surfaces.rise(x, none, slip))
 
     falling, table = Falling(0.1, 1.0), ByTemperature(((0.0, 0.3), (80.0, 0.1)))
     np.testing.assert_array_equal(found(falling, None), found(falling, 0.5))
