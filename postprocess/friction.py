@@ -46,6 +46,7 @@ def at_cells(
     used: Sequence[NDArray[np.bool_]],
     parts: float = 1.0,
     *,
+    drawn: Sequence[Array] | None = None,
     centred: bool = False,
 ) -> FrictionSolution:
     """Tractions of patches that share one rigid motion as a solution with vectors in space, at the
@@ -55,6 +56,7 @@ def at_cells(
     found: tractions of each patch on a grid.
     places (nx, ny, 3), tangents (nx, ny, 2, 3): of each patch, cell centres in space, mm, and unit
         vectors along and across. used (nx, ny): whether a cell is used.
+    drawn: reduction (2, nx, ny) of the rigid slip of each patch by other causes; None: zero.
     centred: whether slip is taken at the cell centres (`TangentialSolution.central_slip`).
     parts: factor on the areas of the cells: number of symmetric parts of the model, where only the
         cells of one are used.
@@ -89,7 +91,10 @@ def at_cells(
         dissipated_energy=0.0,
         coupling_iterations=0,
         rigid_slip=in_space(
-            [np.einsum("m,mdij->dij", motion.motion, each.modes) for each in found]
+            [
+                np.einsum("m,mdij->dij", motion.motion, each.modes) - less
+                for each, less in zip(found, drawn or [0.0] * len(found), strict=True)
+            ]
         ),
         newton_steps=0,
         rise_rail=hot[0],
@@ -142,7 +147,8 @@ def quantities(
         surfaces slip, weighted by pressure. With temperatures: the largest rise of each surface
         above the bulk of its body, K.
     Rolling with a speed: the power, W. Rolling of like bodies with centres: the wear number, N.
-        Rolling of like bodies with a solution without creepage: the resolution of each quantity.
+        Rolling of like bodies with a solution without creepage: its numbers, and the resolution of
+        each quantity.
     Of a cycle: the energy that slip dissipates in it, N mm.
     With solutions on coarser grids each number is extrapolated (`_extrapolated`). "grid_error": by
         key the larger change, from the finest grid and from what both coarser ones give.
@@ -174,7 +180,7 @@ def quantities(
     below |= {*WEAR} if "t_gamma_N" in below else set()
     out["below_resolution"] = sorted(below)
     if like and found.without_creepage is not None:
-        known = _resolution(out, found.without_creepage, found.rigid_motion)
+        known = _resolution(grids[0], found)
         below |= {*known["below_resolution"]}
         out |= known | {"below_resolution": sorted(below)}
     return out
@@ -263,32 +269,41 @@ def _values(
     return out
 
 
-def _resolution(
-    out: Mapping[str, Any], still: FrictionSolution, motion: tuple[float, float, float]
-) -> dict[str, Any]:
-    """Errors of the quantities of friction, and names of those that are too small for the bodies
-    and the mesh.
+def _resolution(out: Mapping[str, Any], found: FrictionSolution) -> dict[str, Any]:
+    """Errors that the mesh makes in the quantities of friction of like bodies that roll, and names
+    of those that are too small for it.
 
-    out: entries of "friction". still: solution without creepage, in which like half-spaces have no
-        traction and stick everywhere; its values are the errors. motion: creepage along and across,
-        and spin (1/mm); times the forces and the moment of `still` it is the error of T-gamma.
-    "resolution": those errors by quantity, in its unit; that of the stick share includes that of
-    the border of stick (`_border_error`).
+    out: numbers of `found`, by key.
+    "without_creepage": numbers of the solution without creepage, in which like half-spaces have no
+        traction and stick everywhere: what bodies of unlike shape do when they are pressed.
+    "resolution": errors by quantity, in its unit, of solids with half-spaces for their tractions
+        from the slip that is misread. Of sections all that is found without creepage; of T-gamma
+        its forces times the creepages. That of the stick share includes that of the border of stick
+        (`_border_error`).
     "below_resolution": names of forces, moment and T-gamma whose error exceeds 5 % (RESOLVED),
     and of what is computed from them; what the border of stick hides (`_hidden_by_border`).
     """
-    rest = quantities(still, rolling=False, like=True, speed=None, cycle=False)
-    rest["t_gamma_N"] = sum(rest[name] * each for name, each in zip(LOADS, motion, strict=True))
-    limits = {name: abs(rest[name]) for name in (*LOADS, "traction_max_MPa", "t_gamma_N")}
-    limits["stick_share"] = 1 - rest["stick_share"] + _border_error(still)
+    assert found.without_creepage is not None
+    still = _values(found.without_creepage, rolling=True, like=True, cycle=False, patches=None)
+    shown = (*LOADS, "traction_max_MPa", "t_gamma_N", "stick_share")
+    still = {name: still[name] for name in shown}
+    if found.misread is not None:
+        other = _values(found.misread, rolling=True, like=True, cycle=False, patches=None)
+        limits = {name: abs(other[name] - out[name]) for name in still}
+    else:
+        motion = zip(LOADS, found.rigid_motion, strict=True)
+        limits = {name: abs(each) for name, each in still.items()}
+        limits["t_gamma_N"] = abs(sum(still[name] * each for name, each in motion))
+        limits["stick_share"] = 1 - still["stick_share"]
+    limits["stick_share"] += _border_error(found)
     below = {name for name in (*LOADS, "t_gamma_N") if limits[name] > RESOLVED * abs(out[name])}
     if "t_gamma_N" in below:
         below |= set(WEAR)
-    force, drift = (np.hypot(*(each[name] for name in LOADS[:2])) for each in (out, rest))
+    force, drift = (np.hypot(*(each[name] for name in LOADS[:2])) for each in (out, limits))
     if drift > RESOLVED * force:
         below.add("traction_coefficient")
     below |= _hidden_by_border(out["stick_share"], limits["stick_share"])
-    return {"resolution": limits, "below_resolution": sorted(below)}
+    return {"without_creepage": still, "resolution": limits, "below_resolution": sorted(below)}
 
 
 def _border_error(found: FrictionSolution) -> float:

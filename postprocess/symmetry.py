@@ -105,6 +105,7 @@ def tractions(part: FrictionSolution, planes: Planes) -> FrictionSolution:
         part,
         **values,
         without_creepage=part.without_creepage and tractions(part.without_creepage, planes),
+        misread=part.misread and tractions(part.misread, planes),
     )
 
 

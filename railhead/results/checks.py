@@ -588,7 +588,7 @@ def forces(
         return
     force = dict(zip(("force_along_N", "force_across_N"), found.force, strict=True))
     tolerance = DEFAULT_TOLERANCE
-    if still := solved.result.get("friction", {}).get("resolution"):
+    if still := solved.result.get("friction", {}).get("without_creepage"):
         estimated = [ESTIMATE_FACTOR * estimates[key].total for key in force if key in estimates]
         tolerance *= math.hypot(*found.force) / found.friction_limit
         tolerance = max(estimated, default=tolerance)

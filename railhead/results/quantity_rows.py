@@ -62,8 +62,7 @@ def rows(summary: Mapping[str, Any], table: str) -> list[Row]:
             del others["half-space"]
     elif table == "friction":
         methods = summary.get("half_space_friction") or {}
-        drift = friction.get("resolution", {}) if answer == ANSWERS[0] else {}  # else zero
-        flat = {"without creepage": drift, **methods}
+        flat = {"without creepage": friction.get("without_creepage", {}), **methods}
         others = {name: {"friction": of} for name, of in flat.items() if "reason" not in of}
     found = []
     for each in quantities.rows(table):

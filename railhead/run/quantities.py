@@ -220,18 +220,15 @@ class StressQuantities:
 
 
 @dataclass(frozen=True, kw_only=True)
-class FrictionResolution:
-    """Friction that a mesh shows for bodies of one material that roll without creepage, where
-    half-spaces have none: the error of each quantity. All are absolute values.
+class MainFriction:
+    """Main quantities of friction of solids or sections of one material that roll, or errors.
 
     force_along: force along the rail, N.
     force_across: force across the rail, N.
     moment_Nmm: moment about the normal, N mm.
     traction_max: largest traction, MPa.
-    t_gamma: work of these forces on the creepages and the spin of the solution, per rolled length,
-        N.
-    stick_share: share of the patch that slips, plus that around the border of stick that is not
-        known: 3 n^(-3/4) with n contact points, in a section one point.
+    t_gamma: energy dissipated per rolled length, N.
+    stick_share: share of the patch that sticks, 0 to 1.
     """
 
     force_along: float = quantity("force_along_N")
@@ -303,8 +300,12 @@ class FrictionQuantities:
         answer.
     passes: number of times that the tractions were solved, over all load steps; 0 where half-spaces
         answer.
-    resolution: friction that the mesh shows without creepage; None of a shift and of unlike
-        materials.
+    without_creepage: of like bodies that roll, what they do without creepage, since unlike shapes
+        are strained unlike by pressing; None of half-spaces, of a shift and of unlike materials.
+    resolution: error by the mesh of each quantity, absolute. Of solids it comes from two readings
+        of the strain of the pressed surfaces, of sections it is all that they do without creepage.
+        That of the stick share includes its border: 3 n^(-3/4) with n contact points, in a section
+        one point. None where `without_creepage` is.
     below_resolution: keys of the quantities that mesh or grid do not resolve; None in a result of
         an older version.
     wear_number: scalar product of force and mean creepage, largest of all patches, N; None of a
@@ -385,7 +386,8 @@ class FrictionQuantities:
     )
     newton_steps: int = friction("newton_steps")
     passes: int = friction("passes")
-    resolution: FrictionResolution | None = friction("resolution", record=FrictionResolution)
+    without_creepage: MainFriction | None = friction("without_creepage", record=MainFriction)
+    resolution: MainFriction | None = friction("resolution", record=MainFriction)
     below_resolution: list[str] | None = friction("below_resolution")
     wear_number: float | None = steel(
         "wear_number_N", "N", "T-gamma without spin, worst patch", column="wear number"

@@ -43,7 +43,7 @@ from railhead.theory.friction.rolling import (
     cells_over,
     solve_for_forces,
 )
-from railhead.theory.friction.smooth_tractions import SmoothTractions
+from railhead.theory.friction.smooth_tractions import NARROW, SmoothTractions
 from railhead.theory.friction.tangential import TractionInfluence
 
 Stage = Callable[[str], None]
@@ -69,7 +69,7 @@ class GridPatch:
         surfaces end.
     places: (nx, ny, 3) points of the slave on the normals through the cells, in space, mm; zero
         where the surfaces end.
-    smooth: smooth tractions.
+    smooth: smooth tractions. narrow: the same, narrower, for a second reading of fields.
     around: points of the surfaces on the normals through the cells of the smooth tractions.
     rest: slip (2, nx, ny) up to the end of the last load step, mm; zero of bodies that roll.
     pressed: pressure (nx, ny), MPa; of the last `press`.
@@ -118,7 +118,9 @@ class GridPatch:
         self.places = middles.spread(middles.points).reshape(*grid, 3)
         self.friction = response.settings.coefficient(self.places.reshape(-1, 3)).reshape(grid)
         self.rest = np.zeros_like(self.modes[0])
-        self.smooth = SmoothTractions(patch.centre, patch.half, largest)
+        self.smooth, self.narrow = (
+            SmoothTractions(patch.centre, patch.half, largest, *width) for width in ((), (NARROW,))
+        )
         self.around = on_surfaces(self.smooth.x, self.smooth.y)
 
     @property
@@ -183,7 +185,7 @@ class SolidFriction:
         )
         self._press(smooth)
         count = len(self.patches)
-        self._still = np.zeros((count, 20))
+        self._still, self._misread = np.zeros((count, 20)), np.zeros((count, 20))
         self._added = np.zeros((count, count, 20, 6))
         self._coefficients = np.zeros((count, 6))
         self.steps = 0
@@ -210,7 +212,10 @@ class SolidFriction:
         """
         rolling = self.settings.rolling
         if rolling:
-            self._still[:] = [self._read(each, self.pressed.displacement) for each in self.patches]
+            u = self.pressed.displacement
+            self._still[:] = [self._read(each, u) for each in self.patches]
+            narrow = [self._read(each, u, smooth=each.narrow) for each in self.patches]
+            self._misread[:] = self._still - narrow
         chosen = [
             (source, power, way)
             for source, each in enumerate(self.patches)
@@ -230,12 +235,18 @@ class SolidFriction:
                 read = self._read(each, u, own if number == source else 0.0)
                 self._added[number, source, :, 2 * power + way] = read if rolling else -read
 
-    def _read(self, patch: GridPatch, u: PETSc.Vec, more: Array | float = 0.0) -> Array:
+    def _read(
+        self,
+        patch: GridPatch,
+        u: PETSc.Vec,
+        more: Array | float = 0.0,
+        smooth: SmoothTractions | None = None,
+    ) -> Array:
         """Coefficients (20,), as of `SmoothTractions.read`, of the jump of a displacement u (at all
         dofs, mm) over a patch or, when rolling, of its derivative along x (collective). more: (2,
-        nx, ny) that is added to the jump first, mm.
+        nx, ny) that is added to the jump first, mm. smooth: what reads; None: that of the patch.
         """
-        smooth = patch.smooth
+        smooth = smooth or patch.smooth
         jump = patch.around.jumps(u).T.reshape(2, smooth.x.size, smooth.y.size)
         return smooth.read(jump + more, derivative=self.settings.rolling).ravel()
 
@@ -245,6 +256,7 @@ class SolidFriction:
         forces: tuple[float | None, float | None] = (None, None),
         *,
         modes: float = 1.0,
+        misread: bool = False,
         start: list[TangentialSolution] | None = None,
         patches: list[GridPatch] | None = None,
     ) -> list[TangentialSolution]:
@@ -255,16 +267,15 @@ class SolidFriction:
         forces: prescribed force of the wheel on the rail along and across, of all patches, N; None
             where the motion is prescribed.
         modes: factor on the rigid slip.
+        misread: whether the slip of the pressed surfaces has the error of its reading added.
         start: similar tractions to begin with.
         patches: the grids; None: the fine ones.
         """
         along, across = forces
         patches = patches or self.patches
-        others = self._added * (1 - np.eye(len(self.patches)))[:, :, None, None]
         found: list[TangentialSolution] = []
         for _ in range(TURNS):
-            # What other patches and, when rolling, the pressed bodies take from the slip.
-            known = self._still + np.einsum("nsij,sj->ni", others, self._coefficients)
+            drawn = self._drawn(patches, misread)
             bodies = [
                 HalfSpaceFriction(
                     each.x,
@@ -274,8 +285,7 @@ class SolidFriction:
                     self.pair,
                     rolling=self.settings.rolling,
                     modes=modes * each.modes,
-                    drawn=each.rest
-                    + each.smooth.values(known[number].reshape(-1, 2), each.x, each.y),
+                    drawn=each.rest + drawn[number],
                     added=each.smooth.response(self._added[number, number], each.x, each.y),
                     interface=self.settings.interface,
                 )
@@ -290,6 +300,18 @@ class SolidFriction:
             if len(bodies) == 1 or _change(found, before) <= TURN_TOLERANCE:
                 return found
         raise ValueError("tractions of several patches do not settle")
+
+    def _drawn(self, patches: list[GridPatch], misread: bool = False) -> list[Array]:
+        """Part (2, nx, ny) of the slip of each patch that other patches and, when rolling, the
+        pressed bodies take; misread: with the error of its reading.
+        """
+        others = self._added * (1 - np.eye(len(self.patches)))[:, :, None, None]
+        known = np.einsum("nsij,sj->ni", others, self._coefficients)
+        known += self._still + misread * self._misread
+        return [
+            each.smooth.values(own.reshape(-1, 2), each.x, each.y)
+            for each, own in zip(patches, known, strict=True)
+        ]
 
     def press_again(self, case: LoadCase, found: list[TangentialSolution]) -> Solution:
         """Solution of the bodies under tractions, whose `load` includes what these carry on
@@ -389,11 +411,15 @@ class SolidFriction:
         )
         if settings.rolling:
             try:
+                misread = self.tractions(motion, forces, misread=True, start=found)
                 still = self.tractions(Creepage(), modes=0.0)
             except ValueError:
                 return self._failed(solution)
-            without = self._friction_solution(self.patches, still)
-            described = replace(described, without_creepage=without)
+            described = replace(
+                described,
+                misread=self._friction_solution(self.patches, misread, misread=True),
+                without_creepage=self._friction_solution(self.patches, still),
+            )
         return replace(solution, reference=self.pressed, friction=described)
 
     def _failed(self, solution: Solution) -> Solution:
@@ -404,11 +430,12 @@ class SolidFriction:
         return replace(solution, newton=newton, reference=self.pressed)
 
     def _friction_solution(
-        self, patches: list[GridPatch], found: list[TangentialSolution]
+        self, patches: list[GridPatch], found: list[TangentialSolution], misread: bool = False
     ) -> FrictionSolution:
         """Friction solution of tractions on grids, with vectors in space, at the cells of the
         meshed part that touch; their areas are those of the whole model. Force and moment are those
-        of the wheel on the rail, of the whole model; the moment is 0 with symmetry planes.
+        of the wheel on the rail, of the whole model; the moment is 0 with symmetry planes. misread:
+        as of `tractions`.
         """
         settings, setup = self.settings, self.model.setup
         planes = [np.array(normal) for _, normal in setup.planes]
@@ -422,6 +449,7 @@ class SolidFriction:
             [each.tangents for each in patches],
             used,
             setup.parts,
+            drawn=self._drawn(patches, misread),
             centred=settings.rolling,
         )
         force, moment = settings.resultants(

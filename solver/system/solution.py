@@ -100,10 +100,13 @@ class FrictionSolution:
         time, N mm; zero for rolling.
     coupling_iterations: number of times, over all load steps, that the tractions were solved.
     rigid_slip: slip (n, 3) of rigid bodies with the motion `rigid_motion`, in the unit of `slip`;
-        for rolling the fourth motion of `FrictionSettings.rigid_slip` is included.
+        for rolling the fourth motion of `FrictionSettings.rigid_slip` is included. Of solids whose
+        tractions are those of half-spaces the strain of the pressed surfaces is included.
     newton_steps: largest number of steps of Newton's method on the tractions.
     without_creepage: where the wheel rolls, the tractions at the same pressure without any rigid
         slip; otherwise None.
+    misread: of rolling solids with half-spaces for their tractions, the same where the slip of the
+        pressed surfaces differs by what two readings of it differ by; otherwise None.
     inside: (n,) share of the area of each point in the patch; None: whole areas.
     coarse: the same on a grid of half as many cells each way; None where there is none.
     rise_rail, rise_wheel: of the temperature of each surface above the bulk of its body, (n,), K;
@@ -127,6 +130,7 @@ class FrictionSolution:
     rigid_slip: Array
     newton_steps: int
     without_creepage: FrictionSolution | None = None
+    misread: FrictionSolution | None = None
     inside: Array | None = None
     coarse: FrictionSolution | None = None
     rise_rail: Array | None = None

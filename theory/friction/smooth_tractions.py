@@ -21,6 +21,7 @@ import numpy as np
 
 from railhead.theory.array_types import Array
 
+NARROW = 1.2  # w of a second reading
 WIDTH = 1.5  # w; 2 gives the same forces to 0.001 of mu N, 1 does not
 POWERS = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3)]  # of Q
 LINEAR = 3  # the first of them, P
@@ -38,9 +39,13 @@ class SmoothTractions:
     """
 
     def __init__(
-        self, centre: tuple[float, float], half: tuple[float, float], largest: float
+        self,
+        centre: tuple[float, float],
+        half: tuple[float, float],
+        largest: float,
+        width: float = WIDTH,
     ) -> None:
-        """largest: limit of the sides of a cell, mm."""
+        """largest: limit of the sides of a cell, mm. width: w, at most WIDTH."""
         self.centre, self.half = centre, half
         self.x, self.y = (
             middle + WIDTH * each * _centres(2 * math.ceil(WIDTH * each / largest))
@@ -48,11 +53,11 @@ class SmoothTractions:
         )
         basis = self._basis(self.x, self.y)
         u, v = basis[1:LINEAR]
-        inside = np.maximum(1 - (u**2 + v**2) / WIDTH**2, 0.0)
+        inside = np.maximum(1 - (u**2 + v**2) / width**2, 0.0)
         self._tests = basis * inside**2
         self.fields = self._tests[:LINEAR]
         rates = np.stack([i * u ** max(i - 1, 0) * v**j for i, j in POWERS])
-        slopes = -4 * u / WIDTH**2 * inside * basis + rates * inside**2
+        slopes = -4 * u / width**2 * inside * basis + rates * inside**2
         self._slopes = slopes / half[0]
         self._gram = self.cell * np.einsum("iab,jab->ij", self._tests, basis)
 

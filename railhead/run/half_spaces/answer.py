@@ -426,8 +426,7 @@ def _at_cells(
     plan: Plan, sheared: PatchTractions, points: half_space.SurfaceMap
 ) -> FrictionSolution:
     """Tractions at the cells that touch, in the form of those of finite elements, with forces
-    along, across and moment of the wheel on the rail, and those of coarser grids. In rolling its
-    `without_creepage` has zero tractions.
+    along, across and moment of the wheel on the rail, and those of coarser grids.
     points: maps x, s (n,) to points (n, 3) on the rail's surface, mm.
     """
     places, tangents, found = [], [], sheared.found
@@ -442,17 +441,6 @@ def _at_cells(
     solution = friction.at_cells(found, places, tangents, touches, sheared.scale, centred=centred)
     along, across, moment = sheared.scale * np.sum([each.forces for each in found], axis=0)
     coarse = None if sheared.coarse is None else _at_cells(plan, sheared.coarse, points)
-    solution = replace(
+    return replace(
         solution, force=(float(along), float(across)), moment=float(moment), coarse=coarse
     )
-    if not plan.scene.rolling.prescribed:
-        return solution
-    still = replace(
-        solution,
-        traction=0 * solution.traction,
-        sticks=solution.pressure > 0,
-        force=(0.0, 0.0),
-        moment=0.0,
-        coarse=None,
-    )
-    return replace(solution, without_creepage=still)

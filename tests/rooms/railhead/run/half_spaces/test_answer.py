@@ -128,7 +128,7 @@ def test_what_few_cells_slip_is_not_read_from_one_grid() -> None:
     keys = "rail.poisson_ratio=0.25", "wheel.poisson_ratio=0.25", "rail.crown_radius=420"
     below = fast("hertz_ellipse", *keys, *SLIPS_LITTLE).summary["result"]["friction"]
     assert below["below_resolution"] == ["surface_fatigue_index", "traction_max_MPa"]
-    assert 0.005 < below["resolution"]["stick_share"] < 0.02
+    assert 0.005 < below["grid_error"]["stick_share"] < 0.02
     more = "rolling.creepage_along=2e-4", "rolling.creepage_across=1e-4", "rolling.spin=1e-4"
     result = fast("hertz_ellipse", "friction.coefficient=0.3", *more)
     assert result.summary["result"]["friction"]["below_resolution"] == []
