@@ -141,8 +141,8 @@ def quantities(
         over the normal force: the mean coefficient; the rigid motion of the wheel; the share of
         the area that sticks; the largest traction; and numbers of iterations.
     Rolling: T-gamma, the energy dissipated per rolled length, N. It is the integral of traction
-        times rigid slip. Of unlike bodies, which creep without a force, it is that of traction
-        times slip.
+        times rigid slip, of solids with the strain of their pressed surfaces. Of unlike bodies,
+        which creep without a force, it is that of traction times slip.
     Where the coefficient differs from place to place: the least one, and the mean one where the
         surfaces slip, weighted by pressure. With temperatures: the largest rise of each surface
         above the bulk of its body, K.
