@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -129,6 +130,19 @@ class TractionInfluence:
         moved = np.array([xx * along + xy * across, xy * along + yy * across])
         own = restored(moved, self._padded, self._size) + self.edge * traction
         return own if self._added is None else own + self._added(traction)
+
+    def single(self, softer: float | None = None) -> TractionInfluence:
+        """The same map in numbers of single precision. softer: instead the inverse of the map
+        between tractions and slips of the whole plane, to which `softer` times the tractions, mm
+        or 1 per MPa, is added.
+        """
+        other, spectra, edge = copy(self), self._spectra, self.edge
+        if softer is not None:
+            xx, xy, yy = spectra + softer * np.array([1.0, 0.0, 1.0])[:, None, None]
+            spectra, edge = np.array([yy, -xy, xx]) / (xx * yy - xy * xy), 0 * edge
+            other._added = None
+        other._spectra, other.edge = spectra.astype(np.complex64), edge.astype(np.float32)
+        return other
 
     def of_pressure(self, pressure: Array) -> Array:
         """Reduction of the slip (2, nx, ny) by a pressure (nx, ny), MPa, where materials differ:
