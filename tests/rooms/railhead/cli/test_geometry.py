@@ -219,20 +219,6 @@ def test_a_profile_whose_sides_are_open_is_examined_and_not_solved(
     api.plan(wide.replace(["rail.profile_mirror=off"]))
 
 
-def test_command_takes_the_unit_that_is_typed(worn: Scene, tmp_path, capsys) -> None:
-    """Of a header whose unit is refused; the key tells the body too."""
-    points = np.loadtxt(worn.rail.profile, delimiter=",")
-    file = tmp_path / "yards.csv"
-    np.savetxt(file, points, delimiter=",", header="y (yd),z (yd)", comments="")
-    assert command.status("profile", str(file), *quickly(tmp_path)) == 2
-    assert "in yd; give both in one of" in capsys.readouterr().err
-    assert (
-        command.status("profile", str(file), *quickly(tmp_path), "--set", "rail.profile_unit=mm")
-        == 0
-    )
-    assert "in mm as given (the file says yd)" in " ".join(capsys.readouterr().out.split())
-
-
 def located(*assignments: str) -> dict:
     return geometry.locate(SCENE.replace(assignments)).summary()
 
@@ -380,11 +366,6 @@ def test_a_table_of_shifts_is_printed_with_those_left_out(tmp_path, capsys) -> N
 def test_wrong_shifts_are_one_line(values, words, here, capsys) -> None:
     assert words in command.refused(capsys, "locate", "s1002_60e1", "--over", values)
     assert os.listdir(here) == []
-
-
-def test_a_wheel_on_its_flange_is_refused_by_its_name(here, capsys) -> None:
-    line = command.refused(capsys, "locate", "s1002_60e1", "--shift", "30mm")
-    assert line.startswith("railhead: wheelset.shift: 30 mm: the right wheel stands on its flange")
 
 
 def test_measured_profiles_come_with_their_curvature(tmp_path, capsys) -> None:

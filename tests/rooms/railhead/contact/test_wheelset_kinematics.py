@@ -189,20 +189,6 @@ def test_finite_elements_roll_as_half_spaces_do(shift: float) -> None:
         assert answer[name] / answer["limit_N"] == pytest.approx(rolled[name], abs=0.02)
 
 
-def test_a_cone_towards_its_flange_runs_on_a_larger_radius() -> None:
-    """1:20 on a round rail: 2 mm are 0.1 mm of radius, which pulls the surface back; the roll adds
-    a twentieth."""
-    nominal = {"from_wheelset": True, "axle": "nominal"}
-    here, there, centred = (
-        stands(simple(shift=shift).replace(rolling=nominal)) for shift in (2.0, -2.0, 0.0)
-    )
-    assert here["rolling_radius_mm"] - centred["rolling_radius_mm"] == pytest.approx(0.1, rel=0.07)
-    assert here["creepage_along"] - centred["creepage_along"] == pytest.approx(-0.1 / 420, rel=0.07)
-    assert there["creepage_along"] - centred["creepage_along"] == pytest.approx(0.1 / 420, rel=0.07)
-    assert stands(simple(shift=2.0))["creepage_along"] == pytest.approx(-0.1 / 420, rel=0.07)
-    assert stands(simple())["creepage_along"] == 0
-
-
 def test_the_plan_says_the_numbers_and_the_axle() -> None:
     """On an axle that turns by R, to first order in yaw: along 1 - r/R, across
     -(r/R) yaw/cos(angle), spin -sin(angle - roll)/R."""
@@ -258,21 +244,3 @@ def test_a_torque_gives_the_force_along_in_the_place_of_its_creepage() -> None:
     assert given["creepage_across"] < 0 and given["spin_per_mm"] < 0
     both = model_setup.setup(planning.make(scene(4.0))).friction
     assert both.force_controlled == () and both.creepage[0] < 0
-
-
-def test_a_further_contact_creeps_as_its_own_radius_says() -> None:
-    """Tread and flange root: along (r0 - r)/r0, spin -sin(angle - roll)/r0 of each."""
-    contact = planning.make(scene(5.0, rolling={"from_wheelset": True, "axle": "nominal"})).contact
-    first, *others = contact.touches(0.05)
-    assert others
-    slip, known = (
-        wheelset_kinematics.rigid_slip(contact),
-        wheelset_kinematics.wheelset_creepage(contact).creepage,
-    )
-    for touch in (first, *others):
-        moved = known.motion @ slip(np.array([[0.0, touch.y, touch.z]]))[:, 0]
-        above = (touch.gap + 1e-6) / 460  # the wheel's point over the rail's
-        assert moved[0] == pytest.approx((460 - touch.radius) / 460, abs=above)
-        normal = np.array([0.0, -np.sin(touch.angle), np.cos(touch.angle)])
-        spin = known.motion @ slip.angular @ normal
-        assert spin == pytest.approx(-np.sin(touch.angle - contact.placed.roll) / 460, rel=1e-6)

@@ -171,16 +171,6 @@ def test_what_is_no_file_is_named_in_one_line(tmp_path: Path) -> None:
         assert reason in refusal(lambda name=name: read_scene(tmp_path / name))
 
 
-def test_unreadable_file_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = tmp_path / "secret.toml"
-    path.write_text("load = 1")
-
-    def refuse(*_: object, **__: object) -> None:
-        raise PermissionError(13, "Permission denied")
-
-    monkeypatch.setattr(Path, "read_text", refuse)
-    with pytest.raises(SceneError, match=r"secret\.toml: cannot be read: Permission denied"):
-        read_scene(path)
 
 
 def test_profile_path_starts_at_the_file(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:

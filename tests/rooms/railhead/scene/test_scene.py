@@ -446,12 +446,6 @@ def test_contradiction_is_named_in_one_line(keys, words: str) -> None:
     assert words in refusal(lambda: scene(**keys))
 
 
-def test_half_space_refuses_a_tabulated_profile(tmp_path) -> None:
-    table = tmp_path / "rail.csv"
-    table.write_text("0,0\n")
-    assert scene(**{"rail.profile": table}).rail.profile == str(table)
-    with pytest.raises(SceneError, match="rail.profile: .* has no single radius"):
-        scene(**{"rail.profile": str(table), **HALF})
 
 
 @pytest.mark.parametrize(

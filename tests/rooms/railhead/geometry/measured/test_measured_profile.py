@@ -255,10 +255,6 @@ def test_points_of_no_profile_are_refused_and_their_line_is_named(
     assert found and int(found[1]) in lines, message
 
 
-def test_a_header_may_name_the_columns_the_other_way(tmp_path) -> None:
-    file = tmp_path / "named.csv"
-    np.savetxt(file, rail()[:, ::-1], delimiter=",", header="z,y", comments="")
-    np.testing.assert_allclose(measured.read(file, "rail").points, rail(), atol=1e-9)
 
 
 def test_a_crown_without_corners_is_no_half_head(tmp_path) -> None:
