@@ -73,6 +73,7 @@ def at_cells(
         pairs = zip(values, tangents, strict=True)
         return joined([np.einsum("kab,abkc->abc", value, each) for value, each in pairs])
 
+    less = drawn or [np.zeros_like(each.traction) for each in found]
     motion, rises = found[0].creepage, [each.rise for each in found if each.rise is not None]
     hot = [joined(body) for body in zip(*rises, strict=True)] if rises else (None, None)
     return FrictionSolution(
@@ -92,8 +93,8 @@ def at_cells(
         coupling_iterations=0,
         rigid_slip=in_space(
             [
-                np.einsum("m,mdij->dij", motion.motion, each.modes) - less
-                for each, less in zip(found, drawn or [0.0] * len(found), strict=True)
+                np.einsum("m,mdij->dij", motion.motion, each.modes) - own
+                for each, own in zip(found, less, strict=True)
             ]
         ),
         newton_steps=0,

@@ -38,7 +38,7 @@ class CoulombSolver:
             raise ValueError("no cell of the patch carries a pressure")
         self._influence, self.bound = influence, bound
         self._step = 1 / (influence.line[:, :1, None] + influence.edge).mean(axis=0)  # r (nx, ny)
-        self._own = np.float32(influence.line[:, 0].mean())  # compliance of a whole cell
+        self._own = float(influence.line[:, 0].mean())  # compliance of a whole cell
         self._single, self._inverse = influence.single(), influence.single(SOFTER * self._own)
 
     def solve(self, slip: Array, tolerance: float, guess: Array | None = None) -> Array:
@@ -97,7 +97,7 @@ class CoulombSolver:
         size, shape = float(np.linalg.norm(right)), right.shape
         if not size:
             return right
-        D, step = np.float32(_derivative(z, ratio)), np.float32(self._step)
+        D, step = (each.astype(np.float32) for each in (_derivative(z, ratio), self._step))
 
         def tangent(flat: Array) -> Array:
             """The matrix (I - D + r D C) times a flat vector."""

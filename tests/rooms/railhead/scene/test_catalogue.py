@@ -171,8 +171,6 @@ def test_what_is_no_file_is_named_in_one_line(tmp_path: Path) -> None:
         assert reason in refusal(lambda name=name: read_scene(tmp_path / name))
 
 
-
-
 def test_profile_path_starts_at_the_file(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (here / "cases").mkdir()
     (here / "rail.csv").write_text("0,0\n")

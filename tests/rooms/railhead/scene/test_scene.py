@@ -446,8 +446,6 @@ def test_contradiction_is_named_in_one_line(keys, words: str) -> None:
     assert words in refusal(lambda: scene(**keys))
 
 
-
-
 @pytest.mark.parametrize(
     ("assignment", "words"),
     [

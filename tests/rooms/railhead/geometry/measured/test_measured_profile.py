@@ -255,8 +255,6 @@ def test_points_of_no_profile_are_refused_and_their_line_is_named(
     assert found and int(found[1]) in lines, message
 
 
-
-
 def test_a_crown_without_corners_is_no_half_head(tmp_path) -> None:
     y = np.linspace(-25, 20, 181)
     assert read(tmp_path, crown(y), "rail").profile.domain == pytest.approx((-25, 20), abs=0.3)
