@@ -7,7 +7,10 @@ those of the wheel on the rail, in MPa. Components are along x and y.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse.linalg import LinearOperator, gmres
 
 from railhead.theory.array_types import Array
@@ -132,6 +135,6 @@ def _derivative(z: Array, ratio: Array) -> Array:
     return ratio * np.eye(2)[:, :, None, None] - slipping * z[:, None] * z[None]
 
 
-def _times(D: Array, values: Array) -> Array:
+def _times(D: NDArray[Any], values: NDArray[Any]) -> NDArray[Any]:
     """Products (2, nx, ny) of matrices D (2, 2, nx, ny) with vectors (2, nx, ny)."""
     return np.asarray((D * values[None]).sum(axis=1))
