@@ -28,6 +28,10 @@ from railhead.theory.array_types import Array
 
 REPAIR_BELOW = 0.1  # quality of a curved tetrahedron that is straightened
 STRAIGHTENING_PASSES = 5
+CORNERS = {"support", "free"}, {"support", "contact"}  # roles of curves that meet
+CORNER_SIZE, CORNER_GROWTH = 1 / 16, 0.5
+"""Element size where a support meets another side of a section, over that of the grading there, and
+its growth with the distance."""
 EDGES = {  # of simplices, in gmsh's order of the middle nodes
     2: ((0, 1), (1, 2), (2, 0)),
     3: ((0, 1), (1, 2), (2, 0), (3, 0), (2, 3), (1, 3)),
@@ -56,7 +60,7 @@ def model(bodies: list[Body], grading: Grading, options: Options) -> Iterator[An
         gmsh_model.occ.synchronize()
         for (dim, tag), entities in sorted(groups.items()):
             gmsh_model.addPhysicalGroup(dim, entities, tag, (BODY_NAMES | FACE_NAMES)[tag])
-        _mesh(grading, options)
+        _mesh(bodies, grading, options)
         yield gmsh_model
 
 
@@ -239,16 +243,21 @@ def undo_stretch(bodies: list[Body], grading: Grading) -> None:
             gmsh.model.mesh.setNode(tag, place, [])
 
 
-def _mesh(grading: Grading, options: Options) -> None:
+def _mesh(bodies: list[Body], grading: Grading, options: Options) -> None:
     """Mesh the current gmsh model: set element sizes and algorithms, generate, raise the degree of
     the geometry, and straighten badly bent simplices.
 
-    grading: element size, in the plane 'xz' as `Grading.turned`. options: type of the cells, degree
-        of the geometry, plane.
+    bodies: what is meshed. grading: element size, in the plane 'xz' as `Grading.turned`. options:
+        type of the cells, degree of the geometry, plane.
     """
     hexahedra = options.cell == "hexahedron"
     flat = hexahedra or bool(options.plane)
     expression = grading.expression(section=flat, coordinates="xyz"[options.section_axes])
+    if options.plane:
+        for corner in _held_corners(bodies):
+            size = f"{CORNER_SIZE * grading.at(*corner):.15g}"
+            away = "+".join(f"({u}-({at:.15g}))^2" for u, at in zip("xy", corner, strict=True))
+            expression = f"Min({expression},{size}+{CORNER_GROWTH}*Sqrt({away}))"
     field = gmsh.model.mesh.field.add("MathEval")
     gmsh.model.mesh.field.setString(field, "F", expression)
     gmsh.model.mesh.field.setAsBackgroundMesh(field)
@@ -271,6 +280,18 @@ def _mesh(grading: Grading, options: Options) -> None:
         gmsh.model.mesh.setOrder(options.geometry_degree)
         if not hexahedra:
             _straighten(options.dim)
+
+
+def _held_corners(bodies: list[Body]) -> list[Array]:
+    """Points (2,) in the plane of the sections, mm, at which a support ends: stresses are singular
+    there, and the approach of a short body depends on how they are resolved.
+    """
+    return [
+        body.pose.outward(np.array([0.0, *body.section[index].points[0]]))[1:]
+        for body in bodies
+        for index, curve in enumerate(body.section)
+        if {body.section[index - 1].role, curve.role} in CORNERS
+    ]
 
 
 def _at_least_two_elements(curve: int, grading: Grading, options: Options) -> None:

@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from railhead.contact import dimension, placed_bodies, plane_section, solid
 from railhead.contact.plane_section import SectionContact
 from railhead.contact.solid import Contact
@@ -330,6 +332,21 @@ class Plan:
         )
 
     @property
+    def held(self) -> dict[str, float]:
+        """Vertical distance from the first contact to where each meshed body is held, mm, by 'rail'
+        and 'wheel'; of a support that is not level its nearest point. The approach is that of these
+        places, and of rigid bodies. Empty for half-spaces, also where they stand for bodies.
+        """
+        found: dict[str, float] = {}
+        if self.by_half_spaces or self.contact.half_space:
+            return found
+        for body in self.parts():
+            ends = [each.points for each in body.section if each.role == "support"]
+            places = [body.pose.outward(np.array([0.0, *p])) for each in ends for p in each]
+            found[BODY_NAMES[body.tag]] = min(abs(z - self.contact.touch.z) for *_, z in places)
+        return found
+
+    @property
     def options(self) -> Options:
         """Options of the mesher: cell, geometric order, symmetry at x = 0, plane of a section and
         elements per full turn of a fillet.
@@ -574,9 +591,9 @@ class Plan:
 
     def summary(self) -> dict[str, Any]:
         """The entry 'plan' of summary.json: effects with their predicted cost, predicted unknowns
-        and seconds, overruled effects ('chosen'), patch size, slave body, contact angle, wheelset
-        creepage where the wheelset prescribes it, forecast, measured profiles and their
-        uncertainty.
+        and seconds, overruled effects ('chosen'), patch size, slave body, where bodies are held,
+        contact angle, wheelset creepage where the wheelset prescribes it, forecast, measured
+        profiles and their uncertainty.
         """
         return {
             "effects": {
@@ -593,6 +610,7 @@ class Plan:
             "chosen": effects.overruled(self.effects),
             "patch_size_mm": self.patch_size,
             "slave": BODY_NAMES[self.slave],
+            "held_mm": self.held,
             "contact_angle_rad": self.contact.touch.angle,
             **(
                 {}

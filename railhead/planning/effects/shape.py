@@ -16,7 +16,7 @@ from railhead.contact import dimension, placed_bodies
 from railhead.contact.solid import Contact
 from railhead.geometry.outlines import head_depth
 from railhead.geometry.profiles import STANDARD_RAILS, Arc, Polynomial, osculating
-from railhead.meshing.bodies import BODY_NAMES, RAIL, WHEEL
+from railhead.meshing.bodies import BODY_NAMES
 from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.planning.references import boundary_elements, closed_forms, rail_twist
 from railhead.planning.references.allowance import Allowance, allowance
@@ -111,11 +111,7 @@ def decide_finite_bodies(context: Context) -> Effect:
         why = "the bodies are half-spaces: by their shape, half-spaces would miss nothing"
         return Effect(True, True, why, refused)
     if contact.plane:
-        why = SECTION
-        if not context.decided["axisymmetry"].on:
-            rail, wheel = (placed_bodies.depth(scene, body) for body in (RAIL, WHEEL))
-            why += f"; held {rail:g} mm below and {wheel:g} mm above the contact"
-        return Effect(True, True, why, {"off": SECTION})
+        return Effect(True, True, SECTION, {"off": SECTION})
     if scene.load is None:
         refused = {"off": APPROACH}
     try:

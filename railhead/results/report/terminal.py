@@ -124,6 +124,7 @@ def show_plan(plan: Plan, console: Console) -> None:
         f"mesh       {mesh['cell']}, order {mesh['order']}, "
         f"{mesh['patch_size_mm']:.3g} mm in the patch",
         f"solver     {solver['method']}, linear {solver['linear']}",
+        f"approach   of {places_of_approach(said['plan'])}",
         f"predicted  {plan.unknowns} unknowns, {plan.seconds:.1f} s",
     )
     if plan.by_half_spaces:
@@ -241,6 +242,8 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
         if named := [effect for effect, key in both if key in summary["result"]]:
             title += f", with {' and '.join(named)}"
         _show_rows(title, quantity_rows.rows(summary, "contact"), console, units)
+        said = places_of_approach(summary["plan"], units)
+        console.print(f"Approach of {said}.", highlight=False)
         if len(patches := summary["result"]["patches"]) > 1:
             most = 100 * max(patch["load_share"] for patch in patches)
             console.print(
@@ -312,6 +315,19 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
         f"{cost['linear_iterations']} Krylov iterations, {cost['seconds']['total']:.1f} s, "
         f"force balance {checks['force_balance']:.1e}",
         highlight=False,
+    )
+
+
+def places_of_approach(plan: Mapping[str, Any], units: Units = BASE_UNITS) -> str:
+    """Words for the places whose approach is reported. plan: as in summary.json."""
+    if not (held := plan["held_mm"]):
+        line = plan["effects"]["plane_strain"]["on"]
+        return "points one relative radius from the contact" if line else "distant points"
+    return " and ".join(
+        f"the {body} {units.text(held[body], 'mm')} {side} the contact"
+        if body in held
+        else f"the rigid {body}"
+        for body, side in (("rail", "below"), ("wheel", "above"))
     )
 
 

@@ -258,9 +258,17 @@ def test_a_choice_that_cannot_be_had_is_refused_in_one_line(case, keys, said) ->
     assert refusal(lambda: planned(case, *keys)).startswith(said)
 
 
-def test_a_section_says_where_its_bodies_are_held() -> None:
-    why = planned("long_roller", "wheel.rim_depth=70").effects["finite_bodies"].why
-    assert why.endswith("; held 50 mm below and 70 mm above the contact")
+@pytest.mark.parametrize(
+    ("case", "keys", "held"),
+    [
+        ("long_roller", ["wheel.rim_depth=70"], {"rail": 50, "wheel": 70}),
+        ("long_roller", ["wheel.young_modulus=inf", "effects.symmetry=off"], {"rail": 50}),
+        ("hertz_ellipse", ["rail.extent=half-space"], {}),
+        ("two_cylinders", [], {"rail": 13, "wheel": 10}),
+    ],
+)
+def test_a_plan_says_where_its_bodies_are_held(case, keys, held) -> None:
+    assert planned(case, *keys).held == pytest.approx(held)
 
 
 def test_a_section_along_the_rail_has_no_whole_rail() -> None:
