@@ -11,10 +11,11 @@ import numpy as np
 from railhead.solver import compat
 from railhead.solver.algebra.newton import NewtonStep
 from railhead.solver.model.assembly import Assembly, kinematics
-from railhead.solver.model.parts import Body, Clamp, Contact, Force, Hub, Load, Part, Slide, unit
+from railhead.solver.model.parts import Body, Clamp, Contact, Force, Hub, Load, Part, Slide
 from railhead.solver.model.state import State
 from railhead.solver.model.stepping import advance
 from railhead.solver.space.cells import CellSet, quadrature_degree, tabulate
+from railhead.solver.space.supports import unit
 from railhead.theory.array_types import Array
 
 STEPS = {False: 1, True: 10}  # of loads, without and with yield or friction
@@ -106,7 +107,7 @@ class Solution:
     def __init__(self, model: Assembly, state: State) -> None:
         """Read a state (collective)."""
         self._model, self._state = model, state
-        face, size = state.pairing.interface, state.traction
+        face, size = state.pairing, state.traction
         self.points, self.weights, self.normals = face.points, face.weights, face.normals
         self.contact, self.missed = state.pairing.contact, state.pairing.missed
         self.pressure, self.gap = state.pressure, state.gap

@@ -14,10 +14,10 @@ from railhead.solver.algebra.newton import NewtonResult
 from railhead.solver.algebra.problem import ContactProblem
 from railhead.solver.material.hardening import History
 from railhead.solver.model.assembly import Assembly
-from railhead.solver.model.pairing import Pairing
 from railhead.solver.model.problem import FrictionalProblem
 from railhead.solver.model.state import HubLoads, State
 from railhead.solver.plasticity.plastic_problem import surface_points
+from railhead.solver.space.contact_interface import Interface
 from railhead.solver.space.operators import add_transposed
 from railhead.solver.space.supports import Hub, unit
 from railhead.theory.array_types import Array
@@ -94,7 +94,7 @@ def _step(model: Assembly, before: State, loads: HubLoads) -> State:
         done += result.history
         u = prescribed.copy()
         model.unknowns(loads).reduction.matrix.multAdd(result.y, prescribed, u)
-        gap = pairing.interface.initial_gap + (pairing.interface.gap * u).array
+        gap = pairing.initial_gap + (pairing.gap * u).array
         if not result.converged:
             break
         every = model.gathered(u)
@@ -112,7 +112,7 @@ def _step(model: Assembly, before: State, loads: HubLoads) -> State:
     return _state(model, before, problem, pairing, loads, u, gap, result, outdated)
 
 
-def _carried(values: Array, old: Pairing, new: Pairing) -> Array:
+def _carried(values: Array, old: Interface, new: Interface) -> Array:
     """Values (n, ...) at the points of a pairing, from those at the points of another: each takes
     the nearest one's.
     """
@@ -120,14 +120,14 @@ def _carried(values: Array, old: Pairing, new: Pairing) -> Array:
         return values
     if not len(values):
         return np.zeros((len(new.contact), *values.shape[1:]), dtype=values.dtype)
-    return values[cKDTree(old.interface.points).query(new.interface.points)[1]]
+    return values[cKDTree(old.points).query(new.points)[1]]
 
 
 def _problem(
-    model: Assembly, before: State, pairing: Pairing, loads: HubLoads
+    model: Assembly, before: State, pairing: Interface, loads: HubLoads
 ) -> tuple[ContactProblem, PETSc.Vec]:
     """Equations of a step from a state, and the prescribed displacement (collective)."""
-    unknowns, face, law = model.unknowns(loads), pairing.interface, model.surfaces.law
+    unknowns, face, law = model.unknowns(loads), pairing, model.law
     p = unknowns.reduction.matrix
     prescribed = model.prescribed(loads)
     force = model.stiffness * prescribed
@@ -163,13 +163,13 @@ def _problem(
 def _with_history(
     model: Assembly,
     before: State,
-    pairing: Pairing,
+    pairing: Interface,
     loads: HubLoads,
     prescribed: PETSc.Vec,
     values: dict[str, Any],
 ) -> FrictionalProblem:
     """Equations with yield and friction, from those without them."""
-    unknowns, face, shape = model.unknowns(loads), pairing.interface, pairing.tangents.shape[:2]
+    unknowns, face, shape = model.unknowns(loads), pairing, pairing.tangents.shape[:2]
     p, bulk = unknowns.reduction.matrix, unknowns.points
     surface = surface_points(face, None, model.bulk, unknowns.reduction, model.comm)
     surface.groups = [
@@ -209,7 +209,7 @@ def _state(
     model: Assembly,
     before: State,
     problem: ContactProblem,
-    pairing: Pairing,
+    pairing: Interface,
     loads: HubLoads,
     u: PETSc.Vec,
     gap: Array,
@@ -217,7 +217,7 @@ def _state(
     outdated: bool,
 ) -> State:
     """State that a result of Newton's method belongs to (collective)."""
-    face, pressure = pairing.interface, result.pressure
+    face, pressure = pairing, result.pressure
     bulk, surface = before.bulk, before.surface
     traction, lost = np.zeros(pairing.tangents.shape[:2]), np.zeros(len(pressure))
     nodal = model.stiffness * u

@@ -62,9 +62,11 @@ def lagrange_element(cell: str, degree: int, variant: basix.LagrangeVariant) -> 
     )
 
 
-def tabulate(cell: str, degree: int, points: Array, *, geometry: bool = False) -> Array:
+def tabulate(
+    cell: str, degree: int, points: Array, *, geometry: bool = False, derivatives: int = 1
+) -> Array:
     """Values (first) and reference derivatives of the Lagrange basis, (1 + c, n, dofs), at
-    reference points.
+    reference points; derivatives: 0 leaves them out.
 
     cell: type of the cell. degree: polynomial degree. points: reference points (n, c).
     geometry: whether the basis is that of the coordinate map, whose nodes are equispaced; otherwise
@@ -75,7 +77,7 @@ def tabulate(cell: str, degree: int, points: Array, *, geometry: bool = False) -
     element = lagrange_element(cell, degree, variant)
     if not len(points):  # basix aborts at none in hexahedra
         return np.zeros((1 + points.shape[1], 0, element.dim))
-    return np.asarray(element.tabulate(1, points))[..., 0]
+    return np.asarray(element.tabulate(derivatives, points))[..., 0]
 
 
 def inverse(matrices: Array) -> tuple[Array, Array]:
@@ -130,9 +132,8 @@ class CellSet:
         the cells with these numbers (n,), mm.
         """
         phi = tabulate(self.cell, self.geometry_degree, points, geometry=True)
-        nodes = self.nodes[index]
-        x = np.einsum("nk,nkd->nd", phi[0], nodes)
-        return x, np.einsum("jnk,nkd->ndj", phi[1:], nodes)
+        mapped = phi.transpose(1, 0, 2) @ self.nodes[index]
+        return mapped[:, 0], np.swapaxes(mapped[:, 1:], 1, 2)
 
     def basis(self, index: Index, points: Array) -> tuple[Array, Array]:
         """Values (n, d) of the basis functions of the displacement and their gradients (n, d, c),
@@ -140,7 +141,7 @@ class CellSet:
         """
         phi = tabulate(self.cell, self.degree, points)
         _, jacobian = self._map(index, points)
-        return phi[0], np.einsum("jnd,njc->ndc", phi[1:], inverse(jacobian)[0])
+        return phi[0], phi[1:].transpose(1, 2, 0) @ inverse(jacobian)[0]
 
     def divergence(self, index: Index, points: Array) -> Array:
         """Trace of the strain of each basis function and component (n, d, c), 1/mm, at reference

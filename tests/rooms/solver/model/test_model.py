@@ -11,7 +11,7 @@ from boxes import LOWER, UPPER, two_boxes
 from curved import meshed
 
 import railhead.solver as rs
-from railhead.solver.model.pairing import tangents_of
+from railhead.solver.space.contact_interface import tangents_of
 
 SOFT = rs.Elastic(1000.0, 0.3)
 ENDS = (((0, -1), (1, 0)), ((0, 0), (1, 1)))
