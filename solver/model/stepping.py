@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 from railhead.solver.algebra import newton
 from railhead.solver.algebra.newton import NewtonResult
 from railhead.solver.algebra.problem import ContactProblem
+from railhead.solver.algebra.steps import in_steps
 from railhead.solver.material.hardening import History
 from railhead.solver.model.assembly import Assembly
 from railhead.solver.model.problem import FrictionalProblem
@@ -25,30 +26,25 @@ from railhead.theory.array_types import Array
 TOLERANCE = 1e-8  # of Newton's method
 MOST_PAIRINGS = 6  # in one step
 MISMATCH = 0.01  # of the largest pressure, that the gap of a pairing may be off by
-SMALLEST_STEP = 1 / 64  # of a step, below which it is cut no further
 STEPS = 50  # Newton's, at most
 
 
 def advance(model: Assembly, state: State, target: HubLoads, steps: int) -> State:
-    """State under other loads, which change evenly in steps; a step that does not converge is
-    halved, down to 1/64 (SMALLEST_STEP) of it. The last state that converged, with the result that
-    did not, is returned where that fails (collective).
+    """State under other loads, which change evenly in steps, see `in_steps`. Where one fails, the
+    last state that converged, with the result that did not (collective).
     """
-    start, done = _continued(state, target), 0.0
-    for goal in np.linspace(0.0, 1.0, steps + 1)[1:]:
-        size = goal - done
-        while done < goal:
-            reached = min(goal, done + size)
-            if goal - reached < SMALLEST_STEP / steps / 2:
-                reached = goal
-            new = _step(model, state, _between(start, target, reached))
-            history = state.history + tuple(new.result.history)
-            if new.result.converged:
-                state, done = replace(new, history=history), reached
-                continue
-            size /= 2
-            if size < SMALLEST_STEP / steps:
-                return replace(state, result=new.result, history=history)
+    start = _continued(state, target)
+
+    def step(share: float) -> bool:
+        """Go to the loads at a share of the way; returns whether that converged."""
+        nonlocal state
+        new = _step(model, state, _between(start, target, share))
+        history = state.history + tuple(new.result.history)
+        converged = new.result.converged
+        state = replace(new if converged else state, result=new.result, history=history)
+        return converged
+
+    in_steps(np.linspace(0.0, 1.0, steps + 1)[1:], 0.0, step)
     return state
 
 

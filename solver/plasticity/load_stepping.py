@@ -13,6 +13,7 @@ from petsc4py import PETSc
 
 from railhead.solver.algebra import linear, newton
 from railhead.solver.algebra.newton import NewtonResult
+from railhead.solver.algebra.steps import in_steps
 from railhead.solver.material.hardening import ROOT, History, deviator
 from railhead.solver.plasticity.plastic_problem import (
     PlasticProblem,
@@ -40,7 +41,6 @@ REPORTED_SHARES = (1.0, 0.0)  # shares of the load whose solution is reported
 START_TOLERANCE = 1e-2  # Newton's at the elastic solution from which the first step starts
 STEP_TOLERANCE = 1e-3  # Newton's at other shares: moves pressure and area by up to 2e-4
 LARGEST_GROWTH = 2.0  # of a load step over the last one: with more than 2.41 BDF2 is not stable
-SMALLEST_STEP = 1 / 32  # of a load step, below which it is cut no further
 SAME_POWER = 0.05  # by which powers of the load that give the same first yield may differ in it
 MOST_GUESSES = 4  # of the load of first yield
 
@@ -133,18 +133,11 @@ class LoadStepping:
         return self.solution
 
     def solve_load_steps(self, shares: Iterable[float]) -> NewtonResult:
-        """Apply the load case in these shares of the full load, in turn. A step that does not
-        converge is halved, down to 1/32 (SMALLEST_STEP) of it. Where that fails too, the other
-        shares are left out. Returns the result of the last step, which has then not converged.
+        """Apply the load case in these shares of the full load, in turn, see `in_steps`. Where a
+        step fails, the other shares are left out. Returns the result of the last step, which has
+        then not converged.
         """
-        for share in shares:
-            least = abs(share - self.share) * SMALLEST_STEP
-            while self.share != share:
-                target = share
-                while not (result := self._step(target)).converged:
-                    if abs(target - self.share) <= least:
-                        return result
-                    target = (target + self.share) / 2
+        in_steps(shares, self.share, lambda share: self._step(share).converged)
         return self.solution.newton
 
     def separate(self, reference_force: float, start: PETSc.Vec) -> None:
