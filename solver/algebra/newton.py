@@ -28,6 +28,7 @@ from railhead.solver.algebra.problem import ContactProblem
 from railhead.theory.array_types import Array, Mask
 
 ROUNDING = 100 * np.finfo(float).eps  # of diag(K) y: the residual cannot fall below it
+MOST_ROUNDING = 1e-4  # relative residual above which nothing counts as rounding: bodies fly off
 OVERSHOOT = 0.3  # slope past the minimum, relative to the slope at the start, that is let pass
 LEAST_FORCE = 1e-3  # of the contact, over that of an earlier state, by which a residual is divided
 MOST_RETURNED = 8  # halves of steps that lose contact
@@ -215,7 +216,7 @@ def solve(
                 if scale and not apart:
                     _clear(result)
                 return result
-            if norm <= max(rtol, rounding / scale):
+            if norm <= max(rtol, min(rounding / scale, MOST_ROUNDING)):
                 result.reason = CONVERGED
                 return result
             if step == max_steps:

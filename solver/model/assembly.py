@@ -69,6 +69,8 @@ class Assembly:
         if not contacts:
             raise ValueError("a model needs a Contact")
         self.materials = {each.tag: each.material.material(section) for each in self.bodies}
+        if len(self.materials) < len(self.bodies):
+            raise ValueError(f"a body is named twice: {[each.tag for each in self.bodies]}")
         for body in self.bodies:
             must_exist("cell", cell_tags, body.tag, self.comm)
         for tag in [each.tag for each in supports] + [tag for c in contacts for tag in c.tags]:
@@ -290,8 +292,8 @@ class Unknowns:
 
 
 def kinematics(mesh: Any, section: str | None, thickness: float, mean: bool) -> Kinematics:
-    """Meaning of the mesh's coordinates in a section. Raises ValueError for a mesh with another
-    number of coordinates, and for an unknown section.
+    """Meaning of the mesh's coordinates in a section (collective). Raises ValueError for a mesh
+    with another number of coordinates or negative radii, an unknown section, a wrong thickness.
     """
     if section not in SECTIONS:
         raise ValueError(f"section {section!r} is unknown; give one of {SECTIONS}")
@@ -300,7 +302,14 @@ def kinematics(mesh: Any, section: str | None, thickness: float, mean: bool) -> 
         raise ValueError(f"section {section!r} does not fit a mesh with {dim} coordinates")
     if section is None:
         return replace(SOLID, mean_dilatation=mean)
+    if not 0 < thickness < np.inf:
+        raise ValueError(f"thickness must be positive, not {thickness!r}")
     revolved = section == "axisymmetric"
+    r = mesh.geometry.x[:, 0]
+    ends = [float(np.max(each, initial=0.0)) for each in (r, -r)]
+    largest, beyond = np.max(mesh.comm.allgather(ends), axis=0)
+    if revolved and beyond > ON_AXIS * largest:
+        raise ValueError(f"an axisymmetric mesh has r from 0 on, not from {-beyond:.6g}")
     return Kinematics(
         np.eye(3)[:2],
         thickness=1.0 if revolved else thickness,

@@ -46,12 +46,18 @@ class Plastic(Elastic):
     yield_stress: float
     hardening: float = 0.0
 
+    def __post_init__(self) -> None:
+        """Raises ValueError as `Elastic`, for a yield stress that is not positive and finite, and
+        for a negative hardening.
+        """
+        super().__post_init__()
+        if not (0 < self.yield_stress < math.inf and 0 <= self.hardening < math.inf):
+            raise ValueError("yield_stress must be positive, and hardening not negative")
+
     def material(self, section: str | None) -> Material:
         """Elastic constants with the flow curve; raises ValueError in plane stress."""
         if section == "plane stress":
             raise ValueError("Plastic is not there in plane stress: use plane strain or 3-D")
-        if self.yield_stress <= 0 or self.hardening < 0:
-            raise ValueError("yield_stress must be positive, and hardening not negative")
         curve = Hardening.linear(self.yield_stress, self.hardening)
         return Material(self.young_modulus, self.poisson_ratio, curve)
 

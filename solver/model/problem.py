@@ -105,6 +105,12 @@ class FrictionalProblem(PlasticProblem):
         """State of the points that the tangent depends on (2 n,): which touch, and which slide."""
         return np.concatenate([active, active & self.slides])
 
+    def all_slides(self, active: Mask) -> bool:
+        """Whether all points of all ranks that touch, (n,), slide (collective)."""
+        local = [int(active.sum()), int((active & ~self.slides).sum())]
+        touching, sticking = self.slip.comm.tompi4py().allreduce(np.array(local))
+        return bool(touching and not sticking)
+
     def _friction(self, y: PETSc.Vec, pressure: Array) -> None:
         """Tangential tractions (n, k) and their derivatives at the free unknowns y."""
         trial = (self.trial_operator * y).array.reshape(self.start_slip.shape)

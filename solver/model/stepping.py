@@ -92,6 +92,8 @@ def _step(model: Assembly, before: State, loads: HubLoads) -> State:
         model.unknowns(loads).reduction.matrix.multAdd(result.y, prescribed, u)
         gap = pairing.initial_gap + (pairing.gap * u).array
         if not result.converged:
+            if isinstance(problem, FrictionalProblem) and problem.all_slides(result.pressure > 0):
+                result.reason = "everything slides: a force is above what friction carries"
             break
         every = model.gathered(u)
         outdated, change = model.surfaces.outdated(pairing, every, gap, result.pressure > 0)
@@ -101,7 +103,11 @@ def _step(model: Assembly, before: State, loads: HubLoads) -> State:
         if stiffness * change <= MISMATCH * largest:
             break
         paired = pairing
-        pairing, y = model.surfaces.pair(every), result.y
+        try:
+            pairing, y = model.surfaces.pair(every), result.y
+        except ValueError as error:
+            result.reason = str(error)
+            break
     else:
         pairing, result.reason = paired, "the pairs of points do not settle"
     result = replace(result, history=done)

@@ -53,6 +53,11 @@ class Sphere:
     centre: Direction
     radius: float
 
+    def __post_init__(self) -> None:
+        """Raises ValueError for a radius that is not positive and finite."""
+        if not 0 < self.radius < math.inf:
+            raise ValueError(f"radius must be positive, not {self.radius!r}")
+
     def distance(self, points: Array, normals: Array) -> Array:
         """Distance (n,) from points (n, c) along unit normals (n, c), infinite where they miss."""
         apart = np.asarray(self.centre) - points
@@ -114,7 +119,9 @@ class Surfaces:
         factors: Sequence[float] = (1.0,),
         cut: bool = True,
     ) -> None:
-        """factors: one of each contact (collective)."""
+        """factors: one of each contact (collective). Raises ValueError for a gap that gives no unit
+        normals, or other numbers of values than of points.
+        """
         self.contacts, self.comm, self.bulk, self.cut = contacts, comm, bulk, cut
         tags = [each.primary if isinstance(each.primary, int) else None for each in contacts]
         none = np.zeros(0, np.int32)
@@ -122,6 +129,13 @@ class Surfaces:
         masters = [FacetSet.on(bulk, none if t is None else facet_tags.find(t)) for t in tags]
         self.primary = [each.gathered(comm) for each in masters]
         self.slave, self.other = FacetSet.joined(self.secondary), FacetSet.joined(self.primary)
+        for each, surface in zip(contacts, self.secondary, strict=True):
+            fits = each.gap is None or _fits(each.gap, surface)
+            if not all(comm.allgather(fits)):
+                raise ValueError(
+                    f"gap of surface {each.secondary} must give, for n points, n gaps and n unit "
+                    "normals"
+                )
         self._number = np.repeat(np.arange(len(contacts)), [len(each) for each in self.secondary])
         self.bound = np.asarray(factors)[self._number] * contact_interface.trace_bound(
             self.slave, 2 * self.slave.degree, self._normals
@@ -268,3 +282,14 @@ class Surfaces:
                 drift = max(drift, float(np.max(slid[met], initial=0.0)))
         drift, change = (self.comm.allreduce(each, op=MPI.MAX) for each in (drift, change))
         return drift > DRIFT, change
+
+
+def _fits(gap: GapFunction, surface: FacetSet) -> bool:
+    """Whether a gap gives one value and one unit normal for each of some points of a surface."""
+    points = surface.tangents(*surface.quadrature(1)[0])[0]
+    try:
+        distance, normals = (np.asarray(each, float) for each in gap(points))
+        sizes = np.linalg.norm(normals[np.isfinite(distance)], axis=1)
+    except (TypeError, ValueError, IndexError):
+        return False
+    return len(normals) == len(points) == distance.size and bool(np.allclose(sizes, 1, atol=1e-6))
