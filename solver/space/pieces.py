@@ -18,6 +18,7 @@ SIZE_CLASS = 2.0  # largest over smallest radius of the master's facets that are
 FACING = -0.1  # largest product of the normals of two facets that face each other
 COVERED = 0.02  # share of a facet that the pieces on it may lack, beside the end of a curved master
 ON_LINE = 1e-9  # height over a line, in the reference facet, that is rounding
+SKEW = np.array([0.61, 0.29, 0.74])  # a direction that edges of meshes hardly are normal to
 SMALLEST = 1e-12  # area of a piece, in the reference facet
 
 
@@ -83,14 +84,12 @@ def cut(slave: FacetSet, master: FacetSet) -> tuple[Index, Array, Index]:
     planes += [([-1.0, -1.0], 1.0)] if triangle else [([-1.0, 0.0], 1.0), ([0.0, -1.0], 1.0)]
     for normal, offset in planes:
         polygons = _clipped(polygons, polygons @ np.array(normal) + offset)
-    # From the centroid, so that corners which rounding adds, and their order, change nothing.
+    # From a corner that is chosen in space: neither the order of corners nor ranks change anything.
+    sides = slave.vertices[one, 1:3] - slave.vertices[one, :1]
+    first = (polygons @ (sides @ SKEW)[..., None])[..., 0].argmax(axis=1)
     edges = np.stack([polygons, np.roll(polygons, -1, axis=1)], axis=2)
-    parts = np.linalg.det(edges - polygons[:, :1, None])
-    used = np.abs(parts.sum(axis=1)) > SMALLEST
-    one, two, polygons, edges, parts = (each[used] for each in (one, two, polygons, edges, parts))
-    middle = np.einsum("pv,pvc->pc", parts, edges.sum(axis=2) + polygons[:, :1])
-    middle /= 3 * parts.sum(axis=1)[:, None]
-    apex = np.broadcast_to(middle[:, None, None], (*edges.shape[:2], 1, 2))
+    apex = polygons[np.arange(len(one)), first][:, None, None]
+    apex = np.broadcast_to(apex, (*edges.shape[:2], 1, 2))
     triangles = np.concatenate([apex, edges], axis=2)
     used = np.abs(np.linalg.det(triangles[..., 1:, :] - triangles[..., :1, :])) > SMALLEST
     times = used.sum(axis=1)
