@@ -35,11 +35,11 @@ from railhead.solver import compat
 from railhead.solver.algebra.linear import factorise
 from railhead.solver.algebra.reduced_stiffness import DIFFERENT
 from railhead.solver.friction.pressed_surfaces import PressedSurfaces, surface_tangents
+from railhead.solver.plasticity.load_stepping import Response
 from railhead.solver.space.contact_interface import shear_stress
 from railhead.solver.space.facets import pair
 from railhead.solver.space.operators import assemble_rows, select_rows, vector
 from railhead.solver.system.contact_system import ContactSystem
-from railhead.solver.system.response import ElasticResponse
 from railhead.solver.system.setup import FrictionSettings
 from railhead.solver.system.solution import Solution
 from railhead.theory.array_types import Array, Index, Mask
@@ -143,7 +143,7 @@ class StaticCondensation(PressedSurfaces):
     def __init__(
         self,
         system: ContactSystem,
-        response: ElasticResponse,
+        response: Response,
         settings: FrictionSettings,
         pressed: Solution,
     ) -> None:
