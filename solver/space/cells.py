@@ -132,8 +132,9 @@ class CellSet:
         the cells with these numbers (n,), mm.
         """
         phi = tabulate(self.cell, self.geometry_degree, points, geometry=True)
-        mapped = phi.transpose(1, 0, 2) @ self.nodes[index]
-        return mapped[:, 0], np.swapaxes(mapped[:, 1:], 1, 2)
+        nodes = self.nodes[index]
+        x = np.einsum("nk,nkd->nd", phi[0], nodes)
+        return x, np.einsum("jnk,nkd->ndj", phi[1:], nodes)
 
     def basis(self, index: Index, points: Array) -> tuple[Array, Array]:
         """Values (n, d) of the basis functions of the displacement and their gradients (n, d, c),
@@ -141,7 +142,7 @@ class CellSet:
         """
         phi = tabulate(self.cell, self.degree, points)
         _, jacobian = self._map(index, points)
-        return phi[0], phi[1:].transpose(1, 2, 0) @ inverse(jacobian)[0]
+        return phi[0], np.einsum("jnd,njc->ndc", phi[1:], inverse(jacobian)[0])
 
     def divergence(self, index: Index, points: Array) -> Array:
         """Trace of the strain of each basis function and component (n, d, c), 1/mm, at reference
