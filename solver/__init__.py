@@ -22,15 +22,20 @@ logging.root.handlers[:] = _handlers
 if warnings.showwarning is not _shown:
     logging.captureWarnings(False)
 
-_PARTS = "Body Clamp Contact Elastic Force Hub Move Plane Plastic Slide Sphere"
-__all__ = ["Model", "Solution", *_PARTS.split()]  # noqa: PLE0604
+_NAMES = {
+    "model.model": "Model Solution",
+    "model.parts": "Body Elastic Force Move Plastic",
+    "space.supports": "Clamp Hub Slide",
+    "system.surfaces": "Contact Plane Sphere",
+}
+__all__ = [name for names in _NAMES.values() for name in names.split()]  # noqa: PLE0604
 
 
 def __getattr__(name: str) -> Any:
     """The model and its parts, imported at their first use: most of the program does without them.
     Raises AttributeError for any other missing name.
     """
-    if name not in __all__:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    room = "parts" if name in _PARTS.split() else "model"
-    return getattr(importlib.import_module(f"railhead.solver.model.{room}"), name)
+    for room, names in _NAMES.items():
+        if name in names.split():
+            return getattr(importlib.import_module(f"railhead.solver.{room}"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -10,9 +10,8 @@ import numpy as np
 from petsc4py import PETSc
 
 from railhead.solver.friction.history import FrictionHistory
-from railhead.solver.plasticity.load_stepping import PlasticResponse, plastic_problem
+from railhead.solver.plasticity.load_stepping import Response, plastic_problem
 from railhead.solver.system.contact_system import ContactSystem, LoadCase
-from railhead.solver.system.response import ElasticResponse
 from railhead.solver.system.setup import Setup
 from railhead.solver.system.solution import Solution
 from railhead.theory.array_types import Mask
@@ -89,24 +88,21 @@ class ContactModel(ContactSystem):
             solution = (friction or condensed_friction)(self, response, case, solution)
         return response.unload(solution)
 
-    def response(self) -> ElasticResponse:
+    def response(self) -> Response:
         """Response of the bodies to one load case, without a history yet: elastic, or with yield
         where the setup has a load path. The latter resets the plastic history of
         `plastic_problem`, which all responses share.
         """
-        path = self.setup.load_path
-        if path is None or self.plastic_problem is None:
-            return ElasticResponse(self)
-        return PlasticResponse(self, self.plastic_problem, path)
+        return Response(self, self.plastic_problem)
 
 
-FrictionMethod = Callable[[ContactModel, ElasticResponse, LoadCase, Solution], Solution]
+FrictionMethod = Callable[[ContactModel, Response, LoadCase, Solution], Solution]
 """From a model, the response of its bodies, the load case and the frictionless solution to the
 solution with friction."""
 
 
 def condensed_friction(
-    model: ContactModel, response: ElasticResponse, case: LoadCase, pressed: Solution
+    model: ContactModel, response: Response, case: LoadCase, pressed: Solution
 ) -> Solution:
     """Solution with friction of a pressed contact by static condensation to its contact points
     (collective). case: that of `pressed`. A solution that did not converge is returned too, see

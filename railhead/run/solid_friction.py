@@ -29,9 +29,9 @@ from railhead.solver.contact import ContactModel, condensed_friction
 from railhead.solver.friction.history import NOT_CONVERGED
 from railhead.solver.friction.pressed_surfaces import far_displacement
 from railhead.solver.friction.surface_response import SurfacePoints, SurfaceResponse
+from railhead.solver.plasticity.load_stepping import Response
 from railhead.solver.system.contact_system import LoadCase
 from railhead.solver.system.fields import Fields, gather
-from railhead.solver.system.response import ElasticResponse
 from railhead.solver.system.solution import FrictionSolution, GridTraction, Solution
 from railhead.theory.array_types import Array
 from railhead.theory.friction.rolling import (
@@ -471,7 +471,7 @@ class SolidFriction:
 
 def solve_by_suited_method(
     model: ContactModel,
-    response: ElasticResponse,
+    response: Response,
     case: LoadCase,
     pressed: Solution,
     *,

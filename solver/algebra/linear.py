@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from petsc4py import PETSc
@@ -167,31 +166,29 @@ def krylov(problem: ContactProblem, preconditioner: Preconditioner) -> PETSc.KSP
     return ksp
 
 
-@dataclass(frozen=True)
-class ForcingTermTest:
-    """Convergence test of conjugate gradients, which have the solution x in every iteration. All
-    residuals are norms, N.
+def convergence_test(
+    least: float, most: float, enough: Callable[[PETSc.Vec], float]
+) -> Callable[[PETSc.KSP, int, float], int]:
+    """Convergence test of conjugate gradients, which have the solution x in every iteration: from
+    the number of the iteration and the residual to PETSc's reason. All residuals are norms, N.
 
     least: residual at or below which the solve ends in any case.
     most: residual above which the solve goes on.
     enough: x -> residual that suffices at x; between `least` and `most` the solve ends at or below
         it, but not before the first iteration.
     """
+    reason = PETSc.KSP.ConvergedReason
 
-    least: float
-    most: float
-    enough: Callable[[PETSc.Vec], float]
-
-    def __call__(self, ksp: PETSc.KSP, iteration: int, residual: float) -> int:
-        """PETSc's convergence reason, as an integer, for this iteration and residual norm (N)."""
-        reason = PETSc.KSP.ConvergedReason
+    def test(ksp: PETSc.KSP, iteration: int, residual: float) -> int:
+        """PETSc's convergence reason, as an integer."""
         if not np.isfinite(residual):
             return int(reason.DIVERGED_NANORINF)
-        if residual <= self.least:
-            return int(reason.CONVERGED_RTOL)
-        if iteration and residual <= self.most and residual <= self.enough(ksp.getSolution()):
+        suffices = iteration and residual <= most
+        if residual <= least or (suffices and residual <= enough(ksp.getSolution())):
             return int(reason.CONVERGED_RTOL)
         return int(reason.ITERATING)
+
+    return test
 
 
 def solve(
@@ -226,7 +223,7 @@ def solve(
     norm = rhs.norm()
     if enough is not None and problem.symmetric:
         ksp.setConvergenceTest(
-            ForcingTermTest(rtol * norm, LARGEST_RESIDUAL[problem.law.method] * norm, enough)
+            convergence_test(rtol * norm, LARGEST_RESIDUAL[problem.law.method] * norm, enough)
         )
     while True:
         ksp.setPC(preconditioner.pc)

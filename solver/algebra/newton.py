@@ -28,49 +28,16 @@ from railhead.solver.algebra.problem import ContactProblem
 from railhead.theory.array_types import Array, Mask
 
 ROUNDING = 100 * np.finfo(float).eps  # of diag(K) y: the residual cannot fall below it
+MOST_ROUNDING = 1e-4  # relative residual above which nothing counts as rounding: bodies fly off
 OVERSHOOT = 0.3  # slope past the minimum, relative to the slope at the start, that is let pass
 LEAST_FORCE = 1e-3  # of the contact, over that of an earlier state, by which a residual is divided
 MOST_RETURNED = 8  # halves of steps that lose contact
 MOST_RETURNS = 3  # times an active set may come back before the method gives up
 CONVERGED = "residual below tolerance"
-
-
-@dataclass(frozen=True, kw_only=True)
-class ForcingTerm:
-    """Relative tolerance eta of the linear solves in Newton's method.
-
-    final_fraction: share of Newton's tolerance below which the residual of a linear solve need not
-        fall.
-    initial: eta of the linear problem that gives the first state.
-    far: eta where the relative residual is above `far_residual`.
-    far_residual: relative residual below which eta is that residual.
-    The last three apply only where the tangent changes within an active set.
-    """
-
-    final_fraction: float = 0.3
-    initial: float = 1e-4
-    far: float = 1e-2
-    far_residual: float = 3e-3
-
-    def of_start(self, problem: ContactProblem, rtol: float) -> float:
-        """eta of the linear problem that gives the first state; rtol: tolerance of Newton's
-        method.
-        """
-        if problem.tangent_depends_on_state:
-            return self.initial
-        return self.final_fraction * rtol
-
-    def of_step(self, problem: ContactProblem, rtol: float, residual: float) -> float:
-        """eta of a step from a state with this relative residual; rtol: tolerance of Newton's
-        method.
-        """
-        eta = self.final_fraction * rtol / residual
-        if problem.tangent_depends_on_state:
-            eta = max(eta, self.far if residual > self.far_residual else residual)
-        return eta
-
-
-FORCING_TERM = ForcingTerm()
+FINAL_FRACTION = 0.3  # of Newton's tolerance, below which the residual of a linear solve need not
+# fall. Where the tangent changes within an active set, the tolerances of the linear solves are also
+# at least these: of the first, of those far from the solution, and beyond which residual that is.
+FIRST_ETA, FAR_ETA, FAR_RESIDUAL = 1e-4, 1e-2, 3e-3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -131,6 +98,20 @@ class NewtonResult:
         return states[-1] if states else None
 
 
+def forcing_term(problem: ContactProblem, rtol: float, residual: float | None) -> float:
+    """Relative tolerance eta of a linear solve in Newton's method.
+
+    rtol: tolerance of Newton's method. residual: relative residual of the state that the step
+        starts from; None: the solve gives the first state.
+    """
+    eta = FINAL_FRACTION * rtol / (residual or 1.0)
+    if not problem.tangent_depends_on_state:
+        return eta
+    if residual is None:
+        return FIRST_ETA
+    return max(eta, FAR_ETA if residual > FAR_RESIDUAL else residual)
+
+
 def line_search(problem: ContactProblem, y: PETSc.Vec, step: PETSc.Vec) -> float:
     """Step length t, from 1e-3 to 1, that nearly minimises the convex energy at y + t step. It is 1
     where the energy still falls at t = 1 or rises only slightly, or does not fall at t = 0.
@@ -166,7 +147,8 @@ def solve(
         nothing touches.
 
     A linear solve ends early where its solution changes the active set so much that this leaves
-    more in R than the linear residual. Where the tangent changes within a set, see `ForcingTerm`.
+    more in R than the linear residual. Where the tangent changes within a set, see
+    `forcing_term`.
     Where nothing has to touch and nothing does, the residual is measured by the applied forces or,
     without any, by the largest contact force so far: bodies apart are a solution. The residual must
     fall by half there in each step. A result that did not converge is returned too.
@@ -190,7 +172,7 @@ def solve(
                 active,
                 problem.predictor(active),
                 y,
-                FORCING_TERM.of_start(problem, rtol),
+                forcing_term(problem, rtol, None),
                 problem.active_set_residual(active, -problem.offset),
             )
         for step in range(1, max_steps + 1):
@@ -234,7 +216,7 @@ def solve(
                 if scale and not apart:
                     _clear(result)
                 return result
-            if norm <= max(rtol, rounding / scale):
+            if norm <= max(rtol, min(rounding / scale, MOST_ROUNDING)):
                 result.reason = CONVERGED
                 return result
             if step == max_steps:
@@ -246,7 +228,7 @@ def solve(
                 active,
                 -residual,
                 increment,
-                FORCING_TERM.of_step(problem, rtol, norm),
+                forcing_term(problem, rtol, norm),
                 problem.active_set_residual(active, indicator),
             )
             if problem.law.symmetric:

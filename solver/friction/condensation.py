@@ -34,17 +34,12 @@ from petsc4py import PETSc
 from railhead.solver import compat
 from railhead.solver.algebra.linear import factorise
 from railhead.solver.algebra.reduced_stiffness import DIFFERENT
-from railhead.solver.friction.pressed_surfaces import (
-    PressedSurfaces,
-    rows,
-    rows_at,
-    surface_tangents,
-)
+from railhead.solver.friction.pressed_surfaces import PressedSurfaces, surface_tangents
+from railhead.solver.plasticity.load_stepping import Response
 from railhead.solver.space.contact_interface import shear_stress
 from railhead.solver.space.facets import pair
 from railhead.solver.space.operators import assemble_rows, select_rows, vector
 from railhead.solver.system.contact_system import ContactSystem
-from railhead.solver.system.response import ElasticResponse
 from railhead.solver.system.setup import FrictionSettings
 from railhead.solver.system.solution import Solution
 from railhead.theory.array_types import Array, Index, Mask
@@ -148,7 +143,7 @@ class StaticCondensation(PressedSurfaces):
     def __init__(
         self,
         system: ContactSystem,
-        response: ElasticResponse,
+        response: Response,
         settings: FrictionSettings,
         pressed: Solution,
     ) -> None:
@@ -349,7 +344,7 @@ class StaticCondensation(PressedSurfaces):
             facet, xi = pair(at, self.normals, surface)
             if np.any(facet < 0):
                 raise ValueError("a surface ends upstream of the patch")
-            blocks.append(rows_at(surface, facet, xi, sign * self.tangents))
+            blocks.append(surface.rows_at(facet, xi, sign * self.tangents))
         return self._rows(blocks)
 
     def _shear(self) -> PETSc.Mat:
@@ -361,7 +356,7 @@ class StaticCondensation(PressedSurfaces):
         slave = interface.slave
         at = slave.reference(facet, xi)
         values = shear_stress(slave, facet, at, self.normals, self.tangents)
-        return self._rows([rows(slave, facet, values)])
+        return self._rows([slave.rows(facet, values)])
 
     def _rows(self, blocks: list[tuple[Index, Array]]) -> PETSc.Mat:
         """Distributed matrix on all dofs, with a row for each point and tangent of this rank;

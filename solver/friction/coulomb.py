@@ -33,6 +33,25 @@ STEP_LENGTHS = 1.0, 0.5  # Every second step takes the one that leaves the small
 TINY = 1e-300  # below this length a vector has no direction
 
 
+def projected(
+    trial: Array, bound: Array, slips: NDArray[np.bool_] | None = None
+) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
+    """Trial tractions q (n, k) projected on discs of the radius b, by Coulomb's law:
+
+        q  where a point sticks,    b q / |q|  where it slips
+
+    bound: b (n,). slips: points that slip (n,); None: those with |q| > b.
+    Returns the tractions (n, k), their derivatives by q (n, k, k) and by b (n, k): the direction of
+    q at points that slip, zero elsewhere; and the points that slip.
+    """
+    size = np.maximum(np.linalg.norm(trial, axis=1), TINY)
+    slips = size > bound if slips is None else slips
+    share = np.where(slips, bound / size, 1.0)
+    unit = np.where(slips[:, None], trial / size[:, None], 0.0)
+    across = np.eye(trial.shape[1]) - unit[:, :, None] * unit[:, None, :]
+    return share[:, None] * trial, share[:, None, None] * across, unit, slips
+
+
 @dataclass(frozen=True, kw_only=True)
 class TangentialState:
     """Tractions and slip at n contact points with k tangents, from m components of nodal tractions
@@ -217,12 +236,13 @@ class CoulombEquations:
             slips, direction, first = now, unit, False
             if history[-1] <= TOLERANCE:
                 break
-        q, bound, size, _ = self._trial_state(x)
-        share = self._share(bound, size)
+        q, bound, *_ = self._trial_state(x)
+        traction, _, _, slides = projected(q, bound)
+        traction = traction * active[:, None]
         return TangentialState(
-            traction=share[:, None] * q,
-            slip=(1 - share)[:, None] * q / (contact.tau[:, None] * contact.step),
-            sticks=active & (share >= 1),
+            traction=traction,
+            slip=(q - traction) / (contact.tau[:, None] * contact.step),
+            sticks=active & ~slides,
             pressure=np.where(active, bound / coefficient, 0.0),
             nodal=x[:m],
             motion=x[m:],
@@ -265,12 +285,10 @@ class CoulombEquations:
         mass, projection = self.friction.mass, self.friction.projection
         n, k, unknowns = self.trial_matrix.shape
         m, active = len(mass), contact.active
-        q, bound, size, unit = self._trial_state(x)
-        value = np.where(slips[:, None], bound[:, None] * unit, q) * active[:, None]
-        across = np.eye(k) - unit[:, :, None] * unit[:, None, :]
-        change = np.where(slips, bound / size, 0.0)[:, None, None] * across
-        change[active & ~slips] = np.eye(k)
-        along = np.where(slips[:, None], coefficient[:, None] * unit, 0.0)
+        q, bound, *_ = self._trial_state(x)
+        value, change, unit, _ = projected(q, bound, slips)
+        value, change = value * active[:, None], change * active[:, None, None]
+        along = coefficient[:, None] * unit
         moved = change @ self.trial_matrix + along[:, :, None] * self.pressure_matrix[:, None, :]
         tangent = np.zeros((unknowns, unknowns))
         tangent[:m] = -(projection @ moved.reshape(n * k, -1))
@@ -292,20 +310,13 @@ class CoulombEquations:
         size = np.maximum(np.linalg.norm(q, axis=1), TINY)
         return q, self.friction.coefficient * pressure, size, q / size[:, None]
 
-    def _share(self, bound: Array, size: Array) -> Array:
-        """Length of the projected trial traction over that of the trial traction (n,): 1 where a
-        point sticks, 0 where it is not active; bound: mu p (n,), size: length of the trial
-        traction (n,).
-        """
-        return np.where(self.friction.contact.active, np.minimum(1.0, bound / size), 0.0)
-
     def _squared_residual(self, x: Array) -> float:
         """Sum of the squared residuals of the tractions at the unknowns x, each over its diagonal
         entry of the mass, MPa2 mm2. It measures how far the nodal tractions are from the projected
         ones; missing forces do not count.
         """
-        q, bound, size, _ = self._trial_state(x)
-        share = self._share(bound, size)
+        q, bound, *_ = self._trial_state(x)
+        value = projected(q, bound)[0] * self.friction.contact.active[:, None]
         mass, m = self.friction.mass, len(self.friction.mass)
-        residual = mass @ x[:m] - self.friction.projection @ (share[:, None] * q).ravel()
+        residual = mass @ x[:m] - self.friction.projection @ value.ravel()
         return float(residual @ (residual / mass.diagonal()))

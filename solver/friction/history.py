@@ -11,8 +11,8 @@ from railhead.solver.algebra.mixing import Anderson
 from railhead.solver.friction.condensation import ContactCompliance, StaticCondensation
 from railhead.solver.friction.coulomb import TINY, CoulombContact, TangentialState
 from railhead.solver.friction.pressed_surfaces import far_displacement
+from railhead.solver.plasticity.load_stepping import Response
 from railhead.solver.system.contact_system import ContactSystem, LoadCase
-from railhead.solver.system.response import ElasticResponse
 from railhead.solver.system.setup import FrictionSettings
 from railhead.solver.system.solution import FrictionSolution, Solution
 from railhead.theory.array_types import Array, Mask
@@ -62,7 +62,7 @@ class FrictionHistory:
     def __init__(
         self,
         system: ContactSystem,
-        response: ElasticResponse,
+        response: Response,
         settings: FrictionSettings,
         case: LoadCase,
         pressed: Solution,

@@ -11,12 +11,11 @@ from functools import partial
 import numpy as np
 from petsc4py import PETSc
 
-from railhead.solver.space.facets import FacetSet
 from railhead.solver.space.operators import vector
 from railhead.solver.system.contact_system import ContactSystem
 from railhead.solver.system.setup import FrictionSettings
 from railhead.solver.system.solution import Solution
-from railhead.theory.array_types import Array, Index
+from railhead.theory.array_types import Array
 
 ALONG = 1e-6  # cosine of a normal to the mesh's first axis, below 1, that leaves no tangent
 
@@ -42,8 +41,7 @@ class PressedSurfaces:
         self.active = pressed.pressure > 0
         self.touched = np.unique(system.interface.facet[self.active])
         self.slave = system.interface.slave.gathered(system.comm)
-        master = system.interface.master
-        self.master = None if master is None else master.gathered(system.comm)
+        self.master = system.interface.master
         self.sign = -1.0 if system.setup.slave == system.setup.moving.tag else 1.0
         self.far_field = far_field(system, settings)
 
@@ -72,28 +70,6 @@ def surface_tangents(normals: Array) -> Array:
     if normals.shape[1] == 2:
         return along[:, None]
     return np.stack([along, np.cross(normals, along)], axis=1)
-
-
-def rows_at(surface: FacetSet, facet: Index, xi: Array, tangents: Array) -> tuple[Index, Array]:
-    """Matrix rows, see `rows`, of the displacement of a surface along k tangents at n points.
-
-    facet: facet of `surface` that each point lies on (n,). xi: coordinates (n, c - 1) there.
-    tangents: (n, k, c), with the sign that the displacement counts with.
-    """
-    phi, _ = surface.basis(facet, surface.reference(facet, xi))
-    return rows(surface, facet, phi[:, None, :, None] * tangents[:, :, None, :])
-
-
-def rows(surface: FacetSet, facet: Index, values: Array) -> tuple[Index, Array]:
-    """Global dofs and coefficients of matrix rows, each (n k, nodes, c): a row for each of k
-    tangents at n points.
-
-    facet: facet of `surface` that each point lies on (n,).
-    values: coefficients (n, k, nodes, c) of the nodes of the facets' cells.
-    """
-    size, dim = values.shape[1], values.shape[3]
-    dofs = dim * surface.dofs[facet][:, :, None] + np.arange(dim)
-    return np.repeat(dofs, size, axis=0), values.reshape(-1, *values.shape[2:])
 
 
 def far_displacement(fields: list[PETSc.Vec], force: Array) -> PETSc.Vec | None:

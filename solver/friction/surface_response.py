@@ -23,7 +23,6 @@ from railhead.solver.algebra import linear
 from railhead.solver.friction.pressed_surfaces import (
     PressedSurfaces,
     far_displacement,
-    rows_at,
     surface_tangents,
 )
 from railhead.solver.space.facets import pair
@@ -120,9 +119,9 @@ class SurfaceResponse(PressedSurfaces):
         count = len(facet)
         own = np.arange(count * comm.rank // comm.size, count * (comm.rank + 1) // comm.size)
         rows = (self.sign * tangents * flip[:, None])[own]
-        blocks = [rows_at(self.slave, facet[own], xi[own], -rows)]
+        blocks = [self.slave.rows_at(facet[own], xi[own], -rows)]
         if self.master is not None:
-            blocks.append(rows_at(self.master, partner[own], eta[own], rows))
+            blocks.append(self.master.rows_at(partner[own], eta[own], rows))
         total = system.reduction.matrix.getSize()[0]
         return SurfacePoints(
             comm=comm,

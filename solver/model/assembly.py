@@ -19,17 +19,18 @@ from railhead.solver.algebra.newton import CONVERGED, NewtonResult
 from railhead.solver.algebra.problem import ContactProblem
 from railhead.solver.material.elasticity import assemble
 from railhead.solver.material.hardening import History
-from railhead.solver.model.pairing import Pairing, Surfaces
 from railhead.solver.model.parts import Body, Contact, Part
 from railhead.solver.model.problem import AssembledStiffness
 from railhead.solver.model.state import HubLoads, State
 from railhead.solver.plasticity.plastic_problem import YieldPoints, bulk_points
 from railhead.solver.space import constraints
 from railhead.solver.space.constraints import Reduction
+from railhead.solver.space.contact_interface import ContactLaw, Interface
 from railhead.solver.space.kinematics import SOLID, Kinematics
 from railhead.solver.space.operators import vector
 from railhead.solver.space.supports import Clamp, Hub, Slide, held, masks, must_exist, unit
 from railhead.solver.system.contact_system import DIRECT_BELOW
+from railhead.solver.system.surfaces import Surfaces
 from railhead.theory.array_types import Array, Mask
 
 SECTIONS = (None, "plane strain", "plane stress", "axisymmetric")
@@ -42,6 +43,7 @@ class Assembly:
 
     bulk, stiffness: displacement space, and the stiffness on all dofs.
     surfaces: of all contacts. secondary: material of the secondary body of each.
+    law: contact law of all contacts: symmetric, or with theta = 0 where something has friction.
     body_force: on all dofs.
     masks: of each clamp, slide and hub, the nodes of this rank on its facets.
     remembers: whether the answer depends on the way of the loads: with yield or friction.
@@ -67,11 +69,11 @@ class Assembly:
         if not contacts:
             raise ValueError("a model needs a Contact")
         self.materials = {each.tag: each.material.material(section) for each in self.bodies}
+        if len(self.materials) < len(self.bodies):
+            raise ValueError(f"a body is named twice: {[each.tag for each in self.bodies]}")
         for body in self.bodies:
             must_exist("cell", cell_tags, body.tag, self.comm)
-        tags = [each.tag for each in supports] + [each.secondary for each in contacts]
-        tags += [each.primary for each in contacts if isinstance(each.primary, int)]
-        for tag in tags:
+        for tag in [each.tag for each in supports] + [tag for c in contacts for tag in c.tags]:
             must_exist("facet", facet_tags, tag, self.comm)
         self.bulk, stiffness = assemble(mesh, cell_tags, self.materials, degree, self.kinematics)
         self.stiffness = stiffness.convert("aij", PETSc.Mat())
@@ -85,11 +87,15 @@ class Assembly:
             for hub in supports
             if isinstance(hub, Hub) and hub.free is not None
         }
-        self.surfaces = Surfaces(contacts, self.bulk, facet_tags, self.secondary, self.comm)
+        suited = [ContactLaw().suited(each.young_modulus, each.lame) for each in self.secondary]
+        rubs = any(each.friction for each in contacts)
+        self.law = ContactLaw(theta=0 if rubs else min(law.theta or 0 for law in suited))
+        factors = [law.gamma_factor for law in suited]
+        self.surfaces = Surfaces(contacts, self.bulk, facet_tags, self.comm, factors)
         yields = any(each.hardening for each in self.materials.values())
-        self.remembers = yields or any(each.friction for each in contacts)
+        self.remembers = yields or rubs
         self._unknowns: dict[tuple[Hub, ...], Unknowns] = {}
-        self._factors: tuple[Pairing, Unknowns, Direct] | None = None
+        self._factors: tuple[Interface, Unknowns, Direct] | None = None
 
     def _body_at(self, facets: Any) -> int:
         """Tag of the body that some facets belong to (collective)."""
@@ -154,7 +160,7 @@ class Assembly:
         return compat.dof_points(self.bulk.space)
 
     def preconditioner(
-        self, problem: ContactProblem, pairing: Pairing, loads: HubLoads
+        self, problem: ContactProblem, pairing: Interface, loads: HubLoads
     ) -> Preconditioner:
         """Preconditioner of a problem: the last factorisation, where contact points and free hubs
         are the same; p-multigrid for a large solid of degree 2 without friction.
@@ -184,7 +190,7 @@ class Assembly:
         every = self.comm.allgather(displacement.array)
         return np.concatenate(every).reshape(-1, self.kinematics.dim)
 
-    def first_touch(self, pairing: Pairing, loads: HubLoads) -> Mask:
+    def first_touch(self, pairing: Interface, loads: HubLoads) -> Mask:
         """Points (n,) of this rank that touch first where hubs move along their forces: those with
         a gap up to h, which is at least that of the twelve nearest of each contact (collective).
 
@@ -195,7 +201,7 @@ class Assembly:
         which is Hertz's force to 13 % in both. Gaps are those along the motion, or of the surfaces
         where no force closes them.
         """
-        face, closing = pairing.interface, np.zeros(len(pairing.contact))
+        face, closing = pairing, np.zeros(len(pairing.contact))
         force = sum(abs(loads[hub][0] or 0.0) for hub in self._free(loads))
         for hub in self._free(loads):
             closing -= (face.gap * self._motions[hub]).array * np.sign(loads[hub][0] or 1.0)
@@ -240,7 +246,7 @@ class Assembly:
             pairing=pairing,
             outdated=False,
             pressure=np.zeros(count),
-            gap=pairing.interface.initial_gap,
+            gap=pairing.initial_gap,
             traction=np.zeros(pairing.tangents.shape[:2]),
             result=NewtonResult(u, np.zeros(count), CONVERGED),
         )
@@ -286,8 +292,8 @@ class Unknowns:
 
 
 def kinematics(mesh: Any, section: str | None, thickness: float, mean: bool) -> Kinematics:
-    """Meaning of the mesh's coordinates in a section. Raises ValueError for a mesh with another
-    number of coordinates, and for an unknown section.
+    """Meaning of the mesh's coordinates in a section (collective). Raises ValueError for a mesh
+    with another number of coordinates or negative radii, an unknown section, a wrong thickness.
     """
     if section not in SECTIONS:
         raise ValueError(f"section {section!r} is unknown; give one of {SECTIONS}")
@@ -296,7 +302,14 @@ def kinematics(mesh: Any, section: str | None, thickness: float, mean: bool) -> 
         raise ValueError(f"section {section!r} does not fit a mesh with {dim} coordinates")
     if section is None:
         return replace(SOLID, mean_dilatation=mean)
+    if not 0 < thickness < np.inf:
+        raise ValueError(f"thickness must be positive, not {thickness!r}")
     revolved = section == "axisymmetric"
+    r = mesh.geometry.x[:, 0]
+    ends = [float(np.max(each, initial=0.0)) for each in (r, -r)]
+    largest, beyond = np.max(mesh.comm.allgather(ends), axis=0)
+    if revolved and beyond > ON_AXIS * largest:
+        raise ValueError(f"an axisymmetric mesh has r from 0 on, not from {-beyond:.6g}")
     return Kinematics(
         np.eye(3)[:2],
         thickness=1.0 if revolved else thickness,

@@ -11,12 +11,25 @@ import numpy as np
 from railhead.solver import compat
 from railhead.solver.algebra.newton import NewtonStep
 from railhead.solver.model.assembly import Assembly, kinematics
-from railhead.solver.model.parts import Body, Clamp, Contact, Force, Hub, Load, Part, Slide, unit
+from railhead.solver.model.parts import (
+    Body,
+    Clamp,
+    Contact,
+    Elastic,
+    Force,
+    Hub,
+    Load,
+    Move,
+    Part,
+    Slide,
+)
 from railhead.solver.model.state import State
 from railhead.solver.model.stepping import advance
 from railhead.solver.space.cells import CellSet, quadrature_degree, tabulate
+from railhead.solver.space.supports import unit
 from railhead.theory.array_types import Array
 
+VECTORS = ("free", "normal", "force", "point", "centre")  # of parts and of rigid surfaces
 STEPS = {False: 1, True: 10}  # of loads, without and with yield or friction
 
 
@@ -66,11 +79,14 @@ class Model:
         for each in parts:
             if not isinstance(each, Body | Contact | Clamp | Slide | Hub):
                 raise TypeError(f"{each!r} is no part of a model")
+            if isinstance(each, Body) and not isinstance(each.material, Elastic):
+                raise TypeError(f"{each!r} needs a material: Elastic or Plastic")
         dim = self._mesh[0].geometry.dim
         for each in parts:
-            given = [getattr(each, name, None) for name in ("free", "normal", "force")]
-            if any(vector is not None and len(vector) != dim for vector in given):
-                raise ValueError(f"{each} needs directions with {dim} components")
+            for owner in (each, getattr(each, "primary", None)):
+                given = [getattr(owner, name, None) for name in VECTORS]
+                if any(vector is not None and len(vector) != dim for vector in given):
+                    raise ValueError(f"{owner} needs vectors with {dim} components")
         self.parts += parts
         return parts[0] if len(parts) == 1 else parts
 
@@ -106,7 +122,7 @@ class Solution:
     def __init__(self, model: Assembly, state: State) -> None:
         """Read a state (collective)."""
         self._model, self._state = model, state
-        face, size = state.pairing.interface, state.traction
+        face, size = state.pairing, state.traction
         self.points, self.weights, self.normals = face.points, face.weights, face.normals
         self.contact, self.missed = state.pairing.contact, state.pairing.missed
         self.pressure, self.gap = state.pressure, state.gap
@@ -150,7 +166,9 @@ class Solution:
         model, state = self._model, self._state
         if not self.converged:
             raise ValueError(f"there is no state to go on from: {self.reason}")
-        count = steps or STEPS[model.remembers]
+        count = STEPS[model.remembers] if steps is None else steps
+        if not isinstance(count, int) or count < 1:
+            raise ValueError(f"steps must be a whole number from 1 on, not {steps!r}")
         target = {**state.loads, **{hub: _checked(model, hub, load) for hub, load in loads.items()}}
         state = replace(state, history=())
         return Solution(model, advance(model, state, target, count))
@@ -193,6 +211,8 @@ def _checked(model: Assembly, hub: Hub, load: Load) -> tuple[float | None, Array
     """
     if hub not in model.masks or not isinstance(hub, Hub):
         raise ValueError(f"{hub!r} is no hub of the model")
+    if not isinstance(load, Force | Move):
+        raise TypeError(f"{load!r} is no load of a hub: give Force or Move")
     dim = model.kinematics.dim
     given = load.move if isinstance(load, Force) else load.vector
     motion = np.zeros(dim) if given is None else np.asarray(given, float)

@@ -3,19 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
-
-import numpy as np
 
 from railhead.solver.material.elasticity import Material
 from railhead.solver.material.hardening import Hardening
-from railhead.solver.space.supports import Clamp, Direction, Hub, Slide, unit
-from railhead.theory.array_types import Array
-
-GapFunction = Callable[[Array], tuple[Array, Array]]
-"""Points (n, c) of the secondary surface -> gap (n,) along its outward normals, and these unit
-normals (n, c or 3)."""
+from railhead.solver.space.supports import Clamp, Direction, Hub, Slide
+from railhead.solver.system.surfaces import Contact
 
 
 @dataclass(frozen=True)
@@ -53,12 +46,18 @@ class Plastic(Elastic):
     yield_stress: float
     hardening: float = 0.0
 
+    def __post_init__(self) -> None:
+        """Raises ValueError as `Elastic`, for a yield stress that is not positive and finite, and
+        for a negative hardening.
+        """
+        super().__post_init__()
+        if not (0 < self.yield_stress < math.inf and 0 <= self.hardening < math.inf):
+            raise ValueError("yield_stress must be positive, and hardening not negative")
+
     def material(self, section: str | None) -> Material:
         """Elastic constants with the flow curve; raises ValueError in plane stress."""
         if section == "plane stress":
             raise ValueError("Plastic is not there in plane stress: use plane strain or 3-D")
-        if self.yield_stress <= 0 or self.hardening < 0:
-            raise ValueError("yield_stress must be positive, and hardening not negative")
         curve = Hardening.linear(self.yield_stress, self.hardening)
         return Material(self.young_modulus, self.poisson_ratio, curve)
 
@@ -70,64 +69,6 @@ class Body:
     tag: int
     material: Elastic
     force: Direction | None = None
-
-
-@dataclass(frozen=True)
-class Plane:
-    """Rigid plane through a point; normal: towards the body that may touch it."""
-
-    point: Direction
-    normal: Direction
-
-    def distance(self, points: Array, normals: Array) -> Array:
-        """Distance (n,) from points (n, c) along unit normals (n, c), infinite where they miss."""
-        up = unit("normal", self.normal)
-        down = -normals @ up
-        return np.where(down > 0, (points - self.point) @ up / np.where(down > 0, down, 1), np.inf)
-
-
-@dataclass(frozen=True)
-class Sphere:
-    """Rigid sphere, in a section a cylinder or, on the axis, a sphere."""
-
-    centre: Direction
-    radius: float
-
-    def distance(self, points: Array, normals: Array) -> Array:
-        """Distance (n,) from points (n, c) along unit normals (n, c), infinite where they miss."""
-        apart = np.asarray(self.centre) - points
-        along = np.einsum("nc,nc->n", apart, normals)
-        square = self.radius**2 - np.einsum("nc,nc->n", apart, apart) + along**2
-        hit = (square >= 0) & (along > 0)
-        return np.where(hit, along - np.sqrt(np.maximum(square, 0)), np.inf)
-
-
-@dataclass(frozen=True)
-class Contact:
-    """Two surfaces that may touch, by the tags of their facets. The secondary one carries the
-    contact points; it is best the one of the softer body or, of like bodies, the finer one.
-
-    primary: tag, or a rigid `Plane` or `Sphere` that stays where it is.
-    friction: Coulomb's coefficient.
-    gap: None: from the facets, curved as they are. A function (see `GapFunction`) holds for motions
-        that are small beside the radii; with it, primary None is a rigid surface that stays.
-    """
-
-    secondary: int
-    primary: int | Plane | Sphere | None
-    friction: float = 0.0
-    gap: GapFunction | None = None
-
-    def __post_init__(self) -> None:
-        """Raises ValueError for a negative coefficient, for a surface on itself, and where neither
-        a primary surface nor a gap is given.
-        """
-        if not 0 <= self.friction < math.inf:
-            raise ValueError(f"friction must not be negative, not {self.friction!r}")
-        if self.primary == self.secondary:
-            raise ValueError(f"surface {self.secondary} on itself: self-contact is not there")
-        if self.primary is None and self.gap is None:
-            raise ValueError("Contact needs a primary surface, or a gap")
 
 
 @dataclass(frozen=True)

@@ -18,12 +18,11 @@ from petsc4py import PETSc
 
 from railhead.solver.algebra.problem import Tangent
 from railhead.solver.algebra.reduced_stiffness import DIFFERENT, Stiffness
+from railhead.solver.friction.coulomb import projected
 from railhead.solver.plasticity.plastic_problem import PlasticProblem, PlasticTangent
 from railhead.solver.space.constraints import Reduction
 from railhead.solver.space.operators import add_transposed, petsc_matrix, weighted_product
 from railhead.theory.array_types import Array, Mask
-
-TINY = 1e-300  # below it a traction has no direction
 
 
 class AssembledStiffness(Stiffness):
@@ -99,13 +98,18 @@ class FrictionalProblem(PlasticProblem):
     def stick(self) -> None:
         """Linearise around points that all stick."""
         count, size = self.start_slip.shape
-        self.share, self.direction = np.ones(count), np.zeros((count, size))
+        self.derivative, self.slides = np.eye(size)[None], np.zeros(count, dtype=bool)
         self.pull, self.traction = np.zeros((count, size)), np.zeros((count, size))
-        self.slides = np.zeros(count, dtype=bool)
 
     def branches(self, active: Mask) -> Mask:
         """State of the points that the tangent depends on (2 n,): which touch, and which slide."""
         return np.concatenate([active, active & self.slides])
+
+    def all_slides(self, active: Mask) -> bool:
+        """Whether all points of all ranks that touch, (n,), slide (collective)."""
+        local = [int(active.sum()), int((active & ~self.slides).sum())]
+        touching, sticking = self.slip.comm.tompi4py().allreduce(np.array(local))
+        return bool(touching and not sticking)
 
     def _friction(self, y: PETSc.Vec, pressure: Array) -> None:
         """Tangential tractions (n, k) and their derivatives at the free unknowns y."""
@@ -113,22 +117,16 @@ class FrictionalProblem(PlasticProblem):
         trial = trial + self.start_shear - self.tau[:, None] * self.start_slip
         plastic = np.einsum("nkm,nm->nk", self.shear_dyads, self._surface[0].plastic)
         trial = trial - 2 * self.surface.mu[:, None] * plastic
-        size, bound = np.linalg.norm(trial, axis=1), self.coefficient * pressure
-        self.slides = size > bound
-        self.share = np.where(self.slides, bound / np.maximum(size, TINY), 1.0)
-        direction = trial / np.maximum(size, TINY)[:, None]
-        self.direction = np.where(self.slides[:, None], direction, 0.0)
-        self.pull = self.coefficient[:, None] * self.direction
-        self.traction = self.share[:, None] * trial
+        bound = self.coefficient * pressure
+        self.traction, self.derivative, direction, self.slides = projected(trial, bound)
+        self.pull = self.coefficient[:, None] * direction
 
     def projection(self, active: Mask) -> Array:
         """Derivative (n, k, k) of the traction by the trial traction: 1 where points stick, the
         part normal to it times the share where they slide, 0 at points that do not touch.
         """
-        eye = np.eye(self.direction.shape[1])
-        dyad = self.direction[:, :, None] * self.direction[:, None, :]
         rubs = active & (self.coefficient > 0)
-        return np.asarray((rubs * self.share)[:, None, None] * (eye - dyad))
+        return np.asarray(rubs[:, None, None] * self.derivative)
 
     def residual(self, y: PETSc.Vec, pressure: Array) -> PETSc.Vec:
         """Residual of equilibrium in the free unknowns; pressure: at y (n,), computed last."""

@@ -9,7 +9,7 @@ from petsc4py import PETSc
 
 from railhead.solver.algebra.newton import NewtonResult, NewtonStep
 from railhead.solver.material.hardening import History
-from railhead.solver.model.pairing import Pairing
+from railhead.solver.space.contact_interface import Interface
 from railhead.solver.space.supports import Hub
 from railhead.theory.array_types import Array
 
@@ -37,7 +37,7 @@ class State:
     nodal: Array
     bulk: History
     surface: History
-    pairing: Pairing
+    pairing: Interface
     outdated: bool
     pressure: Array
     gap: Array

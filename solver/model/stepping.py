@@ -12,12 +12,13 @@ from scipy.spatial import cKDTree
 from railhead.solver.algebra import newton
 from railhead.solver.algebra.newton import NewtonResult
 from railhead.solver.algebra.problem import ContactProblem
+from railhead.solver.algebra.steps import in_steps
 from railhead.solver.material.hardening import History
 from railhead.solver.model.assembly import Assembly
-from railhead.solver.model.pairing import Pairing
 from railhead.solver.model.problem import FrictionalProblem
 from railhead.solver.model.state import HubLoads, State
 from railhead.solver.plasticity.plastic_problem import surface_points
+from railhead.solver.space.contact_interface import Interface
 from railhead.solver.space.operators import add_transposed
 from railhead.solver.space.supports import Hub, unit
 from railhead.theory.array_types import Array
@@ -25,30 +26,25 @@ from railhead.theory.array_types import Array
 TOLERANCE = 1e-8  # of Newton's method
 MOST_PAIRINGS = 6  # in one step
 MISMATCH = 0.01  # of the largest pressure, that the gap of a pairing may be off by
-SMALLEST_STEP = 1 / 64  # of a step, below which it is cut no further
 STEPS = 50  # Newton's, at most
 
 
 def advance(model: Assembly, state: State, target: HubLoads, steps: int) -> State:
-    """State under other loads, which change evenly in steps; a step that does not converge is
-    halved, down to 1/64 (SMALLEST_STEP) of it. The last state that converged, with the result that
-    did not, is returned where that fails (collective).
+    """State under other loads, which change evenly in steps, see `in_steps`. Where one fails, the
+    last state that converged, with the result that did not (collective).
     """
-    start, done = _continued(state, target), 0.0
-    for goal in np.linspace(0.0, 1.0, steps + 1)[1:]:
-        size = goal - done
-        while done < goal:
-            reached = min(goal, done + size)
-            if goal - reached < SMALLEST_STEP / steps / 2:
-                reached = goal
-            new = _step(model, state, _between(start, target, reached))
-            history = state.history + tuple(new.result.history)
-            if new.result.converged:
-                state, done = replace(new, history=history), reached
-                continue
-            size /= 2
-            if size < SMALLEST_STEP / steps:
-                return replace(state, result=new.result, history=history)
+    start = _continued(state, target)
+
+    def step(share: float) -> bool:
+        """Go to the loads at a share of the way; returns whether that converged."""
+        nonlocal state
+        new = _step(model, state, _between(start, target, share))
+        history = state.history + tuple(new.result.history)
+        converged = new.result.converged
+        state = replace(new if converged else state, result=new.result, history=history)
+        return converged
+
+    in_steps(np.linspace(0.0, 1.0, steps + 1)[1:], 0.0, step)
     return state
 
 
@@ -94,8 +90,10 @@ def _step(model: Assembly, before: State, loads: HubLoads) -> State:
         done += result.history
         u = prescribed.copy()
         model.unknowns(loads).reduction.matrix.multAdd(result.y, prescribed, u)
-        gap = pairing.interface.initial_gap + (pairing.interface.gap * u).array
+        gap = pairing.initial_gap + (pairing.gap * u).array
         if not result.converged:
+            if isinstance(problem, FrictionalProblem) and problem.all_slides(result.pressure > 0):
+                result.reason = "everything slides: a force is above what friction carries"
             break
         every = model.gathered(u)
         outdated, change = model.surfaces.outdated(pairing, every, gap, result.pressure > 0)
@@ -105,14 +103,18 @@ def _step(model: Assembly, before: State, loads: HubLoads) -> State:
         if stiffness * change <= MISMATCH * largest:
             break
         paired = pairing
-        pairing, y = model.surfaces.pair(every), result.y
+        try:
+            pairing, y = model.surfaces.pair(every), result.y
+        except ValueError as error:
+            result.reason = str(error)
+            break
     else:
         pairing, result.reason = paired, "the pairs of points do not settle"
     result = replace(result, history=done)
     return _state(model, before, problem, pairing, loads, u, gap, result, outdated)
 
 
-def _carried(values: Array, old: Pairing, new: Pairing) -> Array:
+def _carried(values: Array, old: Interface, new: Interface) -> Array:
     """Values (n, ...) at the points of a pairing, from those at the points of another: each takes
     the nearest one's.
     """
@@ -120,14 +122,14 @@ def _carried(values: Array, old: Pairing, new: Pairing) -> Array:
         return values
     if not len(values):
         return np.zeros((len(new.contact), *values.shape[1:]), dtype=values.dtype)
-    return values[cKDTree(old.interface.points).query(new.interface.points)[1]]
+    return values[cKDTree(old.points).query(new.points)[1]]
 
 
 def _problem(
-    model: Assembly, before: State, pairing: Pairing, loads: HubLoads
+    model: Assembly, before: State, pairing: Interface, loads: HubLoads
 ) -> tuple[ContactProblem, PETSc.Vec]:
     """Equations of a step from a state, and the prescribed displacement (collective)."""
-    unknowns, face, law = model.unknowns(loads), pairing.interface, model.surfaces.law
+    unknowns, face, law = model.unknowns(loads), pairing, model.law
     p = unknowns.reduction.matrix
     prescribed = model.prescribed(loads)
     force = model.stiffness * prescribed
@@ -163,13 +165,13 @@ def _problem(
 def _with_history(
     model: Assembly,
     before: State,
-    pairing: Pairing,
+    pairing: Interface,
     loads: HubLoads,
     prescribed: PETSc.Vec,
     values: dict[str, Any],
 ) -> FrictionalProblem:
     """Equations with yield and friction, from those without them."""
-    unknowns, face, shape = model.unknowns(loads), pairing.interface, pairing.tangents.shape[:2]
+    unknowns, face, shape = model.unknowns(loads), pairing, pairing.tangents.shape[:2]
     p, bulk = unknowns.reduction.matrix, unknowns.points
     surface = surface_points(face, None, model.bulk, unknowns.reduction, model.comm)
     surface.groups = [
@@ -209,7 +211,7 @@ def _state(
     model: Assembly,
     before: State,
     problem: ContactProblem,
-    pairing: Pairing,
+    pairing: Interface,
     loads: HubLoads,
     u: PETSc.Vec,
     gap: Array,
@@ -217,7 +219,7 @@ def _state(
     outdated: bool,
 ) -> State:
     """State that a result of Newton's method belongs to (collective)."""
-    face, pressure = pairing.interface, result.pressure
+    face, pressure = pairing, result.pressure
     bulk, surface = before.bulk, before.surface
     traction, lost = np.zeros(pairing.tangents.shape[:2]), np.zeros(len(pressure))
     nodal = model.stiffness * u

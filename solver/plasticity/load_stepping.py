@@ -13,6 +13,7 @@ from petsc4py import PETSc
 
 from railhead.solver.algebra import linear, newton
 from railhead.solver.algebra.newton import NewtonResult
+from railhead.solver.algebra.steps import in_steps
 from railhead.solver.material.hardening import ROOT, History, deviator
 from railhead.solver.plasticity.plastic_problem import (
     PlasticProblem,
@@ -22,7 +23,6 @@ from railhead.solver.plasticity.plastic_problem import (
 )
 from railhead.solver.space.supports import on_facets
 from railhead.solver.system.contact_system import ContactSystem, LoadCase
-from railhead.solver.system.response import ElasticResponse
 from railhead.solver.system.setup import LoadPath
 from railhead.solver.system.solution import PlasticSolution, PlasticStrain, Solution
 from railhead.theory.array_types import Array, Index, Mask
@@ -40,7 +40,6 @@ REPORTED_SHARES = (1.0, 0.0)  # shares of the load whose solution is reported
 START_TOLERANCE = 1e-2  # Newton's at the elastic solution from which the first step starts
 STEP_TOLERANCE = 1e-3  # Newton's at other shares: moves pressure and area by up to 2e-4
 LARGEST_GROWTH = 2.0  # of a load step over the last one: with more than 2.41 BDF2 is not stable
-SMALLEST_STEP = 1 / 32  # of a load step, below which it is cut no further
 SAME_POWER = 0.05  # by which powers of the load that give the same first yield may differ in it
 MOST_GUESSES = 4  # of the load of first yield
 
@@ -133,18 +132,11 @@ class LoadStepping:
         return self.solution
 
     def solve_load_steps(self, shares: Iterable[float]) -> NewtonResult:
-        """Apply the load case in these shares of the full load, in turn. A step that does not
-        converge is halved, down to 1/32 (SMALLEST_STEP) of it. Where that fails too, the other
-        shares are left out. Returns the result of the last step, which has then not converged.
+        """Apply the load case in these shares of the full load, in turn, see `in_steps`. Where a
+        step fails, the other shares are left out. Returns the result of the last step, which has
+        then not converged.
         """
-        for share in shares:
-            least = abs(share - self.share) * SMALLEST_STEP
-            while self.share != share:
-                target = share
-                while not (result := self._step(target)).converged:
-                    if abs(target - self.share) <= least:
-                        return result
-                    target = (target + self.share) / 2
+        in_steps(shares, self.share, lambda share: self._step(share).converged)
         return self.solution.newton
 
     def separate(self, reference_force: float, start: PETSc.Vec) -> None:
@@ -264,23 +256,23 @@ def plastic_strain(
     return PlasticStrain(strain, equivalent)
 
 
-class PlasticResponse(ElasticResponse):
-    """Response of bodies that yield: they are loaded in steps from first yield on.
+class Response:
+    """Response of the bodies to one load case. It presses the bodies, presses them again under the
+    tangential tractions that friction finds, and unloads them. Bodies that yield are loaded in
+    steps from first yield on; elastic ones have no history.
 
     system: contact system.
-    problem: contact problem with plastic strain.
-    path: number of load steps, cycles, unloading.
+    problem: contact problem with plastic strain; None: all bodies stay elastic.
     stepping: load steps so far; None as long as everything stays elastic.
     _start: plastic state at the start of the friction load step.
     """
 
     stepping: LoadStepping | None = None
+    _start: State
 
-    def __init__(self, system: ContactSystem, problem: PlasticProblem, path: LoadPath) -> None:
-        super().__init__(system)
-        self.problem, self.path = problem, path
-        problem.reset_history()
-        self._start: State = problem.state
+    def __init__(self, system: ContactSystem, problem: PlasticProblem | None) -> None:
+        self.system, self.problem, self.path = system, problem, system.setup.load_path
+        self.start_friction_step()
 
     def press(self, case: LoadCase) -> Solution:
         """Frictionless solution: elastic up to first yield, then in equal load steps (collective).
@@ -291,30 +283,34 @@ class PlasticResponse(ElasticResponse):
         again. The elastic solution is the field `reference` of the one returned. It is returned
         itself, without a field `plasticity`, where nothing yields or it does not converge.
         """
-        elastic = super().press(case)
-        worst = self._mises_over_yield(elastic, case)
-        if not elastic.newton.converged or worst <= 1:
+        elastic = self.system.press(case)
+        problem, path = self.problem, self.path
+        if problem is None or path is None or not elastic.newton.converged:
             return elastic
-        self.problem.reset_history()
+        worst = self._mises_over_yield(problem, elastic, case)
+        if worst <= 1:
+            return elastic
+        problem.reset_history()
         over, start = worst**self.system.setup.kinematics.load_power, elastic
         for _ in range(MOST_GUESSES):
-            first_yield, *up = np.linspace(1 / over, 1.0, self.path.steps + 1)
+            first_yield, *up = np.linspace(1 / over, 1.0, path.steps + 1)
             share = min(up[0], 1 / over) if up[0] == 1 else up[0]
             active = predict_active_set(self.system, elastic.indicator, share)
             lower = replace(case.scaled(share), active=active, tolerance=START_TOLERANCE)
-            less = super().press(lower)
+            less = self.system.press(lower)
             start = less if up[0] < 1 else elastic
-            again = worst ** (np.log(share) / np.log(self._mises_over_yield(less, lower) / worst))
+            mises = self._mises_over_yield(problem, less, lower)
+            again = worst ** (np.log(share) / np.log(mises / worst))
             if abs(again / over - 1) < SAME_POWER:
                 break
             over = float(again)
         self.stepping = stepping = LoadStepping(
-            self.system, self.problem, case, first_yield, start, up[0]
+            self.system, problem, case, first_yield, start, up[0]
         )
         loaded = stepping.solve_load_steps(up)
         loading_steps = len(stepping.results)
         if loaded.converged:
-            stepping.solve_load_steps([*LOWERING, *up] * (self.path.cycles - 1))
+            stepping.solve_load_steps([*LOWERING, *up] * (path.cycles - 1))
         plasticity = PlasticSolution(
             load_over_first_yield=over,
             newton_results=tuple(stepping.results),
@@ -327,9 +323,11 @@ class PlasticResponse(ElasticResponse):
         """Mark the start of a friction load step: the present plastic state is the history from
         which `press_again` starts; no plastic strain where pressing stayed elastic.
         """
-        if self.stepping is None:
+        if self.stepping is not None:
+            self._start = self.stepping.state
+        elif self.problem is not None:
             self.problem.reset_history()
-        self._start = self.problem.state if self.stepping is None else self.stepping.state
+            self._start = self.problem.state
 
     def press_again(self, solution: Solution, case: LoadCase) -> Solution:
         """Solution of the last load step again, under a load case whose force includes that of
@@ -346,13 +344,15 @@ class PlasticResponse(ElasticResponse):
 
     def plastic_shear_stress(self, points: Index, tangents: Array, normals: Array) -> Array:
         """Shear stress that plastic strain takes, 2 mu t . eps_p . n (p, k), MPa, in the last
-        state.
+        state; zero for elastic bodies.
 
         points: numbers (p,) of contact points of this rank.
         tangents: unit tangents t (p, k, c).
         normals: unit normals n (p, c).
         """
         kinematics = self.system.setup.kinematics
+        if self.problem is None:
+            return np.zeros(tangents.shape[:2])
         strain = kinematics.tensors(self.problem.state[1].plastic[points])
         along = kinematics.in_space(tangents)
         shear = np.einsum("pkc,pcd,pd->pk", along, strain, kinematics.in_space(normals))
@@ -367,10 +367,10 @@ class PlasticResponse(ElasticResponse):
         Without unloading in the load path, and where nothing yielded or the solution did not
         converge, the solution itself.
         """
-        plasticity, stepping = solution.plasticity, self.stepping
-        if not (plasticity and stepping and self.path.unload and solution.newton.converged):
+        plasticity, stepping, path = solution.plasticity, self.stepping, self.path
+        if not (plasticity and stepping and path and path.unload and solution.newton.converged):
             return solution
-        force = self.problem.contact_force(stepping.solution.pressure)
+        force = stepping.problem.contact_force(stepping.solution.pressure)
         at_once = plasticity.load_over_first_yield <= UNLOADED_AT_ONCE
         if at_once or stepping.solve_load_steps(UNLOADING).converged:
             start = solution.newton.y
@@ -387,13 +387,15 @@ class PlasticResponse(ElasticResponse):
         )
         return replace(solution, plasticity=plasticity)
 
-    def _mises_over_yield(self, elastic: Solution, case: LoadCase) -> float:
+    def _mises_over_yield(
+        self, problem: PlasticProblem, elastic: Solution, case: LoadCase
+    ) -> float:
         """Largest elastic von Mises stress over the yield stress, at the points at which plastic
         strain is followed (collective).
         """
-        self.problem.set_prescribed_strain(self.system.prescribed(case))
+        problem.set_prescribed_strain(self.system.prescribed(case))
         worst = 0.0
-        for points in (self.problem.bulk, self.problem.surface):
+        for points in (problem.bulk, problem.surface):
             strain = points.strains(elastic.newton.y) + points.prescribed_strain
             stress = 2 * points.mu[:, None] * deviator(strain)
             size = np.sqrt(np.einsum("nm,nm->n", stress, stress))

@@ -62,9 +62,11 @@ def lagrange_element(cell: str, degree: int, variant: basix.LagrangeVariant) -> 
     )
 
 
-def tabulate(cell: str, degree: int, points: Array, *, geometry: bool = False) -> Array:
+def tabulate(
+    cell: str, degree: int, points: Array, *, geometry: bool = False, derivatives: int = 1
+) -> Array:
     """Values (first) and reference derivatives of the Lagrange basis, (1 + c, n, dofs), at
-    reference points.
+    reference points; derivatives: 0 leaves them out.
 
     cell: type of the cell. degree: polynomial degree. points: reference points (n, c).
     geometry: whether the basis is that of the coordinate map, whose nodes are equispaced; otherwise
@@ -75,7 +77,7 @@ def tabulate(cell: str, degree: int, points: Array, *, geometry: bool = False) -
     element = lagrange_element(cell, degree, variant)
     if not len(points):  # basix aborts at none in hexahedra
         return np.zeros((1 + points.shape[1], 0, element.dim))
-    return np.asarray(element.tabulate(1, points))[..., 0]
+    return np.asarray(element.tabulate(derivatives, points))[..., 0]
 
 
 def inverse(matrices: Array) -> tuple[Array, Array]:

@@ -19,14 +19,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from railhead.solver.space import pieces
 from railhead.solver.space.cells import quadrature_degree
-from railhead.solver.space.facets import FacetSet, pair
+from railhead.solver.space.facets import FacetSet
 from railhead.solver.space.operators import assemble_rows
 from railhead.theory.array_types import Array, Index, Mask
 
@@ -122,36 +122,42 @@ class ContactLaw:
 
 @dataclass(frozen=True, kw_only=True)
 class Interface:
-    """n quadrature points of this rank on the slave's contact surface, and matrices N (gap) and S
-    (normal stress) on all dofs. c is the number of coordinates of the mesh.
+    """n quadrature points of this rank on the slaves' contact surfaces, with k tangents each, and
+    matrices on all dofs. c is the number of coordinates of the mesh. Matrices are made at their
+    first use (collective).
 
-    slave: contact facets of the slave on this rank.
-    master: contact facets of the master on this rank; None where it is rigid.
-    points: position (n, c), mm.
-    weights: area of each point (n,) in the meshed part, mm2, see `FacetSet.quadrature`.
-    initial_gap: exact initial gap g0 (n,) along the normals, mm.
-    normals: (n, c) outward unit normals of the slave's exact surface.
-    trace_bound: smallest stable parameter of Nitsche's method (n,), MPa/mm, of the cell of each
-        point by itself, see the functions `trace_bound` and `stiffness_bound`.
-    layered: whether the cells are hexahedra or quadrilaterals, which lie in layers.
+    slave: contact facets of the slaves on this rank.
+    master: contact facets of the masters, of all ranks; None where all of them are rigid.
     facet: number of the slave's facet that each point lies on (n,).
     xi: coordinates of each point in its reference facet (n, c - 1).
-    gap: N, change of the gap per displacement: n . (u_master - u_slave).
-    stress: S, normal stress n . sigma(u_slave) . n, MPa/mm.
+    partner: number of the master's facet opposite each point (n,); -1: a rigid surface.
+    eta: coordinates of the point opposite in that facet (n, c - 1).
+    points: position (n, c), mm.
+    weights: area of each point (n,) in the meshed part, mm2, see `FacetSet.quadrature`.
+    initial_gap: initial gap g0 (n,) along the normals, mm.
+    normals: (n, c) outward unit normals of the slave's surface.
+    contact: number of the contact that each point belongs to (n,).
+    missed: share of the slave's surface of each contact that has nothing opposite.
+    trace_bound: smallest stable parameter of Nitsche's method (n,), MPa/mm, of the cell of each
+        point by itself, see the functions `trace_bound` and `stiffness_bound`.
+    local_dofs: number of dofs that this rank owns. comm: communicator of the mesh.
     """
 
     slave: FacetSet
     master: FacetSet | None
+    facet: Index
+    xi: Array
+    partner: Index
+    eta: Array
     points: Array
     weights: Array
     initial_gap: Array
     normals: Array
+    contact: Index
+    missed: list[float]
     trace_bound: Array
-    layered: bool
-    facet: Index
-    xi: Array
-    gap: PETSc.Mat
-    stress: PETSc.Mat
+    local_dofs: int
+    comm: MPI.Intracomm
 
     @property
     def facing(self) -> Mask:
@@ -163,117 +169,72 @@ class Interface:
     def stiffness_bound(self, law: ContactLaw) -> Array:
         """Value (n,) that the parameter of a contact law is a multiple of, MPa/mm.
 
-        For Nitsche's method it is the smallest stable parameter, in layered cells the trace bound
-        times 2 (LAYER_FACTOR). For a penalty it is the trace bound: a penalty is stable at any
-        parameter, and a larger one makes its pressure oscillate more.
+        For Nitsche's method it is the smallest stable parameter, in layered cells (hexahedra and
+        quadrilaterals) the trace bound times 2 (LAYER_FACTOR). For a penalty it is the trace bound:
+        a penalty is stable at any parameter, and a larger one makes its pressure oscillate more.
         """
-        return LAYER_FACTOR * self.trace_bound if self.layered and law.sigma else self.trace_bound
+        layered = self.slave.cell in ("hexahedron", "quadrilateral")
+        return LAYER_FACTOR * self.trace_bound if layered and law.sigma else self.trace_bound
+
+    @cached_property
+    def gap(self) -> PETSc.Mat:
+        """N, change of the gap per displacement: n . (u_master - u_slave)."""
+        return self._jump(-self.normals[:, None])
+
+    @cached_property
+    def stress(self) -> PETSc.Mat:
+        """S, normal stress n . sigma(u_slave) . n, MPa/mm."""
+        reference = self.slave.reference(self.facet, self.xi)
+        values = normal_stress(self.slave, self.facet, reference, self.normals)
+        return self._matrix([self.slave.rows(self.facet, values[:, None])])
+
+    @cached_property
+    def tangents(self) -> Array:
+        """Orthonormal tangents (n, k, c), with k = c - 1."""
+        return tangents_of(self.normals)
+
+    @cached_property
+    def slip(self) -> PETSc.Mat:
+        """Slip t . (u_slave - u_master) along the tangents t per displacement, n k rows."""
+        return self._jump(self.tangents)
+
+    @cached_property
+    def shear(self) -> PETSc.Mat:
+        """Shear stress t . sigma(u_slave) . n along the tangents t, n k rows, MPa/mm."""
+        reference = self.slave.reference(self.facet, self.xi)
+        values = shear_stress(self.slave, self.facet, reference, self.normals, self.tangents)
+        return self._matrix([self.slave.rows(self.facet, values)])
+
+    def _jump(self, directions: Array) -> PETSc.Mat:
+        """Displacement of the slave less that of the master along directions (n, k, c), n k rows
+        (collective).
+        """
+        blocks = [self.slave.rows_at(self.facet, self.xi, directions)]
+        if self.master is not None:
+            met = (self.partner >= 0)[:, None, None]
+            partner = np.maximum(self.partner, 0)
+            blocks.append(self.master.rows_at(partner, self.eta, -directions * met))
+        return self._matrix(blocks)
+
+    def _matrix(self, blocks: list[tuple[Index, Array]]) -> PETSc.Mat:
+        """Matrix on all dofs from blocks of rows that are added (collective)."""
+        total = self.comm.allreduce(self.local_dofs)
+        return assemble_rows(blocks, len(blocks[0][0]), self.local_dofs, total, self.comm)
 
 
-def build(
-    slave: FacetSet,
-    master: FacetSet | None,
-    exact: Gap,
-    local_dofs: int,
-    comm: MPI.Intracomm,
-    cut: bool = True,
-) -> Interface:
-    """Contact points of the slave, paired with the master, and the matrices of gap and normal
-    stress (collective).
-
-    slave: contact facets of the slave on this rank.
-    master: contact facets of the master on this rank; None: a rigid counterface.
-    exact: exact initial gap and the slave's outward normals.
-    local_dofs: number of owned dofs of the displacement space on this rank.
-    comm: communicator of the mesh.
-    cut: whether the points lie on the pieces into which the facets of both surfaces cut each other;
-        otherwise, and with a rigid counterface, on the slave's whole facets.
-    Points whose normal misses the master surface, or where the gap is not finite, are left out;
-    raises ValueError where none is left on any rank.
-    """
-    other = None if master is None else master.gathered(comm)
-    cut = cut and other is not None
-    order = quadrature_order(slave)
-    (facet, xi), weights = (
-        pieces.quadrature(slave, other, order) if cut and other else slave.quadrature(order)
-    )
-    points, _ = slave.tangents(facet, xi)
-    initial_gap, normals = _exact(slave, exact, points)
-    keep = np.isfinite(initial_gap)
-    if other is not None:
-        partner, eta = pair(points, normals, other)
-        keep &= partner >= 0
-    if not comm.allreduce(int(keep.sum())):
-        raise ValueError("no contact point has a finite gap and a facet of the other body opposite")
-    opposite = None if other is None else (other, partner[keep], eta[keep])
-    chosen = (facet[keep], xi[keep]), weights[keep], points[keep], normals[keep]
-    bound = trace_bound(slave, 2 * slave.degree, lambda *at: _exact(slave, exact, at[2])[1])
-    return assembled(slave, master, chosen, initial_gap[keep], opposite, bound, local_dofs, comm)
-
-
-def assembled(
-    slave: FacetSet,
-    master: FacetSet | None,
-    chosen: tuple[tuple[Index, Array], Array, Array, Array],
-    initial_gap: Array,
-    opposite: tuple[FacetSet, Index, Array] | None,
-    bound: Array,
-    local_dofs: int,
-    comm: MPI.Intracomm,
-) -> Interface:
-    """Contact interface at chosen points, with its matrices (collective).
-
-    slave, master, local_dofs, comm: see `build`.
-    chosen: (facet (n,) and coordinates xi (n, c - 1)), weights (n,), positions (n, c) and normals
-        (n, c) of the points.
-    initial_gap: along the normals (n,), mm.
-    opposite: facets of the master of all ranks, and the facet (n,) and coordinates (n, c - 1) there
-        that each point meets, -1 where that is rigid; None: all is rigid.
-    bound: trace bound of each facet of the slave, see `trace_bound`.
-    """
-    (facet, xi), weights, points, normals = chosen
-    reference = slave.reference(facet, xi)
-    phi, _ = slave.basis(facet, reference)
-    dim = slave.kinematics.dim
-    dofs = dim * slave.dofs[facet][:, :, None] + np.arange(dim)
-    blocks = [(dofs, -phi[:, :, None] * normals[:, None, :])]
-    if opposite is not None:
-        other, partner, eta = opposite
-        met = (partner >= 0)[:, None]
-        partner = np.maximum(partner, 0)
-        values = met * other.basis(partner, other.reference(partner, eta))[0]
-        partner_dofs = dim * other.dofs[partner][:, :, None] + np.arange(dim)
-        blocks.append((partner_dofs, values[:, :, None] * normals[:, None, :]))
-
-    traction = normal_stress(slave, facet, reference, normals)
-    total = comm.allreduce(local_dofs)
-    return Interface(
-        slave=slave,
-        master=master,
-        points=points,
-        weights=weights,
-        initial_gap=initial_gap,
-        normals=normals,
-        trace_bound=bound[facet],
-        layered=slave.cell in ("hexahedron", "quadrilateral"),
-        facet=facet,
-        xi=xi,
-        gap=assemble_rows(blocks, len(facet), local_dofs, total, comm),
-        stress=assemble_rows([(dofs, traction)], len(facet), local_dofs, total, comm),
-    )
+def tangents_of(normals: Array) -> Array:
+    """Orthonormal tangents (n, c - 1, c) at unit normals (n, c)."""
+    if normals.shape[1] == 2:
+        return np.stack([normals[:, 1], -normals[:, 0]], axis=1)[:, None]
+    least = np.eye(3)[np.abs(normals).argmin(axis=1)]
+    first = np.cross(normals, least)
+    first /= np.linalg.norm(first, axis=1)[:, None]
+    return np.stack([first, np.cross(normals, first)], axis=1)
 
 
 def quadrature_order(slave: FacetSet) -> int:
     """Degree of the contact quadrature on each piece or facet."""
     return SECTION_QUADRATURE if slave.kinematics.dim == 2 else 2 * slave.degree + 1
-
-
-def _exact(slave: FacetSet, exact: Gap, points: Array) -> tuple[Array, Array]:
-    """Exact gap (n,) in mm and unit normals (n, c) at points (n, c) of the slave, in the c
-    coordinates of the mesh.
-    """
-    gap, normals = exact(slave.kinematics.lift(points))
-    return gap, slave.kinematics.flatten(normals)
 
 
 def trace_bound(

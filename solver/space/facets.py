@@ -99,7 +99,11 @@ class FacetSet(CellSet):
         return replace(sets[0], **every)
 
     def moved(self, displacement: Array) -> FacetSet:
-        """The facets at their displaced places; displacement: (dofs, c) of all block dofs, mm."""
+        """The facets at their displaced places, themselves where nothing is displaced;
+        displacement: (dofs, c) of all block dofs, mm.
+        """
+        if not displacement.any():
+            return self
         degree = max(self.degree, self.geometry_degree)
         element = lagrange_element(self.cell, degree, basix.LagrangeVariant.equispaced)
         points = np.asarray(element.points)
@@ -113,8 +117,26 @@ class FacetSet(CellSet):
         """Displacement (n, c) at coordinates xi (n, c - 1) of the facets with these numbers (n,);
         displacement: (dofs, c) of all block dofs, mm.
         """
-        phi, _ = self.basis(index, self.reference(index, xi))
+        phi = tabulate(self.cell, self.degree, self.reference(index, xi), derivatives=0)[0]
         return np.asarray(np.einsum("nd,ndc->nc", phi, displacement[self.dofs[index]]))
+
+    def rows_at(self, index: Index, xi: Array, directions: Array) -> tuple[Index, Array]:
+        """Matrix rows, see `rows`, of the displacement along k directions (n, k, c) at coordinates
+        xi (n, c - 1) of the facets with these numbers (n,).
+        """
+        phi = tabulate(self.cell, self.degree, self.reference(index, xi), derivatives=0)[0]
+        return self.rows(index, phi[:, None, :, None] * directions[:, :, None, :])
+
+    def rows(self, index: Index, values: Array) -> tuple[Index, Array]:
+        """Global dofs and coefficients of matrix rows, each (n k, nodes, c): k rows at each of n
+        points.
+
+        index: facet that each point lies on (n,).
+        values: coefficients (n, k, nodes, c) of the nodes of the facets' cells.
+        """
+        size, dim = values.shape[1], values.shape[3]
+        dofs = dim * self.dofs[index][:, :, None] + np.arange(dim)
+        return np.repeat(dofs, size, axis=0), values.reshape(-1, *values.shape[2:])
 
     @cached_property
     def vertices(self) -> Array:
@@ -203,12 +225,16 @@ class FacetSet(CellSet):
 
 CANDIDATES = (8, 64)  # nearest facets that are tried first, and where these fail
 OUTSIDE = 0.05  # how far a point may lie outside its facet, in reference units
+ON_BORDER = 1e-9  # the same of a facet that is known to be met
 
 
-def pair(points: Array, normals: Array, master: FacetSet) -> tuple[Index, Array]:
+def pair(
+    points: Array, normals: Array, master: FacetSet, known: Index | None = None
+) -> tuple[Index, Array]:
     """Follow a normal from each point to a surface: X(xi) = x + t n, with t of either sign.
 
     points: x (n, c), mm. normals: n (n, c). master: facets of the surface.
+    known: facet that each normal meets, as far as is known, (n,), which is tried first; -1: none.
     Returns the facet that is met (n,), -1 where there is none, and the coordinates xi in the
     reference facet (n, c - 1), zero where there is none. A point may lie beyond the border of its
     facet, drawn straight between its corners, by up to 0.05 (OUTSIDE) of the reference facet. The 8
@@ -221,16 +247,21 @@ def pair(points: Array, normals: Array, master: FacetSet) -> tuple[Index, Array]
         return facet, xi
     tree = cKDTree(master.vertices.mean(axis=1))
     missing = np.arange(len(points))
-    for count in CANDIDATES:
-        count = min(count, len(master))
-        _, near = tree.query(points[missing], k=count)
-        near = np.asarray(near).reshape(len(missing), count)
+    for count in CANDIDATES if known is None else (1, *CANDIDATES):
+        if known is None:
+            count = min(count, len(master))
+            _, near = tree.query(points[missing], k=count)
+            near = np.asarray(near).reshape(len(missing), count)
+        else:
+            near = known[:, None]
         repeated = np.repeat(missing, count)
         guess = project_on_corners(points[repeated], normals[repeated], master, near.ravel())
         outside = _outside(guess, master).reshape(near.shape)
+        outside[near < 0] = np.inf
         best = outside.argmin(axis=1)
         each = np.arange(len(missing))
-        found = outside[each, best] < OUTSIDE
+        found = outside[each, best] < (OUTSIDE if known is None else ON_BORDER)
+        known = None
         facet[missing[found]] = near[each, best][found]
         xi[missing[found]] = guess.reshape(*near.shape, inner)[each, best][found]
         missing = missing[~found]

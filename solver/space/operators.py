@@ -34,17 +34,16 @@ def assemble_rows(
 ) -> PETSc.Mat:
     """Distributed matrix from dofs to values, with `count` rows on this rank (collective).
 
-    blocks: pairs (global dofs (count, ...), coefficients (count, ...)) that are added.
+    blocks: pairs (global dofs (count, ...), coefficients (count, ...)), of which no two have the
+        same dof in a row.
     local: number of dofs that this rank owns. total: number of dofs of all ranks.
     """
-    places = [np.repeat(np.arange(count), d[0].size if count else 0) for d, _ in blocks]
-    table = sp.csr_matrix(
-        (
-            np.concatenate([v.ravel() for _, v in blocks]),
-            (np.concatenate(places), np.concatenate([d.ravel() for d, _ in blocks])),
-        ),
-        shape=(count, total),
+    columns, values = (
+        np.concatenate([a.reshape(count, int(np.prod(a.shape[1:]))) for a in part], axis=1)
+        for part in zip(*blocks, strict=True)
     )
+    starts = np.arange(count + 1) * columns.shape[1]
+    table = sp.csr_matrix((values.ravel(), columns.ravel(), starts), shape=(count, total))
     return petsc_matrix(table, local, comm)
 
 

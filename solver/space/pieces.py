@@ -18,12 +18,16 @@ SIZE_CLASS = 2.0  # largest over smallest radius of the master's facets that are
 FACING = -0.1  # largest product of the normals of two facets that face each other
 COVERED = 0.02  # share of a facet that the pieces on it may lack, beside the end of a curved master
 ON_LINE = 1e-9  # height over a line, in the reference facet, that is rounding
+SKEW = np.array([0.61, 0.29, 0.74])  # a direction that edges of meshes hardly are normal to
 SMALLEST = 1e-12  # area of a piece, in the reference facet
 
 
-def quadrature(slave: FacetSet, master: FacetSet, degree: int) -> tuple[tuple[Index, Array], Array]:
+def quadrature(
+    slave: FacetSet, master: FacetSet, degree: int
+) -> tuple[tuple[Index, Array], Array, Index]:
     """Quadrature points on the pieces of the slave's facets, facet by facet, as
-    `FacetSet.quadrature` gives them on whole facets.
+    `FacetSet.quadrature` gives them on whole facets, and the master's facet of the piece that each
+    point lies on (n,), -1 on whole facets.
 
     slave: m facets. master: facets of the other surface, of all ranks.
     degree: degree of the quadrature on each piece.
@@ -31,7 +35,7 @@ def quadrature(slave: FacetSet, master: FacetSet, degree: int) -> tuple[tuple[In
     each of the slave's facets. What they do not cover has no points. A facet on which the pieces
     lack a part that all its normals meet, far from a curved master, keeps its whole quadrature.
     """
-    facet, corners = cut(slave, master)
+    facet, corners, other = cut(slave, master)
     kind = getattr(basix.CellType, "triangle" if corners.shape[2] == 2 else "interval")
     local, share = basix.make_quadrature(kind, degree)
     edges = corners[:, 1:] - corners[:, :1]
@@ -54,12 +58,15 @@ def quadrature(slave: FacetSet, master: FacetSet, degree: int) -> tuple[tuple[In
     index = np.concatenate([piece[cuts], whole[rest]])
     order = np.argsort(index, kind="stable")
     weights = np.append(areas[cuts] * slave.measure(piece[cuts], inner[cuts]), weights[rest])
-    return (index[order], np.concatenate([inner[cuts], xi[rest]])[order]), weights[order]
+    partner = np.append(np.repeat(other, len(share))[cuts], np.full(len(index) - cuts.sum(), -1))
+    at = index[order], np.concatenate([inner[cuts], xi[rest]])[order]
+    return at, weights[order], partner[order]
 
 
-def cut(slave: FacetSet, master: FacetSet) -> tuple[Index, Array]:
+def cut(slave: FacetSet, master: FacetSet) -> tuple[Index, Array, Index]:
     """Pieces that the facets of two surfaces have in common: the slave's facet of each piece (p,),
-    and the corners of the piece, an interval or a triangle, in the reference facet (p, c, c - 1).
+    the corners of the piece, an interval or a triangle, in the reference facet (p, c, c - 1), and
+    the master's facet (p,).
     """
     one, two = _neighbours(slave, master)
     corners = master.vertices[two]
@@ -70,24 +77,23 @@ def cut(slave: FacetSet, master: FacetSet) -> tuple[Index, Array]:
     if polygons.shape[2] == 1:
         ends = np.clip(np.sort(polygons, axis=1), 0.0, 1.0)
         used = ends[:, 1, 0] - ends[:, 0, 0] > SMALLEST
-        return one[used], ends[used]
+        return one[used], ends[used], two[used]
     polygons = polygons[:, [0, 1, 3, 2] if count == 4 else [0, 1, 2]]
     triangle = facet_type(slave.cell) == "triangle"
     planes = [([1.0, 0.0], 0.0), ([0.0, 1.0], 0.0)]
     planes += [([-1.0, -1.0], 1.0)] if triangle else [([-1.0, 0.0], 1.0), ([0.0, -1.0], 1.0)]
     for normal, offset in planes:
         polygons = _clipped(polygons, polygons @ np.array(normal) + offset)
-    # From the centroid, so that corners which rounding adds, and their order, change nothing.
+    # From a corner that is chosen in space: neither the order of corners nor ranks change anything.
+    sides = slave.vertices[one, 1:3] - slave.vertices[one, :1]
+    first = (polygons @ (sides @ SKEW)[..., None])[..., 0].argmax(axis=1)
     edges = np.stack([polygons, np.roll(polygons, -1, axis=1)], axis=2)
-    parts = np.linalg.det(edges - polygons[:, :1, None])
-    used = np.abs(parts.sum(axis=1)) > SMALLEST
-    one, polygons, edges, parts = one[used], polygons[used], edges[used], parts[used]
-    middle = np.einsum("pv,pvc->pc", parts, edges.sum(axis=2) + polygons[:, :1])
-    middle /= 3 * parts.sum(axis=1)[:, None]
-    apex = np.broadcast_to(middle[:, None, None], (*edges.shape[:2], 1, 2))
+    apex = polygons[np.arange(len(one)), first][:, None, None]
+    apex = np.broadcast_to(apex, (*edges.shape[:2], 1, 2))
     triangles = np.concatenate([apex, edges], axis=2)
     used = np.abs(np.linalg.det(triangles[..., 1:, :] - triangles[..., :1, :])) > SMALLEST
-    return np.repeat(one, used.sum(axis=1)), triangles[used]
+    times = used.sum(axis=1)
+    return np.repeat(one, times), triangles[used], np.repeat(two, times)
 
 
 def _clipped(polygons: Array, height: Array) -> Array:

@@ -19,14 +19,14 @@ from railhead.solver.algebra.multigrid import Hierarchy, PMultigrid
 from railhead.solver.algebra.problem import ContactProblem, reduce_problem
 from railhead.solver.algebra.reduced_stiffness import Stiffness, SupportReactions, unit_vector
 from railhead.solver.material.elasticity import assemble
-from railhead.solver.space import constraints, contact_interface
+from railhead.solver.space import constraints
 from railhead.solver.space.cells import Bulk
 from railhead.solver.space.contact_interface import Interface
-from railhead.solver.space.facets import FacetSet
 from railhead.solver.space.operators import vector
 from railhead.solver.space.supports import Clamp, Hub, Slide, held, masks, must_exist
 from railhead.solver.system.setup import Setup
 from railhead.solver.system.solution import Solution
+from railhead.solver.system.surfaces import Contact, Surfaces
 from railhead.theory.array_types import Array, Mask
 
 STAGE_TOLERANCE = 0.1  # residual over the contact force for the softer laws before a stiff one
@@ -119,15 +119,11 @@ class ContactSystem:
         )
         self.owned: int = self.bulk.space.dofmap.index_map.size_local
         sides.sort(key=lambda side: side.tag != setup.slave)
-        slave, *master = (FacetSet.on(self.bulk, facet_tags.find(s.contact)) for s in sides)
-        self.interface: Interface = contact_interface.build(
-            slave,
-            master[0] if master else None,
-            setup.gap,
-            setup.kinematics.dim * self.owned,
-            self.comm,
-            setup.cut,
-        )
+        slave, *master = (side.contact for side in sides)
+        contact = Contact(slave, master[0] if master else None, gap=setup.exact)
+        surfaces = Surfaces([contact], self.bulk, facet_tags, self.comm, cut=setup.cut)
+        rest = np.zeros((self.bulk.space.dofmap.index_map.size_global, setup.kinematics.dim))
+        self.interface: Interface = surfaces.pair(rest)
         tags = (-1 if side.rigid else side.support for side in (setup.fixed, setup.moving))
         self.clamp, self.hub = Clamp(next(tags)), Hub(next(tags), tuple(setup.push))
         flatten = setup.kinematics.flatten

@@ -144,7 +144,7 @@ def gather(model: ContactSystem, solution: Solution, *, facing: bool = True) -> 
         plastic = PlasticStrain(**collected(strain=plastic.strain, equivalent=plastic.equivalent))
     surface = None
     if facing and interface.master is not None:
-        slave, master = interface.slave.gathered(comm), interface.master.gathered(comm)
+        slave, master = interface.slave.gathered(comm), interface.master
         if comm.rank == 0:
             surface = master_surface(
                 slave, master, model.setup.gap, nodal["points"], nodal["displacement"]

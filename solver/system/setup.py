@@ -213,6 +213,11 @@ class Setup:
             moving.young_modulus, moving.poisson_ratio, fixed.young_modulus, fixed.poisson_ratio
         )
 
+    def exact(self, points: Array) -> tuple[Array, Array]:
+        """`gap`, from points (n, c) and with normals (n, c) in the c coordinates of the mesh."""
+        gap, normals = self.gap(self.kinematics.lift(points))
+        return gap, self.kinematics.flatten(normals)
+
     @property
     def push(self) -> Array:
         """Components (c,) of the unit vector of the approach along the c coordinates of the

@@ -11,7 +11,7 @@ from boxes import LOWER, UPPER, two_boxes
 from curved import meshed
 
 import railhead.solver as rs
-from railhead.solver.model.pairing import tangents_of
+from railhead.solver.space.contact_interface import tangents_of
 
 SOFT = rs.Elastic(1000.0, 0.3)
 ENDS = (((0, -1), (1, 0)), ((0, 0), (1, 1)))
@@ -27,10 +27,18 @@ def model(**changes: object) -> rs.Model:
     return made
 
 
-def solved(*parts: object, loads: dict | None = None, **changes: object) -> rs.Solution:
+def solved(
+    *parts: object, loads: dict | None = None, steps: int | None = None, **changes: object
+) -> rs.Solution:
     made = model(**changes)
     made.add(rs.Contact(secondary=12, primary=11), *parts)
-    return made.solve(loads)
+    return made.solve(loads, steps=steps)
+
+
+def turned() -> rs.Model:
+    """Boxes on both sides of the axis."""
+    both = (((-1, -1), (1, 0)), ((-1, 0), (1, 1)))
+    return rs.Model(*two_boxes("triangle", ((3, 2), (4, 2)), both), section="axisymmetric")
 
 
 @pytest.mark.parametrize(
@@ -42,7 +50,20 @@ def solved(*parts: object, loads: dict | None = None, **changes: object) -> rs.S
         (lambda: rs.Contact(12, None), "needs a primary surface, or a gap"),
         (lambda: rs.Contact(12, 11, friction=-0.1), "friction must not be negative"),
         (lambda: rs.Hub(22, slides=True), "needs a free direction"),
-        (lambda: model().add(rs.Slide(30, normal=(1, 0, 0))), "directions with 2 components"),
+        (lambda: rs.Plastic(1.0, 0.3, 0.0), "yield_stress must be positive"),
+        (lambda: rs.Sphere((0, 0), -1.0), "radius must be positive"),
+        (lambda: model(thickness=-1.0), "thickness must be positive"),
+        (lambda: turned(), "r from 0 on, not from -1"),
+        (lambda: solved(steps=-1), "steps must be a whole number from 1 on, not -1"),
+        (lambda: solved(steps=0), "steps must be a whole number from 1 on, not 0"),
+        (lambda: solved(rs.Body(LOWER, SOFT)), "a body is named twice"),
+        (
+            lambda: solved(rs.Contact(12, None, gap=lambda x: (0 * x[:, 0], [(0, -2)] * len(x)))),
+            "gap of surface 12 must give",
+        ),
+        (lambda: solved(rs.Contact(12, None, gap=lambda x: x[:, 0])), "gap of surface 12 must"),
+        (lambda: solved(rs.Contact(12, rs.Plane((0, 0, 0), (0, 1)))), "vectors with 2 components"),
+        (lambda: model().add(rs.Slide(30, normal=(1, 0, 0))), "vectors with 2 components"),
         (lambda: model(section="plain strain"), "section 'plain strain' is unknown"),
         (lambda: model(section=None), "does not fit a mesh with 2 coordinates"),
         (lambda: model(degree=3), "degree 3 is not there"),
@@ -100,6 +121,28 @@ def test_a_body_that_nothing_stops_does_not_converge() -> None:
     assert not found.converged and found.reason and found.history
     with pytest.raises(ValueError, match="there is no state to go on from"):
         found.then({hub: rs.Force(0.5)})
+
+
+def test_a_force_above_what_friction_carries_is_said() -> None:
+    """It converged with a motion of 1e10: the residual was below the rounding of that motion."""
+    made = model()
+    made.add(rs.Contact(secondary=12, primary=11, friction=0.3))
+    hub = made.add(rs.Hub(22, free=(1, 0)))
+    pressed = made.solve({hub: rs.Force(0.0, move=(0, -0.01))}, steps=1)
+    limit = 0.3 * pressed.weights @ pressed.pressure
+    assert pressed.then({hub: rs.Force(0.9 * limit, move=(0, -0.01))}, steps=1).converged
+    found = pressed.then({hub: rs.Force(1.2 * limit, move=(0, -0.01))}, steps=1)
+    assert not found.converged and "above what friction carries" in found.reason
+
+
+def test_what_is_no_part_or_load_is_refused() -> None:
+    made = model()
+    with pytest.raises(TypeError, match="needs a material"):
+        made.add(rs.Body(LOWER, "steel"))
+    hub = made.add(rs.Hub(22, free=(0, -1)))
+    made.add(rs.Contact(secondary=12, primary=11))
+    with pytest.raises(TypeError, match="10 is no load of a hub"):
+        made.solve({hub: 10})
 
 
 def test_straight_facets_on_an_arc_are_warned_of_and_what_misses_is_told() -> None:

@@ -1,0 +1,295 @@
+"""Contact surfaces of a mesh, and their contact points where the bodies are now.
+
+From a point x of the secondary surface its outward normal n meets the primary one at X. Both keep
+their material points until the next pairing, so that
+
+    g(u) = n . (X + u_primary - x - u_secondary)
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+
+from railhead.solver.space import contact_interface, pieces
+from railhead.solver.space.cells import Bulk
+from railhead.solver.space.contact_interface import Interface
+from railhead.solver.space.facets import FacetSet, pair
+from railhead.solver.space.supports import Direction, unit
+from railhead.theory.array_types import Array, Index, Mask
+
+BENT = 1e-3  # 1 - cosine between facets of degree 1 that stand for a curved surface
+FACING = -0.1  # largest product of the normals of surfaces that face each other
+DRIFT = 0.1  # of a facet, by which a point may slide before pairs are made anew
+GapFunction = Callable[[Array], tuple[Array, Array]]
+"""Points (n, c) of the secondary surface -> gap (n,) along its outward normals, not finite where
+they miss the primary surface, and these unit normals (n, c or 3)."""
+
+
+@dataclass(frozen=True)
+class Plane:
+    """Rigid plane through a point; normal: towards the body that may touch it."""
+
+    point: Direction
+    normal: Direction
+
+    def distance(self, points: Array, normals: Array) -> Array:
+        """Distance (n,) from points (n, c) along unit normals (n, c), infinite where they miss."""
+        up = unit("normal", self.normal)
+        down = -normals @ up
+        return np.where(down > 0, (points - self.point) @ up / np.where(down > 0, down, 1), np.inf)
+
+
+@dataclass(frozen=True)
+class Sphere:
+    """Rigid sphere, in a section a cylinder or, on the axis, a sphere."""
+
+    centre: Direction
+    radius: float
+
+    def __post_init__(self) -> None:
+        """Raises ValueError for a radius that is not positive and finite."""
+        if not 0 < self.radius < math.inf:
+            raise ValueError(f"radius must be positive, not {self.radius!r}")
+
+    def distance(self, points: Array, normals: Array) -> Array:
+        """Distance (n,) from points (n, c) along unit normals (n, c), infinite where they miss."""
+        apart = np.asarray(self.centre) - points
+        along = np.einsum("nc,nc->n", apart, normals)
+        square = self.radius**2 - np.einsum("nc,nc->n", apart, apart) + along**2
+        hit = (square >= 0) & (along > 0)
+        return np.where(hit, along - np.sqrt(np.maximum(square, 0)), np.inf)
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Two surfaces that may touch, by the tags of their facets. The secondary one carries the
+    contact points; it is best the one of the softer body or, of like bodies, the finer one.
+
+    primary: tag, or a rigid `Plane` or `Sphere` that stays where it is.
+    friction: Coulomb's coefficient.
+    gap: None: from the facets, curved as they are. A function (see `GapFunction`) holds for motions
+        that are small beside the radii; with it, primary None is a rigid surface that stays.
+    """
+
+    secondary: int
+    primary: int | Plane | Sphere | None
+    friction: float = 0.0
+    gap: GapFunction | None = None
+
+    def __post_init__(self) -> None:
+        """Raises ValueError for a negative coefficient, for a surface on itself, and where neither
+        a primary surface nor a gap is given.
+        """
+        if not 0 <= self.friction < math.inf:
+            raise ValueError(f"friction must not be negative, not {self.friction!r}")
+        if self.primary == self.secondary:
+            raise ValueError(f"surface {self.secondary} on itself: self-contact is not there")
+        if self.primary is None and self.gap is None:
+            raise ValueError("Contact needs a primary surface, or a gap")
+
+    @property
+    def tags(self) -> list[int]:
+        """Tags of the facets of its surfaces."""
+        return [each for each in (self.secondary, self.primary) if isinstance(each, int)]
+
+
+class Surfaces:
+    """The surfaces of all contacts of a mesh.
+
+    contacts: in their order.
+    secondary, primary: facets of each contact, of this rank and of all ranks; rigid ones have none.
+    cut: whether contact points lie on the pieces into which the facets of both surfaces cut each
+        other, so that a constant pressure stays constant; otherwise on whole secondary facets.
+    bound: smallest stable parameter of each secondary facet, times the factor of its contact.
+    """
+
+    def __init__(
+        self,
+        contacts: Sequence[Contact],
+        bulk: Bulk,
+        facet_tags: Any,
+        comm: MPI.Intracomm,
+        factors: Sequence[float] = (1.0,),
+        cut: bool = True,
+    ) -> None:
+        """factors: one of each contact (collective). Raises ValueError for a gap that gives no unit
+        normals, or other numbers of values than of points.
+        """
+        self.contacts, self.comm, self.bulk, self.cut = contacts, comm, bulk, cut
+        tags = [each.primary if isinstance(each.primary, int) else None for each in contacts]
+        none = np.zeros(0, np.int32)
+        self.secondary = [FacetSet.on(bulk, facet_tags.find(each.secondary)) for each in contacts]
+        masters = [FacetSet.on(bulk, none if t is None else facet_tags.find(t)) for t in tags]
+        self.primary = [each.gathered(comm) for each in masters]
+        self.slave, self.other = FacetSet.joined(self.secondary), FacetSet.joined(self.primary)
+        for each, surface in zip(contacts, self.secondary, strict=True):
+            fits = each.gap is None or _fits(each.gap, surface)
+            if not all(comm.allgather(fits)):
+                raise ValueError(
+                    f"gap of surface {each.secondary} must give, for n points, n gaps and n unit "
+                    "normals"
+                )
+        self._number = np.repeat(np.arange(len(contacts)), [len(each) for each in self.secondary])
+        self.bound = np.asarray(factors)[self._number] * contact_interface.trace_bound(
+            self.slave, 2 * self.slave.degree, self._normals
+        )
+        for each, surface in zip(contacts, self.primary, strict=True):
+            own = surface.flat_normals
+            straight = each.gap is None and surface.geometry_degree == 1 and len(own)
+            if straight and (own @ own[0]).min() < 1 - BENT:
+                self._warn(
+                    f"facets {each.primary} are straight on a curved surface, which adds some 10 % "
+                    "to the pressure: take a mesh of degree 2, or give the gap"
+                )
+
+    def _warn(self, text: str) -> None:
+        """Warn on rank 0."""
+        if self.comm.rank == 0:
+            warnings.warn(text, stacklevel=5)
+
+    def _normals(self, facet: Index, xi: Array, points: Array) -> Array:
+        """Outward unit normals (n, c) at points (n, c), with coordinates xi (n, c - 1) on facets
+        (n,) of all secondary surfaces: those given with the gap, or of the facets.
+        """
+        out = self.slave.normals(facet, self.slave.tangents(facet, xi)[1])
+        for number, contact in enumerate(self.contacts):
+            own = self._number[facet] == number
+            if contact.gap is not None:
+                out[own] = contact.gap(points[own])[1][:, : out.shape[1]]
+        return out
+
+    def pair(self, displacement: Array) -> Interface:
+        """Contact points and the points opposite at a displacement (dofs, c) of all block dofs
+        (collective). Raises ValueError where a contact has no point opposite.
+        """
+        found, missed, slaves, others = [], [], 0, 0
+        for number, contact in enumerate(self.contacts):
+            slave, other = self.secondary[number], self.primary[number]
+            order, known = contact_interface.quadrature_order(slave), None
+            at, weights = slave.quadrature(order)
+            whole = weights.sum()
+            if len(other) and self.cut:
+                here = slave.moved(displacement)
+                at, weights, known = pieces.quadrature(here, other.moved(displacement), order)
+                if here is not slave:
+                    weights = weights * slave.measure(*at) / here.measure(*at)
+            normals, now, change, foot = self.opposite(number, at, displacement, known)
+            keep, gap = np.isfinite(now), now - change
+            whole, met = self.comm.allreduce(np.array([whole, weights[keep].sum()]))
+            if not met:
+                raise ValueError(f"surface {contact.secondary} has nothing opposite its points")
+            missed.append(1 - met / whole)
+            facet, partner = at[0][keep] + slaves, foot[0][keep]
+            partner = np.where(partner >= 0, partner + others, -1)
+            every = at[1], weights, normals, gap, foot[1]
+            numbers = np.full(len(facet), number)
+            found.append((numbers, facet, partner, *(each[keep] for each in every)))
+            slaves, others = slaves + len(slave), others + len(other)
+        numbers, facet, partner, xi, weights, normals, gap, eta = (
+            np.concatenate(each) for each in zip(*found, strict=True)
+        )
+        index_map = self.bulk.space.dofmap.index_map
+        return Interface(
+            slave=self.slave,
+            master=self.other if len(self.other) else None,
+            facet=facet,
+            xi=xi,
+            partner=partner,
+            eta=eta,
+            points=self.slave.tangents(facet, xi)[0],
+            weights=weights,
+            initial_gap=gap,
+            normals=normals,
+            contact=numbers,
+            missed=missed,
+            trace_bound=self.bound[facet],
+            local_dofs=self.slave.kinematics.dim * index_map.size_local,
+            comm=self.comm,
+        )
+
+    def opposite(
+        self, number: int, at: tuple[Index, Array], displacement: Array, known: Index | None
+    ) -> tuple[Array, Array, Array, tuple[Index, Array]]:
+        """What points of a contact's secondary surface meet along their outward unit normals.
+
+        number: of the contact. at: facets (n,) and coordinates (n, c - 1) of the points.
+        displacement: (dofs, c) of all block dofs. known: see `pair`.
+        Returns the normals (n, c), the gap now (n,), infinite where nothing is opposite, the part
+        of it that the displacement makes (n,), and facet (n,) and coordinates (n, c - 1) opposite.
+        """
+        contact, slave, other = self.contacts[number], self.secondary[number], self.primary[number]
+        x, tangent = slave.tangents(*at)
+        normals, own = slave.normals(at[0], tangent), slave.values(*at, displacement)
+        partner, eta = np.full(len(x), -1), np.zeros_like(at[1])
+        if isinstance(contact.primary, Plane | Sphere):
+            now = contact.primary.distance(x + own, normals)
+            return normals, now, -np.einsum("nc,nc->n", normals, own), (partner, eta)
+        if contact.gap is None:
+            moved = other.moved(displacement)
+            partner, eta = pair(x + own, normals, moved, known)
+        else:
+            gap, given = (np.asarray(each, float) for each in contact.gap(x))
+            normals = given[:, : x.shape[1]]
+            if len(other):
+                partner, eta = pair(x, normals, other, known)
+        foot, at = (partner, eta), (np.maximum(partner, 0), eta)
+        opposite = other.values(*at, displacement) if len(other) else np.zeros_like(own)
+        change = np.einsum("nc,nc->n", normals, opposite - own)
+        if contact.gap is not None:
+            met = np.isfinite(gap) & ((partner >= 0) | (not len(other)))
+            return normals, np.where(met, gap + change, np.inf), change, foot
+        now = np.einsum("nc,nc->n", normals, moved.tangents(*at)[0] - x - own)
+        reach = np.linalg.norm(moved.vertices[:, 1] - moved.vertices[:, 0], axis=1)[at[0]]
+        facing = np.einsum("nc,nc->n", normals, moved.flat_normals[at[0]]) < FACING
+        met = (partner >= 0) & facing & (now > -reach)
+        return normals, np.where(met, now, np.inf), change, foot
+
+    def outdated(
+        self, face: Interface, displacement: Array, gap: Array, active: Mask
+    ) -> tuple[bool, float]:
+        """Whether some points that touch have slid by more than a tenth (DRIFT) of a facet since
+        they were paired, and the largest change of the gap that pairing anew makes there
+        (collective).
+
+        displacement: (dofs, c) of all block dofs. gap: now, at the points of `face` (n,). active:
+            (n,) points that touch.
+        """
+        drift = change = 0.0
+        starts = np.cumsum([0, *(len(each) for each in self.secondary)])
+        begins = np.cumsum([0, *(len(each) for each in self.primary)])
+        for number, (contact, other) in enumerate(zip(self.contacts, self.primary, strict=True)):
+            on = np.flatnonzero((face.contact == number) & active)
+            if contact.gap is not None or not len(on):
+                continue
+            at = face.facet[on] - starts[number], face.xi[on]
+            old = face.partner[on] - begins[number], face.eta[on]
+            _, now, _, new = self.opposite(number, at, displacement, old[0])
+            met = np.isfinite(now)
+            change = max(change, float(np.max(np.abs(now - gap[on])[met], initial=0.0)))
+            drift = max(drift, float(not met.all()))
+            if len(other):
+                moved = other.moved(displacement)
+                here, there = (moved.tangents(np.maximum(f, 0), e)[0] for f, e in (new, old))
+                size = np.linalg.norm(moved.vertices[:, 1] - moved.vertices[:, 0], axis=1)[old[0]]
+                slid = np.linalg.norm(here - there, axis=1) / size
+                drift = max(drift, float(np.max(slid[met], initial=0.0)))
+        drift, change = (self.comm.allreduce(each, op=MPI.MAX) for each in (drift, change))
+        return drift > DRIFT, change
+
+
+def _fits(gap: GapFunction, surface: FacetSet) -> bool:
+    """Whether a gap gives one value and one unit normal for each of some points of a surface."""
+    points = surface.tangents(*surface.quadrature(1)[0])[0]
+    try:
+        distance, normals = (np.asarray(each, float) for each in gap(points))
+        sizes = np.linalg.norm(normals[np.isfinite(distance)], axis=1)
+    except (TypeError, ValueError, IndexError):
+        return False
+    return len(normals) == len(points) == distance.size and bool(np.allclose(sizes, 1, atol=1e-6))
