@@ -36,13 +36,12 @@ from railhead.solver.algebra.linear import factorise
 from railhead.solver.algebra.reduced_stiffness import DIFFERENT
 from railhead.solver.friction.pressed_surfaces import PressedSurfaces, surface_tangents
 from railhead.solver.plasticity.load_stepping import Response
-from railhead.solver.space.contact_interface import shear_stress
 from railhead.solver.space.facets import pair
-from railhead.solver.space.operators import assemble_rows, select_rows, vector
+from railhead.solver.space.operators import select_rows, vector
 from railhead.solver.system.contact_system import ContactSystem
 from railhead.solver.system.setup import FrictionSettings
 from railhead.solver.system.solution import Solution
-from railhead.theory.array_types import Array, Index, Mask
+from railhead.theory.array_types import Array, Mask
 
 UPSTREAM = ((0.0, 1.5), (1.0, -2.0), (2.0, 0.5))  # distance in steps d, and weight
 CENTRAL_STEPS = 2.0  # d of the symmetric differences of the frictionless solution
@@ -124,9 +123,7 @@ class StaticCondensation(PressedSurfaces):
     response: response of the bodies; gives the shear stress that plastic strain takes.
     comm: communicator of the mesh.
     own: numbers (p,) of these points among this rank's contact points.
-    normals: (p, c) outward normals of the slave at these points.
-    x: position (p, c) of these points, mm.
-    tangents: (p, k, c) unit tangents at these points.
+    face: these points, with tangents along the rail and across it.
     rows: slice of this rank's rows among those of all ranks.
     step: distance d of the upstream differences, mm; 1 for a shift.
     tangent: tangent stiffness A of the free unknowns, N/mm.
@@ -150,8 +147,8 @@ class StaticCondensation(PressedSurfaces):
         super().__init__(system, settings, pressed)
         self.response, self.comm, interface = response, system.comm, system.interface
         self.own = np.flatnonzero(np.isin(interface.facet, self.touched))
-        self.normals, self.x = interface.normals[self.own], interface.points[self.own]
-        self.tangents = surface_tangents(self.sign * self.normals)
+        tangents = surface_tangents(self.sign * interface.normals[self.own])
+        self.face = interface.restricted(self.own, tangents)
         before = self.size * (self.comm.exscan(len(self.own)) or 0)
         self.rows = slice(before, before + self.size * len(self.own))
         self.step = STEP_PER_EDGE * self.edge if settings.rolling else 1.0
@@ -167,9 +164,8 @@ class StaticCondensation(PressedSurfaces):
         self.noise = np.zeros((len(self.own), self.size))
         u = pressed.displacement
         if system.problem.law.sigma:
-            shear = self._shear()
-            self.trial.axpy(self.sign, shear, DIFFERENT)
-            stress = (shear * u).array.reshape(-1, self.size)
+            self.trial.axpy(self.sign, self.face.shear, DIFFERENT)
+            stress = (self.face.shear * u).array.reshape(-1, self.size)
             self.noise += self.sign * (stress - self._plastic_shear())
         if settings.rolling:
             wide = CENTRAL_STEPS * self.step
@@ -180,7 +176,7 @@ class StaticCondensation(PressedSurfaces):
     @property
     def size(self) -> int:
         """Number k of tangents at a point: 2 in a solid, 1 in a section."""
-        return int(self.tangents.shape[1])
+        return int(self.face.tangents.shape[1])
 
     def condense(self, solution: Solution) -> ContactCompliance:
         """Compliance of the contact points, and the linearisation around a solution without
@@ -189,13 +185,13 @@ class StaticCondensation(PressedSurfaces):
         problem, setup = self.system.problem, self.system.setup
         pressure = select_rows(problem.normal_operator, self.own)
         pressure.scale(-1.0)
-        weights, shape = self.system.interface.weights[self.own], self._shape_functions()
-        trial, displacement, pressure_compliance = self._compliances(pressure, weights, shape)
+        shape = self._shape_functions()
+        trial, displacement, pressure_compliance = self._compliances(pressure, shape)
         active, trial_traction, place, indicator = self._linearisation(solution)
         contact = ContactCompliance(
-            points=setup.kinematics.lift(self._all(self.x)),
-            weights=self._all(weights),
-            tangents=setup.kinematics.in_space(self._all(self.tangents)),
+            points=setup.kinematics.lift(self._all(self.face.points)),
+            weights=self._all(self.face.weights),
+            tangents=setup.kinematics.in_space(self._all(self.face.tangents)),
             tau=self._all(problem.tau[self.own]),
             step=self.step,
             shape_functions=shape,
@@ -215,21 +211,18 @@ class StaticCondensation(PressedSurfaces):
             pressure_compliance += np.outer(self._all((pressure * y).array), force)
         return contact
 
-    def _compliances(
-        self, pressure: PETSc.Mat, weights: Array, shape: sp.csr_matrix
-    ) -> tuple[Array, Array, Array]:
+    def _compliances(self, pressure: PETSc.Mat, shape: sp.csr_matrix) -> tuple[Array, Array, Array]:
         """Derivatives of trial traction (n k, m), relative displacement (n k, m) and pressure (n,
         m) by m nodal tractions, for bodies whose supports stay (collective).
 
         pressure: matrix from the free unknowns to the pressure at this rank's points.
-        weights: areas of this rank's points (p,), mm2.
         shape: shape functions of all points (n k, m).
         One linear system with the tangent stiffness is solved for each nodal traction.
         """
         reduce = self.system.reduction.matrix
         outputs = [self.trial.matMult(reduce), self.change.matMult(reduce), pressure]
         jump = self.jump.matMult(reduce)
-        weighted = sp.diags(np.repeat(weights, self.size)) @ shape[self.rows]
+        weighted = sp.diags(np.repeat(self.face.weights, self.size)) @ shape[self.rows]
         blocks: list[list[Array]] = [[], [], []]
         for first in range(0, shape.shape[1], COLUMNS_AT_ONCE):
             block = np.asfortranarray(-weighted[:, first : first + COLUMNS_AT_ONCE].toarray())
@@ -287,7 +280,7 @@ class StaticCondensation(PressedSurfaces):
         """Shear stress (p, k), MPa, along the k tangents of this rank's p contact points, by which
         plastic strain lowers that of the elastic law at the total strain; zero for elastic bodies.
         """
-        return self.response.plastic_shear_stress(self.own, self.tangents, self.normals)
+        return self.response.plastic_shear_stress(self.own, self.face.tangents, self.face.normals)
 
     @cached_property
     def _far_field_response(self) -> list[tuple[PETSc.Vec, PETSc.Vec]]:
@@ -312,7 +305,7 @@ class StaticCondensation(PressedSurfaces):
         nodal: tractions (m,) of the wheel on the rail at the nodes, MPa.
         contact: compliance that holds the shape functions.
         """
-        weights = np.repeat(self.system.interface.weights[self.own], self.size)
+        weights = np.repeat(self.face.weights, self.size)
         force = self.jump.createVecRight()
         pull = vector(self.jump, -weights * (contact.shape_functions[self.rows] @ nodal))
         self.jump.multTranspose(pull, force)
@@ -336,46 +329,23 @@ class StaticCondensation(PressedSurfaces):
         shift: distance by which the points are first moved along their first tangent, mm. Raises
             ValueError where a moved point finds no facet.
         """
-        at = self.x + shift * self.tangents[:, 0]
+        at = self.face.points + shift * self.face.tangents[:, 0]
         blocks = []
         for surface, sign in ((self.slave, -self.sign), (self.master, self.sign)):
             if surface is None:
                 continue
-            facet, xi = pair(at, self.normals, surface)
+            facet, xi = pair(at, self.face.normals, surface)
             if np.any(facet < 0):
                 raise ValueError("a surface ends upstream of the patch")
-            blocks.append(surface.rows_at(facet, xi, sign * self.tangents))
-        return self._rows(blocks)
-
-    def _shear(self) -> PETSc.Mat:
-        """Matrix of the slave's shear stress t . sigma . n along the tangents at this rank's
-        points, on all dofs, MPa/mm.
-        """
-        interface = self.system.interface
-        facet, xi = interface.facet[self.own], interface.xi[self.own]
-        slave = interface.slave
-        at = slave.reference(facet, xi)
-        values = shear_stress(slave, facet, at, self.normals, self.tangents)
-        return self._rows([slave.rows(facet, values)])
-
-    def _rows(self, blocks: list[tuple[Index, Array]]) -> PETSc.Mat:
-        """Distributed matrix on all dofs, with a row for each point and tangent of this rank;
-        blocks: pairs of dofs and coefficients that are added.
-        """
-        system = self.system
-        count = len(self.own) * self.size
-        owned = system.setup.kinematics.dim * system.owned
-        total = system.reduction.matrix.getSize()[0]
-        return assemble_rows(blocks, count, owned, total, self.comm)
+            blocks.append(surface.rows_at(facet, xi, sign * self.face.tangents))
+        return self.face.matrix(blocks)
 
     def _shape_functions(self) -> sp.csr_matrix:
         """Shape functions F (n k, m): tractions at the n points along k tangents per traction at
         each node of the facets, of all ranks (collective).
         """
-        interface = self.system.interface
-        facet, xi = interface.facet[self.own], interface.xi[self.own]
-        slave = interface.slave
-        phi, _ = slave.basis(facet, slave.reference(facet, xi))
+        slave, facet = self.face.slave, self.face.facet
+        phi, _ = slave.basis(facet, slave.reference(facet, self.face.xi))
         values, dofs = self._all(phi), self._all(slave.dofs[facet])
         on = np.abs(values) > 1e-9  # the others belong to nodes off the facet
         used, column = np.unique(dofs[on], return_inverse=True)

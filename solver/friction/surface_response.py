@@ -26,7 +26,7 @@ from railhead.solver.friction.pressed_surfaces import (
     surface_tangents,
 )
 from railhead.solver.space.facets import pair
-from railhead.solver.space.operators import assemble_rows, vector
+from railhead.solver.space.operators import vector
 from railhead.theory.array_types import Array, Mask
 
 TOLERANCE = 1e-3  # relative, of the linear solves
@@ -122,13 +122,12 @@ class SurfaceResponse(PressedSurfaces):
         blocks = [self.slave.rows_at(facet[own], xi[own], -rows)]
         if self.master is not None:
             blocks.append(self.master.rows_at(partner[own], eta[own], rows))
-        total = system.reduction.matrix.getSize()[0]
         return SurfacePoints(
             comm=comm,
             met=met,
             points=on * flip,
             tangents=tangents,
-            jump=assemble_rows(blocks, 2 * len(own), 3 * system.owned, total, comm),
+            jump=system.interface.matrix(blocks),
             images=2 ** len(mirrors),
         )
 

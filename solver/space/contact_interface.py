@@ -20,6 +20,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -136,6 +137,7 @@ class Interface:
     weights: area of each point (n,) in the meshed part, mm2, see `FacetSet.quadrature`.
     initial_gap: initial gap g0 (n,) along the normals, mm.
     normals: (n, c) outward unit normals of the slave's surface.
+    tangents: unit tangents there (n, k, c), k = c - 1.
     contact: number of the contact that each point belongs to (n,).
     missed: share of the slave's surface of each contact that has nothing opposite.
     trace_bound: smallest stable parameter of Nitsche's method (n,), MPa/mm, of the cell of each
@@ -153,6 +155,7 @@ class Interface:
     weights: Array
     initial_gap: Array
     normals: Array
+    tangents: Array
     contact: Index
     missed: list[float]
     trace_bound: Array
@@ -186,12 +189,7 @@ class Interface:
         """S, normal stress n . sigma(u_slave) . n, MPa/mm."""
         reference = self.slave.reference(self.facet, self.xi)
         values = normal_stress(self.slave, self.facet, reference, self.normals)
-        return self._matrix([self.slave.rows(self.facet, values[:, None])])
-
-    @cached_property
-    def tangents(self) -> Array:
-        """Orthonormal tangents (n, k, c), with k = c - 1."""
-        return tangents_of(self.normals)
+        return self.matrix([self.slave.rows(self.facet, values[:, None])])
 
     @cached_property
     def slip(self) -> PETSc.Mat:
@@ -203,7 +201,13 @@ class Interface:
         """Shear stress t . sigma(u_slave) . n along the tangents t, n k rows, MPa/mm."""
         reference = self.slave.reference(self.facet, self.xi)
         values = shear_stress(self.slave, self.facet, reference, self.normals, self.tangents)
-        return self._matrix([self.slave.rows(self.facet, values)])
+        return self.matrix([self.slave.rows(self.facet, values)])
+
+    def restricted(self, points: Index, tangents: Array) -> Interface:
+        """The interface of points with these numbers (m,), with other tangents (m, k, c)."""
+        names = "facet xi partner eta points weights initial_gap normals contact trace_bound"
+        own: dict[str, Any] = {name: getattr(self, name)[points] for name in names.split()}
+        return replace(self, **own, tangents=tangents)
 
     def _jump(self, directions: Array) -> PETSc.Mat:
         """Displacement of the slave less that of the master along directions (n, k, c), n k rows
@@ -214,10 +218,10 @@ class Interface:
             met = (self.partner >= 0)[:, None, None]
             partner = np.maximum(self.partner, 0)
             blocks.append(self.master.rows_at(partner, self.eta, -directions * met))
-        return self._matrix(blocks)
+        return self.matrix(blocks)
 
-    def _matrix(self, blocks: list[tuple[Index, Array]]) -> PETSc.Mat:
-        """Matrix on all dofs from blocks of rows that are added (collective)."""
+    def matrix(self, blocks: list[tuple[Index, Array]]) -> PETSc.Mat:
+        """Matrix on all dofs from blocks of rows, see `assemble_rows` (collective)."""
         total = self.comm.allreduce(self.local_dofs)
         return assemble_rows(blocks, len(blocks[0][0]), self.local_dofs, total, self.comm)
 

@@ -19,7 +19,7 @@ from mpi4py import MPI
 
 from railhead.solver.space import contact_interface, pieces
 from railhead.solver.space.cells import Bulk
-from railhead.solver.space.contact_interface import Interface
+from railhead.solver.space.contact_interface import Interface, tangents_of
 from railhead.solver.space.facets import FacetSet, pair
 from railhead.solver.space.supports import Direction, unit
 from railhead.theory.array_types import Array, Index, Mask
@@ -207,6 +207,7 @@ class Surfaces:
             weights=weights,
             initial_gap=gap,
             normals=normals,
+            tangents=tangents_of(normals),
             contact=numbers,
             missed=missed,
             trace_bound=self.bound[facet],
