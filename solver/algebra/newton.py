@@ -28,7 +28,8 @@ from railhead.solver.algebra.problem import ContactProblem
 from railhead.theory.array_types import Array, Mask
 
 ROUNDING = 100 * np.finfo(float).eps  # of diag(K) y: the residual cannot fall below it
-MOST_ROUNDING = 1e-4  # relative residual above which nothing counts as rounding: bodies fly off
+MOST_ROUNDING = 1e-4  # of the largest contact force so far, above which no residual is rounding:
+# bodies that fly off are far away, and that is no solution
 OVERSHOOT = 0.3  # slope past the minimum, relative to the slope at the start, that is let pass
 LEAST_FORCE = 1e-3  # of the contact, over that of an earlier state, by which a residual is divided
 MOST_RETURNED = 8  # halves of steps that lose contact
@@ -186,7 +187,7 @@ def solve(
             if apart:  # bodies may rest without contact
                 scale = problem.force.norm() or largest or residual.norm() or 1.0
             norm = residual.norm() / scale if scale else float("inf")
-            rounding = ROUNDING * (diagonal * y).norm()
+            rounding = min(ROUNDING * (diagonal * y).norm(), MOST_ROUNDING * largest)
             active = pressure > 0.0
             failure = ""
             if apart:
@@ -216,7 +217,7 @@ def solve(
                 if scale and not apart:
                     _clear(result)
                 return result
-            if norm <= max(rtol, min(rounding / scale, MOST_ROUNDING)):
+            if norm <= max(rtol, rounding / scale):
                 result.reason = CONVERGED
                 return result
             if step == max_steps:
