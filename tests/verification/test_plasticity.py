@@ -79,30 +79,6 @@ def test_spheres_of_an_independent_program(multiple, hardening, key) -> None:
     assert plastic["residual_depth_rail_mm"] / CLOSER == pytest.approx(depth, rel=0.06)
 
 
-@pytest.mark.slow
-def test_a_solid_reads_the_plateau_of_its_pressure_as_a_section_does(five: rh.Result) -> None:
-    """Within what an independent program's spheres are met by."""
-    solid = rh.solve(pressed(5.0, effects={"axisymmetry": "off"}), quiet=True)
-    assert solid.passed, solid.failed
-    assert solid.patch.area == pytest.approx(five.patch.area, rel=0.03)
-    assert [solid.patch.a, solid.patch.b] == pytest.approx([five.patch.a] * 2, rel=0.015)
-    assert solid.pressure.max == pytest.approx(five.pressure.max, rel=0.03)
-    assert solid.approach == pytest.approx(five.approach, rel=0.005)
-    flat, full = (each.as_dict()["result"]["plastic"] for each in (five, solid))
-    assert full["volume_mm3"] == pytest.approx(flat["volume_mm3"], rel=0.1)
-    assert full["depth_mm"] == pytest.approx(flat["depth_mm"], rel=0.1)
-
-
-@pytest.mark.slow
-def test_a_given_approach_is_the_same_point_as_its_load(five: rh.Result) -> None:
-    """Loads that were tried on the way to it leave nothing behind."""
-    given = rh.solve(pressed(5.0).replace(approach=five.approach), quiet=True)
-    assert given.passed, given.failed
-    one, other = (each.as_dict()["result"]["plastic"] for each in (five, given))
-    for name in ("strain_max", "residual_depth_rail_mm", "load_over_first_yield"):
-        assert other[name] == pytest.approx(one[name], rel=0.01)  # meshes differ a little
-
-
 def test_a_load_step_whose_start_stalls_begins_from_the_last_one(monkeypatch) -> None:
     """The linear problem that is solved for a start may be singular; the state is not its own."""
     usual = rh.solve(coarse(5.0, unload=False), quiet=True)
@@ -185,17 +161,6 @@ def test_no_cycle_follows_a_lowering_that_failed(monkeypatch) -> None:
     monkeypatch.setattr(load_stepping.LoadStepping, "_step", fails_at_first)
     found = rh.solve(coarse(2.0, cycles=3), quiet=True)
     assert 1 < len(failed) < 10 and "converged" in found.failed
-
-
-@pytest.mark.slow
-def test_twenty_steps_of_unloading_leave_the_same_stress(monkeypatch) -> None:
-    """Two steps down left 0.7 % more: they miss the yield as the patch begins to shrink."""
-    left = []
-    for steps in (load_stepping.UNLOADING, tuple(np.linspace(0.95, 0.05, 19))):
-        monkeypatch.setattr(load_stepping, "UNLOADING", steps)
-        found = rh.solve(coarse(20.0), quiet=True)
-        left.append(found.as_dict()["result"]["plastic"]["residual_von_mises_max_MPa"])
-    assert left[0] == pytest.approx(left[1], rel=5e-3)
 
 
 @pytest.mark.parametrize("share, yields", [(0.97, False), (1.03, True)])

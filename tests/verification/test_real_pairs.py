@@ -16,10 +16,8 @@ from railhead.cases.s1002_60e1 import SCENE
 from railhead.meshing import mesh
 from railhead.meshing.bodies import CONTACT, WHEEL
 from railhead.meshing.grading import MAX_STRETCH
-from railhead.postprocess.findings import Frame
-from railhead.postprocess.patch.moments import moments
 from railhead.run import estimates, mesh_solution
-from railhead.run.mesh_solution import MeshSolution, forecast_from_solution, mesh_and_solve
+from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
 from railhead.run.progress import Progress
 from railhead.solver import compat
 from railhead.theory.elastic.hertz import line_contact
@@ -41,18 +39,6 @@ def test_tread_and_gauge_corner_are_two_patches_of_the_right_size() -> None:
     assert corner["max_MPa"] == pytest.approx(half_space["pressure"]["max_MPa"], rel=0.04)
     assert tread["contact_angle_rad"] == pytest.approx(0.127, abs=0.005)
     assert corner["contact_angle_rad"] == pytest.approx(0.300, abs=0.005)
-
-
-@pytest.mark.slow
-def test_a_yawed_wheel_has_the_patch_of_the_straight_one() -> None:
-    """Yaw of a cylinder on a straight crown turns the patch and keeps its size to second order."""
-    thesis = ["rail.profile=54E1", "rail.inclination=0", "wheel.profile=cylinder"]
-    scene = SCENE.replace([*thesis, "mesh.patch_size=0.7", "wheelset.yaw=20 mrad"])
-    summary = passed(scene).summary
-    assert not summary["plan"]["effects"]["symmetry_x"]["on"]
-    difference = summary["difference"]
-    assert difference["pressure"]["max_MPa"] == pytest.approx(0, abs=0.01)
-    assert difference["patch"]["area_mm2"] == pytest.approx(0, abs=0.01)
 
 
 # Patches many times longer than wide: stretched elements, and their cost.
@@ -105,15 +91,6 @@ def test_unknowns_of_stretched_meshes_are_foreseen(radius: float, cell: str) -> 
     made = mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
     assert made.quality > (0.3 if cell == "tetrahedron" else 0.25) > 2.5 * mesh.MIN_QUALITY
     assert 1 / 1.5 < plan.unknowns / mesh_solution.assemble(plan, made).unknowns < 1.5
-
-
-@pytest.mark.slow
-def test_a_mesh_around_a_found_needle_is_as_narrow_as_the_needle() -> None:
-    plan = planned("hertz_ellipse", "rail.crown_radius=5").at_resolution(3.0)
-    found = mesh_and_solve(plan, Progress(quiet=True), MPI.COMM_WORLD)
-    frame = Frame(plan.contact.origin, plan.contact.touch.angle)
-    expected = forecast_from_solution(found.fields, moments(found.fields, frame), frame)
-    assert expected.minor == pytest.approx(plan.forecast.minor, rel=0.1)
 
 
 # Patches that are nearly elliptic, read where no ellipse is given by construction: truths that

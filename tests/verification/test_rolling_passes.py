@@ -118,23 +118,6 @@ def test_passes_over_another_block_are_refused(tmp_path):
         passes_of_scene.load(str(tmp_path / "old.npz"), other)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("ratio", "traction", "count", "verdict"),
-    [
-        (3.88, 0.0, 3, "shakes down"),
-        (4.12, 0.0, 10, "ratchets"),
-        (3.11, 0.2, 10, "shakes down"),
-        (3.30, 0.2, 10, "ratchets"),
-    ],
-)
-def test_the_verdict_turns_at_melan_s_limit(ratio, traction, count, verdict):
-    """Three per cent below and above 4.00 and 3.202."""
-    block = passes_of_scene.rolling_block(rail(0.0), (1.0, 1.0), line=True, half=False)
-    contact = line(ratio, keeps=True, traction=traction)
-    assert passes_of_scene.roll(block, contact, (1.0, 1.0), count).verdict == verdict
-
-
 def test_a_longer_block_changes_nothing():
     found = []
     for reach in (15, 45):

@@ -152,25 +152,3 @@ def test_corrected_equations_hold_on_the_real_profiles() -> None:
 
     residuals = thesis_geometry.contact_residuals(crown, wheel, (0.0, touch.y), (touch.y, math.pi))
     np.testing.assert_allclose(residuals, 0, atol=1e-8)
-
-
-@pytest.mark.slow
-def test_finite_elements_agree_with_the_exact_values(facts, monkeypatch) -> None:
-    monkeypatch.setattr(thesis_study, "LOADS", (25e3,))
-    monkeypatch.setattr(thesis_study, "ELEMENTS", ())
-    runs, fe, sampled = thesis_study.measure(catalogue.find(thesis_study.CASE), facts.ellipse)
-    assert len(runs) == 1 and sampled is not None
-    axle = {"p0_axle": 0.0, "mises_axle": 0.0}  # of a load that is not run here
-    checks = [
-        check
-        for _, finding in thesis_study.judge(replace(facts, fe=fe | axle))
-        for check in finding.checks
-        if isinstance(check.ours, float) and isinstance(check.exact, float) and check.ours
-    ]
-    assert len(checks) > 25
-    scale = {"MPa": facts.ellipse.p0, "mm": facts.ellipse.a}
-    for check in checks:
-        error = abs(check.ours - check.exact) / scale.get(check.unit, abs(check.exact))
-        assert error < 0.015, check
-        if abs(check.exact) > 0.1 * scale.get(check.unit, 0.0):
-            assert check.ours == pytest.approx(check.exact, rel=0.02), check

@@ -14,7 +14,7 @@ from matplotlib.image import imread
 
 from railhead.postprocess import vtu
 from railhead.postprocess.findings import Findings, Frame
-from railhead.postprocess.pictures import diagrams, render, stress_cuts, turning
+from railhead.postprocess.pictures import render, stress_cuts, turning
 from railhead.postprocess.pictures.render import Camera, load_pyvista
 from railhead.solver.space.kinematics import Kinematics
 from railhead.solver.system.fields import Fields
@@ -74,34 +74,6 @@ def test_no_display_no_window(
             monkeypatch.delenv(key)
     load_pyvista()
     assert os.environ.get("VTK_DEFAULT_OPENGL_WINDOW") == expected
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("cell", "degree"), [("hexahedron", 1), ("tetrahedron", 2)])
-def test_quarter_and_full_model_give_the_same_pictures(
-    blocks, usual: dict[str, Any], tmp_path, cell: str, degree: int
-) -> None:
-    quarter = usual
-    if cell == "tetrahedron":
-        quarter = draw(blocks(cell, degree, cut=True), tmp_path / "quarter")
-    full = draw(blocks(cell, degree, cut=False), tmp_path / "full")
-    assert set(full) == {"wheel_rail", "stress_cut", "patch_on_rail"}
-    for name, picture in full.items():
-        assert picture.shape[1] == 10 * diagrams.DPI
-        assert picture.std() > 0.05
-        assert quarter[name].shape == picture.shape
-        # Tetrahedra and their diagonals differ on the two sides of the plane.
-        assert np.abs(quarter[name] - picture).mean() < 0.01
-
-
-@pytest.mark.slow
-def test_views_follow_the_patch(blocks, usual: dict[str, Any], tmp_path) -> None:
-    """Under 1/1000 of the load everything is a tenth as large, and fills the view as before."""
-    small = draw(blocks(load=25.0), tmp_path / "small")
-    for name, picture in usual.items():
-        share = [(np.ptp(each, axis=2) > 0.06).mean() for each in (picture, small[name])]
-        assert share[0] > 0.05
-        assert share[1] == pytest.approx(share[0], rel=0.05)
 
 
 def test_a_whole_model_is_opened_between_its_cells(blocks) -> None:

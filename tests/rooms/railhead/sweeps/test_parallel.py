@@ -10,7 +10,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from xml.etree import ElementTree
 
-import command
 import numpy as np
 import pytest
 import pyvista
@@ -266,24 +265,3 @@ def test_a_kill_loses_only_what_was_running(tmp_path: Path, in_this_process) -> 
     assert len(found) == 4 and {row["checks"] for row in found} == {"passed"}
     assert [row["p_max [MPa]"] for row in found].count("1234.5") == 1
     assert not list((out / "records").glob(".*"))
-
-
-@pytest.mark.slow
-@pytest.mark.system
-def test_two_ranks_give_the_same_table(swept: Path, tmp_path: Path) -> None:
-    """The first gives the work, the other does it."""
-    done = subprocess.run(
-        ["mpirun", "--oversubscribe", "-n", "2", *COMMAND, *ROLLER, *SIX[:2], "--no-pictures",
-         "--out", str(tmp_path / "out")],
-        env=command.environment() | command.ROOT, capture_output=True, text=True, timeout=300,
-        check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    for one, two in zip(rows(swept)[::2], rows(tmp_path / "out"), strict=True):
-        assert one.keys() - two.keys() == {KEYS["wheel.rolling_radius"]}
-        for name in two.keys() - {"date"}:
-            value = one[name]
-            if name in ("checks", "warnings", "tau_max body", "program") or not value:
-                assert two[name] == value, name
-            else:
-                assert float(two[name]) == pytest.approx(float(value), rel=1e-9, abs=1e-12), name

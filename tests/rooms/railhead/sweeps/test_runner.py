@@ -111,15 +111,3 @@ def test_what_the_shared_mesh_does_not_suit_is_solved_alone(
     monkeypatch.setattr(module, name, found)
     alone = runner.solve_group(two_loads, [4, 2], Progress(quiet=True))
     assert [*alone] == [(4, "alone"), (2, "alone")]
-
-
-@pytest.mark.slow
-def test_loads_share_a_mesh_smaller_than_their_own_together() -> None:
-    """The largest element follows the bodies, which are those of the largest load."""
-    scene, asked = rh.find("hertz_ellipse"), ["12.5kN", "100kN"]
-    small, large = rh.sweep(scene, load=asked, quiet=True)
-    assert small.passed and large.passed
-    own = [planning.make(scene.replace(load=load)).unknowns for load in asked]
-    assert small.as_dict()["cost"]["dofs"] < 0.85 * sum(own)
-    ratio = large.pressure.max / small.pressure.max  # Hertz: load^(1/3)
-    assert ratio == pytest.approx(2, rel=small.estimate.pressure_max + large.estimate.pressure_max)

@@ -33,13 +33,6 @@ def test_coefficients_are_kalker_s(entry) -> None:
             assert abs(getattr(found, key.lower()) - printed) <= 0.01 * printed + half_digit
 
 
-def test_coefficients_of_a_wide_patch_tend_to_their_limit() -> None:
-    """pi^2/4/(1 - nu) and pi^2/4 as a/b -> 0 (Kalker 1967)."""
-    away = [coefficients(ratio, 0.25).c11 * 4 * 0.75 / math.pi**2 - 1 for ratio in (0.2, 0.1, 0.05)]
-    assert away[0] > away[1] > away[2] > 0
-    assert away[2] < 0.02
-
-
 def test_ratios_without_coefficients_are_refused() -> None:
     for ratio, poisson in ((0.01, 0.3), (1.0, 0.6), (math.nan, 0.3)):
         with pytest.raises(ValueError):

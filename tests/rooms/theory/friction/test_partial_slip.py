@@ -50,17 +50,6 @@ def test_a_creepage_of_full_slip_makes_the_whole_limit() -> None:
 G, POISSON = 207000 / 2.6, 0.3
 
 
-@pytest.mark.parametrize("entry", named("mindlin_sphere"))
-def test_a_sphere_shifts_and_sticks_as_mindlin_says(entry) -> None:
-    limit = entry["mu"] * entry["P_N"]
-    along, across = partial_slip.initial_compliance(entry["a_mm"], entry["a_mm"], G, POISSON)
-    known, Q = partial_slip.CattaneoMindlin(limit, along), entry["Q_over_muP"] * limit
-    assert along == pytest.approx(across, rel=1e-14)
-    assert along == pytest.approx(entry["initial_tangential_compliance_mm_per_N"], rel=1e-12)
-    assert known.stick_ratio(Q) == pytest.approx(entry["stick_radius_over_a"], rel=1e-12)
-    assert known.approach(Q) == pytest.approx(entry["tangential_approach_mm"], rel=1e-12)
-
-
 @pytest.mark.parametrize("entry", named("mindlin_ellipse"))
 def test_an_ellipse_shifts_and_sticks_as_mindlin_says_both_ways(entry) -> None:
     a, b, N = entry["a_mm"], entry["b_mm"], entry["P_N"]

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from railhead.theory.elastic.halfspace import boussinesq_displacement
 from railhead.theory.friction.partial_slip import initial_compliance
 from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction
 from railhead.theory.friction.tangential import MaterialPair, TractionInfluence, pair
@@ -38,22 +37,6 @@ def test_a_cell_under_a_traction_moves_as_cerruti_says(place: tuple[int, int]) -
                 return (0.7 * (k == component) / r + 0.3 * along / r**3) / (math.pi * 79615.0)
 
             assert moved[k] == pytest.approx(over_a_cell(kernel, x, y), rel=1e-6, abs=1e-16)
-
-
-@pytest.mark.parametrize("place", [(1, 0), (0, 1), (2, 3), (7, 5)])
-def test_a_cell_under_pressure_draws_an_elastic_wheel_to_itself(place: tuple[int, int]) -> None:
-    influence = TractionInfluence(X, Y, pair(207000, 0.3, math.inf, 0.3), rolling=False)
-    pressure = np.zeros((12, 9))
-    pressure[0, 0] = 1.0
-    held = influence.of_pressure(pressure)[:, place[0], place[1]]
-    for k in (0, 1):
-
-        def kernel(dx, dy, k: int = k):
-            points = np.column_stack([dx.ravel(), dy.ravel(), 0 * dx.ravel()])
-            return boussinesq_displacement(points, 1.0, 207000, 0.3)[:, k].reshape(dx.shape)
-
-        expected = -over_a_cell(kernel, X[place[0]], Y[place[1]])
-        assert held[k] == pytest.approx(expected, rel=1e-6, abs=1e-16)
 
 
 def test_like_and_incompressible_bodies_are_not_drawn_apart() -> None:

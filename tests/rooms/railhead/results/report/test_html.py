@@ -4,14 +4,11 @@ import base64
 import io
 import json
 import re
-import shutil
-import subprocess
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from matplotlib.image import imread
 from one_line import refusal
 from PIL import Image
 
@@ -24,18 +21,6 @@ from railhead.results.report import html, output_units, terminal
 from railhead.results.subject import subject
 from railhead.run import quantities
 
-CHROMIUM = shutil.which("chromium")
-HEADLESS = (
-    "--no-sandbox",
-    "--headless=new",
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--no-first-run",
-    "--enable-unsafe-swiftshader",
-    "--enable-logging=stderr",
-    "--v=0",
-    "--virtual-time-budget=8000",
-)
 UNITS = output_units.parse("um,kN,GPa")
 
 
@@ -231,45 +216,3 @@ def test_units_are_the_readers(value: float, unit: str, shown: str) -> None:
 @pytest.mark.parametrize("wrong", ["mm,furlong", "", "kN,N", "kg"])
 def test_unknown_units_are_refused(wrong: str) -> None:
     assert "--units" in refusal(lambda: output_units.parse(wrong))
-
-
-def browse(*options: str, file: Path, begun: tuple[str, ...] = HEADLESS) -> str:
-    command = [str(CHROMIUM), *begun, *options, file.as_uri()]
-    done = subprocess.run(command, capture_output=True, timeout=120, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    return done.stdout + done.stderr
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(CHROMIUM is None, reason="no chromium")
-def test_a_browser_draws_it(folder: Path, tmp_path: Path) -> None:
-    shot = tmp_path / "shot.png"
-    said = browse("--window-size=1000,2200", f"--screenshot={shot}", file=folder / html.NAME)
-    assert not [line for line in said.splitlines() if "CONSOLE" in line and "Error" in line]
-    picture = imread(shot)[:, :, :3]
-    coloured = (picture[:, :, 0] - picture[:, :, 2] > 0.35).sum(axis=1) > 20
-    assert coloured.sum() > 400  # rows of both views, before any picture
-    assert np.unique((picture[coloured] * 15).astype(int).reshape(-1, 3), axis=0).shape[0] > 30
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(CHROMIUM is None, reason="no chromium")
-def test_reports_are_printed_and_a_brief_one_on_one_page(
-    result, folder: Path, tmp_path: Path
-) -> None:
-    page, paper = tmp_path / html.NAME, tmp_path / "report.pdf"
-    browse(f"--print-to-pdf={paper}", file=folder / html.NAME)
-    assert paper.read_bytes().startswith(b"%PDF")
-    assert paper.stat().st_size > 100_000
-    page.write_text(brief_of(with_passes(result), folder), encoding="utf-8")
-    browse(f"--print-to-pdf={paper}", file=page)
-    assert len(re.findall(rb"/Type /Page\b", paper.read_bytes())) == 1
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(CHROMIUM is None, reason="no chromium")
-def test_without_webgl_the_views_are_pictures(folder: Path) -> None:
-    flat = (*HEADLESS[:2], "--disable-gpu", "--disable-software-rasterizer", "--disable-3d-apis")
-    for begun, shown in ((HEADLESS, False), (flat, True)):
-        page = browse("--dump-dom", file=folder / html.NAME, begun=begun)
-        assert ('<body class="flat">' in page) is shown
