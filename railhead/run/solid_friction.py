@@ -26,7 +26,6 @@ from railhead.postprocess.patch.patch import SmoothPatch, smooth_patches
 from railhead.scene.scene import SceneError
 from railhead.solver.algebra.linear import StalledError
 from railhead.solver.contact import ContactModel, condensed_friction
-from railhead.solver.friction.history import NOT_CONVERGED
 from railhead.solver.friction.pressed_surfaces import far_displacement
 from railhead.solver.friction.surface_response import SurfacePoints, SurfaceResponse
 from railhead.solver.plasticity.load_stepping import Response
@@ -36,7 +35,6 @@ from railhead.solver.system.solution import FrictionSolution, GridTraction, Solu
 from railhead.theory.array_types import Array
 from railhead.theory.friction.rolling import (
     CELLS,
-    LONGER,
     Creepage,
     HalfSpaceFriction,
     TangentialSolution,
@@ -316,8 +314,8 @@ class SolidFriction:
     def press_again(self, case: LoadCase, found: list[TangentialSolution]) -> Solution:
         """Solution of the bodies under tractions, whose `load` includes what these carry on
         inclined surfaces (collective). The pressures of all grids become those of this solution. A
-        solution that did not converge, or in which patches have merged, says so and leaves them as
-        they were.
+        solution that did not converge says so and leaves them as they were. Raises ValueError where
+        patches have merged.
 
         case: load case, with forces that are added to those of the tractions.
         found: tractions of each patch.
@@ -333,8 +331,8 @@ class SolidFriction:
         if solution.newton.converged:
             fields = gather(self.model, solution, facing=False)
             smooth = shared_patches(self.model, fields, parabolic=self._parabolic)
-            if len(smooth) < len(self.patches):  # two have become one
-                return self._failed(solution)
+            if len(smooth) < len(self.patches):
+                raise ValueError("two patches have become one under the tractions")
             self._press(smooth)
         carried = float(total @ self.model.setup.direction)
         return replace(solution, load=solution.load + carried)
@@ -346,9 +344,10 @@ class SolidFriction:
                 each.press(each.patch.nearest(smooth))
 
     def solve(self, case: LoadCase) -> Solution:
-        """Solution after all load steps; the first step that does not converge ends them, and the
-        solution says so (collective). Its `reference` is the frictionless one. `sample` must have
-        been called: without it the bodies respond as half-spaces.
+        """Solution after all load steps; the first one whose pressing does not converge ends them,
+        and the solution says so (collective). Its `reference` is the frictionless one. `sample`
+        must have been called: without it the bodies respond as half-spaces. Raises ValueError where
+        tractions are not found or do not balance with the pressure, and where patches merge.
 
         case: load case of the frictionless solution, with its active points.
         """
@@ -364,10 +363,7 @@ class SolidFriction:
             forces = given.get(0), given.get(1)
             for _ in range(PRESSINGS):
                 self.stage("friction: tractions")
-                try:
-                    found = self.tractions(motion, forces, start=found)
-                except ValueError:
-                    return self._failed(solution)
+                found = self.tractions(motion, forces, start=found)
                 passes += 1
                 if _change(found, pressed_under) <= PRESS_TOLERANCE:
                     break
@@ -377,14 +373,11 @@ class SolidFriction:
                 if not solution.newton.converged:
                     return replace(solution, reference=self.pressed)
             else:
-                return self._failed(solution)
-            try:
-                others = [
-                    self.tractions(motion, forces, start=start, patches=patches)
-                    for patches, start in zip(self.coarse, others, strict=True)
-                ]
-            except ValueError:
-                return self._failed(solution)
+                raise ValueError(f"no balance of tractions and pressure in {PRESSINGS} turns")
+            others = [
+                self.tractions(motion, forces, start=start, patches=patches)
+                for patches, start in zip(self.coarse, others, strict=True)
+            ]
             grids = [*zip(self.coarse, others, strict=True), (self.patches, found)]
             if not settings.rolling:
                 for each, solved in (pair for grid in grids for pair in zip(*grid, strict=True)):
@@ -410,24 +403,14 @@ class SolidFriction:
             coarse=coarser,
         )
         if settings.rolling:
-            try:
-                misread = self.tractions(motion, forces, misread=True, start=found)
-                still = self.tractions(Creepage(), modes=0.0)
-            except ValueError:
-                return self._failed(solution)
+            misread = self.tractions(motion, forces, misread=True, start=found)
+            still = self.tractions(Creepage(), modes=0.0)
             described = replace(
                 described,
                 misread=self._friction_solution(self.patches, misread, misread=True),
                 without_creepage=self._friction_solution(self.patches, still),
             )
         return replace(solution, reference=self.pressed, friction=described)
-
-    def _failed(self, solution: Solution) -> Solution:
-        """The solution, said not to have converged; its `reference` is the frictionless one."""
-        laws = self.settings.interface
-        more = f"; {LONGER}" if laws and laws.law else ""
-        newton = replace(solution.newton, reason=NOT_CONVERGED + more)
-        return replace(solution, newton=newton, reference=self.pressed)
 
     def _friction_solution(
         self, patches: list[GridPatch], found: list[TangentialSolution], misread: bool = False
@@ -495,8 +478,9 @@ def solve_by_suited_method(
     misplaced: whether the patch of a solution needs another mesh; then the pressed solution is
         returned. Not asked in a section.
 
-    A linear solve that fails gives a solution that has not converged. Raises SceneError for bodies
-    with too many unknowns for condensation, and for a law of friction or a layer on such bodies.
+    A linear solve that fails, and tractions that are not found, give a solution that has not
+    converged. Raises SceneError for bodies with too many unknowns for condensation, and for a law
+    of friction or a layer on such bodies.
     """
     if model.setup.kinematics.dim == 2:
         return condensed_friction(model, response, case, pressed)
@@ -514,10 +498,10 @@ def solve_by_suited_method(
         if not why:
             try:
                 friction.sample()
-            except StalledError as error:
+                return friction.solve(case)
+            except (StalledError, ValueError) as error:
                 newton = replace(pressed.newton, reason=f"friction: {error}")
                 return replace(pressed, newton=newton, reference=pressed)
-            return friction.solve(case)
     surfaces = model.setup.friction and model.setup.friction.interface
     if surfaces and (surfaces.law or surfaces.layer):
         text = f"is not allowed beside {why}: it needs half-spaces (effects.finite_bodies=off)"

@@ -16,6 +16,7 @@ from railhead.solver.system.contact_system import ContactSystem, LoadCase
 from railhead.solver.system.setup import FrictionSettings
 from railhead.solver.system.solution import FrictionSolution, Solution
 from railhead.theory.array_types import Array, Mask
+from railhead.theory.tribology.laws import FAST, agree, settled
 
 NOT_CONVERGED = "friction: the tractions do not settle"
 COUPLING_TOLERANCE = 1e-3  # change of the tractions in one coupling iteration, over max(mu p)
@@ -37,6 +38,7 @@ class FrictionHistory:
     pressed: frictionless solution.
     condensation: static condensation of the pressed contact.
     contact: compliance, linearised around the last solution.
+    coefficient: coefficient of friction (n,), with a law that of the last solve for the tractions.
     rigid_slip: modes of rigid slip (4, n, k), see `FrictionSettings.rigid_slip`.
     motion: factors (4,) of these modes, prescribed or last found.
     prescribed_slip: rigid slip (n, k) of the prescribed motions alone.
@@ -71,6 +73,7 @@ class FrictionHistory:
         self.case, self.pressed = case, pressed
         self.condensation = StaticCondensation(system, response, settings, pressed)
         self.contact = contact = self.condensation.condense(pressed)
+        self.coefficient = settings.coefficient(contact.points)
         self.rigid_slip = rigid_slip_modes(settings, contact)
         self.motion = np.array([*settings.creepage, 1.0])
         self.prescribed_slip = np.tensordot(self.motion, self.rigid_slip, axes=1)
@@ -143,18 +146,16 @@ class FrictionHistory:
         for _ in range(COUPLING_ITERATIONS):
             if held is not None and (loaded or state is None):
                 self.rest = np.where(self.was_active[:, None], held, self._touching(before))
-            friction = self._coulomb()
-            self.tangential_state = state = friction.solve(
-                self.prescribed_slip,
-                self.rigid_slip[self.free_modes],
-                np.array(forces).reshape(-1, 4),
-                rest=self.rest,
-                start=state,
-            )
+            try:
+                self.tangential_state = state = self._tractions(np.array(forces), state)
+            except ValueError as error:
+                return replace(
+                    solution, newton=replace(solution.newton, reason=f"friction: {error}")
+                )
             self.motion[self.free_modes] = state.motion
             self.coupling_iterations += 1
             self.newton_steps = max(self.newton_steps, len(state.history))
-            change = float(np.abs(state.nodal - self.nodal).max()) / friction.largest_bound
+            change = float(np.abs(state.nodal - self.nodal).max()) / self._coulomb().largest_bound
             if change <= COUPLING_TOLERANCE or not state.converged:
                 break
             self.nodal, self.tangential = mixing.next(self.nodal, state.nodal), self._force(state)
@@ -170,7 +171,52 @@ class FrictionHistory:
 
     def _coulomb(self) -> CoulombContact:
         """The condensed contact, as it is now, with the coefficient of friction at its points."""
-        return CoulombContact(self.contact, self.settings.coefficient(self.contact.points))
+        return CoulombContact(self.contact, self.coefficient)
+
+    def _tractions(self, forces: Array, start: TangentialState | None) -> TangentialState:
+        """Tractions and slip of the condensed contact, and with a law of friction `coefficient` as
+        it is at that slip. forces (j, 4): as of `CoulombContact.solve`; start: a similar state.
+        ValueError: a law does not settle, or has several steady states.
+        """
+
+        def solve(coefficient: Array, near: TangentialState | None) -> TangentialState:
+            """Tractions under a coefficient."""
+            self.coefficient = coefficient
+            return self._coulomb().solve(
+                self.prescribed_slip,
+                self.rigid_slip[self.free_modes],
+                forces.reshape(-1, 4),
+                rest=self.rest,
+                start=near or start,
+            )
+
+        if not (self.settings.interface and self.settings.interface.law):
+            return solve(self.coefficient, None)
+
+        def law(state: TangentialState) -> Array:
+            """Coefficient at the slip of a state."""
+            return self._heated(state)[0]
+
+        found = settled(self.coefficient, solve, law)
+        kept, area = self.coefficient, self.contact.area
+        slid = replace(found, slip=np.full_like(found.slip, FAST))
+        other = settled(law(slid), solve, law)
+        apart = area @ np.linalg.norm(found.traction - other.traction, axis=1)
+        limit = area @ (kept * found.pressure)
+        agree((self._force(found)[0], self._force(other)[0]), float(apart), float(limit))
+        self.coefficient = kept
+        return found
+
+    def _heated(self, state: TangentialState) -> tuple[Array, Array | None]:
+        """Coefficient (n,) and rises of the surfaces (2, n), K, at the slip of a state, of a
+        section that rolls (`Interface.along_line`); else the static coefficient, and None.
+        """
+        points, interface = self.contact.points, self.settings.interface
+        static = self.settings.coefficient(points)
+        if interface is None or not self.settings.rolling or state.slip.shape[1] > 1:
+            return static, None
+        lines = state.pressure, state.traction[:, 0], state.slip[:, 0]
+        return interface.along_line(points[:, 0], static, *lines)
 
     def _end_step(self, force_share: float) -> None:
         """Close a step that converged: append its force and rigid motion to `step_results`. Unless
@@ -270,14 +316,16 @@ class FrictionHistory:
         """Friction solution, with vectors in space, of a tangential state; motion: factors (4,) of
         the modes of rigid slip.
         """
-        contact, settings = self.contact, self.settings
+        contact = self.contact
         force, moment = self._resultants(state)
         along, across, spin = (float(value) for value in motion[:3])
+        _, rises = self._heated(state)
+        hot = (None, None) if rises is None else rises
         return FrictionSolution(
             points=contact.points,
             weights=contact.area,
             pressure=state.pressure,
-            bound=settings.coefficient(contact.points) * state.pressure,
+            bound=self.coefficient * state.pressure,
             traction=contact.in_space(state.traction),
             slip=contact.in_space(state.slip),
             sticks=state.sticks,
@@ -289,6 +337,8 @@ class FrictionHistory:
             coupling_iterations=self.coupling_iterations,
             rigid_slip=contact.in_space(np.einsum("m,mnk->nk", motion, self.rigid_slip)),
             newton_steps=self.newton_steps,
+            rise_rail=hot[0],
+            rise_wheel=hot[1],
         )
 
 

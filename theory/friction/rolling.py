@@ -30,7 +30,7 @@ from railhead.theory.bem.influence import Influence
 from railhead.theory.bem.pressure_solver import equilibrium
 from railhead.theory.friction.coulomb_solver import CoulombSolver
 from railhead.theory.friction.tangential import AHEAD, MaterialPair, TractionInfluence
-from railhead.theory.tribology.laws import Interface
+from railhead.theory.tribology.laws import FAST, Interface, agree, settled
 
 TOLERANCE = 1e-8  # of the tractions
 CELLS = (16, 32, 64)  # of a patch each way, the coarsest first: numbers are extrapolated
@@ -40,10 +40,6 @@ STUCK = 1e-6  # relative: a traction that is that much below its bound sticks
 TURNS, TRACTION_CHANGE = 40, 1e-3  # between pressure and tractions; of the tractions, over mu N
 PRESSED = 1e-6  # of the displacement
 STEPS, FORCE_TOLERANCE = 40, 1e-6  # of Newton under prescribed forces; over mu N
-LAW_TURNS, SETTLED = 60, 1e-7  # between tractions and coefficient; change of the bound, relative
-SLOWEST = 0.02  # least part of a change of the coefficient that is taken
-FAST = 1e6  # slip per rolled length, and rise in K, at which a law has its last coefficient
-ALIKE, LONGER = 1e-3, "the law falls too steeply; give a longer friction.memory"
 
 
 @dataclass(frozen=True)
@@ -248,7 +244,7 @@ class HalfSpaceFriction:
         found = self._by_law(creepage, self._static * self._pressure, None)
         endless = np.full_like(found.slip, FAST)
         slid = replace(found, slip=endless, rise=endless)
-        agree(found, self._by_law(creepage, self._law_bound(slid), found))
+        compare(found, self._by_law(creepage, self._law_bound(slid), found))
         return found
 
     @property
@@ -265,22 +261,16 @@ class HalfSpaceFriction:
     def _by_law(
         self, creepage: Creepage, bound: Array, start: TangentialSolution | None
     ) -> TangentialSolution:
-        """Tractions under the bound (nx, ny), MPa, that the law has at their slip, in turns with
-        Aitken's factor, from a first bound and a solution near it. ValueError: they do not settle.
+        """Tractions under the bound (nx, ny), MPa, that the law has at their slip, from a first
+        bound and a solution near it. ValueError: as of `settled`.
         """
-        before, factor, found = np.zeros_like(bound), 1.0, start
-        for _ in range(LAW_TURNS):
+
+        def solve(bound: Array, near: TangentialSolution | None) -> TangentialSolution:
+            """Tractions under a bound."""
             self._tractions.bound = bound
-            found = self._at(creepage, found)
-            change = self._law_bound(found) - bound
-            if np.abs(change).sum() <= SETTLED * bound.sum():
-                return found
-            if before.any():
-                turned = change - before
-                factor *= -float((before * turned).sum() / (turned * turned).sum())
-                factor = min(max(factor, SLOWEST), 1.0)
-            bound, before = bound + factor * change, change
-        raise ValueError(f"tractions and coefficient of friction do not settle; {LONGER}")
+            return self._at(creepage, near or start)
+
+        return settled(bound, solve, self._law_bound)
 
     def _law_bound(self, found: TangentialSolution) -> Array:
         """Largest traction (nx, ny), MPa, that the law allows at the slip of a solution."""
@@ -332,14 +322,10 @@ class HalfSpaceFriction:
         return np.asarray((1 - AHEAD) * field + AHEAD * ahead)
 
 
-def agree(found: TangentialSolution, other: TangentialSolution) -> None:
-    """Raise ValueError where the tractions of two steady states of a patch differ by more than 1e-3
-    (ALIKE) of mu N.
-    """
+def compare(found: TangentialSolution, other: TangentialSolution) -> None:
+    """Raise ValueError where two steady states of a patch differ, as of `laws.agree`."""
     apart = np.linalg.norm(found.traction - other.traction, axis=0).sum() * found.cell
-    if apart > ALIKE * found.limit:
-        along = " and ".join(f"{each.forces[0]:.4g}" for each in (found, other))
-        raise ValueError(f"several steady states, e.g. {along} N along; {LONGER}")
+    agree((found.forces[0], other.forces[0]), float(apart), found.limit)
 
 
 def cells_over(half: tuple[float, float], cells: int) -> tuple[int, int]:
@@ -459,7 +445,7 @@ def solve_for_forces(
     for _ in range(STEPS):
         if np.linalg.norm(missing) <= FORCE_TOLERANCE * limit:
             for body, each in zip(bodies, now, strict=True) if lawful and (free or start) else ():
-                agree(each, body.solve(motion))
+                compare(each, body.solve(motion))
             return now
         if slope is None:
             pairs = zip(bodies, now, strict=True)

@@ -15,12 +15,22 @@ length d_c:
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
 from railhead.theory.array_types import Array, Mask
 from railhead.theory.tribology.heat import Heat
+
+TURNS, SETTLED = 60, 1e-7  # between tractions and coefficient; change of the bound, relative
+SLOWEST = 0.02  # least part of a change of the coefficient that is taken
+ALIKE = 1e-3  # of mu N: most by which the tractions of two steady states may differ
+FAST = 1e6  # slip per rolled length, and rise in K, at which a law has its last coefficient
+LONGER = "the law falls too steeply; give a longer friction.memory"
+
+Solved = TypeVar("Solved")
 
 
 @dataclass(frozen=True)
@@ -118,6 +128,61 @@ class Interface:
         if length is None:
             length = float(x[1] - x[0]) if isinstance(self.law, Falling) else 0.0
         return followed(aim, static, inside, (x[1] - x[0]) / length) if length else aim
+
+    def along_line(
+        self, x: Array, static: Array, pressure: Array, traction: Array, slip: Array
+    ) -> tuple[Array, Array | None]:
+        """Coefficient (n,) by the law, or without one the static one, and rises of the surfaces of
+        rail and wheel (2, n), K, or None, at n places x, mm, of a line in any order. static:
+        coefficient; pressure, traction along x, MPa; slip along x at the places themselves.
+        """
+        order, count = np.argsort(x), len(x)
+        grid = x.min() + np.ptp(x) * (np.arange(count) + 0.5) / count
+
+        def on_grid(*values: Array) -> Array:
+            """Values (m, count, 1) at the cells of a grid."""
+            return np.array([np.interp(grid, x[order], each[order]) for each in values])[..., None]
+
+        moved, still = on_grid(static, pressure, traction, slip), np.zeros((1, count, 1))
+        slips = np.concatenate([moved[3:], still])
+        rise = self.rise(grid, np.concatenate([moved[2:3], still]), slips)
+        found = moved[0]
+        if self.law is not None:
+            found = self.coefficient(grid, found, moved[1] > 0, slips, rise)
+        hot = None if rise is None else np.array([np.interp(x, grid, each[:, 0]) for each in rise])
+        return np.interp(x, grid, found[:, 0]), hot
+
+
+def settled(
+    bound: Array, solve: Callable[[Array, Solved | None], Solved], law: Callable[[Solved], Array]
+) -> Solved:
+    """Tractions under the bound that a law has at their slip, in turns with Aitken's factor.
+
+    bound: the first one, of any shape. solve: tractions under a bound, from those of the turn
+    before. law: the bound at the slip of such tractions. ValueError: they do not settle.
+    """
+    before, factor = np.zeros_like(bound), 1.0
+    found: Solved | None = None
+    for _ in range(TURNS):
+        found = solve(bound, found)
+        change = law(found) - bound
+        if np.abs(change).sum() <= SETTLED * bound.sum():
+            return found
+        if before.any():
+            turned = change - before
+            factor *= -float((before * turned).sum() / (turned * turned).sum())
+            factor = min(max(factor, SLOWEST), 1.0)
+        bound, before = bound + factor * change, change
+    raise ValueError(f"tractions and coefficient of friction do not settle; {LONGER}")
+
+
+def agree(forces: tuple[float, float], apart: float, limit: float) -> None:
+    """Raise ValueError where two steady states differ by more than 1e-3 (ALIKE) of mu N. forces:
+    along, of both; apart: difference of the tractions, summed over the area; limit: mu N; all N.
+    """
+    if apart > ALIKE * limit:
+        along = " and ".join(f"{each:.4g}" for each in forces)
+        raise ValueError(f"several steady states, e.g. {along} N along; {LONGER}")
 
 
 def followed(aim: Array, start: Array, inside: Mask, step: float) -> Array:

@@ -16,9 +16,10 @@ UNKNOWN = "flash temperature not known for this material; give the constants of 
 TIMES = "3 to 12 times the time of the tractions"
 
 
-def beyond_grids(context: Context) -> str:
-    """Bodies whose tractions are not found on grids of half-spaces, in words: these can have no
-    heat, no law of friction but Coulomb's and no layer. Empty of all others.
+def beyond_grids(context: Context, *, layer: bool = False) -> str:
+    """Bodies whose tractions are found neither along lines in rolling direction nor on grids of
+    half-spaces, in words: these can have no heat, no law of friction but Coulomb's and no layer.
+    Empty of all others. layer: whether a layer is asked for, which sections do not have.
     """
     decided = context.decided
     if decided["passes"].on:
@@ -26,7 +27,7 @@ def beyond_grids(context: Context) -> str:
     if not decided["finite_bodies"].on:
         return ""
     if context.contact.plane:
-        return "a section in two dimensions"
+        return "a section in two dimensions" if layer else ""
     if interface.unlike(context):
         return "meshed bodies of unlike materials"
     return "bodies that yield" if decided["plasticity"].on else ""
@@ -134,7 +135,8 @@ def _refuse_beyond_grids(context: Context, effect: str, key: str, value: str) ->
     """Raises SceneError for a key where tractions are not found on grids of half-spaces, unless the
     effect is switched off.
     """
-    missing = beyond_grids(context)
+    missing = beyond_grids(context, layer=effect == "layer")
     if missing and context.scene.effects.state(effect) != "off":
+        flat = "" if context.contact.plane else "effects.finite_bodies=off or "
         text = f"{value} is not allowed with {missing}"
-        raise SceneError(key, f"{text}; give effects.finite_bodies=off or effects.{effect}=off")
+        raise SceneError(key, f"{text}; give {flat}effects.{effect}=off")

@@ -114,10 +114,10 @@ def _strip(
     plan: Plan, found: FrictionSolution, line: LineContact, patches: Patches
 ) -> NumbersByMethod:
     """Quantities by method for a line contact: Carter (rolling) or Cattaneo (a shift), of unlike
-    materials boundary elements. Empty in rolling of like materials where the width of the strip
-    runs across the rail.
+    materials, or under another law than Coulomb's, boundary elements. Empty in rolling of like
+    materials where the width of the strip runs across the rail.
     """
-    if not closed_forms.tangential_pair(plan.scene).like:
+    if not (closed_forms.tangential_pair(plan.scene).like and tribology.coulomb(plan.scene)):
         if line.across:
             return {"boundary elements": {"reason": STRIP_ACROSS}}
         numbers = or_reason(lambda: solve_by_boundary_elements(plan, found, patches))

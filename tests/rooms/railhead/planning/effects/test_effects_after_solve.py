@@ -115,20 +115,22 @@ def planned(*assignments: str) -> planning.Plan:
 
 
 def test_what_is_called_for_and_left_out_fails_first_unless_a_person_overrules_it() -> None:
-    """A strip that slips everywhere: 157 K by the heat equation, and beyond first yield."""
+    """A strip beyond first yield. 157 K by the heat equation if its slip were even: it is more
+    behind the middle."""
     result = solved("long_roller", *HOT)
     checks = result.summary["checks"]
-    assert checks["failed"][0] == "effects_left_out" and checks["effects_left_out"] == 3
+    assert checks["failed"][0] == "effects_left_out" and checks["effects_left_out"] == 2
     limit, reason = checks["limits"]["effects_left_out"]
-    assert limit == 0 and "plasticity: von Mises" in reason and "heat: flash" in reason
+    assert limit == 0 and "plasticity: von Mises" in reason
     assert "give rolling.passes" in reason
-    advice = "--without plasticity --without passes --without heat"
+    advice = "--without plasticity --without passes"
     assert checks["advice"]["effects_left_out"].startswith(advice)
-    assert result.summary["effects_after"]["heat"]["why"].startswith("flash temperature 15")
+    rises = result.summary["result"]["friction"]["temperature_rise_max_K"]
+    assert 157 < rises["rail"] < 1.03 * 157
     plan = result.plan
     assert "rolling is solved elastically" in plan.effects["plasticity"].why
     accepted = {
-        name: replace(each, override=name in ("plasticity", "passes", "heat"))
+        name: replace(each, override=name in ("plasticity", "passes"))
         for name, each in plan.effects.items()
     }
     assert effects.left_out(accepted, result.mesh_solution.after) == {}
@@ -144,14 +146,25 @@ def test_the_plan_says_what_tractions_and_heat_may_bring() -> None:
     assert "rolling is solved elastically with friction" in plasticity.why
     most = float(plasticity.why.split("up to ")[1].split(" MPa")[0])
     assert most > 560
-    assert heat.called_for and not heat.on
+    assert heat.called_for and heat.on
     assert "roughness" in plan.effects["friction"].why
-    slow = planned(*(each for each in gentle if "speed" not in each), "rolling.speed=1")
+    slow = planned(*(each for each in gentle if "speed" not in each), "rolling.speed=none")
     assert not slow.effects["heat"].called_for
-    with pytest.raises(SceneError, match="no temperature is simulated with a section"):
-        planned(*HOT, "effects.heat=on")
     other = planned(*gentle, "wheel.young_modulus=70000").effects["heat"]
     assert not other.called_for and "not known for this material" in other.why
+
+
+def test_heat_of_meshed_unlike_solids_is_told_by_a_formula() -> None:
+    keys = "friction.coefficient=0.3", "wheel.poisson_ratio=0.2", "rolling.creepage_along=3%"
+    scene = catalogue.find("hertz_ellipse").replace([*keys, "rolling.speed=60"])
+    heat = planning.make(scene).effects["heat"]
+    assert heat.called_for and not heat.on and "flash temperature up to" in heat.why
+    slow = planning.make(scene.replace(["rolling.speed=1"])).effects["heat"]
+    assert not slow.called_for and "below 100 K" in slow.why
+    with pytest.raises(
+        SceneError, match="no temperature is simulated with meshed bodies of unlike"
+    ):
+        planning.make(scene.replace(["effects.heat=on"]))
 
 
 def test_no_temperature_is_signed_of_a_body_that_is_no_steel() -> None:
