@@ -304,6 +304,7 @@ def sweep(
 @click.option("--accuracy", default="2%", help="Of the interpolation, over mu N [2%].")
 @click.option("--ratios", default="0.1:10", help="Smallest and largest a/b [0.1:10].")
 @click.option("--cells", default=24, help="Of the finer grid each way [24].")
+@click.option("--law", type=(float, float, float), help="Falling friction: docs/creep-tables.md.")
 @options.force
 @click.option("--quiet", is_flag=True, help="Print only what fails.")
 @click.option("--json", "as_json", is_flag=True, help="Print the errors and nothing else.")
@@ -313,6 +314,7 @@ def table(
     accuracy: str,
     ratios: str,
     cells: int,
+    law: tuple[float, float, float] | None,
     force: bool,
     quiet: bool,
     as_json: bool,
@@ -321,7 +323,7 @@ def table(
     from railhead.results import result_folder
     from railhead.sweeps import creep_tables
 
-    request = creep_tables.asked(poisson, accuracy, ratios, cells)
+    request = creep_tables.asked(poisson, accuracy, ratios, cells, law)
     with process.told_at_a_signal(KEPT.format(out)):
         found = creep_tables.make(request, out, force=force, quiet=quiet or as_json)
     if found is not None and as_json:  # None: a rank that worked for the first one

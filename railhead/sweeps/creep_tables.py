@@ -23,7 +23,7 @@ from railhead.theory.friction.kalker import coefficients
 
 TABLE, ROWS = "table.npz", "table.csv"
 CHECKS = 60  # places between the nodes at which the interpolation is checked
-HEAD = """# railhead creep table. Poisson's ratio {poisson:g}, {cells} cells each way.
+HEAD = """# railhead creep table. Poisson's ratio {poisson:g}, {cells} cells each way, law {law}.
 # axis_ratio: a/b, a along. along, across, spin: G a b C11 xi_x/(mu N), G a b C22 xi_y/(mu N),
 # G (a b)^1.5 C23 phi/(mu N). Forces of the wheel on the rail over mu N; moment over mu N sqrt(a b).
 """
@@ -37,12 +37,15 @@ class Request:
     accuracy: asked of the interpolation along each axis, over mu N, 0.005 to 0.2.
     ratios: smallest and largest a/b, 0.05 to 20; equal: one ratio.
     cells: of the finer grid each way, 12 to 96, even.
+    law: kinetic over static coefficient, s_half G a b/(V mu N), and memory over sqrt(a b) of a
+        coefficient that falls exponentially with slip; None: Coulomb's law.
     """
 
     poisson: float = 0.28
     accuracy: float = 0.02
     ratios: tuple[float, float] = (0.1, 10.0)
     cells: int = 24
+    law: theory.Law | None = None
 
     def check(self) -> None:
         """Raise SceneError for the first value out of its range."""
@@ -57,12 +60,20 @@ class Request:
                 12 <= self.cells <= 96 and self.cells % 2 == 0,
                 "12 to 96, even",
             ),
+            (
+                "--law",
+                self.law,
+                self.law is None or (min(self.law) > 0 and self.law[0] <= 1),
+                "KINETIC above 0 to 1, HALF and MEMORY above 0",
+            ),
         ):
             if not good:
                 raise SceneError(key, f"{value} is not allowed; give {allowed}")
 
 
-def asked(poisson: float, accuracy: str, ratios: str, cells: int) -> Request:
+def asked(
+    poisson: float, accuracy: str, ratios: str, cells: int, law: theory.Law | None
+) -> Request:
     """The request of a command's texts: accuracy as "2%", ratios as "LOW:HIGH" or one. Raises
     SceneError for others.
     """
@@ -75,7 +86,7 @@ def asked(poisson: float, accuracy: str, ratios: str, cells: int) -> Request:
         share = to_base(accuracy, FRACTION)
     except ValueError as error:
         raise SceneError("--accuracy", str(error)) from None
-    return Request(poisson=poisson, accuracy=share, ratios=ends, cells=cells)
+    return Request(poisson=poisson, accuracy=share, ratios=ends, cells=cells, law=law)
 
 
 def creep_table(
@@ -85,13 +96,13 @@ def creep_table(
     accuracy: float = 0.02,
     ratios: tuple[float, float] = (0.1, 10.0),
     cells: int = 24,
+    law: theory.Law | None = None,
 ) -> CreepTable | None:
     """Solve a creep table and write it into a folder, or read and complete the one that is there:
     `make` of a `Request` with these values.
     """
-    return make(
-        Request(poisson=poisson, accuracy=accuracy, ratios=ratios, cells=cells), Path(folder)
-    )
+    request = Request(poisson=poisson, accuracy=accuracy, ratios=ratios, cells=cells, law=law)
+    return make(request, Path(folder))
 
 
 def make(
@@ -135,14 +146,14 @@ def _solved(
     """The table of a request, whose parts without a record are submitted; written into a folder.
     Raises SceneError for a part that failed.
     """
-    poisson, cells = request.poisson, request.cells
+    poisson, cells, law = request.poisson, request.cells, request.law
     progress.stage("looking where the forces bend")
-    axes = theory.axes(poisson, cells, request.accuracy, request.ratios)
+    axes = theory.axes(poisson, cells, request.accuracy, request.ratios, law)
     rest = axes["across"], axes["spin"]
     parts = list(product(axes["axis_ratio"], axes["along"]))
     finished = store.done(folder)
     jobs = {
-        submit(theory.solve, poisson, cells, *parts[n], rest): n
+        submit(theory.solve, poisson, cells, *parts[n], rest, law): n
         for n in range(len(parts))
         if n not in finished
     }
@@ -166,6 +177,7 @@ def _solved(
         kalker=np.array([[each.c11, each.c22, each.c23] for each in linear]).T,
         values=values,
         interpolation=np.zeros(3),
+        law=law,
     ).checked(CHECKS)
     table.save(folder / TABLE)
     store.write_whole(folder, folder / ROWS, _text(table).encode())
@@ -191,14 +203,15 @@ def words(table: CreepTable) -> str:
 
 
 def summary(table: CreepTable) -> dict[str, Any]:
-    """Entries of `railhead table --json`: Poisson's ratio, cells, number of values on each axis and
-    in all, and the errors over mu N of grid (largest) and of interpolation by number.
+    """Entries of `railhead table --json`: Poisson's ratio, cells, law, number of values on
+    each axis and in all, and the errors over mu N of grid (largest) and of interpolation by number.
     """
     axes = {name: len(table.axes[name]) for name in AXES}
     grid = table.values[1].max(axis=(1, 2, 3, 4))
     return {
         "poisson": table.poisson,
         "cells": table.cells,
+        "law": table.law,
         "axes": axes,
         "cases": int(np.prod(list(axes.values()))),
         "grid_error": dict(zip(NUMBERS, map(float, grid), strict=True)),

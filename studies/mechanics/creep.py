@@ -14,6 +14,7 @@ from railhead.geometry.placement import ProfilePair
 from railhead.geometry.wheelset import Track, WheelsetOnTrack
 from railhead.postprocess.pictures.diagrams import FE, GREY, HERTZ, new_figure
 from studies import tables
+from studies.mechanics import creep_laws as laws
 from studies.mechanics import creep_runs as changes
 from studies.mechanics import creep_runs as curves
 from studies.tables import Row, cells, groups
@@ -50,9 +51,9 @@ STRESSES = {
 
 
 def main(out: Path, *, quick: bool) -> None:
-    """Write creep.csv, creep_costs.csv, creep_left_out.csv, creep_sliding.csv, creep.png,
-    friction_axes.png, creep_sliding.png and page.md; quick: two motions on a coarse mesh, one scene
-    and one coefficient of a section."""
+    """Write creep.csv, creep_costs.csv, creep_left_out.csv, creep_sliding.csv, creep_speed.csv,
+    creep.png, creep_speed.png, friction_axes.png, creep_sliding.png and page.md; quick: two motions
+    on a coarse mesh, one scene, one coefficient of a section and one speed."""
     points, costs, left = [], [], []
     for curve in curves.QUICK if quick else curves.CURVES:
         print(f"{curve.case}: {len(curve.motions)} motions", file=sys.stderr)
@@ -66,24 +67,37 @@ def main(out: Path, *, quick: bool) -> None:
     strip = changes.STRIP[2:3] if quick else changes.STRIP
     slid = list(changes.slid("long_roller", strip, changes.HALF_SPACE))
     slid += [] if quick else changes.slid("hertz_ellipse", changes.SLIDING, changes.FOUR)
+    print("a law of friction over speed", file=sys.stderr)
+    falling = laws.rows(quick=quick)
     draw_curves(points, out / "creep.png")
+    laws.draw(falling, out / "creep_speed.png")
     draw_axes(out / "friction_axes.png")
     draw_sliding(slid, out / "creep_sliding.png")
-    text = page(points, costs, left, slid)
+    text = page(points, costs, left, slid, falling)
     tables.publish(out, text, UNITS, creep=points, creep_costs=costs, creep_left_out=left)
+    tables.publish(out, text, {"speed": "m_s"}, creep_speed=falling)
     tables.publish(out, text, creep_sliding=slid)  # over p0 and half widths: without units
 
 
 def page(
-    points: Sequence[Row], costs: Sequence[Row], left: Sequence[Row], slid: Sequence[Row]
+    points: Sequence[Row],
+    costs: Sequence[Row],
+    left: Sequence[Row],
+    slid: Sequence[Row],
+    falling: Sequence[Row],
 ) -> str:
     """Text of the page; differences of forces, over mu N, are the largest of a case."""
     forces = {case: _forces(own) for case, own in groups(points, "case").items()}
     sliding = groups(slid, "case")
+    head, speeds, apart = laws.table(falling)
     return tables.render(
         "creep",
         coefficient=curves.COEFFICIENT,
         slides=changes.SLIDES,
+        law=laws.LAW,
+        head=head,
+        speeds=speeds,
+        apart=f"{apart:.1g}",
         off=[
             (case, *(tables.percent(worst[by]) for by in METHODS[:2]))
             for case, (_, worst) in forces.items()

@@ -8,6 +8,10 @@ given here as the forces over mu N that they would cause by Kalker's linear theo
 
 so that force_along = X, and force_across = Y + S, where all are small. The moment is over
 mu N sqrt(a b). Signs are those of `rolling`: forces of the wheel on the rail.
+
+Under a coefficient that falls exponentially with slip from mu to mu_k (`tribology.laws`) they
+depend on three more numbers, which one table has fixed: mu_k/mu, s_half G a b/(V mu N) at a speed
+V, and the memory over sqrt(a b).
 """
 
 from __future__ import annotations
@@ -31,6 +35,8 @@ from railhead.theory.friction.rolling import (
     grid_over,
 )
 from railhead.theory.friction.tangential import MaterialPair
+from railhead.theory.tribology.heat import Heat
+from railhead.theory.tribology.laws import Falling, Interface
 
 NORMAL = 2 * math.pi / 3  # N of an ellipse with a b = 1 and a largest pressure of 1
 FARTHEST = 10.0  # X, Y and S, at most: beyond it the whole patch slips along the creepage
@@ -38,6 +44,8 @@ BESIDE = 0.7  # of the other creepages, where axes are refined
 CUBIC = 4  # nodes that a cubic needs
 AXES = "axis_ratio", "along", "across", "spin"
 NUMBERS = "force_along", "force_across", "moment"
+Law = tuple[float, float, float]
+"""mu_k/mu, s_half G a b/(V mu N) and memory over sqrt(a b) of a law of friction."""
 
 
 class Ellipse:
@@ -47,37 +55,45 @@ class Ellipse:
     scales: (3,) creepages along and across, and spin (1/mm), at X = 1, Y = 1, S = 1.
     """
 
-    def __init__(self, axis_ratio: float, poisson: float, cells: int) -> None:
-        """axis_ratio: a/b; cells: of the finer grid each way, even. Raises ValueError for values
-        that `kalker.coefficients` refuses.
+    def __init__(
+        self, axis_ratio: float, poisson: float, cells: int, law: Law | None = None
+    ) -> None:
+        """axis_ratio: a/b; cells: of the finer grid each way, even; law: of friction, None:
+        Coulomb's. Raises ValueError for values that `kalker.coefficients` refuses.
         """
         linear = coefficients(axis_ratio, poisson)
         self.scales = NORMAL / np.array([linear.c11, linear.c22, linear.c23])
-        self._grids = [_friction(axis_ratio, poisson, n) for n in (cells // 2, cells)]
+        self._law = law
+        self._grids = [_friction(axis_ratio, poisson, n, law) for n in (cells // 2, cells)]
         self._last: list[TangentialSolution | None] = [None, None]
 
     def __call__(self, along: float, across: float, spin: float) -> Array:
         """Forces along and across over mu N and moment over mu N sqrt(a b), and their errors, (2,
         3), at X, Y and S. Both grids are extrapolated by the first order of the upstream
-        differences; the error is half of the change from one grid to the other.
+        differences; the error is half of the change from one grid to the other. ValueError: a law
+        has several steady states, or does not settle.
         """
         creepage = Creepage(*(self.scales * (along, across, spin)))
         for i, grid in enumerate(self._grids):
-            self._last[i] = grid.solve(creepage, self._last[i])
+            self._last[i] = grid.solve(creepage, None if self._law else self._last[i])
         coarse, fine = (np.array(each.forces) / NORMAL for each in self._last if each)
         return np.array([2 * fine - coarse, np.abs(fine - coarse) / 2])
 
 
-def _friction(axis_ratio: float, poisson: float, cells: int) -> HalfSpaceFriction:
+def _friction(axis_ratio: float, poisson: float, cells: int, law: Law | None) -> HalfSpaceFriction:
     """Friction of `Ellipse` on about cells x cells cells that cover the ellipse."""
     semi = math.sqrt(axis_ratio), 1 / math.sqrt(axis_ratio)
     grid = grid_over((0.0, 0.0), semi, cells)
     u, v = grid.x / semi[0], grid.s / semi[1]
     pressure = np.sqrt(np.clip(1 - u[:, None] ** 2 - v**2, 0.0, None))
     pressure *= NORMAL / (pressure.sum() * grid.cell)
-    return HalfSpaceFriction(
-        grid.x, grid.s, pressure, 1.0, MaterialPair(1.0, poisson), rolling=True
-    )
+    surfaces = None
+    if law is not None:  # at 1 mm/s: slip velocities are slips per rolled length
+        kinetic, half, memory = law
+        falling = Falling(kinetic, half * NORMAL)
+        surfaces = Interface(heat=Heat(speed=1e-3), law=falling, memory=memory)
+    pair = MaterialPair(1.0, poisson)
+    return HalfSpaceFriction(grid.x, grid.s, pressure, 1.0, pair, rolling=True, interface=surfaces)
 
 
 def refined(
@@ -110,18 +126,26 @@ def refined(
 
 
 def axes(
-    poisson: float, cells: int, accuracy: float, ratios: tuple[float, float]
+    poisson: float,
+    cells: int,
+    accuracy: float,
+    ratios: tuple[float, float],
+    law: Law | None = None,
 ) -> dict[str, list[float]]:
     """Axes of a table, by AXES: axis ratios between two, X and Y from 0, S from -10 to 10
     (FARTHEST), finer where the forces bend. Straight lines along each axis follow them to
-    the accuracy (over mu N), with the other creepages at 0 and at 0.7 (BESIDE) each.
+    the accuracy (over mu N), with the other creepages at 0 and at 0.7 (BESIDE) each. law: as of
+    `Ellipse`.
     """
 
     def forces(ellipse: Ellipse, places: Iterable[Array]) -> Array:
         """Forces (3 n,) of an ellipse at n places X, Y, S."""
         return np.concatenate([ellipse(*place)[0] for place in places])
 
-    circle, corners = Ellipse(1.0, poisson, cells), np.array(list(product((0.0, BESIDE), repeat=3)))
+    circle, corners = (
+        Ellipse(1.0, poisson, cells, law),
+        np.array(list(product((0.0, BESIDE), repeat=3))),
+    )
 
     def bent(axis: int) -> list[float]:
         """Places on an axis of creepage."""
@@ -137,7 +161,7 @@ def axes(
     found = [ratios[0]]
     if ratios[1] > ratios[0]:
         found = refined(
-            lambda ratio: forces(Ellipse(ratio, poisson, cells), corners[1:]),
+            lambda ratio: forces(Ellipse(ratio, poisson, cells, law), corners[1:]),
             ratios,
             accuracy,
             log=True,
@@ -147,12 +171,17 @@ def axes(
 
 
 def solve(
-    poisson: float, cells: int, ratio: float, along: float, rest: Sequence[Sequence[float]]
+    poisson: float,
+    cells: int,
+    ratio: float,
+    along: float,
+    rest: Sequence[Sequence[float]],
+    law: Law | None = None,
 ) -> Array:
     """Forces and errors (2, 3, m, k) of an ellipse at X = along and at all Y (m values) and S (k
-    values) of `rest`.
+    values) of `rest`; law: as of `Ellipse`.
     """
-    ellipse = Ellipse(ratio, poisson, cells)
+    ellipse = Ellipse(ratio, poisson, cells, law)
     across, spin = rest
     values = np.array([[ellipse(along, each, turn) for turn in spin] for each in across])
     return np.asarray(np.moveaxis(values, (2, 3), (0, 1)))
@@ -170,6 +199,7 @@ class CreepTable:
     values: (2, 3, r, n, m, k) forces along and across over mu N and moment over mu N sqrt(a b), and
         the errors of the grid.
     interpolation: (3,) errors that 95 % of the checked places between the nodes are within.
+    law: of friction, as of `Ellipse`; None: Coulomb's.
     """
 
     poisson: float
@@ -178,6 +208,7 @@ class CreepTable:
     kalker: Array
     values: Array
     interpolation: Array
+    law: Law | None = None
 
     @cached_property
     def _at(self) -> RegularGridInterpolator:
@@ -193,12 +224,15 @@ class CreepTable:
     def scaled(self, ratio: float, place: Array) -> tuple[Array, Array]:
         """Forces and errors, (3,) each, of an axis ratio at X, Y, S of either sign (3,). Creepages
         beyond the table are reduced together to its border. Raises ValueError for an axis ratio
-        outside of the table.
+        outside of the table, and under a law for such creepages: forces go on falling.
         """
         low, high = self.axes["axis_ratio"][[0, -1]]
         if not low * (1 - 1e-9) <= ratio <= high * (1 + 1e-9):
             raise ValueError(f"a/b = {ratio:.4g} is outside of the table, {low:g} to {high:g}")
-        place = place / max(1.0, float(np.abs(place).max()) / FARTHEST)
+        beyond = float(np.abs(place).max()) / FARTHEST
+        if self.law and beyond > 1:
+            raise ValueError(f"a creepage is {beyond:.3g} times the largest of a table with a law")
+        place = place / max(1.0, beyond)
         x, y, turn = place
         mirrored = np.sign(y) if y else 1.0  # (x, -y, -s) has the mirrored forces
         at = [math.log(min(max(ratio, low), high)), abs(x), abs(y), mirrored * turn]
@@ -219,8 +253,8 @@ class CreepTable:
     ) -> tuple[Array, Array]:
         """Force along and across (N) and moment (N mm) of the wheel on the rail, and their errors,
         (3,) each, of an ellipse with semi-axes a along and b across, mm.
-        shear_modulus: G, MPa. limit: mu N, N. along, across: creepages; spin: 1/mm. Raises
-        ValueError for an axis ratio outside of the table.
+        shear_modulus: G, MPa. limit: mu N, N. along, across: creepages; spin: 1/mm. The numbers of
+        a law are those of the table, whatever the contact. Raises ValueError as `scaled`.
         """
         c, nodes = math.sqrt(a * b), np.log(self.axes["axis_ratio"])
         kalker = np.array([np.interp(math.log(a / b), nodes, each) for each in self.kalker])
@@ -240,7 +274,7 @@ class CreepTable:
                 for axis in (self.axes[name] for name in AXES)
             )
             nodes = np.log(self.axes["axis_ratio"])
-            ellipse = Ellipse(ratio, self.poisson, self.cells)
+            ellipse = Ellipse(ratio, self.poisson, self.cells, self.law)
             linear = [np.interp(math.log(ratio), nodes, each) for each in self.kalker]
             exact = ellipse(*(np.array(place) * NORMAL / linear / ellipse.scales))[0]
             off.append(np.abs(exact - self.scaled(ratio, np.array(place))[0]))
@@ -249,13 +283,20 @@ class CreepTable:
 
     def save(self, path: str | Path) -> None:
         """Write a .npz file: the axes, `force_along`, `force_across`, `moment` (r, n, m, k), the
-        same with `_error`, `kalker`, `poisson`, `cells` and `interpolation`. OSError as of writing.
+        same with `_error`, `kalker`, `poisson`, `cells`, `interpolation` and `law`, of Coulomb's
+        without numbers. OSError as of writing.
         """
         named = dict(zip(NUMBERS, self.values[0], strict=True))
         named |= {f"{name}_error": each for name, each in zip(NUMBERS, self.values[1], strict=True)}
         rest = {"kalker": self.kalker, "interpolation": self.interpolation}
         np.savez_compressed(
-            path, **self.axes, **named, **rest, poisson=self.poisson, cells=self.cells
+            path,
+            **self.axes,
+            **named,
+            **rest,
+            poisson=self.poisson,
+            cells=self.cells,
+            law=self.law or (),
         )
 
     @classmethod
@@ -263,6 +304,7 @@ class CreepTable:
         """The table of a .npz file that `save` wrote. Raises OSError, and KeyError for another."""
         with np.load(path) as held:
             values = [[held[name + end] for name in NUMBERS] for end in ("", "_error")]
+            kinetic, half, memory = held["law"] if held["law"].size else (0.0, 0.0, 0.0)
             return cls(
                 poisson=float(held["poisson"]),
                 cells=int(held["cells"]),
@@ -270,4 +312,5 @@ class CreepTable:
                 kalker=held["kalker"],
                 values=np.array(values),
                 interpolation=held["interpolation"],
+                law=(kinetic, half, memory) if kinetic else None,
             )

@@ -1,6 +1,7 @@
 """Tables of creep forces: symmetries, limits, and rows beside solutions of their own."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,8 +11,10 @@ from railhead.sweeps import creep_tables
 from railhead.theory.friction import creep_table
 from railhead.theory.friction.creep_table import AXES
 from railhead.theory.friction.kalker import coefficients
-from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction
+from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction, grid_over
 from railhead.theory.friction.tangential import MaterialPair
+from railhead.theory.tribology.heat import Heat
+from railhead.theory.tribology.laws import Falling, Interface
 
 NU = 0.28
 
@@ -107,3 +110,60 @@ def test_a_wrong_request_is_one_line_and_writes_nothing(keys, text, tmp_path) ->
 def test_an_axis_ratio_outside_is_refused(table) -> None:
     with pytest.raises(ValueError, match="a/b = 2 is outside of the table, 1 to 1"):
         table.scaled(2.0, np.zeros(3))
+
+
+LAW = (0.4, 5.0, 0.2)
+
+
+def test_a_law_in_scaled_numbers_is_that_of_the_contact() -> None:
+    """A circle of 6 mm under 80 kN at 20 m/s, in mm and N: the force over that of Coulomb's law."""
+    a, modulus, speed, mu, normal = 6.0, 82e3, 20.0, 0.3, 8e4
+    half = LAW[1] * 1e3 * speed * mu * normal / (modulus * a**2)
+    surfaces = Interface(heat=Heat(speed=speed), law=Falling(LAW[0] * mu, half), memory=LAW[2] * a)
+
+    def force(interface: Interface | None, creepage: Creepage) -> float:
+        """Extrapolated from two grids, N."""
+        found = []
+        for cells in (12, 24):
+            grid = grid_over((0.0, 0.0), (a, a), cells)
+            p = np.sqrt(np.maximum(1 - (grid.x[:, None] / a) ** 2 - (grid.s / a) ** 2, 0))
+            p *= normal / (p.sum() * grid.cell)
+            pair = MaterialPair(modulus, NU)
+            body = HalfSpaceFriction(grid.x, grid.s, p, mu, pair, rolling=True, interface=interface)
+            found.append(body.solve(creepage).forces[0])
+        return 2 * found[1] - found[0]
+
+    circles = [creep_table.Ellipse(1.0, NU, 24, law) for law in (LAW, None)]
+    scales = mu * normal / (modulus * a**2) * circles[0].scales / creep_table.NORMAL
+    shares = []
+    for x in (0.8, 2.0, 10.0):
+        creepage = Creepage(*(scales * (x, 0.3, 0.0)))
+        (falling, _), (plain, _) = (circle(x, 0.3, 0.0) for circle in circles)
+        shares.append(falling[0] / plain[0])
+        exact = force(surfaces, creepage) / force(None, creepage)
+        assert shares[-1] == pytest.approx(exact, abs=5e-4)
+    assert 1 > shares[0] > shares[1] > shares[2] + 0.05
+
+
+def test_a_table_with_a_law_is_kept_and_ends_at_its_border(table, tmp_path) -> None:
+    replace(table, law=LAW).save(tmp_path / "t.npz")
+    read = creep_table.CreepTable.load(tmp_path / "t.npz")
+    assert read.law == LAW
+    assert read.scaled(1.0, np.array([10.0, 0, 0]))[0][0] > 0.9
+    with pytest.raises(ValueError, match="2 times the largest of a table with a law"):
+        read.scaled(1.0, np.array([20.0, 0, 0]))
+    table.save(tmp_path / "u.npz")
+    assert creep_table.CreepTable.load(tmp_path / "u.npz").law is None
+
+
+def test_nodes_have_the_law_of_the_table() -> None:
+    """Forces at 10 are below those at 2."""
+    near, far = (
+        creep_table.solve(NU, 12, 1.0, x, ([0.0], [0.0]), LAW)[0, 0, 0, 0] for x in (2.0, 10.0)
+    )
+    assert near > far + 0.05
+
+
+def test_a_law_out_of_range_is_refused(tmp_path) -> None:
+    with pytest.raises(SceneError, match="--law: .* give KINETIC above 0 to 1"):
+        creep_tables.creep_table(tmp_path / "u", law=(1.5, 1.0, 1.0))
