@@ -24,7 +24,7 @@ import numpy as np
 from railhead.theory.array_types import Array, Mask
 from railhead.theory.tribology.heat import Heat
 
-TURNS, SETTLED = 60, 1e-7  # between tractions and coefficient; change of the bound, relative
+TURNS, SETTLED = 60, 1e-8  # between tractions and coefficient; change of the bound, relative
 SLOWEST = 0.02  # least part of a change of the coefficient that is taken
 ALIKE = 1e-3  # of mu N: most by which the tractions of two steady states may differ
 FAST = 1e6  # slip per rolled length, and rise in K, at which a law has its last coefficient
