@@ -16,7 +16,7 @@ from railhead.solver.system.contact_system import ContactSystem, LoadCase
 from railhead.solver.system.setup import FrictionSettings
 from railhead.solver.system.solution import FrictionSolution, Solution
 from railhead.theory.array_types import Array, Mask
-from railhead.theory.tribology.laws import FAST, agree, settled
+from railhead.theory.tribology.laws import agree, settled
 
 NOT_CONVERGED = "friction: the tractions do not settle"
 COUPLING_TOLERANCE = 1e-3  # change of the tractions in one coupling iteration, over max(mu p)
@@ -190,20 +190,13 @@ class FrictionHistory:
                 start=near or start,
             )
 
-        if not (self.settings.interface and self.settings.interface.law):
+        interface = self.settings.interface
+        if interface is None or interface.law is None:
             return solve(self.coefficient, None)
-
-        def law(state: TangentialState) -> Array:
-            """Coefficient at the slip of a state."""
-            return self._heated(state)[0]
-
-        found = settled(self.coefficient, solve, law)
-        kept, area = self.coefficient, self.contact.area
-        slid = replace(found, slip=np.full_like(found.slip, FAST))
-        other = settled(law(slid), solve, law)
-        apart = area @ np.linalg.norm(found.traction - other.traction, axis=1)
-        limit = area @ (kept * found.pressure)
-        agree((self._force(found)[0], self._force(other)[0]), float(apart), float(limit))
+        found = settled(self.coefficient, solve, lambda state: self._heated(state)[0])
+        kept, slides = self.coefficient, np.full_like(self.coefficient, interface.law.kinetic)
+        settled(slides, solve, lambda state: self._heated(state)[0])
+        agree(kept, self.coefficient)
         self.coefficient = kept
         return found
 

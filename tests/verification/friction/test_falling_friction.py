@@ -373,11 +373,10 @@ def test_the_plan_names_what_laws_and_layers_change() -> None:
     heat, law, layer = (plan.effects[each] for each in ("heat", "falling_friction", "layer"))
     assert heat.on and law.on and layer.on
     assert "flash temperature up to" in heat.why
-    assert "no friction.memory is given" in law.why and "0.3 and not down to 0.15" in law.why
-    assert "it falls with slip" in law.why and "mm/MPa" in layer.why
-    rises = plan.scene.replace(["friction.kinetic=0.45"])
-    law = simulation_plan.make(rises).effects["falling_friction"]
-    assert "it rises with slip" in law.why and "0.3 and not up to 0.45" in law.why
+    assert "no friction.memory is given" in law.why and "from 0.3 to 0.15 with slip" in law.why
+    assert "costs 1 s; left out, it is 0.3" in law.why and "mm/MPa" in layer.why
+    plain = simulation_plan.make(plan.scene.replace(["effects.falling_friction=off"]))
+    assert plan.seconds == pytest.approx(plain.seconds + 1.0)
 
 
 @pytest.mark.parametrize(
