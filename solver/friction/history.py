@@ -18,7 +18,6 @@ from railhead.solver.system.solution import FrictionSolution, Solution
 from railhead.theory.array_types import Array, Mask
 from railhead.theory.tribology.laws import agree, settled
 
-NOT_CONVERGED = "friction: the tractions do not settle"
 COUPLING_TOLERANCE = 1e-3  # change of the tractions in one coupling iteration, over max(mu p)
 COUPLING_ITERATIONS = 30  # at most in a load step
 ANDERSON_DEPTH = 5  # former coupling iterations that the next one draws on
@@ -163,7 +162,8 @@ class FrictionHistory:
             if not solution.newton.converged:
                 return solution
         if not (self.tangential_state.converged and change <= COUPLING_TOLERANCE):
-            return replace(solution, newton=replace(solution.newton, reason=NOT_CONVERGED))
+            reason = "friction: the tractions do not settle"
+            return replace(solution, newton=replace(solution.newton, reason=reason))
         if held is not None:
             self.was_active = self.contact.active
         self._end_step(force_share)

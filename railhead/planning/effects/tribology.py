@@ -46,8 +46,8 @@ def decide_heat(context: Context) -> Effect:
         return Effect(False, False, UNKNOWN, {"on": UNKNOWN})
     given = rolling.force_along or rolling.force_across
     most = math.nan if given else tribology.flash_rise(scene, hertz, _slides(context) * hertz.load)
-    why = f"flash temperature up to {most:.3g} K where all slips"
-    why = "the creepage of a given force is known afterwards" if given else why
+    why = "the creepage of a given force is known afterwards"
+    why = why if given else f"flash temperature up to {most:.3g} K where all slips"
     missing = beyond_grids(context)
     if not missing:
         return Effect(True, True, f"{why}; a strip integral, no price")
@@ -101,13 +101,11 @@ def decide_falling_friction(context: Context) -> Effect:
         raise SceneError("friction.law", f"temperature is not allowed: {UNKNOWN}")
     _refuse_beyond_grids(context, "falling_friction", "friction.law", friction.law)
     static = interface.friction_coefficient(context)
-    last = friction.table[-1][1] if friction.table else friction.kinetic
-    what = "with the temperature"
-    if not friction.table:
-        what = f"with slip ({friction.law}), half at {friction.slip_half:g} mm/s"
-        if friction.memory is None:
-            what += "; no friction.memory is given: it follows along the length of a cell"
-    why = f"the coefficient goes from {static:g} to {last:g} {what}"
+    half = f"with slip ({friction.law}), half at {friction.slip_half or 0:g} mm/s"
+    what = "with the temperature" if friction.table else half
+    if friction.memory is None and not friction.table:
+        what += "; no friction.memory is given: it follows along the length of a cell"
+    why = f"the coefficient goes from {static:g} to {law.kinetic:g} {what}"
     return Effect(True, True, f"{why}; costs {cost.LAW:g} s; left out, it is {static:g}")
 
 
