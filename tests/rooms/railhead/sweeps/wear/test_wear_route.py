@@ -130,8 +130,8 @@ def test_another_limit_goes_on_from_the_records(worn, tmp_path):
 
 def test_a_check_run_that_fails_at_once_leaves_the_files(worn):
     found = worn[0]
-    main = found.runs["main"]
-    failed = replace(found.runs["coarse"], stages=main.stages[:1], seen=[], reason="no patch")
+    coarse = found.runs["coarse"]
+    failed = replace(coarse, stages=coarse.stages[:1], seen=[], reason="no patch")
     cut = replace(found, runs={**found.runs, "coarse": failed})
     lines = list(cut.lines())
     assert lines and not any(row["depth [mm] estimate"] for row in lines)
