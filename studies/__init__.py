@@ -78,5 +78,9 @@ STUDIES = {
         "studies.thesis.thesis_study",
         "every claim of the 2012 thesis recomputed, with a verdict, and its figures drawn again",
     ),
+    "wear_bounds": (
+        "studies.accuracy.wear_bounds",
+        "estimates of wear against more steps and finer grids, 20 random routes",
+    ),
 }
 """Module of each study by its name, and what the study shows, in one line."""
