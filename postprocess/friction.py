@@ -24,7 +24,7 @@ MOTION = {
     False: ("shift_along_mm", "shift_across_mm", "turn_rad"),
 }
 LOADS = "force_along_N", "force_across_N", "moment_Nmm"
-GIVEN = 5e-6  # of mu N: a force that changes less with the grid is given, or all slips
+GIVEN = 1e-6  # of mu N: a force that changes less with the grid is given, or all slips
 RAGGED = 5e-5  # of mu N: error of a force that does not change with the grid; of 60 ellipses with
 # random creepages 3 % had more
 RESOLVED = 0.05  # relative: a quantity of friction that may be off by more is not signed
