@@ -32,7 +32,7 @@ STUDIES = {
     ),
     "friction_bounds": (
         "studies.accuracy.friction_bounds",
-        "estimates of rolling half-spaces against finer grids of another scheme, 20 random scenes",
+        "estimates of rolling half-spaces against finer grids of another scheme, 100 random scenes",
     ),
     "fuzz": (
         "studies.hard.fuzz",
