@@ -33,7 +33,7 @@ LIMITS = tuple(f"wear.{name}_limit" for name in ("depth", "flange", "conicity"))
 PROFILES = {body: f"{body}_profile.csv" for body in BODIES}
 PICTURES = ("depth", "history")
 LATER = (
-    *(INPUT, result_folder.SCENE, SUMMARY, LINES, HISTORY, REPORT, *PROFILES.values()),
+    *(INPUT, result_folder.SCENE, SUMMARY, LINES, DAMAGE, HISTORY, REPORT, *PROFILES.values()),
     *(f"{name}.{kind}" for name in PICTURES for kind in ("png", "svg", "pdf")),
 )
 DECIMALS = 7  # of profiles, mm

@@ -107,7 +107,7 @@ def test_tables_hold_the_worn_depth_over_y_with_its_error(worn):
     assert float(history[0]["done"]) == 0.0 and float(history[-1]["axles"]) == AXLES
     pressures = [float(row["pressure_max_MPa"]) for row in history]
     assert pressures == sorted(pressures, reverse=True)
-    middle = max(rail, key=lambda row: float(row["sum of T-gamma [N/mm]"]))
+    middle = max(damage, key=lambda row: float(row["sum of T-gamma [N/mm]"]))
     # 240 N over 10 to 13.5 mm of width, 2200 times
     assert float(middle["sum of T-gamma [N/mm]"]) == pytest.approx(AXLES * 240 / 8.6, rel=0.1)
     assert float(middle["damage"]) == 0.0  # wear takes the cracks off at 240 N
