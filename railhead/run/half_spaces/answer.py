@@ -13,6 +13,7 @@ from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
+from scipy.ndimage import zoom
 
 from railhead.planning import effects
 from railhead.planning.context import PostSolveVerdict
@@ -247,9 +248,11 @@ def _error_parts(
         del parts[key]["total"]
         if plan.profile_error:
             parts[key]["profile"] = plan.profile_error
+    if "stress" not in result:
+        return parts
     more, touch = added_stress(plan.contact, plan.deformable, profiles), plan.contact.touch
     curvature = max(abs(touch.rail_curvature), abs(touch.wheel_curvatures[1]))
-    for key in STRESSES if "stress" in result else ():
+    for key in STRESSES:
         parts[key]["faces"] = more / result["stress"][key]
         parts[key]["curvature"] = CURVED * curvature * result["patch"]["b_mm"]
     return parts
@@ -404,21 +407,22 @@ def _tractions(
 def _onto(
     found: Sequence[TangentialSolution] | None, patches: Sequence[PressedPatch]
 ) -> list[TangentialSolution] | None:
-    """Tractions, with pressure and bound, in the cells of patches, each cell divided into as many
-    as needed; None without tractions, and where patches or cells are no multiple of these.
+    """Tractions, with pressure and bound, in the cells of patches, linear between their own cells;
+    None without tractions, and where patches or cells are no multiple of these.
     """
     if found is None or len(found) != len(patches):
         return None
     placed = []
     for each, patch in zip(found, patches, strict=True):
-        known = [each.pressure, each.bound, each.traction]
-        for axis, count in enumerate(patch.pressed.pressure.shape, -2):
-            times, left = divmod(count, each.traction.shape[axis])
-            if left or not times:
-                return None
-            known = [field.repeat(times, axis=axis) for field in known]
-        pressure, bound, traction = known
-        placed.append(replace(each, pressure=pressure, bound=bound, traction=traction))
+        before, now = each.bound.shape, patch.pressed.pressure.shape
+        if any(many % few for many, few in zip(now, before, strict=True)):
+            return None
+        finer = [many // few for many, few in zip(now, before, strict=True)]
+        pressure, bound, *traction = (
+            zoom(known, finer, order=1, mode="nearest", grid_mode=True)
+            for known in (each.pressure, each.bound, *each.traction)
+        )
+        placed.append(replace(each, pressure=pressure, bound=bound, traction=np.array(traction)))
     return placed
 
 
