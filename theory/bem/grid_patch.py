@@ -6,6 +6,7 @@ developed surface, whose normals are tilted from the load by angles in rad.
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import product
 
 import numpy as np
@@ -108,7 +109,7 @@ class PatchSolution(Grid):
         """
         return self.middle_and_half_extents[1]
 
-    @property
+    @cached_property
     def middle_and_half_extents(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """Middle (x, s) of the patch between these ends, mm, and `half_extents`."""
         middle, half = [], []
@@ -182,8 +183,13 @@ class PatchSolution(Grid):
 
     def sampled(self, grid: Grid) -> "PatchSolution":
         """The same pressure on another grid, scaled to the load; see `on_grid`."""
-        squares = between((self.x, self.s), continued(self.pressure), grid.x, grid.s)
+        squares = between((self.x, self.s), self._continued, grid.x, grid.s)
         return on_grid(grid, np.sqrt(squares.clip(0.0)), self.load)
+
+    @cached_property
+    def _continued(self) -> Array:
+        """Squares of the pressure, see `continued`."""
+        return continued(self.pressure)
 
     def separate(self) -> "list[PatchSolution]":
         """Connected patches, a solution each with the grid, gap and approach of all. Cells that

@@ -9,7 +9,6 @@ import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -135,10 +134,12 @@ def _solve(plan: Plan) -> HalfSpaceSolution:
     if load is not None and across * math.sin(angle):  # what a prescribed force carries is known
         profiles = _again(plan, profiles, load + across * math.sin(angle))
     # A first balance on the coarsest grid is nearly that of the finest.
-    tractions, counts = None, CELLS if profiles is None or load is None else CELLS[:1]
-    for _ in range(TURNS):
+    known: dict[int, PatchTractions] = {}
+    alike = profiles is None or load is None  # tractions do not change the pressure
+    turns = [CELLS] if alike else [CELLS[:1], CELLS[-1:]] + [CELLS] * TURNS
+    for counts in turns:
         pressed = frictionless.load if profiles is None else profiles.load
-        tractions = _tractions(plan, profiles, pressed, counts, tractions)
+        tractions = _tractions(plan, profiles, pressed, counts, known)
         total = pressed - tractions.upwards
         if total <= 0:
             break
@@ -150,7 +151,6 @@ def _solve(plan: Plan) -> HalfSpaceSolution:
             return replace(_with_friction(plain, tractions), elastic_reference=frictionless)
         if load is not None:
             profiles = _again(plan, profiles, pressed * load / total)
-        counts = CELLS
     raise ValueError("no pressure balances the load beside the tractions")
 
 
@@ -351,14 +351,14 @@ def _tractions(
     profiles: BoundaryElementSolution | None,
     load: float,
     counts: Sequence[int],
-    before: PatchTractions | None,
+    known: dict[int, PatchTractions],
 ) -> PatchTractions:
     """Tractions of half-spaces pressed by a vertical load (N), at the creepages or forces of a
     plan. Raises ValueError where patches or tractions are not found.
 
     profiles: boundary elements of the profiles; None between half-spaces. counts: cells along each
-        axis of the grids, coarsest first. before: tractions on such grids under nearly the same
-        load, from which the iterations start; None: without.
+        axis of the grids, coarsest first. known: by these numbers, tractions under nearly the same
+        load, from which the iterations start; those that are found take their places.
     """
     scene, contact = plan.scene, plan.contact
     table = scene.rolling if scene.rolling.prescribed else scene.friction
@@ -393,13 +393,10 @@ def _tractions(
         )
         return PatchTractions(patches=patches, found=sheared, scale=1 / longer)
 
-    earlier = []
-    while before is not None:
-        earlier.append(before)
-        before = before.coarse
     found = None
-    for cells, start in zip_longest(counts, reversed(earlier)):
-        found = replace(on_grid(cells, start or found), coarse=found)
+    for cells in counts:
+        start = known.get(cells) or found or next(iter(known.values()), None)
+        found = known[cells] = replace(on_grid(cells, start), coarse=found)
     assert found is not None
     return found
 
