@@ -276,7 +276,6 @@ def _write(
         label of y in the pictures.
     """
     from railhead.postprocess import vtu
-    from railhead.postprocess.pictures import sweep_plots as plots
 
     grid, folder, failures = sweep.grid, sweep.folder, list[str]()
 
@@ -310,6 +309,8 @@ def _write(
             store.read(folder, number).get("outlines", []) if number in done else []
             for number in status
         ]
+        from railhead.postprocess.pictures import sweep_plots as plots
+
         subject = Subject(title, units=sweep.units)
         drawings = plots.drawings(keys, outcome.rows, outlines, y_label, subject)
         result_folder.draw(drawings, folder, attempt)
