@@ -32,9 +32,11 @@ CORNERS = {"support", "free"}, {"support", "contact"}  # roles of curves that me
 CORNER_SIZE, CORNER_GROWTH = 1 / 16, 0.5
 """Element size where a support meets another side of a section, over that of the grading there, and
 its growth with the distance."""
-EDGES = {  # of simplices, in gmsh's order of the middle nodes
-    2: ((0, 1), (1, 2), (2, 0)),
-    3: ((0, 1), (1, 2), (2, 0), (3, 0), (2, 3), (1, 3)),
+MIDDLES = {  # corners of each edge, side and cell with a middle node, in gmsh's order of nodes
+    ("tetrahedron", 2): "01 12 20",
+    ("tetrahedron", 3): "01 12 20 30 23 13",
+    ("hexahedron", 2): "01 12 23 30 0123",
+    ("hexahedron", 3): "01 03 04 12 15 23 26 37 45 47 56 67 0321 0154 0473 1265 2376 4567 01234567",
 }
 
 
@@ -278,8 +280,7 @@ def _mesh(bodies: list[Body], grading: Grading, options: Options) -> None:
     gmsh.model.mesh.generate(options.dim)
     if options.geometry_degree > 1:
         gmsh.model.mesh.setOrder(options.geometry_degree)
-        if not hexahedra:
-            _straighten(options.dim)
+        _straighten(options.cell, options.dim)
 
 
 def _held_corners(bodies: list[Body]) -> list[Array]:
@@ -307,13 +308,14 @@ def _at_least_two_elements(curve: int, grading: Grading, options: Options) -> No
         gmsh.model.mesh.setTransfiniteCurve(curve, 3)
 
 
-def _straighten(dim: int) -> None:
-    """Move the middle nodes of badly bent quadratic simplices to the middle of their edges.
+def _straighten(cell: str, dim: int) -> None:
+    """Move the middle nodes of badly bent quadratic cells to the middle of their corners.
 
-    dim: 2 for triangles, 3 for tetrahedra. Elements whose quality is below 0.1 (`REPAIR_BELOW`) are
-        straightened, in at most five passes. They are coarse ones on fillets, far from the patch.
-        gmsh's own high-order optimisation gives another mesh in each run.
+    cell: as `Options.cell`. dim: 2 in a section, 3 for solids. Cells whose quality is below 0.1
+        (`REPAIR_BELOW`) are straightened, in at most five passes. They are coarse ones on fillets,
+        far from the patch. gmsh's own high-order optimisation gives another mesh in each run.
     """
+    middles = [[int(corner) for corner in each] for each in MIDDLES[cell, dim].split()]
     nodes, places, _ = gmsh.model.mesh.getNodes()
     coordinates = dict(zip(nodes, np.asarray(places).reshape(-1, 3), strict=True))
     for _ in range(STRAIGHTENING_PASSES):
@@ -323,8 +325,8 @@ def _straighten(dim: int) -> None:
         tags = np.concatenate(gmsh.model.mesh.getElements(dim)[1])
         for element in tags[bad]:
             nodes = gmsh.model.mesh.getElement(element)[1]
-            for middle, (start, end) in zip(nodes[dim + 1 :], EDGES[dim], strict=False):
-                straight = 0.5 * (coordinates[nodes[start]] + coordinates[nodes[end]])
+            for middle, corners in zip(nodes[-len(middles) :], middles, strict=True):
+                straight = np.mean([coordinates[nodes[each]] for each in corners], axis=0)
                 gmsh.model.mesh.setNode(middle, straight, [])
                 coordinates[middle] = straight
 

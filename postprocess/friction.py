@@ -24,7 +24,7 @@ MOTION = {
     False: ("shift_along_mm", "shift_across_mm", "turn_rad"),
 }
 LOADS = "force_along_N", "force_across_N", "moment_Nmm"
-GIVEN = 5e-6  # of mu N: a force that changes less with the grid is given, or all slips
+GIVEN = 1e-6  # of mu N: a force that changes less with the grid is given, or all slips
 RAGGED = 5e-5  # of mu N: error of a force that does not change with the grid; of 60 ellipses with
 # random creepages 3 % had more
 RESOLVED = 0.05  # relative: a quantity of friction that may be off by more is not signed
@@ -213,8 +213,7 @@ def _errors(
     errors = {
         key: max(abs(value - of.get(key, value)) for of in others) for key, value in out.items()
     }
-    arm = math.sqrt(float(found.weights[found.pressure > 0].sum()) / math.pi)
-    least = RAGGED * out["limit_N"]
+    least, arm = RAGGED * out["limit_N"], _arm(found)
     for key, floor in zip(LOADS, (least, least, arm * least), strict=True):
         if errors[key] > GIVEN * out["limit_N"]:
             errors[key] = max(errors[key], floor)
@@ -278,9 +277,9 @@ def _resolution(out: Mapping[str, Any], found: FrictionSolution) -> dict[str, An
     "without_creepage": numbers of the solution without creepage, in which like half-spaces have no
         traction and stick everywhere: what bodies of unlike shape do when they are pressed.
     "resolution": errors by quantity, in its unit, of solids with half-spaces for their tractions
-        from the slip that is misread. Of sections all that is found without creepage; of T-gamma
-        its forces times the creepages. That of the stick share includes that of the border of stick
-        (`_border_error`).
+        from what is misread of the bodies, of both forces together. Of sections all that is found
+        without creepage; of T-gamma its forces times the creepages. That of the stick share
+        includes that of the border of stick (`_border_error`).
     "below_resolution": names of forces, moment and T-gamma whose error exceeds 5 % (RESOLVED),
     and of what is computed from them; what the border of stick hides (`_hidden_by_border`).
     """
@@ -291,6 +290,11 @@ def _resolution(out: Mapping[str, Any], found: FrictionSolution) -> dict[str, An
     if found.misread is not None:
         other = _values(found.misread, rolling=True, like=True, cycle=False, patches=None)
         limits = {name: abs(other[name] - out[name]) for name in still}
+        # A mesh errs in no direction of its own: each has the size of both, about half an arm.
+        size = math.hypot(limits[LOADS[0]], limits[LOADS[1]])
+        arms = 1.0, 1.0, _arm(found) / 2
+        for name, arm in zip(LOADS, arms, strict=True):
+            limits[name] = max(limits[name], size * arm) if limits[name] else 0.0
     else:
         motion = zip(LOADS, found.rigid_motion, strict=True)
         limits = {name: abs(each) for name, each in still.items()}
@@ -305,6 +309,11 @@ def _resolution(out: Mapping[str, Any], found: FrictionSolution) -> dict[str, An
         below.add("traction_coefficient")
     below |= _hidden_by_border(out["stick_share"], limits["stick_share"])
     return {"without_creepage": still, "resolution": limits, "below_resolution": sorted(below)}
+
+
+def _arm(found: FrictionSolution) -> float:
+    """Radius of a circle with the area that touches, mm."""
+    return math.sqrt(float(found.weights[found.pressure > 0].sum()) / math.pi)
 
 
 def _border_error(found: FrictionSolution) -> float:

@@ -32,7 +32,7 @@ STUDIES = {
     ),
     "friction_bounds": (
         "studies.accuracy.friction_bounds",
-        "estimates of rolling half-spaces against finer grids of another scheme, 20 random scenes",
+        "estimates of rolling half-spaces against finer grids of another scheme, 100 random scenes",
     ),
     "fuzz": (
         "studies.hard.fuzz",
@@ -77,6 +77,10 @@ STUDIES = {
     "thesis": (
         "studies.thesis.thesis_study",
         "every claim of the 2012 thesis recomputed, with a verdict, and its figures drawn again",
+    ),
+    "wear_bounds": (
+        "studies.accuracy.wear_bounds",
+        "estimates of wear against more steps and finer grids, 20 random routes",
     ),
 }
 """Module of each study by its name, and what the study shows, in one line."""

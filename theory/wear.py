@@ -21,9 +21,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.interpolate import PchipInterpolator, make_interp_spline
 
-from railhead.theory.array_types import Array, Index
-from railhead.theory.bem.grid_patch import PatchSolution
-from railhead.theory.bem.influence import Lines
+from railhead.theory.array_types import Array
 from railhead.theory.tribology.heat import DENSITY
 
 Pairs = tuple[tuple[float, float], ...]
@@ -70,27 +68,11 @@ def damage(t_gamma: float) -> float:
     return float(np.interp(t_gamma, *np.transpose(DAMAGE)))
 
 
-def line_ratios(pressure: Array, energy: Array) -> tuple[Index, Array]:
-    """Numbers (m,) of the lines that carry pressure, and int w dx / int p dx (m,), dimensionless,
-    of these; pressure, energy: p and w (nx, ns), MPa. A line's ratio is not negative.
-    """
-    force = pressure.sum(axis=0)
-    loaded: Index = np.flatnonzero(force)
-    return loaded, np.maximum(energy.sum(axis=0)[loaded], 0.0) / force[loaded]
-
-
-def opening(patch: PatchSolution, lines: Lines) -> Array:
-    """Opening (ns,), mm, of each line by the force per width of a pressed patch."""
-    step = float(patch.x[1] - patch.x[0])
-    return np.asarray(lines(patch.s) * step * patch.pressure.sum(axis=0))
-
-
 def onto(places: Array, s: Array, values: Array) -> Array:
-    """Values (n,) at places (n,) of a curve through values (m,) at s (m,), evenly spaced, mm, by
-    cubic pieces that make no new extremes; zero beyond its ends, which follow from the outermost
-    values above 0 (`_ended`). Values below 0, which are rounding errors, count as 0.
+    """Values (n,) at places (n,) of a curve through values (m,), none below 0, at s (m,), evenly
+    spaced, mm, by cubic pieces that make no new extremes; zero beyond its ends, which follow from
+    the outermost values above 0 (`_ended`).
     """
-    values = np.maximum(values, 0.0)
     (used,) = np.nonzero(values)
     if used.size < LEAST:
         return np.zeros_like(places)

@@ -343,6 +343,7 @@ def largest(
             number = max(range(len(peaks)), key=lambda k: peaks[k][1])
             (x, s, z), value = peaks[number]
             window = windows[pressed[number]]
+            s = s if window.s.size > 2 else 0.0  # all places along a line are alike
             angle = float(np.interp(s, window.s, window.angle))
             at = points(np.array([x]), np.array([s]))[0]
             at = at - into * z * np.array([0.0, -math.sin(angle), math.cos(angle)])

@@ -352,8 +352,6 @@ def wear(
     folder = out if out is not None else Path("results") / f"{scene.name}_wear"
     result_folder.check_folder(folder)
     found = sweep.wear(scene, folder, force=force, pictures=not no_pictures, quiet=quiet or as_json)
-    if found is None:  # a rank that worked for the first one
-        return SOLVED
     for name, advice in found.summary["checks"]["advice"].items():
         click.echo(f"FAILED {name}: {advice}", err=True)
     if as_json:

@@ -451,7 +451,7 @@ def locate(scene: Scene, both: Pairs | None = None) -> Contact:
     """
     if scene.rail.extent == "half-space":
         return Contact(scene=scene, touch=placement.parabolic_contact(*scene.relative_curvatures()))
-    return _on_side(scene, place(scene, both=both))
+    return on_side(scene, place(scene, both=both))
 
 
 def opposite(contact: Contact) -> Contact:
@@ -459,13 +459,16 @@ def opposite(contact: Contact) -> Contact:
     own side. Raises SceneError where it has no common tangent.
     """
     assert contact.placed is not None
-    return _on_side(contact.scene.opposite, contact.placed)
+    return on_side(contact.scene.opposite, contact.placed)
 
 
-def _on_side(scene: Scene, placed: Placed) -> Contact:
-    """First contact of the wheel of a placed wheelset that a scene solves, with x = 0 there."""
+def on_side(scene: Scene, placed: Placed, *, line: bool = False) -> Contact:
+    """First contact of the wheel of a placed wheelset that a scene solves, with x = 0 there. line:
+    whether it may be a line contact, or conform. Raises SceneError where it is one and may not, and
+    at the edge of a profile.
+    """
     side = solved_side(scene, placed)
-    touch = _tangent(scene, side.touches[0])
+    touch = _tangent(scene, side.touches[0], line=line)
     centred, touch = side.pose.moved(x=-touch.x), replace(touch, x=0.0)
     added = surface_shape.shape(scene, side.pair, centred, touch)
     return Contact(
@@ -490,9 +493,10 @@ def lower(scene: Scene) -> Contact:
     return Contact(scene=scene, touch=_tangent(scene, both.touches(pose)[0]), pair=both, pose=pose)
 
 
-def _tangent(scene: Scene, touch: ContactPoint) -> ContactPoint:
+def _tangent(scene: Scene, touch: ContactPoint, *, line: bool = False) -> ContactPoint:
     """The contact point as it is. Raises SceneError where the contact point is at the edge of a
-    profile, or its relative curvature across the rail is not positive, as in a line contact.
+    profile, or its relative curvature across the rail is not positive, as in a line contact, which
+    is let pass with `line`.
     """
     if touch.at_edge:
         raise SceneError(
@@ -500,7 +504,7 @@ def _tangent(scene: Scene, touch: ContactPoint) -> ContactPoint:
             f"{scene.wheelset.shift:g} lets the wheel touch at an edge of a profile (y = "
             f"{touch.y:.2f} mm); move the wheel so that both surfaces share a tangent",
         )
-    if not touch.curvature_y > 0:
+    if not (line or touch.curvature_y > 0):
         raise SceneError(
             "rail.crown_radius, wheel.transverse_radius",
             f"relative curvature {touch.curvature_y:.3g} 1/mm across the rail is a line contact "

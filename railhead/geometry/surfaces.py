@@ -157,8 +157,8 @@ def _grid(path: Path) -> tuple[Array, Array, Array]:
     height = np.full((len(x), len(y)), np.nan)
     height[i, j] = table[:, 2]
     if len(rows) != height.size or np.isnan(height).any():
-        text = f"{len(rows)} rows are no grid of {len(x)} x by {len(y)} y; give each place once"
-        raise ValueError(f"{path.name}: {text}")
+        text = f"{len(rows)} rows of numbers are no grid of {len(x)} x by {len(y)} y"
+        raise ValueError(f"{path.name}: {text}; give each place once, with a finite height")
     return x, y, height
 
 

@@ -32,6 +32,7 @@ YIELD_BYTES = 6_000  # more bytes per unknown with yield: 4 500 to 5 500 were me
 # Additional time with friction of like solids over that of an elastic run, and seconds beside it
 # for boundary elements.
 FRICTION, FRICTION_SECONDS = 1.5, 2.0
+LAW = 1.0  # seconds by a law of friction: 0.3 to 2.9 were measured on half-spaces and solids
 FRICTION_BYTES = 3_000  # more bytes per unknown with it: up to 1 700 were measured
 # Additional time with condensed friction over that of an elastic run at CONDENSING_AT unknowns, in
 # proportion to them: 4 to 17 were measured from 28 000 to 140 000 unknowns.

@@ -450,14 +450,15 @@ class Plan:
         steps and friction, and reading. Imports are not included. Where half-spaces answer, the
         seconds of boundary elements.
         """
+        law = cost.LAW * self.effects["falling_friction"].on
         if self.by_half_spaces:
-            return cost.BOUNDARY_ELEMENTS[self.effects["friction"].on]
+            return cost.BOUNDARY_ELEMENTS[self.effects["friction"].on] + law
         more = 0.0
         if self.effects["plasticity"].on:
             more = cost.LOAD_STEP[self.contact.line] * self.load_steps
         beside = 0.0
         if self.effects["friction"].on and not self.condenses:
-            more, beside = cost.FRICTION, cost.FRICTION_SECONDS
+            more, beside = cost.FRICTION, cost.FRICTION_SECONDS + law
         elif self.effects["friction"].on and not self.plane_model:
             more += cost.CONDENSING * self.unknowns / cost.CONDENSING_AT
         return cost.correction() * (self.cost_per_unknown.time(self.unknowns) * (1 + more) + beside)

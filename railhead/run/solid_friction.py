@@ -183,8 +183,8 @@ class SolidFriction:
         )
         self._press(smooth)
         count = len(self.patches)
-        self._still, self._misread = np.zeros((count, 20)), np.zeros((count, 20))
-        self._added = np.zeros((count, count, 20, 6))
+        # As read, and what a second reading leaves of that: of e0, and of E.
+        self._still, self._added = np.zeros((2, count, 20)), np.zeros((2, count, count, 20, 6))
         self._coefficients = np.zeros((count, 6))
         self.steps = 0
 
@@ -211,9 +211,7 @@ class SolidFriction:
         rolling = self.settings.rolling
         if rolling:
             u = self.pressed.displacement
-            self._still[:] = [self._read(each, u) for each in self.patches]
-            narrow = [self._read(each, u, smooth=each.narrow) for each in self.patches]
-            self._misread[:] = self._still - narrow
+            self._still[:] = np.stack([self._read(each, u) for each in self.patches], axis=1)
         chosen = [
             (source, power, way)
             for source, each in enumerate(self.patches)
@@ -231,22 +229,21 @@ class SolidFriction:
             own = TractionInfluence(smooth.x, smooth.y, self.pair, rolling=False)(traction)
             for number, each in enumerate(self.patches):
                 read = self._read(each, u, own if number == source else 0.0)
-                self._added[number, source, :, 2 * power + way] = read if rolling else -read
+                self._added[:, number, source, :, 2 * power + way] = read if rolling else -read
 
-    def _read(
-        self,
-        patch: GridPatch,
-        u: PETSc.Vec,
-        more: Array | float = 0.0,
-        smooth: SmoothTractions | None = None,
-    ) -> Array:
-        """Coefficients (20,), as of `SmoothTractions.read`, of the jump of a displacement u (at all
-        dofs, mm) over a patch or, when rolling, of its derivative along x (collective). more: (2,
-        nx, ny) that is added to the jump first, mm. smooth: what reads; None: that of the patch.
+    def _read(self, patch: GridPatch, u: PETSc.Vec, more: Array | float = 0.0) -> Array:
+        """Coefficients (2, 20), as of `SmoothTractions.read`, of the jump of a displacement u (at
+        all dofs, mm) over a patch or, when rolling, of its derivative along x (collective): as they
+        are read, and less those of a second, narrower reading. more: (2, nx, ny) that is added to
+        the jump first, mm.
         """
-        smooth = smooth or patch.smooth
-        jump = patch.around.jumps(u).T.reshape(2, smooth.x.size, smooth.y.size)
-        return smooth.read(jump + more, derivative=self.settings.rolling).ravel()
+        grid = patch.smooth.x.size, patch.smooth.y.size
+        jump = patch.around.jumps(u).T.reshape(2, *grid) + more
+        rolling = self.settings.rolling
+        wide, narrow = (
+            each.read(jump, derivative=rolling).ravel() for each in (patch.smooth, patch.narrow)
+        )
+        return np.stack([wide, wide - narrow])
 
     def tractions(
         self,
@@ -265,13 +262,14 @@ class SolidFriction:
         forces: prescribed force of the wheel on the rail along and across, of all patches, N; None
             where the motion is prescribed.
         modes: factor on the rigid slip.
-        misread: whether the slip of the pressed surfaces has the error of its reading added.
+        misread: whether what is read of the bodies, e0 and E, has the error of its reading added.
         start: similar tractions to begin with.
         patches: the grids; None: the fine ones.
         """
         along, across = forces
         patches = patches or self.patches
         found: list[TangentialSolution] = []
+        response = self._added[: 1 + misread].sum(axis=0)
         for _ in range(TURNS):
             drawn = self._drawn(patches, misread)
             bodies = [
@@ -284,7 +282,7 @@ class SolidFriction:
                     rolling=self.settings.rolling,
                     modes=modes * each.modes,
                     drawn=each.rest + drawn[number],
-                    added=each.smooth.response(self._added[number, number], each.x, each.y),
+                    added=each.smooth.response(response[number, number], each.x, each.y),
                     interface=self.settings.interface,
                 )
                 for number, each in enumerate(patches)
@@ -303,9 +301,9 @@ class SolidFriction:
         """Part (2, nx, ny) of the slip of each patch that other patches and, when rolling, the
         pressed bodies take; misread: with the error of its reading.
         """
-        others = self._added * (1 - np.eye(len(self.patches)))[:, :, None, None]
+        others = self._added[0] * (1 - np.eye(len(self.patches)))[:, :, None, None]
         known = np.einsum("nsij,sj->ni", others, self._coefficients)
-        known += self._still + misread * self._misread
+        known += self._still[: 1 + misread].sum(axis=0)
         return [
             each.smooth.values(own.reshape(-1, 2), each.x, each.y)
             for each, own in zip(patches, known, strict=True)

@@ -190,7 +190,9 @@ def _text(table: CreepTable) -> str:
     places = np.array(list(product(*(table.axes[name] for name in AXES))))
     columns = np.hstack([places, table.values.reshape(6, -1).T])
     lines = (",".join(f"{each:.6g}" for each in row) for row in columns)
-    return HEAD.format(**vars(table)) + "\n".join([",".join(names), *lines, ""])
+    return HEAD.format(**vars(table) | {"law": table.law or "Coulomb"}) + "\n".join(
+        [",".join(names), *lines, ""]
+    )
 
 
 def words(table: CreepTable) -> str:

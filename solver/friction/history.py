@@ -16,9 +16,8 @@ from railhead.solver.system.contact_system import ContactSystem, LoadCase
 from railhead.solver.system.setup import FrictionSettings
 from railhead.solver.system.solution import FrictionSolution, Solution
 from railhead.theory.array_types import Array, Mask
-from railhead.theory.tribology.laws import FAST, agree, settled
+from railhead.theory.tribology.laws import agree, settled
 
-NOT_CONVERGED = "friction: the tractions do not settle"
 COUPLING_TOLERANCE = 1e-3  # change of the tractions in one coupling iteration, over max(mu p)
 COUPLING_ITERATIONS = 30  # at most in a load step
 ANDERSON_DEPTH = 5  # former coupling iterations that the next one draws on
@@ -163,7 +162,8 @@ class FrictionHistory:
             if not solution.newton.converged:
                 return solution
         if not (self.tangential_state.converged and change <= COUPLING_TOLERANCE):
-            return replace(solution, newton=replace(solution.newton, reason=NOT_CONVERGED))
+            reason = "friction: the tractions do not settle"
+            return replace(solution, newton=replace(solution.newton, reason=reason))
         if held is not None:
             self.was_active = self.contact.active
         self._end_step(force_share)
@@ -190,20 +190,13 @@ class FrictionHistory:
                 start=near or start,
             )
 
-        if not (self.settings.interface and self.settings.interface.law):
+        interface = self.settings.interface
+        if interface is None or interface.law is None:
             return solve(self.coefficient, None)
-
-        def law(state: TangentialState) -> Array:
-            """Coefficient at the slip of a state."""
-            return self._heated(state)[0]
-
-        found = settled(self.coefficient, solve, law)
-        kept, area = self.coefficient, self.contact.area
-        slid = replace(found, slip=np.full_like(found.slip, FAST))
-        other = settled(law(slid), solve, law)
-        apart = area @ np.linalg.norm(found.traction - other.traction, axis=1)
-        limit = area @ (kept * found.pressure)
-        agree((self._force(found)[0], self._force(other)[0]), float(apart), float(limit))
+        found = settled(self.coefficient, solve, lambda state: self._heated(state)[0])
+        kept, slides = self.coefficient, np.full_like(self.coefficient, interface.law.kinetic)
+        settled(slides, solve, lambda state: self._heated(state)[0])
+        agree(kept, self.coefficient)
         self.coefficient = kept
         return found
 

@@ -89,8 +89,8 @@ class FrictionSettings:
     far_field: (0 along or 1 across, body tag, points (n, 3) mm) -> displacement (n, 3) mm of the
         supported faces under a force of 1 N of the wheel on the rail; None: tangential forces do
         not move the supported faces.
-    interface: law of the coefficient, heat and layer, where tractions are those of half-spaces on a
-        grid; None: Coulomb's law alone.
+    interface: law of the coefficient and heat, of sections that roll and where tractions are those
+        of half-spaces on a grid; a layer of the latter alone. None: Coulomb's law alone.
     """
 
     coefficient: Callable[[Array], Array]

@@ -105,8 +105,8 @@ class FrictionSolution:
     newton_steps: largest number of steps of Newton's method on the tractions.
     without_creepage: where the wheel rolls, the tractions at the same pressure without any rigid
         slip; otherwise None.
-    misread: of rolling solids with half-spaces for their tractions, the same where the slip of the
-        pressed surfaces differs by what two readings of it differ by; otherwise None.
+    misread: of rolling solids with half-spaces for their tractions, the same where what is read of
+        the bodies differs by what two readings of it differ by; otherwise None.
     inside: (n,) share of the area of each point in the patch; None: whole areas.
     coarse: the same on a grid of half as many cells each way; None where there is none.
     rise_rail, rise_wheel: of the temperature of each surface above the bulk of its body, (n,), K;

@@ -293,4 +293,4 @@ def _fits(gap: GapFunction, surface: FacetSet) -> bool:
         sizes = np.linalg.norm(normals[np.isfinite(distance)], axis=1)
     except (TypeError, ValueError, IndexError):
         return False
-    return len(normals) == len(points) == distance.size and bool(np.allclose(sizes, 1, atol=1e-6))
+    return len(normals) == len(points) == distance.size and bool(np.allclose(sizes, 1, atol=0.01))

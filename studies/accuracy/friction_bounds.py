@@ -20,12 +20,19 @@ from railhead.theory.friction.tangential import MaterialPair, TractionInfluence
 from studies import tables
 from studies.tables import Row
 
-SEED, SCENES = 20261206, 20
+SEED, SCENES = 20261206, 100
 GRIDS = (48, 96, 192)  # cells each way of the other scheme
 UPSTREAM = ((0.0, 3.0), (0.5, -4.0), (1.0, 1.0))  # (distance upstream in cells, weight)
 PARTS = 8  # of a cell each way, over which the pressure is averaged
 STEEPEST = 2.0  # ratio of the numbers of cells along and across to those of a square
-NUMBERS = ("force_along_N", "force_across_N", "moment_Nmm", "t_gamma_N", "stick_share")
+NUMBERS = (
+    "force_along_N",
+    "force_across_N",
+    "moment_Nmm",
+    "t_gamma_N",
+    "traction_max_MPa",
+    "stick_share",
+)
 
 
 class Upstream(TractionInfluence):
@@ -95,6 +102,7 @@ def measure(index: int, grids: tuple[int, ...]) -> list[Row]:
                     "coefficient": found["coefficient"],
                     "stick": found["stick_share"],
                     "number": number,
+                    "value": found[number] / over,
                     "estimate": bound[number],
                     "error": abs(found[number] - exact) / over,
                     "truth_error": abs(exact - other) / over,
@@ -134,6 +142,7 @@ def _other_scheme(result: rh.Result, cells: int) -> list[float]:
             cell * traction[1].sum(),
             cell * (x[:, None] * traction[1] - y * traction[0]).sum(),
             cell * (traction * slip).sum(),
+            np.hypot(*traction).max(),
             sticks.sum() / inside.sum(),
         )
     ]

@@ -42,6 +42,7 @@ QUICK = {
         {"thesis.csv", "thesis_lines.png", "thesis_loads.png", "thesis_patch.png"},
         "Not run: closed forms only.",
     ),
+    "wear-bounds": ({"wear_bounds.csv"}, "hold in 2 of 2 routes"),
     "peers": ({"peers.csv", "peers.png"}, "| railhead | coarse "),
 }  # fmt: skip
 

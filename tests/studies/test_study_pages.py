@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from matplotlib.axes import Axes
 
 from studies.accuracy import accuracy_cost, calibrate, error_bounds, scaling
 from studies.accuracy import ranks as ranks_study
@@ -206,17 +205,6 @@ def test_hard_cases_page_names_what_fails_and_what_is_refused() -> None:
     assert "4 cases: 1 are right, 1 are refused by a check as they may be, 2 fail." in text
     assert "- **load: off**: area_mm2 off by 0.03, 0.02 allowed" in text
     assert "- **load: lost**: the process crashed" in text
-
-
-def test_the_pareto_front_is_the_lower_left_edge(monkeypatch, tmp_path) -> None:
-    drawn = []
-    monkeypatch.setattr(Axes, "step", lambda axes, *values, **options: drawn.append(values))
-    shared = {"case": "c", "method": "nitsche", "element": "tetrahedron 2", "converged": True}
-    runs = ((1.0, 0.1, None), (3.0, 0.01, None), (2.0, 0.02, 0.05), (2.5, 0.05, None))
-    rows = [{**shared, "seconds": t, "error": e, "asked": a} for t, e, a in runs]
-    accuracy_cost.draw(rows, tmp_path / "a.png")
-    (line,) = drawn  # the only step line
-    assert line == ([1.0, 2.0, 3.0], [10.0, 2.0, 1.0])
 
 
 def test_prose_is_broken_and_stays_what_it_was() -> None:

@@ -112,17 +112,24 @@ def lattice(patch: PatchSolution) -> Array:
     """Places (n, 3) at which the largest stress under a patch is looked for, mm: below the
     crossings of four lines each way. These go through the first, middle and last cell with pressure
     and through that of the largest pressure. One depth is 1e-3 (SURFACE) of a cell; 16 others
-    (DEPTHS) go from half a cell to the smaller half length.
+    (DEPTHS) go from half a cell, its longer side, to the smaller half length. Below a strip, whose
+    cells are longer than that, there are ten lines across it, and the longer side does not count.
     """
     top = np.unravel_index(int(np.argmax(patch.pressure)), patch.pressure.shape)
+    least, sides = min(patch.half_extents), (patch.x[1] - patch.x[0], patch.s[1] - patch.s[0])
+    strip = sides[1] > least
+    step = sides[0] if strip else max(sides)
     lines = [
-        axis[np.append(np.linspace(filled.min(), filled.max(), PLACES).round().astype(int), most)]
-        for axis, filled, most in zip(
-            (patch.x, patch.s), np.nonzero(patch.pressure), top, strict=True
+        axis[np.append(np.linspace(filled.min(), filled.max(), count).round().astype(int), most)]
+        for axis, filled, most, count in zip(
+            (patch.x, patch.s),
+            np.nonzero(patch.pressure),
+            top,
+            (PLACES**2, 1) if strip else (PLACES, PLACES),
+            strict=True,
         )
     ]
-    step = max(patch.x[1] - patch.x[0], patch.s[1] - patch.s[0])
-    deepest = max(step, min(patch.half_extents))
+    deepest = max(step, least)
     depth = np.append(SURFACE * step, np.geomspace(step / 2, deepest, DEPTHS))
     places = np.meshgrid(*lines, -depth, indexing="ij")
     return np.column_stack([each.ravel() for each in places])
@@ -165,7 +172,8 @@ def peaks(
     """
     places, least = lattice(patch), (patch.x[1] - patch.x[0]) / 2
     known = stress(patch, poisson, places, traction)
-    steps = np.append(np.ptp(places[:, :2], axis=0) / (4 * PLACES), 0.1)
+    low, high = places[:, :2].min(axis=0), places[:, :2].max(axis=0)
+    steps = np.append((high - low) / (4 * PLACES), 0.1)
     above = None if traction is None else at_surface(patch, poisson, traction)
     found = []
     for number, invariant in enumerate((subsurface.max_shear, subsurface.von_mises)):
@@ -173,10 +181,10 @@ def peaks(
         start, top = places[np.argmax(values)], float(values.max())
 
         def moved(way: Array, start: Array = start) -> Array:
-            """The point (3,) at `way` (3,) steps in x, s and ln(depth) from the start, at least as
-            deep as `least`, mm.
+            """The point (3,) at `way` (3,) steps in x, s and ln(depth) from the start, between the
+            first and the last cell with pressure, at least as deep as `least`, mm.
             """
-            x, s = start[:2] + way[:2] * steps[:2]
+            x, s = np.clip(start[:2] + way[:2] * steps[:2], low, high)
             return np.array([x, s, min(start[2] * np.exp(way[2] * steps[2]), -least)])
 
         def lower(way: Array, invariant: Invariant = invariant, moved: Moved = moved) -> float:

@@ -87,11 +87,10 @@ def _friction(axis_ratio: float, poisson: float, cells: int, law: Law | None) ->
     u, v = grid.x / semi[0], grid.s / semi[1]
     pressure = np.sqrt(np.clip(1 - u[:, None] ** 2 - v**2, 0.0, None))
     pressure *= NORMAL / (pressure.sum() * grid.cell)
-    surfaces = None
-    if law is not None:  # at 1 mm/s: slip velocities are slips per rolled length
-        kinetic, half, memory = law
-        falling = Falling(kinetic, half * NORMAL)
-        surfaces = Interface(heat=Heat(speed=1e-3), law=falling, memory=memory)
+    # At 1 mm/s slip velocities are slips per rolled length.
+    surfaces = law and Interface(
+        heat=Heat(speed=1e-3), law=Falling(law[0], law[1] * NORMAL), memory=law[2]
+    )
     pair = MaterialPair(1.0, poisson)
     return HalfSpaceFriction(grid.x, grid.s, pressure, 1.0, pair, rolling=True, interface=surfaces)
 

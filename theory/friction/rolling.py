@@ -30,7 +30,7 @@ from railhead.theory.bem.influence import Influence
 from railhead.theory.bem.pressure_solver import equilibrium
 from railhead.theory.friction.coulomb_solver import CoulombSolver
 from railhead.theory.friction.tangential import AHEAD, MaterialPair, TractionInfluence
-from railhead.theory.tribology.laws import FAST, Interface, agree, settled
+from railhead.theory.tribology.laws import Interface, agree, settled
 
 TOLERANCE = 1e-8  # of the tractions
 CELLS = (16, 32, 64)  # of a patch each way, the coarsest first: numbers are extrapolated
@@ -242,9 +242,8 @@ class HalfSpaceFriction:
             )
             return self._by_law(creepage, coefficient * self._pressure, start)
         found = self._by_law(creepage, self._static * self._pressure, None)
-        endless = np.full_like(found.slip, FAST)
-        slid = replace(found, slip=endless, rise=endless)
-        compare(found, self._by_law(creepage, self._law_bound(slid), found))
+        slides = self._interface.law.kinetic * self._pressure
+        agree(found.bound, self._by_law(creepage, slides, found).bound)
         return found
 
     @property
@@ -320,12 +319,6 @@ class HalfSpaceFriction:
         last = 2 * field[..., -1:, :] - field[..., -2:-1, :]
         ahead = np.concatenate([field[..., 1:, :], last], axis=-2)
         return np.asarray((1 - AHEAD) * field + AHEAD * ahead)
-
-
-def compare(found: TangentialSolution, other: TangentialSolution) -> None:
-    """Raise ValueError where two steady states of a patch differ, as of `laws.agree`."""
-    apart = np.linalg.norm(found.traction - other.traction, axis=0).sum() * found.cell
-    agree((found.forces[0], other.forces[0]), float(apart), found.limit)
 
 
 def cells_over(half: tuple[float, float], cells: int) -> tuple[int, int]:
@@ -445,7 +438,7 @@ def solve_for_forces(
     for _ in range(STEPS):
         if np.linalg.norm(missing) <= FORCE_TOLERANCE * limit:
             for body, each in zip(bodies, now, strict=True) if lawful and (free or start) else ():
-                compare(each, body.solve(motion))
+                agree(each.bound, body.solve(motion).bound)
             return now
         if slope is None:
             pairs = zip(bodies, now, strict=True)

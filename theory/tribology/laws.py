@@ -26,8 +26,7 @@ from railhead.theory.tribology.heat import Heat
 
 TURNS, SETTLED = 60, 1e-8  # between tractions and coefficient; change of the bound, relative
 SLOWEST = 0.02  # least part of a change of the coefficient that is taken
-ALIKE = 1e-3  # of mu N: most by which the tractions of two steady states may differ
-FAST = 1e6  # slip per rolled length, and rise in K, at which a law has its last coefficient
+ALIKE = 1e-3  # of mu N: most by which the bounds of two steady states may differ
 LONGER = "the law falls too steeply; give a longer friction.memory"
 
 Solved = TypeVar("Solved")
@@ -67,6 +66,11 @@ class ByTemperature:
     """
 
     table: tuple[tuple[float, float], ...]
+
+    @property
+    def kinetic(self) -> float:
+        """Last coefficient of the table."""
+        return self.table[-1][1]
 
     def __call__(self, static: Array, slip: Array, temperature: Array) -> Array:
         """Coefficient (nx, ny), as of `Falling`."""
@@ -122,7 +126,7 @@ class Interface:
         """
         if self.law is None or self.heat is None or rise is None:
             raise ValueError("a law of friction needs a speed")
-        velocity = 1e3 * self.heat.speed * np.hypot(*slip)
+        velocity = 1e3 * self.heat.speed * np.linalg.norm(slip, axis=0)
         aim = self.law(static, velocity, rise.mean(axis=0) + self.heat.bulk.mean())
         length = self.memory
         if length is None:
@@ -136,21 +140,18 @@ class Interface:
         rail and wheel (2, n), K, or None, at n places x, mm, of a line in any order. static:
         coefficient; pressure, traction along x, MPa; slip along x at the places themselves.
         """
-        order, count = np.argsort(x), len(x)
-        grid = x.min() + np.ptp(x) * (np.arange(count) + 0.5) / count
-
-        def on_grid(*values: Array) -> Array:
-            """Values (m, count, 1) at the cells of a grid."""
-            return np.array([np.interp(grid, x[order], each[order]) for each in values])[..., None]
-
-        moved, still = on_grid(static, pressure, traction, slip), np.zeros((1, count, 1))
-        slips = np.concatenate([moved[3:], still])
-        rise = self.rise(grid, np.concatenate([moved[2:3], still]), slips)
-        found = moved[0]
+        order = np.argsort(x)
+        grid = np.linspace(x.min(), x.max(), len(x))
+        mu, p, *rest = (
+            np.interp(grid, x[order], each[order])[:, None]
+            for each in (static, pressure, traction, slip)
+        )
+        q, s = np.array(rest)[:, None]
+        rise = self.rise(grid, q, s)
         if self.law is not None:
-            found = self.coefficient(grid, found, moved[1] > 0, slips, rise)
+            mu = self.coefficient(grid, mu, p > 0, s, rise)
         hot = None if rise is None else np.array([np.interp(x, grid, each[:, 0]) for each in rise])
-        return np.interp(x, grid, found[:, 0]), hot
+        return np.interp(x, grid, mu[:, 0]), hot
 
 
 def settled(
@@ -176,13 +177,13 @@ def settled(
     raise ValueError(f"tractions and coefficient of friction do not settle; {LONGER}")
 
 
-def agree(forces: tuple[float, float], apart: float, limit: float) -> None:
-    """Raise ValueError where two steady states differ by more than 1e-3 (ALIKE) of mu N. forces:
-    along, of both; apart: difference of the tractions, summed over the area; limit: mu N; all N.
+def agree(bound: Array, other: Array) -> None:
+    """Raise ValueError where the bounds of the tractions of two steady states, of any shape, differ
+    by more than 1e-3 (ALIKE) of their sum.
     """
-    if apart > ALIKE * limit:
-        along = " and ".join(f"{each:.4g}" for each in forces)
-        raise ValueError(f"several steady states, e.g. {along} N along; {LONGER}")
+    apart = np.abs(bound - other).sum() / bound.sum()
+    if apart > ALIKE:
+        raise ValueError(f"several steady states, {apart:.2g} of mu N apart; {LONGER}")
 
 
 def followed(aim: Array, start: Array, inside: Mask, step: float) -> Array:

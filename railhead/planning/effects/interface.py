@@ -30,7 +30,7 @@ def decide_friction(context: Context) -> Effect:
     coefficient, largest = friction_coefficient(context), scene.friction.largest
     if scene.effects.falling_friction == "off":
         pairs = () if scene.friction.table else scene.friction.pairs
-        largest = max([coefficient, *(mu for _, mu in pairs)])
+        largest = max(mu for _, mu in ((0.0, coefficient), *pairs))
     table, along, across = scene.tangential_forces
     # On an inclined contact a force across carries a part of the load, or adds to it.
     normal = context.hertz.load + across * math.tan(context.contact.touch.angle)

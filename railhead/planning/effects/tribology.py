@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from railhead.planning import cost
 from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.planning.effects import interface
 from railhead.planning.references import tribology
@@ -13,7 +14,6 @@ from railhead.scene.scene import SceneError
 
 HOT = 100.0  # K, least rise of the surfaces that matters where it is not simulated (a choice)
 UNKNOWN = "flash temperature not known for this material; give the constants of [heat]"
-TIMES = "3 to 12 times the time of the tractions"
 
 
 def beyond_grids(context: Context, *, layer: bool = False) -> str:
@@ -44,18 +44,15 @@ def decide_heat(context: Context) -> Effect:
         return Effect(False, False, why, {"on": why})
     if not _known(context):
         return Effect(False, False, UNKNOWN, {"on": UNKNOWN})
+    given = rolling.force_along or rolling.force_across
+    most = math.nan if given else tribology.flash_rise(scene, hertz, _slides(context) * hertz.load)
+    why = "the creepage of a given force is known afterwards"
+    why = why if given else f"flash temperature up to {most:.3g} K where all slips"
     missing = beyond_grids(context)
-    if rolling.force_along or rolling.force_across:
-        called, why = not missing, "the creepage of a given force is known afterwards"
-    else:
-        most = tribology.flash_rise(scene, hertz, _slides(context) * hertz.load)
-        called = most >= HOT or not missing
-        why = f"flash temperature up to {most:.3g} K where all slips"
-        why += f", {'above' if most >= HOT else 'below'} {HOT:g} K" if missing else ""
-    if missing:
-        text = f"no temperature is simulated with {missing}"
-        return Effect(called, False, f"{why}; {text}" if called else why, {"on": text})
-    return Effect(called, called, f"{why}; a strip integral, below 1 % of the time")
+    if not missing:
+        return Effect(True, True, f"{why}; a strip integral, no price")
+    text = f"no temperature is simulated with {missing}"
+    return Effect(most >= HOT, False, f"{why}, {HOT:g} K matter; {text}", {"on": text})
 
 
 def _slides(context: Context) -> float:
@@ -104,17 +101,12 @@ def decide_falling_friction(context: Context) -> Effect:
         raise SceneError("friction.law", f"temperature is not allowed: {UNKNOWN}")
     _refuse_beyond_grids(context, "falling_friction", "friction.law", friction.law)
     static = interface.friction_coefficient(context)
-    last = friction.table[-1][1] if friction.table else friction.kinetic or static
-    rises, way = ("rises", "up") if last > static else ("falls", "down")
-    if friction.table:
-        what = "it depends on the temperature"
-    else:
-        what = f"it {rises} with slip ({friction.law}), half at {friction.slip_half:g} mm/s"
-        if friction.memory is None:
-            what += "; no friction.memory is given: it follows along the length of a cell"
-    cost = f"left out, the coefficient is {static:g}"
-    cost += f" and not {way} to {last:g}" if last != static else ""
-    return Effect(True, True, f"{what}; {TIMES}; {cost}")
+    half = f"with slip ({friction.law}), half at {friction.slip_half or 0:g} mm/s"
+    what = "with the temperature" if friction.table else half
+    if friction.memory is None and not friction.table:
+        what += "; no friction.memory is given: it follows along the length of a cell"
+    why = f"the coefficient goes from {static:g} to {law.kinetic:g} {what}"
+    return Effect(True, True, f"{why}; costs {cost.LAW:g} s; left out, it is {static:g}")
 
 
 def decide_layer(context: Context) -> Effect:

@@ -10,12 +10,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from railhead.contact import solid, wheelset_kinematics
-from railhead.contact.solid import Contact
 from railhead.geometry import worn_profile
 from railhead.geometry.placement import ProfilePair
 from railhead.geometry.worn_profile import Places
@@ -146,13 +145,14 @@ class WornContact:
         self, position: Position, fineness: Fineness, depths: Fields, known: Known
     ) -> None:
         """depths: worn so far. known: of an earlier solution of this position.
-        Raises ValueError where a profile folds or no pressure or tractions are found, SceneError
-        where the wheelset does not stand on its track.
+        Raises ValueError where a profile folds, the wheelset does not stand on its track, or no
+        pressure or tractions are found.
         """
         scene, along = position.scene, places(position.scene, fineness.places)
         depths = known.depths(along, depths)
         self._position, self._cells = position, fineness.cells
-        self._contact = _placed(scene, pairs(scene, along, depths))
+        placed = solid.place(scene, both=pairs(scene, along, depths))
+        self._contact = torque_free.balanced(solid.on_side(scene, placed, line=True))
         self._surface = boundary_elements.develop(self._contact)
         self._steps = {body: along[body].step for body in BODIES}
         self._across = {body: along[body].worn(depths[body])[:, 0] for body in BODIES}
@@ -254,11 +254,12 @@ class WornContact:
                 energy *= each.t_gamma / (each.cell * float(energy.sum()))
             total = each.cell * float(energy.sum())
             rate = self._position.law.rate(total / window.area)
-            loaded, ratios = wear.line_ratios(each.pressure, energy)
-            curves.append((each.y[loaded], rate * ratios))
-            width = float(each.x[1] - each.x[0]) * energy.sum(axis=0)
-            lines["energy"].append(width)
-            lines["worn"].append(rate * width)
+            step = float(each.x[1] - each.x[0])
+            force = step * each.pressure.sum(axis=0)
+            lost = np.maximum(step * energy.sum(axis=0), 0.0)  # of rounding at the edge
+            curves.append((each.y[force > 0], rate * lost[force > 0] / force[force > 0]))
+            lines["energy"].append(lost)
+            lines["worn"].append(rate * lost)
             lines["pressure"].append(each.pressure.max(axis=0))
             lines["traction"].append(np.linalg.norm(each.traction, axis=0).max(axis=0))
             lines["damage"].append(wear.damage(total) * (each.pressure > 0).any(axis=0))
@@ -346,23 +347,6 @@ def solve(
     """
     contact = WornContact(position, fineness, depths, known)
     return contact.seen, [contact.wear(share, others) for share in shares]
-
-
-def _placed(scene: Scene, both: solid.Pairs) -> Contact:
-    """The wheel of a scene on its rail with given profiles, x = 0 at its lowest point, which need
-    not be a point contact. Raises SceneError where the wheelset does not stand, ValueError where
-    that point is an end of a profile.
-    """
-    placed = solid.place(scene, both=both)
-    side = solid.solved_side(scene, placed)
-    touch = side.touches[0]
-    if touch.at_edge:
-        raise ValueError(f"the wheel touches an end of a profile, at y = {touch.y:.2f} mm")
-    pose = side.pose.moved(x=-touch.x)
-    contact = Contact(
-        scene=scene, touch=replace(touch, x=0.0), pair=side.pair, pose=pose, placed=placed
-    )
-    return torque_free.balanced(contact)
 
 
 def _force(window: PatchSolution) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
@@ -13,7 +14,7 @@ from mpi4py import MPI
 
 from railhead.geometry.worn_profile import Places
 from railhead.meshing.mesh import MeshError
-from railhead.postprocess.findings import Subject
+from railhead.postprocess.findings import Subject, Units
 from railhead.results import pipeline, result_folder
 from railhead.run.half_spaces.worn_contact import BODIES
 from railhead.run.progress import Progress, Tell
@@ -25,12 +26,12 @@ from railhead.sweeps.wear.wear_result import WearResult
 from railhead.sweeps.wear.wear_route import Route
 from railhead.theory.array_types import Array
 
-SUMMARY, DEPTH, DAMAGE, HISTORY = "wear.json", "wear.csv", "damage.csv", "history.csv"
+SUMMARY, LINES, HISTORY, REPORT = "wear.json", "wear.csv", "history.csv", "report.html"
 LIMITS = tuple(f"wear.{name}_limit" for name in ("depth", "flange", "conicity"))
 PROFILES = {body: f"{body}_profile.csv" for body in BODIES}
 PICTURES = ("depth", "history")
 LATER = (
-    *(INPUT, result_folder.SCENE, SUMMARY, DEPTH, DAMAGE, HISTORY, *PROFILES.values()),
+    *(INPUT, result_folder.SCENE, SUMMARY, LINES, HISTORY, REPORT, *PROFILES.values()),
     *(f"{name}.{kind}" for name in PICTURES for kind in ("png", "svg", "pdf")),
 )
 DECIMALS = 7  # of profiles, mm
@@ -46,43 +47,37 @@ def wear(
     pictures: bool = True,
     quiet: bool = True,
     progress: Tell | None = None,
-) -> WearResult | None:
-    """Wear over the route of a scene, solved in a folder; under MPI called on all ranks. A run that
-    was begun there for the same scene goes on after its last step.
+) -> WearResult:
+    """Wear over the route of a scene, solved in a folder on all cores. A run that was begun there
+    for the same scene goes on after its last step.
 
     out: the folder, into which the files of the result are written.
     force: whether another result in the folder is replaced.
-    pictures: whether PNG files are drawn, too.
+    pictures: whether PNG files and report.html are written, too.
     quiet: whether no progress is shown. progress: as of `Progress`.
-    Returns None on all MPI ranks but the first. Raises SceneError for a scene, a route or a folder
-    that cannot be used, OSError where nothing can be written.
+    Raises SceneError for a scene, a route or a folder that cannot be used, for wear that is more
+    than profiles have, and under mpirun; OSError where nothing can be written.
     """
-    comm, folder, problem = MPI.COMM_WORLD, Path(out), None
-    route: Route | None = None
-    with ExitStack() as claim:
-        if comm.rank == 0:
-            try:
-                route = wear_route.read(scene)
-                claim.enter_context(result_folder.claimed(folder))
-                store.begin(folder, _request(route), "replace" if force else "refuse", LATER)
-                copy_files({file for each in _scenes(route) for file in each.files}, folder)
-            except (SceneError, OSError) as error:
-                problem = error
-        if (problem := comm.bcast(problem)) is not None:
-            raise problem
-        few = route is not None and min(worker_pool.workers(1), len(route.positions)) == 1
-        alone = comm.size == 1 and few
-        with ExitStack() as jobs, Progress(quiet=quiet, tell=progress) as shown:
-            submit = None if alone else jobs.enter_context(worker_pool.submitting(comm.size, 0))
-            if route is None:
-                return None
-            found = WearResult(route, wear_run.solve(route, folder, submit, shown))
-            _write_profiles(found, folder)
-            if scene.effects.finite_bodies != "off" and comm.size == 1:
-                found = replace(found, beside=_beside(found, folder, shown))
-            shown.stage("writing files" + " and pictures" * pictures)
-            _save(found, folder, pictures=pictures)
-            return found
+    if MPI.COMM_WORLD.size > 1:
+        raise SceneError("wear", "uses all cores by itself; start it without mpirun")
+    folder, route = Path(out), wear_route.read(scene)
+    expected = wear_run.expected(route)
+    with ExitStack() as stack:
+        stack.enter_context(result_folder.claimed(folder))
+        store.begin(folder, _request(route), "replace" if force else "refuse", LATER)
+        copy_files({file for each in _scenes(route) for file in each.files}, folder)
+        shown = stack.enter_context(Progress(quiet=quiet, tell=progress))
+        shown.stage(expected)
+        submit = None
+        if min(worker_pool.workers(1), len(route.positions)) > 1:
+            submit = stack.enter_context(worker_pool.submitting(1, 0))
+        found = WearResult(route, wear_run.solve(route, folder, submit, shown))
+        _write_profiles(found, folder)
+        if scene.effects.finite_bodies != "off":
+            found = replace(found, beside=_beside(found, folder, shown))
+        shown.stage("writing files" + " and pictures" * pictures)
+        _save(found, folder, pictures=pictures)
+    return found
 
 
 def _beside(found: WearResult, folder: Path, progress: Progress) -> dict[str, Any]:
@@ -104,6 +99,7 @@ def _beside(found: WearResult, folder: Path, progress: Progress) -> dict[str, An
     try:
         solved = pipeline.run(scene, progress, MPI.COMM_SELF).summary
         bodies, half_spaces = solved["result"], solved["half_space"]
+        bound = solved["accuracy"]["bound"]
         return {
             "position": number + 1,
             **{
@@ -113,6 +109,7 @@ def _beside(found: WearResult, folder: Path, progress: Progress) -> dict[str, An
                 }
                 for name, each in (("finite_elements", bodies), ("half_spaces", half_spaces))
             },
+            "bound": {"pressure_max_MPa": bound.get("max_MPa"), "area_mm2": bound.get("area_mm2")},
             "checks": solved["checks"]["failed"],
         }
     except (SceneError, MeshError, KeyError, TypeError) as error:
@@ -139,11 +136,10 @@ def _request(route: Route) -> dict[str, Any]:
 
 def _save(found: WearResult, folder: Path, *, pictures: bool) -> None:
     """Write the files of a result into its folder. OSError: one cannot be written."""
-    scene, depths = found.route.scene, found.depth_rows()
+    scene, lines = found.route.scene, list(found.lines())
     files = {
         result_folder.SCENE: result_folder.scene_toml("wear", scene).encode(),
-        DEPTH: result_folder.encoded(result_folder.signed(depths)),
-        DAMAGE: result_folder.encoded(result_folder.signed(found.damage_rows())),
+        LINES: result_folder.encoded(result_folder.signed(lines)),
         HISTORY: result_folder.encoded(result_folder.signed(found.rows)),
         SUMMARY: result_folder.to_json(result_folder.origin() | found.summary).encode(),
     }
@@ -151,18 +147,29 @@ def _save(found: WearResult, folder: Path, *, pictures: bool) -> None:
         store.write_whole(folder, folder / name, content)
     if not pictures:
         return
+    from railhead.results.report import html
     from railhead.sweeps.wear import wear_plots
 
-    title, failures = Subject(f"wear of {scene.name}"), list[str]()
+    title, failures = f"wear of {scene.name}", list[str]()
     drawings = {
-        "depth.png": partial(wear_plots.depth, depths, found.route.worn, title),
-        "history.png": partial(wear_plots.history, found.rows, title),
+        "depth.png": partial(wear_plots.depth, lines, found.route.worn, Subject(title)),
+        "history.png": partial(wear_plots.history, found.rows, Subject(title)),
     }
     result_folder.draw(
         drawings, folder, lambda name: result_folder.attempt(failures, folder / name, folder)
     )
     if failures:
         raise OSError("\n".join(failures))
+    text = html.template("wear.html.j2").render(
+        title=title,
+        summary=found.summary,
+        verdict=words(found),
+        pictures=[html.picture((folder / name).read_bytes()) for name in drawings],
+        scene=list(html.scene_rows(scene, Units())),
+        date=result_folder.now(),
+        versions=html.versions(),
+    )
+    store.write_whole(folder, folder / REPORT, text.encode())
 
 
 def _write_profiles(found: WearResult, folder: Path) -> None:
@@ -191,9 +198,9 @@ def words(found: WearResult) -> list[str]:
 
     def within(name: str, key: str, unit: str) -> str:
         """A number with its unit and its error."""
-        error = bound[name][key]
-        text = f"{summary[name][key]:.4g} {unit}"
-        return text if error is None else f"{text} +- {error:.2g} of it"
+        value, error = summary[name][key], bound[name][key]
+        off = "its error is not known" if error is None else f"+- {error:.2g} of it"
+        return "not known" if value is None else f"{value:.4g} {unit} {off}"
 
     lines = [f"{summary['steps']} steps, {len(found.route.shares)} positions"]
     for body in found.route.worn:
@@ -203,19 +210,17 @@ def words(found: WearResult) -> list[str]:
     lines.append(f"largest pressure: {first}, then {last}")
     for name, limit in summary["limits_reached"].items():
         after = [
-            f"{value:.4g} {key}"
-            for key, value in limit.items()
-            if key in ("axles", "distance_km") and value
+            f"{limit[key]:.4g} +- {limit[f'{key} estimate'] or math.nan:.2g} {key}"
+            for key in ("axles", "distance_km")
+            if limit[key]
         ]
         lines.append(f"{name} {limit['limit']:g}: {' and '.join(after) or 'not reached'}")
     if beside := summary["beside"]:
-        pairs = [
-            f"{name.replace('_', ' ')} {each['pressure_max_MPa']:.5g} MPa on "
-            f"{each['area_mm2']:.4g} mm2"
-            for name, each in beside.items()
-            if isinstance(each, dict)
-        ]
-        text = "; ".join(pairs) or beside["reason"]
+        text = beside.get("reason") or "; ".join(
+            f"{name.replace('_', ' ')} {beside[name]['pressure_max_MPa']:.5g} MPa on "
+            f"{beside[name]['area_mm2']:.4g} mm2"
+            for name in ("finite_elements", "half_spaces")
+        )
         lines.append(f"position {beside['position']}, worn: {text}")
     for name, why in summary["left_out"].items():
         lines.append(f"left out: {name.replace('_', ' ')} ({why})")

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -17,11 +18,11 @@ from railhead.geometry.worn_profile import Places
 from railhead.results import checks
 from railhead.results.checks import Check
 from railhead.run.half_spaces import worn_contact
-from railhead.run.half_spaces.worn_contact import BODIES
+from railhead.run.half_spaces.worn_contact import BODIES, Fields
 from railhead.scene.catalogue import portable
 from railhead.scene.scene import SceneError
 from railhead.sweeps.wear.wear_route import Route
-from railhead.sweeps.wear.wear_run import SETTLES, Run, by_body
+from railhead.sweeps.wear.wear_run import RUNS, SETTLES, Run, by_body
 from railhead.theory.array_types import Array
 
 ROW_STEP = 0.1  # mm between the rows of tables
@@ -33,8 +34,15 @@ STEEP = 0.2  # least y between two places of the worn profile, over that of the 
 KM, MILLION = 1e6, 1e6  # mm; wheels
 DAMAGE_LAW = "T-gamma of a patch: 0 to 15 N, 1e-5 at 65 N, 0 from 175 N on (Burstow, from memory)"
 
-Numbers = dict[str, dict[str, Any]]
-"""By name in wear.json: numbers by body, or 'first' and 'last'; None where there is none."""
+GIVEN = ("done", "axles", "distance_km")
+"""What rows of the history are given at."""
+NUMBERS: dict[str, dict[str, tuple[int, str]]] = {
+    "worn_mm2": {body: (-1, f"worn_{body}_mm2") for body in BODIES},
+    "depth_max_mm": {body: (-1, f"depth_{body}_mm") for body in BODIES},
+    "pressure_max_MPa": {"first": (0, "pressure_max_MPa"), "last": (-1, "pressure_max_MPa")},
+}
+"""Row and column of the numbers of wear.json, by their names there."""
+Row = dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -42,7 +50,7 @@ class WearResult:
     """Wear over a route, with what is read from its three runs.
 
     route: the route.
-    runs: by name, `wear_run.RUNS`.
+    runs: by name, `wear_run.solve`.
     beside: one position on the worn profiles by finite elements and by half-spaces, as in
         wear.json; None where it is not solved.
     """
@@ -59,14 +67,17 @@ class WearResult:
     @cached_property
     def summary(self) -> dict[str, Any]:
         """The content of wear.json."""
-        scene, run, bound = self.route.scene, self.runs["main"], self._bounds
+        scene, run, last = self.route.scene, self.runs["main"], self.rows[-1]
         return {
             "case": scene.name,
             "scene": portable(scene),
             "steps": len(run.stages) - 1,
-            "done": run.stages[-1].done,
+            "done": last["done"],
             "reason": run.reason,
-            **self._found[0],
+            **{
+                name: {key: self.rows[at][column] for key, (at, column) in group.items()}
+                for name, group in NUMBERS.items()
+            },
             "worn_mm2_by_part": {
                 body: places.parts(body, run.depths()[body])
                 for body, places in self.places(run).items()
@@ -80,8 +91,8 @@ class WearResult:
             "damage_law": DAMAGE_LAW,
             "accuracy": {
                 "asked": scene.wear.accuracy,
-                "bound": bound,
-                "reached": self._largest(bound) <= scene.wear.accuracy,
+                "bound": self._bounds,
+                "reached": self._largest <= scene.wear.accuracy,
             },
             "checks": {"converged": not run.reason, **checks.summary([*self._checks()], {})},
         }
@@ -90,94 +101,45 @@ class WearResult:
         """Places along the new profiles of 'rail' and 'wheel', as many as a run has."""
         return worn_contact.places(self.route.scene, run.fineness.places)
 
-    def _numbers(self, run: Run) -> Numbers:
-        """Worn areas, largest depths, and largest pressures of all positions at both ends."""
-        depths, places = run.depths(), self.places(run)
-        pressures: list[Any] = [
-            max(each["pressure_max_MPa"] for each in seen.values) for seen in run.seen
-        ] or [None]
-        return {
-            "worn_mm2": {body: places[body].area(depths[body]) for body in BODIES},
-            "depth_max_mm": {body: float(depths[body].max()) for body in BODIES},
-            "pressure_max_MPa": {"first": pressures[0], "last": pressures[-1]},
-        }
-
-    @cached_property
-    def _found(self) -> list[Numbers]:
-        """`_numbers` of the three runs, that of the main run first."""
-        return [self._numbers(run) for run in self.runs.values()]
-
-    @cached_property
-    def _complete(self) -> bool:
-        """Whether all runs came to the same end."""
-        ends = {each.stages[-1].done for each in self.runs.values()}
-        return len(ends) == 1 and not any(run.reason for run in self.runs.values())
-
-    def error(self, main: Any, coarse: Any, halved: Any) -> Any:
-        """Error of a number or an array (n,) of the main run, from those of the three runs: the
-        change by the grid, and twice that by steps half as long, as of first order; NaN where it is
-        not known.
-        """
-        steps = 2 * abs(coarse - halved)
-        if np.size(coarse) != np.size(main):
-            shares = [np.linspace(0.0, 1.0, len(each)) for each in (main, coarse)]
-            coarse, steps = (np.interp(shares[0], shares[1], each) for each in (coarse, steps))
-        return abs(main - coarse) + (steps if self._complete else math.nan)
-
-    @cached_property
-    def _bounds(self) -> Numbers:
-        """Relative errors of `_numbers`; None where a number is 0 or its error is not known."""
-        main, *others = self._found
-        found: Numbers = {}
-        for name, group in main.items():
-            found[name] = {}
-            for key, value in group.items():
-                values = (value, *(other[name][key] for other in others))
-                off = self.error(*values) if all(values) else math.nan
-                found[name][key] = float(off / value) if math.isfinite(off) else None
-        return found
-
-    def _largest(self, bound: Numbers) -> float:
-        """Largest relative error of area and depth of the bodies that are worn; infinite where one
-        is not known.
-        """
-        names, worn = ("worn_mm2", "depth_max_mm"), self.route.worn
-        known = [bound[name][body] for name in names for body in worn]
-        return max(math.inf if each is None else each for each in known)
-
-    @cached_property
-    def rows(self) -> list[dict[str, Any]]:
-        """What changes from stage to stage of the main run, a row each: see docs/howto-wear.md."""
-        run, given, rows = self.runs["main"], self.route.scene.wear, []
-        for number, (stage, seen) in enumerate(zip(run.stages, run.seen, strict=False)):
-            depths = run.depths(number)
-            mean = {
-                name: math.fsum(
-                    share * each[name]
-                    for share, each in zip(self.route.shares, seen.values, strict=True)
-                )
-                for name in ("area_mm2", "t_gamma_N")
+    def rows_of(self, run: Run) -> list[Row]:
+        """What changes from stage to stage of a run, a row each: see docs/howto-wear.md."""
+        given, places, rows = self.route.scene.wear, self.places(run), []
+        for stage, seen in itertools.zip_longest(run.stages, run.seen):
+            depths = by_body(stage.depth)
+            row: Row = {
+                "done": stage.done,
+                "axles": given.axles and stage.done * given.axles,
+                "distance_km": given.distance and stage.done * given.distance / KM,
+                **self._together(seen.values if seen else [], ""),
             }
-            rows.append(
-                {
-                    "done": stage.done,
-                    "axles": stage.done * given.axles if given.axles else None,
-                    "distance_km": stage.done * given.distance / KM if given.distance else None,
-                    "pressure_max_MPa": max(each["pressure_max_MPa"] for each in seen.values),
-                    **mean,
-                    **{f"depth_{body}_mm": float(depths[body].max()) for body in BODIES},
-                    **self._geometry(number),
-                }
-            )
+            for body in BODIES:
+                row[f"depth_{body}_mm"] = float(depths[body].max())
+                row[f"worn_{body}_mm2"] = places[body].area(depths[body])
+            rows.append(row | self._geometry(places, depths))
         return rows
 
-    def _geometry(self, number: int) -> dict[str, float | None]:
-        """Equivalent conicity at 3 mm (AMPLITUDE), of level axles, and flange thickness in mm at a
-        stage; None where the profiles have none.
+    def _together(self, contacts: Sequence[Row], end: str) -> Row:
+        """Largest pressure, and mean area and T-gamma by share of the passages, of the contacts of
+        all positions; None where one has none. end: of the names of these numbers.
         """
-        run, scene = self.runs["main"], self.route.scene
-        places, depths = self.places(run), run.depths(number)
-        found: float | None = None
+        columns: dict[str, list[Any]] = {
+            name: [each.get(f"{name}{end}") for each in contacts] or [None]
+            for name in ("pressure_max_MPa", "area_mm2", "t_gamma_N")
+        }
+        return {
+            f"{name}{end}": None
+            if None in values
+            else max(values)
+            if name == "pressure_max_MPa"
+            else math.fsum(np.multiply(self.route.shares, values))
+            for name, values in columns.items()
+        }
+
+    def _geometry(self, places: Mapping[str, Places], depths: Fields) -> Row:
+        """Equivalent conicity at 3 mm (AMPLITUDE), of level axles, and flange thickness in mm after
+        a depth; None where the profiles have none.
+        """
+        scene, found = self.route.scene, None
         try:
             wheelset = solid.on_track(scene, worn_contact.pairs(scene, places, depths))
             radii = conicity.rolling_radii(replace(wheelset, roll=0.0), REACH)
@@ -188,51 +150,115 @@ class WearResult:
         thickness = worn_profile.flange_thickness(points, solid.tape_circle(scene))
         return {"conicity": found, "flange_thickness_mm": thickness}
 
-    def _per(self) -> dict[str, float | None]:
+    @cached_property
+    def _every(self) -> dict[str, list[Row]]:
+        """`rows_of` the runs by name."""
+        return {name: self.rows_of(run) for name, run in self.runs.items()}
+
+    @cached_property
+    def rows(self) -> list[Row]:
+        """`rows_of` the main run, each number with its estimate in the same unit; those of contacts
+        are of the estimates of all positions, as the numbers are.
+        """
+        main, coarse, halved = (dict(enumerate(self._every[name])) for name in RUNS)
+        return [
+            _estimated(row, coarse.get(n, {}), halved.get(2 * n, {}), row)
+            | self._together(self._contacts(n), " estimate")
+            for n, row in main.items()
+        ]
+
+    def _contacts(self, number: int) -> list[Row]:
+        """Values of the contacts of all positions at a stage of the main run, with their estimates;
+        empty where they are not known.
+        """
+        main, coarse, halved = (dict(enumerate(self.runs[name].seen)) for name in RUNS)
+        again = self.runs["again"].seen[0] if "again" in self.runs else None
+        last = number + 1 == len(self.runs["main"].stages)
+        own = main.get(number)
+        every = own, coarse.get(number), halved.get(2 * number), again if last else own
+        known = [each.values for each in every if each is not None]
+        return [_estimated(*each) for each in zip(*known, strict=True)] if own else []
+
+    @cached_property
+    def _complete(self) -> bool:
+        """Whether all runs came to the same end."""
+        return len(self.runs) > len(RUNS) and not any(run.reason for run in self.runs.values())
+
+    @cached_property
+    def _bounds(self) -> dict[str, Row]:
+        """Relative errors of `NUMBERS`; None where a number is 0 or its error is not known."""
+        rows, found = self.rows, dict[str, Row]()
+        for name, group in NUMBERS.items():
+            pairs = {
+                key: (rows[at][column], rows[at][f"{column} estimate"])
+                for key, (at, column) in group.items()
+            }
+            found[name] = {
+                key: None if off is None or not value else off / value
+                for key, (value, off) in pairs.items()
+            }
+        return found
+
+    @cached_property
+    def _largest(self) -> float:
+        """Largest relative error of area and depth of the bodies that are worn; infinite where one
+        is not known.
+        """
+        names, worn = ("worn_mm2", "depth_max_mm"), self.route.worn
+        known = [self._bounds[name][body] for name in names for body in worn]
+        return max(math.inf if each is None else each for each in known)
+
+    def _per(self) -> Row:
         """Worn area of the rail by a million wheels, and of the wheel in 1000 km, mm2."""
-        given, worn = self.route.scene.wear, self._found[0]["worn_mm2"]
-        done = self.runs["main"].stages[-1].done
+        given, last = self.route.scene.wear, self.rows[-1]
         return {
-            f"{body}_{name}": worn[body] * unit / (done * amount) if amount and done else None
+            f"{body}_{name}": last[f"worn_{body}_mm2"] * unit / (last["done"] * amount)
+            if amount and last["done"]
+            else None
             for body, name, unit, amount in (
                 ("rail", "1e6_axles", MILLION, given.axles),
                 ("wheel", "1000_km", 1000 * KM, given.distance),
             )
         }
 
-    def _limits(self) -> dict[str, dict[str, float | None]]:
+    def _limits(self) -> dict[str, Row]:
         """Limits of wear that the scene gives, by name: the limit, and the wheels, km and share of
-        the wear after which it is first passed, linear between stages; None where it is not.
+        the wear after which it is first passed, linear between stages, each with its estimate; None
+        where it is not.
         """
-        given, rows, found = self.route.scene.wear, self.rows, {}
-        depth = [max(row["depth_rail_mm"], row["depth_wheel_mm"]) for row in rows]
-        for name, values, rising in (
-            ("depth_limit", depth, 1),
-            ("flange_limit", [row["flange_thickness_mm"] for row in rows], -1),
-            ("conicity_limit", [row["conicity"] for row in rows], 1),
+        given, found = self.route.scene.wear, dict[str, Row]()
+        amounts = {
+            "axles": given.axles,
+            "distance_km": given.distance and given.distance / KM,
+            "done": 1.0,
+        }
+        for name, columns, rising in (
+            ("depth_limit", ("depth_rail_mm", "depth_wheel_mm"), 1),
+            ("flange_limit", ("flange_thickness_mm",), -1),
+            ("conicity_limit", ("conicity",), 1),
         ):
             if (limit := getattr(given, name)) is not None:
-                at = _crossing([row["done"] for row in rows], values, limit, rising)
-                amounts = {
-                    "axles": given.axles,
-                    "distance_km": given.distance and given.distance / KM,
-                }
-                found[name] = {
-                    "limit": limit,
-                    **{
-                        key: None if at is None or amount is None else at * amount
-                        for key, amount in amounts.items()
-                    },
-                    "done": at,
+                at, coarse, halved = (
+                    _crossing(self._every[run], columns, limit, rising) for run in RUNS
+                )
+                off = None if None in (at, coarse, halved) else _error(at, coarse, halved, at)
+                found[name] = {"limit": limit} | {
+                    f"{key}{end}": None if share is None or amount is None else share * amount
+                    for end, share in (("", at), (" estimate", off))
+                    for key, amount in amounts.items()
                 }
         return found
 
-    def _positions(self) -> list[dict[str, Any]]:
-        """Share of each position, and the values of its contact at both ends of the main run."""
-        seen = self.runs["main"].seen
-        ends = {"first": seen[:1], "last": seen[-1:]}
+    def _positions(self) -> list[Row]:
+        """Share of each position, and the values of its contact at both ends of the main run, with
+        their estimates.
+        """
+        first, last = self._contacts(0), self._contacts(len(self.rows) - 1)
         return [
-            {"share": share, **{key: each.values[n] for key, at in ends.items() for each in at}}
+            {
+                "share": share,
+                **{key: each[n] for key, each in (("first", first), ("last", last)) if each},
+            }
             for n, share in enumerate(self.route.shares)
         ]
 
@@ -248,7 +274,7 @@ class WearResult:
         )
         yield Check(
             name="accuracy",
-            value=self._largest(self._bounds),
+            value=self._largest,
             limit=given.accuracy,
             source="wear.accuracy; largest error of area and depth by steps and grids",
             advice="ask for less; where wear.step is given, give more steps or leave it out",
@@ -261,16 +287,16 @@ class WearResult:
             source="change of the worn depth by half a step, over the smallest approach",
             advice="leave wear.step to the program, or give more steps",
         )
-        known = [each or 0.0 for each in self._bounds["pressure_max_MPa"].values()]
+        known = self._bounds["pressure_max_MPa"].values()
         yield Check(
             name="pressure_estimate",
-            value=max(known),
+            value=max(math.inf if each is None else each for each in known),
             limit=USEFUL,
             source="relative error of the largest pressure of any position; more tells nothing",
             advice="the depths stand; for the pressure give more steps or leave out that position",
         )
         for body in self.route.worn:
-            area = self._found[0]["worn_mm2"][body] or math.nan
+            area = self.rows[-1][f"worn_{body}_mm2"] or math.nan
             rates = [sum(each[f"{body}_mm2"] for each in seen.values) for seen in run.seen]
             done = [stage.done for stage in run.stages][: len(rates)]
             yield Check(
@@ -307,57 +333,73 @@ class WearResult:
             at_least=True,
         )
 
-    def depth_rows(self) -> list[dict[str, Any]]:
-        """Rows of wear.csv: worn depth over y of the bodies that are worn, with its error."""
-        return list(self._lines(lambda run: {"depth [mm]": run.stages[-1].depth}))
-
-    def damage_rows(self) -> list[dict[str, Any]]:
-        """Rows of damage.csv: over y, largest pressure and surface fatigue index of any position
-        and time, the sum of T-gamma per width, and damage, of both bodies.
-        """
-
-        def fields(run: Run) -> dict[str, Array]:
-            """Fields of all stages together, by column."""
-            done = [stage.done for stage in run.stages][: len(run.seen)]
-            every = {
-                name: np.array([each.fields[name] for each in run.seen])
-                for name in run.seen[0].fields
-            }
-            summed = {name: np.trapz(every[name], done, axis=0) for name in ("energy", "damage")}
-            return {
-                "p_max [MPa]": every["pressure"].max(axis=0),
-                "surface fatigue index": np.fmax.reduce(every["index"], axis=0),
-                "sum of T-gamma [N/mm]": summed["energy"],
-                "damage": summed["damage"],
-            }
-
-        rows = []
-        for row in self._lines(fields) if all(run.seen for run in self.runs.values()) else ():
-            steel = self.route.scene.bodies[row["body"]]
-            k = steel.first_yield / math.sqrt(3) if steel.yields else None
-            rows.append({**row, "p0/k": row["p_max [MPa]"] / k if k else None})
-        return rows
-
-    def _lines(self, fields: Callable[[Run], Mapping[str, Array]]) -> Iterator[dict[str, Any]]:
-        """Rows of body, y and fields with their errors, every 0.1 mm (ROW_STEP) or more, of fields
-        (n,) by column, rail and wheel in a row.
+    def lines(self) -> Iterator[Row]:
+        """Rows of wear.csv, every 0.1 mm (ROW_STEP) or more over both profiles: worn depth, largest
+        pressure and surface fatigue index of any position and time, the sum of T-gamma per width,
+        and damage, with their errors; of a run in which nothing was pressed none.
         """
         main = self.runs["main"]
-        every = [
-            {name: by_body(field) for name, field in fields(run).items()}
-            for run in self.runs.values()
-        ]
-        for body, places in self.places(main).items():
-            stride = max(1, math.ceil(ROW_STEP / places.step))
+        every = [_fields(self.runs[name] if self._complete else main) for name in RUNS if main.seen]
+        for body, places in self.places(main).items() if every else ():
+            steel = self.route.scene.bodies[body]
+            k = steel.first_yield / math.sqrt(3) if steel.yields else None
             columns = {
-                name: (each[body], self.error(*(of[name][body] for of in every)))
+                name: (each[body], self._errors(*(of[name][body] for of in every)))
                 for name, each in every[0].items()
             }
-            for n in range(0, len(places.points), stride):
-                row: dict[str, Any] = {"body": body, "y [mm]": float(places.points[n, 0])}
+            for n in range(0, len(places.points), max(1, math.ceil(ROW_STEP / places.step))):
+                row: Row = {"body": body, "y [mm]": float(places.points[n, 0])}
                 for name, (value, error) in columns.items():
                     row |= {name: _number(value[n]), f"{name} estimate": _number(error[n])}
-                yield row
+                yield row | {"p0/k": row["p_max [MPa]"] / k if k else None}
+
+    def _errors(self, main: Array, *others: Array) -> Array:
+        """`_error` (n,) of values (n,) from those of the other runs, which have fewer places; NaN
+        where it is not known.
+        """
+        shares = np.linspace(0.0, 1.0, len(main))
+        coarse, halved = (
+            np.interp(shares, np.linspace(0.0, 1.0, len(each)), each) for each in others
+        )
+        error = _error(main, coarse, halved, main)
+        return np.asarray(error if self._complete else np.full_like(main, math.nan))
+
+
+def _fields(run: Run) -> dict[str, Fields]:
+    """Columns of wear.csv by body, from all stages of a run."""
+    done = [stage.done for stage in run.stages][: len(run.seen)]
+    every = {
+        name: np.array([each.fields[name] for each in run.seen]) for name in run.seen[0].fields
+    }
+    columns = {
+        "depth [mm]": run.stages[-1].depth,
+        "p_max [MPa]": every["pressure"].max(axis=0),
+        "surface fatigue index": np.fmax.reduce(every["index"], axis=0),
+        "sum of T-gamma [N/mm]": np.trapz(every["energy"], done, axis=0),
+        "damage": np.trapz(every["damage"], done, axis=0),
+    }
+    return {name: by_body(field) for name, field in columns.items()}
+
+
+def _error(main: Any, coarse: Any, halved: Any, again: Any) -> Any:
+    """Error of a number or an array of the main run: the change by the grid on the same profiles
+    and by other profiles on the same grid, and twice that by steps half as long, as of first order.
+
+    again: on the profiles of the main run and the cells of the coarse one.
+    """
+    return abs(main - again) + abs(again - coarse) + 2 * abs(coarse - halved)
+
+
+def _estimated(row: Row, *others: Row) -> Row:
+    """A row, with `_error` of each of its numbers but those that are given, from those of others:
+    coarse, halved, again; None where it is not known.
+    """
+    found = dict(row)
+    for key in [key for key in row if key not in GIVEN]:
+        values = [row[key], *(each.get(key) for each in others)]
+        known = len(values) == 4 and None not in values
+        found[f"{key} estimate"] = float(_error(*values)) if known else None
+    return found
 
 
 def _number(value: float) -> float | None:
@@ -366,19 +408,20 @@ def _number(value: float) -> float | None:
 
 
 def _crossing(
-    shares: Sequence[float], values: Sequence[float | None], limit: float, rising: int
+    rows: Sequence[Row], columns: Sequence[str], limit: float, rising: int
 ) -> float | None:
-    """Share at which values first pass a limit, linear between shares; rising: 1, falling: -1. None
-    where they do not; values that are None do not count.
+    """Share at which the largest number in some columns first passes a limit, linear between rows;
+    rising: 1, falling: -1. None where it does not; rows without numbers do not count.
     """
     before: tuple[float, float] | None = None
-    for share, value in zip(shares, values, strict=True):
-        if value is None:
+    for row in rows:
+        values = [row[name] for name in columns if row[name] is not None]
+        if not values:
             continue
-        over = rising * (value - limit)
+        share, over = row["done"], rising * (max(values) - limit)
         if over >= 0:
             if before is None:
-                return share
-            return before[0] + (share - before[0]) * before[1] / (before[1] - over)
+                return float(share)
+            return float(before[0] + (share - before[0]) * before[1] / (before[1] - over))
         before = share, over
     return None

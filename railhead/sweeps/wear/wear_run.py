@@ -1,13 +1,17 @@
 """Wear over a route, step by step, with a record of each step in a folder.
 
 The route is solved three times: with its own steps, with these on a grid that is half as fine, and
-there with steps half as long. The differences are the errors.
+there with steps half as long. The differences are the errors. The last contacts are those on the
+profiles as they are written, which a reader of these finds again.
 """
 
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
+import math
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -19,7 +23,7 @@ from railhead.run.half_spaces.worn_contact import BODIES, Fields, Fineness, Know
 from railhead.run.progress import Progress
 from railhead.scene.scene import SceneError
 from railhead.sweeps import store, worker_pool
-from railhead.sweeps.wear.wear_route import Route
+from railhead.sweeps.wear.wear_route import AMOUNT, Route
 from railhead.theory import wear
 from railhead.theory.array_types import Array
 from railhead.theory.wear import Stage
@@ -27,6 +31,10 @@ from railhead.theory.wear import Stage
 FINE, COARSE = Fineness(places=4001, cells=96), Fineness(places=2001, cells=48)
 RUNS = {"main": FINE, "coarse": COARSE, "halved": COARSE}
 SETTLES = 0.03  # of the smallest approach: a depth by which halving a step may change the profile
+QUICK = Fineness(places=1001, cells=24)
+DEEP = 20.0  # mm, a depth that no wheel or rail has to give
+DEPTH = 0.01  # mm that a step takes, about
+COST = 60.0  # processor time of a step in all runs, over that of the first contacts on QUICK
 APART = 10_000  # numbers of records from one run to the next
 LARGEST, SUMMED = ("pressure", "index"), ("energy", "damage")
 
@@ -76,19 +84,54 @@ def by_body(values: Array) -> Fields:
     return dict(zip(BODIES, np.split(values, len(BODIES)), strict=True))
 
 
+def expected(route: Route) -> str:
+    """Words that say about how many steps and minutes a route takes, from contacts on the new
+    profiles. Raises SceneError for wear that is deeper than profiles are at their rates.
+    """
+    start, given = time.perf_counter(), route.scene.wear
+    run = Run(fineness=QUICK, stages=[])
+    first = _Marching(route, Path(), None, Progress(quiet=True), "", 0, run)
+    try:
+        deepest = first.contacts(np.zeros(len(BODIES) * QUICK.places), (), None)[0].deepest
+    except ValueError:
+        return "first contacts"  # they fail again, with their reason
+    if deepest > DEEP:
+        key = AMOUNT[route.worn[0]]
+        text = f"{getattr(given, key):g} would wear {deepest:.3g} mm at the rates of the new "
+        raise SceneError(f"wear.{key}", f"{text}profiles; give at most {DEEP / deepest:.2g} of it")
+    steps = math.ceil(deepest / DEPTH) + 1 if given.step == "auto" else given.step
+    side_by_side = min(worker_pool.workers(1), len(route.positions))
+    seconds = COST * steps * (time.perf_counter() - start) / side_by_side
+    return f"about {steps} steps, {seconds / 60:.1g} min"
+
+
 def solve(
-    route: Route, folder: Path, submit: worker_pool.Submit | None, progress: Progress
+    route: Route,
+    folder: Path,
+    submit: worker_pool.Submit | None,
+    progress: Progress,
+    runs: Mapping[str, Fineness] | None = None,
 ) -> dict[str, Run]:
-    """The three runs of a route by name (RUNS), as far as they go. Stages with a record in the
-    folder are not solved again. submit: starts a job of another process; None: all is done here.
+    """The runs of a route by name, as far as they go. Stages with a record in the folder are not
+    solved again.
+
+    submit: starts a job of another process; None: all is done here.
+    runs: grids by name; None: RUNS. After "coarse" steps are half as long. Beside it comes "again":
+        the contacts on the worn profiles of the main run, on coarse cells.
     """
     given, found, ends = route.scene.wear, dict[str, Run](), None
     if given.step != "auto":
         ends = [n / given.step for n in range(1, given.step + 1)]
-    for number, name in enumerate(RUNS):
-        found[name] = _Marching(route, folder, submit, progress, name, APART * number).run(ends)
+    for number, (name, fineness) in enumerate((runs or RUNS).items()):
+        new = np.zeros(len(BODIES) * fineness.places)
+        run = Run(fineness=fineness, stages=[Stage(0.0, new, 0.0, wear.FIRST)])
+        marching = _Marching(route, folder, submit, progress, name, APART * number, run)
+        found[name] = marching.run(ends)
         ends = [stage.done for stage in found[name].stages[1:]]
         if name == "coarse":
+            if not found["main"].reason:
+                with suppress(ValueError):
+                    found["again"] = marching.again(found["main"])
             ends = [
                 end for n, end in enumerate(ends) for end in ((end + sum(ends[n - 1 : n])) / 2, end)
             ]
@@ -106,12 +149,11 @@ class _Marching:
         progress: Progress,
         name: str,
         first: int,
+        run: Run,
     ) -> None:
-        """As of `solve`; name: of the run."""
+        """As of `solve`; name: of the run, which has its first stage."""
         self._route, self._folder, self._submit = route, folder, submit
-        self._progress, self._name, self._first = progress, name, first
-        new = np.zeros(len(BODIES) * RUNS[name].places)
-        self._run = Run(fineness=RUNS[name], stages=[Stage(0.0, new, 0.0, wear.FIRST)])
+        self._progress, self._name, self._first, self._run = progress, name, first, run
 
     def run(self, ends: Sequence[float] | None) -> Run:
         """The run with steps to given shares of all passages; None: with steps that are chosen."""
@@ -120,7 +162,7 @@ class _Marching:
         last = run.stages[-1]
         try:
             if not run.seen:  # what the others wear in the first step
-                run.seen.append(self._contacts(last.depth, ())[0])
+                run.seen.append(self.contacts(last.depth, (), None)[0])
                 share = min(wear.FIRST, wear.DEEPEST / max(run.seen[0].deepest, 1e-9))
                 last = replace(last, share=share)
             if ends is None:
@@ -133,14 +175,30 @@ class _Marching:
             for stage in steps:
                 run.stages.append(stage)
                 self._write()
-            run.seen.append(self._contacts(run.stages[-1].depth, ())[0])
-        except (ValueError, SceneError) as error:
+            run.seen.append(self._as_written())
+        except ValueError as error:
             run.reason = " ".join(str(error).split())
         return run
 
+    def again(self, main: Run) -> Run:
+        """The contacts on the worn profiles of another run, on the cells of this one. Raises
+        ValueError as of `worn_contact.WornContact`.
+        """
+        fineness = replace(main.fineness, cells=self._run.fineness.cells)
+        self._run = Run(fineness=fineness, stages=main.stages[-1:], seen=main.seen[-1:])
+        return replace(self._run, seen=[self._as_written()])
+
+    def _as_written(self) -> Contacts:
+        """The contacts on the last profiles as they are written, with no lines of an earlier grid
+        in between.
+        """
+        last = self._run.seen[-1]
+        bare = replace(last, known=[replace(each, lines={}) for each in last.known])
+        return self.contacts(self._run.stages[-1].depth, (), bare)[0]
+
     def _advance(self, depth: Array, shares: Sequence[float]) -> list[Array]:
         """As of `wear.Advance`; the contacts at the start of a step are kept."""
-        contacts, worn = self._contacts(depth, shares)
+        contacts, worn = self.contacts(depth, shares, self._run.seen[-1])
         if len(shares) > 1:
             at = len(self._run.stages) - 1
             self._run.seen[at:] = [contacts]
@@ -150,12 +208,13 @@ class _Marching:
             self._progress.stage(text)
         return [depth + each for each in worn]
 
-    def _contacts(self, depth: Array, shares: Sequence[float]) -> tuple[Contacts, list[Array]]:
+    def contacts(
+        self, depth: Array, shares: Sequence[float], known: Contacts | None
+    ) -> tuple[Contacts, list[Array]]:
         """Contacts of all positions at a depth, and the depth that all wear in each of some shares
-        of the passages from there.
+        of the passages from there. known: the contacts before; None at first.
         """
         positions, fineness = self._route.positions, self._run.fineness
-        known = self._run.seen[-1] if self._run.seen else None
         others = np.zeros((len(positions), depth.size)) if known is None else known.others
         begin = [Known()] * len(positions) if known is None else known.known
         jobs = [
@@ -217,21 +276,14 @@ def _answers(
     ValueError with the reason of one that fails.
     """
     if submit is None:
-        return _solve_some(jobs)
-    count = min(len(jobs), worker_pool.workers(1))
-    futures = [submit(_solve_some, jobs[first::count]) for first in range(count)]
-    found: list[Any] = [None] * len(jobs)
-    for first, future in enumerate(futures):
-        attempt = worker_pool.outcome(future)
+        return [worn_contact.solve(*job) for job in jobs]
+    futures = [submit(worn_contact.solve, *job) for job in jobs]
+    found = []
+    for attempt in [worker_pool.outcome(future) for future in futures]:
         if attempt.value is None:
             raise ValueError(attempt.fault)
-        found[first::count] = attempt.value
+        found.append(attempt.value)
     return found
-
-
-def _solve_some(jobs: Sequence[tuple[Any, ...]]) -> list[tuple[Seen, list[Fields]]]:
-    """What `worn_contact.solve` returns for each of its arguments."""
-    return [worn_contact.solve(*job) for job in jobs]
 
 
 def _in_a_row(fields: Fields) -> Array:

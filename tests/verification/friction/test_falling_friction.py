@@ -12,6 +12,8 @@ from solved import friction, passed, solved
 
 import railhead as rh
 from railhead.planning import simulation_plan
+from railhead.run.half_spaces.worn_contact import Fineness
+from railhead.sweeps.wear import wear, wear_run
 from railhead.theory.friction.kalker import coefficients
 from railhead.theory.friction.rolling import (
     Creepage,
@@ -309,6 +311,23 @@ def test_lines_start_at_the_bulk_temperatures_coefficient(pairs, bulk, least, mo
         assert found == pytest.approx(most)
 
 
+def test_wear_has_the_coefficient_of_its_slip(tmp_path, monkeypatch) -> None:
+    """A crown that slips at 0.1 m/s everywhere wears by mu, 0.225 of 0.3."""
+    grids = {name: Fineness(places=501, cells=24) for name in wear_run.RUNS}
+    monkeypatch.setattr(wear_run, "RUNS", grids)
+    monkeypatch.setattr(wear.worker_pool, "workers", lambda ranks: 1)
+    keys = (*SLIP_LAW[:3], "friction.slip_half=100", "friction.memory=0.01")
+    bodies = "rail.profile=arc", "rail.crown_radius=300", "wheel.profile=cylinder"
+    rolls = "rolling.creepage_along=1%", "rolling.speed=10"
+    given = [FAST, *bodies, *keys, *rolls, "wear.axles=20", "wear.step=1"]
+    worn = []
+    for effect in ("auto", "off"):
+        scene = rh.Scene(load=80e3).replace([*given, f"effects.falling_friction={effect}"])
+        found = wear.wear(scene, tmp_path / effect)
+        worn.append(found.summary["worn_mm2"]["rail"])
+    assert worn[0] / worn[1] == pytest.approx(0.75, rel=0.01)
+
+
 @pytest.mark.slow
 def test_solids_have_the_law_and_the_heat_of_half_spaces() -> None:
     keys = (*SLIP_LAW, "rolling.creepage_along=0.3%", "rolling.speed=30")
@@ -373,11 +392,10 @@ def test_the_plan_names_what_laws_and_layers_change() -> None:
     heat, law, layer = (plan.effects[each] for each in ("heat", "falling_friction", "layer"))
     assert heat.on and law.on and layer.on
     assert "flash temperature up to" in heat.why
-    assert "no friction.memory is given" in law.why and "0.3 and not down to 0.15" in law.why
-    assert "it falls with slip" in law.why and "mm/MPa" in layer.why
-    rises = plan.scene.replace(["friction.kinetic=0.45"])
-    law = simulation_plan.make(rises).effects["falling_friction"]
-    assert "it rises with slip" in law.why and "0.3 and not up to 0.45" in law.why
+    assert "no friction.memory is given" in law.why and "from 0.3 to 0.15 with slip" in law.why
+    assert "costs 1 s; left out, it is 0.3" in law.why and "mm/MPa" in layer.why
+    plain = simulation_plan.make(plan.scene.replace(["effects.falling_friction=off"]))
+    assert plan.seconds == pytest.approx(plain.seconds + 1.0)
 
 
 @pytest.mark.parametrize(

@@ -147,27 +147,6 @@ def test_joints_of_s1002_are_tangent() -> None:
         assert np.arctan(slopes[0]) == pytest.approx(np.arctan(slopes[1]), abs=5e-6)
 
 
-@pytest.mark.parametrize("name", ["54E1", "60E1"])
-def test_every_joint_of_the_section_is_tangent(name: str) -> None:
-    curves = outlines.rail_section(name, "section", half=False)
-    bends = []
-    for one, two in zip(curves, [*curves[1:], curves[0]], strict=True):
-        np.testing.assert_allclose(one.points[-1], two.points[0], atol=1e-6)
-        end, start = direction(one, -1), direction(two, 0)
-        bends.append(np.degrees(np.arccos(np.clip(end @ start, -1, 1))))
-    assert max(bends) < 1e-3
-
-
-def direction(curve: outlines.Curve, end: int) -> np.ndarray:
-    """Unit tangent at the first (0) or last (-1) point, along the curve."""
-    chord = curve.points[-1] - curve.points[0]
-    if curve.centre is None:
-        return chord / np.linalg.norm(chord)
-    arm = curve.points[end] - curve.centre
-    tangent = np.array([-arm[1], arm[0]]) / np.linalg.norm(arm)
-    return tangent * np.sign(tangent @ chord)
-
-
 def test_smoothness_tells_a_wavy_profile_from_a_smooth_one() -> None:
     y = np.linspace(-20, 20, 401)
     arc = profiles.single_radius(300, 20).height(y)

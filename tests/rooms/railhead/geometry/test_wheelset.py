@@ -105,16 +105,6 @@ def test_cones_on_crowned_rails_have_their_known_conicity() -> None:
     assert placed.rolling_radius_difference == pytest.approx(expected, rel=2e-3)
 
 
-def test_rolling_radius_difference_is_continuous_between_jumps() -> None:
-    """Small steps of the shift move the contact a little and change the radius a little."""
-    shifts = np.arange(1.0, 1.4, 0.05)
-    placed = alike(PAIR, TRACK).place_all(shifts)
-    change = np.diff([p.rolling_radius_difference for p in placed])
-    moved = np.abs(np.diff([p.right.touches[0].wheel_y for p in placed]))
-    assert moved.max() < 0.2
-    assert np.abs(change).max() < 0.02
-
-
 def test_a_wheelset_beside_the_rails_is_refused() -> None:
     assert "over the rail" in refusal(
         lambda: alike(PAIR, Track(back_to_back=1000.0, gauge=1435.0)).place(), PlacementError

@@ -71,7 +71,7 @@ def test_what_finite_bodies_add_is_what_tractions_do_to_them() -> None:
     smooth = grid.smooth
     own = grid.points.jumps(after - before).T.reshape(2, *grid.pressed.shape)
     influence = TractionInfluence(grid.x, grid.y, friction.pair, rolling=False)(found.traction)
-    added = -smooth.response(friction._added[0, 0], grid.x, grid.y)(found.traction)
+    added = -smooth.response(friction._added[0, 0, 0], grid.x, grid.y)(found.traction)
     inside = found.bound > 0
     measured, predicted = ((own + influence)[1, inside].mean(), added[1, inside].mean())
     assert abs(predicted) > 0.2 * influence[1, inside].mean()
@@ -89,7 +89,7 @@ def test_pressed_bodies_strain_as_their_displacement_says() -> None:
     inside = grid.pressed > 0
     jump = grid.points.jumps(friction.pressed.displacement).T.reshape(2, *inside.shape)[0, inside]
     x = np.broadcast_to(grid.x[:, None], inside.shape)[inside]
-    known = grid.smooth.values(friction._still[0].reshape(-1, 2), grid.x, grid.y)
+    known = grid.smooth.values(friction._still[0, 0].reshape(-1, 2), grid.x, grid.y)
     assert known[0, inside].mean() == pytest.approx(np.polyfit(x, jump, 1)[0], rel=0.1)
     assert known[0, inside].mean() > 1.5e-5
 

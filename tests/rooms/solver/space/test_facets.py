@@ -76,6 +76,18 @@ def test_each_point_is_paired_with_the_one_straight_above(model) -> None:
     np.testing.assert_allclose(hit[:, :2], points[:, :2], atol=1e-11)
 
 
+def test_a_facet_that_is_known_is_tried_first(model) -> None:
+    """A right guess, a wrong one and none lead to the same facets."""
+    slave, master = surface(model, RAIL), surface(model, WHEEL)
+    points, _ = slave.tangents(*slave.quadrature(3)[0])
+    normals = np.tile([0, 0, 1.0], (len(points), 1))
+    partner, eta = pair(points, normals, master)
+    for known in (partner, (partner + 1) % len(master), np.full(len(points), -1)):
+        again, there = pair(points, normals, master, known)
+        np.testing.assert_array_equal(again, partner)
+        np.testing.assert_allclose(there, eta, atol=1e-12)
+
+
 def test_points_that_look_past_the_master_have_no_partner(model) -> None:
     points = np.array([[5.0, 5.0, 0.0], [25.0, 5.0, 0.0]])
     partner, _ = pair(points, np.tile([0, 0, 1.0], (2, 1)), surface(model, WHEEL))

@@ -49,6 +49,27 @@ def test_the_largest_von_mises_stress_is_that_of_the_closed_form(
     assert grid_stress.largest_von_mises(found, poisson) == pytest.approx(expected, rel=0.01)
 
 
+@pytest.mark.parametrize("coefficient", [0.05, 0.2, 0.4])
+def test_largest_stresses_below_a_strip_are_those_in_its_middle(coefficient: float) -> None:
+    """Strips of a line contact are two cells long, which end far away with peaks of their own. The
+    leading half sticks, so that the largest stress is beside the middle.
+    """
+    x, s = (2 * np.arange(64) + 1) / 64 - 1.0, np.array([-2500.0, 2500.0])
+    pressure = np.repeat(400 * np.sqrt(1 - x**2)[:, None], 2, axis=1)
+    strip = PatchSolution(x, s, 0 * s, pressure, 0 * pressure, 0.0)
+    q = coefficient * pressure * np.minimum(1.0, 1 - x)[:, None]
+    traction = np.stack([q, 0 * q])
+    depths = np.append(grid_stress.SURFACE / 32, np.linspace(0.1, 1.2, 56))
+    across, down = np.meshgrid(x, -depths)
+    places = np.column_stack([across.ravel(), 0 * across.ravel(), down.ravel()])
+    known = grid_stress.stress(strip, 0.3, places, traction)
+    found = grid_stress.peaks(strip, 0.3, traction)
+    for (_, value), invariant in zip(
+        found, (subsurface.max_shear, subsurface.von_mises), strict=True
+    ):
+        assert value == pytest.approx(invariant(known).max(), rel=1e-3)
+
+
 def test_stress_is_in_equilibrium_and_free_beside_the_patch() -> None:
     """Of one cell with pressure: tractions of the surface, and forces on a plane below."""
     _, found = pair(1.0)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from scipy.special import j0, roots_legendre
+from scipy.special import j0
 
 from railhead.theory.elastic import halfspace
 from railhead.theory.elastic.halfspace import boussinesq_displacement, hertz_displacement
@@ -53,25 +53,6 @@ def test_strain_and_hooke_give_the_stress(curvature_ratio: float, poisson: float
     gradient = jacobian(lambda at: hertz_displacement(c, at, 2e5, poisson), points, 2e-3 * size)
     expected = stress(c, poisson, points)
     assert np.abs(hooke(gradient, 2e5, poisson) - expected).max() < 2e-8 * c.p0
-
-
-def test_superposition_of_point_forces(thesis_ellipse: Ellipse) -> None:
-    c = thesis_ellipse
-    rng = np.random.default_rng(3)
-    direction = rng.normal(size=(20, 3))
-    direction[:, 2] = -np.abs(direction[:, 2])
-    direction[:4, 2] = 0
-    points = direction / np.linalg.norm(direction, axis=1)[:, None] * rng.uniform(10, 40, (20, 1))
-    node, weight = roots_legendre(24)
-    phi, theta = np.pi / 4 * (node + 1), (np.arange(48) + 0.5) * np.pi / 24
-    total = np.zeros_like(points)
-    for angle, w in zip(phi, weight * np.pi / 4, strict=True):
-        force = c.p0 * np.cos(angle) * c.a * c.b * np.sin(angle) * np.cos(angle) * w * np.pi / 24
-        for turn in theta:
-            at = math.sin(angle) * np.array([c.a * math.cos(turn), c.b * math.sin(turn), 0])
-            total += boussinesq_displacement(points - at, force, 207000, 0.3)
-    u = hertz_displacement(c, points, 207000, 0.3)
-    np.testing.assert_allclose(u, total, rtol=0, atol=1e-12 * np.abs(u).max())
 
 
 def test_far_field_tends_to_the_point_force_quadratically(thesis_ellipse: Ellipse) -> None:

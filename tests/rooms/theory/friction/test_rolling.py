@@ -11,7 +11,6 @@ from carter import Carter
 from friction_data import named
 
 from railhead.theory.bem import pressure_solver
-from railhead.theory.bem.pressure_solver import solve
 from railhead.theory.elastic.hertz import Ellipse, contact_modulus, line_contact, point_contact
 from railhead.theory.friction.kalker import coefficients
 from railhead.theory.friction.partial_slip import CattaneoMindlin, initial_compliance
@@ -159,21 +158,6 @@ def test_a_shift_is_mindlins(entry) -> None:
     known = CattaneoMindlin(0.3 * contact.load, compliance)
     ratio = known.stick_ratio(entry["Q_over_muP"] * known.limit)
     assert math.sqrt(np.divide(*found.areas)) == pytest.approx(ratio, abs=0.03)
-
-
-def test_a_patch_of_boundary_elements_rolls_as_the_ellipse_it_is() -> None:
-    modulus = contact_modulus(207000, 0.3, 207000, 0.3)
-    exact = point_contact(1 / 420, 1 / 300, modulus, 25000)
-    found = solve(lambda x, s: x**2 / 840 + s**2 / 600, modulus, load=25000, cells=64)
-    creepage = Creepage(5e-4, -5e-4, 3e-4)
-    body = HalfSpaceFriction(found.x, found.s, found.pressure, 0.3, STEEL, rolling=True)
-    rolled, expected = (
-        each.solve(creepage) for each in (body, patch(exact.a, exact.b, exact.p0, 0.3))
-    )
-    scale = np.array([1, 1, exact.a]) * 7500
-    np.testing.assert_allclose(
-        np.array(rolled.forces) / scale, np.array(expected.forces) / scale, rtol=0, atol=OWN
-    )
 
 
 @pytest.fixture(scope="module")

@@ -77,14 +77,13 @@ def test_memory_is_a_cell_where_the_law_falls_with_slip() -> None:
 
 
 def test_a_line_of_uneven_places_has_the_coefficient_of_each() -> None:
-    """Full slip without memory, in any order of the places; nothing in front of the patch."""
+    """Full slip without memory, in any order of the places."""
     x = np.random.default_rng(1).permutation(np.linspace(-1, 1, 41) ** 3)
     warm = Interface(heat=Heat(speed=10.0, bulk_rail=80.0), law=Falling(0.1, 1e3), memory=0.0)
     pressure, slip = np.where(x < 0.5, 100.0, 0.0), 0.1 * (1 + x**2)
     found, rise = warm.along_line(x, 0.3 * np.ones(41), pressure, 0 * x, slip)
     inside = x < 0.4
     np.testing.assert_allclose(found[inside], 0.1 + 0.2 * 0.5 ** (10 * slip[inside]), rtol=0.003)
-    np.testing.assert_allclose(found[x > 0.6], 0.3)
     assert rise is not None
     np.testing.assert_allclose(rise, [[-40.0] * 41, [40.0] * 41])
     plain, none = Interface().along_line(x, 0.3 * np.ones(41), pressure, 0 * x, slip)

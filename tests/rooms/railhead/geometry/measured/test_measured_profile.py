@@ -276,21 +276,6 @@ def test_a_unit_that_is_given_overrules_the_file_and_is_said(tmp_path) -> None:
         np.testing.assert_allclose(found.profile.height(y), truth, atol=2e-3)
 
 
-def test_a_point_that_stands_off_is_kept_and_said(tmp_path) -> None:
-    points = noisy(rail(), 0.002, 8)
-    file = tmp_path / "rail.csv"
-    np.savetxt(file, points, delimiter=",")
-    assert "WARNING" not in " ".join(measured.read(file, "rail", slope=1 / 40).remarks)
-    points[len(points) // 2, 1] += 0.5
-    spiky = tmp_path / "spiky.csv"
-    np.savetxt(spiky, points, delimiter=",", header="y,z")
-    found = measured.read(spiky, "rail", slope=1 / 40)
-    assert len(found.points) == len(points)
-    words = found.remarks[-1].split("line ")
-    assert words[0].startswith("WARNING: it bends by ") and words[1].endswith("taken for shape")
-    assert abs(int(words[1].split(":")[0]) - len(points) // 2) < 8  # 2 mm
-
-
 @pytest.mark.parametrize("count, off", [(2, 0.4), (9, -0.4), (9, 1.0)])
 def test_wild_points_side_by_side_are_kept_and_said(count: int, off: float, tmp_path) -> None:
     """They hide each other: the curve turned back at them and half the head was lost."""

@@ -13,8 +13,6 @@ from railhead.geometry.measured.formats import Table
 from railhead.geometry.measured.ordering import PointError
 from railhead.geometry.measured.orientation import Orientation
 
-SLOW = pytest.mark.slow
-
 
 def head() -> np.ndarray:
     """Points of a 60E1 head, gauge corner worn, down to 25 mm."""
@@ -125,14 +123,6 @@ def test_the_side_that_is_drawn_down_to_the_gauge_is_the_gauge_side(sign: int) -
     found, done = turned(part)
     np.testing.assert_allclose(found, part * [sign, 1])
     assert "only the gauge side reaches 14 mm" in done
-
-
-@pytest.mark.parametrize("unit", [10.0, 100.0, 304.8], ids=["cm", "dm", "ft"])
-def test_units_that_nobody_says_are_not_taken_for_others(unit: float) -> None:
-    """A head in cm is as wide as one of 7 inches would be, a wheel in cm as a strip of 13 mm."""
-    for points, body in ((head(), "rail"), (wheel(), "wheel")):
-        with pytest.raises(ValueError, match="give its profile_unit, or name it in a header"):
-            orientation.in_mm(table(points / unit), body, "auto")
 
 
 def with_rim(deep: float) -> np.ndarray:

@@ -6,6 +6,7 @@ import math
 import shutil
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -104,8 +105,7 @@ def test_tables_hold_the_worn_depth_over_y_with_its_error(worn):
     assert float(history[0]["done"]) == 0.0 and float(history[-1]["axles"]) == AXLES
     pressures = [float(row["pressure_max_MPa"]) for row in history]
     assert pressures == sorted(pressures, reverse=True)
-    damage = [row for row in rows(folder / "damage.csv") if row["body"] == "rail"]
-    middle = max(damage, key=lambda row: float(row["sum of T-gamma [N/mm]"]))
+    middle = max(rail, key=lambda row: float(row["sum of T-gamma [N/mm]"]))
     # 240 N over 10 to 13.5 mm of width, 2200 times
     assert float(middle["sum of T-gamma [N/mm]"]) == pytest.approx(AXLES * 240 / 8.6, rel=0.1)
     assert float(middle["damage"]) == 0.0  # wear takes the cracks off at 240 N
@@ -130,10 +130,12 @@ def test_another_limit_goes_on_from_the_records(worn, tmp_path):
 
 def test_a_check_run_that_fails_at_once_leaves_the_files(worn):
     found = worn[0]
-    main = found.runs["main"]
-    failed = replace(found.runs["coarse"], stages=main.stages[:1], seen=[], reason="no patch")
+    coarse = found.runs["coarse"]
+    failed = replace(coarse, stages=coarse.stages[:1], seen=[], reason="no patch")
     cut = replace(found, runs={**found.runs, "coarse": failed})
-    assert cut.damage_rows() == [] and "accuracy" in cut.summary["checks"]["failed"]
+    lines = list(cut.lines())
+    assert lines and not any(row["depth [mm] estimate"] for row in lines)
+    assert "accuracy" in cut.summary["checks"]["failed"]
 
 
 def test_limits_are_reached_where_the_depth_passes_them(worn):
@@ -144,6 +146,8 @@ def test_limits_are_reached_where_the_depth_passes_them(worn):
         for way, each in ((False, found.rows[::-1]), (True, found.rows))
     )
     assert before["axles"] < limit["axles"] < after["axles"] and limit["limit"] == 0.02
+    # A tenth of the wheels between two steps is what straight lines may be off.
+    assert 0 < limit["axles estimate"] < 0.1 * (after["axles"] - before["axles"])
 
 
 def test_worn_profiles_are_read_back_to_a_micrometre(worn):
@@ -156,6 +160,34 @@ def test_worn_profiles_are_read_back_to_a_micrometre(worn):
         profile = solid.rail_profile(again) if body == "rail" else solid.wheel_profile(again)
         off = profile.height(points[1:-1, 0]) - points[1:-1, 1]
         assert np.abs(off).max() < 1e-3
+
+
+def test_the_last_pressure_is_that_of_the_profile_that_is_written(tmp_path):
+    """On a profile that another position wore, which lines of a grid do not see as it is."""
+    table = tmp_path / "positions.csv"
+    table.write_text("share,load [kN],rolling.creepage_along\n1,40,0.01\n0.02,120,0.001\n")
+    scene = crown(step=2, positions=str(table), accuracy=0.2)
+    found = sweep.wear(scene, tmp_path / "out")
+    last = found.summary["positions"][1]["last"]
+    worn = {"rail.profile": str(tmp_path / "out" / "rail_profile.csv"), "rail.crown_radius": "none"}
+    again = found.route.positions[1].scene.replace(**worn, **{"rail.profile_mirror": "off"})
+    begin = dict.fromkeys(worn_contact.BODIES, np.zeros(COARSE["main"].places))
+    (position,) = (replace(each, scene=again) for each in found.route.positions[1:])
+    read = worn_contact.solve(position, COARSE["main"], begin, worn_contact.Known(), (), begin)[0]
+    assert read.values["pressure_max_MPa"] == pytest.approx(last["pressure_max_MPa"], rel=1e-3)
+    assert last["pressure_max_MPa estimate"] > 0
+
+
+def test_more_wear_than_profiles_have_is_refused_before_anything_is_written(tmp_path):
+    with pytest.raises(SceneError, match="give at most") as caught:
+        sweep.wear(crown(axles=1e9), tmp_path / "out")
+    assert caught.value.key == "wear.axles" and not (tmp_path / "out").exists()
+
+
+def test_under_mpirun_it_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(sweep, "MPI", SimpleNamespace(COMM_WORLD=SimpleNamespace(size=2)))
+    with pytest.raises(SceneError, match="without mpirun"):
+        sweep.wear(crown(), tmp_path / "out")
 
 
 def test_a_rail_that_leans_is_written_as_it_stood_before(tmp_path):
@@ -317,4 +349,6 @@ def test_the_command_prints_what_was_worn(tmp_path, capsys):
     with pytest.raises(SystemExit):
         main(["wear", str(scene), "--out", str(tmp_path / "out"), "--fast"])
     said = capsys.readouterr().out
+    report = (tmp_path / "out" / "report.html").read_text()
+    assert said.splitlines()[1] in report and report.count("data:image/png") == 2
     assert "2 steps" in said and "rail: at most" in said and "all passed" in said
