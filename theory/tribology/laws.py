@@ -24,7 +24,7 @@ import numpy as np
 from railhead.theory.array_types import Array, Mask
 from railhead.theory.tribology.heat import Heat
 
-TURNS, SETTLED = 60, 1e-8  # between tractions and coefficient; change of the bound, relative
+TURNS, SETTLED = 60, 1e-7  # between tractions and coefficient; change of the bound, relative
 SLOWEST = 0.02  # least part of a change of the coefficient that is taken
 ALIKE = 1e-3  # of mu N: most by which the bounds of two steady states may differ
 LONGER = "the law falls too steeply; give a longer friction.memory"
@@ -160,7 +160,8 @@ def settled(
     """Tractions under the bound that a law has at their slip, in turns with Aitken's factor.
 
     bound: the first one, of any shape. solve: tractions under a bound, from those of the turn
-    before. law: the bound at the slip of such tractions. ValueError: they do not settle.
+    before. law: the bound at the slip of such tractions. After the bound has settled there is one
+    turn more. ValueError: they do not settle.
     """
     before, factor = np.zeros_like(bound), 1.0
     found: Solved | None = None
@@ -168,7 +169,7 @@ def settled(
         found = solve(bound, found)
         change = law(found) - bound
         if np.abs(change).sum() <= SETTLED * bound.sum():
-            return found
+            return solve(bound + change, found)
         if before.any():
             turned = change - before
             factor *= -float((before * turned).sum() / (turned * turned).sum())
