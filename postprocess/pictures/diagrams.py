@@ -441,6 +441,14 @@ def _name_curves(axes: Axes, axis: DepthAxis) -> None:
         )
 
 
+def clip(drawn: Any, outlines: Sequence[Array], axes: Axes) -> None:
+    """Leave of a drawn field what lies inside closed outlines (n, 2), in the units of the axes."""
+    from matplotlib.path import Path as Path2D
+
+    inside = Path2D.make_compound_path(*(Path2D(line, closed=True) for line in outlines))
+    drawn.set_clip_path(inside, axes.transData)
+
+
 def patch(findings: Findings, hertz: Hertz | None, target: Target = None) -> Figure:
     """Pressure in bands over all patches, with axes x and s in the tangent plane, and their
     outlines; not of a section.
@@ -448,8 +456,6 @@ def patch(findings: Findings, hertz: Hertz | None, target: Target = None) -> Fig
     findings: with the whole contact surface, images included. hertz: exact Hertz contact, whose
         outline is drawn too, or None.
     """
-    from matplotlib.path import Path as Path2D
-
     surface, outlines = findings.surface, findings.patch.outlines
     curves = outlines + ([] if hertz is None else [hertz.outline])
     low, high = np.min([c.min(0) for c in curves], 0), np.max([c.max(0) for c in curves], 0)
@@ -463,8 +469,7 @@ def patch(findings: Findings, hertz: Hertz | None, target: Target = None) -> Fig
         bands = axes.tricontourf(
             *surface.local.T, surface.triangles, surface.pressure, limits, cmap="YlOrRd"
         )
-        inside = Path2D.make_compound_path(*(Path2D(line, closed=True) for line in outlines))
-        bands.set_clip_path(inside, axes.transData)
+        clip(bands, outlines, axes)
         for number, line in enumerate(outlines):
             name = findings.subject.method if number == 0 else None
             axes.plot(*line.T, color=FE, lw=2.2, label=name)

@@ -18,6 +18,7 @@ from railhead.postprocess.pictures.diagrams import (
     GREY,
     HERTZ,
     Target,
+    clip,
     new_figure,
     rounded,
 )
@@ -96,12 +97,9 @@ def draw_tractions(
 
 def _rise(axes: Axes, local: Array, rise: Array, findings: Findings) -> None:
     """Draw the rise (n,) of the rail's surface temperature, K, at x and s (n, 2), mm."""
-    from matplotlib.path import Path as Path2D
-
     subject, outlines = findings.subject, findings.patch.outlines
     drawn = axes.tripcolor(*local.T, rise, shading="gouraud", cmap="inferno")
-    inside = Path2D.make_compound_path(*(Path2D(line, closed=True) for line in outlines))
-    drawn.set_clip_path(inside, axes.transData)
+    clip(drawn, outlines, axes)
     for outline in outlines:
         axes.plot(*outline.T, color=FE, lw=1.2)
     axes.figure.colorbar(drawn, ax=axes, label=f"temperature rise, {subject.names['rail']}, K")
@@ -122,7 +120,6 @@ def _map(
         (n,): whether each point sticks. findings: with the outlines of the patches.
     """
     from matplotlib.patches import Patch
-    from matplotlib.path import Path as Path2D
 
     outlines, units = findings.patch.outlines, findings.subject.units
     low, high = findings.patch.box
@@ -131,8 +128,7 @@ def _map(
     zones = axes.contourf(
         x, s, sticks[cKDTree(local).query(at)[1]], levels=[-0.5, 0.5, 1.5], colors=[SLIP, STICK]
     )
-    inside = Path2D.make_compound_path(*(Path2D(line, closed=True) for line in outlines))
-    zones.set_clip_path(inside, axes.transData)
+    clip(zones, outlines, axes)
     for outline in outlines:
         axes.plot(*outline.T, color=FE, lw=1.2)
     cell = float(np.ptp(local, axis=0).max()) / ARROWS
