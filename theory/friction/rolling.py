@@ -281,8 +281,8 @@ class HalfSpaceFriction:
     def _at(self, creepage: Creepage, start: TangentialSolution | None) -> TangentialSolution:
         """Tractions at a creepage under the present bound; start: as of `solve`."""
         slip = self._slip(creepage)
-        guess, bound = None, self._tractions.bound
-        if start is not None:  # with the same share of the bound
+        guess, bound = None if start is None else start.traction, self._tractions.bound
+        if start is not None and not self.has_law:  # with the same share of the bound
             known = start.bound > 0
             guess = start.traction * np.divide(bound, start.bound, out=0 * bound, where=known)
         traction = self._tractions.solve(slip, TOLERANCE, guess)
