@@ -305,9 +305,8 @@ def _resolution(out: Mapping[str, Any], found: FrictionSolution) -> dict[str, An
         limits = {name: abs(other[name] - out[name]) for name in still}
         # A mesh errs in no direction of its own: each has the size of both, about half an arm.
         size = math.hypot(limits[LOADS[0]], limits[LOADS[1]])
-        arms = 1.0, 1.0, _arm(found) / 2
-        for name, arm in zip(LOADS, arms, strict=True):
-            limits[name] = max(limits[name], size * arm) if limits[name] else 0.0
+        arms = zip(LOADS, (1.0, 1.0, _arm(found) / 2), strict=True)
+        limits |= {name: max(limits[name], size * arm) for name, arm in arms if limits[name]}
     else:
         motion = zip(LOADS, found.rigid_motion, strict=True)
         limits = {name: abs(each) for name, each in still.items()}
