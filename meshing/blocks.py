@@ -29,9 +29,8 @@ from railhead.theory.array_types import Array
 REPAIR_BELOW = 0.1  # quality of a curved tetrahedron that is straightened
 STRAIGHTENING_PASSES = 5
 CORNERS = {"support", "free"}, {"support", "contact"}  # roles of curves that meet
+# Element size where these meet, over that of the grading there, and its growth with the distance:
 CORNER_SIZE, CORNER_GROWTH = 1 / 16, 0.5
-"""Element size where a support meets another side of a section, over that of the grading there, and
-its growth with the distance."""
 MIDDLES = {  # corners of each edge, side and cell with a middle node, in gmsh's order of nodes
     ("tetrahedron", 2): "01 12 20",
     ("tetrahedron", 3): "01 12 20 30 23 13",
@@ -255,11 +254,10 @@ def _mesh(bodies: list[Body], grading: Grading, options: Options) -> None:
     hexahedra = options.cell == "hexahedron"
     flat = hexahedra or bool(options.plane)
     expression = grading.expression(section=flat, coordinates="xyz"[options.section_axes])
-    if options.plane:
-        for corner in _held_corners(bodies):
-            size = f"{CORNER_SIZE * grading.at(*corner):.15g}"
-            away = "+".join(f"({u}-({at:.15g}))^2" for u, at in zip("xy", corner, strict=True))
-            expression = f"Min({expression},{size}+{CORNER_GROWTH}*Sqrt({away}))"
+    for y, z in _held_corners(bodies) if options.plane else ():
+        away = f"Sqrt((x-({y:.15g}))^2+(y-({z:.15g}))^2)"
+        size = f"{CORNER_SIZE * grading.at(y, z):.15g}+{CORNER_GROWTH}*{away}"
+        expression = f"Min({expression},{size})"
     field = gmsh.model.mesh.field.add("MathEval")
     gmsh.model.mesh.field.setString(field, "F", expression)
     gmsh.model.mesh.field.setAsBackgroundMesh(field)

@@ -27,6 +27,7 @@ LOADS = "force_along_N", "force_across_N", "moment_Nmm"
 GIVEN = 1e-6  # of mu N: a force that changes less with the grid is given, or all slips
 RAGGED = 5e-5  # of mu N: error of a force that does not change with the grid; of 60 ellipses with
 # random creepages 3 % had more
+SLOWEST = 0.8  # of a change, that of the next grid; half is the first order
 RESOLVED = 0.05  # relative: a quantity of friction that may be off by more is not signed
 AT_NODES = "traction_max_MPa", "surface_fatigue_index"  # of condensed solids that of one
 # contact point, whose pressure is noisy: 8 to 14 % above Cattaneo's and Mindlin's
@@ -166,7 +167,7 @@ def quantities(
     errors: dict[str, float] = {}
     if len(grids) > 1:
         out, *before = (_extrapolated(*pair, rolling=rolling) for pair in pairwise(grids))
-        errors = _errors(found, out, [grids[0], *before])
+        errors = _errors(found, out, grids, before)
         out["grid_error"] = errors
     if rolling and speed is not None:
         out["power_W"] = speed * out["t_gamma_N"]
@@ -203,16 +204,28 @@ def _extrapolated(
 
 
 def _errors(
-    found: FrictionSolution, out: Mapping[str, float], others: Sequence[Mapping[str, float]]
+    found: FrictionSolution,
+    out: Mapping[str, float],
+    grids: Sequence[Mapping[str, float]],
+    before: Sequence[Mapping[str, float]],
 ) -> dict[str, float]:
-    """Errors of extrapolated numbers `out` by key, in their units: the largest distance to `others`
-    of less fine grids. That of the largest traction counts twice: at the border of stick it is of
-    the order 1/2. Forces and moment that change, and the stick share, have what the ragged edges of
-    cells leave at least (RAGGED; `_border_error`), and T-gamma what these forces make of it.
+    """Errors of extrapolated numbers `out` by key, in their units: the largest distance to the
+    finest of the `grids` and to what coarser ones extrapolate to (`before`). It is at least what a
+    geometric sequence still has to go, where the last change is a large share of the one before;
+    0.8 (SLOWEST) is the largest. Not so what is read at the border of stick (AT_BORDER), which
+    changes without order. That of the largest traction counts twice: at the border of stick
+    it is of the order 1/2. Forces and moment that change, and the stick share, have what the ragged
+    edges of cells leave at least (RAGGED; `_border_error`), and T-gamma what these forces make of
+    it.
     """
     errors = {
-        key: max(abs(value - of.get(key, value)) for of in others) for key, value in out.items()
+        key: max(abs(value - of.get(key, value)) for of in (grids[0], *before))
+        for key, value in out.items()
     }
+    for key in set.intersection(*map(set, grids)).difference(AT_BORDER) if before else ():
+        last, earlier = (abs(fine[key] - coarse[key]) for fine, coarse in pairwise(grids[:3]))
+        share = min(last / earlier, SLOWEST) if earlier else 0.0
+        errors[key] = max(errors[key], last * share / (1 - share))
     least, arm = RAGGED * out["limit_N"], _arm(found)
     for key, floor in zip(LOADS, (least, least, arm * least), strict=True):
         if errors[key] > GIVEN * out["limit_N"]:
@@ -292,9 +305,8 @@ def _resolution(out: Mapping[str, Any], found: FrictionSolution) -> dict[str, An
         limits = {name: abs(other[name] - out[name]) for name in still}
         # A mesh errs in no direction of its own: each has the size of both, about half an arm.
         size = math.hypot(limits[LOADS[0]], limits[LOADS[1]])
-        arms = 1.0, 1.0, _arm(found) / 2
-        for name, arm in zip(LOADS, arms, strict=True):
-            limits[name] = max(limits[name], size * arm) if limits[name] else 0.0
+        arms = zip(LOADS, (1.0, 1.0, _arm(found) / 2), strict=True)
+        limits |= {name: max(limits[name], size * arm) for name, arm in arms if limits[name]}
     else:
         motion = zip(LOADS, found.rigid_motion, strict=True)
         limits = {name: abs(each) for name, each in still.items()}

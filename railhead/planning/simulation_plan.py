@@ -337,14 +337,16 @@ class Plan:
         and 'wheel'; of a support that is not level its nearest point. The approach is that of these
         places, and of rigid bodies. Empty for half-spaces, also where they stand for bodies.
         """
-        found: dict[str, float] = {}
-        if self.by_half_spaces or self.contact.half_space:
-            return found
-        for body in self.parts():
-            ends = [each.points for each in body.section if each.role == "support"]
-            places = [body.pose.outward(np.array([0.0, *p])) for each in ends for p in each]
-            found[BODY_NAMES[body.tag]] = min(abs(z - self.contact.touch.z) for *_, z in places)
-        return found
+        half_space = self.by_half_spaces or self.contact.half_space
+        return {
+            BODY_NAMES[body.tag]: min(
+                abs(float(body.pose.outward(np.array([0.0, *point]))[2]) - self.contact.touch.z)
+                for curve in body.section
+                if curve.role == "support"
+                for point in curve.points
+            )
+            for body in ([] if half_space else self.parts())
+        }
 
     @property
     def options(self) -> Options:

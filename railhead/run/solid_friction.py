@@ -237,11 +237,10 @@ class SolidFriction:
         are read, and less those of a second, narrower reading. more: (2, nx, ny) that is added to
         the jump first, mm.
         """
-        grid = patch.smooth.x.size, patch.smooth.y.size
-        jump = patch.around.jumps(u).T.reshape(2, *grid) + more
-        rolling = self.settings.rolling
+        jump = patch.around.jumps(u).T.reshape(2, *patch.smooth.fields.shape[1:]) + more
         wide, narrow = (
-            each.read(jump, derivative=rolling).ravel() for each in (patch.smooth, patch.narrow)
+            each.read(jump, derivative=self.settings.rolling).ravel()
+            for each in (patch.smooth, patch.narrow)
         )
         return np.stack([wide, wide - narrow])
 

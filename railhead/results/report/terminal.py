@@ -242,8 +242,7 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
         if named := [effect for effect, key in both if key in summary["result"]]:
             title += f", with {' and '.join(named)}"
         _show_rows(title, quantity_rows.rows(summary, "contact"), console, units)
-        said = places_of_approach(summary["plan"], units)
-        console.print(f"Approach of {said}.", highlight=False)
+        console.print(f"Approach of {places_of_approach(summary['plan'], units)}.", highlight=False)
         if len(patches := summary["result"]["patches"]) > 1:
             most = 100 * max(patch["load_share"] for patch in patches)
             console.print(
@@ -321,8 +320,11 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
 def places_of_approach(plan: Mapping[str, Any], units: Units = BASE_UNITS) -> str:
     """Words for the places whose approach is reported. plan: as in summary.json."""
     if not (held := plan["held_mm"]):
-        line = plan["effects"]["plane_strain"]["on"]
-        return "points one relative radius from the contact" if line else "distant points"
+        return (
+            "points one relative radius from the contact"
+            if plan["effects"]["plane_strain"]["on"]
+            else "distant points"
+        )
     return " and ".join(
         f"the {body} {units.text(held[body], 'mm')} {side} the contact"
         if body in held
