@@ -284,13 +284,13 @@ class WornContact:
         (LINES), what each of their lines carries.
         """
         steps = [float(window.s[1] - window.s[0]) for window in windows]
-        edges = []
-        for window in self._pressed.windows:
-            used = window.s[window.pressure.any(axis=0)]
-            for body in BODIES if used.size else ():
-                y, ends = self._y(body, used[[0, -1]]), self._across[body][[0, -1]]
-                room = min(float(y.min() - ends[0]), float(ends[1] - y.max()))
-                edges.append(room / float(window.s[1] - window.s[0]))
+        edges = [
+            float(min(y.min() - ends[0], ends[1] - y.max()) / (window.s[1] - window.s[0]))
+            for window in self._pressed.windows
+            for used in [window.s[window.pressure.any(axis=0)]]
+            for body in (BODIES if used.size else ())
+            for y, ends in [(self._y(body, used[[0, -1]]), self._across[body][[0, -1]])]
+        ]
         worn = {
             f"{body}_mm2": sum(
                 step * float(self._passes(body, window.s) @ line)

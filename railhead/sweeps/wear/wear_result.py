@@ -414,15 +414,13 @@ def _crossing(
     """Share at which the largest number in some columns first passes a limit, linear between rows;
     rising: 1, falling: -1. None where it does not; rows without numbers do not count.
     """
-    before: tuple[float, float] | None = None
-    for row in rows:
-        values = [row[name] for name in columns if row[name] is not None]
-        if not values:
-            continue
-        share, over = row["done"], rising * (max(values) - limit)
-        if over >= 0:
-            if before is None:
-                return float(share)
-            return float(before[0] + (share - before[0]) * before[1] / (before[1] - over))
-        before = share, over
-    return None
+    known = [
+        (row["done"], rising * (max(values) - limit))
+        for row in rows
+        if None not in (values := [row[name] for name in columns])
+    ]
+    over = [n for n, (_, each) in enumerate(known) if each >= 0]
+    if not over or over[0] == 0:
+        return float(known[0][0]) if over else None
+    (before, under), (after, above) = known[over[0] - 1 : over[0] + 1]
+    return float(before + (after - before) * under / (under - above))
