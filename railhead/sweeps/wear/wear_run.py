@@ -33,8 +33,8 @@ RUNS = {"main": FINE, "coarse": COARSE, "halved": COARSE}
 SETTLES = 0.03  # of the smallest approach: a depth by which halving a step may change the profile
 QUICK = Fineness(places=1001, cells=24)
 DEEP = 20.0  # mm, a depth that no wheel or rail has to give
-DEPTH = 0.01  # mm that a step takes, about
-COST = 60.0  # processor time of a step in all runs, over that of the first contacts on QUICK
+DEPTH = 0.1  # mm that a step takes, about, over the root of the accuracy
+COST = 35.0  # processor time of a step in all runs, over that of the first contacts on QUICK
 APART = 10_000  # numbers of records from one run to the next
 LARGEST, SUMMED = ("pressure", "index"), ("energy", "damage")
 
@@ -88,7 +88,7 @@ def expected(route: Route) -> str:
     """Words that say about how many steps and minutes a route takes, from contacts on the new
     profiles. Raises SceneError for wear that is deeper than profiles are at their rates.
     """
-    start, given = time.perf_counter(), route.scene.wear
+    start, given = time.process_time(), route.scene.wear
     run = Run(fineness=QUICK, stages=[])
     first = _Marching(route, Path(), None, Progress(quiet=True), "", 0, run)
     try:
@@ -99,9 +99,11 @@ def expected(route: Route) -> str:
         key = AMOUNT[route.worn[0]]
         text = f"{getattr(given, key):g} would wear {deepest:.3g} mm at the rates of the new "
         raise SceneError(f"wear.{key}", f"{text}profiles; give at most {DEEP / deepest:.2g} of it")
-    steps = math.ceil(deepest / DEPTH) + 1 if given.step == "auto" else given.step
+    steps = math.ceil(deepest / (DEPTH * math.sqrt(given.accuracy))) + 1
+    if given.step != "auto":
+        steps = given.step
     side_by_side = min(worker_pool.workers(1), len(route.positions))
-    seconds = COST * steps * (time.perf_counter() - start) / side_by_side
+    seconds = COST * steps * (time.process_time() - start) / side_by_side
     return f"about {steps} steps, {seconds / 60:.1g} min"
 
 
