@@ -40,7 +40,7 @@ BROAD, FAINT = 8.0, 0.05
 LINES = ("energy", "worn", "pressure", "traction", "damage")
 FIELDS = ("pressure", "index", "energy", "damage", "rate", "force")
 Fields = dict[str, Array]
-"""Values (n,) at the places along the profile of a body, by body or by name."""
+"""Values (2, n) at the places along the profiles of rail and wheel, by name."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,20 +84,22 @@ class Known:
     rises: float = 0.0
     lines: dict[str, list[tuple[float, float]]] = field(default_factory=dict)
 
-    def depths(self, along: Mapping[str, Places], depths: Fields) -> Fields:
-        """Worn depths as the lines of this position see them (`theory.wear.seen`); unchanged before
-        the first solution.
+    def depths(self, along: Mapping[str, Places], depths: Array) -> Array:
+        """Worn depths (2, n) as the lines of this position see them (`theory.wear.seen`);
+        unchanged before the first solution.
         """
         if not self.lines:
             return depths
-        return {
-            body: wear.seen(
-                depths[body],
-                places.step,
-                np.interp(places.points[:, 0], *np.transpose(self.lines[body])),
-            )
-            for body, places in along.items()
-        }
+        return np.array(
+            [
+                wear.seen(
+                    depth,
+                    places.step,
+                    np.interp(places.points[:, 0], *np.transpose(self.lines[body])),
+                )
+                for (body, places), depth in zip(along.items(), depths, strict=True)
+            ]
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,7 +109,7 @@ class Seen:
     values: quantities by their names in wear.json; 'rail_mm2' and 'wheel_mm2' are areas that all
         passages take at the present rate, 'edge_cells' the least distance of a patch from an end
         of a profile, in cells.
-    fields: by body and name, (n,) at the places along its profile: 'pressure', largest of the line,
+    fields: by name, (2, n) at the places along rail and wheel: 'pressure', largest of the line,
         MPa; 'index', largest surface fatigue index of the line, NaN without pressure or yield
         stress; by all passages at the present rate 'energy', the sum of T-gamma per width, N/mm,
         and 'damage'; and as averages over 8 (BROAD) lines 'rate', the depth by all passages, mm,
@@ -116,7 +118,7 @@ class Seen:
     """
 
     values: dict[str, float]
-    fields: dict[str, Fields]
+    fields: Fields
     known: Known
 
 
@@ -126,11 +128,11 @@ def places(scene: Scene, count: int) -> dict[str, Places]:
     return {body: worn_profile.along(getattr(new, body), count) for body in BODIES}
 
 
-def pairs(scene: Scene, along: Mapping[str, Places], depths: Fields) -> solid.Pairs:
+def pairs(scene: Scene, along: Mapping[str, Places], depths: Array) -> solid.Pairs:
     """Both sides of a wheelset with worn profiles. The other side is worn alike, but a profile of
     its own stays new. Raises ValueError where a profile folds.
     """
-    rail, wheel = (along[body].profile_at(depths[body]) for body in BODIES)
+    rail, wheel = (each.profile_at(d) for each, d in zip(along.values(), depths, strict=True))
     here = ProfilePair(rail, wheel, scene.wheel.rolling_radius, solid.tape_circle(scene))
     return here, solid.pairs(scene)[1] if scene.wheelset.unlike else here
 
@@ -141,10 +143,8 @@ class WornContact:
     seen: what is read of pressure and tractions.
     """
 
-    def __init__(
-        self, position: Position, fineness: Fineness, depths: Fields, known: Known
-    ) -> None:
-        """depths: worn so far. known: of an earlier solution of this position.
+    def __init__(self, position: Position, fineness: Fineness, depths: Array, known: Known) -> None:
+        """depths: (2, n) worn so far, mm. known: of an earlier solution of this position.
         Raises ValueError where a profile folds, the wheelset does not stand on its track, or no
         pressure or tractions are found.
         """
@@ -155,32 +155,32 @@ class WornContact:
         self._contact = torque_free.balanced(solid.on_side(scene, placed, line=True))
         self._surface = boundary_elements.develop(self._contact)
         self._steps = {body: along[body].step for body in BODIES}
-        self._across = {body: along[body].worn(depths[body])[:, 0] for body in BODIES}
+        worn = zip(along.items(), depths, strict=True)
+        self._across = {body: each.worn(depth)[:, 0] for (body, each), depth in worn}
         self._load = float(scene.load or 0.0) + known.rises
         self._pressed = self._press(None)
         self._windows = sorted(self._pressed.windows, key=lambda window: window.centroid[1])
         self._middle = np.array([window.centroid for window in self._windows]).T
         self.seen = self._sheared()
 
-    def wear(self, share: float, others: Fields) -> Fields:
-        """Depth that this position wears off both bodies in a share of its passages, by the
-        pressure of their end. others: depth that the other positions wear in all of theirs over
-        the force per width of this one, mm2/N.
+    def wear(self, share: float, others: Array) -> Array:
+        """Depth (2, n) that this position wears off both bodies in a share of its passages, by the
+        pressure of their end. others: depth (2, n) that the other positions wear in all of theirs
+        over the force per width of this one, mm2/N.
         """
 
         def opening(s: Array) -> Array:
             """Compliance (n,), mm2/N, of the lines at s (n,), mm."""
             rest = sum(
-                np.interp(self._y(body, s), self._across[body], others[body]) for body in BODIES
+                np.interp(self._y(body, s), self._across[body], other)
+                for body, other in zip(BODIES, others, strict=True)
             )
             return np.asarray(share * (sum(self._line(body, s) for body in BODIES) + rest))
 
         after = self._press(opening).windows
-        return {
-            body: share
-            * self._field(body, after, [self._line(body, each.s) * _force(each) for each in after])
-            for body in BODIES
-        }
+        worn = [[self._line(body, each.s) * _force(each) for each in after] for body in BODIES]
+        pairs = zip(BODIES, worn, strict=True)
+        return share * np.array([self._field(body, after, lines) for body, lines in pairs])
 
     def _press(self, lines: Lines | None) -> BoundaryElementSolution:
         """The pressure on the present profiles, with a compliance of the lines or without."""
@@ -265,9 +265,10 @@ class WornContact:
             lines["damage"].append(wear.damage(total) * (each.pressure > 0).any(axis=0))
             rises += each.cell * float((each.traction[1] * np.sin(window.angle)).sum())
         self._rate = _curve(*zip(*curves, strict=True))
+        bodies = [self._fields(body, windows, lines) for body in BODIES]
         return Seen(
             values=self._values(windows, lines),
-            fields={body: self._fields(body, windows, lines) for body in BODIES},
+            fields={name: np.array([each[name] for each in bodies]) for name in FIELDS},
             known=Known(rises=rises, lines={body: self._widths(body) for body in BODIES}),
         )
 
@@ -284,13 +285,13 @@ class WornContact:
         (LINES), what each of their lines carries.
         """
         steps = [float(window.s[1] - window.s[0]) for window in windows]
-        edges = []
-        for window in self._pressed.windows:
-            used = window.s[window.pressure.any(axis=0)]
-            for body in BODIES if used.size else ():
-                y, ends = self._y(body, used[[0, -1]]), self._across[body][[0, -1]]
-                room = min(float(y.min() - ends[0]), float(ends[1] - y.max()))
-                edges.append(room / float(window.s[1] - window.s[0]))
+        edges = [
+            float(min(y.min() - ends[0], ends[1] - y.max()) / (window.s[1] - window.s[0]))
+            for window in self._pressed.windows
+            for used in [window.s[window.pressure.any(axis=0)]]
+            for body in (BODIES if used.size else ())
+            for y, ends in [(self._y(body, used[[0, -1]]), self._across[body][[0, -1]])]
+        ]
         worn = {
             f"{body}_mm2": sum(
                 step * float(self._passes(body, window.s) @ line)
@@ -310,7 +311,9 @@ class WornContact:
     def _fields(
         self, body: str, windows: Sequence[PatchSolution], lines: Mapping[str, Sequence[Array]]
     ) -> Fields:
-        """Fields along the profile of a body, as of `Seen.fields`; arguments as of `_values`."""
+        """Fields (n,) along the profile of a body, as of `Seen.fields`, and `lines`; arguments as
+        of `_values`.
+        """
         steel = self._position.scene.bodies[body]
         passes = [self._passes(body, window.s) for window in windows]
         summed = {
@@ -331,17 +334,17 @@ class WornContact:
             found["index"][touches] = [
                 surface_fatigue_index(each, peak, k) for each in found["traction"][touches].tolist()
             ]
-        return {name: found[name] for name in FIELDS}
+        return found
 
 
 def solve(
     position: Position,
     fineness: Fineness,
-    depths: Fields,
+    depths: Array,
     known: Known,
     shares: Sequence[float],
-    others: Fields,
-) -> tuple[Seen, list[Fields]]:
+    others: Array,
+) -> tuple[Seen, list[Array]]:
     """A position on profiles that are worn by some depths, and the depth that it wears in each of
     some shares of its passages, from there. Arguments and errors as of `WornContact`.
     """

@@ -22,7 +22,7 @@ from railhead.run.half_spaces.worn_contact import BODIES, Fields
 from railhead.scene.catalogue import portable
 from railhead.scene.scene import SceneError
 from railhead.sweeps.wear.wear_route import Route
-from railhead.sweeps.wear.wear_run import RUNS, SETTLES, Run, by_body
+from railhead.sweeps.wear.wear_run import RUNS, SETTLES, Run
 from railhead.theory.array_types import Array
 
 ROW_STEP = 0.1  # mm between the rows of tables
@@ -105,17 +105,16 @@ class WearResult:
         """What changes from stage to stage of a run, a row each: see docs/howto-wear.md."""
         given, places, rows = self.route.scene.wear, self.places(run), []
         for stage, seen in itertools.zip_longest(run.stages, run.seen):
-            depths = by_body(stage.depth)
             row: Row = {
                 "done": stage.done,
                 "axles": given.axles and stage.done * given.axles,
                 "distance_km": given.distance and stage.done * given.distance / KM,
                 **self._together(seen.values if seen else [], ""),
             }
-            for body in BODIES:
-                row[f"depth_{body}_mm"] = float(depths[body].max())
-                row[f"worn_{body}_mm2"] = places[body].area(depths[body])
-            rows.append(row | self._geometry(places, depths))
+            for body, depth in zip(BODIES, stage.depth, strict=True):
+                row[f"depth_{body}_mm"] = float(depth.max())
+                row[f"worn_{body}_mm2"] = places[body].area(depth)
+            rows.append(row | self._geometry(places, stage.depth))
         return rows
 
     def _together(self, contacts: Sequence[Row], end: str) -> Row:
@@ -135,7 +134,7 @@ class WearResult:
             for name, values in columns.items()
         }
 
-    def _geometry(self, places: Mapping[str, Places], depths: Fields) -> Row:
+    def _geometry(self, places: Mapping[str, Places], depths: Array) -> Row:
         """Equivalent conicity at 3 mm (AMPLITUDE), of level axles, and flange thickness in mm after
         a depth; None where the profiles have none.
         """
@@ -146,7 +145,7 @@ class WearResult:
             found = radii.conicities.get(AMPLITUDE)
         except (PlacementError, SceneError, ValueError):
             pass
-        points = places["wheel"].worn(depths["wheel"])
+        points = places["wheel"].worn(depths[1])
         thickness = worn_profile.flange_thickness(points, solid.tape_circle(scene))
         return {"conicity": found, "flange_thickness_mm": thickness}
 
@@ -341,11 +340,11 @@ class WearResult:
         """
         main = self.runs["main"]
         every = [_fields(self.runs[name] if self._complete else main) for name in RUNS if main.seen]
-        for body, places in self.places(main).items() if every else ():
+        for number, (body, places) in enumerate(self.places(main).items() if every else ()):
             steel = self.route.scene.bodies[body]
             k = steel.first_yield / math.sqrt(3) if steel.yields else None
             columns = {
-                name: (each[body], self._errors(*(of[name][body] for of in every)))
+                name: (each[number], self._errors(*(of[name][number] for of in every)))
                 for name, each in every[0].items()
             }
             for n in range(0, len(places.points), max(1, math.ceil(ROW_STEP / places.step))):
@@ -366,20 +365,19 @@ class WearResult:
         return np.asarray(error if self._complete else np.full_like(main, math.nan))
 
 
-def _fields(run: Run) -> dict[str, Fields]:
-    """Columns of wear.csv and damage.csv by body, from all stages of a run."""
+def _fields(run: Run) -> Fields:
+    """Columns (2, n) of wear.csv and damage.csv, of rail and wheel, from all stages of a run."""
     done = [stage.done for stage in run.stages][: len(run.seen)]
     every = {
         name: np.array([each.fields[name] for each in run.seen]) for name in run.seen[0].fields
     }
-    columns = {
+    return {
         "depth [mm]": run.stages[-1].depth,
         "p_max [MPa]": every["pressure"].max(axis=0),
         "surface fatigue index": np.fmax.reduce(every["index"], axis=0),
         "sum of T-gamma [N/mm]": np.trapz(every["energy"], done, axis=0),
         "damage": np.trapz(every["damage"], done, axis=0),
     }
-    return {name: by_body(field) for name, field in columns.items()}
 
 
 def _error(main: Any, coarse: Any, halved: Any, again: Any) -> Any:
@@ -414,15 +412,13 @@ def _crossing(
     """Share at which the largest number in some columns first passes a limit, linear between rows;
     rising: 1, falling: -1. None where it does not; rows without numbers do not count.
     """
-    before: tuple[float, float] | None = None
-    for row in rows:
-        values = [row[name] for name in columns if row[name] is not None]
-        if not values:
-            continue
-        share, over = row["done"], rising * (max(values) - limit)
-        if over >= 0:
-            if before is None:
-                return float(share)
-            return float(before[0] + (share - before[0]) * before[1] / (before[1] - over))
-        before = share, over
-    return None
+    known = [
+        (row["done"], rising * (max(values) - limit))
+        for row in rows
+        if None not in (values := [row[name] for name in columns])
+    ]
+    over = [n for n, (_, each) in enumerate(known) if each >= 0]
+    if not over or over[0] == 0:
+        return float(known[0][0]) if over else None
+    (before, under), (after, above) = known[over[0] - 1 : over[0] + 1]
+    return float(before + (after - before) * under / (under - above))

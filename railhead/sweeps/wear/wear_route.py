@@ -66,9 +66,10 @@ def read(scene: Scene) -> Route:
     law = laws.get(given.law) or WearLaw(wear_pairs(given.law))
     rows = _rows(scene)
     weights = [_weight(row.pop(SHARE, 1.0), number) for number, row in enumerate(rows, 1)]
+    shares = tuple(weight / math.fsum(weights) for weight in weights)
     positions: list[Position] = []
     left_out: dict[str, str] = {}
-    for number, (row, weight) in enumerate(zip(rows, weights, strict=True), 1):
+    for number, (row, share) in enumerate(zip(rows, shares, strict=True), 1):
         try:
             position = scene.replace(**{"effects.finite_bodies": "off", **row})
             _refuse(position, scene, worn)
@@ -82,12 +83,10 @@ def read(scene: Scene) -> Route:
             if effect.called_for and not effect.on:
                 cost = f"; it may change a quantity by {effect.error:.1%}" if effect.error else ""
                 left_out.setdefault(name, f"{effect.why}{cost}")
-        share = weight / math.fsum(weights)
         axles, distance = share * (given.axles or 0.0), share * (given.distance or 0.0)
         positions.append(
             Position(scene=position, hertz=plan.hertz, law=law, axles=axles, distance=distance)
         )
-    shares = tuple(weight / math.fsum(weights) for weight in weights)
     return Route(scene=scene, positions=tuple(positions), shares=shares, left_out=left_out)
 
 

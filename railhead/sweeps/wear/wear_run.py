@@ -33,22 +33,21 @@ RUNS = {"main": FINE, "coarse": COARSE, "halved": COARSE}
 SETTLES = 0.03  # of the smallest approach: a depth by which halving a step may change the profile
 QUICK = Fineness(places=1001, cells=24)
 DEEP = 20.0  # mm, a depth that no wheel or rail has to give
-DEPTH = 0.01  # mm that a step takes, about
-COST = 60.0  # processor time of a step in all runs, over that of the first contacts on QUICK
+DEPTH = 0.1  # mm that a step takes, about, over the root of the accuracy
+COST = 35.0  # processor time of a step in all runs, over that of the first contacts on QUICK
 APART = 10_000  # numbers of records from one run to the next
 LARGEST, SUMMED = ("pressure", "index"), ("energy", "damage")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Contacts:
-    """The contacts of all positions at a stage; fields are those of `Seen`, rail and wheel in a
-    row.
+    """The contacts of all positions at a stage; fields are those of `Seen`.
 
     values: of each position.
     known: of each position.
-    others: of each position (positions, n): 'rate' of all others over its own 'force', mm2/N.
+    others: of each position (positions, 2, n): 'rate' of all others over its own 'force', mm2/N.
     deepest: largest depth that all positions wear in all passages at this rate, mm.
-    fields: by name (n,), of all positions: 'pressure' and 'index' the largest, 'energy' and
+    fields: by name (2, n), of all positions: 'pressure' and 'index' the largest, 'energy' and
         'damage' the sum.
     """
 
@@ -64,7 +63,7 @@ class Run:
     """One solution of a route.
 
     fineness: its grids.
-    stages: worn depths of rail and wheel in a row, (n,), from the new profiles on.
+    stages: worn depths (2, n) of rail and wheel, from the new profiles on.
     seen: the contacts at each of the stages; of a run that goes on, at all but the last.
     reason: why it ended early; empty where it did not.
     """
@@ -76,32 +75,29 @@ class Run:
 
     def depths(self, number: int = -1) -> Fields:
         """Worn depth (n,) of 'rail' and 'wheel' at a stage, mm."""
-        return by_body(self.stages[number].depth)
-
-
-def by_body(values: Array) -> Fields:
-    """Values (n,) at the places of rail and wheel in a row, by body."""
-    return dict(zip(BODIES, np.split(values, len(BODIES)), strict=True))
+        return dict(zip(BODIES, self.stages[number].depth, strict=True))
 
 
 def expected(route: Route) -> str:
     """Words that say about how many steps and minutes a route takes, from contacts on the new
     profiles. Raises SceneError for wear that is deeper than profiles are at their rates.
     """
-    start, given = time.perf_counter(), route.scene.wear
+    start, given = time.process_time(), route.scene.wear
     run = Run(fineness=QUICK, stages=[])
     first = _Marching(route, Path(), None, Progress(quiet=True), "", 0, run)
     try:
-        deepest = first.contacts(np.zeros(len(BODIES) * QUICK.places), (), None)[0].deepest
+        deepest = first.contacts(np.zeros((len(BODIES), QUICK.places)), (), None)[0].deepest
     except ValueError:
         return "first contacts"  # they fail again, with their reason
     if deepest > DEEP:
         key = AMOUNT[route.worn[0]]
         text = f"{getattr(given, key):g} would wear {deepest:.3g} mm at the rates of the new "
         raise SceneError(f"wear.{key}", f"{text}profiles; give at most {DEEP / deepest:.2g} of it")
-    steps = math.ceil(deepest / DEPTH) + 1 if given.step == "auto" else given.step
+    steps = math.ceil(deepest / (DEPTH * math.sqrt(given.accuracy))) + 1
+    if given.step != "auto":
+        steps = given.step
     side_by_side = min(worker_pool.workers(1), len(route.positions))
-    seconds = COST * steps * (time.perf_counter() - start) / side_by_side
+    seconds = COST * steps * (time.process_time() - start) / side_by_side
     return f"about {steps} steps, {seconds / 60:.1g} min"
 
 
@@ -123,7 +119,7 @@ def solve(
     if given.step != "auto":
         ends = [n / given.step for n in range(1, given.step + 1)]
     for number, (name, fineness) in enumerate((runs or RUNS).items()):
-        new = np.zeros(len(BODIES) * fineness.places)
+        new = np.zeros((len(BODIES), fineness.places))
         run = Run(fineness=fineness, stages=[Stage(0.0, new, 0.0, wear.FIRST)])
         marching = _Marching(route, folder, submit, progress, name, APART * number, run)
         found[name] = marching.run(ends)
@@ -215,17 +211,15 @@ class _Marching:
         of the passages from there. known: the contacts before; None at first.
         """
         positions, fineness = self._route.positions, self._run.fineness
-        others = np.zeros((len(positions), depth.size)) if known is None else known.others
+        others = np.zeros((len(positions), *depth.shape)) if known is None else known.others
         begin = [Known()] * len(positions) if known is None else known.known
         jobs = [
-            (position, fineness, by_body(depth), each, shares, by_body(other))
+            (position, fineness, depth, each, shares, other)
             for position, each, other in zip(positions, begin, others, strict=True)
         ]
         answers = _answers(jobs, self._submit)
         seen = [each for each, _ in answers]
-        total = [
-            np.sum([_in_a_row(worn[n]) for _, worn in answers], axis=0) for n in range(len(shares))
-        ]
+        total = [np.sum([worn[n] for _, worn in answers], axis=0) for n in range(len(shares))]
         return _joined(seen), total
 
     def _write(self) -> None:
@@ -271,7 +265,7 @@ class _Marching:
 
 def _answers(
     jobs: Sequence[tuple[Any, ...]], submit: worker_pool.Submit | None
-) -> list[tuple[Seen, list[Fields]]]:
+) -> list[tuple[Seen, list[Array]]]:
     """What `worn_contact.solve` returns for each of its arguments in turn, side by side. Raises
     ValueError with the reason of one that fails.
     """
@@ -286,17 +280,12 @@ def _answers(
     return found
 
 
-def _in_a_row(fields: Fields) -> Array:
-    """Values at the places of rail and wheel in a row, (n,)."""
-    return np.concatenate([fields[body] for body in BODIES])
-
-
 def _joined(seen: Sequence[Seen]) -> Contacts:
     """The contacts of all positions from those of each."""
 
     def rows(name: str) -> Array:
-        """A field of all positions (positions, n)."""
-        return np.array([_in_a_row({b: each.fields[b][name] for b in BODIES}) for each in seen])
+        """A field of all positions (positions, 2, n)."""
+        return np.array([each.fields[name] for each in seen])
 
     rates = rows("rate")
     total = rates.sum(axis=0)

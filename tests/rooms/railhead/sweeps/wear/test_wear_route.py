@@ -173,7 +173,7 @@ def test_the_last_pressure_is_that_of_the_profile_that_is_written(tmp_path):
     last = found.summary["positions"][1]["last"]
     worn = {"rail.profile": str(tmp_path / "out" / "rail_profile.csv"), "rail.crown_radius": "none"}
     again = found.route.positions[1].scene.replace(**worn, **{"rail.profile_mirror": "off"})
-    begin = dict.fromkeys(worn_contact.BODIES, np.zeros(COARSE["main"].places))
+    begin = np.zeros((2, COARSE["main"].places))
     (position,) = (replace(each, scene=again) for each in found.route.positions[1:])
     read = worn_contact.solve(position, COARSE["main"], begin, worn_contact.Known(), (), begin)[0]
     assert read.values["pressure_max_MPa"] == pytest.approx(last["pressure_max_MPa"], rel=1e-3)
