@@ -381,10 +381,6 @@ def wear_and_shakedown(
         return out
     normal = forces["limit_N"] / coefficient
     used = math.hypot(forces["force_along_N"], forces["force_across_N"]) / normal
-    first, local = math.sqrt(3) * pressure / hardest, forces["traction_max_MPa"] / pressure
-    surface = 1 / local if line else damage.surface_limit(local, poisson)
-    slipping = forces.get("coefficient_slipping", coefficient)
-    limit = min(damage.shakedown_limit(slipping, poisson, used), surface)
     density = forces["t_gamma_N"] / patch["area_mm2"]
     out |= {
         "t_gamma_over_area_MPa": density,
@@ -393,6 +389,10 @@ def wear_and_shakedown(
     }
     if not stress:
         return out
+    first, local = math.sqrt(3) * pressure / hardest, forces["traction_max_MPa"] / pressure
+    surface = 1 / local if line else damage.surface_limit(local, poisson)
+    slipping = forces.get("coefficient_slipping", coefficient)
+    limit = min(damage.shakedown_limit(slipping, poisson, used), surface)
     out |= {"first_yield_p0_over_k": first, "shakedown_limit_p0_over_k": limit}
     if shear_yield is None:
         return out

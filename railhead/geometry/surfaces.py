@@ -18,6 +18,7 @@ from railhead.theory.array_types import Array
 
 NEWTON_STEPS = 20
 CONVERGED = 1e-9  # mm, of the last step: a line that misses the surface takes long ones for ever
+SMALL = 1e-11  # mm
 Values = tuple[Array, Array, Array]
 """Height (n,) in mm, and its slopes (n,) along and across."""
 FEWEST = 4  # places along a map, for cubic splines
@@ -263,7 +264,8 @@ def along(surface: Surface, points: Array, directions: Array) -> Array:
             value, gradient = surface.implicit(points + t[:, None] * directions)
             step = value / np.einsum("nd,nd->n", gradient, directions)
             t = t - step
-            if not np.any(np.abs(step) > 1e-14):
+            # After so small a step the next one is below rounding: each squares the error.
+            if not np.any(np.abs(step) > SMALL):
                 break
     return np.where(np.abs(step) < CONVERGED, t, np.inf)
 

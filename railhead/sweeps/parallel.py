@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from railhead.planning import simulation_plan as planning
+from railhead.planning.simulation_plan import NoMemoryError, Plan
 from railhead.postprocess.findings import BASE_UNITS, Subject, Units
 from railhead.results import files, result_folder
 from railhead.results.result import Result
@@ -21,7 +21,7 @@ from railhead.results.subject import shared_y
 from railhead.run import process
 from railhead.run.progress import Progress, Tell, show_progress
 from railhead.scene.catalogue import copy_files, places, portable
-from railhead.scene.scene import Scene, SceneError
+from railhead.scene.scene import SceneError
 from railhead.sweeps import runner, store, sweep_table, worker_pool
 from railhead.sweeps.grid import ParameterGrid, column
 
@@ -133,6 +133,7 @@ def run(
     """
     comm = MPI.COMM_WORLD
     groups: list[list[int]] = []
+    plans: list[Plan] = []
     rows: dict[int, Row] = {}
     results: dict[int, Result] = {}
     y_label = ""
@@ -151,12 +152,13 @@ def run(
                 problem = error
         if (problem := comm.bcast(problem)) is not None:
             raise problem
-        with worker_pool.submitting(comm.size) as submit:
+        jobs = 0 if all(plan.by_half_spaces for plan in plans) else worker_pool.JOBS_PER_PROCESS
+        with worker_pool.submitting(comm.size, jobs) as submit:
             if submit is None:
                 return None
             workers = worker_pool.workers(comm.size)
             with Progress(quiet=quiet, tell=tell) as progress:
-                solve = partial(_solve_all, sweep, rows, results, workers, submit, progress)
+                solve = partial(_solve_all, sweep, plans, rows, results, workers, submit, progress)
                 faults = solve(groups)
                 # A crash takes the rest of its group with it: these again, each alone.
                 again = [[n] for group in groups if len(group) > 1 for n in group if n in faults]
@@ -166,6 +168,7 @@ def run(
 
 def _solve_all(
     sweep: ParallelSweep,
+    plans: Sequence[Plan],
     rows: dict[int, Row],
     results: dict[int, Result],
     workers: int,
@@ -176,7 +179,7 @@ def _solve_all(
     """Let the workers solve the scenes of all groups that have no record, and wait; returns reasons
     by number for scenes that still have none.
 
-    rows: of sweep.csv by number; they grow with the records.
+    plans: of all scenes. rows: of sweep.csv by number; they grow with the records.
     results: by number; they grow with the solved scenes (with `ParallelSweep.keep_results`).
     workers: number of processes.
     submit: starts a job.
@@ -187,11 +190,11 @@ def _solve_all(
     busy = sum(map(bool, missing))
     numbers_of = {}
     for group, wanted in zip(groups, missing, strict=True):
-        scenes = {number: sweep.grid.scenes[number] for number in group}
+        planned = {number: plans[number] for number in group}
         for part in split_among_workers(wanted, busy, workers):
             over = {number: sweep.values(number) for number in part}
             job = submit(
-                _solve, sweep.folder, over, scenes, sweep.vtu, sweep.fields, sweep.keep_results
+                _solve, sweep.folder, over, planned, sweep.vtu, sweep.fields, sweep.keep_results
             )
             numbers_of[job] = part
     faults: dict[int, str] = {}
@@ -222,7 +225,7 @@ def split_among_workers(numbers: Sequence[int], groups: int, workers: int) -> li
 def _solve(
     folder: Path,
     over: Mapping[int, Mapping[str, object]],
-    group: Mapping[int, Scene],
+    group: Mapping[int, Plan],
     vtu: bool,
     fields: bool,
     keep_results: bool,
@@ -230,16 +233,15 @@ def _solve(
     """Solve scenes of a group in this process, and write for each its .vtu files (with `vtu`), its
     arrays (with `fields`) and then its record.
 
-    over: of the scenes that are solved, values of the changing keys by number. Returns results by
-        number (with `keep_results`), and reasons by number for scenes without a record: not enough
-        free memory now.
+    over: of the scenes that are solved, values of the changing keys by number. group: plans by
+        number. Returns results by number (with `keep_results`), and reasons by number for scenes
+        without a record: not enough free memory now.
     """
     results: dict[int, Result] = {}
     faults: dict[int, str] = {}
-    plans = {number: planning.make(scene) for number, scene in group.items()}
-    solved = runner.solve_group(plans, over, Progress(quiet=True), MPI.COMM_SELF)
+    solved = runner.solve_group(group, over, Progress(quiet=True), MPI.COMM_SELF)
     for number, result in solved:
-        if isinstance(result, planning.NoMemoryError):  # another time it may fit
+        if isinstance(result, NoMemoryError):  # another time it may fit
             faults[number] = str(result)
             continue
         if vtu and not isinstance(result, Exception):
@@ -274,7 +276,6 @@ def _write(
         label of y in the pictures.
     """
     from railhead.postprocess import vtu
-    from railhead.postprocess.pictures import sweep_plots as plots
 
     grid, folder, failures = sweep.grid, sweep.folder, list[str]()
 
@@ -308,6 +309,8 @@ def _write(
             store.read(folder, number).get("outlines", []) if number in done else []
             for number in status
         ]
+        from railhead.postprocess.pictures import sweep_plots as plots
+
         subject = Subject(title, units=sweep.units)
         drawings = plots.drawings(keys, outcome.rows, outlines, y_label, subject)
         result_folder.draw(drawings, folder, attempt)

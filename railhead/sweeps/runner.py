@@ -12,7 +12,7 @@ import json
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mpi4py import MPI
 
@@ -27,8 +27,10 @@ from railhead.run.mesh_solution import solve_on_mesh
 from railhead.run.progress import Progress
 from railhead.run.refinement import Ending
 from railhead.scene.scene import SceneError
-from railhead.solver.contact import ContactModel
 from railhead.sweeps.grid import ParameterGrid
+
+if TYPE_CHECKING:
+    from railhead.solver.contact import ContactModel
 
 MAX_GROUP = 30  # loads that share a mesh: gmsh evaluates the size field of each everywhere
 # Largest over smallest load of a group. Where some elements in a patch are more than twice as long

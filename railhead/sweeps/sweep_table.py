@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 from railhead.postprocess.findings import BASE_UNITS, Units
-from railhead.postprocess.pictures.sweep_plots import FRICTION, panels
 from railhead.results import result_folder
 from railhead.results.report import html
 from railhead.results.result import Result
@@ -136,6 +135,8 @@ def verdict(rows: Sequence[Mapping[str, Any]], units: Units = BASE_UNITS) -> lis
 
 def short(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """Columns of short tables, behind those of the values."""
+    from railhead.postprocess.pictures.sweep_plots import panels
+
     return [CHECKS, *panels(rows)]
 
 
@@ -202,6 +203,8 @@ def cell(row: Mapping[str, Any], name: str, units: Units) -> str:
     """A cell of a row as text: a number in the reader's unit, with its relative estimate, or the
     mark that it is below resolution, where it has one. Empty where the row has no value.
     """
+    from railhead.postprocess.pictures.sweep_plots import FRICTION
+
     short = name.partition(" [")[0]
     value, bound = row.get(name), row.get(f"{short} estimate")
     text = "" if value is None else str(value)

@@ -21,7 +21,7 @@ KEYS = {"load": "load [N]", "wheel.rolling_radius": "wheel.rolling_radius [mm]"}
 
 
 @contextmanager
-def one_after_the_other(ranks: int):
+def one_after_the_other(ranks: int, jobs: int = 0):
     """As `worker_pool.submitting`, with jobs that are done at once in this process."""
 
     def submit(*job) -> Future:

@@ -113,17 +113,6 @@ def test_a_map_of_waves_has_their_numbers(position: float, tmp_path: Path) -> No
     assert places[0] == pytest.approx(places[1], abs=0.005)
 
 
-def test_waves_of_wheel_and_rail_are_the_same_to_each_other() -> None:
-    """The gap adds both; at opposite positions the answers are mirror images."""
-    waves = {"kind": "cosine", "length": 60.0, "amplitude": 0.05}
-    rail = rh.solve(BASE.replace(rail={"surface": {**waves, "position": 9.0}})).summary["result"]
-    wheel = rh.solve(BASE.replace(wheel={"surface": {**waves, "position": -9.0}}))
-    other = wheel.summary["result"]
-    assert rail["pressure"]["max_MPa"] == pytest.approx(other["pressure"]["max_MPa"], rel=2e-3)
-    places = [each["surface_shape"]["position_mm"] for each in (rail, other)]
-    assert places[0] == pytest.approx(-places[1], rel=0.01) and places[0] < -1.0
-
-
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.8])
 def test_westergaards_waves_under_a_plane(share: float) -> None:
     """Half a wave between planes of symmetry, pressed on a rigid plane, by the solver: scenes are

@@ -6,6 +6,7 @@ developed surface, whose normals are tilted from the load by angles in rad.
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import product
 
 import numpy as np
@@ -108,7 +109,7 @@ class PatchSolution(Grid):
         """
         return self.middle_and_half_extents[1]
 
-    @property
+    @cached_property
     def middle_and_half_extents(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """Middle (x, s) of the patch between these ends, mm, and `half_extents`."""
         middle, half = [], []
@@ -182,8 +183,13 @@ class PatchSolution(Grid):
 
     def sampled(self, grid: Grid) -> "PatchSolution":
         """The same pressure on another grid, scaled to the load; see `on_grid`."""
-        squares = squares_at((self.x, self.s), self.pressure, grid.x, grid.s)
+        squares = between((self.x, self.s), self._continued, grid.x, grid.s)
         return on_grid(grid, np.sqrt(squares.clip(0.0)), self.load)
+
+    @cached_property
+    def _continued(self) -> Array:
+        """Squares of the pressure, see `continued`."""
+        return continued(self.pressure)
 
     def separate(self) -> "list[PatchSolution]":
         """Connected patches, a solution each with the grid, gap and approach of all. Cells that
@@ -205,12 +211,10 @@ def on_grid(grid: Grid, pressure: Array, load: float) -> PatchSolution:
     return replace(found, pressure=pressure * (load / found.load))
 
 
-def squares_at(axes: tuple[Array, Array], pressure: Array, x: Array, s: Array) -> Array:
-    """Squares p^2 (n, m), MPa^2, of a pressure at places x (n,) and s (m,), mm, bilinear between
-    the cells of a grid, and negative beyond the edge of the patch.
-
-    axes: cell centres (nx,), (ns,), mm. pressure: (nx, ns), MPa. At a smooth edge p^2 goes on over
-    two cells as it falls towards it, by parabolas. Where p does not fall, it stays.
+def continued(pressure: Array) -> Array:
+    """Squares p^2 (nx + 8, ns + 8), MPa^2, of a pressure (nx, ns), MPa, with four cells more on
+    each side, and negative beyond the edge of the patch. At a smooth edge p^2 goes on over two
+    cells as it falls towards it, by parabolas. Where p does not fall, it stays.
     """
     squares = np.pad(pressure**2, 4)
     known = squares > 0
@@ -227,7 +231,13 @@ def squares_at(axes: tuple[Array, Array], pressure: Array, x: Array, s: Array) -
             count += next_to
         squares = np.where(count > 0, total / np.maximum(count, 1), squares)
         known |= count > 0
-    squares = np.where(known, squares, -squares.max())
+    return np.where(known, squares, -squares.max())
+
+
+def between(axes: tuple[Array, Array], squares: Array, x: Array, s: Array) -> Array:
+    """Values (n, m) at places x (n,) and s (m,), mm, bilinear between those that `continued` gives.
+    axes: cell centres (nx,), (ns,), mm.
+    """
     hats = []
     for centres, places in zip(axes, (x, s), strict=True):
         step = centres[1] - centres[0]
@@ -236,26 +246,29 @@ def squares_at(axes: tuple[Array, Array], pressure: Array, x: Array, s: Array) -
     return np.asarray(hats[0] @ squares @ hats[1].T)
 
 
-def shares(axes: tuple[Array, Array], pressure: Array, ahead: float) -> tuple[Array, Array]:
+def shares(axes: tuple[Array, Array], pressure: Array, *ahead: float) -> list[tuple[Array, Array]]:
     """Mean pressure (nx, ns), MPa, of all cells that a patch covers in part or wholly, and the
-    share of each that lies in the patch, `ahead` cells along x from the given centres.
+    share of each that lies in the patch: for each of `ahead`, of cells that far ahead along x of
+    the given ones, in cells.
 
     axes: cell centres (nx,), (ns,), mm. pressure: (nx, ns), MPa, at the centres. Cells without
-    pressure at their centre are covered where p^2 falls to zero in them (`squares_at`).
+    pressure at their centre are covered where p^2 falls to zero in them (`continued`).
     """
     parts = ((np.arange(PARTS) + 0.5) / PARTS - 0.5)[None]
-    x, s = (
-        (axis[:, None] + (axis[1] - axis[0]) * (parts + way)).ravel()
-        for axis, way in zip(axes, (ahead, 0.0), strict=True)
-    )
-    squares = squares_at(axes, pressure, x, s)
-    ends = (pressure > 0) | (squares_at(axes, pressure, *axes) <= 0)
-    (nx, ns), inside = pressure.shape, squares > 0
-    mean, share = (
-        ends * each.reshape(nx, PARTS, ns, PARTS).mean(axis=(1, 3))
-        for each in (np.sqrt(squares * inside), inside)
-    )
-    return mean, share
+    squares, (nx, ns), found = continued(pressure), pressure.shape, []
+    ends = (pressure > 0) | (squares[4:-4, 4:-4] <= 0)
+    for way in ahead:
+        x, y = (
+            (axis[:, None] + (axis[1] - axis[0]) * (parts + more)).ravel()
+            for axis, more in zip(axes, (way, 0.0), strict=True)
+        )
+        there = between(axes, squares, x, y)
+        mean, share = (
+            ends * each.reshape(nx, PARTS, ns, PARTS).mean(axis=(1, 3))
+            for each in (np.sqrt(there * (there > 0)), there > 0)
+        )
+        found.append((mean, share))
+    return found
 
 
 def _edges(pressure: Array) -> tuple[Array, Array]:

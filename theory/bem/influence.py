@@ -148,16 +148,19 @@ def _love(grid: Grid, contact_modulus: float) -> tuple[float, Callable[[Array], 
     """
     x, s, normals = grid.x, grid.s, grid.normals
     normals = normals[normals.any(axis=(1, 2))]
-    nx, ns = padded = fast_shape((x.size, s.size))
+    nx, ns = fast_shape((x.size, s.size))
     X = ((np.arange(nx + 1) - nx // 2 - 0.5) * (x[1] - x[0]))[:, None]
     S = (np.arange(ns + 1) - ns // 2 - 0.5) * (s[1] - s[0])
     corners = sum(logarithms(X, S))
     influence = np.diff(np.diff(corners, axis=0), axis=1) / (math.pi * contact_modulus)
-    spectrum = transform(np.fft.ifftshift(influence), padded).real  # it is even in x and in s
+    kernel = np.fft.ifftshift(influence)
+    spectrum = fft(rfft(kernel, axis=0)).real  # it is even in x and in s
 
     def displacement(pressure: Array) -> Array:
         """Normal displacement (nx, ns), mm, of a pressure (nx, ns), MPa."""
-        u = restored(spectrum * transform(normals * pressure, padded), padded, pressure.shape)
-        return np.asarray((normals * u).sum(axis=0))
+        lines = rfft(pressure, nx, axis=0)  # normals change across alone
+        moved = ifft(spectrum * fft(normals * lines, ns))[..., : s.size]
+        u = irfft((normals * moved).sum(axis=0), nx, axis=0)
+        return np.asarray(u[: x.size])
 
     return float(influence[nx // 2, ns // 2]), displacement

@@ -20,7 +20,7 @@ STEPS = 60  # of Newton's method; 4 to 16 are usual
 # Residual of a linear solve over its right-hand side. With 1e-5 nearly twice the products are
 # needed, and forces differ by 4e-8.
 LINEAR_TOLERANCE = 1e-2
-KRYLOV = 200  # iterations of a linear solve; 5 to 15 are usual
+KRYLOV = 100  # iterations of a linear solve; 5 to 15 are usual
 SOFTER = 0.25  # of the compliance of a cell, by which the preconditioner is softer: it bounds it
 
 
@@ -91,7 +91,7 @@ class CoulombSolver:
     def _newton(self, z: Array, ratio: Array, right: Array) -> Array:
         """Newton step dq (2, nx, ny): solution of (I - D + r D C) dq = right, D being the
         derivative of the projection at z, by GMRES to 1 % (LINEAR_TOLERANCE) or, without an error,
-        as near as 200 iterations (KRYLOV) come.
+        as near as 100 iterations (KRYLOV) come.
 
         ratio: scaling factor (nx, ny) of the projection; right: (2, nx, ny). The preconditioner has
             the inverse of C without the edge of the patch in the place of that of C where D is not

@@ -198,8 +198,8 @@ class HalfSpaceFriction:
         if pair.mismatch:  # the pressure of cells is solved for, by turns with tractions
             self._covered = panels = np.where(pressure > 0, 1.0, 0.0)
         else:
-            mean, self._covered = shares((x, y), pressure, 0.0)
-            panels = shares((x, y), pressure, AHEAD / 2)[1] if rolling else self._covered
+            (mean, self._covered), *ahead = shares((x, y), pressure, 0.0, *(AHEAD / 2,) * rolling)
+            panels = ahead[0][1] if rolling else self._covered
             mean = np.where(panels > 0, mean, 0.0)
             self._pressure = mean * (pressure.sum() / mean.sum())
         self._interface = interface or Interface()
@@ -281,7 +281,10 @@ class HalfSpaceFriction:
     def _at(self, creepage: Creepage, start: TangentialSolution | None) -> TangentialSolution:
         """Tractions at a creepage under the present bound; start: as of `solve`."""
         slip = self._slip(creepage)
-        guess = None if start is None else start.traction
+        guess, bound = None, self._tractions.bound
+        if start is not None:  # with the same share of the bound
+            known = start.bound > 0
+            guess = start.traction * np.divide(bound, start.bound, out=0 * bound, where=known)
         traction = self._tractions.solve(slip, TOLERANCE, guess)
         left = np.where(self._pressure > 0, slip - self._influence(traction), 0)
         found = TangentialSolution(

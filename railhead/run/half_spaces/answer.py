@@ -9,10 +9,10 @@ import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
+from scipy.ndimage import zoom
 
 from railhead.planning import effects
 from railhead.planning.context import PostSolveVerdict
@@ -134,10 +134,12 @@ def _solve(plan: Plan) -> HalfSpaceSolution:
     if load is not None and across * math.sin(angle):  # what a prescribed force carries is known
         profiles = _again(plan, profiles, load + across * math.sin(angle))
     # A first balance on the coarsest grid is nearly that of the finest.
-    tractions, counts = None, CELLS if profiles is None or load is None else CELLS[:1]
-    for _ in range(TURNS):
+    known: dict[int, PatchTractions] = {}
+    alike = profiles is None or load is None  # tractions do not change the pressure
+    turns = [CELLS] if alike else [CELLS[:1], CELLS[-1:]] + [CELLS] * TURNS
+    for counts in turns:
         pressed = frictionless.load if profiles is None else profiles.load
-        tractions = _tractions(plan, profiles, pressed, counts, tractions)
+        tractions = _tractions(plan, profiles, pressed, counts, known)
         total = pressed - tractions.upwards
         if total <= 0:
             break
@@ -149,7 +151,6 @@ def _solve(plan: Plan) -> HalfSpaceSolution:
             return replace(_with_friction(plain, tractions), elastic_reference=frictionless)
         if load is not None:
             profiles = _again(plan, profiles, pressed * load / total)
-        counts = CELLS
     raise ValueError("no pressure balances the load beside the tractions")
 
 
@@ -247,9 +248,11 @@ def _error_parts(
         del parts[key]["total"]
         if plan.profile_error:
             parts[key]["profile"] = plan.profile_error
+    if "stress" not in result:
+        return parts
     more, touch = added_stress(plan.contact, plan.deformable, profiles), plan.contact.touch
     curvature = max(abs(touch.rail_curvature), abs(touch.wheel_curvatures[1]))
-    for key in STRESSES if "stress" in result else ():
+    for key in STRESSES:
         parts[key]["faces"] = more / result["stress"][key]
         parts[key]["curvature"] = CURVED * curvature * result["patch"]["b_mm"]
     return parts
@@ -348,14 +351,14 @@ def _tractions(
     profiles: BoundaryElementSolution | None,
     load: float,
     counts: Sequence[int],
-    before: PatchTractions | None,
+    known: dict[int, PatchTractions],
 ) -> PatchTractions:
     """Tractions of half-spaces pressed by a vertical load (N), at the creepages or forces of a
     plan. Raises ValueError where patches or tractions are not found.
 
     profiles: boundary elements of the profiles; None between half-spaces. counts: cells along each
-        axis of the grids, coarsest first. before: tractions on such grids under nearly the same
-        load, from which the iterations start; None: without.
+        axis of the grids, coarsest first. known: by these numbers, tractions under nearly the same
+        load, from which the iterations start; those that are found take their places.
     """
     scene, contact = plan.scene, plan.contact
     table = scene.rolling if scene.rolling.prescribed else scene.friction
@@ -390,13 +393,10 @@ def _tractions(
         )
         return PatchTractions(patches=patches, found=sheared, scale=1 / longer)
 
-    earlier = []
-    while before is not None:
-        earlier.append(before)
-        before = before.coarse
     found = None
-    for cells, start in zip_longest(counts, reversed(earlier)):
-        found = replace(on_grid(cells, start or found), coarse=found)
+    for cells in counts:
+        start = known.get(cells) or found or next(iter(known.values()), None)
+        found = known[cells] = replace(on_grid(cells, start), coarse=found)
     assert found is not None
     return found
 
@@ -404,21 +404,22 @@ def _tractions(
 def _onto(
     found: Sequence[TangentialSolution] | None, patches: Sequence[PressedPatch]
 ) -> list[TangentialSolution] | None:
-    """Tractions, with pressure and bound, in the cells of patches, each cell divided into as many
-    as needed; None without tractions, and where patches or cells are no multiple of these.
+    """Tractions, with pressure and bound, in the cells of patches, linear between their own cells;
+    None without tractions, and where patches or cells are no multiple of these.
     """
     if found is None or len(found) != len(patches):
         return None
     placed = []
     for each, patch in zip(found, patches, strict=True):
-        known = [each.pressure, each.bound, each.traction]
-        for axis, count in enumerate(patch.pressed.pressure.shape, -2):
-            times, left = divmod(count, each.traction.shape[axis])
-            if left or not times:
-                return None
-            known = [field.repeat(times, axis=axis) for field in known]
-        pressure, bound, traction = known
-        placed.append(replace(each, pressure=pressure, bound=bound, traction=traction))
+        before, now = each.bound.shape, patch.pressed.pressure.shape
+        if any(many % few for many, few in zip(now, before, strict=True)):
+            return None
+        finer = [many // few for many, few in zip(now, before, strict=True)]
+        pressure, bound, *traction = (
+            zoom(known, finer, order=1, mode="nearest", grid_mode=True)
+            for known in (each.pressure, each.bound, *each.traction)
+        )
+        placed.append(replace(each, pressure=pressure, bound=bound, traction=np.array(traction)))
     return placed
 
 

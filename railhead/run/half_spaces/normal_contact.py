@@ -188,7 +188,9 @@ def patches(
             known.append(each.sampled(replace(grid, angle=surface.angle(grid.s))))
     angular = wheelset_kinematics.rigid_slip(contact).angular
     return [
-        PressedPatch(each, *_on_surface(contact, each), angular)
+        PressedPatch(
+            each, surface.slip(each.x, each.s), surface.friction_coefficient(each.s), angular
+        )
         for each in (known if like else _pressed(known, surface.gap, solved.contact_modulus))
     ]
 

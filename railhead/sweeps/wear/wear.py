@@ -26,12 +26,14 @@ from railhead.sweeps.wear.wear_result import WearResult
 from railhead.sweeps.wear.wear_route import Route
 from railhead.theory.array_types import Array
 
-SUMMARY, LINES, HISTORY, REPORT = "wear.json", "wear.csv", "history.csv", "report.html"
+SUMMARY, HISTORY, REPORT = "wear.json", "history.csv", "report.html"
+LINES, DAMAGE = "wear.csv", "damage.csv"  # over y: worn depth; all else
+PLACE, DEPTH = ("body", "y [mm]"), ("depth [mm]", "depth [mm] estimate")
 LIMITS = tuple(f"wear.{name}_limit" for name in ("depth", "flange", "conicity"))
 PROFILES = {body: f"{body}_profile.csv" for body in BODIES}
 PICTURES = ("depth", "history")
 LATER = (
-    *(INPUT, result_folder.SCENE, SUMMARY, LINES, HISTORY, REPORT, *PROFILES.values()),
+    *(INPUT, result_folder.SCENE, SUMMARY, LINES, DAMAGE, HISTORY, REPORT, *PROFILES.values()),
     *(f"{name}.{kind}" for name in PICTURES for kind in ("png", "svg", "pdf")),
 )
 DECIMALS = 7  # of profiles, mm
@@ -139,7 +141,14 @@ def _save(found: WearResult, folder: Path, *, pictures: bool) -> None:
     scene, lines = found.route.scene, list(found.lines())
     files = {
         result_folder.SCENE: result_folder.scene_toml("wear", scene).encode(),
-        LINES: result_folder.encoded(result_folder.signed(lines)),
+        LINES: result_folder.encoded(
+            result_folder.signed([{name: row[name] for name in PLACE + DEPTH} for row in lines])
+        ),
+        DAMAGE: result_folder.encoded(
+            result_folder.signed(
+                [{name: row[name] for name in row if name not in DEPTH} for row in lines]
+            )
+        ),
         HISTORY: result_folder.encoded(result_folder.signed(found.rows)),
         SUMMARY: result_folder.to_json(result_folder.origin() | found.summary).encode(),
     }

@@ -334,9 +334,10 @@ class WearResult:
         )
 
     def lines(self) -> Iterator[Row]:
-        """Rows of wear.csv, every 0.1 mm (ROW_STEP) or more over both profiles: worn depth, largest
-        pressure and surface fatigue index of any position and time, the sum of T-gamma per width,
-        and damage, with their errors; of a run in which nothing was pressed none.
+        """Rows of wear.csv and damage.csv, every 0.1 mm (ROW_STEP) or more over both profiles: worn
+        depth, largest pressure and surface fatigue index of any position and time, the sum of
+        T-gamma per width, and damage, with their errors; of a run in which nothing was pressed
+        none.
         """
         main = self.runs["main"]
         every = [_fields(self.runs[name] if self._complete else main) for name in RUNS if main.seen]
@@ -366,7 +367,7 @@ class WearResult:
 
 
 def _fields(run: Run) -> dict[str, Fields]:
-    """Columns of wear.csv by body, from all stages of a run."""
+    """Columns of wear.csv and damage.csv by body, from all stages of a run."""
     done = [stage.done for stage in run.stages][: len(run.seen)]
     every = {
         name: np.array([each.fields[name] for each in run.seen]) for name in run.seen[0].fields

@@ -20,14 +20,6 @@ def test_parabola_finds_the_maximum_between_samples() -> None:
         assert axis.peak(-((depth - near) ** 2)) == pytest.approx((end, -0.04))
 
 
-def test_contact_frame_is_orthonormal_and_right_handed() -> None:
-    frame = Frame((0.0, 7.0, -0.2), 0.05)
-    np.testing.assert_allclose(frame.axes @ frame.axes.T, np.eye(3), atol=1e-15)
-    assert np.linalg.det(frame.axes) == pytest.approx(1.0)
-    along = np.array([[3.0, 7.0 + 2 * np.cos(0.05), -0.2 + 2 * np.sin(0.05)]])
-    np.testing.assert_allclose(frame.local(along), [[3.0, 2.0, 0.0]], atol=1e-14)
-
-
 def test_two_hills_of_nearly_the_same_shear_are_rivals() -> None:
     """(s_z - s_x)/2 peaks at 2 mm, (s_z - s_y)/2 0.4 % lower at 4 mm."""
     depth = np.linspace(0, 8, 201)

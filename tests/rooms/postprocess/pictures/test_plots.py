@@ -22,13 +22,6 @@ def count(path, colour: str) -> int:
     return int(np.all(np.abs(image(path) - to_rgb(colour)) < 2 / 255, axis=2).sum())
 
 
-def test_ellipse_is_closed_and_exact(blocks) -> None:
-    ellipse = blocks().ellipse
-    line = ellipse.outline
-    assert line[0] == pytest.approx(line[-1], abs=1e-14)
-    assert np.hypot(line[:, 0] / ellipse.a, line[:, 1] / ellipse.b) == pytest.approx(1.0, abs=1e-14)
-
-
 def test_pressure_and_patch_show_hertz_only_when_there_is_one(
     blocks, tmp_path, sharp: None
 ) -> None:

@@ -17,6 +17,7 @@ from solved import solved
 from sweep_command import COMMAND, KEYS, ROLLER, SIX, one_after_the_other, rows, sweep
 
 import railhead as rh
+from railhead.planning import simulation_plan as planning
 from railhead.sweeps import parallel, store, worker_pool
 from railhead.sweeps.grid import ParameterGrid, parse_values
 
@@ -203,13 +204,13 @@ def test_what_a_crash_takes_with_it_is_solved_by_itself(tmp_path: Path, monkeypa
     asked: list[list[int]] = []
 
     @contextmanager
-    def one_process(ranks: int):
+    def one_process(ranks: int, jobs: int):
         def submit(work, folder, over, group, *_) -> Future:
             asked.append(list(over))
             future: Future = Future()
             first = next(iter(group))
             if first != 1:
-                record = {"over": {"load": group[first].load}, "fault": "none of a test"}
+                record = {"over": {"load": group[first].scene.load}, "fault": "none of a test"}
                 store.write(folder, first, record)
             lost = "the process crashed" if 1 in group else ""
             future.set_result(worker_pool.Attempt(None, lost))
@@ -231,14 +232,14 @@ def test_what_a_crash_takes_with_it_is_solved_by_itself(tmp_path: Path, monkeypa
 
 def test_what_has_no_memory_now_is_tried_again_by_resume(tmp_path: Path, monkeypatch) -> None:
     """It has a row that says why, and no record."""
-    scene = rh.find("sphere_on_plane")
+    plan = planning.make(rh.find("sphere_on_plane"))
     (tmp_path / "records").mkdir()
     monkeypatch.setattr("railhead.run.refinement.cost.free_memory", lambda: 0)
-    _, short = parallel._solve(tmp_path, {7: {}}, {7: scene}, False, False, False)
+    _, short = parallel._solve(tmp_path, {7: {}}, {7: plan}, False, False, False)
     assert list(short) == [7] and "GB free" in short[7]
     assert store.done(tmp_path) == set()
     monkeypatch.undo()
-    assert parallel._solve(tmp_path, {7: {}}, {7: scene}, False, False, False) == ({}, {})
+    assert parallel._solve(tmp_path, {7: {}}, {7: plan}, False, False, False) == ({}, {})
     assert store.done(tmp_path) == {7}
 
 

@@ -1,6 +1,7 @@
 """Half-spaces answer in the place of finite bodies: beside exact Hertz, finite elements, Kalker."""
 
 import math
+from collections import Counter
 from dataclasses import replace
 
 import command
@@ -13,7 +14,8 @@ from solved import planned
 import railhead as rh
 from railhead.planning.references import boundary_elements
 from railhead.run import mesh_solution, quantities
-from railhead.theory.friction import kalker
+from railhead.theory.bem import grid_stress, pressure_solver
+from railhead.theory.friction import coulomb_solver, kalker, tangential
 from railhead.theory.friction.rolling import Creepage
 
 FAST = "effects.finite_bodies=off"
@@ -236,17 +238,50 @@ def test_the_option_fast_is_without_finite_bodies(tmp_path) -> None:
     assert 0 < float(row["estimate"]) < 5e-3 and "FE" not in row
 
 
-def test_a_position_is_pressed_once_whatever_the_tractions_carry(monkeypatch) -> None:
-    """Eight times: the load was never met, as each pressing found other grids."""
-    loads, solve = [], boundary_elements.solve
+POSITION = (
+    "friction.coefficient=0.3", "wheelset.shift=2mm", "wheelset.yaw=1 mrad",
+    "rolling.from_wheelset=true", "quantities=patch,forces",
+)  # fmt: skip
 
-    def count(contact, ellipse, load, *more):
-        loads.append(load)
-        return solve(contact, ellipse, load, *more)
 
-    monkeypatch.setattr(boundary_elements, "solve", count)
-    keys = "wheelset.yaw=1 mrad", "rolling.from_wheelset=true", "quantities=forces"
-    result = fast("s1002_60e1", "friction.coefficient=0.3", "wheelset.shift=2mm", *keys)
+def test_what_a_position_solves(monkeypatch) -> None:
+    """The load was once never met, as each pressing found other grids."""
+    calls = Counter()
+
+    def count(module, name: str) -> None:
+        work = getattr(module, name)
+
+        def counted(*given, **keys):
+            calls[name] += 1
+            return work(*given, **keys)
+
+        monkeypatch.setattr(module, name, counted)
+
+    count(boundary_elements, "solve")
+    for name in ("_sample", "equilibrium"):
+        count(pressure_solver, name)
+    for name in ("stress", "largest_von_mises"):
+        count(grid_stress, name)
+    count(coulomb_solver.CoulombSolver, "solve")
+    count(coulomb_solver, "gmres")
+    count(tangential.TractionInfluence, "__call__")
+    result = fast("s1002_60e1", *POSITION)
     assert result.as_dict()["checks"]["force_balance"] < 1e-6
-    # By the plan, there also with the twisted rail, and on the finer grid.
-    assert loads == [result.plan.scene.load] * 3
+    # By the plan, there also with the twisted rail, each on two domains, and on the finer grid.
+    assert calls["solve"] == 3 + 5  # and tractions: on 16 cells, on 64, then on 16, 32 and 64
+    assert calls["_sample"] == 5
+    assert calls["equilibrium"] == 5 + 2 * 2  # under two more loads, on the finer grids and below
+    assert calls["stress"] == 0
+    assert calls["gmres"] <= 25
+    assert calls["__call__"] <= 420  # with the products of the preconditioner
+
+
+def test_forces_do_not_jump_with_the_load() -> None:
+    """A cell at the edge was in the patch or out of it by rounding: 4e-4 of mu N."""
+    one, other = (
+        fast("s1002_60e1", *POSITION, f"load={load}").as_dict()["result"]["friction"]
+        for load in ("10 kN", "10.000001 kN")
+    )
+    for way in ("along", "across"):
+        change = abs(one[f"force_{way}_N"] - other[f"force_{way}_N"])
+        assert change < 2e-6 * one["limit_N"]
