@@ -277,8 +277,9 @@ def test_a_rigid_wheel_rolls_as_on_a_half_space() -> None:
     found = passed(scene.replace(wheel={"young_modulus": math.inf}))
     second = found.as_dict()["half_space_friction"]["boundary elements"]
     force, limit = friction(found)["force_along_N"], friction(found)["limit_N"]
-    assert force / limit == pytest.approx(second["force_along_N"] / limit, abs=0.015)
-    assert second["force_along_N"] / limit == pytest.approx(0.24, abs=0.005)
+    # Boundary elements on 32, 64 and 128 cells have 0.2390, 0.2309 and 0.2294.
+    assert force / limit == pytest.approx(0.228, abs=0.016)
+    assert second["force_along_N"] / limit == pytest.approx(0.228, abs=0.008)
 
 
 def test_nothing_pushes_a_sphere_aside_that_is_pressed() -> None:
