@@ -42,6 +42,7 @@ SECTION_CELLS = 8.5  # cells of web and foot for each mm of a whole rail (measur
 TOLERANCE_SHARE = 0.02  # of an error envelope of the mesh: the residual adds 4 % to it at most
 LARGEST_TOLERANCE = 1e-3  # of Newton's method on meshes whose envelopes are larger than the values
 DEFAULT_TOLERANCE = 1e-6  # of Newton's method where no error of the mesh is known
+MOST_UNKNOWNS = 1e9  # of a mesh that is planned: a thousand times the largest that was solved
 MEMORY_SHARE = 0.8  # largest predicted memory over the free memory
 
 
@@ -136,6 +137,11 @@ class Plan:
         beyond = [n for n, each in self.effects.items() if each.on and rules[n].beyond_envelopes]
         none = self.by_half_spaces or (self.condenses and "friction" in beyond)
         return None if none or {*beyond} - {"friction"} else error_envelopes.family(self.setting)
+
+    @property
+    def stresses_asked(self) -> bool:
+        """Whether the stresses of the solution are read, which has friction or not."""
+        return self.scene.asks("friction_stresses" if self.effects["friction"].on else "stresses")
 
     @property
     def by_half_spaces(self) -> bool:
@@ -454,7 +460,7 @@ class Plan:
         """
         law = cost.LAW * self.effects["falling_friction"].on
         if self.by_half_spaces:
-            return cost.BOUNDARY_ELEMENTS[self.effects["friction"].on] + law
+            return cost.BOUNDARY_ELEMENTS[self.effects["friction"].on, self.stresses_asked] + law
         more = 0.0
         if self.effects["plasticity"].on:
             more = cost.LOAD_STEP[self.contact.line] * self.load_steps
@@ -643,6 +649,11 @@ def make(scene: Scene) -> Plan:
                 f"{plan.family.name}; give {math.ceil(1e4 * least) / 1e4:g} or more, a "
                 f"budget{instead}",
             )
+    if plan.unknowns > MOST_UNKNOWNS:
+        text = f"{plan.patch_size:.3g} mm makes about {plan.unknowns:.2g} unknowns"
+        raise SceneError(
+            "mesh.patch_size", f"{text}, more than {MOST_UNKNOWNS:g}; give a larger one"
+        )
     plan.parts()
     return plan
 

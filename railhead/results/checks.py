@@ -71,6 +71,7 @@ COMPARED = [each.key for each in QUANTITIES if each.compared]
 """Quantities held against a second method, as far as it has them and knows what it leaves out."""
 SECOND = "second_opinion"  # begins the names of those checks
 NOT_ASKED = "not among the quantities that were asked for"
+FORECAST = "stresses were not asked for; judged by those of the plan, without friction"
 SHIFT_UNKNOWN = "the shift of bodies that end depends on where they are held"
 
 
@@ -666,14 +667,18 @@ def not_made(
 
 def not_asked(plan: Plan) -> dict[str, str]:
     """A reason by name of each group of quantities that the scene of a plan does not ask for,
-    although it has them.
+    although it has them; with "plasticity" where a body has a yield stress, and only the plan's
+    stresses tell whether it yields.
     """
     rubs = plan.effects["friction"].called_for
+    rolled = plan.effects["plasticity"].on or plan.effects["passes"].on
+    yields = any(part.yields for part in plan.context.stressed.values()) and not rolled
+    unread = yields and not plan.stresses_asked
     return {
         name: NOT_ASKED
         for name in QUANTITY_GROUPS
         if not plan.scene.asks(name) and (rubs or name not in ("forces", "friction_stresses"))
-    }
+    } | ({"plasticity": FORECAST} if unread else {})
 
 
 def _unknown(second: Mapping[str, Any]) -> str:

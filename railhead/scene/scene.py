@@ -300,6 +300,11 @@ class Scene(Section):
                 "torque_free is not allowed with an approach: give the load of each wheel",
             ),
             (
+                free and not self.asks("forces"),
+                "quantities",
+                "rolling.axle torque_free needs the forces; add forces to quantities or --only",
+            ),
+            (
                 free and not self.rubs,
                 "rolling.axle",
                 "torque_free is not allowed without friction, which makes the torque",

@@ -93,13 +93,13 @@ def forecast(grid: ParameterGrid, workers: int, progress: Progress) -> dict[str,
     problem.
     """
     plans = plan_all(grid, progress)
-    seconds = [plan.seconds for plan in plans]
+    seconds = [plan.seconds - cost.START for plan in plans]
     on = Counter(name for plan in plans for name, effect in plan.effects.items() if effect.on)
     return {
         "combinations": len(plans),
         "meshes": len(group_by_mesh(plans)),
         "unknowns": [plan.unknowns for plan in plans],
-        "seconds": max(sum(seconds) / workers, *seconds),
+        "seconds": cost.START + max(sum(seconds) / workers, *seconds),
         "processes": workers,
         "effects": dict(on),
     }

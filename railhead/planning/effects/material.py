@@ -124,7 +124,7 @@ def decide_plasticity(context: Context) -> Effect:
                 "on": f"{what} elastically with friction; effects.friction=off leaves it out"
             }
             why += f"; {what} elastically with friction, whose tractions add to it"
-            why += "" if yields else _slipping(context)
+            why += "" if yields else f": {_slipping(context)[0]}"
     if yields and not refused:
         if (over := overload(context)) > LARGEST_OVERLOAD:
             text = f"{over:.3g} times the load of first yield is not allowed; give a load, or an"
@@ -135,19 +135,17 @@ def decide_plasticity(context: Context) -> Effect:
 
 def check_plasticity(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict | None:
     """Verdict whether the largest von Mises stress of the solution passes the yield stress of a
-    body that was taken as elastic.
+    body that was taken as elastic. Where the solution was read without stresses, they are those of
+    the plan, without friction; the verdict is then notable where the body would yield if all slips.
     Without any yield stress nothing is needed, and the verdict is notable where the usual rail
     steel would yield.
     """
-    stresses = {
-        name: found.largest[name].von_mises.value
-        for name in _yielding(context)
-        if name in found.largest
-    }
-    if not found.largest:
-        return None
+    largest = {name: each.von_mises.value for name, each in found.largest.items()}
+    if not largest:
+        parts = context.stressed.items()
+        largest = {name: context.von_mises(part.poisson_ratio) for name, part in parts}
+    stresses = {name: largest[name] for name in _yielding(context) if name in largest}
     if not stresses:
-        largest = {name: each.von_mises.value for name, each in found.largest.items()}
         return PostSolveVerdict(False, *_steel_yields(context, largest))
     if effect.on:
         return PostSolveVerdict(False, "simulated")
@@ -155,6 +153,9 @@ def check_plasticity(context: Context, effect: Effect, found: Findings) -> PostS
         return PostSolveVerdict(False, "simulated in the passes")
     over, why = _over_yield(context.scene, stresses)
     yields = over > 1
+    if not (found.largest or yields) and context.decided["friction"].on:
+        text, notable = _slipping(context)
+        return PostSolveVerdict(False, f"{why} without friction; {text}", notable)
     cost = ": the elastic answer overstates the pressure and all stresses" if yields else ""
     return PostSolveVerdict(yields, why + cost)
 
@@ -204,9 +205,9 @@ def _expected(context: Context) -> str:
     return text
 
 
-def _slipping(context: Context) -> str:
-    """Text with the largest von Mises stress (MPa) under pressure and tractions where the whole
-    patch slips.
+def _slipping(context: Context) -> tuple[str, bool]:
+    """Text with the largest von Mises stress (MPa) under Hertz's pressure and tractions where the
+    whole patch slips, and whether it passes the yield stress of the weaker body.
     """
     friction = interface.friction_coefficient(context)
     most = max(
@@ -214,7 +215,8 @@ def _slipping(context: Context) -> str:
         for hardest in (sliding.peak_below_surface, sliding.peak_at_surface)
         for ratio in {part.poisson_ratio for part in _yielding(context).values()}
     )
-    return f": up to {most:.4g} MPa where all slips"
+    weakest = min(part.first_yield for part in _yielding(context).values())
+    return f"up to {most:.4g} MPa where all slips", bool(most > weakest)
 
 
 def steps(context: Context) -> int:

@@ -10,7 +10,7 @@ from pathlib import Path
 from railhead.planning import simulation_plan as planning
 from railhead.run.half_spaces.worn_contact import BODIES, Position
 from railhead.scene.scene import Scene, SceneError, checked
-from railhead.scene.sections import refuse_first, wear_pairs
+from railhead.scene.sections import QUANTITIES, refuse_first, wear_pairs
 from railhead.sweeps.grid import read_rows
 from railhead.theory import wear
 from railhead.theory.wear import WearLaw
@@ -124,6 +124,11 @@ def _refuse(position: Scene, base: Scene, worn: Sequence[str]) -> None:
         (not rolling.prescribed, "rolling", "is not given; wear needs creepages, spin or a force"),
         (position.effects.friction == "off", "effects.friction", "off is not allowed in wear"),
         (rolling.passes is not None, "rolling.passes", "is not allowed in wear; leave it out"),
+        (
+            {*position.quantities} != {*QUANTITIES},
+            "quantities",
+            f"{','.join(position.quantities)} is not allowed in wear; leave it out",
+        ),
         *(
             (part.surface is not None, f"{body}.surface", "is not allowed in wear; leave it out")
             for body, part in position.bodies.items()

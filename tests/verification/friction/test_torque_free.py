@@ -104,6 +104,7 @@ def test_without_such_a_motion_the_answer_says_so_and_fails(monkeypatch) -> None
     [
         ({"load": None, "approach": 0.05}, "rolling.axle: torque_free is not allowed with an"),
         ({"friction": {"coefficient": 0}}, "rolling.axle: torque_free is not allowed without"),
+        ({"quantities": "patch"}, "quantities: rolling.axle torque_free needs the forces; add"),
         ({"effects": {"friction": "off"}}, "rolling.axle: torque_free is not allowed without"),
         ({"rolling": {"force_along": 10.0}}, "rolling.force_along: is not allowed beside an axle"),
         ({"rolling": {"from_wheelset": False}}, "rolling.axle: torque_free is not allowed without"),

@@ -6,6 +6,7 @@ from solved import planned
 from railhead.planning import cost
 
 ROLLING = ("friction.coefficient=0.3", "rolling.creepage_along=0.001")
+FAST = "effects.finite_bodies=off"
 HEXAHEDRA = "mesh.cell=hexahedron"
 
 
@@ -45,6 +46,9 @@ def test_no_run_takes_more_memory_than_predicted(reference, case, keys, megabyte
         ("hertz_ellipse", [HEXAHEDRA, "mesh.patch_size=0.2"], 96.0),
         ("hertz_ellipse", ["mesh.order=1", "mesh.patch_size=0.12"], 35.2),
         ("long_roller", ["mesh.patch_size=0.02"], 29.7),
+        ("s1002_60e1", [FAST], 0.2),
+        ("s1002_60e1", [FAST, *ROLLING], 1.2),
+        ("s1002_60e1", [FAST, *ROLLING, "quantities=patch,forces"], 0.36),
     ],
 )
 def test_time_is_predicted_within_a_factor_of_two(reference, case, keys, seconds) -> None:

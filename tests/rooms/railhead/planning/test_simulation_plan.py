@@ -251,6 +251,8 @@ ALONG = ["wheel.width=8", "load=50kN", "effects.plane_strain=on"]
         (ELLIPSE, ["rail.yield_stress=300", "load=2e5", "mesh.order=1"],
          "mesh.order: 1 is not allowed where a body yields"),
         (ELLIPSE, ["rolling.spin=0.001"], "rolling: has no use with a friction.coefficient of 0"),
+        (ELLIPSE, ["mesh.patch_size=1e-6"],
+         "mesh.patch_size: 1e-06 mm makes about 3.8e+21 unknowns, more than 1e+09"),
         (ELLIPSE, ["rail.yield_stress=1"], "load: 1.19e+08 times the load of first yield is not"),
     ],
 )  # fmt: skip

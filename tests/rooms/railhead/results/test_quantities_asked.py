@@ -17,6 +17,9 @@ ROLLS = [
     "effects.finite_bodies=off", "friction.coefficient=0.3", "rolling.creepage_along=0.1%",
     "rolling.spin=2e-4",
 ]  # fmt: skip
+SLIPS = [
+    ROLLS[0], "rail.steel=R260", "friction.coefficient=0.5", "rolling.creepage_along=1%",
+]  # fmt: skip
 SOLID = ["mesh.patch_size=1.2"]
 
 
@@ -67,6 +70,30 @@ def test_stresses_under_tractions_need_the_forces() -> None:
     some = answer("hertz_ellipse", *ROLLS, quantities=["friction_stresses"])
     assert some["result"] == every["result"]
     assert "stress" not in some["frictionless"] and "stress" in every["frictionless"]
+
+
+@pytest.mark.parametrize(
+    ("case", "keys", "quantities", "needed", "notable", "said"),
+    [
+        ("hertz_ellipse", [*SLIPS, "load=30kN"], "patch,forces", True, False, "the yield 472"),
+        ("hertz_ellipse", [*SLIPS, "load=20kN"], "patch,forces", False, True,
+         "without friction; up to 687.8 MPa where all slips"),
+        ("hertz_ellipse", [*SLIPS, "load=1kN"], "patch,forces", False, False, "stays below"),
+        ("uic54_22t5_axle", [ROLLS[0], "effects.plasticity=off"], "patch", True, False,
+         "806.5 MPa passes the yield 472 MPa"),
+    ],
+)  # fmt: skip
+def test_without_stresses_those_of_the_plan_tell_of_yield(
+    case, keys, quantities, needed, notable, said
+) -> None:
+    scene = rh.find(case).replace(keys, quantities=quantities)
+    summary = rh.solve(scene, quiet=True).summary
+    found = summary["effects_after"]["plasticity"]
+    assert (found["needed"], found["notable"]) == (needed, notable) and said in found["why"]
+    assert "those of the plan" in summary["checks"]["not_made"]["plasticity"]
+    accepted = "plasticity" in summary["plan"]["chosen"]
+    left_out = ["effects_left_out"] * (needed and not accepted)
+    assert summary["checks"]["failed"] == left_out
 
 
 def test_the_patch_of_bodies_alone_has_no_stresses_and_no_second_method(

@@ -301,6 +301,7 @@ def test_wear_that_leaves_the_profile_fails_a_check(tmp_path):
         ({"rolling.creepage_along": "none"}, "rolling"),
         ({"approach": 0.05}, "load"),
         ({"rail.extent": "half-space"}, "rail.extent"),
+        ({"quantities": "patch,forces"}, "quantities"),
     ],
 )
 def test_scenes_without_wear_are_refused(changes, key, tmp_path):
