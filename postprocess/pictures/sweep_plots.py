@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -234,9 +233,9 @@ def _numbers(column: str, rows: Rows) -> bool:
 
 def _word(row: Mapping[str, Any], column: str, units: Units) -> str:
     """Text of a cell for matplotlib: decimal numbers in their shortest form and the reader's unit,
-    of paths the name, no formula.
+    no formula.
     """
     value = row[column]
     if isinstance(value, float):
         return f"{units.value(value, column):.6g}"
-    return Path(str(value)).name.replace("$", r"\$")
+    return str(value).replace("$", r"\$")

@@ -167,6 +167,8 @@ def run(
 
     start = time.perf_counter()
     _ask(scene)
+    if whole:
+        _check_bodies("--whole", [scene])
     scene = api.with_accuracy(scene, accuracy, budget)
     folder = _folder(out, scene.name, "run", scene, force=force)
     planned = planning.make(scene)
@@ -212,6 +214,16 @@ def run(
         elif not quiet:
             click.echo(f"written to {folder}/")
     return SOLVED if result.passed and problem is None else CHECK_FAILED
+
+
+def _check_bodies(option: str, scenes: Sequence[Scene]) -> None:
+    """Raise SceneError where an option asks for .vtu files of scenes that have none."""
+    if any(each.effects.finite_bodies == "off" for each in scenes):
+        text = f"half-spaces have no bodies to write; leave out {option} or --fast"
+        raise SceneError(option, text)
+    if not all(each.asks("stresses") for each in scenes):
+        text = f".vtu files need stresses; leave out {option} or add stresses to --only"
+        raise SceneError(option, text)
 
 
 def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: bool) -> Path:
@@ -268,8 +280,8 @@ def sweep(
 
     units = output_units.parse(unit_names)
     grid = _grid(scene, lists, over_file)
-    if vtu and any(each.effects.finite_bodies == "off" for each in grid.scenes):
-        raise SceneError("--vtu", "half-spaces have no bodies to write; leave out --vtu or --fast")
+    if vtu:
+        _check_bodies("--vtu", grid.scenes)
     folder = out if out is not None else Path("results") / f"{scene.name}_sweep"
     result_folder.check_folder(folder)
 
@@ -301,7 +313,7 @@ def sweep(
 @railhead.command()
 @click.option("--out", type=click.Path(path_type=Path), default=Path("results/creep_table"))
 @click.option("--poisson", default=0.28, help="Poisson's ratio of both bodies [0.28].")
-@click.option("--accuracy", default="2%", help="Of the interpolation, over mu N [2%].")
+@click.option("--accuracy", default="2%", help="Of lines along each axis, over mu N [2%].")
 @click.option("--ratios", default="0.1:10", help="Smallest and largest a/b [0.1:10].")
 @click.option("--cells", default=24, help="Of the finer grid each way [24].")
 @click.option("--law", type=(float, float, float), help="Falling friction: docs/creep-tables.md.")

@@ -22,7 +22,6 @@ from railhead.theory.friction.creep_table import AXES, NUMBERS, CreepTable
 from railhead.theory.friction.kalker import coefficients
 
 TABLE, ROWS = "table.npz", "table.csv"
-CHECKS = 60  # places between the nodes at which the interpolation is checked
 HEAD = """# railhead creep table. Poisson's ratio {poisson:g}, {cells} cells each way, law {law}.
 # axis_ratio: a/b, a along. along, across, spin: G a b C11 xi_x/(mu N), G a b C22 xi_y/(mu N),
 # G (a b)^1.5 C23 phi/(mu N). Forces of the wheel on the rail over mu N; moment over mu N sqrt(a b).
@@ -178,7 +177,7 @@ def _solved(
         values=values,
         interpolation=np.zeros(3),
         law=law,
-    ).checked(CHECKS)
+    ).checked()
     table.save(folder / TABLE)
     store.write_whole(folder, folder / ROWS, _text(table).encode())
     return table
@@ -198,7 +197,7 @@ def _text(table: CreepTable) -> str:
 def words(table: CreepTable) -> str:
     """Lines that say how many cases a table has, and its errors over mu N."""
     found = summary(table)
-    lines = [f"{found['cases']} cases; between them 95 % are within, over mu N:"]
+    lines = [f"{found['cases']} cases; between them 95 % of places are within, over mu N:"]
     for name, between in found["interpolation_error"].items():
         lines.append(f"  {name:12s} {between:.2%}, grid at most {found['grid_error'][name]:.2%}")
     return "\n".join([*lines, ""])

@@ -15,6 +15,8 @@ from pathlib import Path
 from railhead.scene.scene import Scene, SceneError, assignment, checked, unit
 
 MAX_COMBINATIONS = 10_000
+FILES = ("profile", "stress_strain", "other_rail", "other_wheel", "file")
+"""Ends of keys whose values are files."""
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _RANGE = re.compile(r"\s*:\s*".join([f"({_NUMBER.pattern})"] * 3) + r"\s*(.*)")
 
@@ -69,6 +71,18 @@ class ParameterGrid:
     def values(self, number: int) -> dict[str, object]:
         """Values of the changing keys in scene `number` by dotted key, in base units."""
         return {key: self.scenes[number].value(key) for key in self.keys}
+
+    def names(self, number: int) -> dict[str, str]:
+        """Names of the files among the values of scene `number` by dotted key: the last parts of
+        their paths, as many as tell all values of the key apart.
+        """
+        found = {}
+        for key in (key for key in self.keys if key.endswith(FILES)):
+            paths = [Path(str(scene.value(key))).parts for scene in self.scenes]
+            counts = range(1, max(map(len, paths)) + 1)
+            apart = (n for n in counts if len({path[-n:] for path in paths}) == len({*paths}))
+            found[key] = str(Path(*paths[number][-next(apart) :]))
+        return found
 
     def label(self, number: int) -> str:
         """Keys, units and values of scene `number` as text, e.g. "load [N] = 25000.0"."""

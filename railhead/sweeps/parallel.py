@@ -192,7 +192,7 @@ def _solve_all(
     for group, wanted in zip(groups, missing, strict=True):
         planned = {number: plans[number] for number in group}
         for part in split_among_workers(wanted, busy, workers):
-            over = {number: sweep.values(number) for number in part}
+            over = {number: (sweep.values(number), sweep.grid.names(number)) for number in part}
             job = submit(
                 _solve, sweep.folder, over, planned, sweep.vtu, sweep.fields, sweep.keep_results
             )
@@ -224,7 +224,7 @@ def split_among_workers(numbers: Sequence[int], groups: int, workers: int) -> li
 
 def _solve(
     folder: Path,
-    over: Mapping[int, Mapping[str, object]],
+    over: Mapping[int, tuple[Mapping[str, object], Mapping[str, str]]],
     group: Mapping[int, Plan],
     vtu: bool,
     fields: bool,
@@ -233,9 +233,9 @@ def _solve(
     """Solve scenes of a group in this process, and write for each its .vtu files (with `vtu`), its
     arrays (with `fields`) and then its record.
 
-    over: of the scenes that are solved, values of the changing keys by number. group: plans by
-        number. Returns results by number (with `keep_results`), and reasons by number for scenes
-        without a record: not enough free memory now.
+    over: of the scenes that are solved, values of the changing keys and names of files, by number.
+    group: plans by number. Returns results by number (with `keep_results`), and reasons by number
+        for scenes without a record: not enough free memory now.
     """
     results: dict[int, Result] = {}
     faults: dict[int, str] = {}
@@ -253,7 +253,7 @@ def _solve(
             store.write_fields(folder, number, result.contact_points)
         if keep_results and not isinstance(result, Exception):
             results[number] = result
-        store.write(folder, number, sweep_table.record(over[number], result))
+        store.write(folder, number, sweep_table.record(over[number][0], result, over[number][1]))
     process.release_memory()
     return results, faults
 
@@ -285,7 +285,8 @@ def _write(
 
     done = store.done(folder)
     for number in faults.keys() - done:
-        again = sweep_table.record(sweep.values(number), RuntimeError(faults[number]))
+        fault = RuntimeError(faults[number])
+        again = sweep_table.record(sweep.values(number), fault, grid.names(number))
         rows[number] = sweep_table.row(again)
         with suppress(OSError):  # of a full disk
             store.write(folder, number, again, again=True)

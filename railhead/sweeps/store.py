@@ -180,14 +180,22 @@ def write_fields(folder: Path, number: int, fields: Mapping[str, Any]) -> None:
 
 def join_fields(folder: Path) -> None:
     """Write the arrays of all scenes of a sweep one after the other into one file, and "row", the
-    number of the scene of each point, from 0. Arrays that not every scene has are left out.
+    number of the scene of each point, from 0. Points of a scene without an array have NaN in it.
     OSError: it cannot be written.
     """
     paths = sorted((folder / FIELDS).glob("*.npz"))
     each = [dict(np.load(path)) for path in paths]
-    names = set.intersection(*(set(fields) for fields in each)) if each else ()
-    joined = {name: np.concatenate([fields[name] for fields in each]) for name in sorted(names)}
     counts = [len(fields["pressure"]) for fields in each]
+    shapes = {name: values.shape[1:] for fields in each for name, values in fields.items()}
+    joined = {
+        name: np.concatenate(
+            [
+                fields.get(name, np.full((count, *shape), np.nan))
+                for fields, count in zip(each, counts, strict=True)
+            ]
+        )
+        for name, shape in sorted(shapes.items())
+    }
     row = np.repeat([int(path.stem) for path in paths], counts)
     np.savez_compressed(folder / f"{FIELDS}.npz", row=row, **joined)
 

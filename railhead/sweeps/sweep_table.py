@@ -5,45 +5,50 @@ reader who has nothing else.
 from __future__ import annotations
 
 import math
+import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from railhead.planning.effects import EFFECTS
 from railhead.postprocess.findings import BASE_UNITS, Units
 from railhead.results import result_folder
 from railhead.results.report import html
 from railhead.results.result import Result
 from railhead.run import quantities
 from railhead.scene.scene import Scene
-from railhead.sweeps.grid import column, shown
+from railhead.sweeps.grid import FILES, column, shown
 
 COLUMNS = [each for each in quantities.QUANTITIES if each.column]
 CHECKS, PASSED, WARNINGS, BELOW = "checks", "passed", "warnings", "below resolution"
 REPORT = "report.html"
-FILES = ("profile", "stress_strain", "other_rail", "other_wheel", "file")
-"""Ends of keys whose values are files."""
+NOTE = re.compile(rf"(?:^|; )({'|'.join(EFFECTS)}): ")  # begin of a warning in a cell
 FEW = 0.05  # an estimate beyond is counted in the verdict
 
 
-def record(over: Mapping[str, object], result: Result | Exception) -> dict[str, Any]:
+def record(
+    over: Mapping[str, object], result: Result | Exception, names: Mapping[str, str] | None = None
+) -> dict[str, Any]:
     """Record of a solved scene, or of the error that refused the scene, as plain data; an error
-    makes `over` and `fault` alone.
+    makes `over`, `names` and `fault` alone.
 
     over: values of the changing keys by dotted key.
+    names: of files, by key (`ParameterGrid.names`); None: the ends of their paths.
     fault: reason why there is no result, in one line; empty where there is one.
     summary: content of summary.json.
     outlines: outlines of the patches seen from above, lists of points x, y in space in mm.
     wheelset: only with rail.gauge, columns of both wheels' first contacts and their values.
     """
     if isinstance(result, Exception):
-        return {"over": over, "fault": " ".join(str(result).split())}
+        return {"over": over, "names": names, "fault": " ".join(str(result).split())}
     outlines, findings = [], result.findings
     if findings is not None:
         for line in findings.patch.outlines:
             points = (findings.frame.place(float(x), float(s)) for x, s in line)
             outlines.append([[round(x, 4), round(y, 4)] for x, y, _ in points])
-    table = {"over": over, "fault": "", "summary": result.summary, "outlines": outlines}
+    table: dict[str, Any] = {"over": over, "names": names, "fault": ""}
+    table |= {"summary": result.summary, "outlines": outlines}
     placed = result.plan.contact.placed if result.plan.scene.rail.gauge else None
     if placed is not None:
         here, there = placed.right.touches[0], placed.left.touches[0]
@@ -66,11 +71,10 @@ def row(record: Mapping[str, Any]) -> dict[str, Any]:
     `warnings`. Raises LookupError, TypeError, ValueError or AttributeError for data that is no
     record of a scene.
     """
-    over = record["over"].items()
-    cells: dict[str, Any] = {
-        column(key): Path(str(value)).name if key.endswith(FILES) else shown(key, value)
-        for key, value in over
-    }
+    over = record["over"]
+    ends = {key: Path(str(value)).name for key, value in over.items() if key.endswith(FILES)}
+    named = over | (record.get("names") or ends)
+    cells: dict[str, Any] = {column(key): shown(key, value) for key, value in named.items()}
     cells[CHECKS] = status(record)
     if record["fault"]:
         return cells
@@ -97,7 +101,7 @@ def row(record: Mapping[str, Any]) -> dict[str, Any]:
     cells |= {
         f"{each.column.removeprefix('found ')} estimate": bound.get(each.key)
         for each in COLUMNS
-        if each.estimated
+        if each.estimated or (each.column and not each.absolute and each.key in bound)
     }
     return cells | {"program": f"railhead {summary['railhead']}", "date": summary["date"]}
 
@@ -122,9 +126,7 @@ def verdict(rows: Sequence[Mapping[str, Any]], units: Units = BASE_UNITS) -> lis
             text += f" ({large} of them beyond {FEW:.0%})" if large else ""
         missing = len(solved) - len(known)
         lines.append(text + (f"; {missing} without an estimate" if missing else ""))
-    kinds = Counter(
-        part.partition(":")[0] for row in rows for part in row.get(WARNINGS, "").split("; ") if part
-    )
+    kinds = Counter(name for row in rows for name in NOTE.findall(row.get(WARNINGS, "")))
     hidden = Counter(name for row in rows for name in _hidden(row))
     lines += [f"{name}: below resolution in {count}" for name, count in hidden.items()]
     return lines + [

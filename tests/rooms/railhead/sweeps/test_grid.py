@@ -3,6 +3,7 @@
 import json
 
 import command
+import numpy as np
 import pytest
 from sweep_command import refused, sweep
 
@@ -52,6 +53,43 @@ def test_wrong_values_and_combinations_are_one_line(over: str, said: str, capsys
     given = [part for each in words for part in ("--over", each)]
     line = refused(capsys, tmp_path / "out", "s1002_60e1", *given)
     assert line.startswith("railhead: ") and said in line
+
+
+def test_files_of_one_name_are_told_apart_by_their_folders(tmp_path, in_this_process) -> None:
+    """As far as it takes, in the table and its pictures; names that differ are enough."""
+    y = np.linspace(-30.0, 30.0, 121)
+    files = [tmp_path / name for name in ("p1/rail.csv", "p2/rail.csv", "p2/worn.csv")]
+    for file, radius in zip(files, (300, 200, 250), strict=True):
+        file.parent.mkdir(exist_ok=True)
+        np.savetxt(file, np.column_stack([y, -(y**2) / (2 * radius)]), delimiter=",")
+    scene = rh.Scene(load=25e3, quantities="patch", effects={"finite_bodies": "off"})
+    out, paths = tmp_path / "out", list(map(str, files))
+    table = rh.sweep(scene, {"rail.profile": paths[:2]}, out=out, quiet=True)
+    assert [row["rail.profile"] for row in table.rows()] == ["p1/rail.csv", "p2/rail.csv"]
+    assert [row["rail.profile"] for row in rh.load(out).rows()] == ["p1/rail.csv", "p2/rail.csv"]
+    assert [row["checks"] for row in table.rows()] == ["passed"] * 2
+    grid = ParameterGrid.combine(scene, {"rail.profile": [*paths[::2], "60E1"]})
+    assert [grid.names(n)["rail.profile"] for n in range(3)] == ["rail.csv", "worn.csv", "60E1"]
+
+
+@pytest.mark.parametrize(
+    "words", [("sweep", "--over", "load=1kN,2kN", "--vtu"), ("run", "--whole")]
+)
+@pytest.mark.parametrize(
+    ("more", "text"),
+    [
+        (("--only", "patch"), ".vtu files need stresses"),
+        (("--fast",), "half-spaces have no bodies"),
+    ],
+)
+def test_files_for_paraview_need_bodies_and_stresses(words, more, text, capsys, tmp_path) -> None:
+    """Else solution.pvd named files that were not written."""
+    out = tmp_path / "out"
+    line = command.refused(capsys, words[0], "hertz_ellipse", *words[1:], *more, "--out", str(out))
+    assert line.startswith(
+        f"railhead: {words[-1]}: {text}; leave out {words[-1]}".partition(";")[0]
+    )
+    assert not out.exists()
 
 
 def test_a_folder_with_other_files_takes_no_sweep(capsys, tmp_path) -> None:

@@ -5,6 +5,7 @@ import json
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 from solved import solved
 from sweep_command import ROLLER, SIX, sweep
@@ -78,6 +79,19 @@ def test_what_else_lies_among_the_records_is_left_alone(copied: Path) -> None:
     shutil.copy(copied / "records" / "00001.json", copied / "records" / "00001 (copy).json")
     assert len(store.done(copied)) == 6
     store.check(copied, lambda number: store.read(copied, number)["over"])
+
+
+def test_arrays_that_a_combination_lacks_are_nan(tmp_path: Path) -> None:
+    """One without friction took the tractions of all others with it."""
+    rubs = {"pressure": np.ones(2), "traction": np.ones((2, 3)), "sticks": np.array([True, False])}
+    store.begin(tmp_path / "sweep", {})
+    store.write_fields(tmp_path / "sweep", 0, rubs)
+    store.write_fields(tmp_path / "sweep", 2, {"pressure": np.array([5.0])})
+    store.join_fields(tmp_path / "sweep")
+    with np.load(tmp_path / "sweep" / "fields.npz") as found:
+        assert found["row"].tolist() == [0, 0, 2] and found["pressure"].tolist() == [1, 1, 5]
+        np.testing.assert_array_equal(found["traction"], [[1] * 3, [1] * 3, [np.nan] * 3])
+        np.testing.assert_array_equal(found["sticks"], [1, 0, np.nan])
 
 
 def test_a_lost_folder_of_records_is_made_again(tmp_path: Path) -> None:

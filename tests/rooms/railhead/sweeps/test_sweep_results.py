@@ -124,7 +124,10 @@ def test_a_row_holds_what_its_columns_say() -> None:
         "creepage_across", "spin_per_mm", "shift_along_mm", "shift_across_mm", "stick_share",
         "t_gamma_N", "t_gamma_over_area_MPa", "surface_fatigue_index", "shakedown",
     )  # fmt: skip
-    bounds = ("max_MPa", "area_mm2", "a_mm", "b_mm", "tau_max_MPa", "approach_mm")
+    bounds = (
+        "max_MPa", "area_mm2", "a_mm", "b_mm", "tau_max_MPa", "approach_mm", "force_across_N",
+        "moment_Nmm", "t_gamma_N", "stick_share",
+    )  # fmt: skip
     result = {
         "pressure": numbers, "patch": numbers, "stress": {**numbers, "tau_max_body": "rail"},
         "approach_mm": 9.0, "load_N": 10.0, "contact_point_mm": [11.0, 12.0, 13.0],
@@ -143,11 +146,13 @@ def test_a_row_holds_what_its_columns_say() -> None:
         "accuracy": {"bound": {key: 40.0 + i for i, key in enumerate(bounds)}},
     }  # fmt: skip
     over = {"load": 16.0, "wheelset.yaw": 0.0015, "rail.profile": "input/0123abcd/worn.csv"}
+    over |= {"wheel.profile": "input/4567abcd/worn.csv"}
     wheelset = {"left contact angle [deg]": 3.0}
-    record = {"over": over, "fault": "", "summary": summary, "wheelset": wheelset}
+    names = {"rail.profile": "worn.csv", "wheel.profile": "p2/worn.csv"}
+    record = {"over": over, "fault": "", "summary": summary, "wheelset": wheelset, "names": names}
     assert sweep_table.row(record) == {
         "load [N]": 16.0, "wheelset.yaw [mrad]": 1.5, "rail.profile": "worn.csv",
-        "below resolution": "force along; T-gamma",
+        "wheel.profile": "p2/worn.csv", "below resolution": "force along; T-gamma",
         "checks": "passed", "p_max [MPa]": 1.0, "p_mean [MPa]": 2.0,
         "area [mm2]": 3.0, "a [mm]": 4.0, "b [mm]": 5.0, "tau_max [MPa]": 6.0,
         "tau_max depth [mm]": 7.0, "tau_max body": "rail", "von_mises_max [MPa]": 8.0,
@@ -163,6 +168,7 @@ def test_a_row_holds_what_its_columns_say() -> None:
         "warnings": "plasticity: yields", "left contact angle [deg]": 3.0,
         "p_max estimate": 40.0, "area estimate": 41.0, "a estimate": 42.0,
         "b estimate": 43.0, "tau_max estimate": 44.0, "approach estimate": 45.0,
+        "force across estimate": 46.0, "moment estimate": 47.0, "T-gamma estimate": 48.0,
         "tau_max depth estimate": None, "von_mises_max estimate": None, "program": "railhead 0",
         "date": "now",
     }  # fmt: skip
@@ -173,7 +179,7 @@ def test_a_sweep_says_what_a_run_says() -> None:
     rows = [
         {"checks": "passed", "p_max [MPa]": 900.0, "p_max estimate": 0.003, "warnings": ""},
         {"checks": "passed", "p_max [MPa]": 6400.0, "p_max estimate": 0.43,
-         "warnings": "plasticity: R260 would yield; heat: 200 K"},
+         "warnings": "plasticity: R260 would yield; off: it is asked so; heat: 200 K"},
         {"checks": "FAILED: a", "p_max [MPa]": 3e3, "p_max estimate": None,
          "warnings": "plasticity: R260 would yield"},
         {"checks": "NOT SOLVED: gmsh"},

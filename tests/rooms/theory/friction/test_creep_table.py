@@ -1,8 +1,10 @@
 """Tables of creep forces: symmetries, limits, and rows beside solutions of their own."""
 
+import json
 import math
 from dataclasses import replace
 
+import command
 import numpy as np
 import pytest
 
@@ -90,6 +92,78 @@ def test_far_creepages_slip_wholly_along_their_direction(table) -> None:
     border, _ = table.scaled(1.0, np.array([10.0, 10.0, 0.0]))
     np.testing.assert_allclose(far, border)
     assert np.hypot(*far[:2]) == pytest.approx(1.0, abs=0.02)
+
+
+@pytest.mark.parametrize("place", [(0, 0, 30.0), (0, 10.0, -30.0), (math.nan, 0, 0)])
+def test_spin_beyond_the_table_is_refused(table, place) -> None:
+    """There the forces go on falling with spin, whatever the law."""
+    with pytest.raises(ValueError, match="is not allowed; give finite ones, S within -10 to 10"):
+        table.scaled(1.0, np.array(place))
+
+
+@pytest.mark.parametrize(
+    ("contact", "text"),
+    [
+        ((-6.0, -6.0, 82e3, 24e3), "a = -6.0 is"), ((6.0, 0.0, 82e3, 24e3), "b = 0.0 is"),
+        ((6.0, 6.0, math.inf, 24e3), "shear_modulus = inf"), ((6.0, 6.0, 82e3, -24e3), "limit = -"),
+    ],
+)  # fmt: skip
+def test_what_is_no_contact_is_refused(table, contact, text) -> None:
+    with pytest.raises(ValueError, match=f"^{text}.* not allowed; give a finite one above 0"):
+        table(*contact, along=1e-3)
+
+
+def test_the_stated_error_holds_at_other_places(table) -> None:
+    """Uniform in +-2 of the scaled creepages and in +-10, from another seed."""
+    circle, random = creep_table.Ellipse(1.0, NU, 12), np.random.default_rng(77)
+    for most in (2.0, 10.0):
+        places = random.uniform(-most, most, (100, 3))
+        off = [np.abs(circle(*each)[0] - table.scaled(1.0, each)[0]) for each in places]
+        assert np.all(np.mean(off < table.interpolation, axis=0) > 0.93)
+
+
+def test_between_axis_ratios_are_the_forces_of_that_ratio() -> None:
+    """Beside ellipses on another grid; those of a circle at the same place are farther off."""
+    ratios, along, spin = [0.3, 1.0, 3.0], [0.0, 0.5, 1.5, 10.0], [-10.0, -1.5, 0.0, 1.5, 10.0]
+    values = [
+        [creep_table.solve(NU, 12, ratio, x, (along, spin)) for x in along] for ratio in ratios
+    ]
+    linear, four = (
+        [coefficients(ratio, NU) for ratio in ratios],
+        map(np.array, (ratios, along, along, spin)),
+    )
+    of = creep_table.CreepTable(
+        poisson=NU, cells=12, axes=dict(zip(AXES, four, strict=True)),
+        kalker=np.array([[each.c11, each.c22, each.c23] for each in linear]).T,
+        values=np.moveaxis(np.array(values), (0, 1), (2, 3)), interpolation=np.zeros(3),
+    )  # fmt: skip
+    shear, limit, c = 82e3, 24e3, 6.0
+    unit = limit * np.array([1, 1, c])
+    for ratio in (0.5, 1.4):
+        a, b = c * math.sqrt(ratio), c / math.sqrt(ratio)
+        own = coefficients(ratio, NU)
+        scales = limit / (shear * c**2 * np.array([own.c11, own.c22, own.c23])) / [1, 1, c]
+        place = np.array([0.5, 0.5, 1.5])
+        creepage = Creepage(*(scales * place))
+        motion = {"along": creepage.along, "across": creepage.across, "spin": creepage.spin}
+        right = exact(a, b, shear, limit, creepage) / unit
+        np.testing.assert_allclose(of(a, b, shear, limit, **motion)[0] / unit, right, atol=0.02)
+        assert np.abs(of.scaled(1.0, place)[0] - right).max() > 0.04
+
+
+def test_the_command_writes_a_table_and_says_its_errors(tmp_path, capsys) -> None:
+    out = tmp_path / "t"
+    asked = "--ratios", "1", "--accuracy", "20%", "--cells", "12", "--out", str(out)
+    assert command.status("table", *asked, "--quiet", "--json") == 0
+    said = json.loads(capsys.readouterr().out)
+    read = creep_table.CreepTable.load(out / "table.npz")
+    assert said["interpolation_error"]["moment"] == read.interpolation[2] > 0
+    assert said["cases"] == read.values[0, 0].size and read.cells == 12
+    assert command.status("table", *asked) == 0
+    text = capsys.readouterr().out
+    assert f"{said['cases']} cases; between them 95 % of places are within" in text
+    assert f"force_along  {read.interpolation[0]:.2%}, grid at most" in text
+    assert command.refused(capsys, "table", "--ratios", "wide").endswith("give LOW:HIGH")
 
 
 @pytest.mark.parametrize(
