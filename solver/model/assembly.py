@@ -68,6 +68,7 @@ class Assembly:
         supports = [each for each in parts if isinstance(each, Clamp | Slide | Hub)]
         if not contacts:
             raise ValueError("a model needs a Contact")
+        _compatible(contacts, supports)
         self.materials = {each.tag: each.material.material(section) for each in self.bodies}
         if len(self.materials) < len(self.bodies):
             raise ValueError(f"a body is named twice: {[each.tag for each in self.bodies]}")
@@ -79,11 +80,16 @@ class Assembly:
         self.stiffness = stiffness.convert("aij", PETSc.Mat())
         self.masks = masks(self.bulk.space, facet_tags, supports)
         self.body_force = self._body_force()
-        self.secondary = [
-            self.materials[self._body_at(facet_tags.find(each.secondary))] for each in contacts
-        ]
+        on = [self._bodies_at(each.secondary) for each in contacts]
+        for each, found in zip(contacts, on, strict=True):
+            if len(found) > 1:
+                raise ValueError(
+                    f"secondary surface {each.secondary} lies on the bodies {found}: give each of "
+                    "them a tag and a Contact"
+                )
+        self.secondary = [self.materials[found[0]] for found in on]
         self._motions = {
-            hub: self._translation(hub, self._body_at(facet_tags.find(hub.tag)))
+            hub: self._translation(hub, self._bodies_at(hub.tag))
             for hub in supports
             if isinstance(hub, Hub) and hub.free is not None
         }
@@ -97,19 +103,20 @@ class Assembly:
         self._unknowns: dict[tuple[Hub, ...], Unknowns] = {}
         self._factors: tuple[Interface, Unknowns, Direct] | None = None
 
-    def _body_at(self, facets: Any) -> int:
-        """Tag of the body that some facets belong to (collective)."""
+    def _bodies_at(self, tag: int) -> list[int]:
+        """Tags of the bodies that the facets with a tag belong to, in order (collective)."""
         dim, topology = self.kinematics.dim, self.bulk.space.mesh.topology
         topology.create_connectivity(dim - 1, dim)
-        cells = {int(topology.connectivity(dim - 1, dim).links(facet)[0]) for facet in facets}
+        links = topology.connectivity(dim - 1, dim).links
         values = dict(zip(self.cell_tags.indices, self.cell_tags.values, strict=True))
-        tag = max([int(values[cell]) for cell in cells] + [-1])
-        return max(self.comm.allgather(tag))
+        own = {int(values[links(facet)[0]]) for facet in self.facet_tags.find(tag)}
+        return sorted(set().union(*self.comm.allgather(own)))
 
-    def _translation(self, hub: Hub, tag: int) -> PETSc.Vec:
-        """Unit translation of the body with a tag along the free direction of a hub."""
+    def _translation(self, hub: Hub, tags: Sequence[int]) -> PETSc.Vec:
+        """Unit translation of the bodies with these tags along the free direction of a hub."""
         values = np.zeros((len(self.bulk_points), self.kinematics.dim))
-        dofs = np.unique(compat.cell_dofs(self.bulk.space)[self.cell_tags.find(tag)])
+        cells = self.cell_tags.indices[np.isin(self.cell_tags.values, tags)]
+        dofs = np.unique(compat.cell_dofs(self.bulk.space)[cells])
         values[dofs[dofs < len(values)]] = unit("free", hub.free)
         return vector(self.stiffness, values)
 
@@ -220,7 +227,7 @@ class Assembly:
             size = np.sqrt(total) if self.kinematics.load_power == 3 else self.kinematics.thickness
             material = self.secondary[number]
             modulus = material.young_modulus / (1 - material.poisson_ratio**2)
-            modulus /= 2 if isinstance(contact.primary, int) else 1
+            modulus /= len(contact.tags)
             carried = modulus * size * (2 * every - np.cumsum(every * area) / total)
             count = max(NEAREST, int(np.searchsorted(carried, force)))
             out[own] = gaps <= every[min(count, len(every)) - 1]
@@ -240,6 +247,7 @@ class Assembly:
             displacement=u,
             loads=zero,
             motions={hub: motion for hub, (_, motion) in zero.items()},
+            share=0.0,
             nodal=np.zeros_like(self.bulk_points),
             bulk=History.virgin(gauss, size),
             surface=History.virgin(count, size),
@@ -291,6 +299,28 @@ class Unknowns:
         )
 
 
+def _compatible(contacts: Sequence[Contact], supports: Sequence[Clamp | Slide | Hub]) -> None:
+    """Raise ValueError for a pair of surfaces that is there twice, for facets that are held twice,
+    and where nothing holds the bodies.
+    """
+    pairs = [
+        {str(each.secondary), str(each.gap if each.primary is None else each.primary)}
+        for each in contacts
+    ]
+    for contact, pair in zip(contacts, pairs, strict=True):
+        if pairs.count(pair) > 1:
+            raise ValueError(f"{contact}: these surfaces have a second Contact")
+    for part in supports:
+        for other in supports:
+            along = isinstance(other, Slide) and getattr(part, "slides", False)
+            fits = isinstance(part, Slide) or along or part is other
+            if part.tag == other.tag and not fits:
+                raise ValueError(f"{part}: {other} holds the same facets")
+    stays = [each for each in supports if getattr(each, "free", None) is None]
+    if not stays and len(supports) < 2 and all(len(each.tags) == 2 for each in contacts):
+        raise ValueError("nothing holds the bodies: give a Clamp, a Slide or a second Hub")
+
+
 def kinematics(mesh: Any, section: str | None, thickness: float, mean: bool) -> Kinematics:
     """Meaning of the mesh's coordinates in a section (collective). Raises ValueError for a mesh
     with another number of coordinates or negative radii, an unknown section, a wrong thickness.
@@ -300,6 +330,8 @@ def kinematics(mesh: Any, section: str | None, thickness: float, mean: bool) -> 
     dim = mesh.geometry.dim
     if dim != (3 if section is None else 2):
         raise ValueError(f"section {section!r} does not fit a mesh with {dim} coordinates")
+    if section in (None, "axisymmetric") and thickness != 1.0:
+        raise ValueError(f"thickness is not there with section {section!r}")
     if section is None:
         return replace(SOLID, mean_dilatation=mean)
     if not 0 < thickness < np.inf:

@@ -26,10 +26,11 @@ from railhead.solver.model.parts import (
 from railhead.solver.model.state import State
 from railhead.solver.model.stepping import advance
 from railhead.solver.space.cells import CellSet, quadrature_degree, tabulate
-from railhead.solver.space.supports import unit
+from railhead.solver.space.supports import finite, unit
 from railhead.theory.array_types import Array
 
 VECTORS = ("free", "normal", "force", "point", "centre")  # of parts and of rigid surfaces
+ALONG = 1e-9  # of a motion, that may lie across a direction by rounding
 STEPS = {False: 1, True: 10}  # of loads, without and with yield or friction
 
 
@@ -63,6 +64,9 @@ class Model:
         thickness: float = 1.0,
         mean_dilatation: bool = False,
     ) -> None:
+        dims = [getattr(each, "dim", None) for each in (cell_tags, facet_tags)]
+        if dims != [mesh.topology.dim, mesh.topology.dim - 1]:
+            raise ValueError("cell_tags and facet_tags must be MeshTags of cells and of facets")
         if degree not in (1, 2):
             raise ValueError(f"degree {degree!r} is not there: give 1 or 2")
         self.kinematics = kinematics(mesh, section, thickness, mean_dilatation)
@@ -71,8 +75,9 @@ class Model:
         self._assembly: Assembly | None = None
 
     def add(self, *parts: Part) -> Any:
-        """Add parts; returns the part or, of several, all of them. Raises ValueError for a
-        direction that does not fit the mesh and once solved, TypeError for what is no part.
+        """Add parts; returns the part or, of several, all of them. Raises ValueError for a vector
+        that does not fit the mesh, a tag that is no whole number and once solved, TypeError for
+        what is no part.
         """
         if self._assembly is not None:
             raise ValueError("nothing can be added to a model that was solved")
@@ -84,9 +89,12 @@ class Model:
         dim = self._mesh[0].geometry.dim
         for each in parts:
             for owner in (each, getattr(each, "primary", None)):
-                given = [getattr(owner, name, None) for name in VECTORS]
-                if any(vector is not None and len(vector) != dim for vector in given):
-                    raise ValueError(f"{owner} needs vectors with {dim} components")
+                for name in VECTORS:
+                    if getattr(owner, name, None) is not None:
+                        finite(owner, name, getattr(owner, name), dim)
+            tags = each.tags if isinstance(each, Contact) else [each.tag]
+            if not all(isinstance(tag, int | np.integer) for tag in tags):
+                raise ValueError(f"{each}: a tag must be a whole number")
         self.parts += parts
         return parts[0] if len(parts) == 1 else parts
 
@@ -167,7 +175,7 @@ class Solution:
         if not self.converged:
             raise ValueError(f"there is no state to go on from: {self.reason}")
         count = STEPS[model.remembers] if steps is None else steps
-        if not isinstance(count, int) or count < 1:
+        if type(count) is not int or count < 1:
             raise ValueError(f"steps must be a whole number from 1 on, not {steps!r}")
         target = {**state.loads, **{hub: _checked(model, hub, load) for hub, load in loads.items()}}
         state = replace(state, history=())
@@ -215,14 +223,13 @@ def _checked(model: Assembly, hub: Hub, load: Load) -> tuple[float | None, Array
         raise TypeError(f"{load!r} is no load of a hub: give Force or Move")
     dim = model.kinematics.dim
     given = load.move if isinstance(load, Force) else load.vector
-    motion = np.zeros(dim) if given is None else np.asarray(given, float)
-    if motion.shape != (dim,) or not np.isfinite(motion).all():
-        raise ValueError(f"{load} needs a motion of {dim} finite numbers")
+    motion = finite(load, "motion", [0.0] * dim if given is None else given, dim)
+    free = None if hub.free is None else unit("free", hub.free)
+    across = motion if free is None else motion - (motion @ free) * free
+    if hub.slides and np.linalg.norm(across) > ALONG * np.linalg.norm(motion):
+        raise ValueError(f"{load} moves across the free direction of {hub}, which slides")
     if not isinstance(load, Force):
         return None, motion
-    if hub.free is None:
+    if free is None:
         raise ValueError(f"{hub} has no free direction for a force")
-    if not np.isfinite(load.value):
-        raise ValueError(f"{load} is not finite")
-    free = unit("free", hub.free)
-    return float(load.value), motion - (motion @ free) * free
+    return float(finite(load, "value", load.value)), across

@@ -106,8 +106,9 @@ class FrictionalProblem(PlasticProblem):
         return np.concatenate([active, active & self.slides])
 
     def all_slides(self, active: Mask) -> bool:
-        """Whether all points of all ranks that touch, (n,), slide (collective)."""
-        local = [int(active.sum()), int((active & ~self.slides).sum())]
+        """Whether all points of all ranks that touch, (n,), with friction slide (collective)."""
+        rubs = active & (self.coefficient > 0)
+        local = [int(rubs.sum()), int((rubs & ~self.slides).sum())]
         touching, sticking = self.slip.comm.tompi4py().allreduce(np.array(local))
         return bool(touching and not sticking)
 

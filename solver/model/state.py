@@ -23,7 +23,7 @@ class State:
     """State of a model with n contact points on this rank.
 
     displacement: on all dofs that this process owns.
-    loads: of all hubs; motions: of each hub (c,).
+    loads: of all hubs; motions: of each hub (c,). share: of the bodies' forces that acts.
     nodal: force that each node of this rank needs from outside (nodes, c): of supports and hubs.
     bulk, surface: plastic histories at Gauss points and contact points.
     pairing: contact points; outdated: whether points have slid by too much since they were paired.
@@ -34,6 +34,7 @@ class State:
     displacement: PETSc.Vec
     loads: HubLoads
     motions: Mapping[Hub, Array]
+    share: float
     nodal: Array
     bulk: History
     surface: History

@@ -30,15 +30,17 @@ STEPS = 50  # Newton's, at most
 
 
 def advance(model: Assembly, state: State, target: HubLoads, steps: int) -> State:
-    """State under other loads, which change evenly in steps, see `in_steps`. Where one fails, the
-    last state that converged, with the result that did not (collective).
+    """State under other loads, which change evenly in steps, see `in_steps`; from rest the bodies'
+    forces grow with them. Where a step fails, the last state that converged, with the result that
+    did not (collective).
     """
-    start = _continued(state, target)
+    start, first = _continued(state, target), state.share
 
     def step(share: float) -> bool:
         """Go to the loads at a share of the way; returns whether that converged."""
         nonlocal state
-        new = _step(model, state, _between(start, target, share))
+        grown = first + share * (1 - first)
+        new = _step(model, state, _between(start, target, share), grown)
         history = state.history + tuple(new.result.history)
         converged = new.result.converged
         state = replace(new if converged else state, result=new.result, history=history)
@@ -71,15 +73,17 @@ def _between(start: HubLoads, target: HubLoads, share: float) -> HubLoads:
     return out
 
 
-def _step(model: Assembly, before: State, loads: HubLoads) -> State:
-    """State after one step, converged or not; its history is that of the step (collective)."""
+def _step(model: Assembly, before: State, loads: HubLoads, share: float) -> State:
+    """State after one step, converged or not, under a share of the bodies' forces; its history is
+    that of the step (collective).
+    """
     pairing, y = before.pairing, None
     if before.outdated:
         pairing = model.surfaces.pair(model.gathered(before.displacement))
     done: list[newton.NewtonStep] = []
     outdated = False
     for _ in range(MOST_PAIRINGS):
-        problem, prescribed = _problem(model, before, pairing, loads)
+        problem, prescribed = _problem(model, before, pairing, loads, share)
         pressed = _carried(before.pressure, before.pairing, pairing)
         problem.reference_force = problem.contact_force(pressed)
         active = pressed > 0
@@ -111,7 +115,7 @@ def _step(model: Assembly, before: State, loads: HubLoads) -> State:
     else:
         pairing, result.reason = paired, "the pairs of points do not settle"
     result = replace(result, history=done)
-    return _state(model, before, problem, pairing, loads, u, gap, result, outdated)
+    return _state(model, before, problem, pairing, loads, share, u, gap, result, outdated)
 
 
 def _carried(values: Array, old: Interface, new: Interface) -> Array:
@@ -126,7 +130,7 @@ def _carried(values: Array, old: Interface, new: Interface) -> Array:
 
 
 def _problem(
-    model: Assembly, before: State, pairing: Interface, loads: HubLoads
+    model: Assembly, before: State, pairing: Interface, loads: HubLoads, share: float
 ) -> tuple[ContactProblem, PETSc.Vec]:
     """Equations of a step from a state, and the prescribed displacement (collective)."""
     unknowns, face, law = model.unknowns(loads), pairing, model.law
@@ -134,7 +138,7 @@ def _problem(
     prescribed = model.prescribed(loads)
     force = model.stiffness * prescribed
     force.scale(-1.0)
-    force.axpy(1.0, model.body_force)
+    force.axpy(share, model.body_force)
     reduced = p.createVecRight()
     p.multTranspose(force, reduced)
     for hub, place in zip(unknowns.hubs, unknowns.reduction.places, strict=True):
@@ -213,6 +217,7 @@ def _state(
     problem: ContactProblem,
     pairing: Interface,
     loads: HubLoads,
+    share: float,
     u: PETSc.Vec,
     gap: Array,
     result: NewtonResult,
@@ -223,7 +228,7 @@ def _state(
     bulk, surface = before.bulk, before.surface
     traction, lost = np.zeros(pairing.tangents.shape[:2]), np.zeros(len(pressure))
     nodal = model.stiffness * u
-    nodal.axpy(-1.0, model.body_force)
+    nodal.axpy(-share, model.body_force)
     if isinstance(problem, FrictionalProblem):
         bulk, surface = problem.state
         traction = problem.traction
@@ -242,6 +247,7 @@ def _state(
         displacement=u,
         loads=loads,
         motions=motions,
+        share=share,
         nodal=nodal.array.reshape(-1, model.kinematics.dim).copy(),
         bulk=bulk,
         surface=surface,

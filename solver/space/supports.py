@@ -62,6 +62,16 @@ def unit(name: str, vector: Any) -> Array:
     return np.asarray(out / length)
 
 
+def finite(owner: Any, name: str, given: Any, *shape: int) -> Array:
+    """A number or, with a shape, an array that a part has. Raises ValueError for what is not finite
+    and for another shape; owner, name: of the part and of its attribute, for the message.
+    """
+    out = np.asarray(given)
+    if out.shape != shape or out.dtype.kind not in "iuf" or not np.isfinite(out).all():
+        raise ValueError(f"{owner}: {name} must be {math.prod(shape)} finite number(s)")
+    return out.astype(float)
+
+
 def must_exist(what: str, tags: Any, tag: int, comm: MPI.Intracomm) -> None:
     """Raise ValueError where no rank has an entity with this tag; what: word for the entity in the
     message; tags: MeshTags (collective).

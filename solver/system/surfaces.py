@@ -26,9 +26,10 @@ from railhead.theory.array_types import Array, Index, Mask
 
 BENT = 1e-3  # 1 - cosine between facets of degree 1 that stand for a curved surface
 FACING = -0.1  # largest product of the normals of surfaces that face each other
+OUTWARD = 0.5  # product, at least, of a normal given with a gap and that of the facet
 DRIFT = 0.1  # of a facet, by which a point may slide before pairs are made anew
 GapFunction = Callable[[Array], tuple[Array, Array]]
-"""Points (n, c) of the secondary surface -> gap (n,) along its outward normals, not finite where
+"""Points (n, c) of the secondary surface -> gap (n,) along its outward normals, infinite where
 they miss the primary surface, and these unit normals (n, c or 3)."""
 
 
@@ -97,7 +98,8 @@ class Contact:
     @property
     def tags(self) -> list[int]:
         """Tags of the facets of its surfaces."""
-        return [each for each in (self.secondary, self.primary) if isinstance(each, int)]
+        every = (self.secondary, self.primary)
+        return [each for each in every if not isinstance(each, Plane | Sphere | None)]
 
 
 class Surfaces:
@@ -119,35 +121,36 @@ class Surfaces:
         factors: Sequence[float] = (1.0,),
         cut: bool = True,
     ) -> None:
-        """factors: one of each contact (collective). Raises ValueError for a gap that gives no unit
-        normals, or other numbers of values than of points.
+        """factors: one of each contact (collective). Raises ValueError for a gap that is no number,
+        gives no outward unit normals, or other numbers of values than of points.
         """
         self.contacts, self.comm, self.bulk, self.cut = contacts, comm, bulk, cut
-        tags = [each.primary if isinstance(each.primary, int) else None for each in contacts]
         none = np.zeros(0, np.int32)
         self.secondary = [FacetSet.on(bulk, facet_tags.find(each.secondary)) for each in contacts]
-        masters = [FacetSet.on(bulk, none if t is None else facet_tags.find(t)) for t in tags]
+        others = [[*map(facet_tags.find, each.tags[1:]), none][0] for each in contacts]
+        masters = [FacetSet.on(bulk, facets) for facets in others]
         self.primary = [each.gathered(comm) for each in masters]
         self.slave, self.other = FacetSet.joined(self.secondary), FacetSet.joined(self.primary)
         for each, surface in zip(contacts, self.secondary, strict=True):
             fits = each.gap is None or _fits(each.gap, surface)
             if not all(comm.allgather(fits)):
                 raise ValueError(
-                    f"gap of surface {each.secondary} must give, for n points, n gaps and n unit "
-                    "normals"
+                    f"gap of surface {each.secondary} must give, for n points, n gaps (infinite: a "
+                    "miss) and n outward unit normals"
                 )
         self._number = np.repeat(np.arange(len(contacts)), [len(each) for each in self.secondary])
         self.bound = np.asarray(factors)[self._number] * contact_interface.trace_bound(
             self.slave, 2 * self.slave.degree, self._normals
         )
-        for each, surface in zip(contacts, self.primary, strict=True):
-            own = surface.flat_normals
-            straight = each.gap is None and surface.geometry_degree == 1 and len(own)
-            if straight and (own @ own[0]).min() < 1 - BENT:
-                self._warn(
-                    f"facets {each.primary} are straight on a curved surface, which adds some 10 % "
-                    "to the pressure: take a mesh of degree 2, or give the gap"
-                )
+        for each, *surfaces in zip(contacts, self.secondary, masters, strict=True):
+            for tag, surface in zip(each.tags, surfaces, strict=False):
+                every = np.concatenate(comm.allgather(surface.flat_normals))
+                straight = each.gap is None and surface.geometry_degree == 1
+                if straight and (every @ every[0]).min() < 1 - BENT:
+                    self._warn(
+                        f"facets {tag} are straight on a curved surface, which adds some 10 to 27 "
+                        "% to the pressure: take a mesh of degree 2, or give the gap"
+                    )
 
     def _warn(self, text: str) -> None:
         """Warn on rank 0."""
@@ -184,7 +187,10 @@ class Surfaces:
             keep, gap = np.isfinite(now), now - change
             whole, met = self.comm.allreduce(np.array([whole, weights[keep].sum()]))
             if not met:
-                raise ValueError(f"surface {contact.secondary} has nothing opposite its points")
+                raise ValueError(
+                    f"surface {contact.secondary} has nothing opposite its points: their "
+                    "normals miss, or the overlap is above a facet's length"
+                )
             missed.append(1 - met / whole)
             facet, partner = at[0][keep] + slaves, foot[0][keep]
             partner = np.where(partner >= 0, partner + others, -1)
@@ -286,11 +292,17 @@ class Surfaces:
 
 
 def _fits(gap: GapFunction, surface: FacetSet) -> bool:
-    """Whether a gap gives one value and one unit normal for each of some points of a surface."""
-    points = surface.tangents(*surface.quadrature(1)[0])[0]
+    """Whether a gap gives one value and one unit normal for each of some points of a surface, and
+    the normals point out of it.
+    """
+    at, _ = surface.quadrature(1)
+    points, tangents = surface.tangents(*at)
     try:
         distance, normals = (np.asarray(each, float) for each in gap(points))
-        sizes = np.linalg.norm(normals[np.isfinite(distance)], axis=1)
+        met, count = np.isfinite(distance), points.shape[1]
+        sizes = np.linalg.norm(normals[met], axis=1)
+        out = (normals[:, :count] * surface.normals(at[0], tangents)).sum(axis=1)[met]
     except (TypeError, ValueError, IndexError):
         return False
-    return len(normals) == len(points) == distance.size and bool(np.allclose(sizes, 1, atol=0.01))
+    fits = len(normals) == len(points) == distance.size and bool((out > OUTWARD).all())
+    return fits and not np.isnan(distance).any() and bool(np.allclose(sizes, 1, atol=0.01))
