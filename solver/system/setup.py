@@ -214,9 +214,11 @@ class Setup:
         )
 
     def exact(self, points: Array) -> tuple[Array, Array]:
-        """`gap`, from points (n, c) and with normals (n, c) in the c coordinates of the mesh."""
+        """`gap`, from points (n, c) and with normals (n, c) in the c coordinates of the mesh; where
+        it is not finite, it is infinite.
+        """
         gap, normals = self.gap(self.kinematics.lift(points))
-        return gap, self.kinematics.flatten(normals)
+        return np.where(np.isfinite(gap), gap, np.inf), self.kinematics.flatten(normals)
 
     @property
     def push(self) -> Array:
