@@ -219,11 +219,13 @@ def run(
 def _check_bodies(option: str, scenes: Sequence[Scene]) -> None:
     """Raise SceneError where an option asks for .vtu files of scenes that have none."""
     if any(each.effects.finite_bodies == "off" for each in scenes):
-        text = f"half-spaces have no bodies to write; leave out {option} or --fast"
-        raise SceneError(option, text)
+        raise SceneError(
+            option, f"half-spaces have no bodies to write; leave out {option} or --fast"
+        )
     if not all(each.asks("stresses") for each in scenes):
-        text = f".vtu files need stresses; leave out {option} or add stresses to --only"
-        raise SceneError(option, text)
+        raise SceneError(
+            option, f".vtu files need stresses; leave out {option} or add stresses to --only"
+        )
 
 
 def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: bool) -> Path:

@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
+from functools import cached_property
 from itertools import product
 from math import prod
 from pathlib import Path
@@ -72,16 +73,18 @@ class ParameterGrid:
         """Values of the changing keys in scene `number` by dotted key, in base units."""
         return {key: self.scenes[number].value(key) for key in self.keys}
 
-    def names(self, number: int) -> dict[str, str]:
-        """Names of the files among the values of scene `number` by dotted key: the last parts of
-        their paths, as many as tell all values of the key apart.
+    @cached_property
+    def names(self) -> list[dict[str, str]]:
+        """Names of the files among the values of each scene by dotted key: the last parts of their
+        paths, as many as tell all values of the key apart.
         """
-        found = {}
+        found: list[dict[str, str]] = [{} for _ in self.scenes]
         for key in (key for key in self.keys if key.endswith(FILES)):
             paths = [Path(str(scene.value(key))).parts for scene in self.scenes]
             counts = range(1, max(map(len, paths)) + 1)
-            apart = (n for n in counts if len({path[-n:] for path in paths}) == len({*paths}))
-            found[key] = str(Path(*paths[number][-next(apart) :]))
+            last = next(n for n in counts if len({path[-n:] for path in paths}) == len({*paths}))
+            for names, path in zip(found, paths, strict=True):
+                names[key] = str(Path(*path[-last:]))
         return found
 
     def label(self, number: int) -> str:

@@ -192,7 +192,7 @@ def _solve_all(
     for group, wanted in zip(groups, missing, strict=True):
         planned = {number: plans[number] for number in group}
         for part in split_among_workers(wanted, busy, workers):
-            over = {number: (sweep.values(number), sweep.grid.names(number)) for number in part}
+            over = {number: (sweep.values(number), sweep.grid.names[number]) for number in part}
             job = submit(
                 _solve, sweep.folder, over, planned, sweep.vtu, sweep.fields, sweep.keep_results
             )
@@ -285,8 +285,9 @@ def _write(
 
     done = store.done(folder)
     for number in faults.keys() - done:
-        fault = RuntimeError(faults[number])
-        again = sweep_table.record(sweep.values(number), fault, grid.names(number))
+        again = sweep_table.record(
+            sweep.values(number), RuntimeError(faults[number]), grid.names[number]
+        )
         rows[number] = sweep_table.row(again)
         with suppress(OSError):  # of a full disk
             store.write(folder, number, again, again=True)

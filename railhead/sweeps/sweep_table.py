@@ -47,8 +47,13 @@ def record(
         for line in findings.patch.outlines:
             points = (findings.frame.place(float(x), float(s)) for x, s in line)
             outlines.append([[round(x, 4), round(y, 4)] for x, y, _ in points])
-    table: dict[str, Any] = {"over": over, "names": names, "fault": ""}
-    table |= {"summary": result.summary, "outlines": outlines}
+    table: dict[str, Any] = {
+        "over": over,
+        "names": names,
+        "fault": "",
+        "summary": result.summary,
+        "outlines": outlines,
+    }
     placed = result.plan.contact.placed if result.plan.scene.rail.gauge else None
     if placed is not None:
         here, there = placed.right.touches[0], placed.left.touches[0]
@@ -73,8 +78,10 @@ def row(record: Mapping[str, Any]) -> dict[str, Any]:
     """
     over = record["over"]
     ends = {key: Path(str(value)).name for key, value in over.items() if key.endswith(FILES)}
-    named = over | (record.get("names") or ends)
-    cells: dict[str, Any] = {column(key): shown(key, value) for key, value in named.items()}
+    cells: dict[str, Any] = {
+        column(key): shown(key, value)
+        for key, value in (over | (record.get("names") or ends)).items()
+    }
     cells[CHECKS] = status(record)
     if record["fault"]:
         return cells

@@ -69,7 +69,7 @@ def test_files_of_one_name_are_told_apart_by_their_folders(tmp_path, in_this_pro
     assert [row["rail.profile"] for row in rh.load(out).rows()] == ["p1/rail.csv", "p2/rail.csv"]
     assert [row["checks"] for row in table.rows()] == ["passed"] * 2
     grid = ParameterGrid.combine(scene, {"rail.profile": [*paths[::2], "60E1"]})
-    assert [grid.names(n)["rail.profile"] for n in range(3)] == ["rail.csv", "worn.csv", "60E1"]
+    assert [names["rail.profile"] for names in grid.names] == ["rail.csv", "worn.csv", "60E1"]
 
 
 @pytest.mark.parametrize(

@@ -235,11 +235,11 @@ def test_what_has_no_memory_now_is_tried_again_by_resume(tmp_path: Path, monkeyp
     plan = planning.make(rh.find("sphere_on_plane"))
     (tmp_path / "records").mkdir()
     monkeypatch.setattr("railhead.run.refinement.cost.free_memory", lambda: 0)
-    _, short = parallel._solve(tmp_path, {7: {}}, {7: plan}, False, False, False)
+    _, short = parallel._solve(tmp_path, {7: ({}, {})}, {7: plan}, False, False, False)
     assert list(short) == [7] and "GB free" in short[7]
     assert store.done(tmp_path) == set()
     monkeypatch.undo()
-    assert parallel._solve(tmp_path, {7: {}}, {7: plan}, False, False, False) == ({}, {})
+    assert parallel._solve(tmp_path, {7: ({}, {})}, {7: plan}, False, False, False) == ({}, {})
     assert store.done(tmp_path) == {7}
 
 

@@ -1,6 +1,5 @@
 """Tables of creep forces: symmetries, limits, and rows beside solutions of their own."""
 
-import json
 import math
 from dataclasses import replace
 
@@ -154,14 +153,11 @@ def test_between_axis_ratios_are_the_forces_of_that_ratio() -> None:
 def test_the_command_writes_a_table_and_says_its_errors(tmp_path, capsys) -> None:
     out = tmp_path / "t"
     asked = "--ratios", "1", "--accuracy", "20%", "--cells", "12", "--out", str(out)
-    assert command.status("table", *asked, "--quiet", "--json") == 0
-    said = json.loads(capsys.readouterr().out)
-    read = creep_table.CreepTable.load(out / "table.npz")
-    assert said["interpolation_error"]["moment"] == read.interpolation[2] > 0
-    assert said["cases"] == read.values[0, 0].size and read.cells == 12
     assert command.status("table", *asked) == 0
     text = capsys.readouterr().out
-    assert f"{said['cases']} cases; between them 95 % of places are within" in text
+    read = creep_table.CreepTable.load(out / "table.npz")
+    assert np.all(read.interpolation > 0) and read.cells == 12
+    assert f"{read.values[0, 0].size} cases; between them 95 % of places are within" in text
     assert f"force_along  {read.interpolation[0]:.2%}, grid at most" in text
     assert command.refused(capsys, "table", "--ratios", "wide").endswith("give LOW:HIGH")
 
