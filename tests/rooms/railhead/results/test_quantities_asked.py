@@ -139,7 +139,7 @@ def test_a_sweep_computes_what_is_asked(tmp_path, monkeypatch) -> None:
     assert command.status("sweep", "hertz_ellipse", "--fast", *keys, *asked) == 0
     with open(out / "sweep.csv", encoding="utf-8-sig") as file:
         rows = list(csv.DictReader(file))
-    (force,) = (name for name in rows[0] if name.startswith("force along"))
+    (force,) = (name for name in rows[0] if name.startswith("force along ["))
     assert len(rows) == 2 and all(float(row[force]) > 0 for row in rows)
     names = "force along", "force across", "moment", "T-gamma"
     assert all(0 < float(row[f"{name} estimate"]) < 0.1 for row in rows for name in names)
