@@ -636,7 +636,7 @@ def make(scene: Scene) -> Plan:
     """The plan of a scene; nothing is meshed. Its bodies are outlined once as a check.
     Raises SceneError for a pair that cannot be solved as a point or line contact, and, where no
     budget is given, for an accuracy that no mesh is expected to meet. So it does for effects that a
-    person cannot choose, and for bodies that cannot be built.
+    person cannot choose, for bodies that cannot be built, and above 1e9 (MOST_UNKNOWNS) unknowns.
     """
     plan = _decided(scene)
     if scene.accuracy is not None and scene.budget is None and plan.family is not None:
@@ -650,9 +650,10 @@ def make(scene: Scene) -> Plan:
                 f"budget{instead}",
             )
     if plan.unknowns > MOST_UNKNOWNS:
-        text = f"{plan.patch_size:.3g} mm makes about {plan.unknowns:.2g} unknowns"
         raise SceneError(
-            "mesh.patch_size", f"{text}, more than {MOST_UNKNOWNS:g}; give a larger one"
+            "mesh.patch_size",
+            f"{plan.patch_size:.3g} mm makes about {plan.unknowns:.2g} unknowns, more than "
+            f"{MOST_UNKNOWNS:g}; give a larger one",
         )
     plan.parts()
     return plan

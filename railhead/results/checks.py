@@ -671,14 +671,13 @@ def not_asked(plan: Plan) -> dict[str, str]:
     stresses tell whether it yields.
     """
     rubs = plan.effects["friction"].called_for
-    rolled = plan.effects["plasticity"].on or plan.effects["passes"].on
-    yields = any(part.yields for part in plan.context.stressed.values()) and not rolled
-    unread = yields and not plan.stresses_asked
+    known = plan.stresses_asked or any(plan.effects[each].on for each in ("plasticity", "passes"))
+    yields = any(part.yields for part in plan.context.stressed.values())
     return {
         name: NOT_ASKED
         for name in QUANTITY_GROUPS
         if not plan.scene.asks(name) and (rubs or name not in ("forces", "friction_stresses"))
-    } | ({"plasticity": FORECAST} if unread else {})
+    } | ({"plasticity": FORECAST} if yields and not known else {})
 
 
 def _unknown(second: Mapping[str, Any]) -> str:

@@ -140,10 +140,9 @@ def check_plasticity(context: Context, effect: Effect, found: Findings) -> PostS
     Without any yield stress nothing is needed, and the verdict is notable where the usual rail
     steel would yield.
     """
-    largest = {name: each.von_mises.value for name, each in found.largest.items()}
-    if not largest:
-        parts = context.stressed.items()
-        largest = {name: context.von_mises(part.poisson_ratio) for name, part in parts}
+    largest = {name: each.von_mises.value for name, each in found.largest.items()} or {
+        name: context.von_mises(part.poisson_ratio) for name, part in context.stressed.items()
+    }
     stresses = {name: largest[name] for name in _yielding(context) if name in largest}
     if not stresses:
         return PostSolveVerdict(False, *_steel_yields(context, largest))

@@ -200,6 +200,38 @@ def test_unlike_half_spaces_that_roll_are_within_their_estimate() -> None:
     assert abs(share + 0.291) < answer["accuracy"]["parts"]["force_along_N"]["grid"] < 0.03
 
 
+@pytest.mark.parametrize(
+    ("case", "keys", "peak", "area"),
+    [
+        ("hertz_ellipse", ["rolling.creepage_along=0.05%", "friction.coefficient=0.3"],
+         1316.6, 29.068),
+        ("hertz_ellipse", ["rolling.creepage_along=0.5%", "rolling.spin=1e-3",
+                           "friction.coefficient=0.5"], 1279.9, 29.652),
+        ("s1002_60e1", ["rolling.from_wheelset=true", "wheelset.shift=2mm",
+                        "friction.coefficient=0.4"], 1309.3, 12.294),
+    ],
+)  # fmt: skip
+def test_pressure_and_patch_of_unlike_half_spaces_are_those_beside_the_tractions(
+    case, keys, peak, area
+) -> None:
+    """Peak (MPa) and area (mm2) are those of grids of 256 (ellipse) and 128 cells."""
+    keys = [*keys, "wheel.young_modulus=inf", "quantities=patch,forces"]
+    result = fast(case, *keys)
+    pressure = result.contact_points["pressure"]
+    assert result.pressure.max == pytest.approx(pressure.max(), rel=1e-3)
+    assert result.patch.area == pytest.approx(area, rel=result.estimate.area)
+    assert result.pressure.max == pytest.approx(peak, rel=result.estimate.pressure_max)
+    assert result.estimate.pressure_max < 0.01 and result.estimate.area < 0.01
+
+
+def test_the_pressure_of_an_unlike_strip_is_hertz_s_within_what_tractions_change() -> None:
+    keys = ["friction.coefficient=0.3", "rolling.creepage_along=0.05%", "rail.extent=half-space"]
+    result = fast("roller_on_block", *keys, "wheel.young_modulus=inf", "quantities=patch,forces")
+    peak = result.contact_points["pressure"].max()
+    assert peak > 1.02 * result.pressure.max
+    assert result.pressure.max * (1 + result.estimate.pressure_max) > peak
+
+
 def test_an_accuracy_that_half_spaces_miss_is_a_failed_check() -> None:
     assert fast("uic54_thesis", "accuracy=1%").passed
     assert fast("uic54_thesis", "accuracy=0.05%").failed == ["accuracy"]
