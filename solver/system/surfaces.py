@@ -26,7 +26,7 @@ from railhead.theory.array_types import Array, Index, Mask
 
 BENT = 1e-3  # 1 - cosine between facets of degree 1 that stand for a curved surface
 FACING = -0.1  # largest product of the normals of surfaces that face each other
-OUTWARD = 0.5  # product, at least, of a normal given with a gap and that of the facet
+OUTWARD = 0.5  # product, at least in the mean, of normals given with a gap and those of facets
 DRIFT = 0.1  # of a facet, by which a point may slide before pairs are made anew
 GapFunction = Callable[[Array], tuple[Array, Array]]
 """Points (n, c) of the secondary surface -> gap (n,) along its outward normals, infinite where
@@ -293,7 +293,7 @@ class Surfaces:
 
 def _fits(gap: GapFunction, surface: FacetSet) -> bool:
     """Whether a gap gives one value and one unit normal for each of some points of a surface, and
-    the normals point out of it.
+    the normals point out of it, in the mean over what is met.
     """
     at, _ = surface.quadrature(1)
     points, tangents = surface.tangents(*at)
@@ -304,5 +304,5 @@ def _fits(gap: GapFunction, surface: FacetSet) -> bool:
         out = (normals[:, :count] * surface.normals(at[0], tangents)).sum(axis=1)[met]
     except (TypeError, ValueError, IndexError):
         return False
-    fits = len(normals) == len(points) == distance.size and bool((out > OUTWARD).all())
-    return fits and not np.isnan(distance).any() and bool(np.allclose(sizes, 1, atol=0.01))
+    fits = len(normals) == len(points) == distance.size and out.sum() >= OUTWARD * out.size
+    return bool(fits) and not np.isnan(distance).any() and bool(np.allclose(sizes, 1, atol=0.01))
