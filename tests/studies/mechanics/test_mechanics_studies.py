@@ -102,7 +102,7 @@ def test_the_page_says_what_leaving_out_costs_and_which_verdicts_are_wrong():
     ends = [after("20 passes, free"), after("20 passes, driven", passed=False)]
     text = passes.page(rolled("free"), ends, others, points)
     assert "the elastic pressure is 20 % above" in text
-    assert "0.50 of the plastic strain, and a pit of 2.00 times" in text
+    assert "0.50 of the plastic strain and a pit of 2.00 times" in text
     assert "on the right side of the limit at all 2 places" in text
     assert text.count("A check did not pass") == 1
     points[2]["verdict"] = "shakes down"

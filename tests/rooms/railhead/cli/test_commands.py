@@ -180,7 +180,7 @@ WRONG = [
     (["run", "uic54_22t5_axle", "--set", "effects.symmetry=on"], "effects.symmetry"),
     (["run", "uic54_thesis", "--accuracy", "0"], "accuracy"),
     (["run", "uic54_thesis", "--nonsense"], "nonsense"),
-    (["run", "hertz_ellipse", "--set", "mesh.patch_size=0.002"], "GB free"),
+    (["run", "hertz_ellipse", "--set", "mesh.patch_size=0.02"], "GB free"),
     (["run", "hertz_ellipse", "--set", "rail.crown_radius=0.001"], "GB free"),
     (["run", "long_roller", "--ranks", "1.5"], "'1.5' is not a valid number of processes; give"),
     (["run", "long_roller", "--ranks", "two"], "'two' is not a valid number of processes; give"),

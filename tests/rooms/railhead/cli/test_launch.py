@@ -85,5 +85,5 @@ def test_without_room_for_temporary_files_there_is_one_process(
 
 def test_a_mesh_that_does_not_fit_starts_no_processes(eight, capsys, monkeypatch) -> None:
     monkeypatch.setattr(launch, "restart", lambda *_: pytest.fail("started"))
-    assert command.status("run", "hertz_ellipse", "--set", "mesh.patch_size=0.002") == 2
+    assert command.status("run", "hertz_ellipse", "--set", "mesh.patch_size=0.02") == 2
     assert "GB free" in capsys.readouterr().err
