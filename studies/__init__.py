@@ -7,7 +7,7 @@ folder that a new run leaves.
 
 STUDIES = {
     "accuracy_cost": (
-        "studies.accuracy.accuracy_cost",
+        "studies.cost.accuracy_cost",
         "error against time: penalty and Nitsche, four elements, four sizes, asked accuracies",
     ),
     "calibrate": (
@@ -63,15 +63,15 @@ STUDIES = {
         "noise of measured profiles: seeds, levels and spacings on worn rails and wheels",
     ),
     "ranks": (
-        "studies.accuracy.ranks",
+        "studies.cost.ranks",
         "one process against two, by parts of a run, and a forecast for more",
     ),
     "scaling": (
-        "studies.accuracy.scaling",
+        "studies.cost.scaling",
         "time and memory per unknown, contact against one linear elastic solve",
     ),
     "speed": (
-        "studies.accuracy.speed",
+        "studies.cost.speed",
         "processor seconds of a position by half-spaces: all, or patch and forces alone",
     ),
     "thesis": (

@@ -1,1 +1,1 @@
-"""What error estimates rest on and whether they hold; what accuracy costs, and effects."""
+"""What error estimates rest on and whether they hold; what effects change."""

@@ -14,7 +14,7 @@ from one_line import refusal
 
 from railhead.cli import study
 from railhead.scene import catalogue
-from studies.accuracy import accuracy_cost
+from studies.cost import accuracy_cost
 
 #: Files beside the page, and what it says.
 QUICK = {

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from studies.accuracy import accuracy_cost, calibrate, error_bounds, scaling
-from studies.accuracy import ranks as ranks_study
+from studies.accuracy import calibrate, error_bounds
+from studies.cost import accuracy_cost, scaling
+from studies.cost import ranks as ranks_study
 from studies.hard import hard_cases as hard_page
 from studies.hard.case import CaseErrors, CaseOutcome, Deviation, HardCase
 from studies.tables import front, power_law, table, wrapped

@@ -80,7 +80,7 @@ def main(out: Path, *, quick: bool) -> None:
     records = []
     for size in SIZES[: 2 if quick else None]:
         print(f"patch size {size:g} mm", file=sys.stderr)
-        records.append(processes.measured("studies.accuracy.scaling", size))
+        records.append(processes.measured("studies.cost.scaling", size))
     tables.publish(out, page(records), scaling=records)
 
 

@@ -55,7 +55,7 @@ def recorded(patch_size: float, ranks: int) -> Row:
     to the findings, start: what is none of the other parts. product: bytes of K that one process
     reads for one product; halo: bytes that it is sent for it (the mean of all)."""
     begin = time.time()
-    found = processes.measured("studies.accuracy.ranks", patch_size, ranks)
+    found = processes.measured("studies.cost.ranks", patch_size, ranks)
     whole, parts = found["end"] - begin, {name: found[name] for name in PARTS[1:]}
     return {
         "unknowns": found["dofs"],

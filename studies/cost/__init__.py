@@ -1,0 +1,1 @@
+"""What answers cost in time and memory: over accuracy, size, processes and what is asked."""
