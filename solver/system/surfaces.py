@@ -144,9 +144,10 @@ class Surfaces:
         )
         for each, *surfaces in zip(contacts, self.secondary, masters, strict=True):
             for tag, surface in zip(each.tags, surfaces, strict=False):
+                if each.gap is not None or surface.geometry_degree > 1:
+                    continue
                 every = np.concatenate(comm.allgather(surface.flat_normals))
-                straight = each.gap is None and surface.geometry_degree == 1
-                if straight and (every @ every[0]).min() < 1 - BENT:
+                if (every @ every[0]).min() < 1 - BENT:
                     self._warn(
                         f"facets {tag} are straight on a curved surface, which adds some 10 to 27 "
                         "% to the pressure: take a mesh of degree 2, or give the gap"
