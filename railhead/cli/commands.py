@@ -126,7 +126,7 @@ def plan(
 @click.option("--budget", help="Best accuracy for that time, e.g. 30s.")
 @click.option("--out", type=click.Path(path_type=Path), help="Result folder [results/<case>].")
 @options.force
-@click.option("--no-pictures", is_flag=True, help="Write no PNG files and no report.html.")
+@options.no_pictures
 @options.picture_format
 @click.option("--no-report", is_flag=True, help="Write no report.html.")
 @click.option("--brief", is_flag=True, help="Write report.html on one page.")
@@ -135,7 +135,7 @@ def plan(
 )
 @options.units
 @click.option("--ranks", type=PROCESSES, metavar="NUMBER", help="Processes [as many as pay].")
-@click.option("--quiet", is_flag=True, help="Print only what fails.")
+@options.quiet
 @click.option("--json", "as_json", is_flag=True, help="Print summary.json and nothing else.")
 @click.pass_obj
 def run(
@@ -257,10 +257,10 @@ def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: b
 @click.option("--resume", is_flag=True, help="Refuse a folder that holds no part of this sweep.")
 @click.option("--vtu", is_flag=True, help="Write .vtu files of each combination, for ParaView.")
 @click.option("--fields", is_flag=True, help="Write pressure and tractions of all into fields.npz.")
-@click.option("--no-pictures", is_flag=True, help="Write no PNG files and no report.html.")
+@options.no_pictures
 @options.picture_format
 @options.units
-@click.option("--quiet", is_flag=True, help="Print only what fails.")
+@options.quiet
 @click.option("--json", "as_json", is_flag=True, help="Print the rows and nothing else.")
 def sweep(
     scene: Scene,
@@ -320,7 +320,7 @@ def sweep(
 @click.option("--cells", default=24, help="Of the finer grid each way [24].")
 @click.option("--law", type=(float, float, float), help="Falling friction: docs/creep-tables.md.")
 @options.force
-@click.option("--quiet", is_flag=True, help="Print only what fails.")
+@options.quiet
 @click.option("--json", "as_json", is_flag=True, help="Print the errors and nothing else.")
 def table(
     out: Path,
@@ -351,9 +351,9 @@ def table(
 @options.takes_scene
 @click.option("--out", type=click.Path(path_type=Path), help="Folder [results/<case>_wear].")
 @options.force
-@click.option("--no-pictures", is_flag=True, help="Write no PNG files.")
+@options.no_pictures
 @options.picture_format
-@click.option("--quiet", is_flag=True, help="Print only what fails.")
+@options.quiet
 @click.option("--json", "as_json", is_flag=True, help="Print wear.json and nothing else.")
 def wear(
     scene: Scene, out: Path | None, force: bool, no_pictures: bool, quiet: bool, as_json: bool

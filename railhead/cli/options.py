@@ -71,6 +71,10 @@ def _once(_: click.Context, __: click.Parameter, assignments: Sequence[str]) -> 
     return assignments
 
 
+no_pictures = click.option(
+    "--no-pictures", is_flag=True, help="Write no PNG files and no report.html."
+)
+quiet = click.option("--quiet", is_flag=True, help="Print only what fails.")
 force = click.option("--force", is_flag=True, help="Replace another result in --out.")
 assign = click.option(
     "--set",
