@@ -1,18 +1,16 @@
 """Figure and units of every picture, and diagrams of the findings against exact Hertz.
 
 Functions that draw a picture end with an argument `target`: the path of a PNG file that is written,
-axes of another figure, as many as the picture has panels, or None. Without axes the figure is new,
-so no state is shared. They return what was drawn on: a figure, the part of one between title and
-notes, or `GivenAxes`; the attribute `figure` of each is the whole. `hertz` is the exact Hertz
-contact, point or line, or None: then only the computed result is drawn. Its middle is at the origin
-of the contact frame.
+or None. They return what was drawn on: a figure, or the part of one between title and notes; the
+attribute `figure` of both is the whole. `hertz` is the exact Hertz contact, point or line, or None:
+then only the computed result is drawn. Its middle is at the origin of the contact frame.
 """
 
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -33,8 +31,8 @@ from railhead.postprocess.findings import (
 from railhead.theory.elastic.line import Hertz
 from railhead.theory.elastic.subsurface import max_shear, principal
 
-Target = Path | Sequence[Axes] | None
-"""PNG file to write, axes of another figure, or None: a new figure that is not written."""
+Target = Path | None
+"""PNG file to write, or None: the figure is not written."""
 
 Drawing = Callable[[Target], Any]
 """Draws a picture on a target and returns its figure, or None where there is nothing to draw."""
@@ -61,56 +59,6 @@ STYLE = {
 }
 
 
-class GivenAxes:
-    """Axes of another figure in the place of a figure, with what a picture asks of its figure.
-
-    axes: as many as the picture has panels, row by row.
-    figure: the other figure.
-    colorbar: the method of that figure that draws a colour bar.
-    """
-
-    def __init__(self, axes: Sequence[Axes]) -> None:
-        """axes: one or more of one figure."""
-        self.axes = list(axes)
-        self.figure = self.axes[0].figure
-        self.colorbar = self.figure.colorbar
-
-    def subplots(
-        self,
-        rows: int = 1,
-        columns: int = 1,
-        *,
-        squeeze: bool = True,
-        sharex: bool = False,
-        sharey: bool = False,
-        **_: Any,
-    ) -> Any:
-        """The axes, as `Figure.subplots` returns new ones; other arguments have no effect.
-        ValueError: the picture has another number of panels.
-        """
-        if len(self.axes) != rows * columns:
-            raise ValueError(
-                f"ax: {len(self.axes)} axes for {rows * columns} panels; give as many as panels"
-            )
-        first, *others = self.axes
-        for each in others:
-            with suppress(ValueError):  # their owner has shared them
-                if sharex:
-                    each.sharex(first)
-                if sharey:
-                    each.sharey(first)
-        every = np.array(self.axes, dtype=object).reshape(rows, columns)
-        return every.squeeze()[()] if squeeze else every
-
-    def legend(self, *handles: Any, loc: str = "", ncols: int = 1, **look: Any) -> None:
-        """Draw the legend of the figure above the first axes; loc and ncols have no effect."""
-        place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.08), "borderaxespad": 0.0}
-        self.axes[0].legend(*handles, **place, **look)
-
-    def suptitle(self, *_: Any, **__: Any) -> None:
-        """Draw no title: that of the figure is its owner's."""
-
-
 @contextmanager
 def new_figure(
     target: Target, width: float, height: float, of: Findings | Subject = UNTITLED
@@ -118,19 +66,14 @@ def new_figure(
     """Context manager: a matplotlib figure of width by height inches, to which title and notes are
     added. The Agg backend draws it; at the end its axes get the units of the subject, and it is
     saved if `target` is the path of a PNG file, and again in the format `savefig.format` of
-    matplotlib's settings. If `target` is axes, these are the figure, with the style of their owner,
-    and there is no title.
+    matplotlib's settings.
 
     of: findings, whose title is written above the figure and whose notes below; or their subject,
         without notes. In titles and notes `$` is a plain character.
-    ValueError: the picture has another number of panels than there are axes.
     """
     import matplotlib
     from matplotlib.figure import Figure
 
-    if target is not None and not isinstance(target, Path):
-        yield GivenAxes(target)
-        return
     subject, notes = (of, ()) if isinstance(of, Subject) else (of.subject, of.notes)
     over = textwrap.wrap(subject.title, int(10.5 * width), break_on_hyphens=False)
     below = [line for note in notes for line in textwrap.wrap(note, int(13 * width))]
@@ -191,33 +134,6 @@ def levels(units: Units, label: str, values: Array, count: int = BANDS) -> Array
     low, high = factor * min(values.min(), 0.0), factor * max(values.max(), 0.0)
     ends = MaxNLocator(count).tick_values(low, high if low < high else 1.0)
     return np.asarray(ends / factor, dtype=np.float64)
-
-
-def draw_one(drawings: Mapping[str, Drawing], picture: str, ax: object = None) -> Figure:
-    """Draw one of several pictures; returns its figure.
-
-    drawings: by name of the PNG file. picture: that name without .png. ax: axes of matplotlib, or
-        several in any nesting, as many as the picture has panels; None: a new figure.
-    ValueError: there is no such picture, `ax` is something else, or their number is another one.
-    """
-    from matplotlib.axes import Axes
-
-    draw = drawings.get(f"{picture}.png")
-    if draw is None:
-        names = ", ".join(name.removesuffix(".png") for name in drawings)
-        text = f"give {names}" if names else "it has none"
-        raise ValueError(f"picture: {picture!r} is none of this result; {text}")
-    if ax is None:
-        target: Target = None
-    else:
-        target = list(np.ravel(np.array(ax, dtype=object)))
-        if not target or not all(isinstance(each, Axes) for each in target):
-            raise ValueError("ax: is no axes of matplotlib; give one, or one for each panel")
-    figure = draw(target)
-    if figure is None:
-        raise ValueError(f"picture: {picture!r} has nothing to draw")
-    found: Figure = figure.figure  # of a part of a figure the whole
-    return found
 
 
 def pressure(findings: Findings, hertz: Hertz | None, target: Target = None) -> Figure:

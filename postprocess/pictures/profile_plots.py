@@ -32,7 +32,7 @@ def profiles(placed: Placed, subject: Subject, target: Target = None) -> Figure:
 
     placed: the wheelset's position.
     subject: title and units.
-    target: PNG file, two axes, or None (`new_figure`).
+    target: PNG file or None (`new_figure`).
     """
     with new_figure(target, 12, 4.2, subject) as figure:
         axes = figure.subplots(1, 2, sharey=True)
@@ -81,7 +81,7 @@ def positions(swept: Sequence[Placed], subject: Subject, target: Target = None) 
 
     swept: the wheelset at several shifts, at least one.
     subject: title and units.
-    target: PNG file, one axes, or None (`new_figure`).
+    target: PNG file or None (`new_figure`).
     """
     from matplotlib.collections import LineCollection
     from matplotlib.colors import LinearSegmentedColormap
@@ -129,7 +129,7 @@ def rolling_radius(
     swept: the wheelset at rising shifts.
     curve: shifts (n,) and rolling radius differences (n,), mm, NaN where a contact jumps.
     subject: title and units.
-    target: PNG file, two axes, or None (`new_figure`).
+    target: PNG file or None (`new_figure`).
     """
     shifts = np.array([placed.shift for placed in swept])
     with new_figure(target, 9, 7, subject) as figure:
@@ -158,7 +158,7 @@ def conicity(
 
     found: equivalent conicity by amplitude, mm; None where there is none.
     subject: title and units.
-    target: PNG file, one axes, or None (`new_figure`).
+    target: PNG file or None (`new_figure`).
     """
     with new_figure(target, 7, 4, subject) as figure:
         ax = figure.subplots()
@@ -183,7 +183,7 @@ def draw_profile(
     found: measured and smoothed profile.
     worn: the standard profile laid on the measured one; None where none fits.
     subject: units.
-    target: PNG file, axes of the panels, or None (`new_figure`).
+    target: PNG file or None (`new_figure`).
     """
     smoothed, profile = found.smoothed, found.profile
     y = np.linspace(*inner(profile), 3000)

@@ -443,9 +443,9 @@ class ExaminedProfile(terminal.Drawn):
         drawings = self.drawings(units or BASE_UNITS) if pictures else {}
         _write(folder, "profile", self, {"profile.csv": rows}, drawings, force is None)
 
-    def plot(self, picture: str = "profile", ax: Any = None) -> Figure:
+    def plot(self, picture: str = "profile") -> Figure:
         """Draw "profile", which has four panels, as `Result.plot`."""
-        return super().plot(picture, ax)
+        return super().plot(picture)
 
     def drawings(self, units: Units = BASE_UNITS) -> dict[str, Drawing]:
         """Function that draws the picture, by name of its PNG file. units: of its numbers."""

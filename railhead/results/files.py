@@ -76,7 +76,8 @@ def write(
 
                 found = None if shown is None else shown.found
                 brief = report == "brief"
-                html.write(solved, summary, units, work, found, cells, brief=brief)
+                text = html.render(solved, summary, units, work, found, brief=brief)
+                (work / html.NAME).write_text(text, encoding="utf-8")
 
 
 def _write_passes(passes: Passes, scene: Scene, work: Path) -> None:

@@ -304,38 +304,6 @@ class Result(terminal.Drawn):
             raise ValueError("no grids: half-spaces answered, nothing touches, or not rank 0")
         return pv.MultiBlock({name: pv.from_meshio(grid) for name, grid in grids.items()})
 
-    def to_xarray(self) -> Any:
-        """`surface` and, with friction, `tractions` as an xarray.Dataset with units in `attrs`:
-        pressure and gap over "node" with the coordinates x, y, z; traction and slip (along
-        "component": x, y, z), sticks and point_pressure over "point" with point_x, point_y and
-        point_z. ImportError: xarray is not installed. ValueError: as of `surface`.
-        """
-        import xarray as xr  # type: ignore[import-not-found]
-
-        surface, friction = self.surface, self.tractions
-        coords: dict[str, Any] = {}
-        values: dict[str, Any] = {
-            "pressure": ("node", surface.pressure, {"units": "MPa"}),
-            "gap": ("node", surface.gap, {"units": "mm"}),
-        }
-        places = {"node": ("", surface.points)}
-        if friction is not None:
-            slip = "1" if self.plan.scene.rolling.prescribed else "mm"
-            vector = ("point", "component")
-            places["point"] = ("point_", friction.points)
-            coords["component"] = ("component", ["x", "y", "z"])
-            values |= {
-                "traction": (vector, friction.traction, {"units": "MPa"}),
-                "slip": (vector, friction.slip, {"units": slip}),
-                "sticks": ("point", friction.sticks, {"units": "1"}),
-                "point_pressure": ("point", friction.pressure, {"units": "MPa"}),
-            }
-        for over, (prefix, points) in places.items():
-            for axis, column in zip("xyz", points.T, strict=True):
-                coords[prefix + axis] = (over, column, {"units": "mm"})
-        origin = {key: self.summary[key] for key in ("case", "railhead", "date")}
-        return xr.Dataset(values, coords, {**origin, "load_N": self.load})
-
     def save(
         self,
         folder: str | Path,

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import base64
 import io
-import json
 import platform
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from PIL import Image
@@ -22,14 +21,11 @@ from railhead.results.checks import SECOND
 from railhead.results.quantity_rows import Row
 from railhead.results.report import terminal
 from railhead.run import quantities
-from railhead.run.half_spaces.answer import HalfSpaceSolution, Solved
+from railhead.run.half_spaces.answer import Solved
 from railhead.scene.catalogue import FILES
 from railhead.scene.scene import Scene
 from railhead.scene.scene import unit as scene_unit
 from railhead.scene.sections import Section
-
-if TYPE_CHECKING:
-    import meshio
 
 NAME = "report.html"
 LARGE = 300_000  # bytes
@@ -101,36 +97,12 @@ PACKAGES = (
 )
 
 
-def write(
-    solved: Solved,
-    summary: dict[str, Any],
-    units: Units,
-    folder: Path,
-    found: Findings | None,
-    cells: Callable[[], meshio.Mesh],
-    *,
-    brief: bool = False,
-) -> None:
-    """Write report.html into a result folder that already contains the pictures and scene.toml.
-    Raises OSError only; any other error is described in the file. Arguments: as of `render`.
-    """
-    try:
-        text = render(solved, summary, units, folder, found, cells, brief=brief)
-    except OSError:
-        raise
-    except Exception as error:
-        problem = f"The report could not be made ({type(error).__name__}: {error})."
-        text = template("broken.html.j2").render(problem=problem)
-    (folder / NAME).write_text(text, encoding="utf-8")
-
-
 def render(
     solved: Solved,
     summary: dict[str, Any],
     units: Units,
     folder: Path,
     found: Findings | None,
-    cells: Callable[[], meshio.Mesh],
     *,
     brief: bool = False,
 ) -> str:
@@ -138,12 +110,10 @@ def render(
     (CAPTIONS), and its scene.toml, which must be there.
 
     found: findings with titles; None where nothing touches.
-    cells: returns the grid of the whole bodies for the views.
     brief: whether it is one page: verdict, answer, two pictures, failed checks, what was asked.
     Raises OSError for a file that cannot be read.
     """
     scene = solved.plan.scene
-    views, viewer, missing = ([], "", "") if brief else _views(solved, found, cells)
     passes = (summary["result"] or {}).get("passes")
     drawn = [name for name in CAPTIONS if (folder / f"{name}.png").exists()]
     effects = summary["plan"]["effects"]
@@ -153,9 +123,6 @@ def render(
         effect=in_words,
         check=check,
         found=found,
-        views=views,
-        viewer=viewer,
-        missing=missing,
         title=found.subject.title if found else summary["case"],
         scene_rows=list(scene_rows(scene, units)),
         scene_toml=(folder / "scene.toml").read_text(encoding="utf-8"),
@@ -265,28 +232,6 @@ def _checks(checks: Mapping[str, Any]) -> list[tuple[str, str, str, bool, str, s
         holds, advice = name not in checks["failed"], checks["advice"].get(name, "")
         rows.append((check(name), *texts, holds, reason, advice))
     return sorted(rows, key=lambda row: row[3])
-
-
-def _views(
-    solved: Solved, found: Findings | None, cells: Callable[[], meshio.Mesh]
-) -> tuple[list[dict[str, Any]], str, str]:
-    """Interactive views, the data of their viewer as JSON, and the reason why there are none (else
-    empty).
-    """
-    if isinstance(solved, HalfSpaceSolution):
-        return [], "", "half-spaces have no bodies to show"
-    if found is None or solved.fields is None:
-        return [], "", "nothing touches"
-    try:
-        from railhead.postprocess.pictures import turning
-
-        views = [
-            {**vars(view), "scene": _encoded(view.scene), "still": picture(view.still)}
-            for view in turning.views(solved.fields, found, cells())
-        ]
-        return views, json.dumps(turning.viewer()).replace("<", "\\u003c"), ""
-    except Exception as error:  # graphics drivers fail in many ways, and the rest is worth having
-        return [], "", " ".join(f"{type(error).__name__}: {error}".split())
 
 
 def versions() -> dict[str, str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import math
 import textwrap
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +21,6 @@ from railhead.results import quantity_rows
 from railhead.results.quantity_rows import Cell, Row
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from railhead.postprocess.pictures.diagrams import Drawing
@@ -78,21 +77,27 @@ class Drawn(Printed):
 
     drawings: Callable[..., Mapping[str, Drawing]]
 
-    def plot(self, picture: str, ax: Axes | Iterable[Axes] | None = None) -> Figure:
+    def plot(self, picture: str) -> Figure:
         """Draw one picture; returns its matplotlib figure.
 
         picture: name of its PNG file without .png, e.g. "pressure" or "stress_cut" of a result,
             "sweep" or "patches" of a sweep (none of three or more keys), "profiles", "positions",
             "rolling_radius" or "conicity" of what `locate` returns, and "profile" of what `profile`
             returns.
-        ax: axes to draw on, as many as the picture has panels, row by row; their figure keeps its
-            style and title. None: a new figure.
-        ValueError: there is no such picture (the message names those that are), or another number
-            of axes; nothing touches, off rank 0, or a folder without pictures.npz.
+        ValueError: there is no such picture (the message names those that are), nothing touches,
+            off rank 0, or a folder without pictures.npz.
         """
-        from railhead.postprocess.pictures import diagrams
-
-        return diagrams.draw_one(self.drawings(), picture, ax)
+        drawings = self.drawings()
+        draw = drawings.get(f"{picture}.png")
+        if draw is None:
+            names = ", ".join(name.removesuffix(".png") for name in drawings)
+            text = f"give {names}" if names else "it has none"
+            raise ValueError(f"picture: {picture!r} is none of this result; {text}")
+        figure = draw(None)
+        if figure is None:
+            raise ValueError(f"picture: {picture!r} has nothing to draw")
+        found: Figure = figure.figure  # of a part of a figure the whole
+        return found
 
 
 def show_plan(plan: Plan, console: Console) -> None:

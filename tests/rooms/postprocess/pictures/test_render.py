@@ -2,8 +2,7 @@
 
 import os
 from dataclasses import replace
-from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,11 +12,8 @@ from matplotlib.figure import Figure
 from matplotlib.image import imread
 
 from railhead.postprocess import vtu
-from railhead.postprocess.findings import Findings, Frame
-from railhead.postprocess.pictures import render, stress_cuts, turning
+from railhead.postprocess.pictures import render, stress_cuts
 from railhead.postprocess.pictures.render import Camera, load_pyvista
-from railhead.solver.space.kinematics import Kinematics
-from railhead.solver.system.fields import Fields
 
 
 def image(path) -> Any:
@@ -139,17 +135,3 @@ def test_dimensions_are_whole_and_off_the_patches(blocks, apart: float) -> None:
         assert frame.y0 <= words.y0
         assert words.y1 <= frame.y1
         assert not any(words.contains(*point) for line in seen for point in line)
-
-
-@pytest.mark.parametrize(
-    "along, out", [((1.0, 0.0, 0.0), (0, 6, 0)), ((0.0, 1.0, 0.0), (-6, 0, 0))]
-)
-def test_a_section_is_extruded_away_from_the_eye(
-    along: tuple[float, float, float], out: tuple[float, float, float]
-) -> None:
-    """By its thickness of 40 mm, of which three half widths are drawn."""
-    kinematics = Kinematics(np.array([along, (0.0, 0.0, 1.0)]), thickness=40.0)
-    patch, frame = SimpleNamespace(a=2.0, b=2.0), Frame((0.0, 0.0, 0.0), 0.0)
-    findings = cast(Findings, SimpleNamespace(patch=patch, frame=frame))
-    found = turning._along(cast(Fields, SimpleNamespace(kinematics=kinematics)), findings)
-    np.testing.assert_allclose(found, out, atol=1e-12)

@@ -15,7 +15,7 @@ from PIL import Image
 from railhead import api
 from railhead.planning.effects import in_words
 from railhead.postprocess.findings import Units
-from railhead.postprocess.pictures import gallery, turning
+from railhead.postprocess.pictures import gallery
 from railhead.results import quantity_rows, result_folder
 from railhead.results.report import html, output_units, terminal
 from railhead.results.subject import subject
@@ -53,7 +53,7 @@ def test_one_file_without_a_network(folder: Path) -> None:
     text = (folder / html.NAME).read_text(encoding="utf-8")
     assert len(text) < 6e6
     addresses = addresses_of(text)
-    assert len(addresses) == 2 + len(list(folder.glob("*.png")))
+    assert len(addresses) == len(list(folder.glob("*.png")))
     assert all(address.startswith("data:image/png;base64,") for address in addresses)
     assert not re.search(r"@import|url\(\s*['\"]?https?:|<link|<script[^>]+src", text)
     assert {"answer", "friction", "checks", "scene", "plan", "left_out"} <= set(tables_of(text))
@@ -80,32 +80,9 @@ def test_numbers_are_those_of_the_summary(folder: Path) -> None:
     assert compared == 10
 
 
-def test_a_view_that_cannot_be_built_is_said(
-    result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def fail(*_):
-        raise RuntimeError("no graphics\nhere")
-
-    def written() -> str:
-        html.write(
-            result.mesh_solution, result.summary, Units(), tmp_path, result.findings, lambda: None
-        )
-        return (tmp_path / html.NAME).read_text(encoding="utf-8")
-
-    (tmp_path / "scene.toml").touch()
-    monkeypatch.setattr(turning, "views", fail)
-    text = written()
-    assert "There is no view in three dimensions: RuntimeError: no graphics here." in text
-    assert "<iframe" not in text
-    monkeypatch.setattr(html, "render", fail)
-    assert "could not be made" in written()
-
-
 def brief_of(result, folder: Path) -> str:
     found = replace(result.findings, subject=subject(result.plan, result.load))
-    return html.render(
-        result.mesh_solution, result.summary, UNITS, folder, found, lambda: None, brief=True
-    )
+    return html.render(result.mesh_solution, result.summary, UNITS, folder, found, brief=True)
 
 
 def test_a_brief_report_is_the_answer_and_what_was_asked(result, folder: Path) -> None:
@@ -157,20 +134,15 @@ def test_a_failed_check_comes_first(result) -> None:
     assert rows[0][5] == "do better"
 
 
-def test_the_verdict_is_of_what_holds(
-    result, folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_verdict_is_of_what_holds(result, folder: Path) -> None:
     """One patch or two; that a patch is no ellipse only where the mesh can tell."""
-    monkeypatch.setattr(turning, "views", lambda *_: ())
     summary = result.summary
     no_ellipse = {**summary["checks"], "hertzian": False, "passed": True}
     two = {**summary["result"], "patches": [{"load_share": 0.5}] * 2}
 
     def said(**changed) -> str:
         shown = {**summary, **changed}
-        return html.render(
-            result.mesh_solution, shown, Units(), folder, result.findings, lambda: None
-        )
+        return html.render(result.mesh_solution, shown, Units(), folder, result.findings)
 
     after = {"plasticity": {"needed": True, "why": "it yields <b>here</b>"}}
     told = f"What was left out matters: {in_words('plasticity')}.</b> it yields &lt;b&gt;here"
