@@ -420,13 +420,14 @@ class Findings:
     patch: the contact patch.
     surface: fields on the contact surface of the slave, the body whose facets carry the pressure.
     depth: stresses on the axis into each body from the centre of the most loaded patch, by body
-        name.
+        name; empty where stresses are not read.
     along, across: smooth pressure along x and along s through the most loaded patch.
     shape_error: largest deviation of the third and fourth moments of the most loaded patch's
         pressure from those of Hertz's pressure, as `PressureMoments.shape_error`.
     hertzian: whether the pressure is nearly Hertz's: there is one patch, and its shape error is
         below 2 %.
-    largest: largest stresses anywhere in the body but near sharp edges, by body name.
+    largest: largest stresses anywhere in the body but near sharp edges, by body name; empty where
+        stresses are not read.
     also: axes from the other patches, in the order of `Patch.each`, into the body of `axis`.
     notes: remarks that every picture shows below it.
     subject: words for titles and labels of pictures.
@@ -450,12 +451,12 @@ class Findings:
     frame: Frame
     patch: Patch
     surface: Surface
-    depth: dict[str, DepthAxis]
     along: AxisPressure
     across: AxisPressure
     shape_error: float
     hertzian: bool
-    largest: dict[str, Largest]
+    depth: dict[str, DepthAxis] = field(default_factory=dict)
+    largest: dict[str, Largest] = field(default_factory=dict)
     also: tuple[DepthAxis, ...] = ()
     notes: tuple[str, ...] = ()
     subject: Subject = Subject()

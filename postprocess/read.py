@@ -5,8 +5,8 @@ over the patch, distance from edges.
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -23,7 +23,8 @@ from railhead.postprocess.findings import (
     Largest,
     Patch,
 )
-from railhead.postprocess.patch import patch, section
+from railhead.postprocess.patch import patch
+from railhead.postprocess.patch.moments import moments
 from railhead.postprocess.patch.separate_patches import (
     SeparatePatch,
     contact_frame,
@@ -64,45 +65,21 @@ def findings(
     stresses: whether stresses in the bodies are read.
     Subject, notes and dissipated energy of the findings are left at their defaults.
     """
-    flat = fields.kinematics.dim == 2
     separate = separate_patches(fields)
     frame = contact_frame(separate, frame)
-    if flat:
-        reading = section.read(fields, frame, parabolic=parabolic)
-    else:
-        reading = patch.read(fields, separate, frame, parabolic=parabolic)
-    found, shape = reading.patch, reading.moments
-    size = shape.a if flat else min(found.a, found.b)
-    stress = body_stresses(fields, frame, found.centre, size, separate[1:], wanted=stresses)
-    elements = elements_across(fields, frame, found)
-    return Findings(
-        frame=frame,
-        patch=found,
-        surface=reading.surfaces[0],
-        opposite=reading.surfaces[1],
-        depth=stress.axes,
-        also=stress.other_axes,
-        largest=stress.largest,
-        misfit=stress.misfit,
-        along=reading.along,
-        across=reading.across,
-        shape_error=shape.shape_error,
-        hertzian=shape.hertzian and len(separate) < 2,
-        noise=noise(fields, reading.recovered_pressure),
-        elements_across=elements,
-        edge_distance=edge_distance(fields, found, stress.edges),
+    found = patch.read(fields, separate, frame, parabolic=parabolic)
+    solids = {
+        name: Solid(fields, np.flatnonzero(fields.body == tag))
+        for tag, name in BODY_NAMES.items()
+        if np.any(fields.body == tag)
+    }
+    edges = np.concatenate([solid.sharp_edges() for solid in solids.values()])
+    found = replace(
+        found,
+        elements_across=elements_across(fields, frame, found.patch),
+        edge_distance=edge_distance(fields, found.patch, edges),
     )
-
-
-def noise(fields: Fields, recovered: Array) -> float:
-    """Relative L2 difference of computed pressure p and smooth pressure p_s, ||p - p_s|| / ||p||,
-    with the norms integrated over the contact points.
-
-    recovered (q,): smooth pressure at the q contact points, MPa.
-    """
-    contact = fields.contact
-    square = contact.weights @ (contact.pressure - recovered) ** 2
-    return float(np.sqrt(square / (contact.weights @ contact.pressure**2)))
+    return with_stresses(found, fields, solids, edges, separate[1:]) if stresses else found
 
 
 def elements_across(fields: Fields, frame: Frame, patch: Patch) -> tuple[float, float]:
@@ -155,52 +132,25 @@ def edge_distance(fields: Fields, patch: Patch, edges: Array) -> float:
     return float(distance.min() / half)
 
 
-@dataclass(frozen=True, kw_only=True)
-class BodyStresses:
-    """Stresses inside all meshed bodies.
-
-    axes: by body name, the stresses along the normal into the body from the centre of the most
-        loaded patch.
-    other_axes: the same from the centres of the other patches, in the rail, or in the wheel if the
-        rail is rigid.
-    largest: by body name, the largest stresses anywhere, with those near sharp edges apart.
-    edges (n, 3): points in space on the sharp edges of all bodies, mm.
-    misfit: largest relative difference of mean smooth and mean element stress around the places of
-        the largest stresses, all components together.
-    """
-
-    axes: dict[str, DepthAxis]
-    other_axes: tuple[DepthAxis, ...]
-    largest: dict[str, Largest]
-    edges: Array
-    misfit: float
-
-
-def body_stresses(
+def with_stresses(
+    found: Findings,
     fields: Fields,
-    frame: Frame,
-    centre: tuple[float, float],
-    size: float,
+    solids: Mapping[str, Solid],
+    edges: Array,
     others: list[SeparatePatch],
-    *,
-    wanted: bool = True,
-) -> BodyStresses:
-    """Smooth stresses in the bodies, below the patches and where they are largest; only the sharp
-    edges where they are not `wanted`.
+) -> Findings:
+    """Findings with the smooth stresses in the bodies, below the patches and where they are
+    largest.
 
-    centre: (x, s) of the most loaded patch in the frame, mm. size: its smaller semi-axis, mm.
-        others: the other patches.
+    solids: by body name. edges (n, 3): points on the sharp edges of all bodies, mm. others: the
+        patches but the most loaded one.
     """
-    bodies = {}
-    for tag, name in BODY_NAMES.items():
-        cells = np.flatnonzero(fields.body == tag)
-        if len(cells):
-            bodies[name] = Solid(fields, cells), Recovery(fields, cells)
-    edges = np.concatenate([solid.sharp_edges() for solid, _ in bodies.values()])
-    if not wanted:
-        return BodyStresses(axes={}, other_axes=(), largest={}, edges=edges, misfit=math.nan)
+    frame, patch = found.frame, found.patch
+    flat = fields.kinematics.dim == 2
+    size = moments(fields, frame).a if flat else min(patch.a, patch.b)
+    bodies = {name: (solid, Recovery(fields, solid.cells)) for name, solid in solids.items()}
     axes = {
-        name: _below(*body, frame, centre, name, size * DEPTH_REACH)
+        name: _below(*body, frame, patch.centre, name, size * DEPTH_REACH)
         for name, body in bodies.items()
     }
     shown = next(iter(bodies))
@@ -217,7 +167,7 @@ def body_stresses(
         for name, each in largest.items()
         for peak in (each.tau, each.von_mises)
     )
-    return BodyStresses(axes=axes, other_axes=also, largest=largest, edges=edges, misfit=misfit)
+    return replace(found, depth=axes, also=also, largest=largest, misfit=misfit)
 
 
 def _below(

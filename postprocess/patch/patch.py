@@ -1,4 +1,4 @@
-"""The contact patch: semi-axes, area, outline and pressure."""
+"""The contact patch of a solid or a section: half lengths, area, outlines and pressure."""
 
 from __future__ import annotations
 
@@ -11,7 +11,15 @@ import contourpy
 import numpy as np
 
 from railhead.postprocess import symmetry
-from railhead.postprocess.findings import HERTZIAN, Array, AxisPressure, Frame, OnePatch, Patch
+from railhead.postprocess.findings import (
+    HERTZIAN,
+    Array,
+    AxisPressure,
+    Findings,
+    Frame,
+    OnePatch,
+    Patch,
+)
 from railhead.postprocess.patch.moments import (
     PEAK_RADIUS,
     PressureMoments,
@@ -30,14 +38,21 @@ from railhead.postprocess.patch.reconstruct import (
     zero_squared_pressure,
 )
 from railhead.postprocess.patch.separate_patches import SeparatePatch, separate_patches
-from railhead.postprocess.patch.surface import Surfaces, recover_surfaces
+from railhead.postprocess.patch.surface import recover_surfaces
+from railhead.solver.space.kinematics import Kinematics
 from railhead.solver.system.fields import Fields
 
 ELLIPTIC = 0.01  # shape error up to which p^2 is that of Hertz's ellipsoid alone
-FOURTH_MOMENT_FACTOR = 9 / 8  # relative change of half lengths per deviation of fourth moments
-BEND_FACTOR = 21 / 4  # relative change of p^2 per deviation of fourth moments, in `nearly_elliptic`
-# deviation of the fourth moments of an exact ellipse, over (element size / half length)^2
-SOLID_SIZE_FACTOR = 0.07
+Factors = tuple[float, float, float]
+NEARLY_ELLIPTIC: dict[tuple[int, bool], Factors] = {
+    (2, False): (9 / 8, 0.07, 21 / 4),
+    (1, False): (1.0, 0.03, 16 / 5),
+    (1, True): (9 / 8, 0.03, 21 / 4),
+}
+"""By the number of axes along which the pressure varies and by whether a section is revolved:
+relative change of half lengths per deviation of fourth moments; deviation of the fourth moments of
+an exact ellipse, over (element size / half length)^2; relative change of p^2 per deviation of
+fourth moments. See `nearly_elliptic`."""
 HIGHER_ORDER_FACTOR = 0.4  # error by terms of higher order, over the shape error
 MEASURES = ("a", "b", "area", "max_pressure")
 AXIS_REACH, AXIS_POINTS = 1.25, 121  # pressure along x and s: in half lengths, either way
@@ -57,6 +72,7 @@ SPECK = 0.01  # of the largest outline's area
 PEAK_REACH = 0.1  # of the smaller half length: least radius in which a sharp peak is fitted
 EXPONENTS = (0.5, 0.75, 1.0)
 GRID_LINES = 400  # in each direction: zeros of a parabola are exact to 4e-6 of its width
+LINE_POINTS = 2000  # the same of a section
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,6 +129,42 @@ def outline_shape(square: SquaredPressure) -> PatchShape:
     )
 
 
+def section_shape(square: SquaredPressure, kinematics: Kinematics, given: Samples) -> PatchShape:
+    """Extents and peak of the patch of a section, whose p^2 depends on the coordinate along the
+    section. In plane strain outlines are rectangles whose half length out of the plane is half the
+    thickness. Of a body of revolution they are circles, and both half lengths their radius. Half
+    lengths reach over gaps between patches; in plane strain the area leaves these out.
+    """
+    (axis,) = kinematics.varying
+    t = np.linspace(*square.box[1], LINE_POINTS, dtype=np.float64)
+    values = square(np.zeros_like(t), t)
+    pressure = np.sqrt(np.maximum(values, 0.0))
+    values[[0, -1]] = np.minimum(values[[0, -1]], -1e-9 * values.max())
+    turn = np.flatnonzero((values[:-1] > 0) != (values[1:] > 0))
+    share = values[turn] / (values[turn] - values[turn + 1])
+    spans = (t[turn] + share * (t[turn + 1] - t[turn])).reshape(-1, 2)
+    half = np.full(2, (spans[-1, 1] - spans[0, 0]) / 2)
+    if kinematics.revolved:
+        angle, area = np.linspace(0, 2 * np.pi, 181), np.pi * half[0] ** 2
+        ring = np.column_stack([np.cos(angle), np.sin(angle)])
+        outlines = [radius * ring for _, radius in spans]
+    else:
+        area = kinematics.thickness * np.ptp(spans, axis=1).sum()
+        half[1 - axis] = kinematics.thickness / 2
+        outlines = [np.zeros((5, 2)) for _ in spans]
+        for line, (low, high) in zip(outlines, spans, strict=True):
+            line[:, axis] = low, high, high, low, low
+            line[:, 1 - axis] = half[1 - axis] * np.array([-1.0, -1.0, 1.0, 1.0, -1.0])
+    return PatchShape(
+        outlines=outlines,
+        area=float(area),
+        a=float(half[0]),
+        b=float(half[1]),
+        max_pressure=float(pressure.max()),
+        force=float(pressure @ given.measure(t) * (t[1] - t[0])),
+    )
+
+
 def sharp_peak(given: Samples, square: SquaredPressure, half: float) -> tuple[float, float]:
     """Largest pressure, MPa, of a patch with a peak that smooth functions cut off, and its relative
     uncertainty: tractions of unlike materials end at an angle where they change sign.
@@ -132,11 +184,11 @@ def sharp_peak(given: Samples, square: SquaredPressure, half: float) -> tuple[fl
 
 @dataclass(frozen=True, kw_only=True)
 class SmoothPatch:
-    """Smooth pressure of one patch, which lies in a plane.
+    """Smooth pressure of one patch, which lies in a plane, or of all patches of a section.
 
     frame: that plane: the tangent plane of the patch with its origin at the centre of pressure, or
         the contact frame.
-    square: smooth p^2.
+    square: smooth p^2; of a section over the coordinate along it as s.
     shape: extents and peak of that p^2; where bodies yield the peak is of the reconstructed p^2.
     centre, half: (x, s) of the middle between the ends of the outlines, and half lengths between
         them along x and s, mm.
@@ -146,6 +198,7 @@ class SmoothPatch:
         included, N.
     unbalance: relative difference of the integrals of both over the plane.
     mirrors: unit normals (3,) of the symmetry planes that the patch meets.
+    varying: axes along which the pressure varies: both, or that of a section.
     """
 
     frame: Frame
@@ -157,9 +210,12 @@ class SmoothPatch:
     force: float
     unbalance: float
     mirrors: tuple[Array, ...] = ()
+    varying: tuple[int, ...] = (0, 1)
 
     def at(self, x: Array, s: Array) -> Array:
         """Smooth pressure (n,), MPa, at x (n,), s (n,) in the plane, mm; zero outside the patch."""
+        if len(self.varying) == 1:
+            x, s = 0 * x, (x, s)[self.varying[0]]
         return np.asarray(np.sqrt(np.maximum(self.square(x, s), 0.0)))
 
     def pressure(self, frame: Frame, at: Array) -> Array:
@@ -171,45 +227,28 @@ class SmoothPatch:
         return min(others, key=lambda each: math.dist(each.frame.origin, self.frame.origin))
 
 
-@dataclass(frozen=True, kw_only=True)
-class PatchReading:
-    """What is read of the contact surfaces of one solution.
-
-    patch: extents, outlines and pressures.
-    surfaces: fields on the contact surface of the slave, and on that of the master, or None if the
-        master is rigid or no facet of it faces the slave.
-    moments: of the pressure of the most loaded patch, in a section of all contact points.
-    recovered_pressure (q,): smooth pressure, from p^2, at the q contact points, MPa.
-    along, across: smooth pressure along x and along s.
-    """
-
-    patch: Patch
-    surfaces: Surfaces
-    moments: PressureMoments
-    recovered_pressure: Array
-    along: AxisPressure
-    across: AxisPressure
-
-
 def read(
     fields: Fields, separate: list[SeparatePatch], frame: Frame, *, parabolic: bool = False
-) -> PatchReading:
-    """Patch, surfaces and pressures of bodies in space, of which some contact points carry
-    pressure.
+) -> Findings:
+    """Findings on the patch of a solution, of which some contact points carry pressure: its
+    extents, the contact surfaces, the pressure along x and along s, shape and noise. Stresses and
+    edges are left at their defaults.
 
-    separate: the patches, most loaded first. frame: contact frame of the results, that of the first
-        patch if there are several. parabolic: whether Hertz's theory is exact, that is for elastic
-        half-spaces whose gap is quadratic; second moments then give the semi-axes.
+    separate: the patches of a solid, most loaded first. Of a section there are none: its patches
+    are read as one whose half width reaches from the first to the last end. frame: contact frame of
+    the results, that of the first patch if there are several. parabolic: whether Hertz's theory is
+    exact, that is for elastic half-spaces whose gap is quadratic; second moments then give the
+    semi-axes.
     """
-    contact = fields.contact
-    several = len(separate) > 1
-    facets = np.bincount(contact.facet, contact.weights).astype(np.float64)
+    several, sizes = len(separate) > 1, element_sizes(fields, frame)
+    parts = [part.fields for part in separate] or [fields]
+    frames = [part.frame for part in separate] if several else [frame]
     readings = [
-        _smooth(part, part.frame if several else frame, facets, parabolic=parabolic)
-        for part in separate
+        _smooth(part, plane, sizes, parabolic=parabolic)
+        for part, plane in zip(parts, frames, strict=True)
     ]
-    images = [2 ** (len(fields.mirrors) - len(part.fields.mirrors)) for part in separate]
-    first, found = readings[0], moments(separate[0].fields, frame)
+    images = [2 ** (len(fields.mirrors) - len(part.mirrors)) for part in parts]
+    first, found = readings[0], moments(parts[0], frame)
     areas = [each.shape.area * count for each, count in zip(readings, images, strict=True)]
     area = sum(areas)
     highest = max(readings, key=lambda each: each.shape.max_pressure)
@@ -237,44 +276,69 @@ def read(
                 max_pressure=each.shape.max_pressure,
                 share=part.share,
             )
-            for part, each in zip(separate, readings, strict=True)
+            for part, each in zip(separate, readings, strict=False)
         ),
         scatter=scatter,
         unbalance=max(each.unbalance for each in readings),
     )
-    through = _through(first, patch, frame, hertzian=found.hertzian)
-    return PatchReading(
+    surface, opposite = recover_surfaces(fields, frame, partial(_pressure, readings))
+    along, across = _lines(readings, frame, patch, fields.kinematics, hertzian=found.hertzian)
+    return Findings(
+        frame=frame,
         patch=patch,
-        surfaces=recover_surfaces(fields, frame, partial(_pressure, readings)),
-        moments=found,
-        recovered_pressure=_pressure(readings, contact.points),
-        along=_line(readings, frame, patch, through, 0),
-        across=_line(readings, frame, patch, through, 1),
+        surface=surface,
+        opposite=opposite,
+        along=along,
+        across=across,
+        shape_error=found.shape_error,
+        hertzian=found.hertzian and not several,
+        noise=noise(fields, _pressure(readings, fields.contact.points)),
     )
 
 
-def _smooth(
-    part: SeparatePatch, frame: Frame, facets: Array, *, parabolic: bool, doubt: bool = True
-) -> SmoothPatch:
-    """Smooth pressure of one patch of a solid, in the plane of a frame.
+def noise(fields: Fields, recovered: Array) -> float:
+    """Relative L2 difference of computed pressure p and smooth pressure p_s, ||p - p_s|| / ||p||,
+    with the norms integrated over the contact points.
 
-    facets (f,): area of every contact facet of the slave, mm2. parabolic: whether Hertz's theory is
-        exact, so that half lengths are those from second moments. doubt: whether uncertainties are
-        wanted.
+    recovered (q,): smooth pressure at the q contact points, MPa.
     """
-    fields, found = part.fields, moments(part.fields, frame)
-    given = samples(fields, frame, facets)
+    contact = fields.contact
+    square = contact.weights @ (contact.pressure - recovered) ** 2
+    return float(np.sqrt(square / (contact.weights @ contact.pressure**2)))
+
+
+def _smooth(
+    fields: Fields, frame: Frame, sizes: Array, *, parabolic: bool, doubt: bool = True
+) -> SmoothPatch:
+    """Smooth pressure of one patch of a solid, or of a section, in the plane of a frame.
+
+    fields: with the contact points of the patch alone. sizes (f,): as of `element_sizes`.
+        parabolic: whether Hertz's theory is exact, so that half lengths are those from second
+        moments. doubt: whether uncertainties are wanted.
+    """
+    kinematics, found = fields.kinematics, moments(fields, frame)
+    given, axes = samples(fields, frame, sizes), kinematics.varying
 
     def elliptic() -> Elliptic:
-        """The nearly elliptic patch by moments."""
+        """The nearly elliptic patch by moments; of a section only its second semi-axis counts."""
         peak = largest_pressure(fields, frame, found)
+        factors = NEARLY_ELLIPTIC[len(axes), kinematics.revolved]
         element = float(given.size.mean())
-        (a, b), (da, db), bulge = nearly_elliptic(found, element, parabolic=parabolic)
-        off = abs(found.force / (peak * 2 / 3 * np.pi * found.a * found.b) - 1)
-        errors = {"a": da, "b": db, "area": da + db, "max_pressure": max(off, da)}
-        return found.centre, (a, b), peak, bulge, errors
+        (a, b), error, bulge = nearly_elliptic(found, element, factors, parabolic=parabolic)
+        centre, volume = found.centre, 2 / 3 * np.pi * found.a * found.b
+        if given.section:
+            centre, a = (0.0, found.centre[axes[0]]), 1.0
+        if given.section and not given.revolved:
+            volume, error[1 - axes[0]] = np.pi / 2 * found.a * given.thickness, 0.0
+        off = abs(found.force / (peak * volume) - 1)
+        largest = max(off, error[axes[0]])
+        errors = dict(zip(MEASURES, (*error, error.sum(), largest), strict=True))
+        return centre, (a, b), peak, bulge, errors
 
-    square, shape, scatter = smooth_square(given, found.shape_error, elliptic, doubt=doubt)
+    measure = outline_shape
+    if given.section:
+        measure = partial(section_shape, kinematics=kinematics, given=given)
+    square, shape, scatter = smooth_square(given, found.shape_error, elliptic, measure, doubt=doubt)
     every = np.concatenate(shape.outlines)
     (x0, s0), (x1, s1) = every.min(axis=0).tolist(), every.max(axis=0).tolist()
     return SmoothPatch(
@@ -284,9 +348,10 @@ def _smooth(
         centre=((x0 + x1) / 2, (s0 + s1) / 2),
         half=((x1 - x0) / 2, (s1 - s0) / 2),
         scatter=scatter,
-        force=part.force,
+        force=found.force,
         unbalance=given.unbalance(shape.force),
         mirrors=tuple(np.array(plane) for plane in fields.mirrors),
+        varying=tuple(axes),
     )
 
 
@@ -294,9 +359,9 @@ def smooth_square(
     given: Samples,
     shape_error: float,
     elliptic: Callable[[], Elliptic],
-    measure: Callable[[SquaredPressure], PatchShape] = outline_shape,
+    measure: Callable[[SquaredPressure], PatchShape],
     *,
-    doubt: bool = True,
+    doubt: bool,
 ) -> tuple[SquaredPressure, PatchShape, dict[str, float]]:
     """Smooth p^2 of a patch, its extents and peak, and their relative uncertainties by the names a,
     b, area and max_pressure. Uncertainties are those of the reading, not of the mesh.
@@ -338,10 +403,11 @@ def smooth_patches(fields: Fields, *, parabolic: bool) -> list[SmoothPatch]:
     loaded first. parabolic: whether Hertz's theory is exact, so that half lengths are those from
     second moments.
     """
-    facets = np.bincount(fields.contact.facet, fields.contact.weights).astype(np.float64)
+    separate = separate_patches(fields)
+    sizes = [element_sizes(fields, part.frame) for part in separate]
     return [
-        _smooth(part, part.frame, facets, parabolic=parabolic, doubt=False)
-        for part in separate_patches(fields)
+        _smooth(part.fields, part.frame, size, parabolic=parabolic, doubt=False)
+        for part, size in zip(separate, sizes, strict=True)
     ]
 
 
@@ -395,18 +461,13 @@ def general_shape_weight(shape_error: float) -> float:
 
 
 def nearly_elliptic(
-    found: PressureMoments,
-    element: float,
-    *,
-    parabolic: bool,
-    fourth: float = FOURTH_MOMENT_FACTOR,
-    mesh: float = SOLID_SIZE_FACTOR,
-    bend: float = BEND_FACTOR,
+    found: PressureMoments, element: float, factors: Factors, *, parabolic: bool
 ) -> tuple[Array, Array, Pair]:
     """Half lengths (2,) along x and s of a nearly elliptic patch, mm, their relative errors (2,),
     and the coefficients alpha and beta below.
 
-    found: moments of the pressure. element: element size, mm.
+    found: moments of the pressure. element: element size, mm. factors: `fourth`, `mesh` and `bend`
+        below, an entry of NEARLY_ELLIPTIC.
     parabolic: half lengths are those from second moments, exact for Hertz; errors are the
         differences from those by fourth moments, and both coefficients zero.
     Otherwise all are to first order those of p^2 = (1 - u - v)(1 + alpha u + beta v), with u =
@@ -416,6 +477,7 @@ def nearly_elliptic(
     the fourth moments for the element size. Errors are those of this correction and of higher
     orders.
     """
+    fourth, mesh, bend = factors
     half, off = np.array([found.a, found.b]), np.array(found.fourth)
     if parabolic:
         return half, np.abs((1 + off) ** 0.25 - 1), (0.0, 0.0)
@@ -426,35 +488,51 @@ def nearly_elliptic(
     return half * (1 + fourth * off), np.full(2, error), (float(alpha), float(beta))
 
 
-def samples(fields: Fields, frame: Frame, facets: Array) -> Samples:
-    """Contact points with pressure and their mirror images, projected to the tangent plane of the
-    frame.
-
-    facets (f,): area of each contact facet, mm2; the element size at a point is sqrt(2 area).
+def element_sizes(fields: Fields, frame: Frame) -> Array:
+    """Sizes (f,) of the elements at all contact facets of the slave, mm: sqrt(2 area), the leg of a
+    right triangle, or of a section the length of the facet in the frame.
     """
-    contact = fields.contact
-    touches = contact.pressure > 0
+    contact, axes = fields.contact, fields.kinematics.varying
+    if len(axes) == 1:
+        return np.ptp(frame.local(fields.points[contact.facet_nodes])[..., axes[0]], axis=1)
+    return np.asarray(np.sqrt(2 * np.bincount(contact.facet, contact.weights)))
+
+
+def samples(fields: Fields, frame: Frame, sizes: Array) -> Samples:
+    """Contact points with pressure and their mirror images, projected to the tangent plane of the
+    frame. Of a section their s is the coordinate along it, and their x is zero.
+
+    sizes (f,): as of `element_sizes`.
+    """
+    contact, kinematics = fields.contact, fields.kinematics
+    touches, section = contact.pressure > 0, kinematics.dim == 2
     onto = contact.weights * np.abs(contact.normals @ frame.axes[2])
-    size = np.sqrt(2 * facets[contact.facet])  # leg of a right triangle
-    values = np.column_stack([contact.pressure * onto, contact.pressure, size])[touches]
-    local = frame.local(contact.points[touches])[:, :2]
+    onto = onto / 2 if kinematics.revolved else onto  # either side of the axis has half of a circle
+    values = np.column_stack([contact.pressure * onto, contact.pressure, sizes[contact.facet]])
+    force, pressure, size = symmetry.repeated(values[touches], fields.mirrors).T
+    local = symmetry.vectors(frame.local(contact.points[touches])[:, :2], fields.mirrors)
     border = frame.local(fields.points[contact.facet_nodes.ravel()])[:, :2]
-    reach = symmetry.vectors(np.concatenate([local, border]), fields.mirrors)
-    (x0, s0), (x1, s1) = reach.min(axis=0), reach.max(axis=0)
-    local = symmetry.vectors(local, fields.mirrors)
-    force, pressure, size = symmetry.repeated(values, fields.mirrors).T
-    even = any(abs(normal[0]) > 0.5 for normal in fields.mirrors)
+    reach = np.concatenate([local, symmetry.vectors(border, fields.mirrors)])
+    (x0, s0), (x1, s1) = reach.min(axis=0).tolist(), reach.max(axis=0).tolist()
+    x, s, limits = *local.T, ((x0, x1), (s0, s1))
+    if section:
+        (axis,) = kinematics.varying
+        x, s, limits = 0 * x, local[:, axis], ((-1.0, 1.0), limits[axis])
+    bent = fields.rubs or fields.plastic_strain is not None
     return Samples(
-        x=local[:, 0],
-        s=local[:, 1],
+        x=x,
+        s=s,
         force=force,
         pressure=pressure,
         size=size,
-        even=even,
-        limits=((x0, x1), (s0, s1)),
+        even=section or any(abs(normal[0]) > 0.5 for normal in fields.mirrors),
+        limits=limits,
+        section=section,
+        revolved=kinematics.revolved,
+        thickness=kinematics.thickness,
         yields=fields.plastic_strain is not None,
         rubs=fields.rubs,
-        uneven=fields.rubs or fields.plastic_strain is not None,
+        uneven=bent,
     )
 
 
@@ -474,34 +552,39 @@ def _in_frame(line: Array, own: Frame, frame: Frame) -> Array:
     return frame.local(np.array(own.origin) + flat @ own.axes)[:, :2]
 
 
-def _through(first: SmoothPatch, patch: Patch, frame: Frame, *, hertzian: bool) -> Array:
-    """(x, s) in the frame, mm, of the point through which the pressure along x and along s is
-    taken.
+def _lines(
+    readings: list[SmoothPatch],
+    frame: Frame,
+    patch: Patch,
+    kinematics: Kinematics,
+    *,
+    hertzian: bool,
+) -> tuple[AxisPressure, AxisPressure]:
+    """Smooth pressure along x and along s: at 121 points on lines 1.25 times as long as the main
+    outline, of a section as all outlines. In plane strain it is constant across the section; of a
+    body of revolution both are equal.
 
-    Of an ellipse's pressure (hertzian) it is the centre of pressure. Otherwise x and s are chosen
-    each by itself: that of the centre where it lies within 0.02 (CENTRED) half lengths of that of
-    the largest pressure, else that of the largest pressure. first: the most loaded patch.
+    readings: of all patches; the largest of their pressures counts. The lines of an ellipse's
+    pressure (hertzian) go through the centre of pressure. Otherwise their x and s are chosen each
+    by itself: that of the centre where it lies within 0.02 (CENTRED) half lengths of that of the
+    largest pressure, else that of the largest pressure.
     """
-    centre = np.array(patch.centre)
-    if hertzian:
-        return centre
-    (top,) = _in_frame(np.array([first.shape.top]), first.frame, frame)
+    section, centre = kinematics.dim == 2, np.array(patch.centre)
+    (top,) = _in_frame(np.array([readings[0].shape.top]), readings[0].frame, frame)
     near = np.abs(top - centre) < CENTRED * np.array([patch.a, patch.b])
-    return np.where(near, centre, top)
-
-
-def _line(
-    readings: list[SmoothPatch], frame: Frame, patch: Patch, through: Array, axis: int
-) -> AxisPressure:
-    """Smooth pressure at 121 points on a line along x (axis 0) or s (axis 1), 1.25 times as long as
-    the main outline.
-
-    readings: of all patches; the largest of their pressures counts. through (2,): x, s of a point
-        on the line, mm.
-    """
-    low, high = patch.main[:, axis].min(), patch.main[:, axis].max()
-    local = np.tile([*through, 0.0], (AXIS_POINTS, 1))
-    reach = AXIS_REACH * (high - low) / 2
-    local[:, axis] = (low + high) / 2 + np.linspace(-reach, reach, AXIS_POINTS)
-    points = np.array(frame.origin) + local @ frame.axes
-    return AxisPressure(local[:, axis], _pressure(readings, points), float(through[1 - axis]))
+    through = np.zeros(2) if section else centre if hertzian else np.where(near, centre, top)
+    low, high = patch.box if section else (patch.main.min(axis=0), patch.main.max(axis=0))
+    lines = []
+    for axis in (0, 1):
+        local = np.tile([*through, 0.0], (AXIS_POINTS, 1))
+        reach = AXIS_REACH * (high - low)[axis] / 2 * np.linspace(-1.0, 1.0, AXIS_POINTS)
+        local[:, axis] = (low + high)[axis] / 2 + reach
+        values = _pressure(readings, np.array(frame.origin) + local @ frame.axes)
+        lines.append(AxisPressure(local[:, axis], values, float(through[1 - axis])))
+    if kinematics.revolved:
+        return lines[0], lines[0]
+    if section:
+        ends = kinematics.thickness / 2 * np.array([-1.0, 1.0])
+        (axis,) = kinematics.varying
+        lines[1 - axis] = AxisPressure(ends, np.full(2, patch.max_pressure))
+    return lines[0], lines[1]
