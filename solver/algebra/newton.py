@@ -12,7 +12,7 @@ whenever an active set comes back.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from hashlib import blake2b
 from typing import Any
@@ -34,6 +34,7 @@ OVERSHOOT = 0.3  # slope past the minimum, relative to the slope at the start, t
 LEAST_FORCE = 1e-3  # of the contact, over that of an earlier state, by which a residual is divided
 MOST_RETURNED = 8  # halves of steps that lose contact
 MOST_RETURNS = 3  # times an active set may come back before the method gives up
+SMALLEST_STEP = 1 / 64  # of a load, over a step of it, below which that is cut no further
 CONVERGED = "residual below tolerance"
 FINAL_FRACTION = 0.3  # of Newton's tolerance, below which the residual of a linear solve need not
 # fall. Where the tangent changes within an active set, the tolerances of the linear solves are also
@@ -287,3 +288,23 @@ class _SeenActiveSets:
             self.times[key] = self.times.get(key, -1) + 1
         self.last = key
         return self.times[key]
+
+
+def in_steps(goals: Iterable[float], done: float, step: Callable[[float], bool]) -> bool:
+    """Go to shares of a load, one after the other. A step that fails is halved, down to 1/64
+    (SMALLEST_STEP) of it; then all of the rest is tried again. Returns whether the last goal was
+    reached.
+
+    done: share where the first step starts.
+    step: goes to a share from the last one that was reached, and says whether it succeeded.
+    """
+    for goal in goals:
+        least = abs(goal - done) * SMALLEST_STEP
+        while done != goal:
+            target = goal
+            while not step(target):
+                if abs(target - done) <= least:
+                    return False
+                target = (target + done) / 2
+            done = target
+    return True

@@ -17,18 +17,24 @@ from railhead.solver.algebra.linear import Direct, Preconditioner
 from railhead.solver.algebra.multigrid import Hierarchy, PMultigrid
 from railhead.solver.algebra.newton import CONVERGED, NewtonResult
 from railhead.solver.algebra.problem import ContactProblem
-from railhead.solver.material.elasticity import assemble
-from railhead.solver.material.hardening import History
+from railhead.solver.material import History, assemble
 from railhead.solver.model.parts import Body, Contact, Part
-from railhead.solver.model.problem import AssembledStiffness
-from railhead.solver.model.state import HubLoads, State
+from railhead.solver.model.problem import AssembledStiffness, HubLoads, State
 from railhead.solver.plasticity.plastic_problem import YieldPoints, bulk_points
-from railhead.solver.space import constraints
-from railhead.solver.space.constraints import Reduction
 from railhead.solver.space.contact_interface import ContactLaw, Interface
 from railhead.solver.space.kinematics import SOLID, Kinematics
 from railhead.solver.space.operators import vector
-from railhead.solver.space.supports import Clamp, Hub, Slide, held, masks, must_exist, unit
+from railhead.solver.space.supports import (
+    Clamp,
+    Hub,
+    Reduction,
+    Slide,
+    held,
+    masks,
+    must_exist,
+    reduce,
+    unit,
+)
 from railhead.solver.system.contact_system import DIRECT_BELOW
 from railhead.solver.system.surfaces import Surfaces
 from railhead.theory.array_types import Array, Mask
@@ -159,7 +165,7 @@ class Assembly:
             r = np.abs(points[:, 0])
             largest = max(self.comm.allgather(float(np.max(r, initial=0.0))))
             supports.planes.append((r < ON_AXIS * largest, np.array([1.0, 0.0])))
-        return constraints.reduce(supports, self.comm)
+        return reduce(supports, self.comm)
 
     @property
     def bulk_points(self) -> Array:

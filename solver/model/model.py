@@ -23,7 +23,7 @@ from railhead.solver.model.parts import (
     Part,
     Slide,
 )
-from railhead.solver.model.state import State
+from railhead.solver.model.problem import State
 from railhead.solver.model.stepping import advance
 from railhead.solver.space.cells import CellSet, quadrature_degree, tabulate
 from railhead.solver.space.supports import finite, unit

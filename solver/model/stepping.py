@@ -10,13 +10,10 @@ from petsc4py import PETSc
 from scipy.spatial import cKDTree
 
 from railhead.solver.algebra import newton
-from railhead.solver.algebra.newton import NewtonResult
 from railhead.solver.algebra.problem import ContactProblem
-from railhead.solver.algebra.steps import in_steps
-from railhead.solver.material.hardening import History
+from railhead.solver.material import History
 from railhead.solver.model.assembly import Assembly
-from railhead.solver.model.problem import FrictionalProblem
-from railhead.solver.model.state import HubLoads, State
+from railhead.solver.model.problem import FrictionalProblem, HubLoads, State
 from railhead.solver.plasticity.plastic_problem import surface_points
 from railhead.solver.space.contact_interface import Interface
 from railhead.solver.space.operators import add_transposed
@@ -46,7 +43,7 @@ def advance(model: Assembly, state: State, target: HubLoads, steps: int) -> Stat
         state = replace(new if converged else state, result=new.result, history=history)
         return converged
 
-    in_steps(np.linspace(0.0, 1.0, steps + 1)[1:], 0.0, step)
+    newton.in_steps(np.linspace(0.0, 1.0, steps + 1)[1:], 0.0, step)
     return state
 
 
@@ -220,7 +217,7 @@ def _state(
     share: float,
     u: PETSc.Vec,
     gap: Array,
-    result: NewtonResult,
+    result: newton.NewtonResult,
     outdated: bool,
 ) -> State:
     """State that a result of Newton's method belongs to (collective)."""

@@ -21,10 +21,10 @@ from petsc4py import PETSc
 from railhead.solver import compat
 from railhead.solver.algebra import linear
 from railhead.solver.algebra.reduced_stiffness import Stiffness
-from railhead.solver.material.elasticity import Material, assemble
+from railhead.solver.material import Material, assemble
 from railhead.solver.plasticity.plastic_problem import YieldPoints, bulk_points
-from railhead.solver.space import constraints
 from railhead.solver.space.kinematics import SOLID, Kinematics
+from railhead.solver.space.supports import Held, Reduction, reduce
 from railhead.theory.array_types import Array
 
 TAG = 1  # of the cells
@@ -126,7 +126,7 @@ class Block:
         return self.at(0, self.axes[0][0])
 
     @cached_property
-    def reduction(self) -> constraints.Reduction:
+    def reduction(self) -> Reduction:
         """Map from free unknowns to dofs. The bottom is held. The faces normal to x, unless `tied`,
         and in a solid those normal to y, move in their planes.
         """
@@ -137,8 +137,8 @@ class Block:
             for side in (0, -1)
         ]
         fixed = self.at(self.dim - 1, self.axes[-1][0])
-        supports = constraints.Held(fixed=fixed, planes=planes, dim=self.dim)
-        return constraints.reduce(supports, MPI.COMM_SELF)
+        supports = Held(fixed=fixed, planes=planes, dim=self.dim)
+        return reduce(supports, MPI.COMM_SELF)
 
     @cached_property
     def points(self) -> YieldPoints:

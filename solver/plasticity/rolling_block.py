@@ -21,7 +21,7 @@ from functools import cached_property
 import numpy as np
 
 from railhead.solver.algebra.mixing import Anderson
-from railhead.solver.material.hardening import (
+from railhead.solver.material import (
     Hardening,
     History,
     deviator,

@@ -18,12 +18,21 @@ from railhead.solver.algebra.linear import Preconditioner
 from railhead.solver.algebra.multigrid import Hierarchy, PMultigrid
 from railhead.solver.algebra.problem import ContactProblem, reduce_problem
 from railhead.solver.algebra.reduced_stiffness import Stiffness, SupportReactions, unit_vector
-from railhead.solver.material.elasticity import assemble
-from railhead.solver.space import constraints
+from railhead.solver.material import assemble
 from railhead.solver.space.cells import Bulk
 from railhead.solver.space.contact_interface import Interface
 from railhead.solver.space.operators import vector
-from railhead.solver.space.supports import Clamp, Hub, Slide, held, masks, must_exist
+from railhead.solver.space.supports import (
+    Clamp,
+    Held,
+    Hub,
+    Slide,
+    held,
+    masks,
+    must_exist,
+    reduce,
+    rigid_modes,
+)
 from railhead.solver.system.setup import Setup
 from railhead.solver.system.solution import Solution
 from railhead.solver.system.surfaces import Contact, Surfaces
@@ -130,7 +139,7 @@ class ContactSystem:
         planes = [Slide(tag, tuple(flatten(np.array(normal)))) for tag, normal in setup.planes]
         self.masks = masks(self.bulk.space, facet_tags, [self.clamp, self.hub, *planes])
         supports = self.supports(self.bulk.space)
-        self.reduction = constraints.reduce(supports, self.comm)
+        self.reduction = reduce(supports, self.comm)
         self.reactions = SupportReactions.of(stiffness, supports.fixed, setup.kinematics.dim)
         material = self.materials[setup.slave]
         self.law = setup.law.suited(material.young_modulus, material.lame)
@@ -153,7 +162,7 @@ class ContactSystem:
         """Number of free unknowns of all ranks."""
         return self.reduction.unknowns
 
-    def supports(self, space: Any) -> constraints.Held:
+    def supports(self, space: Any) -> Held:
         """What the fixed face, the symmetry planes and the hub leave to the owned block dofs of a
         space (collective).
         """
@@ -395,7 +404,7 @@ class ContactSystem:
             return linear.Direct(problem)
         if self.setup.degree == 1:
             points = compat.dof_points(self.bulk.space)
-            modes = constraints.rigid_modes(points, self.reduction, self.setup.kinematics)
+            modes = rigid_modes(points, self.reduction, self.setup.kinematics)
             return linear.Algebraic(problem, modes)
         return PMultigrid(problem, self.hierarchy)
 
@@ -409,6 +418,6 @@ class ContactSystem:
             self.cell_tags,
             self.materials,
             self.reduction,
-            lambda space: constraints.reduce(self.supports(space), self.comm),
+            lambda space: reduce(self.supports(space), self.comm),
             Stiffness.reduced,
         )

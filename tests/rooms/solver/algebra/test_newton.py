@@ -7,7 +7,7 @@ import pytest
 
 from railhead.solver.algebra import linear, newton
 from railhead.solver.contact import ContactModel
-from railhead.solver.material.elasticity import Material
+from railhead.solver.material import Material
 from railhead.solver.space.contact_interface import ContactLaw
 from studies.hard.block_pairs import contact_model, press
 
@@ -113,3 +113,25 @@ def test_wrong_starts_end_in_the_same_state(reference, start: str) -> None:
     np.testing.assert_allclose(
         solution.pressure, reference.pressure, atol=1e-6 * reference.pressure.max()
     )
+
+
+def test_a_step_that_fails_is_halved_until_the_rest_succeeds() -> None:
+    """No step of more than 0.3 succeeds."""
+    reached, tried = [0.0], []
+
+    def step(share: float) -> bool:
+        tried.append(share)
+        if share - reached[-1] > 0.3:
+            return False
+        reached.append(share)
+        return True
+
+    assert newton.in_steps([0.25, 1.0], 0.0, step)
+    assert reached == [0.0, 0.25, 0.4375, 0.71875, 1.0]
+    assert tried == [0.25, 1.0, 0.625, 0.4375, 1.0, 0.71875, 1.0]
+
+
+def test_what_never_succeeds_ends_at_the_smallest_step() -> None:
+    tried: list[float] = []
+    assert not newton.in_steps([1.0, 2.0], 0.0, lambda share: bool(tried.append(share)))
+    assert tried == [2.0**-k for k in range(7)]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from one_line import refusal
 
-from railhead.solver.material.hardening import Hardening, History, radial_return
+from railhead.solver.material import Hardening, History, radial_return
 from railhead.solver.plasticity.rolling_block import Streams, follow
 
 MU = 80e3
