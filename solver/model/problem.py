@@ -29,9 +29,9 @@ from railhead.solver.space.operators import add_transposed, petsc_matrix, weight
 from railhead.solver.space.supports import Hub, Reduction
 from railhead.theory.array_types import Array, Mask
 
-HubLoads = Mapping[Hub, tuple[float | None, Array]]
-"""Of each hub the force along its free direction, None: it is moved; and its motion (c,), of a hub
-with a force across the free direction."""
+HubLoads = Mapping[Hub, Array]
+"""Of each hub an array (1 + c,): the force along its free direction, NaN where it is moved; and its
+motion, of a hub with a force across the free direction."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -37,7 +37,8 @@ def advance(model: Assembly, state: State, target: HubLoads, steps: int) -> Stat
         """Go to the loads at a share of the way; returns whether that converged."""
         nonlocal state
         grown = first + share * (1 - first)
-        new = _step(model, state, _between(start, target, share), grown)
+        loads = {hub: start[hub] + share * (load - start[hub]) for hub, load in target.items()}
+        new = _step(model, state, loads, grown)
         history = state.history + tuple(new.result.history)
         converged = new.result.converged
         state = replace(new if converged else state, result=new.result, history=history)
@@ -49,24 +50,13 @@ def advance(model: Assembly, state: State, target: HubLoads, steps: int) -> Stat
 
 def _continued(state: State, target: HubLoads) -> HubLoads:
     """Loads of the state, told as forces and motions of the same hubs as in the target."""
-    out: dict[Hub, tuple[float | None, Array]] = {}
-    for hub, (force, _) in target.items():
+    out: dict[Hub, Array] = {}
+    for hub, load in target.items():
         motion = state.motions[hub]
-        if force is None:
-            out[hub] = (None, motion)
-        else:
+        if not np.isnan(load[0]):
             free = unit("free", hub.free)
-            out[hub] = (float(state.loads[hub][0] or 0.0), motion - (motion @ free) * free)
-    return out
-
-
-def _between(start: HubLoads, target: HubLoads, share: float) -> HubLoads:
-    """Loads at a share of the way between two."""
-    out = {}
-    for hub, (force, motion) in target.items():
-        before, moved = start[hub]
-        now = None if force is None else (before or 0.0) + share * (force - (before or 0.0))
-        out[hub] = (now, moved + share * (motion - moved))
+            motion = motion - (motion @ free) * free
+        out[hub] = np.append(np.nan_to_num(state.loads[hub][0]), motion)
     return out
 
 
@@ -236,7 +226,7 @@ def _state(
     add_transposed(face.gap, -face.weights * pressure, nodal)
     normal = (face.stress * u).array - lost
     add_transposed(face.stress, -problem.consistency * problem.weight * (pressure + normal), nodal)
-    motions, unknowns = {hub: motion for hub, (_, motion) in loads.items()}, model.unknowns(loads)
+    motions, unknowns = {hub: load[1:] for hub, load in loads.items()}, model.unknowns(loads)
     for hub, place in zip(unknowns.hubs, unknowns.reduction.places, strict=True):
         along = model.comm.allreduce(float(result.y.array[place]) if place >= 0 else 0.0)
         motions[hub] = motions[hub] + along * unit("free", hub.free)

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from railhead.solver import compat
@@ -205,7 +204,7 @@ class ContactSystem:
         """
         prescribed = self.apply(self.problem, case)
         if not self.comm.allreduce(int(case.active.sum())):
-            case = replace(case, active=self._nearest())
+            case = replace(case, active=self.interface.nearest(np.zeros(len(case.active))))
         return self.solution(self.problem, self._newton(case), prescribed, case)
 
     def apply(self, problem: ContactProblem, case: LoadCase) -> PETSc.Vec:
@@ -376,14 +375,6 @@ class ContactSystem:
         return np.asarray(
             gap + (self.gap_per_approach * approach if self.setup.moving.rigid else 0.0)
         )
-
-    def _nearest(self) -> NDArray[np.bool_]:
-        """Mask (n,) of this rank's points among the twelve contact points of all ranks with the
-        smallest initial gap (collective).
-        """
-        gaps = self.interface.initial_gap
-        lowest = np.sort(np.concatenate(self.comm.allgather(np.sort(gaps)[:12])))[:12]
-        return np.asarray(gaps <= lowest[-1])
 
     @cached_property
     def preconditioner(self) -> Preconditioner:

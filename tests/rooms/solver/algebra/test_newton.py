@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from railhead.solver.algebra import linear, newton
-from railhead.solver.contact import ContactModel
 from railhead.solver.material import Material
-from railhead.solver.space.contact_interface import ContactLaw
+from railhead.solver.space.contact_interface import ContactLaw, Interface
 from studies.hard.block_pairs import contact_model, press
 
 
@@ -54,6 +53,9 @@ class TwoRanks:
     def allgather(self, own: object) -> list[object]:
         return [own, self.other]
 
+    def allreduce(self, own: int) -> int:
+        return own
+
 
 def test_an_active_set_that_comes_back_is_counted_if_it_does_on_all_ranks() -> None:
     comm, one, two = TwoRanks(b"a"), np.array([True, False]), np.array([True, True])
@@ -65,9 +67,13 @@ def test_an_active_set_that_comes_back_is_counted_if_it_does_on_all_ranks() -> N
 
 @pytest.mark.parametrize(("elsewhere", "count"), [(-1.0, 0), (99.0, 12)])
 def test_the_nearest_points_are_those_of_all_ranks(elsewhere: float, count: int) -> None:
-    interface = SimpleNamespace(initial_gap=np.arange(20.0))
-    model = SimpleNamespace(interface=interface, comm=TwoRanks(np.full(12, elsewhere)))
-    assert ContactModel._nearest(model).sum() == count
+    interface = SimpleNamespace(
+        contact=np.zeros(20, int),
+        missed=[0.0],
+        initial_gap=np.arange(20.0),
+        comm=TwoRanks(np.full(12, elsewhere)),
+    )
+    assert Interface.nearest(interface, np.zeros(20)).sum() == count
 
 
 def test_it_ends_with_the_residual_that_was_asked_for() -> None:
