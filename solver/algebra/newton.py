@@ -12,13 +12,12 @@ whenever an active set comes back.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from hashlib import blake2b
 from typing import Any
 
 import numpy as np
-from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.optimize import brentq
 
@@ -160,7 +159,7 @@ def solve(
     y, factor = result.y, problem.law.gamma_factor
     y.set(0.0)
     iterations, length = 0, 1.0
-    seen = _SeenActiveSets(comm)
+    seen, last = Counter[bytes](), b""  # active sets of all ranks, and the last one
     diagonal, increment = problem.stiffness.diagonal(), None
     largest = problem.reference_force  # of the contact so far
     returned, before = 0, np.inf  # steps taken back; residual in the last state without contact
@@ -236,7 +235,10 @@ def solve(
             if problem.law.symmetric:
                 length = line_search(problem, y, increment)
             else:
-                returns = seen.count(problem.branches(active))
+                state = np.packbits(problem.branches(active)).tobytes()
+                key = b"".join(comm.allgather(state))
+                seen[key] += key != last
+                last, returns = key, seen[key] - 1
                 if returns > MOST_RETURNS:
                     result.reason = "the active set cycles"
                     return result
@@ -263,31 +265,6 @@ def _clear(result: NewtonResult) -> None:
     """Set the free unknowns and the pressure of a result to zero."""
     result.y.set(0.0)
     result.pressure = np.zeros_like(result.pressure)
-
-
-class _SeenActiveSets:
-    """Counts how often each active set of all ranks comes back.
-
-    comm: communicator of the ranks.
-    last: hash of the last active set.
-    times: hash of each active set -> number of times that it came back.
-    """
-
-    def __init__(self, comm: MPI.Intracomm) -> None:
-        self.comm = comm
-        self.last = b""
-        self.times: dict[bytes, int] = {}
-
-    def count(self, active: Mask) -> int:
-        """Number of times that this active set (n,) came back after another one; the same set twice
-        in succession counts once (collective).
-        """
-        local = blake2b(np.packbits(active).tobytes(), digest_size=8).digest()
-        key = b"".join(self.comm.allgather(local))
-        if key != self.last:
-            self.times[key] = self.times.get(key, -1) + 1
-        self.last = key
-        return self.times[key]
 
 
 def in_steps(goals: Iterable[float], done: float, step: Callable[[float], bool]) -> bool:

@@ -33,6 +33,7 @@ from railhead.solver.space.supports import (
     masks,
     must_exist,
     reduce,
+    translation,
     unit,
 )
 from railhead.solver.system.contact_system import DIRECT_BELOW
@@ -94,7 +95,7 @@ class Assembly:
                 )
         self.secondary = [self.materials[found[0]] for found in on]
         self._motions = {
-            hub: self._translation(hub, self._bodies_at(hub.tag))
+            hub: self._translation(hub)
             for hub in supports
             if isinstance(hub, Hub) and hub.free is not None
         }
@@ -117,13 +118,13 @@ class Assembly:
         own = {int(values[links(facet)[0]]) for facet in self.facet_tags.find(tag)}
         return sorted(set().union(*self.comm.allgather(own)))
 
-    def _translation(self, hub: Hub, tags: Sequence[int]) -> PETSc.Vec:
-        """Unit translation of the bodies with these tags along the free direction of a hub."""
-        values = np.zeros((len(self.bulk_points), self.kinematics.dim))
-        cells = self.cell_tags.indices[np.isin(self.cell_tags.values, tags)]
-        dofs = np.unique(compat.cell_dofs(self.bulk.space)[cells])
-        values[dofs[dofs < len(values)]] = unit("free", hub.free)
-        return vector(self.stiffness, values)
+    def _translation(self, hub: Hub) -> PETSc.Vec:
+        """Unit translation of the bodies at a hub along its free direction (collective)."""
+        own = np.isin(self.cell_tags.values, self._bodies_at(hub.tag))
+        free = unit("free", hub.free)
+        return vector(
+            self.stiffness, translation(self.bulk.space, self.cell_tags.indices[own], free)
+        )
 
     def _body_force(self) -> PETSc.Vec:
         """Forces of the bodies' `force` on all dofs (collective)."""
@@ -158,10 +159,9 @@ class Assembly:
 
     def reduce(self, space: Any, free: tuple[Hub, ...]) -> Reduction:
         """Map from free unknowns to the dofs of a space where these hubs are free (collective)."""
-        points, found = compat.dof_points(space), masks(space, self.facet_tags, self.masks)
-        supports = held(found, free, len(points), self.kinematics.dim)
+        supports = held(space, self.facet_tags, self.masks, free)
         if self.kinematics.revolved:
-            r = np.abs(points[:, 0])
+            r = np.abs(compat.dof_points(space)[:, 0])
             largest = max(self.comm.allgather(float(np.max(r, initial=0.0))))
             supports.planes.append((r < ON_AXIS * largest, np.array([1.0, 0.0])))
         return reduce(supports, self.comm)

@@ -10,7 +10,7 @@ rigid motions in the free unknowns, and their prolongation from a coarser space.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -22,9 +22,10 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from railhead.solver import compat
 from railhead.solver.space.kinematics import SOLID, Kinematics
 from railhead.solver.space.operators import petsc_matrix, vector
-from railhead.theory.array_types import Array, Mask
+from railhead.theory.array_types import Array, Index, Mask
 
 Direction = Sequence[float]
 
@@ -104,18 +105,27 @@ def on_facets(space: Any, facet_tags: Any, tag: int) -> Mask:
     return mask
 
 
+def translation(space: Any, cells: Index, direction: Array) -> Array:
+    """Displacement (n, c) of the owned block dofs of a space: a unit direction (c,) at those of the
+    local cells with these numbers, else zero.
+    """
+    values = np.zeros((space.dofmap.index_map.size_local, len(direction)))
+    dofs = np.unique(compat.cell_dofs(space)[cells])
+    values[dofs[dofs < len(values)]] = direction
+    return values
+
+
 def masks(space: Any, facet_tags: Any, supports: Iterable[Support]) -> dict[Support, Mask]:
     """Of each support, the owned block dofs (n,) of a space on its facets (collective)."""
     return {each: on_facets(space, facet_tags, each.tag) for each in supports}
 
 
-def held(found: Mapping[Support, Mask], free: Sequence[Hub], count: int, dim: int) -> Held:
-    """What supports leave to n nodes with c coordinates.
-
-    found: nodes (n,) of each support. free: hubs whose motion along their free direction is an
-        unknown. count, dim: n and c.
+def held(space: Any, facet_tags: Any, parts: Iterable[Support], free: Sequence[Hub]) -> Held:
+    """What supports leave to the owned block dofs of a space (collective). free: hubs whose motion
+    along their free direction is an unknown.
     """
-    fixed, planes = np.zeros(count, dtype=bool), []
+    found = masks(space, facet_tags, parts)
+    fixed, planes = np.zeros(space.dofmap.index_map.size_local, dtype=bool), []
     for part, mask in found.items():
         if isinstance(part, Slide):
             planes.append((mask, unit("normal", part.normal)))
@@ -124,7 +134,7 @@ def held(found: Mapping[Support, Mask], free: Sequence[Hub], count: int, dim: in
         else:
             fixed |= mask
     hubs = [(found[hub], unit("free", hub.free)) for hub in free]
-    return Held(fixed=fixed, planes=planes, hubs=hubs, dim=dim)
+    return Held(fixed=fixed, planes=planes, hubs=hubs, dim=space.mesh.geometry.dim)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -20,7 +20,7 @@ from railhead.solver.algebra.reduced_stiffness import Stiffness, SupportReaction
 from railhead.solver.material import assemble
 from railhead.solver.space.cells import Bulk
 from railhead.solver.space.contact_interface import Interface
-from railhead.solver.space.operators import vector
+from railhead.solver.space.operators import add_transposed, vector
 from railhead.solver.space.supports import (
     Clamp,
     Held,
@@ -31,6 +31,7 @@ from railhead.solver.space.supports import (
     must_exist,
     reduce,
     rigid_modes,
+    translation,
 )
 from railhead.solver.system.setup import Setup
 from railhead.solver.system.solution import Solution
@@ -165,9 +166,8 @@ class ContactSystem:
         """What the fixed face, the symmetry planes and the hub leave to the owned block dofs of a
         space (collective).
         """
-        found = masks(space, self.facet_tags, self.masks)
         hubs = [self.hub] if self.setup.load_control else []
-        return held(found, hubs, len(found[self.hub]), self.setup.kinematics.dim)
+        return held(space, self.facet_tags, self.masks, hubs)
 
     def prescribed(self, case: LoadCase) -> PETSc.Vec:
         """Prescribed displacement u0 on all dofs, mm: far field of the load, support displacement
@@ -321,10 +321,8 @@ class ContactSystem:
         space, reduction = self.bulk.space, self.reduction
         motions = []
         for tag in self.materials:
-            full = reduction.matrix.createVecLeft()
-            dofs = np.unique(compat.cell_dofs(space)[self.cell_tags.find(tag)])
-            full.array.reshape(self.owned, -1)[dofs[dofs < self.owned]] = self.setup.push
-            motions.append(reduction.restricted(full))
+            full = translation(space, self.cell_tags.find(tag), self.setup.push)
+            motions.append(reduction.restricted(vector(reduction.matrix, full)))
         if reduction.rigid_approach:
             like = reduction.matrix.createVecRight()
             motions.append(unit_vector(like, reduction.approach))
@@ -348,15 +346,13 @@ class ContactSystem:
         The support is that of the fixed body; where that body is rigid, it is the hub, and the
         force counts along the direction.
         """
-        law, problem, jumps = self.law, self.problem, self.interface
+        problem, face, force = self.problem, self.interface, displacement.duplicate()
         part, sign = (self.hub, 1.0) if self.setup.fixed.rigid else (self.clamp, -1.0)
-        force, push = jumps.gap.createVecRight(), jumps.gap.createVecLeft()
-        push.array[:] = -jumps.weights * pressure
-        jumps.gap.multTranspose(push, force)
-        if law.sigma and law.theta:
-            stress = (jumps.stress * displacement).array
-            push.array[:] = -law.theta * problem.weight * (pressure + stress)
-            jumps.stress.multTransposeAdd(push, force, force)
+        force.set(0.0)
+        add_transposed(face.gap, -face.weights * pressure, force)
+        normal = (face.stress * displacement).array
+        push = problem.consistency * problem.weight * (pressure + normal)
+        add_transposed(face.stress, -push, force)
         force.array[self.reactions.rows] += self.reactions.at(displacement)
         if outer is not None:
             force.axpy(-1.0, outer)

@@ -57,14 +57,6 @@ class TwoRanks:
         return own
 
 
-def test_an_active_set_that_comes_back_is_counted_if_it_does_on_all_ranks() -> None:
-    comm, one, two = TwoRanks(b"a"), np.array([True, False]), np.array([True, True])
-    seen = newton._SeenActiveSets(comm)
-    assert [seen.count(each) for each in (one, one, two, one, two, one)] == [0, 0, 0, 1, 1, 2]
-    comm.other = b"b"
-    assert seen.count(two) == 0
-
-
 @pytest.mark.parametrize(("elsewhere", "count"), [(-1.0, 0), (99.0, 12)])
 def test_the_nearest_points_are_those_of_all_ranks(elsewhere: float, count: int) -> None:
     interface = SimpleNamespace(
