@@ -14,7 +14,7 @@ from railhead.theory.array_types import Array
 from railhead.theory.bem.grid_patch import PatchSolution
 
 if TYPE_CHECKING:
-    from railhead.solver.material.hardening import Hardening
+    from railhead.solver.material import Hardening
     from railhead.solver.plasticity.rolling_block import RollingBlock, RollingPass, SectionState
 
 PASS_COLUMNS = {

@@ -73,7 +73,7 @@ _MOVED = {
     "railhead.display": "railhead.results.report.output_units",
     "railhead.meshing.profiles": "railhead.geometry.profiles",
     "railhead.meshing.surfaces": "railhead.geometry.surfaces",
-    "railhead.solver.elasticity": "railhead.solver.material.elasticity",
+    "railhead.solver.elasticity": "railhead.solver.material",
     "railhead.solver.kinematics": "railhead.solver.space.kinematics",
     "railhead.solver.contact_system": "railhead.solver.system.contact_system",
     "railhead.solver.setup": "railhead.solver.system.setup",

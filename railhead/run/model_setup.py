@@ -20,8 +20,7 @@ from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.findings import Frame
 from railhead.scene.bodies import BodySection
 from railhead.scene.scene import Scene
-from railhead.solver.material.elasticity import Material
-from railhead.solver.material.hardening import Hardening
+from railhead.solver.material import Hardening, Material
 from railhead.solver.space.contact_interface import ContactLaw
 from railhead.solver.system.setup import ContactBody, FrictionSettings, LoadPath, Setup
 from railhead.theory.array_types import Array, Mask

@@ -26,8 +26,11 @@ from railhead.postprocess.patch.patch import SmoothPatch, smooth_patches
 from railhead.scene.scene import SceneError
 from railhead.solver.algebra.linear import StalledError
 from railhead.solver.contact import ContactModel, condensed_friction
-from railhead.solver.friction.pressed_surfaces import far_displacement
-from railhead.solver.friction.surface_response import SurfacePoints, SurfaceResponse
+from railhead.solver.friction.pressed_surfaces import (
+    SurfacePoints,
+    SurfaceResponse,
+    far_displacement,
+)
 from railhead.solver.plasticity.load_stepping import Response
 from railhead.solver.system.contact_system import LoadCase
 from railhead.solver.system.fields import Fields, gather

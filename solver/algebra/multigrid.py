@@ -21,11 +21,10 @@ from railhead.solver import compat
 from railhead.solver.algebra.linear import Preconditioner, factorise, near_nullspace
 from railhead.solver.algebra.problem import ContactProblem
 from railhead.solver.algebra.reduced_stiffness import DIFFERENT, Stiffness
-from railhead.solver.material.elasticity import Material, assemble
-from railhead.solver.space import constraints
+from railhead.solver.material import Material, assemble
 from railhead.solver.space.cells import Bulk, quadrature_degree
-from railhead.solver.space.constraints import Reduction
 from railhead.solver.space.operators import vector, weighted_product
+from railhead.solver.space.supports import Reduction, reduced_prolongation, rigid_modes
 from railhead.theory.array_types import Mask
 
 COARSE_DIRECT_BELOW = 40_000  # unknowns of the P1 level (measured from 20 000 to 33 000)
@@ -75,9 +74,9 @@ class Hierarchy:
         reduced = reduce(coarse.space)
         full = compat.interpolation(coarse.space, fine.space)
         return cls(
-            constraints.reduced_prolongation(full, reduction, reduced),
+            reduced_prolongation(full, reduction, reduced),
             stiffness(matrix, reduced),
-            constraints.rigid_modes(compat.dof_points(coarse.space), reduced, kinematics),
+            rigid_modes(compat.dof_points(coarse.space), reduced, kinematics),
         )
 
 

@@ -12,13 +12,12 @@ whenever an active set comes back.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from hashlib import blake2b
 from typing import Any
 
 import numpy as np
-from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.optimize import brentq
 
@@ -34,6 +33,7 @@ OVERSHOOT = 0.3  # slope past the minimum, relative to the slope at the start, t
 LEAST_FORCE = 1e-3  # of the contact, over that of an earlier state, by which a residual is divided
 MOST_RETURNED = 8  # halves of steps that lose contact
 MOST_RETURNS = 3  # times an active set may come back before the method gives up
+SMALLEST_STEP = 1 / 64  # of a load, over a step of it, below which that is cut no further
 CONVERGED = "residual below tolerance"
 FINAL_FRACTION = 0.3  # of Newton's tolerance, below which the residual of a linear solve need not
 # fall. Where the tangent changes within an active set, the tolerances of the linear solves are also
@@ -159,7 +159,7 @@ def solve(
     y, factor = result.y, problem.law.gamma_factor
     y.set(0.0)
     iterations, length = 0, 1.0
-    seen = _SeenActiveSets(comm)
+    seen, last = Counter[bytes](), b""  # active sets of all ranks, and the last one
     diagonal, increment = problem.stiffness.diagonal(), None
     largest = problem.reference_force  # of the contact so far
     returned, before = 0, np.inf  # steps taken back; residual in the last state without contact
@@ -235,7 +235,10 @@ def solve(
             if problem.law.symmetric:
                 length = line_search(problem, y, increment)
             else:
-                returns = seen.count(problem.branches(active))
+                state = np.packbits(problem.branches(active)).tobytes()
+                key = b"".join(comm.allgather(state))
+                seen[key] += key != last
+                last, returns = key, seen[key] - 1
                 if returns > MOST_RETURNS:
                     result.reason = "the active set cycles"
                     return result
@@ -264,26 +267,21 @@ def _clear(result: NewtonResult) -> None:
     result.pressure = np.zeros_like(result.pressure)
 
 
-class _SeenActiveSets:
-    """Counts how often each active set of all ranks comes back.
+def in_steps(goals: Iterable[float], done: float, step: Callable[[float], bool]) -> bool:
+    """Go to shares of a load, one after the other. A step that fails is halved, down to 1/64
+    (SMALLEST_STEP) of it; then all of the rest is tried again. Returns whether the last goal was
+    reached.
 
-    comm: communicator of the ranks.
-    last: hash of the last active set.
-    times: hash of each active set -> number of times that it came back.
+    done: share where the first step starts.
+    step: goes to a share from the last one that was reached, and says whether it succeeded.
     """
-
-    def __init__(self, comm: MPI.Intracomm) -> None:
-        self.comm = comm
-        self.last = b""
-        self.times: dict[bytes, int] = {}
-
-    def count(self, active: Mask) -> int:
-        """Number of times that this active set (n,) came back after another one; the same set twice
-        in succession counts once (collective).
-        """
-        local = blake2b(np.packbits(active).tobytes(), digest_size=8).digest()
-        key = b"".join(self.comm.allgather(local))
-        if key != self.last:
-            self.times[key] = self.times.get(key, -1) + 1
-        self.last = key
-        return self.times[key]
+    for goal in goals:
+        least = abs(goal - done) * SMALLEST_STEP
+        while done != goal:
+            target = goal
+            while not step(target):
+                if abs(target - done) <= least:
+                    return False
+                target = (target + done) / 2
+            done = target
+    return True

@@ -20,7 +20,6 @@ import scipy.sparse as sp
 from petsc4py import PETSc
 
 from railhead.solver.algebra.reduced_stiffness import Stiffness
-from railhead.solver.space.constraints import Reduction
 from railhead.solver.space.contact_interface import ContactLaw, Interface
 from railhead.solver.space.operators import (
     add_transposed,
@@ -29,6 +28,7 @@ from railhead.solver.space.operators import (
     vector,
     weighted_product,
 )
+from railhead.solver.space.supports import Reduction
 from railhead.theory.array_types import Array, Mask
 
 

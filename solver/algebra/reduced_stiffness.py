@@ -19,8 +19,8 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from railhead.solver.space.constraints import Reduction
 from railhead.solver.space.operators import add_transposed, select_rows
+from railhead.solver.space.supports import Reduction
 from railhead.theory.array_types import Array
 
 DIFFERENT = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN

@@ -17,24 +17,30 @@ from railhead.solver.algebra.linear import Direct, Preconditioner
 from railhead.solver.algebra.multigrid import Hierarchy, PMultigrid
 from railhead.solver.algebra.newton import CONVERGED, NewtonResult
 from railhead.solver.algebra.problem import ContactProblem
-from railhead.solver.material.elasticity import assemble
-from railhead.solver.material.hardening import History
+from railhead.solver.material import History, assemble
 from railhead.solver.model.parts import Body, Contact, Part
-from railhead.solver.model.problem import AssembledStiffness
-from railhead.solver.model.state import HubLoads, State
+from railhead.solver.model.problem import AssembledStiffness, HubLoads, State
 from railhead.solver.plasticity.plastic_problem import YieldPoints, bulk_points
-from railhead.solver.space import constraints
-from railhead.solver.space.constraints import Reduction
 from railhead.solver.space.contact_interface import ContactLaw, Interface
 from railhead.solver.space.kinematics import SOLID, Kinematics
 from railhead.solver.space.operators import vector
-from railhead.solver.space.supports import Clamp, Hub, Slide, held, masks, must_exist, unit
+from railhead.solver.space.supports import (
+    Clamp,
+    Hub,
+    Reduction,
+    Slide,
+    held,
+    masks,
+    must_exist,
+    reduce,
+    translation,
+    unit,
+)
 from railhead.solver.system.contact_system import DIRECT_BELOW
 from railhead.solver.system.surfaces import Surfaces
 from railhead.theory.array_types import Array, Mask
 
 SECTIONS = (None, "plane strain", "plane stress", "axisymmetric")
-NEAREST = 12  # points of a contact, at least, that the iterations start from
 ON_AXIS = 1e-9  # radius of a node on the axis, over the largest
 
 
@@ -89,7 +95,7 @@ class Assembly:
                 )
         self.secondary = [self.materials[found[0]] for found in on]
         self._motions = {
-            hub: self._translation(hub, self._bodies_at(hub.tag))
+            hub: self._translation(hub)
             for hub in supports
             if isinstance(hub, Hub) and hub.free is not None
         }
@@ -112,13 +118,13 @@ class Assembly:
         own = {int(values[links(facet)[0]]) for facet in self.facet_tags.find(tag)}
         return sorted(set().union(*self.comm.allgather(own)))
 
-    def _translation(self, hub: Hub, tags: Sequence[int]) -> PETSc.Vec:
-        """Unit translation of the bodies with these tags along the free direction of a hub."""
-        values = np.zeros((len(self.bulk_points), self.kinematics.dim))
-        cells = self.cell_tags.indices[np.isin(self.cell_tags.values, tags)]
-        dofs = np.unique(compat.cell_dofs(self.bulk.space)[cells])
-        values[dofs[dofs < len(values)]] = unit("free", hub.free)
-        return vector(self.stiffness, values)
+    def _translation(self, hub: Hub) -> PETSc.Vec:
+        """Unit translation of the bodies at a hub along its free direction (collective)."""
+        own = np.isin(self.cell_tags.values, self._bodies_at(hub.tag))
+        free = unit("free", hub.free)
+        return vector(
+            self.stiffness, translation(self.bulk.space, self.cell_tags.indices[own], free)
+        )
 
     def _body_force(self) -> PETSc.Vec:
         """Forces of the bodies' `force` on all dofs (collective)."""
@@ -142,7 +148,7 @@ class Assembly:
 
     def _free(self, loads: HubLoads) -> tuple[Hub, ...]:
         """Hubs whose motion along their free direction is unknown."""
-        return tuple(hub for hub, (force, _) in loads.items() if force is not None)
+        return tuple(hub for hub, load in loads.items() if not np.isnan(load[0]))
 
     def unknowns(self, loads: HubLoads) -> Unknowns:
         """Free unknowns under these loads; kept for each set of free hubs (collective)."""
@@ -153,13 +159,12 @@ class Assembly:
 
     def reduce(self, space: Any, free: tuple[Hub, ...]) -> Reduction:
         """Map from free unknowns to the dofs of a space where these hubs are free (collective)."""
-        points, found = compat.dof_points(space), masks(space, self.facet_tags, self.masks)
-        supports = held(found, free, len(points), self.kinematics.dim)
+        supports = held(space, self.facet_tags, self.masks, free)
         if self.kinematics.revolved:
-            r = np.abs(points[:, 0])
+            r = np.abs(compat.dof_points(space)[:, 0])
             largest = max(self.comm.allgather(float(np.max(r, initial=0.0))))
             supports.planes.append((r < ON_AXIS * largest, np.array([1.0, 0.0])))
-        return constraints.reduce(supports, self.comm)
+        return reduce(supports, self.comm)
 
     @property
     def bulk_points(self) -> Array:
@@ -185,11 +190,8 @@ class Assembly:
     def prescribed(self, loads: HubLoads) -> PETSc.Vec:
         """Displacement on all dofs that hubs prescribe."""
         values = np.zeros((len(self.bulk_points), self.kinematics.dim))
-        for hub, (_, motion) in loads.items():
-            if hub.slides:
-                free = unit("free", hub.free)
-                motion = (motion @ free) * free
-            values[self.masks[hub]] += motion
+        for hub, load in loads.items():
+            values[self.masks[hub]] += load[1:]
         return vector(self.stiffness, values)
 
     def gathered(self, displacement: PETSc.Vec) -> Array:
@@ -198,46 +200,20 @@ class Assembly:
         return np.concatenate(every).reshape(-1, self.kinematics.dim)
 
     def first_touch(self, pairing: Interface, loads: HubLoads) -> Mask:
-        """Points (n,) of this rank that touch first where hubs move along their forces: those with
-        a gap up to h, which is at least that of the twelve nearest of each contact (collective).
-
-        A patch of the area A, in a plane section of the thickness t, carries about
-
-            F = E* sqrt(A) (2 h - mean of the gap in A)      or      E* t (2 h - mean)
-
-        which is Hertz's force to 13 % in both. Gaps are those along the motion, or of the surfaces
-        where no force closes them.
+        """Points (n,) of this rank where the iterations start: see `Interface.nearest`, with gaps
+        along the motion of hubs by their forces or, where no force closes any, of the surfaces
+        (collective).
         """
-        face, closing = pairing, np.zeros(len(pairing.contact))
-        force = sum(abs(loads[hub][0] or 0.0) for hub in self._free(loads))
+        closing = np.zeros(len(pairing.contact))
         for hub in self._free(loads):
-            closing -= (face.gap * self._motions[hub]).array * np.sign(loads[hub][0] or 1.0)
-        out = np.zeros(len(pairing.contact), dtype=bool)
-        for number, contact in enumerate(self.surfaces.contacts):
-            own = np.flatnonzero(pairing.contact == number)
-            gaps, rate = face.initial_gap[own], closing[own]
-            if self.comm.allreduce(int((rate > 0).sum())):
-                gaps = np.where(rate > 0, gaps / np.where(rate > 0, rate, 1.0), np.inf)
-            every, area = (
-                np.concatenate(self.comm.allgather(each)) for each in (gaps, face.weights[own])
-            )
-            order = np.argsort(every)[: np.isfinite(every).sum()]
-            every, area = every[order], area[order]
-            total = np.cumsum(area)
-            size = np.sqrt(total) if self.kinematics.load_power == 3 else self.kinematics.thickness
-            material = self.secondary[number]
-            modulus = material.young_modulus / (1 - material.poisson_ratio**2)
-            modulus /= len(contact.tags)
-            carried = modulus * size * (2 * every - np.cumsum(every * area) / total)
-            count = max(NEAREST, int(np.searchsorted(carried, force)))
-            out[own] = gaps <= every[min(count, len(every)) - 1]
-        return out
+            motion = (pairing.gap * self._motions[hub]).array
+            closing -= motion * np.sign(loads[hub][0] or 1.0)
+        return pairing.nearest(closing)
 
     def rest(self) -> State:
         """State without loads, before which there is no history (collective)."""
-        zero = {
-            hub: (None, np.zeros(self.kinematics.dim)) for hub in self.masks if isinstance(hub, Hub)
-        }
+        moved = np.append(np.nan, np.zeros(self.kinematics.dim))
+        zero = {hub: moved for hub in self.masks if isinstance(hub, Hub)}
         u = self.stiffness.createVecLeft()
         u.set(0.0)
         pairing = self.surfaces.pair(self.gathered(u))
@@ -246,7 +222,7 @@ class Assembly:
         return State(
             displacement=u,
             loads=zero,
-            motions={hub: motion for hub, (_, motion) in zero.items()},
+            motions={hub: load[1:] for hub, load in zero.items()},
             share=0.0,
             nodal=np.zeros_like(self.bulk_points),
             bulk=History.virgin(gauss, size),

@@ -23,7 +23,7 @@ from railhead.solver.model.parts import (
     Part,
     Slide,
 )
-from railhead.solver.model.state import State
+from railhead.solver.model.problem import State
 from railhead.solver.model.stepping import advance
 from railhead.solver.space.cells import CellSet, quadrature_degree, tabulate
 from railhead.solver.space.supports import finite, unit
@@ -213,8 +213,8 @@ class Solution:
         return made
 
 
-def _checked(model: Assembly, hub: Hub, load: Load) -> tuple[float | None, Array]:
-    """A load as force and motion. Raises ValueError for a hub that is not of the model, a force on
+def _checked(model: Assembly, hub: Hub, load: Load) -> Array:
+    """A load as of `HubLoads`. Raises ValueError for a hub that is not of the model, a force on
     a hub without a free direction, and values that do not fit.
     """
     if hub not in model.masks or not isinstance(hub, Hub):
@@ -229,7 +229,7 @@ def _checked(model: Assembly, hub: Hub, load: Load) -> tuple[float | None, Array
     if hub.slides and np.linalg.norm(across) > ALONG * np.linalg.norm(motion):
         raise ValueError(f"{load} moves across the free direction of {hub}, which slides")
     if not isinstance(load, Force):
-        return None, motion
+        return np.append(np.nan, motion)
     if free is None:
         raise ValueError(f"{hub} has no free direction for a force")
-    return float(finite(load, "value", load.value)), across
+    return np.append(finite(load, "value", load.value), across)

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from railhead.solver.material.elasticity import Material
-from railhead.solver.material.hardening import Hardening
+from railhead.solver.material import Hardening, Material
 from railhead.solver.space.supports import Clamp, Direction, Hub, Slide
 from railhead.solver.system.surfaces import Contact
 

@@ -1,4 +1,5 @@
-"""The equations of a model: stiffness with hubs, and contact with yield and friction.
+"""The equations of a model, stiffness with hubs, contact with yield and friction; and its state
+between two solutions.
 
 Along tangents t the secondary surface carries the traction (Chouly 2014, theta = 0)
 
@@ -9,6 +10,7 @@ where s is the slip since the last step. History is the displacement then; no tr
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -16,13 +18,49 @@ import numpy as np
 import scipy.sparse as sp
 from petsc4py import PETSc
 
+from railhead.solver.algebra.newton import NewtonResult, NewtonStep
 from railhead.solver.algebra.problem import Tangent
 from railhead.solver.algebra.reduced_stiffness import DIFFERENT, Stiffness
 from railhead.solver.friction.coulomb import projected
+from railhead.solver.material import History
 from railhead.solver.plasticity.plastic_problem import PlasticProblem, PlasticTangent
-from railhead.solver.space.constraints import Reduction
+from railhead.solver.space.contact_interface import Interface
 from railhead.solver.space.operators import add_transposed, petsc_matrix, weighted_product
+from railhead.solver.space.supports import Hub, Reduction
 from railhead.theory.array_types import Array, Mask
+
+HubLoads = Mapping[Hub, Array]
+"""Of each hub an array (1 + c,): the force along its free direction, NaN where it is moved; and its
+motion, of a hub with a force across the free direction."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class State:
+    """State of a model with n contact points on this rank.
+
+    displacement: on all dofs that this process owns.
+    loads: of all hubs; motions: of each hub (c,). share: of the bodies' forces that acts.
+    nodal: force that each node of this rank needs from outside (nodes, c): of supports and hubs.
+    bulk, surface: plastic histories at Gauss points and contact points.
+    pairing: contact points; outdated: whether points have slid by too much since they were paired.
+    pressure, gap: at the points (n,). traction: along the tangents there (n, k).
+    result: Newton's method in the last step; history: all of its steps so far.
+    """
+
+    displacement: PETSc.Vec
+    loads: HubLoads
+    motions: Mapping[Hub, Array]
+    share: float
+    nodal: Array
+    bulk: History
+    surface: History
+    pairing: Interface
+    outdated: bool
+    pressure: Array
+    gap: Array
+    traction: Array
+    result: NewtonResult
+    history: tuple[NewtonStep, ...] = ()
 
 
 class AssembledStiffness(Stiffness):

@@ -10,13 +10,10 @@ from petsc4py import PETSc
 from scipy.spatial import cKDTree
 
 from railhead.solver.algebra import newton
-from railhead.solver.algebra.newton import NewtonResult
 from railhead.solver.algebra.problem import ContactProblem
-from railhead.solver.algebra.steps import in_steps
-from railhead.solver.material.hardening import History
+from railhead.solver.material import History
 from railhead.solver.model.assembly import Assembly
-from railhead.solver.model.problem import FrictionalProblem
-from railhead.solver.model.state import HubLoads, State
+from railhead.solver.model.problem import FrictionalProblem, HubLoads, State
 from railhead.solver.plasticity.plastic_problem import surface_points
 from railhead.solver.space.contact_interface import Interface
 from railhead.solver.space.operators import add_transposed
@@ -40,36 +37,26 @@ def advance(model: Assembly, state: State, target: HubLoads, steps: int) -> Stat
         """Go to the loads at a share of the way; returns whether that converged."""
         nonlocal state
         grown = first + share * (1 - first)
-        new = _step(model, state, _between(start, target, share), grown)
+        loads = {hub: start[hub] + share * (load - start[hub]) for hub, load in target.items()}
+        new = _step(model, state, loads, grown)
         history = state.history + tuple(new.result.history)
         converged = new.result.converged
         state = replace(new if converged else state, result=new.result, history=history)
         return converged
 
-    in_steps(np.linspace(0.0, 1.0, steps + 1)[1:], 0.0, step)
+    newton.in_steps(np.linspace(0.0, 1.0, steps + 1)[1:], 0.0, step)
     return state
 
 
 def _continued(state: State, target: HubLoads) -> HubLoads:
     """Loads of the state, told as forces and motions of the same hubs as in the target."""
-    out: dict[Hub, tuple[float | None, Array]] = {}
-    for hub, (force, _) in target.items():
+    out: dict[Hub, Array] = {}
+    for hub, load in target.items():
         motion = state.motions[hub]
-        if force is None:
-            out[hub] = (None, motion)
-        else:
+        if not np.isnan(load[0]):
             free = unit("free", hub.free)
-            out[hub] = (float(state.loads[hub][0] or 0.0), motion - (motion @ free) * free)
-    return out
-
-
-def _between(start: HubLoads, target: HubLoads, share: float) -> HubLoads:
-    """Loads at a share of the way between two."""
-    out = {}
-    for hub, (force, motion) in target.items():
-        before, moved = start[hub]
-        now = None if force is None else (before or 0.0) + share * (force - (before or 0.0))
-        out[hub] = (now, moved + share * (motion - moved))
+            motion = motion - (motion @ free) * free
+        out[hub] = np.append(np.nan_to_num(state.loads[hub][0]), motion)
     return out
 
 
@@ -220,7 +207,7 @@ def _state(
     share: float,
     u: PETSc.Vec,
     gap: Array,
-    result: NewtonResult,
+    result: newton.NewtonResult,
     outdated: bool,
 ) -> State:
     """State that a result of Newton's method belongs to (collective)."""
@@ -239,7 +226,7 @@ def _state(
     add_transposed(face.gap, -face.weights * pressure, nodal)
     normal = (face.stress * u).array - lost
     add_transposed(face.stress, -problem.consistency * problem.weight * (pressure + normal), nodal)
-    motions, unknowns = {hub: motion for hub, (_, motion) in loads.items()}, model.unknowns(loads)
+    motions, unknowns = {hub: load[1:] for hub, load in loads.items()}, model.unknowns(loads)
     for hub, place in zip(unknowns.hubs, unknowns.reduction.places, strict=True):
         along = model.comm.allreduce(float(result.y.array[place]) if place >= 0 else 0.0)
         motions[hub] = motions[hub] + along * unit("free", hub.free)

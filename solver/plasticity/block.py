@@ -13,19 +13,22 @@ from itertools import product
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 from dolfinx.mesh import meshtags
 from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
+from scipy.spatial import cKDTree
 
 from railhead.solver import compat
 from railhead.solver.algebra import linear
 from railhead.solver.algebra.reduced_stiffness import Stiffness
-from railhead.solver.material.elasticity import Material, assemble
+from railhead.solver.material import Material, assemble
 from railhead.solver.plasticity.plastic_problem import YieldPoints, bulk_points
-from railhead.solver.space import constraints
 from railhead.solver.space.kinematics import SOLID, Kinematics
-from railhead.theory.array_types import Array
+from railhead.solver.space.operators import petsc_matrix
+from railhead.solver.space.supports import Held, Reduction, reduce
+from railhead.theory.array_types import Array, Index
 
 TAG = 1  # of the cells
 CELLS = {2: "quadrilateral", 3: "hexahedron"}
@@ -126,7 +129,19 @@ class Block:
         return self.at(0, self.axes[0][0])
 
     @cached_property
-    def reduction(self) -> constraints.Reduction:
+    def surface(self) -> tuple[Array, Array, Index]:
+        """x (nx,), y (ny,), ascending, mm, of the nodes of the displacement on the surface z = 0,
+        and their numbers (nx, ny) in `nodes`; in plane strain y is a single zero.
+        """
+        numbers = np.flatnonzero(self.at(self.dim - 1, 0.0))
+        at = self.nodes[numbers]
+        y = self.kinematics.lift(at)[:, 1]
+        order = np.lexsort((np.round(y, 9), np.round(at[:, 0], 9)))
+        table = numbers[order].reshape(len(np.unique(np.round(at[:, 0], 9))), -1)
+        return self.nodes[table[:, 0], 0], y[order][: table.shape[1]], table
+
+    @cached_property
+    def reduction(self) -> Reduction:
         """Map from free unknowns to dofs. The bottom is held. The faces normal to x, unless `tied`,
         and in a solid those normal to y, move in their planes.
         """
@@ -137,8 +152,8 @@ class Block:
             for side in (0, -1)
         ]
         fixed = self.at(self.dim - 1, self.axes[-1][0])
-        supports = constraints.Held(fixed=fixed, planes=planes, dim=self.dim)
-        return constraints.reduce(supports, MPI.COMM_SELF)
+        supports = Held(fixed=fixed, planes=planes, dim=self.dim)
+        return reduce(supports, MPI.COMM_SELF)
 
     @cached_property
     def points(self) -> YieldPoints:
@@ -182,17 +197,14 @@ class Block:
     def _tied_stiffness(self) -> tuple[PETSc.Mat, PETSc.Mat]:
         """Map from the unknowns of one plane to all dofs, and the stiffness of these unknowns."""
         first = np.flatnonzero(self.outflow)
-        place = {tuple(np.round(yz, 9)): i for i, yz in enumerate(self.nodes[first, 1:])}
-        own = np.array([place[tuple(np.round(yz, 9))] for yz in self.nodes[:, 1:]])
+        own = cKDTree(self.nodes[first, 1:]).query(self.nodes[:, 1:])[1]
         free = self.reduction.free.reshape(-1, self.dim)[first].ravel()
         number = np.cumsum(free) - 1
         dofs = (own[:, None] * self.dim + np.arange(self.dim)).ravel()
         rows = np.flatnonzero(free[dofs])
-        map_ = PETSc.Mat().createAIJ((len(dofs), int(free.sum())), nnz=1, comm=MPI.COMM_SELF)
-        map_.setUp()
-        for row in rows:
-            map_.setValue(int(row), int(number[dofs[row]]), 1.0)
-        map_.assemble()
+        entries = np.ones(len(rows)), (rows, number[dofs[rows]])
+        table = sp.csr_matrix(entries, shape=(len(dofs), free.sum()))
+        map_ = petsc_matrix(table, table.shape[1], MPI.COMM_SELF)
         full = self.stiffness.convert("aij", PETSc.Mat())
         return map_, full.ptap(map_)
 

@@ -13,8 +13,7 @@ from petsc4py import PETSc
 
 from railhead.solver.algebra import linear, newton
 from railhead.solver.algebra.newton import NewtonResult
-from railhead.solver.algebra.steps import in_steps
-from railhead.solver.material.hardening import ROOT, History, deviator
+from railhead.solver.material import ROOT, History, deviator
 from railhead.solver.plasticity.plastic_problem import (
     PlasticProblem,
     State,
@@ -136,7 +135,7 @@ class LoadStepping:
         step fails, the other shares are left out. Returns the result of the last step, which has
         then not converged.
         """
-        in_steps(shares, self.share, lambda share: self._step(share).converged)
+        newton.in_steps(shares, self.share, lambda share: self._step(share).converged)
         return self.solution.newton
 
     def separate(self, reference_force: float, start: PETSc.Vec) -> None:

@@ -20,12 +20,11 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from railhead.solver.algebra.problem import ContactProblem, Tangent
-from railhead.solver.material.elasticity import Material
-from railhead.solver.material.hardening import Hardening, History, TangentReduction, radial_return
+from railhead.solver.material import Hardening, History, Material, TangentReduction, radial_return
 from railhead.solver.space.cells import Bulk, CellSet, quadrature_degree
-from railhead.solver.space.constraints import Reduction
 from railhead.solver.space.contact_interface import Interface
 from railhead.solver.space.operators import add_transposed, assemble_strains, select_rows
+from railhead.solver.space.supports import Reduction
 from railhead.theory.array_types import Array, Index, Mask
 
 State = tuple[History, History]

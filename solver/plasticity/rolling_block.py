@@ -19,14 +19,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from railhead.solver.algebra.mixing import Anderson
-from railhead.solver.material.hardening import (
+from railhead.solver.material import (
     Hardening,
     History,
     deviator,
     radial_return,
-    yield_radius,
 )
 from railhead.solver.plasticity.block import Block, slab
 from railhead.theory.array_types import Array, Index
@@ -226,7 +226,7 @@ class RollingBlock:
     def start(self) -> SectionState:
         """State without plastic strain or residual stress."""
         lines, size = self.points.shape[1], 3 + len(self.block.kinematics.shears)
-        y = self._surface_nodes[1]
+        y = self.block.surface[1]
         zero = np.zeros(len(y))
         return SectionState(
             history=History.virgin(lines, size),
@@ -241,31 +241,18 @@ class RollingBlock:
         out[..., :3] += lam * strain[..., :3].sum(axis=-1, keepdims=True)
         return out
 
-    @cached_property
-    def _surface_nodes(self) -> tuple[Array, Array, Index]:
-        """x (nx,), y (ny,) of the nodes of the surface z = 0, mm, and their numbers (nx, ny)."""
-        return _grid(self.block)
-
-    @cached_property
-    def _slab_surface(self) -> tuple[Array, Index]:
-        """y (ny,) of the nodes of the section's surface, mm, and their numbers (ny,) in one plane
-        of the slab.
-        """
-        _, y, numbers = _grid(self.slab)
-        return y, numbers[0]
-
     @property
     def surface_numbers(self) -> Index:
         """Numbers (nx, ny) of the nodes of the surface, in the order of `SurfaceMotion`."""
-        return self._surface_nodes[2]
+        return self.block.surface[2]
 
     @cached_property
     def _outflow_order(self) -> Array:
         """Number (k,) of the slab's node for each node of the outflow, in their order."""
         slab, block = self.slab, self.block
         own = np.flatnonzero(slab.outflow)
-        place = {tuple(np.round(slab.nodes[i, 1:], 9)): i for i in own}
-        return np.array([place[tuple(np.round(yz, 9))] for yz in block.nodes[block.outflow, 1:]])
+        nearest = cKDTree(slab.nodes[own, 1:]).query(block.nodes[block.outflow, 1:])[1]
+        return np.asarray(own[nearest])
 
     def outgoing(self, change: Array) -> tuple[Array, ProfileChange, Array]:
         """Answer of the slab to a change of its plastic strain (lines, m): u_x (k,) of the
@@ -276,8 +263,8 @@ class RollingBlock:
         moved = slab.solve(slab.plastic_force(spread))
         strain = streams.gathered(slab.strains(moved))[0]
         values = moved.reshape(-1, slab.dim)
-        y, numbers = self._slab_surface
-        surface = values[numbers]
+        _, y, numbers = slab.surface
+        surface = values[numbers[0]]
         profile = ProfileChange(y, surface[:, 0], surface[:, -1])
         return values[self._outflow_order, 0], profile, self.stress(strain - change)
 
@@ -291,7 +278,7 @@ class RollingBlock:
 
     def surface(self, displacement: Array) -> SurfaceMotion:
         """Displacement of the surface z = 0, taken from that of all dofs (n c,), mm."""
-        x, y, numbers = self._surface_nodes
+        x, y, numbers = self.block.surface
         return SurfaceMotion(x, y, displacement.reshape(-1, self.block.dim)[numbers])
 
     def roll(self, state: SectionState, pressing: ElasticStress) -> RollingPass:
@@ -361,19 +348,6 @@ class RollingBlock:
         return np.asarray(out)
 
 
-def _grid(block: Block) -> tuple[Array, Array, Index]:
-    """x (nx,), y (ny,), ascending, mm, of the nodes of the displacement on the surface z = 0, and
-    their numbers (nx, ny) in `Block.nodes`; in plane strain y is a single zero.
-    """
-    numbers = np.flatnonzero(block.at(block.dim - 1, 0.0))
-    at = block.nodes[numbers]
-    y = block.kinematics.lift(at)[:, 1]
-    order = np.lexsort((np.round(y, 9), np.round(at[:, 0], 9)))
-    x = np.unique(np.round(at[:, 0], 9))
-    table = numbers[order].reshape(len(x), -1)
-    return block.nodes[table[:, 0], 0], y[order][: table.shape[1]], table
-
-
 def follow(
     strain: Array, mu: Array, incoming: History, hardening: Hardening
 ) -> tuple[Array, History]:
@@ -386,27 +360,8 @@ def follow(
     hardening: flow curve.
     Returns the plastic strain (columns, lines, m) and the outgoing state.
     """
-    plastic, state, column = np.empty_like(strain), incoming, 0
-    while column < len(strain):
-        elastic = _elastic_columns(strain[column:], mu, state, hardening)
-        plastic[column : column + elastic] = state.plastic
-        column += elastic
-        while column < len(strain):
-            after, _ = radial_return(strain[column], mu, state, hardening)
-            plastic[column] = after.plastic
-            grows = (after.equivalent != state.equivalent).any()
-            state, column = after, column + 1
-            if not grows:
-                break
+    plastic, state = np.empty_like(strain), incoming
+    for column, each in enumerate(strain):
+        state, _ = radial_return(each, mu, state, hardening)
+        plastic[column] = state.plastic
     return plastic, state
-
-
-def _elastic_columns(strain: Array, mu: Array, state: History, hardening: Hardening) -> int:
-    """Number of columns of strains (columns, lines, m) before the first one in which a point
-    yields. mu: shear modulus (lines,), MPa. state: of the lines.
-    """
-    flat = deviator(strain.reshape(-1, strain.shape[2])).reshape(strain.shape)
-    trial = 2 * mu[:, None] * (flat - state.plastic) - state.back
-    size = np.sqrt(np.einsum("clm,clm->cl", trial, trial))
-    yields = (size > yield_radius(state, hardening)).any(axis=1)
-    return int(np.argmax(yields)) if yields.any() else len(strain)

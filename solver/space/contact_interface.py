@@ -39,6 +39,7 @@ LAYER_FACTOR = 2.0  # of the trace bound in hexahedra and quadrilaterals. Where 
 METHODS = ("nitsche", "penalty")
 PENALTY_FACTOR = 10.0  # penalty over the Nitsche parameter: bias against conditioning
 LARGEST_PARAMETER = 3.0  # over E times the trace constant; of nearly incompressible bodies
+NEAREST = 12  # points of a contact that the iterations start from
 STAGE_GROWTH = 10.0  # of the parameter from one stage of a stiff law to the next
 Gap = Callable[[Array], tuple[Array, Array]]
 """Exact surfaces: points in space (n, 3) on the slave -> (initial gap (n,) in mm along the normal,
@@ -168,6 +169,22 @@ class Interface:
         (facet, _), weights = self.slave.quadrature(2 * self.slave.degree)
         whole = np.bincount(facet, weights, minlength=len(self.slave))
         return np.bincount(self.facet, self.weights, minlength=len(whole)) > 0.99 * whole
+
+    def nearest(self, closing: Array) -> Mask:
+        """Mask (n,) of this rank's points among the twelve (NEAREST) of each contact, of all ranks,
+        whose gaps close first (collective). closing: by how much each gap closes under a motion
+        (n,); a contact in which none does takes the smallest gaps.
+        """
+        out = np.zeros(len(self.contact), dtype=bool)
+        for number in range(len(self.missed)):
+            own = np.flatnonzero(self.contact == number)
+            gaps, rate = self.initial_gap[own], closing[own]
+            if self.comm.allreduce(int((rate > 0).sum())):
+                gaps = np.where(rate > 0, gaps / np.where(rate > 0, rate, 1.0), np.inf)
+            every = np.sort(np.concatenate(self.comm.allgather(gaps)))
+            near = gaps <= every[min(NEAREST, len(every)) - 1]
+            out[own] = near & np.isfinite(gaps)
+        return out
 
     def stiffness_bound(self, law: ContactLaw) -> Array:
         """Value (n,) that the parameter of a contact law is a multiple of, MPa/mm.

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from railhead.solver import compat
@@ -18,12 +17,22 @@ from railhead.solver.algebra.linear import Preconditioner
 from railhead.solver.algebra.multigrid import Hierarchy, PMultigrid
 from railhead.solver.algebra.problem import ContactProblem, reduce_problem
 from railhead.solver.algebra.reduced_stiffness import Stiffness, SupportReactions, unit_vector
-from railhead.solver.material.elasticity import assemble
-from railhead.solver.space import constraints
+from railhead.solver.material import assemble
 from railhead.solver.space.cells import Bulk
 from railhead.solver.space.contact_interface import Interface
-from railhead.solver.space.operators import vector
-from railhead.solver.space.supports import Clamp, Hub, Slide, held, masks, must_exist
+from railhead.solver.space.operators import add_transposed, vector
+from railhead.solver.space.supports import (
+    Clamp,
+    Held,
+    Hub,
+    Slide,
+    held,
+    masks,
+    must_exist,
+    reduce,
+    rigid_modes,
+    translation,
+)
 from railhead.solver.system.setup import Setup
 from railhead.solver.system.solution import Solution
 from railhead.solver.system.surfaces import Contact, Surfaces
@@ -130,7 +139,7 @@ class ContactSystem:
         planes = [Slide(tag, tuple(flatten(np.array(normal)))) for tag, normal in setup.planes]
         self.masks = masks(self.bulk.space, facet_tags, [self.clamp, self.hub, *planes])
         supports = self.supports(self.bulk.space)
-        self.reduction = constraints.reduce(supports, self.comm)
+        self.reduction = reduce(supports, self.comm)
         self.reactions = SupportReactions.of(stiffness, supports.fixed, setup.kinematics.dim)
         material = self.materials[setup.slave]
         self.law = setup.law.suited(material.young_modulus, material.lame)
@@ -153,13 +162,12 @@ class ContactSystem:
         """Number of free unknowns of all ranks."""
         return self.reduction.unknowns
 
-    def supports(self, space: Any) -> constraints.Held:
+    def supports(self, space: Any) -> Held:
         """What the fixed face, the symmetry planes and the hub leave to the owned block dofs of a
         space (collective).
         """
-        found = masks(space, self.facet_tags, self.masks)
         hubs = [self.hub] if self.setup.load_control else []
-        return held(found, hubs, len(found[self.hub]), self.setup.kinematics.dim)
+        return held(space, self.facet_tags, self.masks, hubs)
 
     def prescribed(self, case: LoadCase) -> PETSc.Vec:
         """Prescribed displacement u0 on all dofs, mm: far field of the load, support displacement
@@ -196,7 +204,7 @@ class ContactSystem:
         """
         prescribed = self.apply(self.problem, case)
         if not self.comm.allreduce(int(case.active.sum())):
-            case = replace(case, active=self._nearest())
+            case = replace(case, active=self.interface.nearest(np.zeros(len(case.active))))
         return self.solution(self.problem, self._newton(case), prescribed, case)
 
     def apply(self, problem: ContactProblem, case: LoadCase) -> PETSc.Vec:
@@ -313,10 +321,8 @@ class ContactSystem:
         space, reduction = self.bulk.space, self.reduction
         motions = []
         for tag in self.materials:
-            full = reduction.matrix.createVecLeft()
-            dofs = np.unique(compat.cell_dofs(space)[self.cell_tags.find(tag)])
-            full.array.reshape(self.owned, -1)[dofs[dofs < self.owned]] = self.setup.push
-            motions.append(reduction.restricted(full))
+            full = translation(space, self.cell_tags.find(tag), self.setup.push)
+            motions.append(reduction.restricted(vector(reduction.matrix, full)))
         if reduction.rigid_approach:
             like = reduction.matrix.createVecRight()
             motions.append(unit_vector(like, reduction.approach))
@@ -340,15 +346,13 @@ class ContactSystem:
         The support is that of the fixed body; where that body is rigid, it is the hub, and the
         force counts along the direction.
         """
-        law, problem, jumps = self.law, self.problem, self.interface
+        problem, face, force = self.problem, self.interface, displacement.duplicate()
         part, sign = (self.hub, 1.0) if self.setup.fixed.rigid else (self.clamp, -1.0)
-        force, push = jumps.gap.createVecRight(), jumps.gap.createVecLeft()
-        push.array[:] = -jumps.weights * pressure
-        jumps.gap.multTranspose(push, force)
-        if law.sigma and law.theta:
-            stress = (jumps.stress * displacement).array
-            push.array[:] = -law.theta * problem.weight * (pressure + stress)
-            jumps.stress.multTransposeAdd(push, force, force)
+        force.set(0.0)
+        add_transposed(face.gap, -face.weights * pressure, force)
+        normal = (face.stress * displacement).array
+        push = problem.consistency * problem.weight * (pressure + normal)
+        add_transposed(face.stress, -push, force)
         force.array[self.reactions.rows] += self.reactions.at(displacement)
         if outer is not None:
             force.axpy(-1.0, outer)
@@ -367,14 +371,6 @@ class ContactSystem:
         return np.asarray(
             gap + (self.gap_per_approach * approach if self.setup.moving.rigid else 0.0)
         )
-
-    def _nearest(self) -> NDArray[np.bool_]:
-        """Mask (n,) of this rank's points among the twelve contact points of all ranks with the
-        smallest initial gap (collective).
-        """
-        gaps = self.interface.initial_gap
-        lowest = np.sort(np.concatenate(self.comm.allgather(np.sort(gaps)[:12])))[:12]
-        return np.asarray(gaps <= lowest[-1])
 
     @cached_property
     def preconditioner(self) -> Preconditioner:
@@ -395,7 +391,7 @@ class ContactSystem:
             return linear.Direct(problem)
         if self.setup.degree == 1:
             points = compat.dof_points(self.bulk.space)
-            modes = constraints.rigid_modes(points, self.reduction, self.setup.kinematics)
+            modes = rigid_modes(points, self.reduction, self.setup.kinematics)
             return linear.Algebraic(problem, modes)
         return PMultigrid(problem, self.hierarchy)
 
@@ -409,6 +405,6 @@ class ContactSystem:
             self.cell_tags,
             self.materials,
             self.reduction,
-            lambda space: constraints.reduce(self.supports(space), self.comm),
+            lambda space: reduce(self.supports(space), self.comm),
             Stiffness.reduced,
         )

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead.solver.material.elasticity import Material
+from railhead.solver.material import Material
 from railhead.solver.space.contact_interface import ContactLaw, Gap
 from railhead.solver.space.kinematics import SOLID, Kinematics, must_be_orthonormal
 from railhead.theory.array_types import Array

@@ -29,7 +29,7 @@ from railhead.scene import catalogue
 from railhead.scene.scene import Scene, SceneError
 from railhead.solver import compat
 from railhead.solver.contact import ContactModel
-from railhead.solver.material.elasticity import Material
+from railhead.solver.material import Material
 from railhead.solver.system.setup import ContactBody, Setup
 from railhead.theory.elastic import hertz
 from studies import tables

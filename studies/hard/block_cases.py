@@ -15,7 +15,7 @@ from railhead.postprocess.findings import Findings, Frame
 from railhead.results.checks import BALANCE_TOLERANCE, NOISE_LIMIT
 from railhead.solver.compat import cell_nodes
 from railhead.solver.contact import ContactModel
-from railhead.solver.material.elasticity import Material
+from railhead.solver.material import Material
 from railhead.solver.space.contact_interface import ContactLaw, Gap
 from railhead.solver.system.fields import gather
 from railhead.solver.system.setup import ContactBody, Setup

@@ -24,7 +24,7 @@ from railhead.meshing.bodies import (
 )
 from railhead.meshing.grading import Grading
 from railhead.solver.contact import ContactModel
-from railhead.solver.material.elasticity import Material
+from railhead.solver.material import Material
 from railhead.solver.system.setup import ContactBody, Setup
 from railhead.solver.system.solution import Solution
 

@@ -13,8 +13,7 @@ import railhead as rh
 from railhead.postprocess.pictures.diagrams import FE, GREY, HERTZ, new_figure
 from railhead.run.half_spaces import pass_contact, passes_of_scene
 from railhead.scene import catalogue
-from railhead.solver.material.elasticity import Material
-from railhead.solver.material.hardening import Hardening
+from railhead.solver.material import Hardening, Material
 from railhead.theory.elastic.subsurface import von_mises
 from railhead.theory.friction import damage
 from studies import tables

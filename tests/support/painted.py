@@ -3,7 +3,7 @@
 import basix
 import numpy as np
 
-from railhead.solver.material.elasticity import Material
+from railhead.solver.material import Material
 from railhead.solver.system.fields import ContactFields, Fields
 
 JITTER = 0.2  # of an element

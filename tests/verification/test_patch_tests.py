@@ -20,8 +20,7 @@ from railhead.meshing.grading import Grading
 from railhead.postprocess.stress import gauss_points
 from railhead.solver import compat
 from railhead.solver.contact import ContactModel
-from railhead.solver.material.elasticity import Material, assemble
-from railhead.solver.material.hardening import Hardening
+from railhead.solver.material import Hardening, Material, assemble
 from railhead.solver.space.contact_interface import ContactLaw
 from railhead.solver.space.kinematics import SOLID, Kinematics
 from railhead.solver.system.fields import gather

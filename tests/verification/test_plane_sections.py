@@ -15,7 +15,7 @@ from railhead.meshing.grading import Grading
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene
 from railhead.solver.contact import ContactModel
-from railhead.solver.material.elasticity import Material
+from railhead.solver.material import Material
 from railhead.solver.space.kinematics import Kinematics
 from railhead.solver.system.setup import ContactBody, Setup
 from railhead.theory.elastic import line

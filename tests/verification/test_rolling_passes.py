@@ -11,8 +11,7 @@ import pytest
 from solved import scene_of
 
 from railhead.run.half_spaces import pass_contact, passes_of_scene
-from railhead.solver.material.elasticity import Material
-from railhead.solver.material.hardening import Hardening
+from railhead.solver.material import Hardening, Material
 from railhead.theory.elastic import hertz
 
 REFERENCE = json.loads(

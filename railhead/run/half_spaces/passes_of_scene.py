@@ -42,8 +42,7 @@ from railhead.run.mesh_solution import MeshSolution
 from railhead.run.model_setup import hardening
 from railhead.run.progress import Progress
 from railhead.scene.scene import Scene
-from railhead.solver.material.elasticity import Material
-from railhead.solver.material.hardening import History
+from railhead.solver.material import History, Material
 from railhead.solver.plasticity.block import Block, graded, mirrored
 from railhead.solver.plasticity.rolling_block import RollingBlock
 from railhead.solver.system.solution import FrictionSolution

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from railhead.postprocess.pass_rows import Passes, RailState, rail_state, verdict, words
-from railhead.solver.material.elasticity import Material
-from railhead.solver.material.hardening import Hardening
+from railhead.solver.material import Hardening, Material
 from railhead.solver.plasticity.block import Block
 from railhead.solver.plasticity.rolling_block import RollingBlock
 

@@ -11,7 +11,7 @@ from petsc4py import PETSc
 
 from railhead.solver import compat
 from railhead.solver.algebra import linear, multigrid, newton
-from railhead.solver.space import constraints
+from railhead.solver.space import supports as space_supports
 from railhead.solver.space.contact_interface import ContactLaw
 from railhead.solver.space.operators import petsc_matrix, vector
 from railhead.solver.system.setup import LoadPath
@@ -46,11 +46,11 @@ def solved_linearly(
 def test_planes_in_general_position_leave_the_right_freedom() -> None:
     normals = [np.array([1.0, 1.0, 0.0]) / np.sqrt(2), np.array([0.0, 0.6, 0.8])]
     masks = [np.array([True, False, True, False]), np.array([True, True, False, False])]
-    supports = constraints.Held(
+    supports = space_supports.Held(
         fixed=np.array([False, False, False, True]),
         planes=list(zip(masks, normals, strict=True)),
     )
-    reduction = constraints.reduce(supports, MPI.COMM_SELF)
+    reduction = space_supports.reduce(supports, MPI.COMM_SELF)
     assert reduction.matrix.getSize() == (12, 12)
     assert reduction.unknowns == 1 + 2 + 2
     assert not reduction.aligned
@@ -260,9 +260,9 @@ def test_prolongation_carries_rigid_motion_and_the_approach() -> None:
     """Q y1 represents the same displacement as y1 does in the P1 space."""
     model = contact_model()
     coarse = compat.vector_space(model.bulk.space.mesh, 1)
-    reduction = constraints.reduce(model.supports(coarse), model.comm)
+    reduction = space_supports.reduce(model.supports(coarse), model.comm)
     full = compat.interpolation(coarse, model.bulk.space)
-    q = constraints.reduced_prolongation(full, model.reduction, reduction)
+    q = space_supports.reduced_prolongation(full, model.reduction, reduction)
     y = q.createVecRight()
     y.setRandom()
     direct = full * (reduction.matrix * y)

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from railhead.solver.algebra import linear, newton
-from railhead.solver.contact import ContactModel
-from railhead.solver.material.elasticity import Material
-from railhead.solver.space.contact_interface import ContactLaw
+from railhead.solver.material import Material
+from railhead.solver.space.contact_interface import ContactLaw, Interface
 from studies.hard.block_pairs import contact_model, press
 
 
@@ -54,20 +53,19 @@ class TwoRanks:
     def allgather(self, own: object) -> list[object]:
         return [own, self.other]
 
-
-def test_an_active_set_that_comes_back_is_counted_if_it_does_on_all_ranks() -> None:
-    comm, one, two = TwoRanks(b"a"), np.array([True, False]), np.array([True, True])
-    seen = newton._SeenActiveSets(comm)
-    assert [seen.count(each) for each in (one, one, two, one, two, one)] == [0, 0, 0, 1, 1, 2]
-    comm.other = b"b"
-    assert seen.count(two) == 0
+    def allreduce(self, own: int) -> int:
+        return own
 
 
 @pytest.mark.parametrize(("elsewhere", "count"), [(-1.0, 0), (99.0, 12)])
 def test_the_nearest_points_are_those_of_all_ranks(elsewhere: float, count: int) -> None:
-    interface = SimpleNamespace(initial_gap=np.arange(20.0))
-    model = SimpleNamespace(interface=interface, comm=TwoRanks(np.full(12, elsewhere)))
-    assert ContactModel._nearest(model).sum() == count
+    interface = SimpleNamespace(
+        contact=np.zeros(20, int),
+        missed=[0.0],
+        initial_gap=np.arange(20.0),
+        comm=TwoRanks(np.full(12, elsewhere)),
+    )
+    assert Interface.nearest(interface, np.zeros(20)).sum() == count
 
 
 def test_it_ends_with_the_residual_that_was_asked_for() -> None:
@@ -113,3 +111,25 @@ def test_wrong_starts_end_in_the_same_state(reference, start: str) -> None:
     np.testing.assert_allclose(
         solution.pressure, reference.pressure, atol=1e-6 * reference.pressure.max()
     )
+
+
+def test_a_step_that_fails_is_halved_until_the_rest_succeeds() -> None:
+    """No step of more than 0.3 succeeds."""
+    reached, tried = [0.0], []
+
+    def step(share: float) -> bool:
+        tried.append(share)
+        if share - reached[-1] > 0.3:
+            return False
+        reached.append(share)
+        return True
+
+    assert newton.in_steps([0.25, 1.0], 0.0, step)
+    assert reached == [0.0, 0.25, 0.4375, 0.71875, 1.0]
+    assert tried == [0.25, 1.0, 0.625, 0.4375, 1.0, 0.71875, 1.0]
+
+
+def test_what_never_succeeds_ends_at_the_smallest_step() -> None:
+    tried: list[float] = []
+    assert not newton.in_steps([1.0, 2.0], 0.0, lambda share: bool(tried.append(share)))
+    assert tried == [2.0**-k for k in range(7)]

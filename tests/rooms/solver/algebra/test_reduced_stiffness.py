@@ -7,12 +7,12 @@ import pytest
 
 from railhead.solver.algebra import multigrid
 from railhead.solver.algebra.reduced_stiffness import Stiffness
-from railhead.solver.material.elasticity import assemble
-from railhead.solver.space import constraints
+from railhead.solver.material import assemble
+from railhead.solver.space import supports as space_supports
 from studies.hard.block_pairs import contact_model, two_blocks
 
 
-def oblique(supports: constraints.Held) -> constraints.Held:
+def oblique(supports: space_supports.Held) -> space_supports.Held:
     """The same with its first plane turned out of the axes."""
     (members, _), *others = supports.planes
     return replace(supports, planes=[(members, np.array([0.6, 0.8, 0.0])), *others])
@@ -31,7 +31,7 @@ CHANGES = {
 @pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
 def test_products_diagonal_and_assembled_matrix_are_those_of_the_triple_product(change) -> None:
     model, (made, setup) = contact_model(), two_blocks()
-    reduction = constraints.reduce(change(model.supports(model.bulk.space)), model.comm)
+    reduction = space_supports.reduce(change(model.supports(model.bulk.space)), model.comm)
     _, full = assemble(made.mesh, made.cell_tags, model.materials, setup.degree)
     product = full.convert("aij", type(full)()).ptap(reduction.matrix)
     found = Stiffness.reduced(full, reduction)
@@ -81,4 +81,6 @@ def test_an_approach_needs_a_place() -> None:
     model = contact_model()
     none = np.zeros_like(model.supports(model.bulk.space).fixed)
     with pytest.raises(ValueError, match="nothing is held"):
-        constraints.reduce(constraints.Held(fixed=none, hubs=[(none, np.eye(3)[0])]), model.comm)
+        space_supports.reduce(
+            space_supports.Held(fixed=none, hubs=[(none, np.eye(3)[0])]), model.comm
+        )

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from railhead.solver.material.elasticity import Material
-from railhead.solver.material.hardening import Hardening
+from railhead.solver.material import Hardening, Material
 from railhead.solver.plasticity.block import Block, graded, mirrored
 from railhead.solver.plasticity.rolling_block import RollingBlock
 

@@ -12,7 +12,7 @@ from dolfinx.mesh import meshtags
 
 from railhead.solver.contact import ContactModel
 from railhead.solver.friction.pressed_surfaces import surface_tangents
-from railhead.solver.material.elasticity import Material
+from railhead.solver.material import Material
 from railhead.solver.space.cells import Bulk, CellSet
 from railhead.solver.space.facets import FacetSet
 from railhead.solver.space.kinematics import Kinematics

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from railhead.run.half_spaces import pass_contact, passes_of_scene
-from railhead.solver.material.elasticity import Material
-from railhead.solver.material.hardening import Hardening
+from railhead.solver.material import Hardening, Material
 from railhead.theory.elastic import hertz
 from railhead.theory.friction import sliding
 

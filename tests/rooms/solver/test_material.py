@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from railhead.solver.material.hardening import ROOT, Hardening, History, deviator, radial_return
+from railhead.solver.material import ROOT, Hardening, History, deviator, radial_return
 
 MU, COUNT = 79615.0, 60
 CURVES = {

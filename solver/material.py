@@ -1,7 +1,8 @@
-"""Small-strain von Mises plasticity at points: yield, hardening, radial return, tangent.
+"""Isotropic solids in small strain: elastic constants and the stiffness matrix, flow curves and
+von Mises plasticity at points.
 
-Stress and strain are vectors in Mandel's notation (n, m): the normal components 11, 22, 33 first,
-shears times sqrt(2) after them, so that a : b is a sum of products. The stress is
+Stress and strain at points are vectors in Mandel's notation (n, m): the normal components 11, 22,
+33 first, shears times sqrt(2) after them, so that a : b is a sum of products. The stress is
 s = C (eps - eps_p), the yield function |dev s - alpha| - sqrt(2/3) kappa(q), with the equivalent
 plastic strain q, and backward Euler over a load step (Simo and Hughes, Computational Inelasticity,
 1998, boxes 3.1 and 3.2).
@@ -12,9 +13,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
+from typing import Any
 
+import dolfinx.fem.petsc  # noqa: F401
 import numpy as np
+import ufl
+from dolfinx import fem
+from petsc4py import PETSc
 
+from railhead.solver import compat
+from railhead.solver.space.cells import Bulk, quadrature_degree
+from railhead.solver.space.kinematics import SOLID, Kinematics
+from railhead.solver.space.operators import weighted_product
 from railhead.theory.array_types import Array, Index
 
 ROOT = np.sqrt(2.0 / 3.0)
@@ -203,3 +213,96 @@ def radial_return(
     return History(plastic, back, equivalent), TangentReduction(
         points=yielding, shear=shear, along=along, normal=normal, mu=mu
     )
+
+
+@dataclass(frozen=True)
+class Material:
+    """Isotropic solid.
+
+    young_modulus: Young's modulus E, MPa; math.inf: the body is rigid.
+    poisson_ratio: Poisson's ratio nu, in [0, 0.5).
+    hardening: flow curve; None: the body stays elastic.
+    """
+
+    young_modulus: float
+    poisson_ratio: float
+    hardening: Hardening | None = None
+
+    @property
+    def lame(self) -> tuple[float, float]:
+        """Lame's constants (lambda, mu), MPa."""
+        e, nu = self.young_modulus, self.poisson_ratio
+        return e * nu / ((1 + nu) * (1 - 2 * nu)), e / (2 * (1 + nu))
+
+
+def assemble(
+    mesh: Any,
+    cell_tags: Any,
+    materials: dict[int, Material],
+    degree: int,
+    kinematics: Kinematics = SOLID,
+    rule: int | None = None,
+) -> tuple[Bulk, PETSc.Mat]:
+    """Displacement space, and stiffness matrix K of a(u, v) = int sigma(u) : eps(v) dx
+    (collective).
+
+        sigma = lambda tr(eps) I + 2 mu eps
+
+    mesh: dolfinx mesh, mm.
+    cell_tags: MeshTags of the cells.
+    materials: cell tag of each body -> its material.
+    degree: polynomial degree of the displacement.
+    kinematics: meaning of the mesh coordinates: a solid, plane strain, or a section that is
+        revolved.
+    rule: degree of the quadrature; None: that which suits `degree`.
+    Raises ValueError for a cell that belongs to no body, and for mean dilatation in hexahedra or
+    quadrilaterals of degree 2, whose divergence at the centroid is not the mean.
+    K has one block a node (BAIJ), in N/mm, and no boundary condition is applied. It is that of the
+    meshed part: of a plane section times its thickness, of a meridian section of the whole turn.
+    """
+    cells = mesh.topology.index_map(mesh.topology.dim)
+    lame = np.zeros((cells.size_local + cells.num_ghosts, 2))
+    for tag, material in materials.items():
+        lame[cell_tags.find(tag)] = material.lame
+    none = mesh.comm.allreduce(int(np.count_nonzero(lame[: cells.size_local, 1] == 0)))
+    if none:
+        raise ValueError(f"{none} cells belong to no body: the bodies' tags are {[*materials]}")
+    pointwise = kinematics.mean_dilatation and not kinematics.averaged
+    if pointwise and degree > 1 and compat.cell_type(mesh) in ("hexahedron", "quadrilateral"):
+        raise ValueError("mean dilatation needs triangles or tetrahedra, or cells of degree 1")
+    lam = compat.cellwise_constant(mesh, lame[:, 0])
+    mu = compat.cellwise_constant(mesh, lame[:, 1])
+
+    space = compat.vector_space(mesh, degree)
+    u, v = ufl.TrialFunction(space), ufl.TestFunction(space)
+    order = rule or quadrature_degree(compat.cell_type(mesh), degree, kinematics)
+    form = compat.form(kinematics.energy(u, v, lam, mu, mesh, order), mesh)
+    stiffness = fem.petsc.create_matrix(form, "aij" if kinematics.averaged else "baij")
+    fem.petsc.assemble_matrix(stiffness, form)
+    stiffness.assemble()
+    if kinematics.averaged:
+        part = _mean_dilatation(space, lam, order)
+        stiffness.axpy(1.0, part, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+        stiffness.setBlockSize(kinematics.dim)
+        stiffness = stiffness.convert("baij")
+    stiffness.scale(kinematics.thickness)
+    stiffness.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+    return Bulk(space, lame, degree, kinematics), stiffness
+
+
+def _mean_dilatation(space: Any, lam: Any, degree: int) -> PETSc.Mat:
+    """Matrix B^T (lambda/V) B of a meridian section: lambda V times the squared mean dilatation of
+    each cell. B holds the integrals of the trace of the strain over each cell, and V is the
+    volume, both with the weight 2 pi r.
+
+    space: displacement space. lam: lambda in each cell, MPa. degree: degree of the quadrature.
+    """
+    mesh, dx = space.mesh, ufl.dx(metadata={"quadrature_degree": degree})
+    r = ufl.SpatialCoordinate(mesh)[0]
+    cell = 2 * np.pi * r * ufl.TestFunction(lam.function_space)
+    dilatation = Kinematics.dilatation(ufl.TrialFunction(space), r)
+    integrals = fem.petsc.assemble_matrix(compat.form(dilatation * cell * dx, mesh))
+    integrals.assemble()
+    volume = fem.petsc.assemble_vector(compat.form(cell * dx, mesh))
+    stiff = fem.petsc.assemble_vector(compat.form(lam * cell * dx, mesh))
+    return weighted_product(integrals, stiff.array / volume.array**2, integrals)

@@ -1,1 +1,0 @@
-"""Materials: elastic constants, stiffness matrix, flow curves and radial return."""
