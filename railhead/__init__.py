@@ -29,7 +29,8 @@ if TYPE_CHECKING:
         Wheelset,
     )
     from railhead.sweeps.creep_tables import creep_table
-    from railhead.sweeps.sweep_results import Sweep, sweep
+    from railhead.sweeps.parallel import sweep
+    from railhead.sweeps.sweep_table import Sweep
     from railhead.sweeps.wear.wear import wear
 
 __version__ = "0.3.0"
@@ -65,7 +66,8 @@ _HOMES = dict.fromkeys(__all__, "railhead.scene.scene") | {
     **dict.fromkeys(("locate", "profile"), "railhead.cli.geometry"),
     "Result": "railhead.results.result",
     "creep_table": "railhead.sweeps.creep_tables",
-    **dict.fromkeys(("Sweep", "sweep"), "railhead.sweeps.sweep_results"),
+    "Sweep": "railhead.sweeps.sweep_table",
+    "sweep": "railhead.sweeps.parallel",
     "wear": "railhead.sweeps.wear.wear",
 }
 

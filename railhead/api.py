@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from railhead.results.result import Result
     from railhead.run.progress import Tell
-    from railhead.sweeps.sweep_results import Sweep
+    from railhead.sweeps.sweep_table import Sweep
 
 __all__ = ["Planned", "find", "load", "plan", "solve", "steels"]
 
@@ -111,7 +111,7 @@ def load(folder: str | Path) -> Result | Sweep:
     from railhead.results import result_folder
     from railhead.results.result import Result
     from railhead.sweeps import store
-    from railhead.sweeps.sweep_results import Sweep
+    from railhead.sweeps.sweep_table import Sweep
 
     folder = as_path(folder, "folder")
     with suppress(OSError, ValueError, RuntimeError):  # a name too long, a loop of links

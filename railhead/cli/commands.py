@@ -294,21 +294,22 @@ def sweep(
     quiet = quiet or as_json
     with process.told_at_a_signal(KEPT.format(folder)):
         pictures = not no_pictures and scene.asks("pictures")
-        outcome = parallel.run(task, pictures=pictures, quiet=quiet, other=other)
-    if outcome is None:  # a rank that worked for the first one
+        found = parallel.run(task, pictures=pictures, quiet=quiet, other=other)
+    if found is None:  # a rank that worked for the first one
         return SOLVED
-    status = outcome.status
-    failed = {number: text for number, text in status.items() if text != sweep_table.PASSED}
-    for number, text in failed.items():
-        click.echo(f"{grid.label(number)}: {text}", err=True)
+    failed = False
+    for number, row in enumerate(found.rows()):
+        if (text := row[sweep_table.CHECKS]) != sweep_table.PASSED:
+            click.echo(f"{grid.label(number)}: {text}", err=True)
+            failed = True
     if as_json:
-        click.echo(result_folder.to_json({"rows": outcome.rows}), nl=False)
+        click.echo(result_folder.to_json(found.as_dict()), nl=False)
     elif not quiet:
-        for line in sweep_table.verdict(outcome.rows, units):
+        for line in sweep_table.verdict(found.rows(), units):
             click.echo(line)
         click.echo(f"written to {folder}/")
-    if outcome.failures:
-        return errors.not_written(OSError("\n".join(outcome.failures)))
+    if found.failures:
+        return errors.not_written(OSError("\n".join(found.failures)))
     return CHECK_FAILED if failed else SOLVED
 
 
@@ -337,9 +338,17 @@ def table(
     from railhead.results import result_folder
     from railhead.sweeps import creep_tables
 
-    request = creep_tables.asked(poisson, accuracy, ratios, cells, law)
     with process.told_at_a_signal(KEPT.format(out)):
-        found = creep_tables.make(request, out, force=force, quiet=quiet or as_json)
+        found = creep_tables.creep_table(
+            out,
+            poisson=poisson,
+            accuracy=accuracy,
+            ratios=ratios,
+            cells=cells,
+            law=law,
+            force=force,
+            quiet=quiet or as_json,
+        )
     if found is not None and as_json:  # None: a rank that worked for the first one
         click.echo(result_folder.to_json(creep_tables.summary(found)), nl=False)
     elif found is not None and not quiet:

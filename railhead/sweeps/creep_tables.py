@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from concurrent.futures import as_completed
 from contextlib import ExitStack
-from dataclasses import asdict, dataclass
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -13,8 +12,9 @@ import numpy as np
 from mpi4py import MPI
 
 from railhead.results import result_folder
-from railhead.run.progress import Progress, Tell
+from railhead.run.progress import Progress
 from railhead.scene.scene import SceneError
+from railhead.scene.sections import refuse_first
 from railhead.scene.units import FRACTION, to_base
 from railhead.sweeps import store, worker_pool
 from railhead.theory.friction import creep_table as theory
@@ -28,126 +28,103 @@ HEAD = """# railhead creep table. Poisson's ratio {poisson:g}, {cells} cells eac
 """
 
 
-@dataclass(frozen=True, kw_only=True)
-class Request:
-    """What a table is asked for.
-
-    poisson: Poisson's ratio, 0 to 0.5.
-    accuracy: asked of the interpolation along each axis, over mu N, 0.005 to 0.2.
-    ratios: smallest and largest a/b, 0.05 to 20; equal: one ratio.
-    cells: of the finer grid each way, 12 to 96, even.
-    law: kinetic over static coefficient, s_half G a b/(V mu N), and memory over sqrt(a b) of a
-        coefficient that falls exponentially with slip; None: Coulomb's law.
-    """
-
-    poisson: float = 0.28
-    accuracy: float = 0.02
-    ratios: tuple[float, float] = (0.1, 10.0)
-    cells: int = 24
-    law: theory.Law | None = None
-
-    def check(self) -> None:
-        """Raise SceneError for the first value out of its range."""
-        low, high = self.ratios
-        for key, value, good, allowed in (
-            ("--poisson", self.poisson, 0 <= self.poisson <= 0.5, "0 to 0.5"),
-            ("--accuracy", self.accuracy, 0.005 <= self.accuracy <= 0.2, "0.5% to 20%"),
-            ("--ratios", f"{low:g}:{high:g}", 0.05 <= low <= high <= 20, "LOW:HIGH within 0.05:20"),
-            (
-                "--cells",
-                self.cells,
-                12 <= self.cells <= 96 and self.cells % 2 == 0,
-                "12 to 96, even",
-            ),
-            (
-                "--law",
-                self.law,
-                self.law is None or (min(self.law) > 0 and self.law[0] <= 1),
-                "KINETIC above 0 to 1, HALF and MEMORY above 0",
-            ),
-        ):
-            if not good:
-                raise SceneError(key, f"{value} is not allowed; give {allowed}")
-
-
-def asked(
-    poisson: float, accuracy: str, ratios: str, cells: int, law: theory.Law | None
-) -> Request:
-    """The request of a command's texts: accuracy as "2%", ratios as "LOW:HIGH" or one. Raises
-    SceneError for others.
-    """
-    low, _, high = ratios.partition(":")
-    try:
-        ends = float(low), float(high or low)
-    except ValueError:
-        raise SceneError("--ratios", f"{ratios!r} is not allowed; give LOW:HIGH") from None
-    try:
-        share = to_base(accuracy, FRACTION)
-    except ValueError as error:
-        raise SceneError("--accuracy", str(error)) from None
-    return Request(poisson=poisson, accuracy=share, ratios=ends, cells=cells, law=law)
-
-
 def creep_table(
     folder: str | Path,
     *,
     poisson: float = 0.28,
-    accuracy: float = 0.02,
-    ratios: tuple[float, float] = (0.1, 10.0),
+    accuracy: float | str = 0.02,
+    ratios: tuple[float, float] | str = (0.1, 10.0),
     cells: int = 24,
     law: theory.Law | None = None,
-) -> CreepTable | None:
-    """Solve a creep table and write it into a folder, or read and complete the one that is there:
-    `make` of a `Request` with these values.
-    """
-    request = Request(poisson=poisson, accuracy=accuracy, ratios=ratios, cells=cells, law=law)
-    return make(request, Path(folder))
-
-
-def make(
-    request: Request,
-    folder: Path,
-    *,
     force: bool = False,
     quiet: bool = True,
-    tell: Tell | None = None,
 ) -> CreepTable | None:
-    """Solve a table side by side and write it into a folder; under MPI called on all ranks. A table
-    that was begun there with the same request goes on.
+    """Solve a creep table side by side and write it into a folder, or read and complete the one
+    that was begun there with the same values. Under MPI called on all ranks.
 
-    force: whether another result in the folder is replaced. quiet: no progress is shown. tell: as
-    of `Progress`.
-    Returns None on all MPI ranks but the first. Raises SceneError for a wrong request or folder and
+    poisson: Poisson's ratio, 0 to 0.5.
+    accuracy: asked of the interpolation along each axis, over mu N, 0.005 to 0.2 or "0.5%" to
+        "20%".
+    ratios: smallest and largest a/b, 0.05 to 20; equal: one ratio. Also as "LOW:HIGH".
+    cells: of the finer grid each way, 12 to 96, even.
+    law: kinetic over static coefficient, s_half G a b/(V mu N), and memory over sqrt(a b) of a
+        coefficient that falls exponentially with slip; None: Coulomb's law.
+    force: whether another result in the folder is replaced. quiet: no progress is shown.
+    Returns None on all MPI ranks but the first. Raises SceneError for a wrong value or folder and
     for a part that is not solved, OSError where nothing can be written.
     """
-    request.check()
-    comm, problem = MPI.COMM_WORLD, None
+    asked = _checked(poisson, accuracy, ratios, cells, law)
+    folder, comm = Path(folder), MPI.COMM_WORLD
     with ExitStack() as claim:
-        if comm.rank == 0:
-            asked = {"railhead": result_folder.VERSION, "table": asdict(request)}
-            try:
-                claim.enter_context(result_folder.claimed(folder))
-                store.begin(folder, asked, "replace" if force else "refuse", (TABLE, ROWS))
-            except (SceneError, OSError) as error:
-                problem = error
-        if (problem := comm.bcast(problem)) is not None:
-            raise problem
+
+        def begin() -> None:
+            """Make the folder ready for the records."""
+            claim.enter_context(result_folder.claimed(folder))
+            request = {"railhead": result_folder.VERSION, "table": asked}
+            store.begin(folder, request, "replace" if force else "refuse", (TABLE, ROWS))
+
+        worker_pool.on_first(comm, begin)
         with worker_pool.submitting(comm.size) as submit:
             if submit is None:
                 return None
-            with Progress(quiet=quiet, tell=tell) as progress:
-                return _solved(request, folder, submit, progress)
+            with Progress(quiet=quiet) as progress:
+                return _solved(folder, submit, progress, **asked)
+
+
+def _checked(
+    poisson: float,
+    accuracy: float | str,
+    ratios: tuple[float, float] | str,
+    cells: int,
+    law: theory.Law | None,
+) -> dict[str, Any]:
+    """The values of a table by the names of `creep_table`, as numbers. Raises SceneError for the
+    first one that is none or out of its range.
+    """
+    try:
+        accuracy = to_base(accuracy, FRACTION)
+    except ValueError as error:
+        raise SceneError("--accuracy", str(error)) from None
+    if isinstance(ratios, str):
+        first, _, last = ratios.partition(":")
+        try:
+            ratios = float(first), float(last or first)
+        except ValueError:
+            raise SceneError("--ratios", f"{ratios!r} is not allowed; give LOW:HIGH") from None
+    low, high = ratios
+    even = 12 <= cells <= 96 and cells % 2 == 0
+    falls = law is None or (min(law) > 0 and law[0] <= 1)
+    text = "{} is not allowed; give {}".format
+    refuse_first(
+        (not 0 <= poisson <= 0.5, "--poisson", text(poisson, "0 to 0.5")),
+        (not 0.005 <= accuracy <= 0.2, "--accuracy", text(accuracy, "0.5% to 20%")),
+        (
+            not 0.05 <= low <= high <= 20,
+            "--ratios",
+            text(f"{low:g}:{high:g}", "LOW:HIGH within 0.05:20"),
+        ),
+        (not even, "--cells", text(cells, "12 to 96, even")),
+        (not falls, "--law", text(law, "KINETIC above 0 to 1, HALF and MEMORY above 0")),
+    )
+    return {"poisson": poisson, "accuracy": accuracy, "ratios": ratios, "cells": cells, "law": law}
 
 
 def _solved(
-    request: Request, folder: Path, submit: worker_pool.Submit, progress: Progress
+    folder: Path,
+    submit: worker_pool.Submit,
+    progress: Progress,
+    *,
+    poisson: float,
+    accuracy: float,
+    ratios: tuple[float, float],
+    cells: int,
+    law: theory.Law | None,
 ) -> CreepTable:
-    """The table of a request, whose parts without a record are submitted; written into a folder.
-    Raises SceneError for a part that failed.
+    """The table of values as of `creep_table`, whose parts without a record are submitted; written
+    into a folder. Raises SceneError for a part that failed.
     """
-    poisson, cells, law = request.poisson, request.cells, request.law
     progress.stage("looking where the forces bend")
-    axes = theory.axes(poisson, cells, request.accuracy, request.ratios, law)
+    axes = theory.axes(poisson, cells, accuracy, ratios, law)
     rest = axes["across"], axes["spin"]
     parts = list(product(axes["axis_ratio"], axes["along"]))
     finished = store.done(folder)

@@ -16,8 +16,6 @@ from pathlib import Path
 from railhead.scene.scene import Scene, SceneError, assignment, checked, unit
 
 MAX_COMBINATIONS = 10_000
-FILES = ("profile", "stress_strain", "other_rail", "other_wheel", "file")
-"""Ends of keys whose values are files."""
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _RANGE = re.compile(r"\s*:\s*".join([f"({_NUMBER.pattern})"] * 3) + r"\s*(.*)")
 
@@ -79,8 +77,12 @@ class ParameterGrid:
         paths, as many as tell all values of the key apart.
         """
         found: list[dict[str, str]] = [{} for _ in self.scenes]
-        for key in (key for key in self.keys if key.endswith(FILES)):
-            paths = [Path(str(scene.value(key))).parts for scene in self.scenes]
+        files = {file for scene in self.scenes for file in scene.files}
+        for key in self.keys:
+            values = [Path(str(scene.value(key))) for scene in self.scenes]
+            if files.isdisjoint(values):
+                continue
+            paths = [path.parts for path in values]
             counts = range(1, max(map(len, paths)) + 1)
             last = next(n for n in counts if len({path[-n:] for path in paths}) == len({*paths}))
             for names, path in zip(found, paths, strict=True):

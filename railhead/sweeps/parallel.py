@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import json
+import tempfile
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, wait
 from contextlib import AbstractContextManager, ExitStack, suppress
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -14,20 +16,30 @@ import numpy as np
 from mpi4py import MPI
 
 from railhead.planning.simulation_plan import NoMemoryError, Plan
-from railhead.postprocess.findings import BASE_UNITS, Subject, Units
+from railhead.postprocess.findings import BASE_UNITS, Units
 from railhead.results import files, result_folder
 from railhead.results.result import Result
 from railhead.results.subject import shared_y
 from railhead.run import process
 from railhead.run.progress import Progress, Tell, show_progress
-from railhead.scene.catalogue import copy_files, places, portable
-from railhead.scene.scene import SceneError
+from railhead.scene.catalogue import as_path, copy_files, places, portable
+from railhead.scene.scene import Scene, SceneError, warn_of_units
 from railhead.sweeps import runner, store, sweep_table, worker_pool
-from railhead.sweeps.grid import ParameterGrid, column
+from railhead.sweeps.grid import ParameterGrid
+from railhead.sweeps.sweep_table import Row, Sweep
 
-Row = dict[str, Any]
+TABLE, VTU, FIELDS = "sweep.csv", "vtu", "fields.npz"
+SERIES = ("solution", "contact")  # names of the .vtu files of a scene
+PICTURES = ("sweep.png", "patches.png")
+DRAWN = (
+    sweep_table.REPORT,
+    *(str(Path(name).with_suffix(end)) for name in PICTURES for end in (".png", ".svg", ".pdf")),
+)
+LATER = (TABLE, VTU, FIELDS, *(f"{name}.pvd" for name in SERIES), *DRAWN)
+"""Names of what is written into the folder of a sweep."""
 POLL = 0.5  # s between two looks at the finished jobs
 LOST_RECORD = "its record is gone: something else has written into the folder"
+AGAIN = "again"  # key of the record of a scene that is to be tried again
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,8 +50,8 @@ class ParallelSweep:
     folder: folder of records, table and pictures.
     vtu: whether files for ParaView are written for each scene; not for half-spaces.
     fields: whether the arrays of `Result.contact_points` are written, of all scenes into one file.
-    keep_results: whether `Outcome.results` holds the results, with their fields, of the scenes that
-        are solved now; those that had a record are not solved again. Else it is empty.
+    keep_results: whether results of scenes that are solved now have their fields; those that had a
+        record are not solved again.
     units: of pictures and report.
     """
 
@@ -94,26 +106,6 @@ class ParallelSweep:
         return [float(number) for number in range(count)]
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """What became of a sweep.
-
-    rows: of sweep.csv, in the order of the scenes, cells by column header.
-    failures: a line for each picture that could not be drawn or file that could not be stamped.
-    results: by number of the scene those that were solved now; empty without
-        `ParallelSweep.keep_results`.
-    """
-
-    rows: list[Row]
-    failures: list[str]
-    results: dict[int, Result]
-
-    @property
-    def status(self) -> dict[int, str]:
-        """By number of the scene from 0, "passed" or why not."""
-        return {number: row[sweep_table.CHECKS] for number, row in enumerate(self.rows)}
-
-
 def run(
     sweep: ParallelSweep,
     *,
@@ -121,9 +113,9 @@ def run(
     quiet: bool,
     other: store.Other = "refuse",
     tell: Tell | None = None,
-) -> Outcome | None:
+) -> Sweep | None:
     """Solve the scenes of a sweep that have no record yet, side by side, and write table and
-    pictures; under MPI called on all ranks.
+    pictures; under MPI called on all ranks. `Sweep.failures` has what could not be drawn.
 
     other: what happens to another result in the folder (`store.begin`).
     pictures: whether PNG files and report.html are written.
@@ -132,85 +124,96 @@ def run(
     anything is solved, OSError where nothing can be written.
     """
     comm = MPI.COMM_WORLD
-    groups: list[list[int]] = []
-    plans: list[Plan] = []
-    rows: dict[int, Row] = {}
-    results: dict[int, Result] = {}
-    y_label = ""
-    problem: Exception | None = None
     with ExitStack() as claim:
-        if comm.rank == 0:
-            try:
-                with show_progress(quiet=quiet, tell=tell) as progress:
-                    plans = runner.plan_all(sweep.grid, progress)
-                groups, y_label = runner.group_by_mesh(plans), shared_y(plans)
-                claim.enter_context(result_folder.claimed(sweep.folder))
-                store.begin(sweep.folder, sweep.request, other)
-                copy_files(map(Path, sweep.files), sweep.folder)
-                store.check(sweep.folder, sweep.values)
-            except (SceneError, OSError) as error:
-                problem = error
-        if (problem := comm.bcast(problem)) is not None:
-            raise problem
+
+        def begin() -> list[Plan]:
+            """Plans of all scenes, after the folder is ready for their records."""
+            with show_progress(quiet=quiet, tell=tell) as progress:
+                plans = runner.plan_all(sweep.grid, progress)
+            claim.enter_context(result_folder.claimed(sweep.folder))
+            store.begin(sweep.folder, sweep.request, other, LATER)
+            copy_files(map(Path, sweep.files), sweep.folder)
+            _check_records(sweep)
+            return plans
+
+        plans = worker_pool.on_first(comm, begin) or []
         jobs = 0 if all(plan.by_half_spaces for plan in plans) else worker_pool.JOBS_PER_PROCESS
         with worker_pool.submitting(comm.size, jobs) as submit:
             if submit is None:
                 return None
-            workers = worker_pool.workers(comm.size)
             with Progress(quiet=quiet, tell=tell) as progress:
-                solve = partial(_solve_all, sweep, plans, rows, results, workers, submit, progress)
-                faults = solve(groups)
-                # A crash takes the rest of its group with it: these again, each alone.
-                again = [[n] for group in groups if len(group) > 1 for n in group if n in faults]
-                faults |= solve(again)
-        return _write(sweep, rows, results, faults, y_label, pictures=pictures)
+                results = _solve_all(sweep, plans, submit, progress)
+        found = Sweep(sweep.folder, results, shared_y(plans))
+        _write(sweep, found, pictures=pictures)
+        return found
+
+
+def _check_records(sweep: ParallelSweep) -> None:
+    """Remove the records of scenes that are to be tried again. Raises SceneError for the first
+    other one that cannot be read or does not belong to its scene.
+    """
+    for number, (record, _) in sweep_table.records(sweep.folder).items():
+        path = store.record_path(sweep.folder, number)
+        if record.get(AGAIN):
+            path.unlink()
+        elif number >= len(sweep.grid.scenes) or record["over"] != json.loads(
+            result_folder.to_json(sweep.values(number))
+        ):
+            raise store.broken(path)
 
 
 def _solve_all(
-    sweep: ParallelSweep,
-    plans: Sequence[Plan],
-    rows: dict[int, Row],
-    results: dict[int, Result],
-    workers: int,
-    submit: worker_pool.Submit,
-    progress: Progress,
-    groups: Sequence[Sequence[int]],
-) -> dict[int, str]:
-    """Let the workers solve the scenes of all groups that have no record, and wait; returns reasons
-    by number for scenes that still have none.
+    sweep: ParallelSweep, plans: Sequence[Plan], submit: worker_pool.Submit, progress: Progress
+) -> dict[int, Result]:
+    """Let other processes solve the scenes that have no record, and wait; returns results by number
+    (with `ParallelSweep.keep_results`). A crash takes the rest of its group with it: each of these
+    is tried again alone. A scene that still has no record gets one with the reason.
 
-    plans: of all scenes. rows: of sweep.csv by number; they grow with the records.
-    results: by number; they grow with the solved scenes (with `ParallelSweep.keep_results`).
-    workers: number of processes.
-    submit: starts a job.
+    plans: of all scenes. submit: starts a job. OSError: a reason cannot be written.
     """
-    finished, total = store.done(sweep.folder), len(sweep.grid.scenes)
-    progress.jobs(len(finished), total)
-    missing = [[number for number in group if number not in finished] for group in groups]
-    busy = sum(map(bool, missing))
-    numbers_of = {}
-    for group, wanted in zip(groups, missing, strict=True):
-        planned = {number: plans[number] for number in group}
-        for part in split_among_workers(wanted, busy, workers):
-            over = {number: (sweep.values(number), sweep.grid.names[number]) for number in part}
-            job = submit(
-                _solve, sweep.folder, over, planned, sweep.vtu, sweep.fields, sweep.keep_results
-            )
-            numbers_of[job] = part
+    folder, names = sweep.folder, sweep.grid.names
+    done = store.done(folder)
+    rows: dict[int, Row] = {}
+    results: dict[int, Result] = {}
     faults: dict[int, str] = {}
-    pending = set(numbers_of)
-    while pending:
-        ended, pending = wait(pending, POLL, FIRST_COMPLETED)
-        for job in ended:
+
+    def start(group: Sequence[int], part: Sequence[int]) -> worker_pool.Job:
+        """The job that solves a part of a group."""
+        over = {number: (sweep.values(number), names[number]) for number in part}
+        planned = {number: plans[number] for number in group}
+        return submit(_solve, folder, over, planned, sweep.vtu, sweep.fields, sweep.keep_results)
+
+    progress.jobs(len(done), len(plans))
+    groups = runner.group_by_mesh(plans)
+    missing = [[number for number in group if number not in done] for group in groups]
+    busy, workers = sum(map(bool, missing)), worker_pool.workers(MPI.COMM_WORLD.size)
+    jobs: dict[worker_pool.Job, tuple[Sequence[int], Sequence[int]]] = {
+        start(group, part): (group, part)
+        for group, wanted in zip(groups, missing, strict=True)
+        for part in split_among_workers(wanted, busy, workers)
+    }
+    while jobs:
+        ended: list[tuple[int, int, str]] = []  # number, size of its group, reason for no record
+        for job in wait(jobs, POLL, FIRST_COMPLETED).done:
+            group, part = jobs.pop(job)
             attempt = worker_pool.outcome(job)
-            solved, problems = attempt.value or ({}, {})
+            solved, short = attempt.value or ({}, dict.fromkeys(part, attempt.fault))
             results |= solved
-            faults |= dict.fromkeys(numbers_of[job], attempt.fault) | problems
+            ended += [(number, len(group), short.get(number, LOST_RECORD)) for number in part]
+        new = store.done(folder) - rows.keys()
+        rows |= {number: sweep_table.row(store.read(folder, number)) for number in new}
+        for number, size, fault in ended:
+            if number not in rows and size > 1:
+                jobs[start([number], [number])] = [number], [number]
+            elif number not in rows:
+                faults[number] = fault
         with suppress(OSError):  # of a full disk: records may still fit
-            _write_table(sweep, rows)
-        progress.jobs(len(rows), total)
-    without_record = faults.keys() - store.done(sweep.folder)
-    return {number: faults[number] or LOST_RECORD for number in without_record}
+            _write_table(folder, [row for _, row in sorted(rows.items())])
+        progress.jobs(len(rows) + len(faults), len(plans))
+    for number, fault in faults.items():
+        record = sweep_table.record(sweep.values(number), names[number], RuntimeError(fault))
+        store.write(folder, number, record | {AGAIN: True})
+    return results
 
 
 def split_among_workers(numbers: Sequence[int], groups: int, workers: int) -> list[Sequence[int]]:
@@ -244,98 +247,135 @@ def _solve(
         if isinstance(result, NoMemoryError):  # another time it may fit
             faults[number] = str(result)
             continue
-        if vtu and not isinstance(result, Exception):
-            grids = store.vtu_folder(folder, number)
-            grids.mkdir(parents=True, exist_ok=True)
-            files.write_grids(result.solved, files.nodal_stress(result.solved), grids)
-            result_folder.stamp(grids)
-        if fields and not isinstance(result, Exception) and result.summary["result"]:
-            store.write_fields(folder, number, result.contact_points)
-        if keep_results and not isinstance(result, Exception):
-            results[number] = result
-        store.write(folder, number, sweep_table.record(over[number][0], result, over[number][1]))
+        arrays = None
+        if not isinstance(result, Exception):
+            if vtu:
+                grids = folder / VTU / f"{number:05d}"
+                grids.mkdir(parents=True, exist_ok=True)
+                files.write_grids(result.solved, files.nodal_stress(result.solved), grids)
+                result_folder.stamp(grids)
+            if fields and result.summary["result"]:
+                arrays = result.contact_points
+            if keep_results:
+                results[number] = result
+        store.write(folder, number, sweep_table.record(*over[number], result), arrays)
     process.release_memory()
     return results, faults
 
 
-def _write(
-    sweep: ParallelSweep,
-    rows: dict[int, Row],
-    results: dict[int, Result],
-    faults: Mapping[int, str],
-    y_label: str,
-    *,
-    pictures: bool,
-) -> Outcome:
+def _write_table(folder: Path, rows: Sequence[Row]) -> None:
+    """Write sweep.csv. OSError: it cannot be written."""
+    store.write_whole(folder, folder / TABLE, result_folder.encoded(rows))
+
+
+def _write(sweep: ParallelSweep, found: Sweep, *, pictures: bool) -> None:
     """Write the table beside the records. With `pictures` write report.html, and PNG files where at
     most two keys are set or the scenes are rows of a table. With `sweep.vtu` write .pvd files, for
     ParaView, of the scenes that passed. Older pictures and reports are deleted in any case.
 
-    rows: of the table, by number of the scene from 0; completed in place. results: of the outcome.
-        faults: reasons by number for scenes without a record, which get a row with it. y_label:
-        label of y in the pictures.
+    found: rows of all scenes; its failures are added to.
     """
     from railhead.postprocess import vtu
 
-    grid, folder, failures = sweep.grid, sweep.folder, list[str]()
+    folder, rows = sweep.folder, found.rows()
 
     def attempt(name: str) -> AbstractContextManager[None]:
         """Context in which a file is written; it keeps an error as a line."""
-        return result_folder.attempt(failures, folder / name, folder)
+        return result_folder.attempt(found.failures, folder / name, folder)
 
-    done = store.done(folder)
-    for number in faults.keys() - done:
-        again = sweep_table.record(
-            sweep.values(number), RuntimeError(faults[number]), grid.names[number]
-        )
-        rows[number] = sweep_table.row(again)
-        with suppress(OSError):  # of a full disk
-            store.write(folder, number, again, again=True)
-    _write_table(sweep, rows)
-    outcome = Outcome([row for _, row in sorted(rows.items())], failures, results)
-    status = outcome.status
-    for name in store.SERIES if sweep.vtu else ():
-        files = {
-            sweep.times[number]: f"{store.vtu_folder(Path(), number)}/{name}.vtu"
-            for number, text in status.items()
-            if text == sweep_table.PASSED
+    _write_table(folder, rows)
+    for name in SERIES if sweep.vtu else ():
+        times = {
+            time: f"{VTU}/{number:05d}/{name}.vtu"
+            for number, (time, row) in enumerate(zip(sweep.times, rows, strict=True))
+            if row[sweep_table.CHECKS] == sweep_table.PASSED
         }
-        vtu.series(files, folder / f"{name}.pvd")
-    for name in (*store.PICTURES, sweep_table.REPORT):
-        for suffix in (Path(name).suffix, *store.BESIDE):
-            (folder / name).with_suffix(suffix).unlink(missing_ok=True)
-    keys = [column(key) for key in grid.keys]
-    title = f"sweep of {grid.scenes[0].name} over {' and '.join(grid.keys)}"
+        vtu.series(times, folder / f"{name}.pvd")
+    for name in DRAWN:
+        (folder / name).unlink(missing_ok=True)
     if pictures:
-        outlines = [
-            store.read(folder, number).get("outlines", []) if number in done else []
-            for number in status
-        ]
-        from railhead.postprocess.pictures import sweep_plots as plots
-
-        subject = Subject(title, units=sweep.units)
-        drawings = plots.drawings(keys, outcome.rows, outlines, y_label, subject)
-        result_folder.draw(drawings, folder, attempt)
+        result_folder.draw(found.drawings(sweep.units), folder, attempt)
     if sweep.fields:
-        with attempt(f"{store.FIELDS}.npz"):
-            store.join_fields(folder)
+        with attempt(FIELDS):
+            _join_fields(folder)
     with attempt(""):
         result_folder.stamp(folder)
     if pictures:
         with attempt(sweep_table.REPORT):
-            sweep_table.write_report(
-                title, grid.scenes, keys, outcome.rows, folder, store.PICTURES, sweep.units
-            )
-    return outcome
+            found.write_report(folder, sweep.grid.scenes, sweep.units)
 
 
-def _write_table(sweep: ParallelSweep, rows: dict[int, Row]) -> None:
-    """Add the rows of the scenes that have a record and no row yet, and write sweep.csv if there
-    are any, or if every scene has a row.
+def _join_fields(folder: Path) -> None:
+    """Write the arrays of all scenes of a sweep one after the other into one file, and "row", the
+    number of the scene of each point, from 0. Points of a scene without an array have NaN in it.
+    OSError: it cannot be written.
     """
-    new = store.done(sweep.folder) - rows.keys()
-    for number in new:
-        rows[number] = sweep_table.row(store.read(sweep.folder, number))
-    if new or len(rows) == len(sweep.grid.scenes):
-        table = result_folder.encoded(row for _, row in sorted(rows.items()))
-        store.write_whole(sweep.folder, sweep.folder / store.TABLE, table)
+    each = store.arrays(folder)
+    counts = [len(fields["pressure"]) for fields in each.values()]
+    shapes = {name: array.shape[1:] for fields in each.values() for name, array in fields.items()}
+    joined = {
+        name: np.concatenate(
+            [
+                fields.get(name, np.full((count, *shape), np.nan))
+                for fields, count in zip(each.values(), counts, strict=True)
+            ]
+        )
+        for name, shape in sorted(shapes.items())
+    }
+    np.savez_compressed(folder / FIELDS, row=np.repeat([*each], counts), **joined)
+
+
+def sweep(
+    scene: Scene,
+    over: Mapping[str, Sequence[object]] | None = None,
+    /,
+    *,
+    out: str | Path | None = None,
+    quiet: bool = False,
+    progress: Tell | None = None,
+    **values: Sequence[object],
+) -> Sweep:
+    """Solve a scene for every combination of values, a process a core, as `railhead sweep`.
+
+    over: lists of values by key, for keys with a dot: ``{"wheelset.shift": [0, 2]}``.
+    out: folder for the files of `railhead sweep`, which a repeated call goes on with; None: no
+        files.
+    quiet: whether no progress is shown on standard error.
+    progress: as of `railhead.solve`, e.g. (8.1, "3 of 50 done, 0:02:10 left").
+    values: lists of values by key: ``load=["25 kN", "50 kN"]``.
+    Results that this call solved have arrays, but no dolfinx mesh; those that were in the folder
+    have numbers. Under MPI, call this on all ranks. Raises SceneError for a wrong scene or folder,
+    before any scene is solved, OSError where files cannot be written, after the others are. A
+    combination that cannot be meshed or does not fit into the memory has the reason in its row.
+    """
+    grid = ParameterGrid.combine(scene, _lists(over, values))
+    warn_of_units(*grid.scenes)
+    comm = MPI.COMM_WORLD
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = as_path(comm.bcast(temporary) if out is None else out, "out")
+        result_folder.check_folder(folder)
+        task = ParallelSweep(grid=grid, folder=folder, keep_results=True)
+        own = run(task, pictures=out is not None, quiet=quiet, tell=progress)
+    found: Sweep = comm.bcast(own)
+    if own is not None and own.failures:
+        raise OSError("\n".join(own.failures))
+    return found
+
+
+def _lists(
+    over: Mapping[str, Sequence[object]] | None, values: Mapping[str, Sequence[object]]
+) -> dict[str, Sequence[object]]:
+    """Lists of values by key from a mapping and from keyword arguments. Raises SceneError for
+    anything that is no mapping of keys to lists, and for a key in both.
+    """
+    if not isinstance(over or {}, Mapping):
+        raise SceneError("over", f"{over!r} is not a mapping of keys to lists of values; give one")
+    for key in (over or {}).keys() & values.keys():
+        raise SceneError(key, "is given twice; give one list of values")
+    lists = {**(over or {}), **values}
+    for key, chosen in lists.items():
+        if not isinstance(key, str):
+            raise SceneError("over", f"{key!r} is no key; give a word")
+        if isinstance(chosen, str) or not isinstance(chosen, Iterable):
+            raise SceneError(key, f"{chosen!r} is not a list of values; give one")
+    return {key: list(chosen) for key, chosen in lists.items()}

@@ -1,5 +1,5 @@
-"""The record of a solved scene, its row of sweep.csv, and report.html of all rows: one file for a
-reader who has nothing else.
+"""A sweep as records, rows of sweep.csv and results; its verdict, and report.html of all rows: one
+file for a reader who has nothing else.
 """
 
 from __future__ import annotations
@@ -9,17 +9,28 @@ import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
 
 from railhead.planning.effects import EFFECTS
-from railhead.postprocess.findings import BASE_UNITS, Units
+from railhead.postprocess.findings import BASE_UNITS, Subject, Units
 from railhead.results import result_folder
-from railhead.results.report import html
+from railhead.results.report import html, terminal
 from railhead.results.result import Result
 from railhead.run import quantities
-from railhead.scene.scene import Scene
-from railhead.sweeps.grid import FILES, column, shown
+from railhead.scene.catalogue import as_path
+from railhead.scene.scene import Scene, SceneError
+from railhead.sweeps import store
+from railhead.sweeps.grid import column, shown
 
+if TYPE_CHECKING:
+    from railhead.postprocess.pictures.diagrams import Drawing
+
+Row = dict[str, Any]
 COLUMNS = [each for each in quantities.QUANTITIES if each.column]
 CHECKS, PASSED, WARNINGS, BELOW = "checks", "passed", "warnings", "below resolution"
 REPORT = "report.html"
@@ -28,32 +39,27 @@ FEW = 0.05  # an estimate beyond is counted in the verdict
 
 
 def record(
-    over: Mapping[str, object], result: Result | Exception, names: Mapping[str, str] | None = None
+    over: Mapping[str, object], names: Mapping[str, str], result: Result | Exception
 ) -> dict[str, Any]:
     """Record of a solved scene, or of the error that refused the scene, as plain data; an error
     makes `over`, `names` and `fault` alone.
 
     over: values of the changing keys by dotted key.
-    names: of files, by key (`ParameterGrid.names`); None: the ends of their paths.
+    names: of the files among them, by key (`ParameterGrid.names`).
     fault: reason why there is no result, in one line; empty where there is one.
     summary: content of summary.json.
     outlines: outlines of the patches seen from above, lists of points x, y in space in mm.
     wheelset: only with rail.gauge, columns of both wheels' first contacts and their values.
     """
+    table: dict[str, Any] = {"over": over, "names": names, "fault": ""}
     if isinstance(result, Exception):
-        return {"over": over, "names": names, "fault": " ".join(str(result).split())}
+        return table | {"fault": " ".join(str(result).split())}
     outlines, findings = [], result.findings
     if findings is not None:
         for line in findings.patch.outlines:
             points = (findings.frame.place(float(x), float(s)) for x, s in line)
             outlines.append([[round(x, 4), round(y, 4)] for x, y, _ in points])
-    table: dict[str, Any] = {
-        "over": over,
-        "names": names,
-        "fault": "",
-        "summary": result.summary,
-        "outlines": outlines,
-    }
+    table |= {"summary": result.summary, "outlines": outlines}
     placed = result.plan.contact.placed if result.plan.scene.rail.gauge else None
     if placed is not None:
         here, there = placed.right.touches[0], placed.left.touches[0]
@@ -69,19 +75,29 @@ def record(
     return table
 
 
-def row(record: Mapping[str, Any]) -> dict[str, Any]:
+def records(folder: Path) -> dict[int, tuple[dict[str, Any], Row]]:
+    """Record and row by number of the scene, in that order. Raises SceneError for a broken file,
+    and for one that is no record of a scene.
+    """
+    found = {}
+    for number in sorted(store.done(folder)):
+        record = store.read(folder, number)
+        try:
+            found[number] = record, row(record)
+        except (LookupError, TypeError, ValueError, AttributeError):
+            raise store.broken(store.record_path(folder, number)) from None
+    return found
+
+
+def row(record: Mapping[str, Any]) -> Row:
     """A row of sweep.csv: cells by column header.
 
     Without a result the row ends after `checks`, and where Newton's method did not converge after
     `warnings`. Raises LookupError, TypeError, ValueError or AttributeError for data that is no
     record of a scene.
     """
-    over = record["over"]
-    ends = {key: Path(str(value)).name for key, value in over.items() if key.endswith(FILES)}
-    cells: dict[str, Any] = {
-        column(key): shown(key, value)
-        for key, value in (over | (record.get("names") or ends)).items()
-    }
+    values = record["over"] | record["names"]
+    cells: Row = {column(key): shown(key, value) for key, value in values.items()}
     cells[CHECKS] = status(record)
     if record["fault"]:
         return cells
@@ -171,43 +187,6 @@ def status(record: Mapping[str, Any]) -> str:
     return PASSED if checks["passed"] else f"FAILED: {' '.join(checks['failed'])}"
 
 
-def write_report(
-    title: str,
-    scenes: Sequence[Scene],
-    columns: Sequence[str],
-    rows: Sequence[Mapping[str, Any]],
-    folder: Path,
-    pictures: Sequence[str],
-    units: Units,
-) -> None:
-    """Write the report of a sweep into its folder. Raises OSError where it cannot be written.
-
-    columns: names of the columns of the values that change. rows: of sweep.csv, one for each scene.
-    pictures: names of PNG files in the folder; those that are missing are left out. units: of the
-        numbers.
-    """
-    drawn = (folder / name for name in pictures)
-    first, *others = [list(html.scene_rows(scene, units)) for scene in scenes]
-    text = html.template("sweep.html.j2").render(
-        title=title,
-        units=units,
-        verdict=verdict(rows, units),
-        passed=all(row[CHECKS] == PASSED for row in rows),
-        pictures=[html.picture(path.read_bytes()) for path in drawn if path.exists()],
-        columns=[*columns, *short(rows), WARNINGS],
-        every=list(dict.fromkeys(name for row in rows for name in row)),
-        rows=rows,
-        cell=cell,
-        asked={
-            name: list(dict.fromkeys(cell(row, name, units) for row in rows)) for name in columns
-        },
-        same=[pair for pair in first if all(pair in other for other in others)],
-        date=result_folder.now(),
-        versions=html.versions(),
-    )
-    (folder / REPORT).write_text(text, encoding="utf-8")
-
-
 def cell(row: Mapping[str, Any], name: str, units: Units) -> str:
     """A cell of a row as text: a number in the reader's unit, with its relative estimate, or the
     mark that it is below resolution, where it has one. Empty where the row has no value.
@@ -224,3 +203,111 @@ def cell(row: Mapping[str, Any], name: str, units: Units) -> str:
             error = f"{_share(bound)} of mu N" if name in FRICTION else _share(bound)
             text = f"{value:.5g}\u00a0\u00b1\u00a0{error}"
     return f"{text} ({BELOW})" if text and short in _hidden(row) else text
+
+
+class Sweep(terminal.Drawn, list[Result]):
+    """List of the results of all combinations that were solved, the last key changing fastest. A
+    combination without a result is missing in the list, but has a row, so positions need not be
+    numbers of combinations.
+
+    keys: dotted keys that are set, in order.
+    failures: a line for each file that could not be drawn or stamped.
+    """
+
+    def __init__(
+        self, folder: Path, solved: Mapping[int, Result] | None = None, y: str = "y, mm"
+    ) -> None:
+        """folder: of the sweep. solved: results by number of the combination, in the place of those
+        of the records, which have numbers only; None: none. y: label of y in pictures. Nothing is
+        solved. Raises SceneError for a broken file, and for records of another sweep.
+        """
+        known, request = records(folder), store.load(folder / store.REQUEST)
+        found = {
+            number: Result(None, record["summary"])
+            for number, (record, _) in known.items()
+            if not record["fault"]
+        }
+        super().__init__((found | dict(solved or {})).values())
+        try:
+            name, self.keys = str(request["scene"]["name"]), list(request["over"])
+        except (LookupError, TypeError):
+            raise store.broken(folder / store.REQUEST) from None
+        self._title, self._y = f"sweep of {name} over {' and '.join(self.keys)}", y
+        self._columns = [column(key) for key in self.keys]
+        self._rows = [row for _, row in known.values()]
+        if any(name not in row for name in self._columns for row in self._rows):
+            raise SceneError("load", f"{str(folder)!r} holds records of another sweep")
+        self._outlines = [each.get("outlines", []) for each, _ in known.values()]
+        self.failures: list[str] = []
+
+    def show(self, console: Console, units: Units | None = None) -> None:
+        """Print a row for each combination, and what they say together, on a console. units: of the
+        numbers; None: mm, N, MPa.
+        """
+        units = units or BASE_UNITS
+        names = [*self._columns, *short(self._rows)]
+        table = Table(box=box.SIMPLE)
+        for name in names:
+            table.add_column(Text(units.unit(name)), overflow="fold")
+        for row in self._rows:
+            table.add_row(*(Text(cell(row, name, units)) for name in names))
+        console.print(table)
+        for line in verdict(self._rows, units):
+            console.print(line, markup=False, highlight=False)
+
+    def drawings(self, units: Units = BASE_UNITS) -> dict[str, Drawing]:
+        """Functions that draw the pictures, by name of their PNG file. units: of their numbers."""
+        from railhead.postprocess.pictures import sweep_plots as plots
+
+        subject = Subject(self._title, units=units)
+        return plots.drawings(self._columns, self._rows, self._outlines, self._y, subject)
+
+    def write_report(self, folder: Path, scenes: Sequence[Scene], units: Units) -> None:
+        """Write report.html into the folder of the sweep, with those pictures that are there.
+        scenes: of all rows. units: of the numbers. Raises OSError where it cannot be written.
+        """
+        drawn = (folder / name for name in self.drawings())
+        rows, columns = self._rows, self._columns
+        first, *others = [list(html.scene_rows(scene, units)) for scene in scenes]
+        text = html.template("sweep.html.j2").render(
+            title=self._title,
+            units=units,
+            verdict=verdict(rows, units),
+            passed=all(row[CHECKS] == PASSED for row in rows),
+            pictures=[html.picture(path.read_bytes()) for path in drawn if path.exists()],
+            columns=[*columns, *short(rows), WARNINGS],
+            every=list(dict.fromkeys(name for row in rows for name in row)),
+            rows=rows,
+            cell=cell,
+            asked={
+                name: list(dict.fromkeys(cell(row, name, units) for row in rows))
+                for name in columns
+            },
+            same=[pair for pair in first if all(pair in other for other in others)],
+            date=result_folder.now(),
+            versions=html.versions(),
+        )
+        (folder / REPORT).write_text(text, encoding="utf-8")
+
+    def as_dict(self) -> dict[str, Any]:
+        """The rows as plain data."""
+        return {"rows": self._rows}
+
+    def rows(self) -> list[Row]:
+        """The table of `railhead sweep`: a row for each combination that has a record, in their
+        order, cells by column header (docs/sweeps.md). A combination that could not be solved has
+        the reason in "checks".
+        """
+        return self._rows
+
+    def to_csv(self, path: str | Path) -> None:
+        """Write the rows as comma-separated values, in UTF-8 with a byte order mark. Raises
+        SceneError for what is no path, OSError where it cannot be written.
+        """
+        as_path(path, "path").write_bytes(result_folder.encoded(self.rows()))
+
+    def to_dataframe(self) -> Any:
+        """The rows as a pandas.DataFrame. Raises ImportError where pandas is not installed."""
+        import pandas as pd  # type: ignore[import-untyped]
+
+        return pd.DataFrame(self.rows())

@@ -20,6 +20,7 @@ from pebble import ProcessExpired, ProcessPool
 
 from railhead.meshing.isolated_process import die_with_parent
 from railhead.run.process import prepare
+from railhead.scene.scene import SceneError
 
 T = TypeVar("T")
 JOBS_PER_PROCESS = 8  # jobs of a process before it ends and its memory is freed
@@ -37,8 +38,24 @@ class Attempt(Generic[T]):
     fault: str = ""
 
 
-Submit = Callable[..., "Future[Attempt[Any]]"]
+Job = Future[Attempt[Any]]
+Submit = Callable[..., Job]
 """Starts work(*arguments) in another process, called with `work` and its arguments."""
+
+
+def on_first(comm: Any, work: Callable[[], T]) -> T | None:
+    """The value of work() on the first MPI rank of a communicator, None on the others. What it
+    raises of SceneError and OSError is raised on all (collective).
+    """
+    value, problem = None, None
+    if comm.rank == 0:
+        try:
+            value = work()
+        except (SceneError, OSError) as error:
+            problem = error
+    if (problem := comm.bcast(problem)) is not None:
+        raise problem
+    return value
 
 
 @contextmanager

@@ -333,7 +333,7 @@ def test_unlike_bodies_dissipate_what_slips() -> None:
     )
     answer = friction(found)
     assert answer["force_along_N"] < 0 < answer["t_gamma_N"]
-    assert sweep_table.row(sweep_table.record({}, found))["T-gamma [N]"] == answer["t_gamma_N"]
+    assert sweep_table.row(sweep_table.record({}, {}, found))["T-gamma [N]"] == answer["t_gamma_N"]
 
 
 @pytest.mark.parametrize(

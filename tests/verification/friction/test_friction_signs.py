@@ -71,7 +71,9 @@ def test_a_yawed_wheelset_pushes_the_rail_aside() -> None:
     assert "on a free axle" in found["plan"]["effects"]["friction"]["why"]
     rows = {row["quantity"]: row for row in quantity_rows.rows(found, "friction")}
     assert rows["axle"]["unit"] == "" and rows["axle"]["half-spaces"] == "free"
-    assert sweep_table.row({"over": {}, "fault": "", "summary": found})["axle"] == "free"
+    assert (
+        sweep_table.row({"over": {}, "names": {}, "fault": "", "summary": found})["axle"] == "free"
+    )
 
 
 ALONG, ACROSS, SPIN = MOTION

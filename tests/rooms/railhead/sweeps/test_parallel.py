@@ -18,7 +18,7 @@ from sweep_command import COMMAND, KEYS, ROLLER, SIX, one_after_the_other, rows,
 
 import railhead as rh
 from railhead.planning import simulation_plan as planning
-from railhead.sweeps import parallel, store, worker_pool
+from railhead.sweeps import parallel, store, sweep_table, worker_pool
 from railhead.sweeps.grid import ParameterGrid, parse_values
 
 
@@ -101,7 +101,7 @@ def test_a_sweep_opens_as_time_steps(radii: Path, in_this_process) -> None:
             if name == "contact":
                 top = float(row["p_max [MPa]"])
                 assert pyvista.read(file)["pressure"].max() == pytest.approx(top, rel=0.01)
-    fault = {"over": {"wheel.rolling_radius": 420.0}, "fault": "gmsh: no"}
+    fault = {"over": {"wheel.rolling_radius": 420.0}, "names": {}, "fault": "gmsh: no"}
     (radii / "records" / "00000.json").write_text(json.dumps(fault))
     (radii / "records" / "00001.json").unlink()
     assert sweep(*WITH_FILES, "--out", str(radii), "--resume") == 1
@@ -143,7 +143,11 @@ def test_a_record_that_goes_while_a_sweep_runs_is_said(
     monkeypatch.setattr(parallel, "_solve", _nothing)
     found = parallel.run(task, pictures=False, quiet=True)
     assert found is not None
-    assert found.status == dict.fromkeys([0, 1], f"NOT SOLVED: {parallel.LOST_RECORD}")
+    assert checks(found) == [f"NOT SOLVED: {parallel.LOST_RECORD}"] * 2
+
+
+def checks(found: rh.Sweep) -> list[str]:
+    return [row["checks"] for row in found.rows()]
 
 
 def _nothing(*_: object) -> tuple[dict, dict]:
@@ -183,23 +187,9 @@ def test_one_that_does_not_converge_leaves_the_others(
     assert "solver.max_newton = 1: NOT CONVERGED" in capsys.readouterr().err
 
 
-def test_a_process_that_crashes_leaves_the_others(tmp_path: Path, monkeypatch) -> None:
-    """Its row says so, and it is tried again by --resume."""
-    task = loads("sphere_on_plane", [100, 200], tmp_path / "out")
-    store.begin(task.folder, task.request)
-    store.write(task.folder, 1, {"over": {"load": 200.0}, "fault": "gmsh: no"})
-    found = parallel._write(task, {}, {}, {0: "the process crashed"}, "y, mm", pictures=True)
-    assert found.failures == []
-    assert found.status == {0: "NOT SOLVED: the process crashed", 1: "NOT SOLVED: gmsh: no"}
-    assert store.done(task.folder) == {1}
-    assert [row["load [N]"] for row in rows(task.folder)] == ["100.0", "200.0"]
-    assert rh.load(task.folder).rows() == found.rows
-    store.check(task.folder, task.values)  # as before the next try
-    assert list(store.records(task.folder)) == [1]
-
-
 def test_what_a_crash_takes_with_it_is_solved_by_itself(tmp_path: Path, monkeypatch) -> None:
-    """The process dies at the second of three loads on one mesh, and again alone."""
+    """The process dies at the second of three loads on one mesh, and again alone. The row says so;
+    the same command tries it again."""
     task = loads("sphere_on_plane", [100, 200, 300], tmp_path / "out")
     asked: list[list[int]] = []
 
@@ -209,9 +199,9 @@ def test_what_a_crash_takes_with_it_is_solved_by_itself(tmp_path: Path, monkeypa
             asked.append(list(over))
             future: Future = Future()
             first = next(iter(group))
-            if first != 1:
-                record = {"over": {"load": group[first].scene.load}, "fault": "none of a test"}
-                store.write(folder, first, record)
+            if first in over and first != 1:
+                fault = RuntimeError("none of a test")
+                store.write(folder, first, sweep_table.record(*over[first], fault))
             lost = "the process crashed" if 1 in group else ""
             future.set_result(worker_pool.Attempt(None, lost))
             return future
@@ -220,11 +210,13 @@ def test_what_a_crash_takes_with_it_is_solved_by_itself(tmp_path: Path, monkeypa
 
     monkeypatch.setattr(worker_pool, "submitting", one_process)
     monkeypatch.setattr(worker_pool, "workers", lambda ranks: 1)
-    found = parallel.run(task, pictures=False, quiet=True)
+    found = parallel.run(task, pictures=True, quiet=True)
     assert asked == [[0, 1, 2], [1], [2]]
     reasons = ("none of a test", "the process crashed", "none of a test")
-    assert found is not None
-    assert found.status == {number: f"NOT SOLVED: {why}" for number, why in enumerate(reasons)}
+    assert found is not None and found.failures == []
+    assert checks(found) == [f"NOT SOLVED: {why}" for why in reasons]
+    assert [row["load [N]"] for row in rows(task.folder)] == ["100.0", "200.0", "300.0"]
+    assert rh.load(task.folder).rows() == found.rows()
     asked.clear()
     parallel.run(task, pictures=False, quiet=True)
     assert asked == [[1], [1]]  # on the mesh of all three, and by itself

@@ -240,11 +240,10 @@ def test_the_report_of_a_sweep_has_all_of_it(swept) -> None:
 
 
 def test_what_failed_is_red(tmp_path) -> None:
-    table = [{"load [N]": 1.0, "checks": "NOT SOLVED: gmsh <no>"}]
-    scenes = [rh.find("sphere_on_plane")]
-    sweep_table.write_report(
-        "a sweep", scenes, ["load [N]"], table, tmp_path, ["none.png"], Units()
-    )
+    store.begin(tmp_path / "out", {"scene": {"name": "a"}, "over": {"load": [1.0]}})
+    fault = sweep_table.record({"load": 1.0}, {}, MeshError("gmsh <no>"))
+    store.write(tmp_path / "out", 0, fault)
+    rh.load(tmp_path / "out").write_report(tmp_path, [rh.find("sphere_on_plane")], Units())
     text = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert 'class="verdict bad"' in text and '<td class="bad">NOT SOLVED: gmsh &lt;no&gt;' in text
 
@@ -271,7 +270,7 @@ def test_a_surface_along_the_rail_has_its_columns_and_panels() -> None:
     for position in (0.02, 40.0):
         over = {"wheel.surface.position": position}
         solved = rh.solve(scene.replace(**over), quiet=True)
-        rows.append(sweep_table.row(sweep_table.record(over, solved)))
+        rows.append(sweep_table.row(sweep_table.record(over, {}, solved)))
     assert rows[0]["wheel.surface.position [mm]"] == 0.02 and rows[0]["patches"] == 2
     assert rows[0]["contact ahead [mm]"] == pytest.approx(8.0, abs=0.2)
     assert 0.5 < rows[0]["load share"] < 0.6 and 0 < rows[0]["height in patch [mm]"] < 0.2
