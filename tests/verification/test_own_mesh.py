@@ -269,38 +269,6 @@ def test_a_block_slides_over_ten_elements_and_back() -> None:
     np.testing.assert_allclose(np.linalg.norm(along, axis=1), limit, atol=1e-6 * limit.max())
 
 
-@pytest.mark.slow
-def test_cattaneos_stick_of_two_cylinders() -> None:
-    """c/a = sqrt(1 - Q/mu P) in plane strain (Johnson, Contact Mechanics, 1985, 7.2)."""
-    radius, a, friction = 10.0, 0.3, 0.4
-
-    def make(occ) -> list[int]:
-        half = [(2, occ.addRectangle(-radius, 0, 0, 2 * radius, radius))]
-        disc = occ.intersect([(2, occ.addDisk(0, radius, 0, radius, radius))], half)[0][0][1]
-        return [occ.addRectangle(-8, -8, 0, 16, 8), disc]
-
-    def tag(body: int, box: tuple[float, float, float, float]) -> int:
-        if body == 1:
-            return 11 if box[1] > -1e-6 else 21 if box[3] < -7.9 else 31
-        return 22 if box[1] > radius - 1e-5 else 12
-
-    size = f"{a / 12}+0.3*Max(0,Sqrt(x*x+y*y)-{1.5 * a})"
-    load = np.pi * a**2 * (STRAIN / 2) / (4 * radius)
-    model = rs.Model(*meshed(make, tag, size), section="plane strain")
-    model.add(rs.Body(1, SOFT), rs.Body(2, SOFT), rs.Clamp(21))
-    model.add(rs.Contact(secondary=12, primary=11, friction=friction))
-    top = model.add(rs.Hub(22, free=(0, -1)))
-    found = model.solve({top: rs.Force(load)}, steps=2)
-    for x in (0.002, 0.0035):
-        found = found.then({top: rs.Force(load, move=(x, 0))}, steps=2)
-    assert found.converged
-    sheared = np.abs(np.einsum("nc,nc->n", found.traction, found.normals[:, ::-1] * [1, -1]))
-    stick = (found.pressure > 0) & (sheared < friction * found.pressure * (1 - 1e-6))
-    pulled = found.weights @ sheared / (friction * load)
-    reach = np.abs(found.points[stick, 0]).max() / a
-    assert reach == pytest.approx(np.sqrt(1 - pulled), rel=0.03)
-
-
 JACKSON_GREEN = {2.83: (2.0, 2.02), 10.13: (5.0, 5.77), 25.89: (10.0, 12.78), 64.2: (20.0, 28.31)}
 """Load of a rigid sphere on a perfectly plastic half-space over the critical load -> approach and
 area over the critical ones (R. L. Jackson and I. Green, Journal of Tribology 127, 2005; from
