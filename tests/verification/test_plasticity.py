@@ -11,7 +11,7 @@ import meshio
 import numpy as np
 import pytest
 from mpi4py import MPI
-from solved import draw_only, solved
+from solved import assembled, draw_only, solved
 
 import railhead as rh
 from railhead.meshing.bodies import RAIL
@@ -318,16 +318,13 @@ def test_files_and_picture_show_the_load_and_what_it_leaves(
 def solid():
     """The coarse solid of the same scene."""
     plan = planning.make(pressed(4.0, 2e3, effects={"axisymmetry": "off"})).at_resolution(3.5)
-    model = mesh_solution.assemble(
-        plan, mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
-    )
-    solution = mesh_solution.solve(plan, model)
-    return plan, model, solution
+    model = assembled(plan)
+    return model, mesh_solution.solve(plan, model)
 
 
 def test_the_tangent_is_the_derivative_of_the_residual(solid) -> None:
     """Both of the bulk and of the contact, at a state where neither set changes."""
-    _, model, solution = solid
+    model, solution = solid
     problem = model.plastic_problem
     model.apply(problem, LoadCase(load=1.1 * solution.load, active=solution.pressure > 0))
     y = solution.newton.y.copy()
@@ -349,7 +346,7 @@ def test_the_tangent_is_the_derivative_of_the_residual(solid) -> None:
 
 
 def test_newton_takes_few_steps(solid) -> None:
-    _, _, solution = solid
+    _, solution = solid
     for result in solution.plasticity.newton_results:
         assert result.converged and len(result.history) <= 9  # the first one is the start
         assert max(step.linear_iterations for step in result.history) <= 35
