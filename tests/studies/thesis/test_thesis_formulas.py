@@ -7,12 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from railhead.theory.elastic.hertz import point_contact
 from studies.thesis import geometry
 from studies.thesis.facts import (
     TABLE_5_3,
     exact_coefficients,
-    general_orientation,
     hertz_coefficients,
     thesis_axis_stress,
     thesis_contact,
@@ -38,14 +36,6 @@ def test_printed_semi_axes_and_pressure(reference) -> None:
     assert n * base == pytest.approx(chain["b_mm_unrounded"], rel=1e-14)
 
 
-def test_orientation_rule_puts_the_longer_axis_across_the_larger_curvature() -> None:
-    along = thesis_contact((1e-3, 0), (0, 2e-3), 1e5, 1e4)
-    across = thesis_contact((2e-3, 0), (0, 1e-3), 1e5, 1e4)
-    assert along.a > along.b
-    assert (across.a, across.b) == (along.b, along.a)
-    assert across.p0 == pytest.approx(along.p0, rel=1e-15)
-
-
 def test_equations_5_2_and_5_3(reference) -> None:
     rows, inputs = reference["axis_table"], reference["axis_extrema_thesis_formula"]
     depth = [row["z_mm"] for row in rows]
@@ -64,66 +54,6 @@ def test_exact_coefficients_of_table_5_3(reference) -> None:
     assert TABLE_5_3.T.tolist() == [
         [row["theta_deg"], row["m_thesis"], row["n_thesis"]] for row in rows
     ]
-
-
-# Curvatures of bodies whose principal planes are turned against each other.
-
-
-@pytest.mark.parametrize(
-    ("first", "second", "angle"),
-    [
-        *(
-            ((0.004, 0.001), second, angle)
-            for second in ((0.0, 0.002), (-0.0008, 0.004), (0.003, 0.001))
-            for angle in (-2.0, -0.3, 1e-9, 0.4, 1.2, math.pi / 2, 3.0)
-        ),
-        pytest.param((1 / 420, 0.0), (0.0, 1 / 300), 0.0, id="cylinders across"),
-        pytest.param((1 / 300, 0.0), (0.0, 1 / 420), 0.0, id="cylinders across, exchanged"),
-        pytest.param((0.01, 0.0), (0.01, 0.0), math.pi / 2, id="a sphere"),
-    ],
-)
-def test_general_orientation_diagonalises_the_gap(first, second, angle: float) -> None:
-    turned = general_orientation(first, second, angle)
-
-    def rotation(by: float) -> np.ndarray:
-        return np.array([[math.cos(by), -math.sin(by)], [math.sin(by), math.cos(by)]])
-
-    gap = np.diag(first) + rotation(angle) @ np.diag(second) @ rotation(angle).T
-    diagonal = rotation(turned.angle).T @ gap @ rotation(turned.angle)
-    expected = np.diag([turned.curvature_x, turned.curvature_y])
-    np.testing.assert_allclose(diagonal, expected, atol=1e-17)
-    assert 0 < turned.curvature_x <= turned.curvature_y
-
-
-def test_curved_track_of_the_thesis(reference) -> None:
-    modulus = reference["exact"]["E_star_MPa"]
-    for row in reference["curved_track"]:
-        x, y, _ = general_orientation(WHEEL, RAIL, row["phi_rad"])
-        contact = point_contact(x, y, modulus, 25000)
-        expected = (row["K4_per_mm"], row["a_mm"], row["b_mm"], row["p0_MPa"])
-        np.testing.assert_allclose(
-            ((y - x) / 2, contact.a, contact.b, contact.p0), expected, rtol=1e-9
-        )
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: thesis_contact(WHEEL, RAIL, 1e5, 0.0), "load and modulus must be positive"),
-        (lambda: thesis_contact(WHEEL, RAIL, -1e5, 1e4), "load and modulus must be positive"),
-        (lambda: thesis_contact((1e-3, 0.0), (0.0, 0.0), 1e5, 1e4), "no point contact"),
-        (lambda: thesis_contact((1e-3, 0.0), (0.0, 1e-8), 1e5, 1e4), "theta must lie in"),
-        (lambda: exact_coefficients(0.0), "theta must lie in"),
-        (lambda: exact_coefficients(-1.0), "theta must lie in"),
-        (lambda: exact_coefficients(90.1), "theta must lie in"),
-        (lambda: exact_coefficients(math.nan), "theta must lie in"),
-        (lambda: general_orientation((0.01, 0.0), (0.01, 0.0), 0.0), "no point contact"),
-        (lambda: general_orientation((-0.01, 0.0), (0.0, 0.01), 0.0), "no point contact"),
-    ],
-)
-def test_loads_angles_and_curvatures_without_a_contact_are_refused(call, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        call()
 
 
 angles = st.floats(-1.2, 1.2)

@@ -98,6 +98,13 @@ def test_every_claim_is_judged_as_the_reference_does(facts) -> None:
     assert harmless == {claim.id for claim, finding in judged if finding.harmless} == {32, 47, 49}
 
 
+def test_curved_track_of_the_thesis(facts, reference) -> None:
+    for row in reference["curved_track"]:
+        _, k4, theta, p0 = facts.at_angle(row["phi_rad"])
+        expected = (row["K4_per_mm"], row["theta_deg"], row["p0_MPa"])
+        assert (k4, theta, p0) == pytest.approx(expected, rel=1e-9)
+
+
 def test_verdicts_follow_the_numbers(facts) -> None:
     """Twice the load: the printed numbers of the patch are wrong; a circle: equal stresses."""
     c = facts.ellipse
