@@ -141,14 +141,6 @@ def test_make_targets_exist(target: str) -> None:
     assert "./setup.sh" in done.stdout
 
 
-@pytest.mark.slow
-def test_setup_installs_nothing_the_second_time() -> None:
-    done = subprocess.run(
-        ["./setup.sh"], cwd=ROOT, capture_output=True, text=True, check=False, timeout=120
-    )
-    assert (done.returncode, done.stdout) == (0, "")
-
-
 def peers() -> list[dict[str, str]]:
     """The runs of docs/peers.csv that came to an end."""
     return [row for row in rows(ROOT / "docs" / "peers.csv") if not row["failure"]]

@@ -11,7 +11,6 @@ from railhead.results import result_folder
 from railhead.theory.elastic import hertz
 from studies import processes
 from studies.peers import block_meshes, codes, peers_page, peers_study
-from studies.peers.codes import calculix
 
 CASE = {
     "load": 25e3,
@@ -84,25 +83,6 @@ def test_a_fit_has_the_axes_in_their_order_and_refuses_what_is_no_ellipse() -> N
     for flat in (np.ones_like(p), np.zeros_like(p), 1 + x):
         with pytest.raises(ValueError, match="no ellipse"):
             peers_page.fitted(x, y, flat)
-
-
-def test_calculix_s_files_are_read(tmp_path) -> None:
-    points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, -2.0]])
-    mesh = {"rail_points": points, "wheel_points": points, "rail_corners": np.array([[0, 1, 2, 3]])}
-    said = " total force (fx,fy,fz) for set FARRAIL and time  0.1000000E+01"
-    dat = f"\n{said}\n\n  1.0E-12 2.0E-12 6.25E+03\n"
-    lines = [" -1         1    1    0    1", " -4  STRESS      6    1"]
-    for node, shear in ((1, 3.0), (5, 8.0)):
-        values = [-100.0, -100.0, -100.0 - 2 * shear, 0, 0, 0]
-        lines.append(f" -1{node:10d}" + "".join(f"{value:12.5E}" for value in values))
-    lines += [" -3", " -4  CONTACT     6    1"]
-    for node, pressure in ((1, 790.0), (2, 700.0)):
-        values = [0, 0, 0, pressure, 0, 0]
-        lines.append(f" -1{node:10d}" + "".join(f"{value:12.5E}" for value in values))
-    read = calculix.read(mesh, dat, "\n".join([*lines, " -3", ""]))
-    assert read["unknowns"] == 30 and read["force"] == pytest.approx(25000)
-    assert read["pressure_max"] == 790 and list(read["pressure"]) == [790, 700, 0, 0]
-    assert read["tau_max"] == pytest.approx(8)
 
 
 @pytest.mark.parametrize("cell, order", [("hexahedron", 1), ("tetrahedron", 2)])

@@ -15,7 +15,7 @@ from solved import assembled, draw_only, friction, passed, solved
 import railhead as rh
 from railhead.planning import simulation_plan as planning
 from railhead.postprocess.friction import quantities
-from railhead.run import mesh_solution, model_setup
+from railhead.run import mesh_solution
 from railhead.solver.friction.history import FrictionHistory
 from railhead.solver.friction.pressed_surfaces import surface_tangents
 from railhead.solver.system.contact_system import LoadCase
@@ -176,16 +176,6 @@ def test_unloaded_half_spaces_are_pulled_by_nothing(yielded) -> None:
     held = model.masks[model.clamp]
     for state, least, most in ((found, 1e-4, 1.0), (left, 0.0, 0.0)):
         assert least <= abs(state.displacement.array.reshape(-1, 2)[held, 0]).max() <= most
-
-
-def test_a_shift_is_taken_in_steps_where_bodies_grow_or_yield() -> None:
-    unlike = roller(friction={"force_along": 1e3, "cycle": True}, wheel={"young_modulus": 1e5})
-    legs = model_setup.friction_steps(planning.make(unlike))
-    lengths = [math.sin(step / 16 * math.pi) for step in range(1, 9)]
-    assert [load for load, _ in legs[:8]] == pytest.approx([length**2 for length in lengths])
-    assert legs[8:] == ((1, 1), (1, -1), (1, 1))
-    shares = model_setup.friction_steps(planning.make(yielding()))
-    assert shares == ((1, 0.25), (1, 0.5), (1, 0.75), (1, 1))
 
 
 def test_a_wheel_rigid_by_choice_shifts_as_one_of_an_infinite_modulus() -> None:
