@@ -17,6 +17,7 @@ import random
 import shlex
 import sys
 from collections import Counter, defaultdict
+from itertools import accumulate
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -35,34 +36,41 @@ LEFT_OUT = "Bit", "Shift", "Invert", "Mod", "FloorDiv", "Pow", "_Is", "Decorator
 """Changes that end in a TypeError on numbers, or that are none, as of annotations."""
 
 
-def durations(report: Path) -> dict[str, float]:
-    """Seconds of each test of a JUnit report, by name of its file and its own."""
-    cases = ElementTree.parse(report).iter("testcase")
-    return {
-        f"{case.attrib['classname'].rpartition('.')[2]}::{case.attrib['name']}": float(
-            case.attrib["time"]
-        )
-        for case in cases
-    }
-
-
-def reached(data: CoverageData, taken: dict[str, float]) -> dict[Path, dict[int, set[str]]]:
-    """Tests that reach each line of each file of PLACES."""
-    found: dict[Path, dict[int, set[str]]] = defaultdict(lambda: defaultdict(set))
-    for file in data.measured_files():
-        path = Path(file).resolve().relative_to(ROOT)
-        if not str(path).startswith(PLACES):
-            continue
-        for line, contexts in data.contexts_by_lineno(file).items():
-            tests = {each.rpartition("|")[0] for each in contexts if each}
-            found[path][line] = {each for each in tests if name(each) in taken}
-    return found
+COVERAGE, REPORT = ROOT / ".coverage", ROOT / "results" / "tests.xml"
 
 
 def name(test: str) -> str:
     """Name of a test's file and its own."""
     file, _, own = test.partition("::")
     return f"{Path(file).stem}::{own}"
+
+
+def reached() -> dict[Path, dict[int, list[str]]]:
+    """Tests that reach each line of each file of PLACES, the shortest first, up to SECONDS."""
+    taken = {
+        f"{case.attrib['classname'].rpartition('.')[2]}::{case.attrib['name']}": float(
+            case.attrib["time"]
+        )
+        for case in ElementTree.parse(REPORT).iter("testcase")
+    }
+    data = CoverageData(str(COVERAGE))
+    data.read()
+    found: dict[Path, dict[int, list[str]]] = {}
+    for file in data.measured_files():
+        path = Path(file).resolve().relative_to(ROOT)
+        if str(path).startswith(PLACES):
+            lines = data.contexts_by_lineno(file)
+            found[path] = {line: shortest(tests, taken) for line, tests in lines.items()}
+    return found
+
+
+def shortest(contexts: list[str], taken: dict[str, float]) -> list[str]:
+    """The tests of coverage's contexts, the shortest first: up to SECONDS of them, one at least.
+    taken: seconds of each test by its `name`."""
+    tests = {each.rpartition("|")[0] for each in contexts}
+    known = sorted((test for test in tests if name(test) in taken), key=lambda t: taken[name(t)])
+    total = list(accumulate(taken[name(test)] for test in known))
+    return [test for i, test in enumerate(known) if i == 0 or total[i] <= SECONDS]
 
 
 def drawn(count: int, seed: int, files: list[Path]) -> list[MutationSpec]:
@@ -79,44 +87,24 @@ def drawn(count: int, seed: int, files: list[Path]) -> list[MutationSpec]:
     return [chance.choice(places[place]) for place in chosen]
 
 
-def within(tests: set[str], taken: dict[str, float]) -> list[str]:
-    """The shortest tests, up to SECONDS of them."""
-    total, kept = 0.0, []
-    for test in sorted(tests, key=lambda each: taken[name(each)]):
-        total += taken[name(test)]
-        if kept and total > SECONDS:
-            break
-        kept.append(test)
-    return kept
-
-
 def main() -> None:
     given = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     given.add_argument("count", type=int)
     given.add_argument("--seed", type=int, default=1)
-    given.add_argument("--coverage", type=Path, default=ROOT / ".coverage")
-    given.add_argument("--report", type=Path, default=ROOT / "results" / "tests.xml")
     asked = given.parse_args()
-    taken = durations(asked.report)
-    data = CoverageData(str(asked.coverage))
-    data.read()
-    lines = reached(data, taken)
-    mutants = drawn(20 * asked.count, asked.seed, sorted(lines))
+    lines = reached()
     outcomes: Counter[str] = Counter()
-    for mutant in mutants:
+    for mutant in drawn(20 * asked.count, asked.seed, sorted(lines)):
         path, (line, _) = Path(mutant.module_path), mutant.start_pos
-        tests = within(lines[path][line], taken)
-        if not tests:
-            continue
+        tests = lines[path].get(line, [])
         command = shlex.join([sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", *tests])
-        result = mutate_and_test([mutant], command, LIMIT)
-        if result.test_outcome == TestOutcome.INCOMPETENT:
+        result = mutate_and_test([mutant], command, LIMIT) if tests else None
+        if result is None or result.test_outcome == TestOutcome.INCOMPETENT:
             continue
         survives = result.test_outcome == TestOutcome.SURVIVED
         outcome = "survives" if survives else "hangs" if result.output == "timeout" else "killed"
         outcomes[outcome] += 1
-        print(f"{outcome} {path}:{line} {mutant.operator_name}, "
-              f"{len(tests)} of {len(lines[path][line])} tests", flush=True)  # fmt: skip
+        print(f"{outcome} {path}:{line} {mutant.operator_name}, {len(tests)} tests", flush=True)
         if survives:
             print(result.diff, flush=True)
         if outcomes.total() == asked.count:

@@ -2,9 +2,9 @@
 
 import json
 import shutil
-import subprocess
 import sys
 import tempfile
+import venv
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import zip_longest
 from pathlib import Path
@@ -31,27 +31,26 @@ REPEATS = 3  # of ours
 COARSE = {"coarse": ["--set", "mesh.patch_size=1.2"]}  # quick
 CHILD = Path(__file__).with_name("child.py")
 DEBIAN_PYTHON = "/usr/bin/python3"
-APT = ["apt-get", "install", "-q", "-y", "--no-install-recommends"]
+APT = "apt-get install -q -y --no-install-recommends"
 Mesh = tuple[str, int, float]
 
 
 def install() -> None:
     """Install what each code needs: Debian's packages by apt-get, others by pip in VENV. What fails
-    is said and noted for `reason`, and the others follow."""
+    is said, and the others follow."""
     if not (VENV / "bin" / "python").exists():
-        _failure([sys.executable, "-m", "venv", "--clear", str(VENV)])
+        venv.create(VENV, with_pip=True)
     with Progress(quiet=False) as progress:
         for peer in peers():
             progress.stage(f"installing {peer.TITLE}")
-            _note(peer).unlink(missing_ok=True)
-            if not peer.DEBIAN:
-                why = _failure([python(peer), "-m", "pip", "install", "-q", *peer.PIP])
-            elif why := _failure(["dpkg", "-s", *peer.DEBIAN]):
-                why = _failure(["apt-get", "update", "-q"]) or _failure([*APT, *peer.DEBIAN])
-            if why:
-                failed = f"{install_command(peer)}: {why}"
-                _note(peer).write_text(failed, encoding="utf-8")
-                print(f"railhead: not installed: {failed}", file=sys.stderr)
+            command = [python(peer), "-m", "pip", "install", "-q", *peer.PIP]
+            if peer.DEBIAN:
+                names = " ".join(peer.DEBIAN)
+                command = ["sh", "-c", f"dpkg -s {names} || (apt-get update -q && {APT} {names})"]
+            try:
+                processes.run(command, VENV)
+            except FailedError as error:
+                print(f"railhead: not installed: {peer.TITLE}: {error}", file=sys.stderr)
 
 
 def python(peer: Peer) -> str:
@@ -59,34 +58,10 @@ def python(peer: Peer) -> str:
     return DEBIAN_PYTHON if peer.DEBIAN else str(VENV.absolute() / "bin" / "python")
 
 
-def reason(peer: Peer, said: str) -> str:
-    """Why a code is not there, in one line: what its installation said, if that failed; else what
-    the code said, and how it is installed."""
-    failed = _note(peer)
-    if failed.exists():
-        return failed.read_text(encoding="utf-8")
-    return f"{said} ({install_command(peer)})"
-
-
 def install_command(peer: Peer) -> str:
     """The command that installs a code by hand."""
     program = "apt-get" if peer.DEBIAN else "pip"
     return f"{program} install {' '.join(peer.DEBIAN or peer.PIP)}"
-
-
-def _note(peer: Peer) -> Path:
-    """Path of the file that says why a code could not be installed."""
-    return VENV / f"failed_{peer.TITLE}.txt"
-
-
-def _failure(command: Sequence[str]) -> str:
-    """Run a command; returns why it failed, in one line; empty if it did not."""
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-    except OSError as error:
-        return f"{command[0]}: {error.strerror}"
-    said = [line.strip() for line in done.stderr.splitlines() if line.strip()]
-    return (said or [f"status {done.returncode}"])[-1] if done.returncode else ""
 
 
 def main(out: Path, *, quick: bool) -> None:
@@ -142,7 +117,7 @@ def version(peer: Peer, work: Path) -> str:
             raise FailedError("not installed")
         return str(_asked(peer, None, work)[0])
     except FailedError as error:
-        raise FailedError(reason(peer, str(error))) from None
+        raise FailedError(f"{error} ({install_command(peer)})") from None
 
 
 def _case() -> dict[str, Any]:

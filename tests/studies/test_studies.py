@@ -1,10 +1,8 @@
 """The studies as the command runs them, on a small part of their runs."""
 
 import os
-import sys
 import tomllib
 from pathlib import Path
-from types import SimpleNamespace
 
 import command
 import csv_rows
@@ -104,16 +102,3 @@ def test_a_folder_with_other_files_is_left_alone(tmp_path) -> None:
     (tmp_path / "page.md").write_text("mine")
     assert "--out" in refusal(lambda: study.run("load_sweep", tmp_path, quick=True))
     assert (tmp_path / "page.md").read_text() == "mine"
-
-
-def test_an_earlier_study_is_replaced(tmp_path, monkeypatch) -> None:
-    def main(out, *, quick: bool) -> None:
-        (out / "dummy.csv").write_text("x\n1\n")
-        (out / "page.md").write_text(text)
-
-    monkeypatch.setattr(study, "modules", lambda: {"dummy": ("dummy", "")})
-    monkeypatch.setitem(sys.modules, "dummy", SimpleNamespace(main=main))
-    folder = tmp_path / "dummy"
-    for text in ("first", "second"):
-        assert study.run("dummy", folder, quick=False) == (folder, text)
-    assert os.listdir(tmp_path) == ["dummy"]

@@ -8,9 +8,12 @@ import functools
 from copy import deepcopy
 from dataclasses import replace
 
+from mpi4py import MPI
+
 import railhead as rh
 from railhead.planning import simulation_plan as planning
 from railhead.postprocess.pictures import gallery
+from railhead.run import mesh_solution
 
 KEPT = 10  # results; each is some tens of MB
 
@@ -36,6 +39,12 @@ def passed(scene: rh.Scene | str, *assignments: str) -> rh.Result:
     result = solved(scene, *assignments)
     assert result.passed, result.summary["checks"]
     return result
+
+
+def assembled(plan: planning.Plan):
+    """The contact model of a plan on a mesh of its own."""
+    made = mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
+    return mesh_solution.assemble(plan, made)
 
 
 def friction(result: rh.Result):

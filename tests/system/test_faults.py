@@ -5,7 +5,7 @@ import json
 import os
 import subprocess
 import sys
-import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import command
 import killed
@@ -267,11 +267,8 @@ def test_results_of_other_scenes_at_once_are_all_kept(tmp_path) -> None:
             with result_folder.result(folder, "run", scene, {}, aside=True):
                 pass
 
-    threads = [threading.Thread(target=write, args=(number,)) for number in range(4)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    with ThreadPoolExecutor(4) as pool:
+        list(pool.map(write, range(4)))
     loads = [catalogue.find(path / "scene.toml").load for path in tmp_path.iterdir()]
     assert sorted(loads) == sorted(1 + n + 10 * count for n in range(4) for count in range(5))
 
@@ -285,11 +282,8 @@ def test_many_replacements_at_once_leave_one_whole_result(tmp_path) -> None:
                 for name in ("one", "two"):
                     (work / name).write_bytes(bytes([number]))
 
-    threads = [threading.Thread(target=write, args=(number,)) for number in range(4)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    with ThreadPoolExecutor(4) as pool:
+        list(pool.map(write, range(4)))
     found = content(folder)
     assert found.pop(result_folder.MANIFEST) == b"one\ntwo\n"
     assert len(set(found.values())) == 1

@@ -28,18 +28,6 @@ def test_two_ranks_give_what_one_gives(tmp_path) -> None:
     assert numeric_values(two["result"]) == pytest.approx(numeric_values(one["result"]), rel=1e-6)
 
 
-@pytest.mark.slow
-def test_a_cache_that_cannot_be_written_is_one_line_on_several_ranks(tmp_path) -> None:
-    (tmp_path / "file").touch()
-    cache = str(tmp_path / "file")
-    done = command.process(
-        "run", "long_roller", "--json", "--ranks", "2", cwd=tmp_path, XDG_CACHE_HOME=cache
-    )
-    assert done.returncode == 1 and "Traceback" not in done.stderr
-    assert done.stderr.count("NOT WRITTEN") == 1 and done.stdout == ""
-    assert "the cache of compiled forms; XDG_CACHE_HOME names another folder" in done.stderr
-
-
 def test_a_killed_command_leaves_no_ranks(tmp_path) -> None:
     """As a batch system or `timeout -s KILL` ends it."""
     case = ["hertz_ellipse", "--set", "mesh.patch_size=0.2", "--no-pictures", "--ranks", "2"]

@@ -11,7 +11,6 @@ from mpi4py import MPI
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-import railhead as rh
 from railhead.geometry import outlines, profiles
 from railhead.geometry.surfaces import ParabolicGap
 from railhead.meshing import mesh
@@ -65,13 +64,6 @@ def test_contact_patch_test_of_penalty_is_off_by_its_own_compliance() -> None:
     assert mean < 10.0
     assert mean == pytest.approx(10.0, rel=0.03)
     np.testing.assert_allclose(solution.pressure, mean, rtol=0.4)
-
-
-def test_the_body_tags_are_kept_apart() -> None:
-    model = contact_model(materials=(SOFT, Material(4000.0, 0.2)))
-    fields = gather(model, press(model, load=500.0))
-    assert set(fields.body) == {RAIL, WHEEL}
-    assert np.unique(fields.lame[fields.body == WHEEL, 1]) == pytest.approx(4000 / 2.4)
 
 
 # Sections, the solver alone: patch tests, balance, and the linear solvers.
@@ -175,38 +167,6 @@ def test_bulk_constant_stress(blocks, wide, cell, degree, kinematics) -> None:
     found = gauss_points.nodal_stress(fields)
     expected = np.tile(sigma[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]], (len(found), 1))
     np.testing.assert_allclose(found, expected, rtol=1e-8, atol=1e-8 if dim == 3 else 1e-7)
-
-
-def mean_of_3_r(r: np.ndarray) -> np.ndarray:
-    """Means over triangles with corners r (n, 3) of a section that turns about the axis: 3 int r^2
-    / int r = 3 (S + (sum r_i)^2) / (4 sum r_i), S the sum of squares of the corners."""
-    total = r.sum(axis=1)
-    return 3 * ((r**2).sum(axis=1) + total**2) / (4 * total)
-
-
-def test_mean_dilatation_of_a_ring_is_that_of_its_volume() -> None:
-    """u_r = r^2 has tr eps = 3 r; the energy of its mean is lambda V mean^2."""
-    ring = replace(RING, mean_dilatation=True)
-    made, setup = two_half_blocks(degree=2, kinematics=ring)
-    slave = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup).interface.slave
-    divergence = slave.divergence(np.arange(len(slave)), np.full((len(slave), 2), 0.1))
-    squares = slave.dof_points()[..., :1] ** 2 * [1.0, 0.0]
-    found = np.einsum("mdc,mdc->m", divergence, squares)
-    np.testing.assert_allclose(found, mean_of_3_r(slave.nodes[:, :3, 0]), rtol=1e-12)
-
-    soft = dict.fromkeys((RAIL, WHEEL), Material(1000.0, 0.4))
-    none = dict.fromkeys((RAIL, WHEEL), Material(1000.0 / 1.4, 0.0))  # the same mu
-    energies = []
-    for materials in (soft, none):
-        bulk, stiffness = assemble(made.mesh, made.cell_tags, materials, 2, ring)
-        u = stiffness.createVecRight()
-        u.array[:] = (bulk.space.tabulate_dof_coordinates()[:, :2] ** 2 * [1.0, 0.0]).ravel()
-        energies.append(u.dot(stiffness * u))
-    x = made.mesh.geometry.x[compat.cell_nodes(made.mesh)][:, :, :2]
-    area = np.abs(np.linalg.det(x[:, 1:] - x[:, :1])) / 2
-    volume = 2 * np.pi * area * x[..., 0].mean(axis=1)
-    expected = soft[RAIL].lame[0] * volume @ mean_of_3_r(x[..., 0]) ** 2
-    assert energies[0] - energies[1] == pytest.approx(expected, rel=1e-10)
 
 
 @pytest.mark.parametrize(
@@ -349,22 +309,6 @@ def test_rigid_body_is_the_limit_of_a_stiff_one(rigid: int) -> None:
         found.append(solution)
     assert found[0].approach == pytest.approx(found[1].approach, rel=1e-3)
     assert found[0].pressure.max() == pytest.approx(found[1].pressure.max(), rel=0.02)
-
-
-@pytest.mark.slow
-def test_a_solved_scene_gives_its_memory_back() -> None:
-    """The third run of 9000 unknowns takes no more memory than the second."""
-
-    def resident() -> float:
-        with open("/proc/self/statm") as file:
-            return int(file.read().split()[1]) * 4096 / 1e6
-
-    scene = rh.find("hertz_ellipse").replace(["mesh.patch_size=1.2"])
-    sizes = []
-    for _ in range(3):
-        rh.solve(scene, quiet=True)
-        sizes.append(resident())
-    assert sizes[2] - sizes[1] < 5
 
 
 # Simplifications against the models they stand for, on the same meshes.

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 from solved import scene_of
 
 from railhead.run.half_spaces import pass_contact, passes_of_scene
@@ -147,13 +148,15 @@ def test_half_the_tolerance_changes_nothing():
 def ellipse() -> hertz.Ellipse:
     """Ellipse with half lengths 1 along and 0.7995 across and p0 = 5 k, of two elastic bodies."""
     modulus, ratio = MODULUS / 2, 0.7995
-    low, high = 0.5, 2.0
-    for _ in range(60):  # curvature across over that along
-        middle = math.sqrt(low * high)
-        one = hertz.point_contact(1.0, middle, modulus, 1.0)
-        low, high = (middle, high) if one.b / one.a > ratio else (low, middle)
+
+    def made(across: float) -> hertz.Ellipse:
+        """Ellipse of curvatures 1 along and `across`."""
+        return hertz.point_contact(1.0, across, modulus, 1.0)
+
+    across = brentq(lambda each: made(each).b / made(each).a - ratio, 0.5, 2.0)
+    one = made(across)
     scale = 5 * SHEAR / one.p0 * one.a  # p0 ~ (load curvature^2)^(1/3), a ~ (load/curvature)^(1/3)
-    return hertz.point_contact(scale, scale * middle, modulus, scale / one.a**3)
+    return hertz.point_contact(scale, scale * across, modulus, scale / one.a**3)
 
 
 @pytest.mark.slow

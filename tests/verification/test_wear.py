@@ -93,14 +93,9 @@ def test_worn_crown_has_the_pressure_and_depth_of_the_prototype_at_any_step():
     assert area == pytest.approx(RATE * SLIP * LOAD * PASSES, rel=5e-4)
 
 
-def test_large_explicit_steps_are_wrong_where_implicit_ones_are_not():
-    crown, explicit, depth = Crown(), [], np.zeros_like(PLACES)
-    for _ in range(4):
-        patch = crown.press(depth)
-        worn = opening(patch, crown.lines(PASSES / 4))
-        depth = depth + wear.onto(PLACES, patch.s, worn)
-        explicit.append(crown.press(depth).max_pressure)
-    assert max(explicit) > 1137  # more than unworn
+def test_the_pressure_falls_in_large_steps():
+    """Explicit ones would raise it above the 1137 MPa of the unworn crown."""
+    crown = Crown()
     start, pressures = Stage(0.0, np.zeros_like(PLACES), 0.0, 1.0), [1138.0]
     for stage in wear.march(crown.advance, start, [0.25, 0.5, 0.75, 1.0]):
         pressures.append(crown.press(stage.depth).max_pressure)

@@ -1,7 +1,5 @@
 """Error envelopes, families of scenes, twist of a rail, and effects, as studies measure them."""
 
-import pytest
-
 from studies.accuracy import effects, error_bounds, families
 
 
@@ -59,12 +57,3 @@ def test_what_the_scene_switched_off_is_no_fault_of_the_plan() -> None:
 def test_an_effect_kept_without_need_is_named_too() -> None:
     told = effects.verdict([run("", True, 0.0), run("far_field", False, 0.001)])
     assert "0 change one of them" in told and "Not so `far_field`" in told
-
-
-@pytest.mark.slow
-def test_off_effects_cost_no_unknown_no_form_and_no_digit() -> None:
-    """The plan with all optional effects off is the bare contact, built without a plan."""
-    planned, direct = effects.compare(1, patch_size=1.2)
-    assert planned["unknowns"] == direct["unknowns"]
-    assert planned["forms"] == direct["forms"] == 1
-    assert planned["p_max"] == pytest.approx(direct["p_max"], rel=1e-10)

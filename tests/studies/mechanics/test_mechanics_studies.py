@@ -1,9 +1,8 @@
 """Pages of friction and passes on made-up rows."""
 
-import matplotlib.image
 import pytest
 
-from studies.mechanics import creep, passes
+from studies.mechanics import creep
 from studies.mechanics import creep_runs as changes
 
 
@@ -49,69 +48,3 @@ def test_the_page_says_the_largest_distance_and_ratios() -> None:
     assert ["creepage", "finite elements, 5 m/s", "5 m/s", "10 m/s"] in rows
     assert ["0.01", "0.9100", "0.9000", "0.8000"] in rows and "differ by 0.03 at most" in text
     assert changes.crossover(slid) == pytest.approx(0.3)
-
-
-def rolled(traction: str) -> list[dict]:
-    """Three passes of a made-up axle."""
-    keys = "strain", "strain_max", "forward", "groove", "pressure", "along", "across"
-    return [
-        {"traction": traction, "pass": n, **dict.fromkeys(keys, 0.5**n), "groove": 15.0 + n}
-        for n in (1, 2, 3)
-    ]
-
-
-def after(what: str, **changes: object) -> dict:
-    """What stays after a made-up run."""
-    row = {
-        "what": what,
-        "pressure": 1000.0,
-        "strain": 0.01,
-        "groove": 20.0,
-        "von_mises": 300.0,
-        "seconds": 100.0,
-        "verdict": "shakes down",
-        "words": "shakes down: made up",
-        "unknowns": 1234,
-        "passed": True,
-    }
-    return row | changes
-
-
-def place(share: float, law: str, verdict: str) -> dict:
-    """A made-up place of the map."""
-    return {
-        "traction": 0.1,
-        "law": law,
-        "limit": 3.564,
-        "ratio": 3.564 * share,
-        "share": share,
-        "strain": 1e-4,
-        "forward_over_width": 2e-3,
-        "verdict": verdict,
-    }
-
-
-def test_the_page_says_what_leaving_out_costs_and_which_verdicts_are_wrong():
-    others = [after("elastic", pressure=1200.0), after("pressed once", strain=0.005, groove=40.0)]
-    points = [
-        place(0.9, "perfect", "shakes down"),
-        place(0.9, "kinematic", "shakes down"),
-        place(1.1, "perfect", "undecided"),
-        place(1.1, "kinematic", "closed cycles"),
-    ]
-    ends = [after("20 passes, free"), after("20 passes, driven", passed=False)]
-    text = passes.page(rolled("free"), ends, others, points)
-    assert "the elastic pressure is 20 % above" in text
-    assert "0.50 of the plastic strain and a pit of 2.00 times" in text
-    assert "on the right side of the limit at all 2 places" in text
-    assert text.count("A check did not pass") == 1
-    points[2]["verdict"] = "shakes down"
-    text = passes.page(rolled("free"), ends, others, points)
-    assert "at 1 of 2 places: Q/P 0.1, 1.1 of the limit (shakes down)" in text
-
-
-def test_a_picture_shows_both_tractions(tmp_path):
-    path = tmp_path / "passes.png"
-    points = [place(0.9, "perfect", "shakes down"), place(1.1, "perfect", "ratchets")]
-    passes.draw([*rolled("free"), *rolled("driven")], points, path)
-    assert matplotlib.image.imread(path).std() > 0.02

@@ -6,14 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.optimize import minimize_scalar
 
-from railhead.theory.elastic.hertz import Ellipse, point_contact
 from studies.thesis import geometry
 from studies.thesis.facts import (
     TABLE_5_3,
     exact_coefficients,
-    general_orientation,
     hertz_coefficients,
     thesis_axis_stress,
     thesis_contact,
@@ -21,19 +18,6 @@ from studies.thesis.facts import (
 from studies.thesis.geometry import CONE, HALF_AXLE, RAIL_RADIUS, cone, crown, rail, wheel
 
 WHEEL, RAIL = (1 / 420, 0.0), (0.0, 1 / 300)
-
-
-def test_table_5_3_is_as_printed(reference) -> None:
-    rows = reference["table_5_3"]
-    assert len(rows) == 23
-    for row in rows:
-        assert hertz_coefficients(row["theta_deg"]) == (row["m_thesis"], row["n_thesis"])
-
-
-def test_interpolation_at_the_printed_angle(reference) -> None:
-    chain = reference["thesis_chain"]
-    expected = (chain["m_interp"], chain["n_interp"])
-    assert hertz_coefficients(80.4) == pytest.approx(expected, rel=1e-14)
 
 
 def test_printed_semi_axes_and_pressure(reference) -> None:
@@ -52,33 +36,6 @@ def test_printed_semi_axes_and_pressure(reference) -> None:
     assert n * base == pytest.approx(chain["b_mm_unrounded"], rel=1e-14)
 
 
-def test_error_of_the_route_against_exact_hertz(thesis_ellipse: Ellipse) -> None:
-    found = thesis_contact(WHEEL, RAIL, thesis_ellipse.contact_modulus, 25000)
-    assert found.approach is None
-    assert (found.k3, found.k4) == pytest.approx((1 / 350, 1 / 2100), rel=1e-14)
-    assert found.theta_deg == pytest.approx(math.degrees(math.acos(1 / 6)), rel=1e-14)
-    weight = (found.theta_deg - 80) / 5  # the interpolation error is that of the table
-    m, n = 1.128 + weight * (1.061 - 1.128), 0.893 + weight * (0.944 - 0.893)
-    assert found.a / thesis_ellipse.a == pytest.approx(m / 1.12212763268, rel=1e-11)
-    assert found.b / thesis_ellipse.b == pytest.approx(n / 0.896756199856, rel=1e-11)
-    assert -0.001 < found.p0 / thesis_ellipse.p0 - 1 < -0.0005
-
-
-def test_orientation_rule_puts_the_longer_axis_across_the_larger_curvature() -> None:
-    along = thesis_contact((1e-3, 0), (0, 2e-3), 1e5, 1e4)
-    across = thesis_contact((2e-3, 0), (0, 1e-3), 1e5, 1e4)
-    assert along.a > along.b
-    assert (across.a, across.b) == (along.b, along.a)
-    assert across.p0 == pytest.approx(along.p0, rel=1e-15)
-
-
-def test_curved_track_angle(reference, thesis_ellipse: Ellipse) -> None:
-    for row in reference["curved_track"]:
-        found = thesis_contact(WHEEL, RAIL, thesis_ellipse.contact_modulus, 25000, row["phi_rad"])
-        assert found.k4 == pytest.approx(row["K4_per_mm"], rel=1e-9)
-        assert found.theta_deg == pytest.approx(row["theta_deg"], rel=1e-9)
-
-
 def test_equations_5_2_and_5_3(reference) -> None:
     rows, inputs = reference["axis_table"], reference["axis_extrema_thesis_formula"]
     depth = [row["z_mm"] for row in rows]
@@ -89,20 +46,6 @@ def test_equations_5_2_and_5_3(reference) -> None:
     np.testing.assert_allclose(found, expected, rtol=1e-11)
 
 
-def test_shear_of_the_circular_formula_is_low_and_deep(reference) -> None:
-    row, exact = reference["axis_extrema_thesis_formula"], reference["axis_extrema"]
-
-    def negative_shear(depth: float) -> float:
-        s_x, _, s_z = thesis_axis_stress(row["pmax"], row["a"], 0.3, depth)[0]
-        return float(s_z - s_x) / 2
-
-    best = minimize_scalar(negative_shear, bounds=(0, 5), method="bounded", options={"xatol": 1e-9})
-    assert -best.fun == pytest.approx(row["tau_max_MPa"], rel=1e-12)
-    assert best.x == pytest.approx(row["depth_mm"], rel=1e-7)
-    assert -best.fun < 0.981 * exact["tau_max_MPa"]
-    assert best.x > 1.12 * exact["depth_mm"]
-
-
 def test_exact_coefficients_of_table_5_3(reference) -> None:
     rows = reference["table_5_3"]
     for row in rows:
@@ -111,72 +54,6 @@ def test_exact_coefficients_of_table_5_3(reference) -> None:
     assert TABLE_5_3.T.tolist() == [
         [row["theta_deg"], row["m_thesis"], row["n_thesis"]] for row in rows
     ]
-
-
-# Curvatures of bodies whose principal planes are turned against each other.
-
-
-@pytest.mark.parametrize(
-    ("first", "second", "angle"),
-    [
-        *(
-            ((0.004, 0.001), second, angle)
-            for second in ((0.0, 0.002), (-0.0008, 0.004), (0.003, 0.001))
-            for angle in (-2.0, -0.3, 1e-9, 0.4, 1.2, math.pi / 2, 3.0)
-        ),
-        pytest.param((1 / 420, 0.0), (0.0, 1 / 300), 0.0, id="cylinders across"),
-        pytest.param((1 / 300, 0.0), (0.0, 1 / 420), 0.0, id="cylinders across, exchanged"),
-        pytest.param((0.01, 0.0), (0.01, 0.0), math.pi / 2, id="a sphere"),
-    ],
-)
-def test_general_orientation_diagonalises_the_gap(first, second, angle: float) -> None:
-    turned = general_orientation(first, second, angle)
-
-    def rotation(by: float) -> np.ndarray:
-        return np.array([[math.cos(by), -math.sin(by)], [math.sin(by), math.cos(by)]])
-
-    gap = np.diag(first) + rotation(angle) @ np.diag(second) @ rotation(angle).T
-    diagonal = rotation(turned.angle).T @ gap @ rotation(turned.angle)
-    expected = np.diag([turned.curvature_x, turned.curvature_y])
-    np.testing.assert_allclose(diagonal, expected, atol=1e-17)
-    assert 0 < turned.curvature_x <= turned.curvature_y
-
-
-def test_slightly_crossed_cylinders_keep_all_digits() -> None:
-    angle = 1e-6
-    smaller, larger, _ = general_orientation((0.01, 0.0), (0.02, 0.0), angle)
-    assert smaller * larger == pytest.approx(0.01 * 0.02 * math.sin(angle) ** 2, rel=1e-13)
-
-
-def test_curved_track_of_the_thesis(reference) -> None:
-    modulus = reference["exact"]["E_star_MPa"]
-    for row in reference["curved_track"]:
-        x, y, _ = general_orientation(WHEEL, RAIL, row["phi_rad"])
-        contact = point_contact(x, y, modulus, 25000)
-        expected = (row["K4_per_mm"], row["a_mm"], row["b_mm"], row["p0_MPa"])
-        np.testing.assert_allclose(
-            ((y - x) / 2, contact.a, contact.b, contact.p0), expected, rtol=1e-9
-        )
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: thesis_contact(WHEEL, RAIL, 1e5, 0.0), "load and modulus must be positive"),
-        (lambda: thesis_contact(WHEEL, RAIL, -1e5, 1e4), "load and modulus must be positive"),
-        (lambda: thesis_contact((1e-3, 0.0), (0.0, 0.0), 1e5, 1e4), "no point contact"),
-        (lambda: thesis_contact((1e-3, 0.0), (0.0, 1e-8), 1e5, 1e4), "theta must lie in"),
-        (lambda: exact_coefficients(0.0), "theta must lie in"),
-        (lambda: exact_coefficients(-1.0), "theta must lie in"),
-        (lambda: exact_coefficients(90.1), "theta must lie in"),
-        (lambda: exact_coefficients(math.nan), "theta must lie in"),
-        (lambda: general_orientation((0.01, 0.0), (0.01, 0.0), 0.0), "no point contact"),
-        (lambda: general_orientation((-0.01, 0.0), (0.0, 0.01), 0.0), "no point contact"),
-    ],
-)
-def test_loads_angles_and_curvatures_without_a_contact_are_refused(call, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        call()
 
 
 angles = st.floats(-1.2, 1.2)
@@ -191,26 +68,6 @@ def test_correct_rotation_is_proper_and_the_printed_one_a_reflection(yaw, bank, 
     for matrix, det in ((correct, 1), (printed, -1)):
         np.testing.assert_allclose(matrix.T @ matrix, np.eye(3), atol=1e-14)
         assert np.linalg.det(matrix) == pytest.approx(det, abs=1e-13)
-
-
-def test_rotations_turn_the_axes_to_the_left() -> None:
-    x, y, z = np.eye(3)
-    for name, start, end in (("yaw", x, y), ("bank", y, z), ("pitch", z, x)):
-        turned = geometry.rotation(**{name: math.pi / 2}) @ start
-        np.testing.assert_allclose(turned, end, atol=1e-15)
-    np.testing.assert_array_equal(geometry.printed(0.0, 0.0)["3.6"], np.diag([-1, 1, 1]))
-
-
-@given(angles, angles)
-def test_correct_rail_tangents_are_columns_1_and_2(yaw, bank) -> None:
-    matrix = geometry.rotation(yaw, bank)
-
-    def turned(s1: float, s2: float) -> geometry.Array:
-        return geometry.rail_point(crown, s1, s2, matrix)
-
-    t1, t2 = geometry.tangents(turned, 0.0, 0.0)
-    np.testing.assert_allclose(t1, matrix[:, 0], atol=1e-10)
-    np.testing.assert_allclose(t2, matrix[:, 1], atol=1e-10)
 
 
 @given(st.floats(700, 800), st.floats(0, 6))

@@ -382,22 +382,6 @@ def test_a_section_that_slips_has_the_heat_of_its_line() -> None:
     assert rises["rail"] == rises["wheel"] == pytest.approx(exact, rel=0.01)
 
 
-def test_the_plan_names_what_laws_and_layers_change() -> None:
-    plan = simulation_plan.make(
-        rh.find("hertz_ellipse").replace([
-            FAST, *SLIP_LAW, "rolling.creepage_along=1%", "rolling.speed=30",
-            "friction.layer_thickness=0.02", "friction.layer_modulus=300",
-        ])
-    )  # fmt: skip
-    heat, law, layer = (plan.effects[each] for each in ("heat", "falling_friction", "layer"))
-    assert heat.on and law.on and layer.on
-    assert "flash temperature up to" in heat.why
-    assert "no friction.memory is given" in law.why and "from 0.3 to 0.15 with slip" in law.why
-    assert "costs 1 s; left out, it is 0.3" in law.why and "mm/MPa" in layer.why
-    plain = simulation_plan.make(plan.scene.replace(["effects.falling_friction=off"]))
-    assert plan.seconds == pytest.approx(plain.seconds + 1.0)
-
-
 @pytest.mark.parametrize(
     "keys",
     [

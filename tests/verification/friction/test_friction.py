@@ -10,12 +10,12 @@ import pytest
 from friction_data import ENTRIES
 from mpi4py import MPI
 from one_line import refusal
-from solved import draw_only, friction, passed, solved
+from solved import assembled, draw_only, friction, passed, solved
 
 import railhead as rh
 from railhead.planning import simulation_plan as planning
 from railhead.postprocess.friction import quantities
-from railhead.run import mesh_solution, model_setup
+from railhead.run import mesh_solution
 from railhead.solver.friction.history import FrictionHistory
 from railhead.solver.friction.pressed_surfaces import surface_tangents
 from railhead.solver.system.contact_system import LoadCase
@@ -126,8 +126,7 @@ def test_unlike_bodies_rest_where_spence_says() -> None:
     eight steps this was 20 times as much: the place under the full load was mixed in."""
     scene = roller(load=20e3, wheel={"young_modulus": math.inf}, rail={"extent": "half-space"})
     plan = planning.make(scene)
-    made = mesh_solution.generate(plan, plan.grading(), MPI.COMM_SELF)
-    model = mesh_solution.assemble(plan, made)
+    model = assembled(plan)
     points = model.setup.kinematics.lift(model.interface.points)
     case = LoadCase(load=scene.load, active=plan.forecast.touching(points))
     pressed = model.response().press(case)
@@ -154,9 +153,7 @@ def yielding(**changes: object) -> rh.Scene:
 def yielded():
     """Half-spaces of which one yields, on a coarse mesh."""
     plan = planning.make(yielding(rail=STEEL | {"extent": "half-space"}, unload=True))
-    model = mesh_solution.assemble(
-        plan, mesh_solution.generate(plan, plan.grading(), MPI.COMM_SELF)
-    )
+    model = assembled(plan)
     return model, mesh_solution.solve(plan, model)
 
 
@@ -171,9 +168,7 @@ def test_a_shift_makes_bodies_yield_further(yielded) -> None:
     assert shear > 1.05  # the shift adds to what the load has done
 
 
-def test_unloaded_half_spaces_are_pulled_by_nothing(
-    yielded,
-) -> None:
+def test_unloaded_half_spaces_are_pulled_by_nothing(yielded) -> None:
     """What lies beyond them followed the shift, and is back where it was."""
     model, found = yielded
     left = found.plasticity.residual_state
@@ -181,16 +176,6 @@ def test_unloaded_half_spaces_are_pulled_by_nothing(
     held = model.masks[model.clamp]
     for state, least, most in ((found, 1e-4, 1.0), (left, 0.0, 0.0)):
         assert least <= abs(state.displacement.array.reshape(-1, 2)[held, 0]).max() <= most
-
-
-def test_a_shift_is_taken_in_steps_where_bodies_grow_or_yield() -> None:
-    unlike = roller(friction={"force_along": 1e3, "cycle": True}, wheel={"young_modulus": 1e5})
-    legs = model_setup.friction_steps(planning.make(unlike))
-    lengths = [math.sin(step / 16 * math.pi) for step in range(1, 9)]
-    assert [load for load, _ in legs[:8]] == pytest.approx([length**2 for length in lengths])
-    assert legs[8:] == ((1, 1), (1, -1), (1, 1))
-    shares = model_setup.friction_steps(planning.make(yielding()))
-    assert shares == ((1, 0.25), (1, 0.5), (1, 0.75), (1, 1))
 
 
 def test_a_wheel_rigid_by_choice_shifts_as_one_of_an_infinite_modulus() -> None:
@@ -208,23 +193,12 @@ def test_a_wheel_rigid_by_choice_shifts_as_one_of_an_infinite_modulus() -> None:
     np.testing.assert_allclose(other.pressure, one.pressure, rtol=1e-9)
 
 
-@pytest.fixture(scope="module")
-def sheared():
-    """A coarse roller whose contact points have the plastic strain eps_xz = 1e-3."""
-    plan = planning.make(yielding())
-    model = mesh_solution.assemble(
-        plan, mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
-    )
+def test_yield_takes_shear_stress_at_the_surface() -> None:
+    """Where contact points have the plastic strain eps_xz = 1e-3: 2 mu t . eps . n on level
+    surfaces, t along x and the slave's normal up or down."""
+    model = assembled(planning.make(yielding()))
     response = model.response()
     response.problem.surface.history.plastic[:, 3] = np.sqrt(2) * 1e-3  # Mandel's notation
-    return model, response
-
-
-def test_yield_takes_shear_stress_at_the_surface(
-    sheared,
-) -> None:
-    """2 mu t . eps . n on level surfaces, t along x and the slave's normal up or down."""
-    model, response = sheared
     normals, setup = model.interface.normals, model.setup
     out = normals if setup.slave == setup.fixed.tag else -normals
     every = np.arange(len(normals))
@@ -239,9 +213,7 @@ def test_what_turns_about_the_tangents_acts_as_creepage_along_does() -> None:
     plan = planning.make(roller(rolling={"creepage_along": 0.0}, mesh={"patch_size": 0.5}))
     answers = []
     for known, share in ((5e-4, 0.0), (2e-4, 3e-4)):
-        model = mesh_solution.assemble(
-            plan, mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
-        )
+        model = assembled(plan)
         rub = model.setup.friction
 
         def slip(points: np.ndarray, rub=rub, share=share) -> np.ndarray:
