@@ -159,9 +159,9 @@ def test_scaling_page_says_how_time_grows() -> None:
         for values in ((1000, 1.0, 0.5, 0.8, 1.0), (10_000, 15.0, 5.0, 6.4, 8.0))
     )
     text = scaling.page([small, large])
-    assert "From 1000 to 10000 unknowns the time per unknown grows by a factor 1.50" in text
+    assert "From 1000 to 10000 unknowns the time per unknown changes by a factor 1.50" in text
     assert "costs 1.60 to 2.00 times one linear elastic solve" in text
-    assert "1.25 to 1.25 times one to the residual" in text
+    assert "it costs 1.25 to 1.25 times as much" in text
 
 
 def test_ranks_page_forecasts_what_is_shared_and_what_is_not() -> None:
@@ -203,7 +203,7 @@ def test_hard_cases_page_names_what_fails_and_what_is_refused() -> None:
         outcome("refused", CaseErrors(failed=("newton",))),
     ]
     text = hard_page.page(done)
-    assert "4 cases: 1 are right, 1 are refused by a check as they may be, 2 fail." in text
+    assert "tried: 1 are right, 1 are refused by a check as they may be, 2 fail." in text
     assert "- **load: off**: area_mm2 off by 0.03, 0.02 allowed" in text
     assert "- **load: lost**: the process crashed" in text
 
