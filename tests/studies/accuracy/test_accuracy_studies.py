@@ -51,9 +51,11 @@ def test_what_the_scene_switched_off_is_no_fault_of_the_plan() -> None:
     assert effects.wrong([run("", True, 0.0), overruled]) == []
     told = effects.verdict([run("", True, 0.0), run("friction", True, 0.001), overruled])
     assert told.startswith("Yes: of 1 effects")
-    assert "called for `plasticity` of made_up, which the scene switches off: 30 %" in told
+    assert "`plasticity` of made_up. The scene switches it off. It would change 30 %." in told
 
 
 def test_an_effect_kept_without_need_is_named_too() -> None:
     told = effects.verdict([run("", True, 0.0), run("far_field", False, 0.001)])
-    assert "0 change one of them" in told and "Not so `far_field`" in told
+    assert "0 change one of them" in told and "less:
+
+- `far_field`" in told
