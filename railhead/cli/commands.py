@@ -10,9 +10,9 @@ import shutil
 import sys
 import textwrap
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import redirect_stdout
-from datetime import timedelta
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,16 +22,15 @@ from railhead import __version__
 from railhead.cli import errors, options
 from railhead.cli.errors import CHECK_FAILED, SOLVED, WRONG_INPUT
 from railhead.meshing import isolated_process
+from railhead.results import result_folder
 from railhead.run import process
 from railhead.scene import catalogue
-from railhead.scene.scene import (
-    Scene,
-    SceneError,
-    unit_questions,
-)
+from railhead.scene.scene import Scene, SceneError, unit_questions
+from railhead.scene.sections import refuse_first
 
 if TYPE_CHECKING:
     from railhead.cli.geometry import ExaminedProfile, Location
+    from railhead.postprocess.findings import Units
     from railhead.sweeps.grid import ParameterGrid
 
 KEPT = "what is solved is kept in {}/; the same command goes on"
@@ -91,33 +90,22 @@ def plan(
     """Say what would be simulated and what it costs, of a sweep in all; solve nothing."""
     from railhead import api
     from railhead.planning import simulation_plan as planning
-    from railhead.results import result_folder
     from railhead.results.report import terminal
 
-    if lists or over_file:
-        from railhead.run.progress import show_progress
-        from railhead.sweeps import runner, worker_pool
-
-        grid = _grid(api.with_accuracy(scene, accuracy, None), lists, over_file)
-        with show_progress(quiet=as_json) as progress:
-            found = runner.forecast(grid, worker_pool.workers(1), progress)
-        if as_json:
-            click.echo(result_folder.to_json(found), nl=False)
-            return
-        count, sizes = found["combinations"], found["unknowns"]
-        duration = timedelta(seconds=round(found["seconds"]))
-        click.echo(f"{count} combinations on {found['meshes']} meshes")
-        cost = f"{min(sizes)} to {max(sizes)} unknowns, {duration} on {found['processes']} cores"
-        click.echo(f"predicted: {cost}")
-        for name, number in found["effects"].items():
-            click.echo(f"{name}: on in {'all' if number == count else number}")
+    scene = api.with_accuracy(scene, accuracy, None)
+    if not (lists or over_file):
+        _ask(scene)
+        planned = api.Planned(planning.make(scene))
+        _print(planned.plan.to_dict(), partial(planned.show, terminal.standard()), as_json=as_json)
         return
-    _ask(scene)
-    planned = api.Planned(planning.make(api.with_accuracy(scene, accuracy, None)))
-    if as_json:
-        click.echo(result_folder.to_json(planned.plan.to_dict()), nl=False)
-    else:
-        planned.show(terminal.standard())
+
+    from railhead.run.progress import show_progress
+    from railhead.sweeps import runner, worker_pool
+
+    grid = _grid(scene, lists, over_file)
+    with show_progress(quiet=as_json) as progress:
+        found = runner.forecast(grid, worker_pool.workers(1), progress)
+    _print(found, partial(click.echo, "\n".join(runner.words(found))), as_json=as_json)
 
 
 @railhead.command()
@@ -149,16 +137,12 @@ def run(
     no_report: bool,
     brief: bool,
     whole: bool,
-    unit_names: str | None,
+    units: Units,
     ranks: int | None,
     quiet: bool,
     as_json: bool,
 ) -> int:
     """Solve a case (its name, or a TOML file) and compare it with exact Hertz."""
-    from railhead.results import result_folder
-    from railhead.results.report import output_units
-
-    units = output_units.parse(unit_names)
 
     from railhead import api
     from railhead.cli import launch
@@ -205,27 +189,27 @@ def run(
     if first:
         if not result.passed:
             terminal.show_failure(result.summary, Console(stderr=True))
-        if as_json:
-            click.echo(result_folder.to_json(result.summary), nl=False)
-        elif not quiet:
-            result.show(terminal.standard(), units)
+        _print(
+            result.summary,
+            partial(result.show, terminal.standard(), units),
+            as_json=as_json,
+            quiet=quiet,
+            folder=folder if problem is None else None,
+        )
         if problem is not None:
             errors.not_written(problem)
-        elif not quiet:
-            click.echo(f"written to {folder}/")
     return SOLVED if result.passed and problem is None else CHECK_FAILED
 
 
 def _check_bodies(option: str, scenes: Sequence[Scene]) -> None:
     """Raise SceneError where an option asks for .vtu files of scenes that have none."""
-    if any(each.effects.finite_bodies == "off" for each in scenes):
-        raise SceneError(
-            option, f"half-spaces have no bodies to write; leave out {option} or --fast"
-        )
-    if not all(each.asks("stresses") for each in scenes):
-        raise SceneError(
-            option, f".vtu files need stresses; leave out {option} or add stresses to --only"
-        )
+    flat = any(each.effects.finite_bodies == "off" for each in scenes)
+    whole = all(each.asks("stresses") for each in scenes)
+    lean = f".vtu files need stresses; leave out {option} or add stresses to --only"
+    refuse_first(
+        (flat, option, f"half-spaces have no bodies to write; leave out {option} or --fast"),
+        (not whole, option, lean),
+    )
 
 
 def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: bool) -> Path:
@@ -235,7 +219,6 @@ def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: b
     result in `out`, without `force`, and another command that writes there are refused. A result in
     results/<name> will be renamed to <name>.1, so it is refused where the scene reads a file of it.
     """
-    from railhead.results import result_folder
 
     folder = out if out is not None else Path("results") / name
     result_folder.check_free(folder, command, scene, force=force or out is None)
@@ -272,15 +255,12 @@ def sweep(
     vtu: bool,
     fields: bool,
     no_pictures: bool,
-    unit_names: str | None,
+    units: Units,
     quiet: bool,
     as_json: bool,
 ) -> int:
     """Solve a case for every combination of values, side by side."""
-    from railhead.results import result_folder
-    from railhead.results.report import output_units
 
-    units = output_units.parse(unit_names)
     grid = _grid(scene, lists, over_file)
     if vtu:
         _check_bodies("--vtu", grid.scenes)
@@ -302,12 +282,13 @@ def sweep(
         if (text := row[sweep_table.CHECKS]) != sweep_table.PASSED:
             click.echo(f"{grid.label(number)}: {text}", err=True)
             failed = True
-    if as_json:
-        click.echo(result_folder.to_json(found.as_dict()), nl=False)
-    elif not quiet:
-        for line in sweep_table.verdict(found.rows(), units):
-            click.echo(line)
-        click.echo(f"written to {folder}/")
+    _print(
+        found.as_dict(),
+        partial(click.echo, "\n".join(sweep_table.verdict(found.rows(), units))),
+        as_json=as_json,
+        quiet=quiet,
+        folder=folder,
+    )
     if found.failures:
         return errors.not_written(OSError("\n".join(found.failures)))
     return CHECK_FAILED if failed else SOLVED
@@ -335,7 +316,6 @@ def table(
     as_json: bool,
 ) -> int:
     """Tabulate creep forces of ellipses, for vehicle programs."""
-    from railhead.results import result_folder
     from railhead.sweeps import creep_tables
 
     with process.told_at_a_signal(KEPT.format(out)):
@@ -349,10 +329,14 @@ def table(
             force=force,
             quiet=quiet or as_json,
         )
-    if found is not None and as_json:  # None: a rank that worked for the first one
-        click.echo(result_folder.to_json(creep_tables.summary(found)), nl=False)
-    elif found is not None and not quiet:
-        click.echo(f"{creep_tables.words(found)}written to {out}/")
+    if found is not None:  # None: a rank that worked for the first one
+        _print(
+            creep_tables.summary(found),
+            partial(click.echo, "\n".join(creep_tables.words(found))),
+            as_json=as_json,
+            quiet=quiet,
+            folder=out,
+        )
     return SOLVED
 
 
@@ -368,7 +352,6 @@ def wear(
     scene: Scene, out: Path | None, force: bool, no_pictures: bool, quiet: bool, as_json: bool
 ) -> int:
     """Wear rail and wheel over a route of positions, [wear] of the scene."""
-    from railhead.results import result_folder
     from railhead.sweeps.wear import wear as sweep
 
     _ask(scene)
@@ -377,10 +360,13 @@ def wear(
     found = sweep.wear(scene, folder, force=force, pictures=not no_pictures, quiet=quiet or as_json)
     for name, advice in found.summary["checks"]["advice"].items():
         click.echo(f"FAILED {name}: {advice}", err=True)
-    if as_json:
-        click.echo(result_folder.to_json(found.summary), nl=False)
-    elif not quiet:
-        click.echo("\n".join([*sweep.words(found), f"written to {folder}/"]))
+    _print(
+        found.summary,
+        partial(click.echo, "\n".join(found.words())),
+        as_json=as_json,
+        quiet=quiet,
+        folder=folder,
+    )
     return SOLVED if found.passed else CHECK_FAILED
 
 
@@ -390,26 +376,22 @@ def wear(
 @click.option("--pictures", is_flag=True, help="Draw the pictures again.")
 @options.picture_format
 @click.option("--json", "as_json", is_flag=True, help="Print the numbers as JSON.")
-def show(folder: Path, unit_names: str | None, pictures: bool, as_json: bool) -> None:
+def show(folder: Path, units: Units, pictures: bool, as_json: bool) -> None:
     """Print the result of a run or a sweep that lies in a folder; solve nothing."""
     from railhead import api
-    from railhead.results import result_folder
-    from railhead.results.report import output_units, terminal
+    from railhead.results.report import terminal
 
-    units, found, drawn = output_units.parse(unit_names), api.load(folder), list[str]()
+    found, drawn = api.load(folder), list[str]()
     if pictures:
         try:
             drawings = found.drawings(units)
         except ValueError as error:
             raise SceneError("--pictures", str(error)) from None
         drawn = result_folder.redraw(drawings, folder)
-    if as_json:
-        click.echo(result_folder.to_json(found.as_dict()), nl=False)
-    else:
-        found.show(terminal.standard(), units)
-        if pictures:
-            none = "nothing: all combinations of three or more keys have no pictures"
-            click.echo(f"drawn: {', '.join(drawn) or none}")
+    _print(found.as_dict(), partial(found.show, terminal.standard(), units), as_json=as_json)
+    if pictures and not as_json:
+        none = "nothing: all combinations of three or more keys have no pictures"
+        click.echo(f"drawn: {', '.join(drawn) or none}")
 
 
 @railhead.command()
@@ -417,25 +399,25 @@ def show(folder: Path, unit_names: str | None, pictures: bool, as_json: bool) ->
 @click.argument("b", type=click.Path(path_type=Path))
 @options.units
 @click.option("--json", "as_json", is_flag=True, help="Print the comparison as JSON.")
-def diff(a: Path, b: Path, unit_names: str | None, as_json: bool) -> None:
+def diff(a: Path, b: Path, units: Units, as_json: bool) -> None:
     """Compare the results of two runs that lie in folders, and their scenes; solve nothing."""
     from railhead import api
-    from railhead.results import quantity_rows, result_folder
-    from railhead.results.report import output_units, terminal
+    from railhead.results import quantity_rows
+    from railhead.results.report import terminal
     from railhead.results.result import Result
 
-    units, summaries = output_units.parse(unit_names), []
+    summaries = []
     for folder in (a, b):
         result = api.load(folder)
         if not isinstance(result, Result):
             raise SceneError("diff", f"{str(folder)!r} holds a sweep; give the folders of two runs")
         summaries.append(result.summary)
     found = quantity_rows.difference(*summaries)
-    if as_json:
-        found = {"A": str(a), "B": str(b), **found}
-        click.echo(result_folder.to_json(found), nl=False)
-    else:
-        terminal.show_difference(found, terminal.standard(), units)
+    _print(
+        {"A": str(a), "B": str(b), **found},
+        partial(terminal.show_difference, found, terminal.standard(), units),
+        as_json=as_json,
+    )
 
 
 @railhead.command()
@@ -485,7 +467,7 @@ def _report(
     out: Path | None,
     force: bool,
     no_pictures: bool,
-    unit_names: str | None,
+    units: Units,
     quiet: bool,
     as_json: bool,
 ) -> None:
@@ -493,23 +475,23 @@ def _report(
 
     out: the folder; None for results/<name>_<command>.
     force: whether another result in `out` is replaced.
-    no_pictures: whether no PNG files are written. unit_names: as of `output_units.parse`.
+    no_pictures: whether no PNG files are written. units: of pictures and table.
     as_json: whether the summary is printed as JSON instead of a table. quiet: whether the table is
         not printed; no effect on JSON.
     """
-    from railhead.results import result_folder
-    from railhead.results.report import output_units, terminal
+    from railhead.results.report import terminal
 
-    units = output_units.parse(unit_names)
     folder = _folder(out, f"{name}_{command}", command, computed.scene, force=force)
     computed.save(
         folder, pictures=not no_pictures, units=units, force=None if out is None else True
     )
-    if as_json:
-        click.echo(result_folder.to_json(computed.summary()), nl=False)
-    elif not quiet:
-        computed.show(terminal.standard(), units)
-        click.echo(f"written to {folder}/")
+    _print(
+        computed.summary(),
+        partial(computed.show, terminal.standard(), units),
+        as_json=as_json,
+        quiet=quiet,
+        folder=folder,
+    )
 
 
 @railhead.command()
@@ -558,6 +540,25 @@ def _status(arguments: Sequence[str] | None) -> int:
         return WRONG_INPUT
     except Exception as error:
         return errors.told(error)
+
+
+def _print(
+    data: dict[str, Any],
+    show: Callable[[], object],
+    *,
+    as_json: bool,
+    quiet: bool = False,
+    folder: Path | None = None,
+) -> None:
+    """Print what a command found: with `as_json` the data alone. Else, unless `quiet`, `show`
+    prints it for people, and a line names the folder that it was written to, None: none.
+    """
+    if as_json:
+        click.echo(result_folder.to_json(data), nl=False)
+    elif not quiet:
+        show()
+        if folder is not None:
+            click.echo(f"written to {folder}/")
 
 
 def _ask(*scenes: Scene) -> None:

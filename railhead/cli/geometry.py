@@ -7,11 +7,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from rich.console import Console
@@ -22,7 +22,7 @@ from railhead.contact.conicity import RollingRadii, rolling_radii
 from railhead.geometry.measured import BODY_BY_EXTENSION, measured_profile, standards
 from railhead.geometry.measured.measured_profile import Measured, smoothness
 from railhead.geometry.measured.standards import LaidStandard
-from railhead.geometry.placement import ContactPoint, PlacementError
+from railhead.geometry.placement import PlacementError
 from railhead.geometry.wheelset import Placed, Side, WheelsetOnTrack, top
 from railhead.postprocess.findings import BASE_UNITS, Subject, Units
 from railhead.results import result_folder
@@ -74,8 +74,49 @@ COLUMNS = {
 """Column of positions.csv, head and digits of the printed table, by key of "rows"."""
 
 
+class Examined(terminal.Drawn):
+    """Base class of what a command computes from geometry alone.
+
+    scene: whose geometry it is.
+    command: its word, 'locate' or 'profile'.
+    summary: returns the content of summary.json.
+    tables: returns rows of tables, cells by column header, by name of their file.
+    """
+
+    scene: Scene
+    command: ClassVar[str]
+    summary: Callable[[], dict[str, Any]]
+    tables: Callable[[], dict[str, list[dict[str, Any]]]]
+
+    def save(
+        self,
+        folder: str | Path,
+        *,
+        pictures: bool = True,
+        units: Units | None = None,
+        force: bool | None = False,
+    ) -> None:
+        """Write the files of the command into a folder: summary, tables and pictures.
+
+        pictures: whether PNG files are written.
+        units: of pictures; None: mm.
+        force: whether another result is replaced; None: it is renamed, as of `Result.save`.
+        Raises SceneError for a folder with other files and, without `force`, with another result;
+        OSError where it cannot be written.
+        """
+        folder, scene = as_path(folder, "folder"), self.scene
+        result_folder.check_free(folder, self.command, scene, force=force is not False)
+        summary, tables = self.summary(), self.tables()
+        drawings = self.drawings(units or BASE_UNITS) if pictures else {}
+        begun = result_folder.result(folder, self.command, scene, summary, aside=force is None)
+        with begun as (work, keep):
+            for name, rows in tables.items():
+                (work / name).write_bytes(result_folder.encoded(result_folder.signed(rows)))
+            result_folder.draw(drawings, work, keep)
+
+
 @dataclass(frozen=True, eq=False)
-class Location(terminal.Drawn):
+class Location(Examined):
     """A wheelset placed on its track, at one shift and over several.
 
     scene: the scene, of which profiles, inclination, gauge and [wheelset] count.
@@ -84,6 +125,7 @@ class Location(terminal.Drawn):
     shifts: rising lateral shifts (mm) of the rows; None: from -10 to 10 mm (SHIFTS), not printed.
     """
 
+    command = "locate"
     scene: Scene
     placed: Placed
     shifts: Array | None = None
@@ -191,32 +233,13 @@ class Location(terminal.Drawn):
             rows.append(row)
         return rows
 
-    def save(
-        self,
-        folder: str | Path,
-        *,
-        pictures: bool = True,
-        units: Units | None = None,
-        force: bool | None = False,
-    ) -> None:
-        """Write the files of `railhead locate` into a folder.
-
-        pictures: whether PNG files are written: both wheels on their rails, contacts and rolling
-            radius difference over lateral shifts, and the equivalent conicity.
-        units: of pictures; None: mm.
-        force: whether another result is replaced; None: it is renamed, as of `Result.save`.
-        Raises SceneError for a folder with other files and, without `force`, with another result;
-        OSError where it cannot be written.
-        """
-        folder = as_path(folder, "folder")
-        result_folder.check_free(folder, "locate", self.scene, force=force is not False)
-        drawings = self.drawings(units or BASE_UNITS) if pictures else {}
+    def tables(self) -> dict[str, list[dict[str, Any]]]:
+        """Rows of positions.csv and conicity.csv by name of the file."""
         conicity = [
             {"amplitude [mm]": amplitude, "equivalent conicity": value}
             for amplitude, value in self.level.conicities.items()
         ]
-        tables = {"positions.csv": self.positions(), "conicity.csv": conicity}
-        _write(folder, "locate", self, tables, drawings, force is None)
+        return {"positions.csv": self.positions(), "conicity.csv": conicity}
 
     def drawings(self, units: Units = BASE_UNITS) -> dict[str, Drawing]:
         """Functions that draw the pictures, by name of their PNG file; `profiles.png` only where
@@ -346,36 +369,32 @@ def locate(scene: Scene, over: Mapping[str, Sequence[object]] | None = None) -> 
 
 
 def _contacts(side: Side) -> list[dict[str, float | bool]]:
-    """Contacts of a side, as values of summary.json (`_contact`)."""
+    """Contacts of a side, as values of summary.json: mm, rad and 1/mm, in the axes of its side."""
     crest, _ = top(side.pair.rail)
-    return [_contact(touch, crest) for touch in side.touches]
-
-
-def _contact(touch: ContactPoint, crest: float) -> dict[str, float | bool]:
-    """Values of one contact by key of summary.json: mm, rad and 1/mm, in the axes of its side.
-    crest: y of the rail's highest point, mm.
-    """
-    return {
-        "rail_y_mm": touch.y,
-        "top_y_mm": touch.y - crest,
-        "rail_z_mm": touch.z,
-        "wheel_y_mm": touch.wheel_y,
-        "ahead_mm": touch.radius * math.sin(touch.axle_angle),
-        "gap_mm": touch.gap,
-        "angle_rad": touch.angle,
-        "radius_mm": touch.radius,
-        "rail_curvature": touch.rail_curvature,
-        "wheel_curvature_along": touch.wheel_curvatures[0],
-        "wheel_curvature_across": touch.wheel_curvatures[1],
-        "relative_curvature_along": touch.curvature_x,
-        "relative_curvature_across": touch.curvature_y,
-        "orientation_rad": touch.orientation,
-        "at_edge": touch.at_edge,
-    }
+    return [
+        {
+            "rail_y_mm": touch.y,
+            "top_y_mm": touch.y - crest,
+            "rail_z_mm": touch.z,
+            "wheel_y_mm": touch.wheel_y,
+            "ahead_mm": touch.radius * math.sin(touch.axle_angle),
+            "gap_mm": touch.gap,
+            "angle_rad": touch.angle,
+            "radius_mm": touch.radius,
+            "rail_curvature": touch.rail_curvature,
+            "wheel_curvature_along": touch.wheel_curvatures[0],
+            "wheel_curvature_across": touch.wheel_curvatures[1],
+            "relative_curvature_along": touch.curvature_x,
+            "relative_curvature_across": touch.curvature_y,
+            "orientation_rad": touch.orientation,
+            "at_edge": touch.at_edge,
+        }
+        for touch in side.touches
+    ]
 
 
 @dataclass(frozen=True)
-class ExaminedProfile(terminal.Drawn):
+class ExaminedProfile(Examined):
     """A measured profile and its wear.
 
     scene: a scene with the profile; its other keys have no meaning.
@@ -384,6 +403,7 @@ class ExaminedProfile(terminal.Drawn):
         None where none fits.
     """
 
+    command = "profile"
     scene: Scene
     measured: Measured
     worn: LaidStandard | None
@@ -409,22 +429,8 @@ class ExaminedProfile(terminal.Drawn):
             "wear": wear,
         }
 
-    def save(
-        self,
-        folder: str | Path,
-        *,
-        pictures: bool = True,
-        units: Units | None = None,
-        force: bool | None = False,
-    ) -> None:
-        """Write the files of `railhead profile` into a folder.
-
-        pictures: whether profile.png is written.
-        units: of the picture; None: mm.
-        force: whether another result is replaced; None: it is renamed, as of `Result.save`.
-        Raises SceneError for a folder with other files and, without `force`, with another result;
-        OSError where it cannot be written.
-        """
+    def tables(self) -> dict[str, list[dict[str, Any]]]:
+        """Rows of profile.csv by name of the file."""
         profile = self.measured.profile
         start, end = profile.domain
         y = np.linspace(start, end, math.ceil((end - start) / ROW_STEP) + 1)
@@ -438,10 +444,7 @@ class ExaminedProfile(terminal.Drawn):
             {name: f"{values[index]:.9g}" for name, values in columns.items()}
             for index in range(len(y))
         ]
-        folder = as_path(folder, "folder")
-        result_folder.check_free(folder, "profile", self.scene, force=force is not False)
-        drawings = self.drawings(units or BASE_UNITS) if pictures else {}
-        _write(folder, "profile", self, {"profile.csv": rows}, drawings, force is None)
+        return {"profile.csv": rows}
 
     def plot(self, picture: str = "profile") -> Figure:
         """Draw "profile", which has four panels, as `Result.plot`."""
@@ -500,25 +503,6 @@ def profile(
     found = solid.from_file(scene, kind)
     worn = standards.nearest(found.resampled(standards.STEP), kind)
     return ExaminedProfile(scene, found, worn if worn.fits else None)
-
-
-def _write(
-    folder: Path,
-    command: str,
-    computed: Location | ExaminedProfile,
-    tables: Mapping[str, list[dict[str, Any]]],
-    drawings: Mapping[str, Drawing],
-    aside: bool,
-) -> None:
-    """Write summary, tables and pictures of what a command computed into a folder, which they
-    replace. tables: rows by name of their file. aside, OSError: as of `result_folder.result`.
-    """
-    summary = computed.summary()
-    with result_folder.result(folder, command, computed.scene, summary, aside=aside) as each:
-        work, keep = each
-        for table, rows in tables.items():
-            (work / table).write_bytes(result_folder.encoded(result_folder.signed(rows)))
-        result_folder.draw(drawings, work, keep)
 
 
 def _radii(curvatures: Iterable[float], units: Units) -> str:

@@ -1,9 +1,11 @@
 """Options that several commands take, and the decorators that add them."""
 
+from __future__ import annotations
+
 import functools
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -17,6 +19,9 @@ from railhead.scene.scene import (
     assignment,
     dotted,
 )
+
+if TYPE_CHECKING:
+    from railhead.postprocess.findings import Units
 
 
 def _completing(words: Callable[[], Iterable[str]]) -> Callable[..., list[str]]:
@@ -100,7 +105,16 @@ _scene_options = (
     click.option("--fast", is_flag=True, help="Half-spaces: --without finite_bodies."),
     click.option("--only", metavar="NAME,NAME", help=f"Compute these: {','.join(QUANTITIES)}."),
 )
-units = click.option("--units", "unit_names", help="Of tables, pictures and report: mm,kN,MPa.")
+
+
+def _units(_: click.Context, __: click.Parameter, text: str | None) -> Units:
+    """The units of --units; None: base units. Raises SceneError for unknown ones."""
+    from railhead.results.report import output_units
+
+    return output_units.parse(text)
+
+
+units = click.option("--units", callback=_units, help="Of tables, pictures and report: mm,kN,MPa.")
 _report_options = (
     click.option(
         "--out", type=click.Path(path_type=Path), help="Folder [results/<name>_<command>]."

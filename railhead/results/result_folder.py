@@ -25,7 +25,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import psutil
 import tomli_w
 
 from railhead.run import process
@@ -328,7 +327,7 @@ def settle(folder: Path) -> None:
         _settle(folder)
         for work in folder.parent.glob(glob.escape(_prefix(folder)) + "*"):
             process_id = work.name.removeprefix(_prefix(folder)).partition(".")[0]
-            if process_id.isdecimal() and not psutil.pid_exists(int(process_id)):
+            if process_id.isdecimal() and not os.path.exists(f"/proc/{process_id}"):
                 shutil.rmtree(work, ignore_errors=True)
 
 

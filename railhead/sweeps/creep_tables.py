@@ -171,13 +171,13 @@ def _text(table: CreepTable) -> str:
     )
 
 
-def words(table: CreepTable) -> str:
+def words(table: CreepTable) -> list[str]:
     """Lines that say how many cases a table has, and its errors over mu N."""
     found = summary(table)
     lines = [f"{found['cases']} cases; between them 95 % of places are within, over mu N:"]
     for name, between in found["interpolation_error"].items():
         lines.append(f"  {name:12s} {between:.2%}, grid at most {found['grid_error'][name]:.2%}")
-    return "\n".join([*lines, ""])
+    return lines
 
 
 def summary(table: CreepTable) -> dict[str, Any]:

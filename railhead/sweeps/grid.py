@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
@@ -14,6 +15,7 @@ from math import prod
 from pathlib import Path
 
 from railhead.scene.scene import Scene, SceneError, assignment, checked, unit
+from railhead.scene.sections import refuse_first
 
 MAX_COMBINATIONS = 10_000
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
@@ -50,21 +52,31 @@ class ParameterGrid:
         10 000 combinations and two scenes with the same values.
         """
         first = rows[0] if rows else {}
-        for key in first.keys() & lists.keys():
-            raise SceneError(key, "is given with --over and in --over-file; give one of them")
-        for key in (key for key, values in lists.items() if not values):
-            raise SceneError(key, "has no values; give one or more")
         total = max(len(rows), 1) * prod(map(len, lists.values()))
-        if total > MAX_COMBINATIONS:
-            text = f"makes {total} combinations; give at most {MAX_COMBINATIONS}"
-            raise SceneError("--over", text)
+        both = "is given with --over and in --over-file; give one of them"
+        refuse_first(
+            *((key in lists, key, both) for key in first),
+            *(
+                (not values, key, "has no values; give one or more")
+                for key, values in lists.items()
+            ),
+            (
+                total > MAX_COMBINATIONS,
+                "--over",
+                f"makes {total} combinations; give at most {MAX_COMBINATIONS}",
+            ),
+        )
         scenes = [
             checked(scene).replace(**row, **dict(zip(lists, values, strict=True)))
             for row in rows or ({},)
             for values in product(*lists.values())
         ]
         grid = cls(base=scene, keys=[*first, *lists], scenes=scenes, listed=bool(rows))
-        grid._refuse_duplicates()
+        every = Counter(tuple(grid.values(number).items()) for number in range(total))
+        values, count = every.most_common(1)[0]
+        if count > 1:
+            text = ", ".join(f"{key}={value}" for key, value in values)
+            raise SceneError("--over", f"gives {text} twice; give each value once")
         return grid
 
     def values(self, number: int) -> dict[str, object]:
@@ -79,31 +91,20 @@ class ParameterGrid:
         found: list[dict[str, str]] = [{} for _ in self.scenes]
         files = {file for scene in self.scenes for file in scene.files}
         for key in self.keys:
-            values = [Path(str(scene.value(key))) for scene in self.scenes]
-            if files.isdisjoint(values):
+            paths = [Path(str(scene.value(key))) for scene in self.scenes]
+            if files.isdisjoint(paths):
                 continue
-            paths = [path.parts for path in values]
-            counts = range(1, max(map(len, paths)) + 1)
-            last = next(n for n in counts if len({path[-n:] for path in paths}) == len({*paths}))
+            last = 1
+            while len({path.parts[-last:] for path in paths}) < len({*paths}):
+                last += 1
             for names, path in zip(found, paths, strict=True):
-                names[key] = str(Path(*path[-last:]))
+                names[key] = str(Path(*path.parts[-last:]))
         return found
 
     def label(self, number: int) -> str:
         """Keys, units and values of scene `number` as text, e.g. "load [N] = 25000.0"."""
-        values = self.values(number).items()
-        pairs = (f"{column(key)} = {shown(key, value)}" for key, value in values)
+        pairs = (f"{column(key)} = {shown(key, v)}" for key, v in self.values(number).items())
         return ", ".join(pairs) or "the scene"
-
-    def _refuse_duplicates(self) -> None:
-        """Raise SceneError where two scenes have the same values of all keys."""
-        seen: set[tuple[object, ...]] = set()
-        for number in range(len(self.scenes)):
-            values = self.values(number)
-            if tuple(values.values()) in seen:
-                text = ", ".join(f"{key}={value}" for key, value in values.items())
-                raise SceneError("--over", f"gives {text} twice; give each value once")
-            seen.add(tuple(values.values()))
 
 
 def column(key: str) -> str:
@@ -136,12 +137,11 @@ def parse_values(texts: Sequence[str]) -> dict[str, list[object]]:
     lists: dict[str, list[object]] = {}
     for text in texts:
         key, equals, values = (part.strip() for part in text.partition("="))
-        if not (key and equals and values):
-            raise SceneError(
-                "--over", f"{text!r} is not key=values; write e.g. load=25kN,50kN or 0:10:0.5mm"
-            )
-        if key in lists:
-            raise SceneError(key, "is given twice with --over; give one list of values")
+        shape = f"{text!r} is not key=values; write e.g. load=25kN,50kN or 0:10:0.5mm"
+        refuse_first(
+            (not (key and equals and values), "--over", shape),
+            (key in lists, key, "is given twice with --over; give one list of values"),
+        )
         items = [each for item in values.split(",") for each in _expand(key, item.strip())]
         _check_units(key, items)
         lists[key] = [assignment(f"{key}={item}")[1] for item in items]

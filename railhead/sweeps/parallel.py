@@ -24,6 +24,7 @@ from railhead.run import process
 from railhead.run.progress import Progress, Tell, show_progress
 from railhead.scene.catalogue import as_path, copy_files, places, portable
 from railhead.scene.scene import Scene, SceneError, warn_of_units
+from railhead.scene.sections import refuse_first
 from railhead.sweeps import runner, store, sweep_table, worker_pool
 from railhead.sweeps.grid import ParameterGrid
 from railhead.sweeps.sweep_table import Row, Sweep
@@ -93,17 +94,6 @@ class ParallelSweep:
             **({"vtu": True} if self.vtu else {}),
             **({"fields": True} if self.fields else {}),
         }
-
-    @property
-    def times(self) -> list[float]:
-        """Times of the scenes in ParaView: the values of the one key that changes, in base units,
-        where these are finite numbers; else the numbers of the scenes from 0."""
-        count = len(self.grid.scenes)
-        values = [value for n in range(count) for value in self.grid.values(n).values()]
-        numbers = [float(each) for each in values if isinstance(each, int | float)]
-        if len(self.grid.keys) == 1 and len(numbers) == count and np.isfinite(numbers).all():
-            return numbers
-        return [float(number) for number in range(count)]
 
 
 def run(
@@ -285,12 +275,12 @@ def _write(sweep: ParallelSweep, found: Sweep, *, pictures: bool) -> None:
 
     _write_table(folder, rows)
     for name in SERIES if sweep.vtu else ():
-        times = {
-            time: f"{VTU}/{number:05d}/{name}.vtu"
-            for number, (time, row) in enumerate(zip(sweep.times, rows, strict=True))
+        steps = {
+            float(number): f"{VTU}/{number:05d}/{name}.vtu"
+            for number, row in enumerate(rows)
             if row[sweep_table.CHECKS] == sweep_table.PASSED
         }
-        vtu.series(times, folder / f"{name}.pvd")
+        vtu.series(steps, folder / f"{name}.pvd")
     for name in DRAWN:
         (folder / name).unlink(missing_ok=True)
     if pictures:
@@ -368,14 +358,20 @@ def _lists(
     """Lists of values by key from a mapping and from keyword arguments. Raises SceneError for
     anything that is no mapping of keys to lists, and for a key in both.
     """
-    if not isinstance(over or {}, Mapping):
+    given = {} if over is None else over
+    if not isinstance(given, Mapping):
         raise SceneError("over", f"{over!r} is not a mapping of keys to lists of values; give one")
-    for key in (over or {}).keys() & values.keys():
-        raise SceneError(key, "is given twice; give one list of values")
-    lists = {**(over or {}), **values}
-    for key, chosen in lists.items():
-        if not isinstance(key, str):
-            raise SceneError("over", f"{key!r} is no key; give a word")
-        if isinstance(chosen, str) or not isinstance(chosen, Iterable):
-            raise SceneError(key, f"{chosen!r} is not a list of values; give one")
+    lists = {**given, **values}
+    refuse_first(
+        *((key in values, key, "is given twice; give one list of values") for key in given),
+        *((not isinstance(key, str), "over", f"{key!r} is no key; give a word") for key in lists),
+        *(
+            (
+                isinstance(chosen, str) or not isinstance(chosen, Iterable),
+                key,
+                f"{chosen!r} is not a list of values; give one",
+            )
+            for key, chosen in lists.items()
+        ),
+    )
     return {key: list(chosen) for key, chosen in lists.items()}

@@ -12,6 +12,7 @@ import json
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from datetime import timedelta
 from typing import TYPE_CHECKING, Any
 
 from mpi4py import MPI
@@ -103,6 +104,21 @@ def forecast(grid: ParameterGrid, workers: int, progress: Progress) -> dict[str,
         "processes": workers,
         "effects": dict(on),
     }
+
+
+def words(found: Mapping[str, Any]) -> list[str]:
+    """Lines that say what `forecast` found."""
+    count, sizes = found["combinations"], found["unknowns"]
+    duration = timedelta(seconds=round(found["seconds"]))
+    return [
+        f"{count} combinations on {found['meshes']} meshes",
+        f"predicted: {min(sizes)} to {max(sizes)} unknowns, {duration} on {found['processes']} "
+        "cores",
+        *(
+            f"{name}: on in {'all' if number == count else number}"
+            for name, number in found["effects"].items()
+        ),
+    ]
 
 
 def _mesh_key(number: int, plan: Plan) -> str:

@@ -37,7 +37,6 @@ from railhead.theory.wear import WearLaw
 
 BODIES = ("rail", "wheel")
 BROAD, FAINT = 8.0, 0.05
-LINES = ("energy", "worn", "pressure", "traction", "damage")
 FIELDS = ("pressure", "index", "energy", "damage", "rate", "force")
 Fields = dict[str, Array]
 """Values (2, n) at the places along the profiles of rail and wheel, by name."""
@@ -247,7 +246,7 @@ class WornContact:
             interface=tribology.interface(scene),
         )
         windows, curves, rises = [patch.pressed for patch in patches], [], 0.0
-        lines: dict[str, list[Array]] = {name: [] for name in LINES}
+        lines: list[dict[str, Array]] = []
         for window, each in zip(windows, found, strict=True):
             energy = (each.traction * each.slip).sum(axis=0)
             if pair.like and energy.any():  # what the grid adds to the slip has no part
@@ -258,11 +257,15 @@ class WornContact:
             force = step * each.pressure.sum(axis=0)
             lost = np.maximum(step * energy.sum(axis=0), 0.0)  # of rounding at the edge
             curves.append((each.y[force > 0], rate * lost[force > 0] / force[force > 0]))
-            lines["energy"].append(lost)
-            lines["worn"].append(rate * lost)
-            lines["pressure"].append(each.pressure.max(axis=0))
-            lines["traction"].append(np.linalg.norm(each.traction, axis=0).max(axis=0))
-            lines["damage"].append(wear.damage(total) * (each.pressure > 0).any(axis=0))
+            lines.append(
+                {
+                    "energy": lost,
+                    "worn": rate * lost,
+                    "pressure": each.pressure.max(axis=0),
+                    "traction": np.linalg.norm(each.traction, axis=0).max(axis=0),
+                    "damage": wear.damage(total) * (each.pressure > 0).any(axis=0),
+                }
+            )
             rises += each.cell * float((each.traction[1] * np.sin(window.angle)).sum())
         self._rate = _curve(*zip(*curves, strict=True))
         bodies = [self._fields(body, windows, lines) for body in BODIES]
@@ -279,10 +282,10 @@ class WornContact:
         return sorted(zip(map(float, middles), steps, strict=True))
 
     def _values(
-        self, windows: Sequence[PatchSolution], lines: Mapping[str, Sequence[Array]]
+        self, windows: Sequence[PatchSolution], lines: Sequence[Mapping[str, Array]]
     ) -> dict[str, float]:
-        """Quantities of the contact, as of `Seen.values`, from the pressed patches and, by name
-        (LINES), what each of their lines carries.
+        """Quantities of the contact, as of `Seen.values`, from the pressed patches and, of each,
+        what its lines carry by name.
         """
         steps = [float(window.s[1] - window.s[0]) for window in windows]
         edges = [
@@ -294,12 +297,12 @@ class WornContact:
         ]
         worn = {
             f"{body}_mm2": sum(
-                step * float(self._passes(body, window.s) @ line)
-                for step, window, line in zip(steps, windows, lines["worn"], strict=True)
+                step * float(self._passes(body, window.s) @ each["worn"])
+                for step, window, each in zip(steps, windows, lines, strict=True)
             )
             for body in BODIES
         }
-        energy = zip(steps, lines["energy"], strict=True)
+        energy = [(step, each["energy"]) for step, each in zip(steps, lines, strict=True)]
         return {
             "pressure_max_MPa": self._pressed.max_pressure,
             "area_mm2": self._pressed.area,
@@ -309,32 +312,30 @@ class WornContact:
         }
 
     def _fields(
-        self, body: str, windows: Sequence[PatchSolution], lines: Mapping[str, Sequence[Array]]
+        self, body: str, windows: Sequence[PatchSolution], lines: Sequence[Mapping[str, Array]]
     ) -> Fields:
         """Fields (n,) along the profile of a body, as of `Seen.fields`, and `lines`; arguments as
         of `_values`.
         """
         steel = self._position.scene.bodies[body]
         passes = [self._passes(body, window.s) for window in windows]
-        summed = {
-            name: [number * line for number, line in zip(passes, lines[name], strict=True)]
-            for name in ("worn", "energy", "damage")
-        }
-        found = {
-            name: self._field(body, windows, line) for name, line in {**lines, **summed}.items()
-        }
+        found = {name: [each[name] for each in lines] for name in ("pressure", "traction")}
+        for name in ("worn", "energy", "damage"):
+            found[name] = [number * each[name] for number, each in zip(passes, lines, strict=True)]
+        fields = {name: self._field(body, windows, values) for name, values in found.items()}
         width = BROAD * np.interp(self._across[body], *np.transpose(self._widths(body)))
         forces = self._field(body, self._windows, [_force(window) for window in self._windows])
-        found["rate"] = wear.seen(found["worn"], self._steps[body], width).clip(0.0)
-        found["force"] = wear.seen(forces, self._steps[body], width).clip(FAINT * forces.max())
-        touches = found["pressure"] > 0
-        found["index"] = np.full(touches.shape, np.nan)
+        fields["rate"] = wear.seen(fields["worn"], self._steps[body], width).clip(0.0)
+        fields["force"] = wear.seen(forces, self._steps[body], width).clip(FAINT * forces.max())
+        touches = fields["pressure"] > 0
+        fields["index"] = np.full(touches.shape, np.nan)
         if steel.yields:
-            peak, k = float(found["pressure"].max()), steel.first_yield / math.sqrt(3)
-            found["index"][touches] = [
-                surface_fatigue_index(each, peak, k) for each in found["traction"][touches].tolist()
+            peak, k = float(fields["pressure"].max()), steel.first_yield / math.sqrt(3)
+            fields["index"][touches] = [
+                surface_fatigue_index(each, peak, k)
+                for each in fields["traction"][touches].tolist()
             ]
-        return found
+        return fields
 
 
 def solve(

@@ -1,13 +1,12 @@
-"""Wear over the route of a scene: solved step by step in a folder, and its files."""
+"""Wear over the route of a scene: solved step by step in a folder, its files and pictures."""
 
 from __future__ import annotations
 
-import math
+from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from mpi4py import MPI
@@ -22,9 +21,15 @@ from railhead.scene.catalogue import INPUT, copy_files, portable
 from railhead.scene.scene import Scene, SceneError
 from railhead.sweeps import store, worker_pool
 from railhead.sweeps.wear import wear_route, wear_run
-from railhead.sweeps.wear.wear_result import WearResult
+from railhead.sweeps.wear.wear_result import Row, WearResult
 from railhead.sweeps.wear.wear_route import Route
+from railhead.sweeps.wear.wear_run import Run
 from railhead.theory.array_types import Array
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from railhead.postprocess.pictures.diagrams import Target
 
 SUMMARY, HISTORY, REPORT = "wear.json", "history.csv", "report.html"
 LINES, DAMAGE = "wear.csv", "damage.csv"  # over y: worn depth; all else
@@ -36,6 +41,13 @@ LATER = (
     *(INPUT, result_folder.SCENE, SUMMARY, LINES, DAMAGE, HISTORY, REPORT, *PROFILES.values()),
     *(f"{name}.{kind}" for name in PICTURES for kind in ("png", "svg", "pdf")),
 )
+COLOURS = {"rail": "#555555", "wheel": "#1f4e79"}
+PANELS = {
+    "largest pressure, MPa": ("pressure_max_MPa",),
+    "largest depth, mm": ("depth_rail_mm", "depth_wheel_mm"),
+    "equivalent conicity at 3 mm": ("conicity",),
+}
+"""Keys of the rows that each panel of the history draws, by its label."""
 DECIMALS = 7  # of profiles, mm
 AS_WRITTEN = {"profile_mirror": "off", "profile_flip": "off", "profile_origin": "file"}
 """Keys with which the files of worn profiles are read back."""
@@ -73,23 +85,24 @@ def wear(
         submit = None
         if min(worker_pool.workers(1), len(route.positions)) > 1:
             submit = stack.enter_context(worker_pool.submitting(1, 0))
-        found = WearResult(route, wear_run.solve(route, folder, submit, shown))
-        _write_profiles(found, folder)
+        runs, beside = wear_run.solve(route, folder, submit, shown), None
+        _write_profiles(runs["main"], folder)
         if scene.effects.finite_bodies != "off":
-            found = replace(found, beside=_beside(found, folder, shown))
+            beside = _beside(route, folder, shown)
+        found = WearResult(route, runs, beside)
         shown.stage("writing files" + " and pictures" * pictures)
         _save(found, folder, pictures=pictures)
     return found
 
 
-def _beside(found: WearResult, folder: Path, progress: Progress) -> dict[str, Any]:
+def _beside(route: Route, folder: Path, progress: Progress) -> dict[str, Any]:
     """Entry "beside" of wear.json: the position with the largest share on the worn profiles in a
     folder, by finite elements and by half-spaces, elastic and without friction; or the reason why
     finite elements fail.
     """
-    number = int(np.argmax(found.route.shares))
-    scene = found.route.positions[number].scene
-    for body in found.route.worn:
+    number = int(np.argmax(route.shares))
+    scene = route.positions[number].scene
+    for body in route.worn:
         own = {"profile", "rolling_radius", "inclination"}
         shape = {key: "none" for key in wear_route.SHAPE[body] if key not in own} | AS_WRITTEN
         scene = scene.replace(
@@ -157,12 +170,11 @@ def _save(found: WearResult, folder: Path, *, pictures: bool) -> None:
     if not pictures:
         return
     from railhead.results.report import html
-    from railhead.sweeps.wear import wear_plots
 
     title, failures = f"wear of {scene.name}", list[str]()
     drawings = {
-        "depth.png": partial(wear_plots.depth, lines, found.route.worn, Subject(title)),
-        "history.png": partial(wear_plots.history, found.rows, Subject(title)),
+        "depth.png": partial(_draw_depth, lines, found.route.worn, Subject(title)),
+        "history.png": partial(_draw_history, found.rows, Subject(title)),
     }
     result_folder.draw(
         drawings, folder, lambda name: result_folder.attempt(failures, folder / name, folder)
@@ -172,7 +184,7 @@ def _save(found: WearResult, folder: Path, *, pictures: bool) -> None:
     text = html.template("wear.html.j2").render(
         title=title,
         summary=found.summary,
-        verdict=words(found),
+        verdict=found.words(),
         pictures=[html.picture((folder / name).read_bytes()) for name in drawings],
         scene=list(html.scene_rows(scene, Units())),
         date=result_folder.now(),
@@ -181,12 +193,11 @@ def _save(found: WearResult, folder: Path, *, pictures: bool) -> None:
     store.write_whole(folder, folder / REPORT, text.encode())
 
 
-def _write_profiles(found: WearResult, folder: Path) -> None:
-    """Write the worn profiles into a folder. OSError: one cannot be written."""
-    run, inclination = found.runs["main"], found.route.scene.rail.inclination
-    for body, places in found.places(run).items():
-        slope = inclination if body == "rail" else 0.0
-        text = _profile(places, run.depths()[body], slope)
+def _write_profiles(run: Run, folder: Path) -> None:
+    """Write the worn profiles of a run into a folder. OSError: one cannot be written."""
+    for body, places in run.places.items():
+        slope = run.route.scene.rail.inclination if body == "rail" else 0.0
+        text = _profile(places, run.depths[body], slope)
         store.write_whole(folder, folder / PROFILES[body], text.encode())
 
 
@@ -200,39 +211,50 @@ def _profile(places: Places, depth: Array, slope: float) -> str:
     return "\n".join([note, "y [mm],z [mm]", *lines, ""])
 
 
-def words(found: WearResult) -> list[str]:
-    """Lines that say what was worn, within which errors, and which checks failed."""
-    summary = found.summary
-    bound = summary["accuracy"]["bound"]
+def _draw_depth(
+    rows: Sequence[Row], worn: Sequence[str], subject: Subject, target: Target = None
+) -> Figure:
+    """Worn depth over y of each body that is worn, with its error as a band.
 
-    def within(name: str, key: str, unit: str) -> str:
-        """A number with its unit and its error."""
-        value, error = summary[name][key], bound[name][key]
-        off = "its error is not known" if error is None else f"+- {error:.2g} of it"
-        return "not known" if value is None else f"{value:.4g} {unit} {off}"
+    rows: of wear.csv. worn: 'rail', 'wheel' or both. subject: title. target: as of `new_figure`.
+    """
+    from railhead.postprocess.pictures.diagrams import new_figure
 
-    lines = [f"{summary['steps']} steps, {len(found.route.shares)} positions"]
-    for body in found.route.worn:
-        depth, area = within("depth_max_mm", body, "mm"), within("worn_mm2", body, "mm2")
-        lines.append(f"{body}: at most {depth} deep, {area} of the section")
-    first, last = (within("pressure_max_MPa", key, "MPa") for key in ("first", "last"))
-    lines.append(f"largest pressure: {first}, then {last}")
-    for name, limit in summary["limits_reached"].items():
-        after = [
-            f"{limit[key]:.4g} +- {limit[f'{key} estimate'] or math.nan:.2g} {key}"
-            for key in ("axles", "distance_km")
-            if limit[key]
-        ]
-        lines.append(f"{name} {limit['limit']:g}: {' and '.join(after) or 'not reached'}")
-    if beside := summary["beside"]:
-        text = beside.get("reason") or "; ".join(
-            f"{name.replace('_', ' ')} {beside[name]['pressure_max_MPa']:.5g} MPa on "
-            f"{beside[name]['area_mm2']:.4g} mm2"
-            for name in ("finite_elements", "half_spaces")
-        )
-        lines.append(f"position {beside['position']}, worn: {text}")
-    for name, why in summary["left_out"].items():
-        lines.append(f"left out: {name.replace('_', ' ')} ({why})")
-    failed = summary["checks"]["failed"]
-    lines.append(f"checks: {'FAILED ' + ', '.join(failed) if failed else 'all passed'}")
-    return lines
+    with new_figure(target, 5.5 * len(worn), 3.6, subject) as figure:
+        panels = figure.subplots(1, len(worn), squeeze=False)[0]
+        for ax, body in zip(panels, worn, strict=True):
+            own = [row for row in rows if row["body"] == body]
+            y, worn_off, error = (
+                np.array([row[name] for row in own], dtype=float)
+                for name in ("y [mm]", "depth [mm]", "depth [mm] estimate")
+            )
+            ax.plot(y, worn_off, color=COLOURS[body])
+            ax.fill_between(
+                y, worn_off - error, worn_off + error, color=COLOURS[body], alpha=0.3, lw=0
+            )
+            ax.set_title(body)
+            ax.set_xlabel("y to the field side, mm")
+            ax.set_ylabel("worn depth, mm")
+            ax.invert_yaxis()
+    return figure
+
+
+def _draw_history(rows: Sequence[Row], subject: Subject, target: Target = None) -> Figure:
+    """Largest pressure, largest depths and conicity over the share of the wear.
+
+    rows: of history.csv. subject: title. target: as of `new_figure`.
+    """
+    from railhead.postprocess.pictures.diagrams import new_figure
+
+    with new_figure(target, 5.0 * len(PANELS), 3.6, subject) as figure:
+        done = [100 * row["done"] for row in rows]
+        for ax, (label, keys) in zip(figure.subplots(1, len(PANELS)), PANELS.items(), strict=True):
+            for key in keys:
+                name = key.removeprefix("depth_").removesuffix("_mm")
+                values = np.array([row[key] for row in rows], dtype=float)
+                ax.plot(done, values, "o-", label=name, color=COLOURS.get(name, "#c8502d"))
+            if len(keys) > 1:
+                ax.legend()
+            ax.set_xlabel("share of the wear, %")
+            ax.set_ylabel(label)
+    return figure

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -14,7 +15,6 @@ import numpy as np
 from railhead.contact import conicity, solid
 from railhead.geometry import worn_profile
 from railhead.geometry.placement import PlacementError
-from railhead.geometry.worn_profile import Places
 from railhead.results import checks
 from railhead.results.checks import Check
 from railhead.run.half_spaces import worn_contact
@@ -79,8 +79,7 @@ class WearResult:
                 for name, group in NUMBERS.items()
             },
             "worn_mm2_by_part": {
-                body: places.parts(body, run.depths()[body])
-                for body, places in self.places(run).items()
+                body: places.parts(body, run.depths[body]) for body, places in run.places.items()
             },
             "worn_mm2_per": self._per(),
             "limits_reached": self._limits(),
@@ -97,13 +96,9 @@ class WearResult:
             "checks": {"converged": not run.reason, **checks.summary([*self._checks()], {})},
         }
 
-    def places(self, run: Run) -> dict[str, Places]:
-        """Places along the new profiles of 'rail' and 'wheel', as many as a run has."""
-        return worn_contact.places(self.route.scene, run.fineness.places)
-
     def rows_of(self, run: Run) -> list[Row]:
         """What changes from stage to stage of a run, a row each: see docs/howto-wear.md."""
-        given, places, rows = self.route.scene.wear, self.places(run), []
+        given, rows = self.route.scene.wear, list[Row]()
         for stage, seen in itertools.zip_longest(run.stages, run.seen):
             row: Row = {
                 "done": stage.done,
@@ -113,8 +108,8 @@ class WearResult:
             }
             for body, depth in zip(BODIES, stage.depth, strict=True):
                 row[f"depth_{body}_mm"] = float(depth.max())
-                row[f"worn_{body}_mm2"] = places[body].area(depth)
-            rows.append(row | self._geometry(places, stage.depth))
+                row[f"worn_{body}_mm2"] = run.places[body].area(depth)
+            rows.append(row | _geometry(run, stage.depth))
         return rows
 
     def _together(self, contacts: Sequence[Row], end: str) -> Row:
@@ -133,21 +128,6 @@ class WearResult:
             else math.fsum(np.multiply(self.route.shares, values))
             for name, values in columns.items()
         }
-
-    def _geometry(self, places: Mapping[str, Places], depths: Array) -> Row:
-        """Equivalent conicity at 3 mm (AMPLITUDE), of level axles, and flange thickness in mm after
-        a depth; None where the profiles have none.
-        """
-        scene, found = self.route.scene, None
-        try:
-            wheelset = solid.on_track(scene, worn_contact.pairs(scene, places, depths))
-            radii = conicity.rolling_radii(replace(wheelset, roll=0.0), REACH)
-            found = radii.conicities.get(AMPLITUDE)
-        except (PlacementError, SceneError, ValueError):
-            pass
-        points = places["wheel"].worn(depths[1])
-        thickness = worn_profile.flange_thickness(points, solid.tape_circle(scene))
-        return {"conicity": found, "flange_thickness_mm": thickness}
 
     @cached_property
     def _every(self) -> dict[str, list[Row]]:
@@ -316,16 +296,12 @@ class WearResult:
             at_least=True,
         )
         ratios = [
-            float(
-                (
-                    np.diff(places.worn(run.depths()[body])[:, 0]) / np.diff(places.points[:, 0])
-                ).min()
-            )
-            for body, places in self.places(run).items()
+            np.diff(places.worn(run.depths[body])[:, 0]) / np.diff(places.points[:, 0])
+            for body, places in run.places.items()
         ]
         yield Check(
             name="profile_folds",
-            value=min(ratios),
+            value=min(float(each.min()) for each in ratios),
             limit=STEEP,
             source="y between two places of a worn profile, over that of the new one; 0 is a fold",
             advice="give less wear; a corner that is worn to the other side is not followed",
@@ -340,18 +316,54 @@ class WearResult:
         """
         main = self.runs["main"]
         every = [_fields(self.runs[name] if self._complete else main) for name in RUNS if main.seen]
-        for number, (body, places) in enumerate(self.places(main).items() if every else ()):
-            steel = self.route.scene.bodies[body]
-            k = steel.first_yield / math.sqrt(3) if steel.yields else None
-            columns = {
-                name: (each[number], self._errors(*(of[name][number] for of in every)))
-                for name, each in every[0].items()
-            }
-            for n in range(0, len(places.points), max(1, math.ceil(ROW_STEP / places.step))):
-                row: Row = {"body": body, "y [mm]": float(places.points[n, 0])}
-                for name, (value, error) in columns.items():
-                    row |= {name: _number(value[n]), f"{name} estimate": _number(error[n])}
-                yield row | {"p0/k": row["p_max [MPa]"] / k if k else None}
+        for number, (body, places) in enumerate(main.places.items() if every else ()):
+            steel, columns = self.route.scene.bodies[body], {"y [mm]": places.points[:, 0]}
+            for name in every[0]:
+                values = [each[name][number] for each in every]
+                columns |= {name: values[0], f"{name} estimate": self._errors(*values)}
+            k = steel.first_yield / math.sqrt(3) if steel.yields else math.nan
+            columns["p0/k"] = columns["p_max [MPa]"] / k
+            step = max(1, math.ceil(ROW_STEP / places.step))
+            for cells in zip(*(each[::step].tolist() for each in columns.values()), strict=True):
+                known = (None if math.isnan(cell) else cell for cell in cells)
+                yield {"body": body, **dict(zip(columns, known, strict=True))}
+
+    def words(self) -> list[str]:
+        """Lines that say what was worn, within which errors, and which checks failed."""
+        summary = self.summary
+        bound = summary["accuracy"]["bound"]
+
+        def within(name: str, key: str, unit: str) -> str:
+            """A number with its unit and its error."""
+            value, error = summary[name][key], bound[name][key]
+            off = "its error is not known" if error is None else f"+- {error:.2g} of it"
+            return "not known" if value is None else f"{value:.4g} {unit} {off}"
+
+        lines = [f"{summary['steps']} steps, {len(self.route.shares)} positions"]
+        for body in self.route.worn:
+            depth, area = within("depth_max_mm", body, "mm"), within("worn_mm2", body, "mm2")
+            lines.append(f"{body}: at most {depth} deep, {area} of the section")
+        first, last = (within("pressure_max_MPa", key, "MPa") for key in ("first", "last"))
+        lines.append(f"largest pressure: {first}, then {last}")
+        for name, limit in summary["limits_reached"].items():
+            after = [
+                f"{limit[key]:.4g} +- {limit[f'{key} estimate'] or math.nan:.2g} {key}"
+                for key in ("axles", "distance_km")
+                if limit[key]
+            ]
+            lines.append(f"{name} {limit['limit']:g}: {' and '.join(after) or 'not reached'}")
+        if beside := summary["beside"]:
+            text = beside.get("reason") or "; ".join(
+                f"{name.replace('_', ' ')} {beside[name]['pressure_max_MPa']:.5g} MPa on "
+                f"{beside[name]['area_mm2']:.4g} mm2"
+                for name in ("finite_elements", "half_spaces")
+            )
+            lines.append(f"position {beside['position']}, worn: {text}")
+        for name, why in summary["left_out"].items():
+            lines.append(f"left out: {name.replace('_', ' ')} ({why})")
+        failed = summary["checks"]["failed"]
+        lines.append(f"checks: {'FAILED ' + ', '.join(failed) if failed else 'all passed'}")
+        return lines
 
     def _errors(self, main: Array, *others: Array) -> Array:
         """`_error` (n,) of values (n,) from those of the other runs, which have fewer places; NaN
@@ -363,6 +375,20 @@ class WearResult:
         )
         error = _error(main, coarse, halved, main)
         return np.asarray(error if self._complete else np.full_like(main, math.nan))
+
+
+def _geometry(run: Run, depths: Array) -> Row:
+    """Equivalent conicity at 3 mm (AMPLITUDE), of level axles, and flange thickness in mm after a
+    depth; None where the profiles have none.
+    """
+    scene, found = run.route.scene, None
+    with suppress(PlacementError, SceneError, ValueError):
+        wheelset = solid.on_track(scene, worn_contact.pairs(scene, run.places, depths))
+        radii = conicity.rolling_radii(replace(wheelset, roll=0.0), REACH)
+        found = radii.conicities.get(AMPLITUDE)
+    points = run.places["wheel"].worn(depths[1])
+    thickness = worn_profile.flange_thickness(points, solid.tape_circle(scene))
+    return {"conicity": found, "flange_thickness_mm": thickness}
 
 
 def _fields(run: Run) -> Fields:
@@ -399,11 +425,6 @@ def _estimated(row: Row, *others: Row) -> Row:
         known = len(values) == 4 and None not in values
         found[f"{key} estimate"] = float(_error(*values)) if known else None
     return found
-
-
-def _number(value: float) -> float | None:
-    """A number, None for NaN."""
-    return None if math.isnan(value) else float(value)
 
 
 def _crossing(

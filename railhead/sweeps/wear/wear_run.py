@@ -7,17 +7,19 @@ profiles as they are written, which a reader of these finds again.
 
 from __future__ import annotations
 
-import io
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
+from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from railhead.geometry.worn_profile import Places
 from railhead.run.half_spaces import worn_contact
 from railhead.run.half_spaces.worn_contact import BODIES, Fields, Fineness, Known, Seen
 from railhead.run.progress import Progress
@@ -62,31 +64,108 @@ class Contacts:
 class Run:
     """One solution of a route.
 
+    route: the route.
     fineness: its grids.
+    submit: starts a job of another process; None: all is done here.
     stages: worn depths (2, n) of rail and wheel, from the new profiles on.
     seen: the contacts at each of the stages; of a run that goes on, at all but the last.
     reason: why it ended early; empty where it did not.
     """
 
+    route: Route
     fineness: Fineness
+    submit: worker_pool.Submit | None
     stages: list[Stage]
     seen: list[Contacts] = field(default_factory=list)
     reason: str = ""
 
-    def depths(self, number: int = -1) -> Fields:
-        """Worn depth (n,) of 'rail' and 'wheel' at a stage, mm."""
-        return dict(zip(BODIES, self.stages[number].depth, strict=True))
+    @classmethod
+    def begun(cls, route: Route, fineness: Fineness, submit: worker_pool.Submit | None) -> Run:
+        """A run on new profiles."""
+        new = np.zeros((len(BODIES), fineness.places))
+        stages = [Stage(0.0, new, 0.0, wear.FIRST)]
+        return cls(route=route, fineness=fineness, submit=submit, stages=stages)
+
+    @cached_property
+    def places(self) -> dict[str, Places]:
+        """Places along the new profiles of 'rail' and 'wheel'."""
+        return worn_contact.places(self.route.scene, self.fineness.places)
+
+    @property
+    def depths(self) -> Fields:
+        """Worn depth (n,) of 'rail' and 'wheel' at the end, mm."""
+        return dict(zip(BODIES, self.stages[-1].depth, strict=True))
+
+    def advance(self, depth: Array, shares: Sequence[float]) -> list[Array]:
+        """As of `wear.Advance`; the contacts at the start of a step are kept."""
+        contacts, worn = self.contacts(depth, shares, self.seen[-1])
+        if len(shares) > 1:
+            self.seen[len(self.stages) - 1 :] = [contacts]
+        return [depth + each for each in worn]
+
+    def as_written(self) -> Contacts:
+        """The contacts on the last profiles as they are written, with no lines of an earlier grid
+        in between.
+        """
+        bare = [replace(each, lines={}) for each in self.seen[-1].known]
+        return self.contacts(self.stages[-1].depth, (), replace(self.seen[-1], known=bare))[0]
+
+    def contacts(
+        self, depth: Array, shares: Sequence[float], known: Contacts | None
+    ) -> tuple[Contacts, list[Array]]:
+        """Contacts of all positions at a depth, solved side by side, and the depth that all wear in
+        each of some shares of the passages from there. known: the contacts before; None at first.
+        Raises ValueError as of `worn_contact.WornContact`.
+        """
+        positions = self.route.positions
+        others = np.zeros((len(positions), *depth.shape)) if known is None else known.others
+        begin = [Known()] * len(positions) if known is None else known.known
+        jobs = [
+            (position, self.fineness, depth, each, shares, other)
+            for position, each, other in zip(positions, begin, others, strict=True)
+        ]
+        answers = _answers(jobs, self.submit)
+        total = [np.sum([worn[n] for _, worn in answers], axis=0) for n in range(len(shares))]
+        return _joined([each for each, _ in answers]), total
+
+    def write(self, folder: Path, number: int) -> None:
+        """Write the record of the last stage, with the contacts of the stage before. number: of the
+        record. OSError: it cannot be written.
+        """
+        stage, contacts = self.stages[-1], self.seen[-1]
+        record = {
+            "stage": {"done": stage.done, "change": stage.change, "share": stage.share},
+            "seen": {"values": contacts.values, "deepest": contacts.deepest},
+            "known": [asdict(each) for each in contacts.known],
+        }
+        arrays = {"depth": stage.depth, "others": contacts.others, **contacts.fields}
+        store.write(folder, number, record, arrays)
+
+    def read(self, folder: Path, first: int) -> None:
+        """Take the records of the run, whose numbers are those of its stages after `first`. Raises
+        SceneError for one that is broken.
+        """
+        done = store.done(folder)
+        while (number := first + len(self.stages)) in done:
+            record, arrays = store.read(folder, number), store.read_arrays(folder, number)
+            try:
+                stage = Stage(depth=arrays.pop("depth"), **record["stage"])
+                known = [Known(**each) for each in record["known"]]
+                others = arrays.pop("others")
+                seen = Contacts(known=known, others=others, fields=arrays, **record["seen"])
+            except (LookupError, TypeError):
+                raise store.broken(store.record_path(folder, number)) from None
+            self.stages.append(stage)
+            self.seen.append(seen)
 
 
 def expected(route: Route) -> str:
     """Words that say about how many steps and minutes a route takes, from contacts on the new
     profiles. Raises SceneError for wear that is deeper than profiles are at their rates.
     """
-    start, given = time.process_time(), route.scene.wear
-    run = Run(fineness=QUICK, stages=[])
-    first = _Marching(route, Path(), None, Progress(quiet=True), "", 0, run)
+    start, given, run = time.process_time(), route.scene.wear, Run.begun(route, QUICK, None)
     try:
-        deepest = first.contacts(np.zeros((len(BODIES), QUICK.places)), (), None)[0].deepest
+        deepest = run.contacts(run.stages[0].depth, (), None)[0].deepest
     except ValueError:
         return "first contacts"  # they fail again, with their reason
     if deepest > DEEP:
@@ -111,156 +190,48 @@ def solve(
     """The runs of a route by name, as far as they go. Stages with a record in the folder are not
     solved again.
 
-    submit: starts a job of another process; None: all is done here.
+    submit: as of `Run`.
     runs: grids by name; None: RUNS. After "coarse" steps are half as long. Beside it comes "again":
         the contacts on the worn profiles of the main run, on coarse cells.
     """
-    given, found, ends = route.scene.wear, dict[str, Run](), None
-    if given.step != "auto":
-        ends = [n / given.step for n in range(1, given.step + 1)]
+    step, found = route.scene.wear.step, dict[str, Run]()
+    ends = None if step == "auto" else [n / step for n in range(1, step + 1)]
     for number, (name, fineness) in enumerate((runs or RUNS).items()):
-        new = np.zeros((len(BODIES), fineness.places))
-        run = Run(fineness=fineness, stages=[Stage(0.0, new, 0.0, wear.FIRST)])
-        marching = _Marching(route, folder, submit, progress, name, APART * number, run)
-        found[name] = marching.run(ends)
-        ends = [stage.done for stage in found[name].stages[1:]]
+        run = found[name] = Run.begun(route, fineness, submit)
+        run.read(folder, APART * number)
+        try:
+            for stage in _stages(run, ends):
+                run.stages.append(stage)
+                run.write(folder, APART * number + len(run.stages) - 1)
+                progress.stage(f"{name} run: {stage.done:.1%} worn")
+            run.seen.append(run.as_written())
+        except ValueError as error:
+            run.reason = " ".join(str(error).split())
+        ends = [stage.done for stage in run.stages]
         if name == "coarse":
-            if not found["main"].reason:
+            ends = [end for pair in pairwise(ends) for end in (sum(pair) / 2, pair[1])]
+            main = found["main"]
+            if not main.reason:
+                cells = replace(main.fineness, cells=fineness.cells)
+                again = replace(main, fineness=cells, stages=main.stages[-1:], seen=main.seen[-1:])
                 with suppress(ValueError):
-                    found["again"] = marching.again(found["main"])
-            ends = [
-                end for n, end in enumerate(ends) for end in ((end + sum(ends[n - 1 : n])) / 2, end)
-            ]
+                    found["again"] = replace(again, seen=[again.as_written()])
     return found
 
 
-class _Marching:
-    """One run of a route, whose records have numbers from `first` on."""
-
-    def __init__(
-        self,
-        route: Route,
-        folder: Path,
-        submit: worker_pool.Submit | None,
-        progress: Progress,
-        name: str,
-        first: int,
-        run: Run,
-    ) -> None:
-        """As of `solve`; name: of the run, which has its first stage."""
-        self._route, self._folder, self._submit = route, folder, submit
-        self._progress, self._name, self._first, self._run = progress, name, first, run
-
-    def run(self, ends: Sequence[float] | None) -> Run:
-        """The run with steps to given shares of all passages; None: with steps that are chosen."""
-        run = self._run
-        self._read()
-        last = run.stages[-1]
-        try:
-            if not run.seen:  # what the others wear in the first step
-                run.seen.append(self.contacts(last.depth, (), None)[0])
-                share = min(wear.FIRST, wear.DEEPEST / max(run.seen[0].deepest, 1e-9))
-                last = replace(last, share=share)
-            if ends is None:
-                approach = min(position.hertz.approach for position in self._route.positions)
-                accuracy, most = self._route.scene.wear.accuracy, SETTLES * approach
-                steps = wear.march_freely(self._advance, last, accuracy, most)
-            else:
-                left = [end for end in ends if end > last.done]
-                steps = wear.march(self._advance, last, left)
-            for stage in steps:
-                run.stages.append(stage)
-                self._write()
-            run.seen.append(self._as_written())
-        except ValueError as error:
-            run.reason = " ".join(str(error).split())
-        return run
-
-    def again(self, main: Run) -> Run:
-        """The contacts on the worn profiles of another run, on the cells of this one. Raises
-        ValueError as of `worn_contact.WornContact`.
-        """
-        fineness = replace(main.fineness, cells=self._run.fineness.cells)
-        self._run = Run(fineness=fineness, stages=main.stages[-1:], seen=main.seen[-1:])
-        return replace(self._run, seen=[self._as_written()])
-
-    def _as_written(self) -> Contacts:
-        """The contacts on the last profiles as they are written, with no lines of an earlier grid
-        in between.
-        """
-        last = self._run.seen[-1]
-        bare = replace(last, known=[replace(each, lines={}) for each in last.known])
-        return self.contacts(self._run.stages[-1].depth, (), bare)[0]
-
-    def _advance(self, depth: Array, shares: Sequence[float]) -> list[Array]:
-        """As of `wear.Advance`; the contacts at the start of a step are kept."""
-        contacts, worn = self.contacts(depth, shares, self._run.seen[-1])
-        if len(shares) > 1:
-            at = len(self._run.stages) - 1
-            self._run.seen[at:] = [contacts]
-            share = self._run.stages[-1].done
-            pressure = max(each["pressure_max_MPa"] for each in contacts.values)
-            text = f"{self._name} run: {share:.1%} worn, largest pressure {pressure:.5g} MPa"
-            self._progress.stage(text)
-        return [depth + each for each in worn]
-
-    def contacts(
-        self, depth: Array, shares: Sequence[float], known: Contacts | None
-    ) -> tuple[Contacts, list[Array]]:
-        """Contacts of all positions at a depth, and the depth that all wear in each of some shares
-        of the passages from there. known: the contacts before; None at first.
-        """
-        positions, fineness = self._route.positions, self._run.fineness
-        others = np.zeros((len(positions), *depth.shape)) if known is None else known.others
-        begin = [Known()] * len(positions) if known is None else known.known
-        jobs = [
-            (position, fineness, depth, each, shares, other)
-            for position, each, other in zip(positions, begin, others, strict=True)
-        ]
-        answers = _answers(jobs, self._submit)
-        seen = [each for each, _ in answers]
-        total = [np.sum([worn[n] for _, worn in answers], axis=0) for n in range(len(shares))]
-        return _joined(seen), total
-
-    def _write(self) -> None:
-        """Write the record of the last stage, with the contacts of the stage before."""
-        stage, contacts = self._run.stages[-1], self._run.seen[-1]
-        number, file = self._first + len(self._run.stages) - 1, io.BytesIO()
-        arrays = {"depth": stage.depth, "others": contacts.others, **contacts.fields}
-        np.savez_compressed(file, **arrays)
-        store.write_whole(self._folder, self._path(number), file.getvalue())
-        entry = {key: value for key, value in asdict(stage).items() if key != "depth"}
-        entry |= {
-            "values": contacts.values,
-            "deepest": contacts.deepest,
-            "known": [asdict(each) for each in contacts.known],
-        }
-        store.write(self._folder, number, entry)
-
-    def _path(self, number: int) -> Path:
-        """File of the arrays of a record."""
-        return self._folder / store.RECORDS / f"{number:05d}.npz"
-
-    def _read(self) -> None:
-        """Read the records of the run. Raises SceneError for one that is broken."""
-        done = store.done(self._folder)
-        while (number := self._first + len(self._run.stages)) in done:
-            entry, path = store.read(self._folder, number), self._path(number)
-            try:
-                with np.load(path) as file:
-                    arrays = dict(file)
-                stage = Stage(entry["done"], arrays.pop("depth"), entry["change"], entry["share"])
-                contacts = Contacts(
-                    values=entry["values"],
-                    known=[Known(**each) for each in entry["known"]],
-                    others=arrays.pop("others"),
-                    deepest=entry["deepest"],
-                    fields=arrays,
-                )
-            except (OSError, LookupError, ValueError):
-                raise store.broken(path) from None
-            self._run.stages.append(stage)
-            self._run.seen.append(contacts)
+def _stages(run: Run, ends: Sequence[float] | None) -> Iterator[Stage]:
+    """The stages of a run after its last one, with steps to given shares of all passages; None:
+    with steps that are chosen. Raises ValueError as of `Run.contacts`.
+    """
+    last, given = run.stages[-1], run.route.scene.wear
+    if not run.seen:  # what the others wear in the first step
+        run.seen.append(run.contacts(last.depth, (), None)[0])
+        share = min(wear.FIRST, wear.DEEPEST / max(run.seen[0].deepest, 1e-9))
+        last = replace(last, share=share)
+    if ends is not None:
+        return wear.march(run.advance, last, [end for end in ends if end > last.done])
+    approach = min(position.hertz.approach for position in run.route.positions)
+    return wear.march_freely(run.advance, last, given.accuracy, SETTLES * approach)
 
 
 def _answers(

@@ -14,6 +14,7 @@ from railhead.scene import catalogue
 from railhead.scene.scene import SceneError
 
 THESIS = catalogue.find("hertz_ellipse")
+ROOM = shutil.disk_usage("/")._replace(free=launch.TEMPORARY_BYTES - 1)  # too little
 
 
 @pytest.fixture
@@ -39,7 +40,7 @@ def test_no_more_than_the_process_may_use(eight, monkeypatch) -> None:
     fine = simulation_plan.make(THESIS.replace(["mesh.patch_size=0.1"]))
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: {3, 4, 5})
     assert launch.number_of_processes(fine) == 3
-    monkeypatch.setattr(launch.shutil, "which", lambda _: None)
+    monkeypatch.setattr(launch.shutil, "disk_usage", lambda _: ROOM)
     assert launch.number_of_processes(fine) == 1
 
 
@@ -54,33 +55,21 @@ def test_what_mpi_started_starts_no_more(eight, monkeypatch, capsys, tmp_path) -
     assert "is solved in this process" in command.refused(capsys, *given)
 
 
-def test_no_more_than_there_are_processors(eight, capsys, here, monkeypatch) -> None:
-    monkeypatch.setattr(psutil, "cpu_count", lambda logical=True: 4)
-    line = command.refused(capsys, "run", "long_roller", "--ranks", "1000")
-    assert line == "railhead: --ranks: 1000 is not allowed; give at most 4"
-    assert os.listdir(here) == []
-
-
-def test_ranks_without_mpirun_are_refused(eight, here, monkeypatch, capsys) -> None:
-    monkeypatch.setattr(launch.psutil, "cpu_count", lambda logical=True: 4)
-    monkeypatch.setattr(launch.shutil, "which", lambda name: None)
-    line = command.refused(capsys, "run", "long_roller", "--ranks", "2")
-    assert "--ranks: 2 is not allowed without mpirun" in line and os.listdir(here) == []
-
-
-def test_without_room_for_temporary_files_there_is_one_process(
-    eight, here, monkeypatch, capsys
+@pytest.mark.parametrize(
+    ("name", "found", "ranks", "words"),
+    [
+        ("which", lambda _: "mpirun", "1000", "1000 is not allowed; give at most 8"),
+        ("which", lambda _: None, "2", "2 is not allowed without mpirun"),
+        ("disk_usage", lambda _: ROOM, "2", "2 is not allowed with less than 32 MB free in"),
+    ],
+    ids=["processors", "no mpirun", "Open MPI would wait for ever"],
+)
+def test_ranks_that_cannot_start_are_refused(
+    name, found, ranks, words, eight, here, monkeypatch, capsys
 ) -> None:
-    """Open MPI would wait for ever."""
-    full = shutil.disk_usage(here)._replace(free=launch.TEMPORARY_BYTES - 1)
-    monkeypatch.setattr(launch.shutil, "disk_usage", lambda _: full)
-    assert (
-        launch.number_of_processes(simulation_plan.make(THESIS.replace(["mesh.patch_size=0.1"])))
-        == 1
-    )
-    line = command.refused(capsys, "run", "long_roller", "--ranks", "2")
-    assert "--ranks: 2 is not allowed with less than 32 MB free in" in line
-    assert os.listdir(here) == []
+    monkeypatch.setattr(launch.shutil, name, found)
+    line = command.refused(capsys, "run", "long_roller", "--ranks", ranks)
+    assert line.startswith(f"railhead: --ranks: {words}") and os.listdir(here) == []
 
 
 def test_a_mesh_that_does_not_fit_starts_no_processes(eight, capsys, monkeypatch) -> None:

@@ -156,7 +156,7 @@ def test_worn_profiles_are_read_back_to_a_micrometre(worn):
     found, folder = worn
     run = found.runs["main"]
     for body in ("rail", "wheel"):
-        points = found.places(run)[body].worn(run.depths()[body])
+        points = run.places[body].worn(run.depths[body])
         table = {"profile": str(folder / f"{body}_profile.csv"), "profile_mirror": "off"}
         again = Scene(load=1e4, **{body: table})
         profile = solid.rail_profile(again) if body == "rail" else solid.wheel_profile(again)
@@ -268,7 +268,7 @@ def test_positions_that_are_alike_wear_as_one(tmp_path):
         )
         for given, folder in (((one,), tmp_path / "one"), ((half, half), tmp_path / "two"))
     )
-    depths = [runs["main"].depths()["rail"] for runs in (alone, shared)]
+    depths = [runs["main"].depths["rail"] for runs in (alone, shared)]
     assert np.abs(depths[1] - depths[0]).max() < 0.02 * depths[0].max()
 
 
