@@ -27,8 +27,8 @@ from railhead.geometry.wheelset import Placed, Side, WheelsetOnTrack, top
 from railhead.postprocess.findings import BASE_UNITS, Subject, Units
 from railhead.results import result_folder
 from railhead.results.report import terminal
-from railhead.scene.arrays import is_array
 from railhead.scene.catalogue import as_path, portable
+from railhead.scene.files import is_array
 from railhead.scene.scene import Scene, SceneError, assigned, checked
 from railhead.sweeps.grid import ParameterGrid
 from railhead.theory.array_types import Array
