@@ -12,8 +12,8 @@ from railhead.planning import simulation_plan as planning
 from railhead.planning.simulation_plan import Plan
 from railhead.results import quantity_rows
 from railhead.results.report import terminal
+from railhead.scene.bodies import steels
 from railhead.scene.catalogue import as_path, find
-from railhead.scene.flow_curves import by_name as steels
 from railhead.scene.scene import Scene, SceneError, checked, warn_of_units
 
 if TYPE_CHECKING:

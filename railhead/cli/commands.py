@@ -449,7 +449,11 @@ def locate(
 
 @railhead.command()
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("--body", type=click.Choice(["rail", "wheel"]), help="Whose profile it is.")
+@click.option(
+    "--body",
+    type=click.Choice(["rail", "wheel"]),
+    help="Whose profile it is; without it as the extension says, of a table a rail.",
+)
 @options.assign
 @options.takes_report
 def profile(file: Path, body: str | None, assignments: Sequence[str], **options: Any) -> None:

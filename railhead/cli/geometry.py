@@ -19,7 +19,7 @@ from rich.table import Table
 
 from railhead.contact import solid
 from railhead.contact.conicity import RollingRadii, rolling_radii
-from railhead.geometry.measured import BODY_BY_EXTENSION, measured_profile, standards
+from railhead.geometry.measured import BODY_BY_EXTENSION, standards
 from railhead.geometry.measured.measured_profile import Measured, smoothness
 from railhead.geometry.measured.standards import LaidStandard
 from railhead.geometry.placement import PlacementError
@@ -27,8 +27,8 @@ from railhead.geometry.wheelset import Placed, Side, WheelsetOnTrack, top
 from railhead.postprocess.findings import BASE_UNITS, Subject, Units
 from railhead.results import result_folder
 from railhead.results.report import terminal
-from railhead.scene.arrays import is_array
 from railhead.scene.catalogue import as_path, portable
+from railhead.scene.files import is_array
 from railhead.scene.scene import Scene, SceneError, assigned, checked
 from railhead.sweeps.grid import ParameterGrid
 from railhead.theory.array_types import Array
@@ -483,23 +483,16 @@ def profile(
     """Read and smooth a measured profile and compare it with a standard profile.
 
     path: of its file, or an array (n, 2) of y and z, mm.
-    body: "rail" or "wheel"; None takes the body of the first assignment, else that of the file: as
-        it says, else a wheel where it has a flange.
+    body: "rail" or "wheel"; None takes the body of the first assignment, else that of the file's
+        extension, else a rail.
     assignments: keys of that body as in a scene, e.g. "rail.profile_unit=inch".
     Raises SceneError for a profile that cannot be read.
     """
     names = (key.partition(".")[0] for key in assigned(assignments))
     kind = body or next((name for name in names if name in ("rail", "wheel")), None)
     suffix = "" if is_array(path) else as_path(path, "path").suffix.lower()
-    kind = kind or BODY_BY_EXTENSION.get(suffix)
-    scene = Scene.from_mapping({"load": 1.0, kind or "rail": {"profile": path}})
-    if not kind:
-        try:
-            kind = measured_profile.body_of(Path(scene.rail.profile))
-        except (ValueError, OSError) as error:
-            raise SceneError("rail.profile", str(error)) from None
-        scene = Scene.from_mapping({"load": 1.0, kind: {"profile": path}})
-    scene = scene.replace(assignments)
+    kind = kind or BODY_BY_EXTENSION.get(suffix, "rail")
+    scene = Scene.from_mapping({"load": 1.0, kind: {"profile": path}}).replace(assignments)
     found = solid.from_file(scene, kind)
     worn = standards.nearest(found.resampled(standards.STEP), kind)
     return ExaminedProfile(scene, found, worn if worn.fits else None)

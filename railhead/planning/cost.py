@@ -16,7 +16,7 @@ from pathlib import Path
 import psutil
 
 from railhead.meshing.isolated_process import address_space
-from railhead.scene import arrays
+from railhead.scene import files
 
 RUNS = 9  # number of the latest runs that are kept; the first one of them may compile
 LEAST_RUNS = 3  # least number of runs by which predictions are corrected
@@ -56,7 +56,7 @@ BOUNDARY_ELEMENTS = {
 
 def cache_file() -> Path:
     """Path of the file that holds the ratios of finished runs, in the cache folder of the user."""
-    return arrays.cache_folder() / "speed.json"
+    return files.cache_folder() / "speed.json"
 
 
 def correction() -> float:

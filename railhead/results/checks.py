@@ -33,7 +33,7 @@ from railhead.run.half_spaces.answer import HalfSpaceSolution, Solved
 from railhead.run.half_spaces.normal_contact import CELLS
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.quantities import QUANTITIES, numeric_values
-from railhead.scene import flow_curves
+from railhead.scene.bodies import STEEL_MODULI
 from railhead.scene.sections import QUANTITIES as QUANTITY_GROUPS
 
 DEFAULT_TOLERANCE = 0.05  # relative difference allowed to a number without an estimate
@@ -418,9 +418,8 @@ def physics(solved: Solved) -> Iterator[Check]:
         source="p0/E*: a sphere's representative strain is 6 % there",
         advice="give a smaller load",
     )
-    bodies = {"rail": plan.scene.rail, "wheel": plan.scene.wheel}
-    moduli = [bodies[BODY_NAMES[body]].young_modulus for body in plan.deformable]
-    if min(moduli) <= flow_curves.STEEL_MODULI[1]:
+    moduli = [plan.scene.bodies[BODY_NAMES[body]].young_modulus for body in plan.deformable]
+    if min(moduli) <= STEEL_MODULI[1]:
         yield Check(
             name="pressure_of_steel",
             value=largest,

@@ -1,14 +1,23 @@
-"""The tables of a scene that describe bodies: [rail] and [wheel], their surfaces, [wheelset]."""
+"""The tables of a scene that describe bodies: [rail] and [wheel], their surfaces, [wheelset].
 
+Steels yield as data/steels.json says, with sources. EN 13674-1 fixes strength and hardness of rail
+steels, not their yield: R260's was measured. EN 13262 fixes the least yield strength of wheels. No
+hardening: no flow curve with a source was at hand.
+"""
+
+import json
 import os
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, model_validator
 
 from railhead.geometry.measured import BODY_BY_EXTENSION, EXTENSIONS
-from railhead.scene import arrays, flow_curves, units
-from railhead.scene.sections import SceneError, Section, Switch, csv_file, readable, refuse_first
-from railhead.scene.units import show
+from railhead.scene import files, units
+from railhead.scene.sections import SceneError, Section, Switch, refuse_first
+from railhead.scene.units import Range, show
 
 ALIASES = {"UIC54": "54E1", "UIC60": "60E1"}
 GAUGE_HEIGHT = 14.0  # mm, of EN 13848-1
@@ -38,8 +47,8 @@ def _profile(body: str, *names: str) -> BeforeValidator:
     def validate(value: object) -> str:
         """The name of a standard profile or the absolute path of a file. Raises ValueError."""
         text = str(value)
-        if arrays.is_array(value):
-            text = arrays.file_of(value, "profile", {"y_mm": "mm", "z_mm": "mm"})
+        if files.is_array(value):
+            text = files.file_of(value, "profile", {"y_mm": "mm", "z_mm": "mm"})
         if (name := known.get(text.casefold())) in names:
             return name
         if not text.lower().endswith(tuple(suffixes)):
@@ -47,7 +56,7 @@ def _profile(body: str, *names: str) -> BeforeValidator:
             allowed = quoted + ", ".join(names)
             raise ValueError(f"{show(value)} is not allowed; give {allowed} or {kinds}")
         path = os.path.abspath(text)
-        if not readable(path):
+        if not files.readable(path):
             raise ValueError(f"{show(value)} is not a readable file; give {kinds} that exists")
         return path
 
@@ -62,20 +71,18 @@ def is_profile_file(profile: str) -> bool:
 def _curve(value: object) -> str:
     """The absolute path of a .csv file with a stress-strain curve, also of one that is made of an
     array. Raises ValueError (one line) for a file that cannot be read or that holds no valid curve
-    (`flow_curves.read_curve`).
+    (`files.read_curve`).
     """
-    if arrays.is_array(value):
-        value = arrays.file_of(value, "curve", {"plastic_strain": "", "stress_MPa": "MPa"})
-    flow_curves.read_curve(path := csv_file(value))
+    if files.is_array(value):
+        value = files.file_of(value, "curve", {"plastic_strain": "", "stress_MPa": "MPa"})
+    path = files.existing(value, ".csv")
+    files.read_curve(path)
     return path
 
 
 def _map(value: object) -> str:
     """The absolute path of a readable .csv or .npz file. Raises ValueError (one line)."""
-    path = os.path.abspath(str(value))
-    if not path.lower().endswith((".csv", ".npz")) or not readable(path):
-        raise ValueError(f"{show(value)} is not a readable .csv or .npz file; give one that exists")
-    return path
+    return files.existing(value, ".csv", ".npz")
 
 
 def _two(value: object) -> object:
@@ -87,6 +94,49 @@ def _two(value: object) -> object:
     if not isinstance(value, (list, tuple)) or len(value) != 2:
         raise ValueError(f"{show(value)} is not allowed; give two lengths [y, z], e.g. [0, -1.5]")
     return tuple(value)
+
+
+# steels of the standards without yield data here:
+WITHOUT_DATA = ("R200", "R220", "R320Cr", "R350HT", "ER6", "ER9")
+STEEL_MODULI = (180e3, 230e3)  # MPa, least and largest Young's modulus of a steel
+
+
+@dataclass(frozen=True)
+class Steel:
+    """A steel without hardening.
+
+    yield_stress: of uniaxial tension, MPa, at any plastic strain.
+    kind: where the value comes from, in a few words.
+    source: the publication.
+    """
+
+    yield_stress: float
+    kind: str
+    source: str
+
+
+@cache
+def steels() -> dict[str, Steel]:
+    """The steels of data/steels.json by name, read once."""
+    text = (Path(__file__).parent / "data" / "steels.json").read_text(encoding="utf-8")
+    return {name: Steel(**entry) for name, entry in json.loads(text).items()}
+
+
+def is_steel(modulus: float) -> bool:
+    """Whether a Young's modulus (MPa) lies in the range of steels, 180 to 230 GPa."""
+    return STEEL_MODULI[0] <= modulus <= STEEL_MODULI[1]
+
+
+def _steel_name(value: object) -> str:
+    """The argument, if it is the name of a steel in data/steels.json. Raises ValueError (one line)
+    for anything else.
+    """
+    if isinstance(value, str) and value in steels():
+        return value
+    allowed = f"give {', '.join(steels())}"
+    if value in WITHOUT_DATA:
+        raise ValueError(f"no yield of {value} is known here; {allowed} or yield_stress")
+    raise ValueError(f"{show(value)} is not allowed; {allowed}")
 
 
 class Surface(Section):
@@ -105,7 +155,7 @@ class Surface(Section):
 
     kind: Literal["flat", "cosine", "map"]
     length: units.BodyLength | None = None
-    depth: units.Depth | None = None
+    depth: Annotated[float, Range(units.LENGTH, 0, 100)] | None = None
     amplitude: units.Displacement | None = None
     file: Annotated[str, BeforeValidator(_map)] | None = None
     position: units.Position = 0.0
@@ -151,9 +201,13 @@ class BodySection(Section):
     """
 
     _ARC_KEYS: ClassVar[tuple[str, ...]]  # only beside profile arc
-    young_modulus: units.Modulus = 207000.0
-    poisson_ratio: units.PoissonRatio = 0.3
-    steel: Annotated[str, BeforeValidator(flow_curves.checked_name)] | None = None
+    young_modulus: Annotated[
+        float, Range(units.STRESS, 1e-12, 1e15, note="; inf is rigid", infinite=True)
+    ] = 207000.0
+    poisson_ratio: Annotated[
+        float, Range(units.NUMBER, 0, 0.5, note=", but not 0.5 itself", excluded=(0.5,))
+    ] = 0.3
+    steel: Annotated[str, BeforeValidator(_steel_name)] | None = None
     yield_stress: units.Stress | None = None
     hardening_modulus: units.Hardening | None = None
     kinematic_fraction: units.Share | None = None
@@ -164,7 +218,10 @@ class BodySection(Section):
     profile_shift: Annotated[
         tuple[units.Displacement, units.Displacement], BeforeValidator(_two)
     ] = (0.0, 0.0)
-    smoothing: units.Wavelength | Literal["auto"] = "auto"
+    smoothing: (
+        Annotated[float, Range(units.WAVELENGTH, 1, 100, words=units.WAVELENGTH.hint)]
+        | Literal["auto"]
+    ) = "auto"
     surface: Surface | None = None
 
     @model_validator(mode="after")
@@ -227,9 +284,9 @@ class BodySection(Section):
         if self.yield_stress is not None:
             return ((0.0, self.yield_stress),)
         if self.steel is not None:
-            return ((0.0, flow_curves.by_name()[self.steel].yield_stress),)
+            return ((0.0, steels()[self.steel].yield_stress),)
         if self.stress_strain is not None:
-            return tuple(flow_curves.read_curve(self.stress_strain))
+            return files.read_curve(self.stress_strain)
         return ()
 
     @property
@@ -274,9 +331,9 @@ class Rail(BodySection):
     profile: Annotated[str, _profile("rail", *RAILS, "arc")] = "54E1"
     profile_origin: Literal["auto", "file"] = "auto"
     crown_radius: units.Radius | None = None
-    inclination: units.Slope = 0.0
+    inclination: Annotated[float, Range(units.SLOPE, -0.2, 0.2, note=', e.g. "1:20"')] = 0.0
     gauge: units.Gauge | None = None
-    gauge_height: units.GaugeHeight = GAUGE_HEIGHT
+    gauge_height: Annotated[float, Range(units.LENGTH, 1, 50)] = GAUGE_HEIGHT
     extent: Literal["head", "section", "half-space"] = "head"
     length: units.BodyLength | None = None
     depth: units.BodyLength | None = None
@@ -326,7 +383,7 @@ class Wheel(BodySection):
 
     profile: Annotated[str, _profile("wheel", *WHEELS, "arc")] = "cylinder"
     profile_origin: Literal["auto", "file", "flange_back"] = "auto"
-    tape_circle: units.TapeCircle | None = None
+    tape_circle: Annotated[float, Range(units.LENGTH, 30, 120, note=", e.g. 70")] | None = None
     rolling_radius: units.Radius = 420.0
     transverse_radius: units.SignedRadius | None = None
     width: units.BodyLength | None = None
@@ -381,7 +438,7 @@ class Wheelset(Section):
     other_radius: mm, nominal rolling radius of the other wheel; None: the same.
     """
 
-    shift: units.Shift = 0.0
+    shift: Annotated[float, Range(units.LENGTH, -30, 30)] = 0.0
     yaw: units.AxleAngle = 0.0
     roll: units.AxleAngle | None = None
     back_to_back: units.Gauge = 1360.0

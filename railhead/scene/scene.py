@@ -33,7 +33,7 @@ from railhead.scene.sections import (
     Wear,
     refuse_first,
 )
-from railhead.scene.units import show
+from railhead.scene.units import Range, show
 
 __all__ = [
     "Effects",
@@ -234,12 +234,12 @@ class Scene(Section):
     """
 
     name: Annotated[str, BeforeValidator(_name)] = "scene"
-    load: units.Force | None = None
-    approach: units.Approach | None = None
+    load: Annotated[float, Range(units.FORCE, 1e-40, 1e15)] | None = None
+    approach: Annotated[float, Range(units.LENGTH, 1e-21, 1e6)] | None = None
     accuracy: units.Accuracy | None = None
     budget: units.Duration | None = None
     unload: bool = True
-    cycles: units.Cycles = 1
+    cycles: Annotated[int, Range(units.NUMBER, 1, 100, whole=True)] = 1
     quantities: Annotated[tuple[str, ...], BeforeValidator(_quantities)] = tuple(QUANTITIES)
     rail: Rail = Rail()
     wheel: Wheel = Wheel()

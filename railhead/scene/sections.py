@@ -4,7 +4,6 @@ Lengths are in mm, stresses in MPa, and wherever a number is expected a string w
 as well. A key that may be None leaves the choice to the plan.
 """
 
-import math
 import os
 from difflib import get_close_matches
 from itertools import pairwise
@@ -12,8 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, model_validator
 
-from railhead.scene import flow_curves, units
-from railhead.scene.units import show
+from railhead.scene import files, units
+from railhead.scene.units import Range, show
 
 if TYPE_CHECKING:
     from railhead.theory.array_types import Array
@@ -114,12 +113,6 @@ class Section(BaseModel):
                 return SceneError(key, f"{value} is not Unicode text; give whole characters")
 
 
-def readable(path: str) -> bool:
-    """Whether a path is a readable file whose name is valid Unicode, as TOML needs it."""
-    is_text = path.encode(errors="ignore").decode() == path
-    return is_text and os.path.isfile(path) and os.access(path, os.R_OK)
-
-
 def _passes_file(value: object) -> str:
     """The absolute path of the .npz file of a result's passes, given by its path or by the folder
     of the result. Raises ValueError (one line) where there is none.
@@ -127,7 +120,7 @@ def _passes_file(value: object) -> str:
     path = os.path.abspath(str(value))
     if os.path.isdir(path):
         path = os.path.join(path, "passes.npz")
-    if not path.endswith(".npz") or not readable(path):
+    if not path.endswith(".npz") or not files.readable(path):
         text = "give the folder of a result with rolling.passes"
         raise ValueError(f"{show(value)} has no readable passes.npz; {text}")
     return path
@@ -196,11 +189,14 @@ class Solver(Section):
     """
 
     method: Literal["nitsche", "penalty"] = "nitsche"
-    theta: units.Theta | None = None
-    gamma_factor: units.Factor = 1.0
+    theta: Annotated[int, Range(units.NUMBER, -1, 1, whole=True, words="1, 0 or -1")] | None = None
+    gamma_factor: Annotated[
+        float,
+        Range(units.NUMBER, 0, units.LARGEST, excluded=(0,), words="a positive, finite number"),
+    ] = 1.0
     linear: Literal["auto", "direct", "multigrid"] = "auto"
-    tolerance: units.Tolerance | None = None
-    max_newton: units.Iterations = 30
+    tolerance: Annotated[float, Range(units.NUMBER, 1e-10, 1e-3, note=", e.g. 1e-8")] | None = None
+    max_newton: Annotated[int, Range(units.NUMBER, 1, 200, whole=True)] = 30
 
     @model_validator(mode="after")
     def _theta_of_nitsche(self) -> Self:
@@ -220,8 +216,8 @@ class Mesh(Section):
     """
 
     cell: Literal["tetrahedron", "hexahedron"] = "tetrahedron"
-    order: units.Order | None = None
-    patch_size: units.ElementSize | None = None
+    order: Annotated[int, Range(units.NUMBER, 1, 2, whole=True, words="1 or 2")] | None = None
+    patch_size: Annotated[float, Range(units.LENGTH, 1e-9, 1e6)] | None = None
 
     @property
     def linear(self) -> bool:
@@ -262,11 +258,11 @@ class Friction(Section):
         float | tuple[tuple[float, float], ...], BeforeValidator(_coefficient)
     ] = 0.0
     law: Literal["coulomb", "exponential", "linear", "temperature"] = "coulomb"
-    kinetic: units.Kinetic | None = None
-    slip_half: units.SlipSpeed | None = None
-    memory: units.Memory | None = None
+    kinetic: Annotated[float, units.PAIRED_COEFFICIENT] | None = None
+    slip_half: Annotated[float, Range(units.SLIP_SPEED, 1e-6, 1e9)] | None = None
+    memory: Annotated[float, Range(units.LENGTH, 0, 1e6)] | None = None
     table: Annotated[tuple[tuple[float, float], ...], BeforeValidator(_table)] | None = None
-    layer_thickness: units.LayerThickness | None = None
+    layer_thickness: Annotated[float, Range(units.LENGTH, 1e-9, 10)] | None = None
     layer_modulus: units.Stress | None = None
     force_along: units.SignedForce = 0.0
     force_across: units.SignedForce = 0.0
@@ -388,9 +384,9 @@ class Rolling(Section):
     creepage_across: units.Creepage | None = None
     force_along: units.SignedForce | None = None
     force_across: units.SignedForce | None = None
-    spin: units.Spin = 0.0
+    spin: Annotated[float, Range(units.SPIN, -1, 1)] = 0.0
     speed: units.Speed | None = None
-    passes: units.Passes | None = None
+    passes: Annotated[int, Range(units.NUMBER, 1, 1000, whole=True)] | None = None
     pressure: Literal["contact", "hertz"] = "contact"
     passes_from: Annotated[str, BeforeValidator(_passes_file)] | None = None
 
@@ -477,14 +473,9 @@ class Heat(Section):
         return bool(given.keys() & {"conductivity", "density", "specific_heat"})
 
 
-def csv_file(value: object) -> str:
-    """The absolute path of a .csv file that can be read. Raises ValueError (one line) for another
-    value.
-    """
-    path = os.path.abspath(str(value))
-    if not path.lower().endswith(".csv") or not readable(path):
-        raise ValueError(f"{show(value)} is not a readable .csv file; give one that exists")
-    return path
+def _csv(value: object) -> str:
+    """The absolute path of a readable .csv file. Raises ValueError (one line) for another value."""
+    return files.existing(value, ".csv")
 
 
 def _law(value: object) -> str:
@@ -495,25 +486,9 @@ def _law(value: object) -> str:
         return str(value)
     if not str(value).lower().endswith(".csv"):
         raise ValueError(f"{show(value)} is not allowed; give energy, usfd or a .csv file of pairs")
-    wear_pairs(path := csv_file(value))
+    path = files.existing(value, ".csv")
+    files.wear_pairs(path)
     return path
-
-
-def wear_pairs(path: str) -> tuple[tuple[float, float], ...]:
-    """Pairs of a law of wear in a .csv file: T-gamma over the area, N/mm2, positive and rising, and
-    worn mass, ug per m and mm2, not negative. Raises ValueError (one line) for other content.
-    """
-    names = "T-gamma over the area", "rate"
-    found, last = [], 0.0
-    for number, (density, mass) in flow_curves.read_pairs(path, *names):
-        if not (last < density < math.inf and 0 <= mass < math.inf):
-            text = f"{density:g}, {mass:g} is not allowed; give rising {names[0]} above 0 and rates"
-            raise ValueError(f"{path}, line {number}: {text} of 0 or more")
-        found.append((density, mass))
-        last = density
-    if not found:
-        raise ValueError(f"{path} has no pair; give {names[0]} and {names[1]}, a row each")
-    return tuple(found)
 
 
 class Wear(Section):
@@ -536,16 +511,21 @@ class Wear(Section):
     """
 
     law: Annotated[str, BeforeValidator(_law)] = "energy"
-    rate: units.WearRate = 6.75e-7
+    rate: Annotated[float, Range(units.NUMBER, 1e-12, 1.0, note=" mm3/(N mm)")] = 6.75e-7
     on: Literal["rail", "wheel", "both"] = "rail"
-    axles: units.Axles | None = None
-    distance: units.Distance | None = None
-    positions: Annotated[str, BeforeValidator(csv_file)] | None = None
-    step: units.Steps | Literal["auto"] = "auto"
+    axles: Annotated[float, Range(units.NUMBER, 1, 1e12)] | None = None
+    distance: Annotated[float, Range(units.LENGTH, 1e3, 1e15, note=', e.g. "1000 km"')] | None = (
+        None
+    )
+    positions: Annotated[str, BeforeValidator(_csv)] | None = None
+    step: (
+        Annotated[int, Range(units.NUMBER, 1, 1000, whole=True, words="auto or 1 to 1000")]
+        | Literal["auto"]
+    ) = "auto"
     accuracy: units.Accuracy = 0.01
-    depth_limit: units.WearDepth | None = None
-    flange_limit: units.Thickness | None = None
-    conicity_limit: units.Conicity | None = None
+    depth_limit: Annotated[float, Range(units.LENGTH, 1e-6, 50)] | None = None
+    flange_limit: Annotated[float, Range(units.LENGTH, 1, 100)] | None = None
+    conicity_limit: Annotated[float, Range(units.NUMBER, 1e-3, 2)] | None = None
 
     @model_validator(mode="after")
     def _rate_of_energy(self) -> Self:

@@ -8,8 +8,9 @@ quantity or out of range is refused in one line.
 import math
 import re
 import reprlib
+import sys
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import KW_ONLY, dataclass, field, replace
 from decimal import Decimal
 from functools import lru_cache
 from numbers import Real
@@ -210,7 +211,7 @@ def to_base(value: object, kind: QuantityKind) -> float:
     return number
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Range:
     """Quantities of a kind within a range, as metadata of an annotated float or int: pydantic calls
     it with a value and gets the value in the base unit of the kind.
@@ -230,6 +231,7 @@ class Range:
     kind: QuantityKind
     low: float
     high: float
+    _: KW_ONLY
     note: str = ""
     words: str = ""
     excluded: tuple[float, ...] = ()
@@ -282,112 +284,50 @@ def unit(annotation: object) -> str:
     return next(filter(None, map(unit, get_args(annotation))), "")
 
 
+LARGEST = sys.float_info.max  # all finite numbers
 # Beyond these ranges no scene of allowed radii and moduli makes a patch of a nanometre or more, or
 # numbers overflow.
-Force = Annotated[float, Range(kind=FORCE, low=1e-40, high=1e15)]
-Approach = Annotated[float, Range(kind=LENGTH, low=1e-21, high=1e6)]
-Radius = Annotated[
-    float, Range(kind=LENGTH, low=1e-6, high=1e9, note="; inf is flat", infinite=True)
-]
+Radius = Annotated[float, Range(LENGTH, 1e-6, 1e9, note="; inf is flat", infinite=True)]
 SignedRadius = Annotated[
     float,
     Range(
-        kind=LENGTH,
-        low=1e-6,
-        high=1e9,
+        LENGTH,
+        1e-6,
+        1e9,
         note="; negative is concave, inf is flat",
         infinite=True,
         either_sign=True,
     ),
 ]
-Modulus = Annotated[
-    float, Range(kind=STRESS, low=1e-12, high=1e15, note="; inf is rigid", infinite=True)
-]
-BodyLength = Annotated[float, Range(kind=LENGTH, low=1e-3, high=1e6)]
-ElementSize = Annotated[float, Range(kind=LENGTH, low=1e-9, high=1e6)]
-Wavelength = Annotated[float, Range(kind=WAVELENGTH, low=1, high=100, words=WAVELENGTH.hint)]
+BodyLength = Annotated[float, Range(LENGTH, 1e-3, 1e6)]
 Duration = Annotated[
-    float,
-    Range(
-        kind=DURATION, low=0, high=math.inf, excluded=(0, math.inf), words="a positive, finite time"
-    ),
+    float, Range(DURATION, 0, LARGEST, excluded=(0,), words="a positive, finite time")
 ]
-Stress = Annotated[float, Range(kind=STRESS, low=1e-6, high=1e9)]
+Stress = Annotated[float, Range(STRESS, 1e-6, 1e9)]
 Hardening = Annotated[
     float,
-    Range(
-        kind=STRESS,
-        low=0,
-        high=math.inf,
-        excluded=(math.inf,),
-        words="a finite stress that is not negative",
-    ),
+    Range(STRESS, 0, LARGEST, words="a finite stress that is not negative"),
 ]
-Share = Annotated[float, Range(kind=FRACTION, low=0, high=1)]
-Factor = Annotated[
-    float,
-    Range(
-        kind=NUMBER, low=0, high=math.inf, excluded=(0, math.inf), words="a positive, finite number"
-    ),
-]
-Slope = Annotated[float, Range(kind=SLOPE, low=-0.2, high=0.2, note=', e.g. "1:20"')]
-PoissonRatio = Annotated[
-    float, Range(kind=NUMBER, low=0, high=0.5, note=", but not 0.5 itself", excluded=(0.5,))
-]
-Accuracy = Annotated[float, Range(kind=FRACTION, low=0.0005, high=0.2, note=', e.g. "1%"')]
+Share = Annotated[float, Range(FRACTION, 0, 1)]
+Accuracy = Annotated[float, Range(FRACTION, 0.0005, 0.2, note=', e.g. "1%"')]
 SignedForce = Annotated[
     float,
-    Range(
-        kind=FORCE,
-        low=0,
-        high=math.inf,
-        excluded=(math.inf,),
-        either_sign=True,
-        words="a finite force",
-    ),
+    Range(FORCE, 0, LARGEST, either_sign=True, words="a finite force"),
 ]
-Creepage = Annotated[float, Range(kind=CREEPAGE, low=-1, high=1, note=', e.g. 0.001 or "0.1%"')]
-Spin = Annotated[float, Range(kind=SPIN, low=-1, high=1)]
-Speed = Annotated[
-    float, Range(kind=SPEED, low=0, high=1000, note=', but not 0, e.g. "80 km/h"', excluded=(0,))
-]
-COEFFICIENT = Range(kind=NUMBER, low=0, high=2, note=" or pairs of an angle and a coefficient")
-PAIRED_COEFFICIENT = Range(kind=NUMBER, low=0, high=2, note=", but not 0", excluded=(0,))
-Kinetic = Annotated[float, PAIRED_COEFFICIENT]
-SlipSpeed = Annotated[float, Range(kind=SLIP_SPEED, low=1e-6, high=1e9)]
-TEMPERATURE_RANGE = Range(kind=TEMPERATURE, low=-273.15, high=5000)
+Creepage = Annotated[float, Range(CREEPAGE, -1, 1, note=', e.g. 0.001 or "0.1%"')]
+Speed = Annotated[float, Range(SPEED, 0, 1000, note=', but not 0, e.g. "80 km/h"', excluded=(0,))]
+COEFFICIENT = Range(NUMBER, 0, 2, note=" or pairs of an angle and a coefficient")
+PAIRED_COEFFICIENT = Range(NUMBER, 0, 2, note=", but not 0", excluded=(0,))
+TEMPERATURE_RANGE = Range(TEMPERATURE, -273.15, 5000)
 Temperature = Annotated[float, TEMPERATURE_RANGE]
-ThermalConstant = Annotated[float, Range(kind=NUMBER, low=1e-6, high=1e6)]
-LayerThickness = Annotated[float, Range(kind=LENGTH, low=1e-9, high=10)]
-Memory = Annotated[float, Range(kind=LENGTH, low=0, high=1e6)]
-SURFACE_ANGLE = Range(kind=DEGREES, low=-90, high=90)
-Shift = Annotated[float, Range(kind=LENGTH, low=-30, high=30)]
-TapeCircle = Annotated[float, Range(kind=LENGTH, low=30, high=120, note=", e.g. 70")]
-Depth = Annotated[float, Range(kind=LENGTH, low=0, high=100)]
+ThermalConstant = Annotated[float, Range(NUMBER, 1e-6, 1e6)]
+SURFACE_ANGLE = Range(DEGREES, -90, 90)
 Position = Annotated[
     float,
     Range(
-        kind=LENGTH,
-        low=0,
-        high=1e6,
-        either_sign=True,
-        words="a length of at most 1e6 mm, or an angle of a wheel",
+        LENGTH, 0, 1e6, either_sign=True, words="a length of at most 1e6 mm, or an angle of a wheel"
     ),
 ]
-Displacement = Annotated[float, Range(kind=LENGTH, low=0, high=1000, either_sign=True)]
-AxleAngle = Annotated[float, Range(kind=ANGLE, low=-0.1, high=0.1, note=', e.g. "2 mrad"')]
-Gauge = Annotated[float, Range(kind=LENGTH, low=500, high=2000, note=", e.g. 1435")]
-GaugeHeight = Annotated[float, Range(kind=LENGTH, low=1, high=50)]
-Theta = Annotated[int, Range(kind=NUMBER, low=-1, high=1, whole=True, words="1, 0 or -1")]
-Cycles = Annotated[int, Range(kind=NUMBER, low=1, high=100, whole=True)]
-Passes = Annotated[int, Range(kind=NUMBER, low=1, high=1000, whole=True)]
-Order = Annotated[int, Range(kind=NUMBER, low=1, high=2, whole=True, words="1 or 2")]
-Tolerance = Annotated[float, Range(kind=NUMBER, low=1e-10, high=1e-3, note=", e.g. 1e-8")]
-Iterations = Annotated[int, Range(kind=NUMBER, low=1, high=200, whole=True)]
-WearRate = Annotated[float, Range(kind=NUMBER, low=1e-12, high=1.0, note=" mm3/(N mm)")]
-Axles = Annotated[float, Range(kind=NUMBER, low=1, high=1e12)]
-Distance = Annotated[float, Range(kind=LENGTH, low=1e3, high=1e15, note=', e.g. "1000 km"')]
-Steps = Annotated[int, Range(kind=NUMBER, low=1, high=1000, whole=True, words="auto or 1 to 1000")]
-WearDepth = Annotated[float, Range(kind=LENGTH, low=1e-6, high=50)]
-Thickness = Annotated[float, Range(kind=LENGTH, low=1, high=100)]
-Conicity = Annotated[float, Range(kind=NUMBER, low=1e-3, high=2)]
+Displacement = Annotated[float, Range(LENGTH, 0, 1000, either_sign=True)]
+AxleAngle = Annotated[float, Range(ANGLE, -0.1, 0.1, note=', e.g. "2 mrad"')]
+Gauge = Annotated[float, Range(LENGTH, 500, 2000, note=", e.g. 1435")]

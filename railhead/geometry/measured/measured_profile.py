@@ -153,18 +153,6 @@ def inner(profile: Profile) -> tuple[float, float]:
     return start + margin, end - margin
 
 
-def body_of(path: Path, unit: str = "auto") -> str:
-    """The body that the file of a profile is of: as it says, else 'wheel' where it has a flange,
-    else 'rail'. unit: as `Orientation.unit`. Raises FormatError for a file that is no profile.
-    """
-    table = formats.read(path, unit_is_given=unit != "auto")
-    try:
-        points, _ = orientation.in_mm(table, "profile", unit)
-        return table.body or ("rail" if orientation.flanged_way(points) is None else "wheel")
-    except PointError as error:
-        raise _refused(path, table, table.points, error) from None
-
-
 def from_points(
     name: str,
     points: Array,
@@ -235,21 +223,21 @@ def _read(
     `read`; cached. Raises FormatError and ValueError as `read`.
     """
     table, oriented, kept, remarks = _in_axes(path, changed, body, given)
-    remarks = (*remarks, *table.remarks)
     cosine = math.cos(math.atan(slope))
     roll = cosine * np.array([[1.0, slope], [-slope, 1.0]])
-    points = oriented.points @ roll
-    resolution = table.resolution * float(np.ptp(points) / np.ptp(table.points))
+    listed = oriented.of_file(table.points) @ roll
     try:
-        smoothed, profile = from_points(path.stem, kept @ roll, wavelength, stretch, resolution)
+        smoothed, profile = from_points(
+            path.stem, kept @ roll, wavelength, stretch, table.resolution
+        )
     except PointError as error:
-        raise _refused(path, table, points, error) from None
+        raise _refused(path, table, listed, error) from None
     except ValueError as error:
         raise ValueError(f"{path.name} {error}") from None
     if found := wave(smoothed, *inner(profile)):
         angle, place = found
         text = f"WARNING: it bends by {angle:.0f} deg and back within {WAVE:g} mm at y = "
-        text += f"{place[0]:.1f}, line {_line(table, points, place)}: taken for shape"
+        text += f"{place[0]:.1f}, line {_line(table, listed, place)}: taken for shape"
         remarks = (*remarks, text)
     return Measured(
         path=path,
@@ -266,8 +254,8 @@ def _read(
 def _in_axes(
     path: Path, _: int, body: str, given: Orientation
 ) -> tuple[Table, Oriented, Array, tuple[str, ...]]:
-    """Table of a file, its points in the axes of profiles, the points (m, 2) that are smoothed,
-    and remarks; the result holds for all smoothing and is cached.
+    """Table of a file in mm, its points in the axes of profiles, the points (m, 2) that are
+    smoothed, and remarks; the result holds for all smoothing and is cached.
     The number `_` is the time of the last change, so that a changed file is read again. Raises
     FormatError for a file that is no profile of this body, where nothing tells its unit or axes,
     and for points with outliers or rounded coordinates.
@@ -277,19 +265,20 @@ def _in_axes(
         raise FormatError(path.name, 1, f"is a {table.body}'s; give one of a {body}")
     listed = table.points
     try:
-        points, unit = orientation.in_mm(table, body, given.unit)
-        listed = points
-        ordering.refuse_outlier(ordering.in_order(points))
-        found = orientation.oriented(points, body, table, given)
-        listed = found.points
-        head = ordering.head(listed) if body == "rail" else listed
+        table, unit = orientation.in_mm(table, body, given.unit)
+        listed = table.points
+        way = ordering.in_order(listed)
+        ordering.refuse_outlier(way)
+        found = orientation.oriented(way, body, table, given)
+        listed = found.of_file(table.points)
+        head = ordering.head(found.points) if body == "rail" else found.points
         kept = ordering.without_loose_ends(head)
-        ordering.refuse_rounded(ordering.in_order(kept))
+        ordering.refuse_rounded(kept)
     except PointError as error:
         raise _refused(path, table, listed, error) from None
     cut = [f"cut off {ordering.HEAD_DEPTH:g} mm below its top"] * (len(head) < len(listed))
     cut += [f"left out {len(head) - len(kept)} points beyond a gap"] * (len(kept) < len(head))
-    read = (f"{table.format}, {len(table.points)} points", unit, *found.done, *cut)
+    read = (f"{table.format}, {len(listed)} points", unit, *found.done, *cut, *table.remarks)
     return table, found, kept, read
 
 

@@ -80,31 +80,28 @@ def in_order(points: Array) -> Array:
     return way if y[-1] > y[0] else way[::-1]
 
 
-def head(points: Array) -> Array:
+def head(way: Array) -> Array:
     """Points (m, 2) of a rail's head, down to 45 mm (HEAD_DEPTH) below its top, of points (n, 2),
-    mm, crown upwards. They are in their order along the curve where the outline is deeper than the
-    head, or closes.
+    mm, in their order, crown upwards; an outline that closes is opened at its lowest point.
     """
-    way, lowest = in_order(points), points[:, 1].max() - HEAD_DEPTH
+    deep = way[:, 1] < way[:, 1].max() - HEAD_DEPTH
     if closes(way):
-        way = np.roll(way, -int(np.argmin(way[:, 1])), axis=0)
-    elif points[:, 1].min() >= lowest:
-        return points
-    top, deep = int(np.argmax(way[:, 1])), np.flatnonzero(way[:, 1] < lowest)
-    start = max(deep[deep < top], default=-1) + 1
-    return way[start : min(deep[deep > top], default=len(way))]
+        lowest = int(np.argmin(way[:, 1]))
+        way, deep = np.roll(way, -lowest, axis=0), np.roll(deep, -lowest)
+    top, below = int(np.argmax(way[:, 1])), np.flatnonzero(deep)
+    start = max(below[below < top], default=-1) + 1
+    return way[start : min(below[below > top], default=len(way))]
 
 
-def without_loose_ends(points: Array) -> Array:
-    """Points (m, 2) in the piece with the highest of points (n, 2), mm, between gaps of more than
-    5 mm (LARGEST_GAP); all of them where more than a tenth (LOOSE) of the width would be lost, so
-    that a gap in the running surface stays.
+def without_loose_ends(way: Array) -> Array:
+    """Points (m, 2) in the piece with the highest of points (n, 2), mm, in their order, between
+    gaps of more than 5 mm (LARGEST_GAP); all of them where more than a tenth (LOOSE) of the width
+    would be lost, so that a gap in the running surface stays.
     """
-    way = in_order(points)
     cuts = 1 + np.flatnonzero(np.linalg.norm(np.diff(way, axis=0), axis=1) > LARGEST_GAP)
     top = int(np.argmax(way[:, 1]))
     piece = way[max(cuts[cuts <= top], default=0) : min(cuts[cuts > top], default=len(way))]
-    return points if np.ptp(piece[:, 0]) < (1 - LOOSE) * np.ptp(way[:, 0]) else piece
+    return way if np.ptp(piece[:, 0]) < (1 - LOOSE) * np.ptp(way[:, 0]) else piece
 
 
 def resampled(points: Array, step: float) -> Array:

@@ -7,14 +7,13 @@ circle lies at a given distance from the flange back.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from railhead.geometry.measured import ordering, standards
 from railhead.geometry.measured.formats import MM_OF_UNIT, Table
 from railhead.geometry.measured.ordering import PointError
-from railhead.geometry.measured.standards import LaidStandard
 from railhead.theory.array_types import Array
 
 WIDTHS = 1.0, 1000.0  # mm of any profile; and where no unit is stated ...
@@ -22,11 +21,8 @@ LIKELY, LIKELY_IN_INCHES = (15.0, 160.0), {"rail": (25.0, 100.0)}  # ... a wheel
 STEP = 0.25  # mm between the places at which shapes are looked at
 HIGH = 1.3  # times its width: a head that is higher has its columns exchanged
 NARROW, LEAST_FALL = 25.0, 1.0  # mm: a narrower rail may be a groove; and a flat one may be either
-TURNS_UNDER = 1.1  # times its width: the way across of a head with its underside
 SECTION, END = 100.0, 20.0  # mm: a rail deeper than that has a foot; its ends are so high
 GAUGE_DEPTH = 14.0  # mm below its top: the side of a head that is drawn so far is the gauge side
-UNWORN = 0.05  # mm off the standard of a side that is not worn, as a root mean square, at most
-CLEAR_LOSS, CLEAR_SLOPE = 2.0, 0.005  # mm2 and slope: less tells no gauge side
 SYMMETRIC = 0.05  # mm by which both sides may differ where their sides do not matter
 FLANGE_HEIGHT, FLANGE_WIDTH = 10.0, 10.0  # mm, at least: over the tread, and at half its height
 FLANGE_WIDEST = 30.0  # mm from the flange back to the tip, at most
@@ -60,12 +56,15 @@ class Orientation:
 
 
 FROM_SHAPE = Orientation()
+SIDES = {1.0: "as in the file", -1.0: "mirrored", 0.0: "open"}
+"""Words of the sign by which a file's y is multiplied; 0 where nothing tells the field side."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Oriented:
     """Points in the axes of profiles, and how they came there.
-    points: (n, 2) of (y, z), mm; y to the field side, z up for a rail and outwards for a wheel.
+    points: (n, 2) of (y, z), mm, in their order along the curve; y to the field side, z up for a
+        rail and outwards for a wheel.
     signs: (2,) 1 or -1 by which the file's y and z were multiplied.
     move: (2,) displacement in mm that was added after that.
     sides: 'as in the file', 'mirrored', or 'open' where nothing tells the field side.
@@ -86,15 +85,18 @@ class Oriented:
     tape_circle: float
     done: tuple[str, ...]
 
+    def of_file(self, points: Array) -> Array:
+        """Coordinates (n, 2) in the axes of profiles of points (n, 2) in those of the file, mm."""
+        return np.asarray(points * self.signs + self.move)
+
     def in_file(self, point: Array) -> list[float]:
         """Coordinates in the axes of the file, mm, of a point (2,) in those of profiles."""
-        return [
-            round(float(each), 9) + 0.0 for each in (np.asarray(point) - self.move) * self.signs
-        ]
+        return [round(float(each), 9) + 0.0 for each in (point - self.move) * self.signs]
 
 
 def oriented(points: Array, body: str, table: Table, given: Orientation) -> Oriented:
-    """Points (n, 2) of a 'rail' or 'wheel', mm, brought to the axes of profiles.
+    """Points (n, 2) of a 'rail' or 'wheel', mm, in their order along the curve, brought to the axes
+    of profiles and in their order there.
     table: what the file says of its axes; given: what the user says.
     Raises PointError, with a place in the axes of `points`, where up and down of a rail, or the
     tape circle of a wheel, stay open.
@@ -103,9 +105,10 @@ def oriented(points: Array, body: str, table: Table, given: Orientation) -> Orie
     if HIGH * width < height and (body == "wheel" or height < SECTION):
         raise PointError("is higher than it is wide; give y before z", points[0])
     turn = _rail_signs if body == "rail" else _wheel_signs
-    signs, sides, done = turn(points, table, given)
+    side, up, done = turn(points, table, given)
+    signs = np.array([side or 1.0, up])
     turned = points * signs
-    if signs[1] < 0:
+    if up < 0:
         done.append("turned upside down")
     tape = open_by = 0.0
     if body == "rail":
@@ -116,24 +119,24 @@ def oriented(points: Array, body: str, table: Table, given: Orientation) -> Orie
     if any(given.shift):
         done.append(f"moved by {given.shift[0]:g}, {given.shift[1]:g} mm as given")
         move = move + given.shift
-    turned = turned + move
+    turned = ordering.in_order(turned + move)
     return Oriented(
         points=turned,
         signs=signs,
         move=move,
-        sides=sides,
-        unlike=_unlike(turned) if sides == "open" else 0.0,
+        sides=SIDES[side],
+        unlike=0.0 if side else _unlike(turned),
         open_by=open_by,
         tape_circle=tape,
         done=tuple(done),
     )
 
 
-def _even(points: Array) -> Array:
-    """Points (m, 2) on the straight lines through points (n, 2), mm, from left to right: the
-    highest one of each 0.25 mm (STEP) of y.
+def _even(way: Array) -> Array:
+    """Points (m, 2) on the straight lines through points (n, 2), mm, in their order: the highest
+    one of each 0.25 mm (STEP) of y, from left to right.
     """
-    way = ordering.resampled(ordering.in_order(points), STEP / 4)
+    way = ordering.resampled(way, STEP / 4)
     cells = np.floor(way[:, 0] / STEP)
     order = np.lexsort((way[:, 1], cells))
     return way[order[np.diff(cells[order], append=np.inf) > 0]]
@@ -146,42 +149,35 @@ def _sign(key: str, said: int | None) -> float:
     return {"on": -1.0, "off": 1.0}.get(key, float(said or 0))
 
 
-def _rail_signs(points: Array, table: Table, given: Orientation) -> tuple[Array, str, list[str]]:
-    """Signs (2,) that turn the points (n, 2) of a rail, mm, into the axes of profiles, the sides as
-    in `Oriented`, and why. Raises PointError where the shape does not tell which way is up.
+def _rail_signs(way: Array, table: Table, given: Orientation) -> tuple[float, float, list[str]]:
+    """Signs of y (0 where nothing tells the field side) and z that turn the points (n, 2) of a
+    rail, mm, into the axes of profiles, and why. Raises PointError where the shape does not tell
+    which way is up.
     """
-    height = np.ptp(points[:, 1])
     up = _sign(given.flip, table.outward)
     if not up:
-        if height < SECTION and not table.body and flanged_way(points) is not None:
+        if np.ptp(way[:, 1]) < SECTION and not table.body and flanged_way(way) is not None:
             text = "has the flange of a wheel; give it as a wheel's, or its profile_flip"
-            raise PointError(text, points[0])
-        bulge, narrow = _bulge(points), np.ptp(points[:, 0]) < NARROW
+            raise PointError(text, way[0])
+        bulge, narrow = _bulge(way), np.ptp(way[:, 0]) < NARROW
         up = 1.0 if bulge > -LEAST_FALL else -1.0
-        _refuse_hollow(points, bulge < -SYMMETRIC and (up > 0 or narrow))
+        _refuse_hollow(way, bulge < -SYMMETRIC and (up > 0 or narrow))
     side = _sign(given.mirror, table.field)
     if side:
-        return np.array([side, up]), "mirrored" if side < 0 else "as in the file", []
-    field, why = _field_side(ordering.head(points * [1.0, up]))
-    sides = {1: "as in the file", -1: "mirrored", 0: "open"}[field]
-    kept = "sides as in the file" if field >= 0 else sides
-    return np.array([field or 1.0, up]), sides, [f"{kept} ({why})"]
+        return side, up, []
+    side, why = _field_side(ordering.head(ordering.in_order(way * [1.0, up])))
+    return side, up, [f"{'' if side < 0 else 'sides '}{SIDES[side or 1.0]} ({why})"]
 
 
-def _bulge(points: Array) -> float:
-    """Height, mm, that is positive where points (n, 2), mm, bulge upwards: the median height of
-    their outer side over the straight line between its ends. Of an open curve that turns under
-    itself, the height of its middle over its ends. Of a whole section, by how much its lower end is
-    wider than the upper one, as a foot is.
+def _bulge(way: Array) -> float:
+    """Height, mm, that is positive where points (n, 2), mm, in their order, bulge upwards: their
+    median height over the mean of both ends. Of a whole section that closes, by how much its lower
+    end is wider than the upper one, as a foot is.
     """
-    y, z = points.T
-    if np.ptp(z) > SECTION:
+    y, z = way.T
+    if np.ptp(z) > SECTION and ordering.closes(way):
         return float(np.ptp(y[z < z.min() + END]) - np.ptp(y[z > z.max() - END]))
-    way = ordering.resampled(ordering.in_order(points), STEP)
-    if np.abs(np.diff(way[:, 0])).sum() > TURNS_UNDER * np.ptp(y) and not ordering.closes(way):
-        return float(way[len(way) // 2, 1] - way[[0, -1], 1].mean())
-    y, z = _even(points).T
-    return float(np.median(z - np.interp(y, y[[0, -1]], z[[0, -1]])))
+    return float(np.median(ordering.resampled(way, STEP)[:, 1]) - z[[0, -1]].mean())
 
 
 def _refuse_hollow(points: Array, hollow: bool) -> None:
@@ -193,50 +189,17 @@ def _refuse_hollow(points: Array, hollow: bool) -> None:
         raise PointError(text, points[np.argmin(points[:, 1])])
 
 
-def _field_side(head: Array) -> tuple[int, str]:
+def _field_side(head: Array) -> tuple[float, str]:
     """Sign of the y that points to the field side of a head (n, 2), mm, upright, and why; 0 where
     nothing tells. The gauge side is the only one that is drawn: down to the depth of the gauge,
     the other one to less than half of it. Else it is the one that the nearest standard tells.
     """
-    y, z = ordering.in_order(head).T
-    top = int(np.argmax(z))
-    falls = [float(z[top] - side.min()) for side in (z[: top + 1], z[top:])]
+    top = int(np.argmax(head[:, 1]))
+    falls = [float(head[top, 1] - side.min()) for side in (head[: top + 1, 1], head[top:, 1])]
     if max(falls) > GAUGE_DEPTH and min(falls) < GAUGE_DEPTH / 2:
-        return (1 if falls[0] > falls[1] else -1), "only the gauge side reaches 14 mm below the top"
-    even = ordering.resampled(ordering.in_order(head), standards.STEP)
-    return gauge_side(standards.all_laid(even, "rail"))
-
-
-def gauge_side(all_laid: list[LaidStandard]) -> tuple[int, str]:
-    """Sign of the y that points away from the gauge side of a rail, and why.
-    all_laid: every standard rail, laid on the profile.
-    The gauge side is the one that has lost more, else that to which the head leans; but only where
-    the other side is a standard's. 0 where nothing tells: no side is a standard's, wear and lean
-    contradict each other, or there is neither.
-    """
-    laid = min(all_laid, key=_distance_of_less_worn_side)
-    if _distance_of_less_worn_side(laid) > UNWORN or np.nanmin(laid.loss) < -standards.STANDS_OUT:
-        return 0, "no side is a standard rail's"
-    left, right = (
-        standards.STEP * float(np.maximum(laid.loss[side], 0).sum()) for side in laid.sides
-    )
-    wears, leans = abs(right - left) > CLEAR_LOSS, abs(laid.slope) > CLEAR_SLOPE
-    if wears and leans and (right > left) is (laid.slope < 0):
-        return 0, "worn at one side, leaning to the other"
-    if wears:
-        return (-1 if right > left else 1), "by its worn side"
-    if leans:
-        side = -1 if laid.slope > 0 else 1
-        return side, f"its head leans 1:{1 / abs(laid.slope):.0f} to the gauge side"
-    return 0, "no side is worn, the head does not lean"
-
-
-def _distance_of_less_worn_side(laid: LaidStandard) -> float:
-    """Root mean square distance in mm of the less worn side to the standard. A side without points
-    does not count; infinite where neither has any.
-    """
-    squares = (laid.loss[side] ** 2 for side in laid.sides if side.any())
-    return min((float(np.sqrt(square.mean())) for square in squares), default=np.inf)
+        side = 1.0 if falls[0] > falls[1] else -1.0
+        return side, "only the gauge side reaches 14 mm below the top"
+    return standards.field_side(ordering.resampled(head, standards.STEP))
 
 
 def _unlike(points: Array) -> float:
@@ -274,31 +237,31 @@ def _to_crown(turned: Array, table: Table, given: Orientation) -> tuple[Array, f
     return np.zeros(2), 0.0 if sure else float(abs(top[0])), f"{text}z = {top[1]:.1f}"
 
 
-def _wheel_signs(points: Array, table: Table, given: Orientation) -> tuple[Array, str, list[str]]:
-    """Signs (2,) that turn the points (n, 2) of a wheel, mm, into the axes of profiles, the sides
-    as in `Oriented`, and why: by its flange, which stands out at the left; without one as the
-    format says. Raises PointError where the shape does not tell which way is outwards.
+def _wheel_signs(way: Array, table: Table, given: Orientation) -> tuple[float, float, list[str]]:
+    """Signs as of `_rail_signs` for the points (n, 2) of a wheel, and why: by its flange, which
+    stands out at the left; without one as the format says. Raises PointError where the shape does
+    not tell which way is outwards.
     """
-    flanged = flanged_way(points, given)
+    flanged = flanged_way(way, given)
     if flanged is not None:
-        sides = "mirrored" if flanged[0] < 0 else "as in the file"
-        return flanged, sides, [f"{sides} (by its flange)"] * (flanged[0] < 0)
+        side, up = flanged
+        return side, up, [f"{SIDES[side]} (by its flange)"] * (side < 0)
     if given.flip == "auto" and not table.outward:
-        _refuse_hollow(points, _bulge(points) < -SYMMETRIC)
-    side, up = _sign(given.mirror, table.field), _sign(given.flip, table.outward) or 1.0
-    sides = {1.0: "as in the file", -1.0: "mirrored", 0.0: "open"}[side]
-    return np.array([side or 1.0, up]), sides, ["without a flange"]
+        _refuse_hollow(way, _bulge(way) < -SYMMETRIC)
+    up = _sign(given.flip, table.outward) or 1.0
+    return _sign(given.mirror, table.field), up, ["without a flange"]
 
 
-def flanged_way(points: Array, given: Orientation = FROM_SHAPE) -> Array | None:
-    """Signs (2,) of y and z with which points (n, 2), mm, have a flange as of `flange`; None where
-    none do. Of several those that change least. given: what the user says of mirror and flip.
+def flanged_way(way: Array, given: Orientation = FROM_SHAPE) -> tuple[float, float] | None:
+    """Signs of y and z with which points (n, 2), mm, in their order, have a flange as of `flange`;
+    None where none do. Of several those that change least. given: what the user says of mirror and
+    flip.
     """
     mirrors, flips = (
-        {"on": (-1,), "off": (1,)}.get(key, (1, -1)) for key in (given.mirror, given.flip)
+        {"on": (-1.0,), "off": (1.0,)}.get(key, (1.0, -1.0)) for key in (given.mirror, given.flip)
     )
-    ways = (np.array([side, up]) for up in flips for side in mirrors)
-    return next((way for way in ways if flange(_even(points * way))), None)
+    ways = ((side, up) for up in flips for side in mirrors)
+    return next((signs for signs in ways if flange(_even(way * signs))), None)
 
 
 def flange(even: Array) -> tuple[float, float] | None:
@@ -376,7 +339,7 @@ def _flange_face(turned: Array, tip: float, slope: float) -> float | None:
     None where the file shows less than 1 mm (LEAST_FACE) of it.
     tip: y of the flange's tip, mm. slope: dy/dz of the face, at most.
     """
-    y, z = ordering.in_order(turned).T
+    y, z = turned.T
     upright = (np.abs(np.diff(y)) < slope * np.abs(np.diff(z))) & (y[1:] < tip)
     height = float(np.abs(np.diff(z))[upright].sum())
     return float(y[:-1][upright].min()) if height > LEAST_FACE else None
@@ -396,8 +359,9 @@ def _distance_of_zero(even: Array, back: float) -> float | None:
     return float(y[k] - z[k] * (y[k + 1] - y[k]) / (z[k + 1] - z[k])) - back
 
 
-def in_mm(table: Table, body: str, given: str) -> tuple[Array, str]:
-    """Points (n, 2) of a 'rail' or 'wheel' in mm, and a remark on their unit and its source.
+def in_mm(table: Table, body: str, given: str) -> tuple[Table, str]:
+    """The table of a 'rail' or 'wheel' with its points and its resolution in mm, and a remark on
+    the unit of the file and its source.
     given: the unit, or 'auto' for the file's unit, else the one in which its width is usual.
     Raises PointError, at the outermost point in the axes of the table, where no unit, or not the
     given or stated one, fits the width.
@@ -407,10 +371,8 @@ def in_mm(table: Table, body: str, given: str) -> tuple[Array, str]:
     widths = {stated: WIDTHS} if stated else {"mm": LIKELY, "inch": inches, "m": LIKELY}
     y = table.points[:, 0]
     width = float(np.ptp(y))
-    unit = next(
-        (unit for unit, (low, high) in widths.items() if low <= width * MM_OF_UNIT[unit] <= high),
-        None,
-    )
+    fits = (unit for unit, (low, high) in widths.items() if low <= width * MM_OF_UNIT[unit] <= high)
+    unit = next(fits, None)
     if unit is None:
         text = f"is {width:.4g} wide, which is no usual width of a {body} in {', '.join(widths)}; "
         text += "give its profile_unit, or name it in a header, y before z"
@@ -420,4 +382,6 @@ def in_mm(table: Table, body: str, given: str) -> tuple[Array, str]:
     else:
         overruled = table.unit not in ("", unit)
         source = f" as given (the file says {table.unit})" * overruled
-    return MM_OF_UNIT[unit] * table.points, f"in {unit}{source}"
+    mm = MM_OF_UNIT[unit]
+    scaled = replace(table, points=mm * table.points, resolution=mm * table.resolution)
+    return scaled, f"in {unit}{source}"

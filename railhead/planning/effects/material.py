@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from railhead.planning.context import STIFFEST, Context, Effect, PostSolveVerdict
 from railhead.planning.effects import interface
 from railhead.postprocess.findings import Findings
-from railhead.scene import flow_curves
+from railhead.scene import bodies
 from railhead.scene.scene import Rail, Scene, SceneError, Wheel
 from railhead.theory.elastic import indentation
 from railhead.theory.friction import sliding
@@ -239,12 +239,12 @@ def _steel_yields(context: Context, stresses: Mapping[str, float]) -> tuple[str,
     steel = {
         name: stress
         for name, stress in stresses.items()
-        if flow_curves.is_steel(context.scene.bodies[name].young_modulus)
+        if bodies.is_steel(context.scene.bodies[name].young_modulus)
     }
     if not steel:
         return "no yield stress is given", False
     name = max(steel, key=steel.__getitem__)
-    limit = flow_curves.by_name()[DEFAULT_STEEL].yield_stress
+    limit = bodies.steels()[DEFAULT_STEEL].yield_stress
     yields = bool(steel[name] > limit)
     verb = "would yield here" if yields else "would not yield"
     text = f"von Mises {steel[name]:.4g} MPa in the {name}, its yield {limit:g}"
@@ -263,5 +263,5 @@ def _over_yield(scene: Scene, stresses: dict[str, float]) -> tuple[float, str]:
     return (
         float(ratios[worst]),
         f"von Mises {stresses[worst]:.4g} MPa {verb} the yield {limit:.4g} MPa of the {worst}"
-        + (f" ({steel}: {flow_curves.by_name()[steel].kind})" if steel else ""),
+        + (f" ({steel}: {bodies.steels()[steel].kind})" if steel else ""),
     )

@@ -9,7 +9,7 @@ from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.planning.effects import interface
 from railhead.planning.references import tribology
 from railhead.postprocess.findings import Findings
-from railhead.scene import flow_curves
+from railhead.scene import bodies
 from railhead.scene.scene import SceneError
 
 HOT = 100.0  # K, least rise of the surfaces that matters where it is not simulated (a choice)
@@ -84,7 +84,7 @@ def _known(context: Context) -> bool:
     one.
     """
     moduli = (part.young_modulus for part in context.scene.bodies.values())
-    steel = all(math.isinf(each) or flow_curves.is_steel(each) for each in moduli)
+    steel = all(math.isinf(each) or bodies.is_steel(each) for each in moduli)
     return steel or context.scene.heat.known
 
 

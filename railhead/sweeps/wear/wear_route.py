@@ -9,8 +9,9 @@ from pathlib import Path
 
 from railhead.planning import simulation_plan as planning
 from railhead.run.half_spaces.worn_contact import BODIES, Position
+from railhead.scene.files import wear_pairs
 from railhead.scene.scene import Scene, SceneError, checked
-from railhead.scene.sections import QUANTITIES, refuse_first, wear_pairs
+from railhead.scene.sections import QUANTITIES, refuse_first
 from railhead.sweeps.grid import read_rows
 from railhead.theory import wear
 from railhead.theory.wear import WearLaw

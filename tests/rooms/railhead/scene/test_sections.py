@@ -12,8 +12,8 @@ from railhead import find
 from railhead.planning import simulation_plan as planning
 from railhead.run.model_setup import hardening
 from railhead.scene import catalogue
+from railhead.scene.bodies import steels
 from railhead.scene.catalogue import portable, read_scene
-from railhead.scene.flow_curves import by_name
 from railhead.scene.scene import Rail, Scene, unit
 from railhead.scene.sections import SceneError
 
@@ -23,7 +23,7 @@ ROLLING = ("friction.coefficient=0.3", "rolling.creepage_along=0.1%")
 def test_every_steel_has_a_source_and_no_hardening_that_nobody_measured() -> None:
     """Radii of yield surfaces after torsion had been taken for a flow curve: 560 MPa at 10 %, where
     EN 13674-1 wants a tensile strength of 880."""
-    for name, steel in by_name().items():
+    for name, steel in steels().items():
         assert steel.kind.endswith("without hardening") and steel.source, name
         curve = hardening(Rail(steel=name))
         assert 300 < curve.initial_yield_stress == steel.yield_stress < 1000

@@ -33,11 +33,12 @@ def table(points: np.ndarray, unit: str = "") -> Table:
 def turned(points: np.ndarray, body: str = "rail", **given: str) -> tuple[np.ndarray, str]:
     """As profiles are read, from a table that states no unit."""
     orient = Orientation(**given)
-    points, unit = orientation.in_mm(table(points), body, orient.unit)
-    ordering.refuse_outlier(ordering.in_order(points))
-    found = orientation.oriented(points, body, table(points), orient)
-    ordering.refuse_rounded(ordering.in_order(found.points))
-    return found.points, ", ".join([unit, *found.done])
+    file, unit = orientation.in_mm(table(points), body, orient.unit)
+    way = ordering.in_order(file.points)
+    ordering.refuse_outlier(way)
+    found = orientation.oriented(way, body, file, orient)
+    ordering.refuse_rounded(found.points)
+    return found.of_file(file.points), ", ".join([unit, *found.done])
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,163 @@
+"""Files that keys of a scene name: whether they can be read, pairs of numbers in them, and arrays.
+
+A scene names its files, so an array that a script gives is written once into the cache of the user,
+under a name made of its content; from there it is read, and copied into the result folder, as any
+other file.
+"""
+
+import csv
+import math
+import os
+import tempfile
+import time
+from collections.abc import Iterator
+from hashlib import sha256
+from numbers import Real
+from pathlib import Path
+from typing import Any
+
+from railhead.scene.units import show
+
+KEPT = 90 * 24 * 3600.0  # s: an array that no scene was given for so long is removed
+MIN_STRESS, MAX_STRESS = 1e-6, 1e9  # MPa, of a stress-strain curve
+Pair = tuple[float, float]
+
+
+def readable(path: str) -> bool:
+    """Whether a path is a readable file whose name is valid Unicode, as TOML needs it."""
+    is_text = path.encode(errors="ignore").decode() == path
+    return is_text and os.path.isfile(path) and os.access(path, os.R_OK)
+
+
+def existing(value: object, *suffixes: str) -> str:
+    """The absolute path of a readable file with one of some extensions, small letters with a dot.
+    Raises ValueError (one line) for another value.
+    """
+    path = os.path.abspath(str(value))
+    if not path.lower().endswith(suffixes) or not readable(path):
+        kind = " or ".join(suffixes)
+        raise ValueError(f"{show(value)} is not a readable {kind} file; give one that exists")
+    return path
+
+
+def cache_folder() -> Path:
+    """The folder of the program in the cache of the user, which need not exist."""
+    root = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    return Path(root) / "railhead"
+
+
+def is_array(value: object) -> bool:
+    """Whether a value of a key is neither a word nor a path nor a number: an array, if anything."""
+    return value is not None and not isinstance(value, str | os.PathLike | Real)
+
+
+def file_of(value: object, kind: str, columns: dict[str, str]) -> str:
+    """Absolute path of a .csv file with the rows of an array (n, 2); its name is `kind` and twelve
+    digits of the content's SHA-256. Writing a new one removes files older than 90 days (KEPT).
+
+    value: numbers, or a quantity of pint where both columns have one unit.
+    columns: header of each column, and its unit, empty for none.
+    Raises ValueError (one line) for anything else, numbers that are not finite, and a cache that
+    cannot be written.
+    """
+    import numpy as np
+
+    try:
+        if hasattr(value, "m_as"):  # of pint
+            value = value.m_as(next(iter(columns.values())))
+        given: Any = np.ma.asarray(value)
+        rows = np.ma.filled(given.astype(float), np.nan) if given.dtype.kind in "biuf" else given
+    except (TypeError, ValueError, OverflowError):
+        rows = np.empty(0)
+    numbers = rows.dtype.kind == "f"
+    if not (numbers and rows.ndim == 2 and rows.shape[1] == 2 and np.isfinite(rows).all()):
+        text = f"an array of shape (n, 2), {' and '.join(columns)}, with finite numbers"
+        raise ValueError(f"{show(value)} is not allowed; give {text}")
+    lines = (",".join(map(repr, row)) for row in rows.tolist())
+    content = "\n".join([",".join(columns), *lines, ""]).encode()
+    path = cache_folder() / "arrays" / f"{kind}-{sha256(content).hexdigest()[:12]}.csv"
+    try:
+        if not path.is_file() or path.read_bytes() != content:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            for old in path.parent.iterdir():
+                if old.stat().st_mtime < time.time() - KEPT:
+                    old.unlink(missing_ok=True)
+            part, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+            with open(part, "wb") as file:
+                file.write(content)
+            Path(name).replace(path)
+        path.touch()
+    except OSError as error:
+        raise ValueError(f"the array cannot be kept in {path}: {error.strerror}") from None
+    return str(path)
+
+
+def read_pairs(path: str, first: str, second: str) -> Iterator[tuple[int, Pair]]:
+    """Numbers of the lines of a .csv file that hold pairs of numbers, and the pairs; a heading in
+    the first line is left out. first, second: what the numbers are, for messages. Raises ValueError
+    (one line) for a row that is not two numbers and for a file that is no text, OSError where it
+    cannot be read.
+    """
+    try:
+        with open(path, newline="", encoding="utf-8-sig") as file:
+            rows = list(csv.reader(file))
+    except (UnicodeDecodeError, csv.Error):
+        raise ValueError(f"{path} is no text; give {first} and {second}, a row each") from None
+    for number, row in enumerate(rows, 1):
+        if not any(cell.strip() for cell in row):
+            continue
+        try:
+            one, other = map(float, row)
+        except ValueError:
+            if number == 1:
+                continue  # a heading
+            text = f"{','.join(row)!r} is not a {first} and a {second}; give two numbers"
+            raise ValueError(f"{path}, line {number}: {text}") from None
+        yield number, (one, other)
+
+
+def read_curve(path: str) -> tuple[Pair, ...]:
+    """Points (plastic strain, true stress in MPa) of a .csv file; a heading in its first line is
+    left out.
+
+    Raises ValueError (one line) for fewer than two points, a row that is not two numbers, a first
+    strain other than 0 and strains that do not increase. It raises it too for a stress out of range
+    or below the one before it (softening has no unique answer), and for a file that is no text.
+    Raises OSError where the file cannot be read.
+    """
+    points: list[Pair] = []
+    for number, (strain, stress) in read_pairs(path, "plastic strain", "stress"):
+        last_strain, last_stress = points[-1] if points else (-math.inf, -math.inf)
+        problem = ""
+        if not points and strain != 0:
+            problem = f"the first plastic strain is {strain:g}; give 0"
+        elif not last_strain < strain < math.inf:
+            problem = f"plastic strain {strain:g} does not grow; give ascending ones"
+        elif not MIN_STRESS <= stress <= MAX_STRESS:
+            allowed = f"give one from {MIN_STRESS:g} to {MAX_STRESS:g} MPa"
+            problem = f"stress {stress:g} is not allowed; {allowed}"
+        elif stress < last_stress:
+            problem = f"stress {stress:g} falls; give one that does not"
+        if problem:
+            raise ValueError(f"{path}, line {number}: {problem}")
+        points.append((strain, stress))
+    if len(points) < 2:
+        raise ValueError(f"{path} has {len(points)} points; give at least two")
+    return tuple(points)
+
+
+def wear_pairs(path: str) -> tuple[Pair, ...]:
+    """Pairs of a law of wear in a .csv file: T-gamma over the area, N/mm2, positive and rising, and
+    worn mass, ug per m and mm2, not negative. Raises ValueError (one line) for other content.
+    """
+    names = "T-gamma over the area", "rate"
+    found, last = [], 0.0
+    for number, (density, mass) in read_pairs(path, *names):
+        if not (last < density < math.inf and 0 <= mass < math.inf):
+            text = f"{density:g}, {mass:g} is not allowed; give rising {names[0]} above 0 and rates"
+            raise ValueError(f"{path}, line {number}: {text} of 0 or more")
+        found.append((density, mass))
+        last = density
+    if not found:
+        raise ValueError(f"{path} has no pair; give {names[0]} and {names[1]}, a row each")
+    return tuple(found)
