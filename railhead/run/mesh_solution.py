@@ -115,7 +115,7 @@ class MeshSolution:
         target = self.plan.scene.approach
         return abs(self.solution.approach / target - 1) if target else 0.0
 
-    @property
+    @cached_property
     def after(self) -> dict[str, PostSolveVerdict]:
         """Verdicts by name of the effect or assumption (`effects.check`); empty off rank 0 and
         where nothing touches.

@@ -54,21 +54,18 @@ def creep_table(
     for a part that is not solved, OSError where nothing can be written.
     """
     asked = _checked(poisson, accuracy, ratios, cells, law)
-    folder, comm = Path(folder), MPI.COMM_WORLD
+    folder = Path(folder)
     with ExitStack() as claim:
 
-        def begin() -> None:
-            """Make the folder ready for the records."""
+        def solve(submit: worker_pool.Submit) -> CreepTable:
+            """Make the folder ready for the records, and solve the table."""
             claim.enter_context(result_folder.claimed(folder))
             request = {"railhead": result_folder.VERSION, "table": asked}
             store.begin(folder, request, "replace" if force else "refuse", (TABLE, ROWS))
-
-        worker_pool.on_first(comm, begin)
-        with worker_pool.submitting(comm.size) as submit:
-            if submit is None:
-                return None
             with Progress(quiet=quiet) as progress:
                 return _solved(folder, submit, progress, **asked)
+
+        return worker_pool.on_first(MPI.COMM_WORLD, solve)
 
 
 def _checked(

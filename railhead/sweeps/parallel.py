@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, wait
 from contextlib import AbstractContextManager, ExitStack, suppress
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -113,29 +113,39 @@ def run(
     Returns None on all MPI ranks but the first, which solve scenes. Raises SceneError before
     anything is solved, OSError where nothing can be written.
     """
-    comm = MPI.COMM_WORLD
+    meshed = any(scene.effects.finite_bodies != "off" for scene in sweep.grid.scenes)
     with ExitStack() as claim:
 
-        def begin() -> list[Plan]:
-            """Plans of all scenes, after the folder is ready for their records."""
+        def solve(submit: worker_pool.Submit) -> Sweep:
+            """Plan all scenes, get the folder ready for their records, and solve them."""
             with show_progress(quiet=quiet, tell=tell) as progress:
-                plans = runner.plan_all(sweep.grid, progress)
+                plans = runner.plan_all(sweep.grid, progress, partial(_plan, submit))
             claim.enter_context(result_folder.claimed(sweep.folder))
             store.begin(sweep.folder, sweep.request, other, LATER)
             copy_files(map(Path, sweep.files), sweep.folder)
             _check_records(sweep)
-            return plans
-
-        plans = worker_pool.on_first(comm, begin) or []
-        jobs = 0 if all(plan.by_half_spaces for plan in plans) else worker_pool.JOBS_PER_PROCESS
-        with worker_pool.submitting(comm.size, jobs) as submit:
-            if submit is None:
-                return None
             with Progress(quiet=quiet, tell=tell) as progress:
                 results = _solve_all(sweep, plans, submit, progress)
-        found = Sweep(sweep.folder, results, shared_y(plans))
-        _write(sweep, found, pictures=pictures)
+            return Sweep(sweep.folder, results, shared_y(plans))
+
+        jobs = worker_pool.JOBS_PER_PROCESS if meshed else 0
+        found = worker_pool.on_first(MPI.COMM_WORLD, solve, jobs)
+        if found is not None:
+            _write(sweep, found, pictures=pictures)
         return found
+
+
+def _plan(submit: worker_pool.Submit, scenes: Sequence[Scene]) -> runner.Planned:
+    """`runner.plan_each` of scenes, in processes side by side. Raises RuntimeError if one fails."""
+    count = min(worker_pool.workers(MPI.COMM_WORLD.size), len(scenes))
+    parts = [submit(runner.plan_each, scenes[first::count]) for first in range(count)]
+    planned: dict[int, Plan | SceneError] = {}
+    for first, part in enumerate(parts):
+        attempt = worker_pool.outcome(part)
+        if attempt.value is None:
+            raise RuntimeError(attempt.fault)
+        planned |= zip(range(first, len(scenes), count), attempt.value, strict=True)
+    return [planned[number] for number in range(len(scenes))]
 
 
 def _check_records(sweep: ParallelSweep) -> None:

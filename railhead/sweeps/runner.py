@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import timedelta
 from typing import TYPE_CHECKING, Any
@@ -27,7 +27,7 @@ from railhead.run import mesh_solution, refinement
 from railhead.run.mesh_solution import solve_on_mesh
 from railhead.run.progress import Progress
 from railhead.run.refinement import Ending
-from railhead.scene.scene import SceneError
+from railhead.scene.scene import Scene, SceneError
 from railhead.sweeps.grid import ParameterGrid
 
 if TYPE_CHECKING:
@@ -40,22 +40,39 @@ MAX_GROUP = 30  # loads that share a mesh: gmsh evaluates the size field of each
 MAX_LOAD_RATIO = 8.0
 
 
-def plan_all(grid: ParameterGrid, progress: Progress) -> list[Plan]:
+Planned = list[Plan | SceneError]
+"""Plan of each of some scenes, or why it makes no contact problem."""
+
+
+def plan_each(scenes: Sequence[Scene]) -> Planned:
+    """Plan scenes one after the other in this process."""
+    planned: Planned = []
+    for scene in scenes:
+        try:
+            planned.append(planning.make(scene))
+        except SceneError as error:
+            planned.append(error)
+    return planned
+
+
+def plan_all(
+    grid: ParameterGrid,
+    progress: Progress,
+    plan: Callable[[Sequence[Scene]], Planned] = plan_each,
+) -> list[Plan]:
     """Plans of all scenes of a grid. Raises SceneError, with the values of the scene, for the first
-    scene that makes no contact problem.
+    scene that makes no contact problem. plan: as of `plan_each`, in other processes too.
 
     The approach of a whole rail is to its foot, that of a head to its cut. So that one sweep has
     one datum, `effects.rail_section` is set to on in the grid's scenes that leave it to the plan,
     where the plan of another scene has it.
     """
+    progress.stage(f"planning {len(grid.scenes)} scenes")
     plans = []
-    for number, scene in enumerate(grid.scenes):
-        if number % 10 == 0:
-            progress.stage(f"planning {number + 1} of {len(grid.scenes)}")
-        try:
-            plans.append(planning.make(scene))
-        except SceneError as error:
-            raise SceneError(error.key, f"{error.text} ({grid.label(number)})") from None
+    for number, planned in enumerate(plan(grid.scenes)):
+        if isinstance(planned, SceneError):
+            raise SceneError(planned.key, f"{planned.text} ({grid.label(number)})")
+        plans.append(planned)
     sections = [plan.effects["rail_section"] for plan in plans]
     if any(each.on for each in sections) and "effects.rail_section" not in grid.keys:
         for number, each in enumerate(sections):

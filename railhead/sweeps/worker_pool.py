@@ -43,14 +43,15 @@ Submit = Callable[..., Job]
 """Starts work(*arguments) in another process, called with `work` and its arguments."""
 
 
-def on_first(comm: Any, work: Callable[[], T]) -> T | None:
-    """The value of work() on the first MPI rank of a communicator, None on the others. What it
-    raises of SceneError and OSError is raised on all (collective).
+def on_first(comm: Any, work: Callable[[Submit], T], jobs: int = JOBS_PER_PROCESS) -> T | None:
+    """The value of work(submit) on the first MPI rank of a communicator, None on the others, which
+    do the jobs that it submits. What it raises of SceneError and OSError is raised on all
+    (collective). jobs: as of `processes`.
     """
     value, problem = None, None
-    if comm.rank == 0:
+    with submitting(comm.size, jobs) as submit:
         try:
-            value = work()
+            value = None if submit is None else work(submit)
         except (SceneError, OSError) as error:
             problem = error
     if (problem := comm.bcast(problem)) is not None:

@@ -263,9 +263,10 @@ def shares(axes: tuple[Array, Array], pressure: Array, *ahead: float) -> list[tu
             for axis, more in zip(axes, (way, 0.0), strict=True)
         )
         there = between(axes, squares, x, y)
+        inside = (there > 0).astype(float)
         mean, share = (
-            ends * each.reshape(nx, PARTS, ns, PARTS).mean(axis=(1, 3))
-            for each in (np.sqrt(there * (there > 0)), there > 0)
+            ends * each.reshape(nx, PARTS, -1).sum(axis=1).reshape(nx, ns, PARTS).mean(axis=2)
+            for each in (np.sqrt(there * inside) / PARTS, inside / PARTS)
         )
         found.append((mean, share))
     return found

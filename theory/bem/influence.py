@@ -9,8 +9,10 @@ cosine of the angle between both. The matrix stays symmetric and positive defini
 import math
 from collections.abc import Callable, Sequence
 from itertools import permutations
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.fft import fft, ifft, irfft, next_fast_len, rfft
 
 from railhead.theory.array_types import Array, Complex
@@ -20,6 +22,7 @@ Lines = Callable[[Array], Array]
 """Places s (n,), mm -> compliance (n,), mm2/N, not negative: opening of the line along the rail at
 s, the same at all of its cells, over the force per width that the line carries."""
 NODES = 16  # an axis, to which a grid gathers its pressure for other grids
+SOFTER = 0.25  # of the compliance of a cell: so much softer cells have a bounded inverse
 
 
 class Influence:
@@ -38,8 +41,8 @@ class Influence:
         self._lines = [] if lines is None else [(g.x[1] - g.x[0]) * lines(g.s) for g in grids]
         self._shapes = [(grid.x.size, grid.s.size) for grid in grids]
         self._cuts = np.cumsum([nx * ns for nx, ns in self._shapes])[:-1]
-        own, self._within = zip(*(_love(grid, contact_modulus) for grid in grids), strict=True)
-        self.own = max(own)
+        self._within = [_Love(grid, contact_modulus) for grid in grids]
+        self.own = max(each.own for each in self._within)
         self._nodes = [Nodes(grid) for grid in grids] if len(grids) > 1 else []
         self._kernels = {
             (i, j): point_force(self._nodes[i].places, self._nodes[j].places, contact_modulus)
@@ -63,6 +66,16 @@ class Influence:
         for i, (line, piece) in enumerate(zip(self._lines, pieces, strict=False)):
             moved[i] = moved[i] + line * piece.sum(axis=0)
         return np.concatenate([piece.ravel() for piece in moved])
+
+    def inverse(self, displacement: Array) -> Array:
+        """Nearly the pressure (n,), MPa, of a displacement (n,), mm, where each grid is alone and
+        goes on in its plane, or with a compliance of the lines each cell: symmetric and positive
+        definite.
+        """
+        if self._lines:
+            return displacement / self.own
+        pairs = zip(self._within, self.split(displacement), strict=True)
+        return np.concatenate([within.inverse(piece).ravel() for within, piece in pairs])
 
 
 class Nodes:
@@ -139,28 +152,46 @@ def _hats(axis: Array) -> tuple[Array, Array]:
     return nodes, np.maximum(0, 1 - np.abs(axis[:, None] - nodes) / (nodes[1] - nodes[0]))
 
 
-def _love(grid: Grid, contact_modulus: float) -> tuple[float, Callable[[Array], Array]]:
-    """Displacement of a cell by its own unit pressure, mm/MPa, and the map from pressure (nx, ns)
-    to normal displacement in mm.
+class _Love:
+    """Called with the pressure (nx, ns) in the cells of a grid, MPa, it returns their normal
+    displacement (nx, ns), mm.
 
     A cell displaces by the sum over its corners of +-(x arsinh(s/|x|) + s arsinh(x/|s|)), over pi
     E* (Love; Johnson, Contact Mechanics, 3.25); a zero-padded FFT sums over all cells.
+
+    own: displacement of a cell by its own unit pressure, mm/MPa.
     """
-    x, s, normals = grid.x, grid.s, grid.normals
-    normals = normals[normals.any(axis=(1, 2))]
-    nx, ns = fast_shape((x.size, s.size))
-    X = ((np.arange(nx + 1) - nx // 2 - 0.5) * (x[1] - x[0]))[:, None]
-    S = (np.arange(ns + 1) - ns // 2 - 0.5) * (s[1] - s[0])
-    corners = sum(logarithms(X, S))
-    influence = np.diff(np.diff(corners, axis=0), axis=1) / (math.pi * contact_modulus)
-    kernel = np.fft.ifftshift(influence)
-    spectrum = fft(rfft(kernel, axis=0)).real  # it is even in x and in s
 
-    def displacement(pressure: Array) -> Array:
-        """Normal displacement (nx, ns), mm, of a pressure (nx, ns), MPa."""
-        lines = rfft(pressure, nx, axis=0)  # normals change across alone
-        moved = ifft(spectrum * fft(normals * lines, ns))[..., : s.size]
-        u = irfft((normals * moved).sum(axis=0), nx, axis=0)
-        return np.asarray(u[: x.size])
+    def __init__(self, grid: Grid, contact_modulus: float) -> None:
+        """contact_modulus: E*, MPa."""
+        x, s, normals = grid.x, grid.s, grid.normals
+        self._normals = normals[normals.any(axis=(1, 2))]
+        nx, ns = self._padded = fast_shape((x.size, s.size))
+        X = ((np.arange(nx + 1) - nx // 2 - 0.5) * (x[1] - x[0]))[:, None]
+        S = (np.arange(ns + 1) - ns // 2 - 0.5) * (s[1] - s[0])
+        corners = sum(logarithms(X, S))
+        influence = np.diff(np.diff(corners, axis=0), axis=1) / (math.pi * contact_modulus)
+        self.own = float(influence[nx // 2, ns // 2])
+        kernel = np.fft.ifftshift(influence)
+        self._spectrum = fft(rfft(kernel, axis=0)).real  # it is even in x and in s
+        stiffness = 1 / (np.maximum(self._spectrum, 0.0) + SOFTER * self.own)
+        self._stiffness = stiffness.astype(np.float32)
 
-    return float(influence[nx // 2, ns // 2]), displacement
+    def __call__(self, pressure: Array) -> Array:
+        return self._times(self._spectrum, self._normals, pressure)
+
+    def inverse(self, displacement: Array) -> Array:
+        """Nearly the pressure (nx, ns), MPa, of a displacement (nx, ns), mm: that of cells of the
+        whole plane which are softer by SOFTER. As no more is asked, numbers are single.
+        """
+        plane = np.ones((1, 1, 1), np.float32)
+        return self._times(self._stiffness, plane, displacement.astype(np.float32)).astype(float)
+
+    def _times(self, spectrum: NDArray[Any], normals: NDArray[Any], values: NDArray[Any]) -> Array:
+        """Convolution (nx, ns) of values (nx, ns) with a kernel that is even in x and s, whose
+        spectrum is given, between the components (m, 1, ns) of the normals.
+        """
+        (nx, ns), size = self._padded, values.shape
+        lines = rfft(values, nx, axis=0)  # normals change across alone
+        moved = ifft(spectrum * fft(normals * lines, ns))[..., : size[1]]
+        return np.asarray(irfft((normals * moved).sum(axis=0), nx, axis=0)[: size[0]])

@@ -9,6 +9,7 @@ import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -94,7 +95,7 @@ class HalfSpaceSolution:
         """Vertical load that pressure and tractions carry, N; 0 without a solution."""
         return 0.0 if self.result is None else float(self.result["load_N"])
 
-    @property
+    @cached_property
     def after(self) -> dict[str, PostSolveVerdict]:
         """Verdicts by name of the effect or assumption (`effects.check`); empty without a
         solution.
