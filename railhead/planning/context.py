@@ -11,7 +11,7 @@ from typing import Any
 
 from railhead.contact.dimension import Dimension
 from railhead.contact.solid import Contact
-from railhead.planning.references import boundary_elements, closed_forms, rail_twist
+from railhead.planning.references import allowance, boundary_elements, closed_forms
 from railhead.scene.scene import Rail, Scene, SceneError, Wheel
 from railhead.theory.bem import grid_stress
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
@@ -148,9 +148,9 @@ class Context:
         twists the rail.
         Raises ValueError where boundary elements cannot tell.
         """
-        angle = rail_twist.twist(self.contact, self.hertz)
-        aside = rail_twist.CENTRE * angle
-        return rail_twist.change(self.contact, self.boundary_elements, angle, aside)
+        angle = allowance.twist(self.contact, self.hertz)
+        aside = allowance.CENTRE * angle
+        return allowance.change(self.contact, self.boundary_elements, angle, aside)
 
     @cached_property
     def hertzian(self) -> bool:

@@ -19,7 +19,7 @@ import numpy as np
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.planning import effects
 from railhead.planning.error_envelopes import RANGE
-from railhead.planning.references import tribology
+from railhead.planning.references import closed_forms
 from railhead.planning.simulation_plan import Plan
 from railhead.planning.sizing import LINEAR_REFINEMENT
 from railhead.postprocess.findings import Frame
@@ -469,7 +469,7 @@ def half_spaces(solved: HalfSpaceSolution, bound: dict[str, float]) -> Iterator[
         value=math.inf if solved.result is None else 0.0,
         limit=0.0,
         source=solved.reason or "boundary elements to 1e-5 of the displacement",
-        advice=BODIES if tribology.coulomb(solved.plan.scene) else LAW,
+        advice=BODIES if closed_forms.coulomb(solved.plan.scene) else LAW,
     )
     if solved.result is None:
         return

@@ -15,7 +15,7 @@ from railhead.contact.solid import Contact
 from railhead.meshing.bodies import BODY_NAMES, CONTACT, RAIL, SUPPORT, WHEEL
 from railhead.planning.effects import interface
 from railhead.planning.forecast import Zone
-from railhead.planning.references import closed_forms, tribology
+from railhead.planning.references import closed_forms
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.findings import Frame
 from railhead.scene.bodies import BodySection
@@ -125,7 +125,7 @@ def _friction(plan: Plan) -> FrictionSettings:
         force_controlled=tuple(free),
         load_steps=friction_steps(plan),
         far_field=partial(cerruti_far_field, materials(plan)) if contact.solid_half_space else None,
-        interface=tribology.interface(scene),
+        interface=closed_forms.interface(scene),
     )
 
 

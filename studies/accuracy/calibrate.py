@@ -7,7 +7,7 @@ cells.json: unknowns per predicted cell. A prediction is the integral of the ele
 twist.json: how far a load beside the web twists a rail. The head of a metre of rail on a held foot
     is solved under a wheel at some inclinations. The rotation of its flanks at the wheel is
     C M / E, M the moment of the contact force about the centre that they turn about (see
-    `railhead.planning.references.rail_twist`).
+    `railhead.planning.references.allowance`).
 """
 
 import itertools
@@ -26,7 +26,7 @@ from mpi4py import MPI
 from railhead.planning import cost
 from railhead.planning import simulation_plan as planning
 from railhead.planning.error_envelopes import PLACES, TURNED, ErrorEnvelope
-from railhead.planning.references.rail_twist import lever
+from railhead.planning.references.allowance import lever
 from railhead.run import estimates, mesh_solution
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.quantities import ESTIMATED

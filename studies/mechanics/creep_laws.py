@@ -8,7 +8,7 @@ import numpy as np
 from mpi4py import MPI
 
 from railhead.planning import simulation_plan as planning
-from railhead.planning.references import tribology
+from railhead.planning.references import closed_forms
 from railhead.postprocess.pictures.diagrams import FE, GREY, HERTZ, new_figure
 from railhead.run import mesh_solution
 from railhead.run import solid_friction as friction
@@ -73,7 +73,7 @@ def half_spaces(speed: float, creepages: tuple[float, ...]) -> list[Row]:
                 Creepage(value),
                 (None, None),
                 rolling=True,
-                interface=tribology.interface(of.scene),
+                interface=closed_forms.interface(of.scene),
                 start=found,
             )
             rows.append(row(speed, value, way, found[0]))

@@ -9,7 +9,7 @@ given here as the forces over mu N that they would cause by Kalker's linear theo
 so that force_along = X, and force_across = Y + S, where all are small. The moment is over
 mu N sqrt(a b). Signs are those of `rolling`: forces of the wheel on the rail.
 
-Under a coefficient that falls exponentially with slip from mu to mu_k (`tribology.laws`) they
+Under a coefficient that falls exponentially with slip from mu to mu_k (`laws`) they
 depend on three more numbers, which one table has fixed: mu_k/mu, s_half G a b/(V mu N) at a speed
 V, and the memory over sqrt(a b).
 """
@@ -28,6 +28,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 from railhead.theory.array_types import Array
 from railhead.theory.friction.kalker import coefficients
+from railhead.theory.friction.laws import Falling, Heat, Interface
 from railhead.theory.friction.rolling import (
     Creepage,
     HalfSpaceFriction,
@@ -35,8 +36,6 @@ from railhead.theory.friction.rolling import (
     grid_over,
 )
 from railhead.theory.friction.tangential import MaterialPair
-from railhead.theory.tribology.heat import Heat
-from railhead.theory.tribology.laws import Falling, Interface
 
 NORMAL = 2 * math.pi / 3  # N of an ellipse with a b = 1 and a largest pressure of 1
 FARTHEST = 10.0  # X, Y and S, at most: beyond it the whole patch slips

@@ -18,8 +18,8 @@ from railhead.geometry.outlines import head_depth
 from railhead.geometry.profiles import STANDARD_RAILS, Arc, Polynomial, osculating
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.planning.context import Context, Effect, PostSolveVerdict
-from railhead.planning.references import boundary_elements, closed_forms, rail_twist
-from railhead.planning.references.allowance import Allowance, allowance
+from railhead.planning.references import boundary_elements, closed_forms
+from railhead.planning.references.allowance import Allowance, allowance, twist
 from railhead.postprocess.findings import Findings
 from railhead.scene.scene import SceneError
 from railhead.theory.elastic import halfspace
@@ -219,7 +219,7 @@ def _twists(context: Context) -> tuple[bool, str]:
         return False, "a rigid rail does not twist"
     if not context.decided["true_profile"].called_for:
         return False, "a twist changes nothing where both bodies have one radius"
-    angle, limit = rail_twist.twist(contact, context.hertz), context.accuracy
+    angle, limit = twist(contact, context.hertz), context.accuracy
     text = f"the load twists it by {1e3 * angle:.2g} mrad"
     try:
         change = context.twist_change

@@ -7,7 +7,7 @@ import math
 from railhead.planning import cost
 from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.planning.effects import interface
-from railhead.planning.references import tribology
+from railhead.planning.references import closed_forms
 from railhead.postprocess.findings import Findings
 from railhead.scene import bodies
 from railhead.scene.scene import SceneError
@@ -45,7 +45,9 @@ def decide_heat(context: Context) -> Effect:
     if not _known(context):
         return Effect(False, False, UNKNOWN, {"on": UNKNOWN})
     given = rolling.force_along or rolling.force_across
-    most = math.nan if given else tribology.flash_rise(scene, hertz, _slides(context) * hertz.load)
+    most = (
+        math.nan if given else closed_forms.flash_rise(scene, hertz, _slides(context) * hertz.load)
+    )
     why = "the creepage of a given force is known afterwards"
     why = why if given else f"flash temperature up to {most:.3g} K where all slips"
     missing = beyond_grids(context)
@@ -73,7 +75,7 @@ def check_heat(context: Context, effect: Effect, found: Findings) -> PostSolveVe
         return None
     if not _known(context):
         return PostSolveVerdict(False, UNKNOWN)
-    rise = tribology.flash_rise(context.scene, context.hertz, found.dissipated)
+    rise = closed_forms.flash_rise(context.scene, context.hertz, found.dissipated)
     hot = rise >= HOT
     text = f"flash temperature {rise:.3g} K, {'above' if hot else 'below'} {HOT:g} K"
     return PostSolveVerdict(hot, f"{text}: friction and yield stress fall with it" if hot else text)
@@ -93,7 +95,7 @@ def decide_falling_friction(context: Context) -> Effect:
     roll with friction. Raises SceneError where it cannot be simulated and is not switched off.
     """
     scene = context.scene
-    friction, law = scene.friction, tribology.law(scene)
+    friction, law = scene.friction, closed_forms.law(scene)
     if law is None or not context.decided["friction"].on:
         why = "nothing slips" if law else "friction.law is coulomb"
         return Effect(False, False, why, {"on": why})

@@ -20,7 +20,7 @@ from scipy.optimize import brentq
 
 from railhead.contact import solid, wheelset_kinematics
 from railhead.contact.solid import Contact, FreeAxle
-from railhead.planning.references import boundary_elements, closed_forms, tribology
+from railhead.planning.references import boundary_elements, closed_forms
 from railhead.theory.friction.rolling import (
     Creepage,
     HalfSpaceFriction,
@@ -79,7 +79,7 @@ class _PressedWheel:
                 closed_forms.tangential_pair(contact.scene),
                 rolling=True,
                 modes=np.array([modes[0], still, turned, still]),
-                interface=tribology.interface(contact.scene),
+                interface=closed_forms.interface(contact.scene),
             )
             self._patches.append((body, np.sin(each.angle)))
         self.found: dict[float, list[TangentialSolution]] = {}

@@ -18,7 +18,7 @@ from scipy.ndimage import zoom
 from railhead.planning import effects
 from railhead.planning.context import PostSolveVerdict
 from railhead.planning.effects import interface, shape
-from railhead.planning.references import boundary_elements, tribology
+from railhead.planning.references import boundary_elements, closed_forms
 from railhead.planning.references.allowance import added_stress
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess import friction
@@ -298,7 +298,7 @@ def _with_friction(plain: HalfSpaceSolution, sheared: PatchTractions) -> HalfSpa
         for key in parts.keys() & {"max_MPa", "mean_MPa", "area_mm2", "a_mm", "b_mm"}:
             parts[key] = {**parts[key], "tractions": COUPLED[plan.contact.line] * change}
     other = {}
-    second = scene.asks("second_method") and tribology.coulomb(scene)
+    second = scene.asks("second_method") and closed_forms.coulomb(scene)
     if rolls and not (plan.contact.line or unlike) and second:
         pair = plan.context.tangential_pair
         other["FASTSIM (equal ellipses)"] = tangential_contact.or_reason(
@@ -408,7 +408,7 @@ def _tractions(
             interface.creepage(plan.context),
             (along, across),
             rolling=scene.rolling.prescribed,
-            interface=tribology.interface(scene),
+            interface=closed_forms.interface(scene),
             start=_onto(None if start is None else start.found, patches),
         )
         return PatchTractions(patches=patches, found=sheared, scale=1 / longer)

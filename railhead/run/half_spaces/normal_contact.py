@@ -16,8 +16,7 @@ import numpy as np
 from railhead.contact import wheelset_kinematics
 from railhead.contact.solid import Contact
 from railhead.meshing.bodies import RAIL
-from railhead.planning.references import boundary_elements, rail_twist
-from railhead.planning.references.allowance import allowance
+from railhead.planning.references import allowance, boundary_elements
 from railhead.postprocess.patch import body_motion, compare
 from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.run.mesh_solution import MeshSolution
@@ -69,7 +68,7 @@ def half_space(
         twist = twist_change(solved)
     except ValueError as error:
         return {**quantities, "allowance": {"reason": f"twist: {error}"}}
-    allowed = allowance(contact, solved.plan.deformable, solution, twist)
+    allowed = allowance.allowance(contact, solved.plan.deformable, solution, twist)
     if found.hertzian:  # half lengths are those of ellipses
         allowed |= dict.fromkeys(("a_mm", "b_mm"), allowed["area_mm2"])
     return {**quantities, "allowance": allowed}
@@ -83,7 +82,7 @@ def twist_change(solved: MeshSolution) -> float:
     contact, moved = solved.plan.contact, motion(solved)
     if contact.why_asymmetric_in_y() is None:
         return 0.0
-    return rail_twist.change(contact, solved.plan.context.boundary_elements, *moved)
+    return allowance.change(contact, solved.plan.context.boundary_elements, *moved)
 
 
 def motion(solved: MeshSolution) -> tuple[float, float]:

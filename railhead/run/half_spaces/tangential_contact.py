@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from railhead.planning.effects import interface
-from railhead.planning.references import closed_forms, tribology
+from railhead.planning.references import closed_forms
 from railhead.planning.simulation_plan import Plan
 from railhead.run.half_spaces import normal_contact
 from railhead.run.half_spaces.normal_contact import PressedPatch
@@ -24,6 +24,7 @@ from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.line import LineContact
 from railhead.theory.friction import kalker, partial_slip
 from railhead.theory.friction.kalker import Coefficients
+from railhead.theory.friction.laws import Interface
 from railhead.theory.friction.rolling import (
     CELLS,
     Creepage,
@@ -33,7 +34,6 @@ from railhead.theory.friction.rolling import (
     solve_for_forces,
 )
 from railhead.theory.friction.tangential import MaterialPair
-from railhead.theory.tribology.laws import Interface
 
 if TYPE_CHECKING:
     from railhead.solver.system.solution import FrictionSolution
@@ -96,7 +96,7 @@ def half_space_friction(
     out: NumbersByMethod = {
         "boundary elements": or_reason(lambda: solve_by_boundary_elements(plan, found, patches))
     }
-    if not pair.like or not tribology.coulomb(plan.scene):
+    if not pair.like or not closed_forms.coulomb(plan.scene):
         return out
     if rolling:
         name = "FASTSIM" if findings.hertzian else "FASTSIM (equal ellipses)"
@@ -117,7 +117,7 @@ def _strip(
     materials, or under another law than Coulomb's, boundary elements. Empty in rolling of like
     materials where the width of the strip runs across the rail.
     """
-    if not (closed_forms.tangential_pair(plan.scene).like and tribology.coulomb(plan.scene)):
+    if not (closed_forms.tangential_pair(plan.scene).like and closed_forms.coulomb(plan.scene)):
         if line.across:
             return {"boundary elements": {"reason": STRIP_ACROSS}}
         numbers = or_reason(lambda: solve_by_boundary_elements(plan, found, patches))
@@ -197,7 +197,7 @@ def _on_grid(plan: Plan, found: FrictionSolution, patches: Sequence[PressedPatch
         Creepage(*found.rigid_motion) if rolling else Creepage(),
         (None, None) if rolling else (along, across),
         rolling=rolling,
-        interface=tribology.interface(plan.scene),
+        interface=closed_forms.interface(plan.scene),
     )
     # The normal forces differ by what the finite bodies do.
     scale = found.friction_limit / sum(each.limit for each in sheared)

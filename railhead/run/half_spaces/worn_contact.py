@@ -22,7 +22,6 @@ from railhead.planning.references import (
     boundary_elements,
     closed_forms,
     torque_free,
-    tribology,
 )
 from railhead.run.half_spaces import normal_contact, tangential_contact
 from railhead.scene.scene import Scene
@@ -243,7 +242,7 @@ class WornContact:
             wheelset_kinematics.creepage(contact),
             (rolling.force_along, rolling.force_across),
             rolling=True,
-            interface=tribology.interface(scene),
+            interface=closed_forms.interface(scene),
         )
         windows, curves, rises = [patch.pressed for patch in patches], [], 0.0
         lines: list[dict[str, Array]] = []

@@ -12,10 +12,9 @@ from railhead.sweeps import creep_tables
 from railhead.theory.friction import creep_table
 from railhead.theory.friction.creep_table import AXES
 from railhead.theory.friction.kalker import coefficients
+from railhead.theory.friction.laws import Falling, Heat, Interface
 from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction, grid_over
 from railhead.theory.friction.tangential import MaterialPair
-from railhead.theory.tribology.heat import Heat
-from railhead.theory.tribology.laws import Falling, Interface
 
 NU = 0.28
 

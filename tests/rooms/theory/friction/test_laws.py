@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from railhead.theory.tribology.heat import Heat
-from railhead.theory.tribology.laws import ByTemperature, Falling, Interface, followed
+from railhead.theory.friction.laws import ByTemperature, Falling, Heat, Interface, followed
 
 ONE = np.ones((1, 1))
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from railhead.theory.tribology.heat import Heat
+from railhead.theory.friction.laws import Heat
 
 A, B, LOAD, SPEED = 5.88, 10.54, 1e5, 30.0
 STEEL = Heat(speed=SPEED)

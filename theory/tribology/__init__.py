@@ -1,1 +1,0 @@
-"""Laws of friction that slip and temperature change, and heat of surfaces that roll and slip."""
