@@ -76,10 +76,10 @@ def list_cases() -> None:
 
 @railhead.command()
 @options.takes_scene
-@click.option("--accuracy", help="Asked accuracy, e.g. 1%.")
+@options.accuracy
 @options.over
 @options.over_file
-@click.option("--json", "as_json", is_flag=True, help="Print the plan as JSON and nothing else.")
+@options.prints_json("the plan as JSON")
 def plan(
     scene: Scene,
     accuracy: str | None,
@@ -110,9 +110,9 @@ def plan(
 
 @railhead.command()
 @options.takes_scene
-@click.option("--accuracy", help="Asked accuracy, e.g. 1%.")
+@options.accuracy
 @click.option("--budget", help="Best accuracy for that time, e.g. 30s.")
-@click.option("--out", type=click.Path(path_type=Path), help="Result folder [results/<case>].")
+@options.out("results/<case>")
 @options.force
 @options.no_pictures
 @options.picture_format
@@ -124,7 +124,7 @@ def plan(
 @options.units
 @click.option("--ranks", type=PROCESSES, metavar="NUMBER", help="Processes [as many as pay].")
 @options.quiet
-@click.option("--json", "as_json", is_flag=True, help="Print summary.json and nothing else.")
+@options.prints_json("summary.json")
 @click.pass_obj
 def run(
     arguments: Sequence[str],
@@ -235,7 +235,7 @@ def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: b
 @options.takes_scene
 @options.over
 @options.over_file
-@click.option("--out", type=click.Path(path_type=Path), help="Folder [results/<case>_sweep].")
+@options.out("results/<case>_sweep")
 @options.force
 @click.option("--resume", is_flag=True, help="Refuse a folder that holds no part of this sweep.")
 @click.option("--vtu", is_flag=True, help="Write .vtu files of each combination, for ParaView.")
@@ -244,7 +244,7 @@ def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: b
 @options.picture_format
 @options.units
 @options.quiet
-@click.option("--json", "as_json", is_flag=True, help="Print the rows and nothing else.")
+@options.prints_json("the rows")
 def sweep(
     scene: Scene,
     lists: Sequence[str],
@@ -303,7 +303,7 @@ def sweep(
 @click.option("--law", type=(float, float, float), help="Falling friction: docs/creep-tables.md.")
 @options.force
 @options.quiet
-@click.option("--json", "as_json", is_flag=True, help="Print the errors and nothing else.")
+@options.prints_json("the errors")
 def table(
     out: Path,
     poisson: float,
@@ -342,12 +342,12 @@ def table(
 
 @railhead.command()
 @options.takes_scene
-@click.option("--out", type=click.Path(path_type=Path), help="Folder [results/<case>_wear].")
+@options.out("results/<case>_wear")
 @options.force
 @options.no_pictures
 @options.picture_format
 @options.quiet
-@click.option("--json", "as_json", is_flag=True, help="Print wear.json and nothing else.")
+@options.prints_json("wear.json")
 def wear(
     scene: Scene, out: Path | None, force: bool, no_pictures: bool, quiet: bool, as_json: bool
 ) -> int:
@@ -375,7 +375,7 @@ def wear(
 @options.units
 @click.option("--pictures", is_flag=True, help="Draw the pictures again.")
 @options.picture_format
-@click.option("--json", "as_json", is_flag=True, help="Print the numbers as JSON.")
+@options.prints_json("the numbers as JSON")
 def show(folder: Path, units: Units, pictures: bool, as_json: bool) -> None:
     """Print the result of a run or a sweep that lies in a folder; solve nothing."""
     from railhead import api
@@ -398,7 +398,7 @@ def show(folder: Path, units: Units, pictures: bool, as_json: bool) -> None:
 @click.argument("a", type=click.Path(path_type=Path))
 @click.argument("b", type=click.Path(path_type=Path))
 @options.units
-@click.option("--json", "as_json", is_flag=True, help="Print the comparison as JSON.")
+@options.prints_json("the comparison as JSON")
 def diff(a: Path, b: Path, units: Units, as_json: bool) -> None:
     """Compare the results of two runs that lie in folders, and their scenes; solve nothing."""
     from railhead import api
@@ -500,7 +500,7 @@ def _report(
 
 @railhead.command()
 @click.argument("name", required=False)
-@click.option("--out", type=click.Path(path_type=Path), help="Folder [results/<study>].")
+@options.out("results/<study>")
 @click.option("--quick", is_flag=True, help="Only a small part of the study.")
 @click.option("--install", is_flag=True, help="First install the programs that `peers` measures.")
 def study(name: str | None, out: Path | None, quick: bool, install: bool) -> None:

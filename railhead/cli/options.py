@@ -76,6 +76,18 @@ def _once(_: click.Context, __: click.Parameter, assignments: Sequence[str]) -> 
     return assignments
 
 
+def prints_json(what: str) -> Callable[[Any], Any]:
+    """The option --json of a command. what: it prints."""
+    text = f"Print {what} and nothing else."
+    return click.option("--json", "as_json", is_flag=True, help=text)
+
+
+def out(folder: str) -> Callable[[Any], Any]:
+    """The option --out of a command. folder: that it writes otherwise, in words."""
+    return click.option("--out", type=click.Path(path_type=Path), help=f"Folder [{folder}].")
+
+
+accuracy = click.option("--accuracy", help="Asked accuracy, e.g. 1%.")
 no_pictures = click.option(
     "--no-pictures", is_flag=True, help="Write no PNG files and no report.html."
 )
@@ -116,15 +128,13 @@ def _units(_: click.Context, __: click.Parameter, text: str | None) -> Units:
 
 units = click.option("--units", callback=_units, help="Of tables, pictures and report: mm,kN,MPa.")
 _report_options = (
-    click.option(
-        "--out", type=click.Path(path_type=Path), help="Folder [results/<name>_<command>]."
-    ),
+    out("results/<name>_<command>"),
     force,
     click.option("--no-pictures", is_flag=True, help="Write no PNG files."),
     picture_format,
     units,
     click.option("--quiet", is_flag=True, help="Print nothing."),
-    click.option("--json", "as_json", is_flag=True, help="Print the summary and nothing else."),
+    prints_json("the summary"),
 )
 
 

@@ -115,18 +115,22 @@ def row(record: Mapping[str, Any]) -> Row:
     # Of several patches the most loaded one is the first, as for a, b and its place.
     patches = result["patches"]
     angle = (patches[0] if patches else summary["plan"])["contact_angle_rad"]
-    cells |= {"contact angle [deg]": math.degrees(angle), **record.get("wheelset", {})}
-    point = result["contact_point_mm"]
-    cells |= {f"patch {axis} [mm]": value for axis, value in zip("xyz", point, strict=True)}
-    cells |= {"patches": max(1, len(patches)), "unknowns": summary["cost"]["dofs"]}
-    if "surface_shape" in result:
-        cells["load share"] = patches[0]["load_share"]
-    cells |= {
-        f"{each.column.removeprefix('found ')} estimate": bound.get(each.key)
-        for each in COLUMNS
-        if each.estimated or (each.column and not each.absolute and each.key in bound)
+    share = {"load share": patches[0]["load_share"]} if "surface_shape" in result else {}
+    return cells | {
+        "contact angle [deg]": math.degrees(angle),
+        **record.get("wheelset", {}),
+        **{f"patch {axis} [mm]": result["contact_point_mm"][n] for n, axis in enumerate("xyz")},
+        "patches": max(1, len(patches)),
+        "unknowns": summary["cost"]["dofs"],
+        **share,
+        **{
+            f"{each.column.removeprefix('found ')} estimate": bound.get(each.key)
+            for each in COLUMNS
+            if each.estimated or (not each.absolute and each.key in bound)
+        },
+        "program": f"railhead {summary['railhead']}",
+        "date": summary["date"],
     }
-    return cells | {"program": f"railhead {summary['railhead']}", "date": summary["date"]}
 
 
 def verdict(rows: Sequence[Mapping[str, Any]], units: Units = BASE_UNITS) -> list[str]:
@@ -149,12 +153,15 @@ def verdict(rows: Sequence[Mapping[str, Any]], units: Units = BASE_UNITS) -> lis
             text += f" ({large} of them beyond {FEW:.0%})" if large else ""
         missing = len(solved) - len(known)
         lines.append(text + (f"; {missing} without an estimate" if missing else ""))
-    kinds = Counter(name for row in rows for name in NOTE.findall(row.get(WARNINGS, "")))
     hidden = Counter(name for row in rows for name in _hidden(row))
-    lines += [f"{name}: below resolution in {count}" for name, count in hidden.items()]
-    return lines + [
-        f"{kind}: a warning in {count} of {len(rows)} (column {WARNINGS})"
-        for kind, count in kinds.items()
+    kinds = Counter(name for row in rows for name in NOTE.findall(row.get(WARNINGS, "")))
+    return [
+        *lines,
+        *(f"{name}: below resolution in {count}" for name, count in hidden.items()),
+        *(
+            f"{kind}: a warning in {count} of {len(rows)} (column {WARNINGS})"
+            for kind, count in kinds.items()
+        ),
     ]
 
 

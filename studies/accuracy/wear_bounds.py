@@ -12,7 +12,7 @@ import numpy as np
 import railhead as rh
 from railhead.run.half_spaces.worn_contact import BODIES, Fineness
 from railhead.run.progress import Progress
-from railhead.sweeps.wear import wear_route, wear_run
+from railhead.sweeps.wear import wear_run
 from railhead.sweeps.wear.wear_result import WearResult
 from studies import tables
 from studies.processes import attempts
@@ -143,7 +143,7 @@ def measure(index: int) -> list[Row]:
 def _solved(given: rh.Scene, folder: Path, runs: dict[str, Fineness]) -> WearResult:
     """The answer of a route on some grids, with records in a new folder."""
     folder.mkdir()
-    route = wear_route.read(given)
+    route = wear_run.read(given)
     return WearResult(route, wear_run.solve(route, folder, None, Progress(quiet=True), runs))
 
 

@@ -20,10 +20,9 @@ from railhead.run.progress import Progress, Tell
 from railhead.scene.catalogue import INPUT, copy_files, portable
 from railhead.scene.scene import Scene, SceneError
 from railhead.sweeps import store, worker_pool
-from railhead.sweeps.wear import wear_route, wear_run
+from railhead.sweeps.wear import wear_run
 from railhead.sweeps.wear.wear_result import Row, WearResult
-from railhead.sweeps.wear.wear_route import Route
-from railhead.sweeps.wear.wear_run import Run
+from railhead.sweeps.wear.wear_run import Route, Run
 from railhead.theory.array_types import Array
 
 if TYPE_CHECKING:
@@ -74,7 +73,7 @@ def wear(
     """
     if MPI.COMM_WORLD.size > 1:
         raise SceneError("wear", "uses all cores by itself; start it without mpirun")
-    folder, route = Path(out), wear_route.read(scene)
+    folder, route = Path(out), wear_run.read(scene)
     expected = wear_run.expected(route)
     with ExitStack() as stack:
         stack.enter_context(result_folder.claimed(folder))
@@ -104,7 +103,7 @@ def _beside(route: Route, folder: Path, progress: Progress) -> dict[str, Any]:
     scene = route.positions[number].scene
     for body in route.worn:
         own = {"profile", "rolling_radius", "inclination"}
-        shape = {key: "none" for key in wear_route.SHAPE[body] if key not in own} | AS_WRITTEN
+        shape = {key: "none" for key in wear_run.SHAPE[body] if key not in own} | AS_WRITTEN
         scene = scene.replace(
             **{f"{body}.{key}": value for key, value in shape.items()},
             **{f"{body}.profile": str(folder / PROFILES[body])},

@@ -21,8 +21,7 @@ from railhead.run.half_spaces import worn_contact
 from railhead.run.half_spaces.worn_contact import BODIES, Fields
 from railhead.scene.catalogue import portable
 from railhead.scene.scene import SceneError
-from railhead.sweeps.wear.wear_route import Route
-from railhead.sweeps.wear.wear_run import RUNS, SETTLES, Run
+from railhead.sweeps.wear.wear_run import RUNS, SETTLES, Route, Run
 from railhead.theory.array_types import Array
 
 ROW_STEP = 0.1  # mm between the rows of tables
@@ -359,11 +358,15 @@ class WearResult:
                 for name in ("finite_elements", "half_spaces")
             )
             lines.append(f"position {beside['position']}, worn: {text}")
-        for name, why in summary["left_out"].items():
-            lines.append(f"left out: {name.replace('_', ' ')} ({why})")
         failed = summary["checks"]["failed"]
-        lines.append(f"checks: {'FAILED ' + ', '.join(failed) if failed else 'all passed'}")
-        return lines
+        return [
+            *lines,
+            *(
+                f"left out: {name.replace('_', ' ')} ({why})"
+                for name, why in summary["left_out"].items()
+            ),
+            f"checks: {'FAILED ' + ', '.join(failed) if failed else 'all passed'}",
+        ]
 
     def _errors(self, main: Array, *others: Array) -> Array:
         """`_error` (n,) of values (n,) from those of the other runs, which have fewer places; NaN

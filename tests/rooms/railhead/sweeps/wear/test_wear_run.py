@@ -17,7 +17,7 @@ from railhead.run.half_spaces import worn_contact
 from railhead.run.half_spaces.worn_contact import Fineness
 from railhead.scene.scene import Effects, Friction, Rail, Rolling, Scene, SceneError, Wear, Wheel
 from railhead.sweeps.wear import wear as sweep
-from railhead.sweeps.wear import wear_route, wear_run
+from railhead.sweeps.wear import wear_run
 
 AXLES = 2200.6  # worn area 0.3565 mm2 at a creepage of 1 %
 COARSE = {
@@ -253,13 +253,13 @@ def test_rail_and_wheel_share_the_wear(worn, tmp_path):
 
 def test_positions_that_are_alike_wear_as_one(tmp_path):
     scene = crown(axles=AXLES / 4, step=2)
-    (one,) = wear_route.read(scene).positions
+    (one,) = wear_run.read(scene).positions
     half = replace(one, axles=one.axles / 2)
     for name in ("one", "two"):
         (tmp_path / name).mkdir()
     alone, shared = (
         wear_run.solve(
-            wear_route.Route(
+            wear_run.Route(
                 scene=scene, positions=given, shares=(1 / len(given),) * len(given), left_out={}
             ),
             folder,
@@ -325,14 +325,14 @@ def test_wrong_positions_are_one_line(table, key, tmp_path):
     file = tmp_path / "positions.csv"
     file.write_text(table)
     with pytest.raises(SceneError) as caught:
-        wear_route.read(crown(positions=str(file)))
+        wear_run.read(crown(positions=str(file)))
     assert caught.value.key == key and "\n" not in str(caught.value)
 
 
 def test_pairs_are_a_law(tmp_path):
     file = tmp_path / "law.csv"
     file.write_text("x,rate\n10,53\n")
-    (position,) = wear_route.read(crown(law=str(file))).positions
+    (position,) = wear_run.read(crown(law=str(file))).positions
     assert position.law.rate(3.0) == pytest.approx(6.75e-7, rel=1e-3)
     file.write_text("10,53\n5,60\n")
     with pytest.raises(SceneError, match="line 2"):
