@@ -105,7 +105,7 @@ class HardCase:
             return "held against nothing"
         name, deviation = worst
         if not deviation.share <= 1:
-            return f"{name} off by {deviation.value:.2g}, {deviation.allowed:.2g} allowed"
+            return f"{name} off by {deviation.value:.3g}, {deviation.allowed:.3g} allowed"
         if found.newton > self.newton:
             return f"{found.newton} Newton steps, {self.newton} allowed"
         if found.krylov > self.krylov * found.newton:

@@ -161,7 +161,7 @@ def _judged(seed: int, kind: str, file: Path, options: list[str] | None) -> Fuzz
     name, worst = max(found.items(), key=lambda item: item[1].share, default=("", None))
     numbers = {"deviation": worst.value, "allowed": worst.allowed} if worst else {}
     if status == 0 and worst and not worst.share <= 1:
-        fault = f"{name} off by {worst.value:.2g}, {worst.allowed:.2g} allowed"
+        fault = f"{name} off by {worst.value:.3g}, {worst.allowed:.3g} allowed"
     ways = {"command": command, "status": status, "said": said, "reference": reference}
     return ended(seed, kind, **ways, quantity=name, **numbers, fault=fault)
 

@@ -8,9 +8,10 @@ import numpy as np
 
 TITLE = "CalculiX"
 METHOD = "finite elements"
-SETTINGS = """`LINMORTAR` on C3D8 (penalty 1000 E per mm; SPOOLES; springs of 1e8 N/mm instead of
-symmetry conditions on the dependent nodes, where ccx stops with a singular matrix) and the penalty
-from surface to surface on C3D10 (50 E per mm; iterative Cholesky). Pressure: CPRESS at the node."""
+SETTINGS = """Two methods. `LINMORTAR` on C3D8 has a penalty of 1000 E per mm and SPOOLES. Symmetry
+conditions on the dependent nodes would stop ccx with a singular matrix, so springs of 1e8 N/mm hold
+them. The penalty from surface to surface on C3D10 has 50 E per mm and iterative Cholesky. Pressure:
+CPRESS at the node."""
 PIP = ()
 DEBIAN = ("calculix-ccx", "python3-numpy")
 MODULES = ()

@@ -4,9 +4,10 @@ import numpy as np
 
 TITLE = "NGSolve"
 METHOD = "finite elements"
-SETTINGS = """Curved tetrahedra of order 2 and 3 by its own mesher, `ContactBoundary` with the
-energy of a penalty of 5 E order^2 / size, Newton's method with sparse Cholesky from the wheel moved
-down as one. Pressure: -sigma_zz at points of the rail's surface. Meshing is part of its time."""
+SETTINGS = """Curved tetrahedra of order 2 and 3 by its own mesher. `ContactBoundary` has the energy
+of a penalty of 5 E order^2 / size. Newton's method with sparse Cholesky starts from the wheel moved
+down as one body. Pressure: -sigma_zz at points of the rail's surface. Meshing is part of its
+time."""
 PIP = ("ngsolve==6.2.2608", "numpy", "scipy")
 DEBIAN = ()
 MODULES = ("ngsolve",)

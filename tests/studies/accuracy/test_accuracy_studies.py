@@ -56,4 +56,4 @@ def test_what_the_scene_switched_off_is_no_fault_of_the_plan() -> None:
 
 def test_an_effect_kept_without_need_is_named_too() -> None:
     told = effects.verdict([run("", True, 0.0), run("far_field", False, 0.001)])
-    assert "0 change one of them" in told and "less:\n\n- `far_field`" in told
+    assert "0 change p_max" in told and "less:\n\n- `far_field`" in told
