@@ -64,7 +64,7 @@ CHECKS = {
     "shear_over_pressure_least": "largest shear stress over pressure, at least",
     "mises_over_shear": "von Mises over shear stress, at most",
     "mises_over_shear_least": "von Mises over shear stress, at least",
-    "load_over_first_yield": "the load over that of first yield",
+    "load_over_first_yield": "the load over the load of first yield",
     "small_strain": "strains are small: pressure over modulus",
     "pressure_of_steel": "a pressure that some steel bears, MPa",
     "axle_torque": "no torque on the axle",
