@@ -1,15 +1,16 @@
-"""What a position costs, by what is asked of it: processor seconds in a warm process, and those of
-a sweep as a command."""
+"""What commands cost, and what a position costs by what is asked of it, in processor seconds."""
 
 import subprocess
 import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from statistics import median
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
 import railhead
+from railhead.cli.study import ROOT
 from railhead.run.progress import Progress
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene
@@ -36,13 +37,40 @@ SCENES = {
 }
 SHIFTS = "wheelset.shift=-5:5:0.5mm"
 CREEPAGES = 100  # solved one by one on 24 cells each way
+WHEEL = (
+    "run s1002_60e1 --set friction.coefficient=0.3 --set wheelset.shift=2mm"
+    " --set rolling.from_wheelset=true --without plasticity"
+)
+ELLIPSE = "run hertz_ellipse --set friction.coefficient=0.3 --set rolling.creepage_along=0.1%"
+CROWN, ROUTE = "wear examples/wear_crown.toml", "wear examples/wear_route.toml --fast"
+COMMANDS = (
+    ("ellipse", "run hertz_ellipse"),
+    ("ellipse that rolls with friction", ELLIPSE),
+    ("the same, half-spaces", f"{ELLIPSE} --fast"),
+    ("real profiles", "run s1002_60e1"),
+    ("a wheelset that rolls with friction", WHEEL),
+    ("the same, half-spaces", f"{WHEEL} --fast"),
+    ("the same, half-spaces, an axle without torque",
+     f"{WHEEL} --fast --set rolling.axle=torque_free"),
+    ("wear of one position, half-spaces, finite elements at the end", CROWN),
+    ("wear of one position, half-spaces", f"{CROWN} --fast"),
+    ("wear over a route of 10 positions in 7 steps, half-spaces", ROUTE),
+    ("a creep table for vehicle programs", "table"),
+)  # fmt: skip
+"""Commands of `railhead` after what they do; they begin at the top of the checkout."""
 
 
 def main(out: Path, *, quick: bool) -> None:
-    """Measure each row (quick: the ellipse alone, once), and write speed.csv and the page."""
+    """Measure each row (quick: the ellipses alone, once); write both CSV files and the page."""
     repeats = 1 if quick else REPEATS
     rows: list[Row] = []
+    commands: list[Row] = []
     with Progress(quiet=False) as progress:
+        for task, line in COMMANDS[: 2 if quick else None]:
+            progress.stage(line)
+            more = ["--no-pictures"] if line.startswith("run") else []
+            each = command(*line.split(), *more)
+            commands.append({"task": task, "command": line, "seconds": each})
         progress.stage(UNIT)
         unit = catalogue.find("hertz_ellipse").replace(["mesh.patch_size=0.3"])
         whole = seconds(lambda: railhead.solve(unit, quiet=True), repeats)
@@ -59,12 +87,14 @@ def main(out: Path, *, quick: bool) -> None:
         rows.append({"what": text, "asked": "forces", "seconds": each, "units": each / whole})
         if not quick:
             progress.stage("sweep")
-            each = swept(out / "sweep")
+            sets = [f"--set={key}" for key in (*ROLLS, *WHEELSET)]
+            over = f"--over={SHIFTS}", "--only=patch,forces"
+            each = command("sweep", "s1002_60e1", *sets, *over)
             text = "21 shifts of S1002 on 60E1, a sweep from its start to its table"
             rows.append(
                 {"what": text, "asked": "patch, forces", "seconds": each, "units": each / whole}
             )
-    tables.publish(out, page(rows), {"seconds": "s"}, speed=rows)
+    tables.publish(out, page(rows, commands), {"seconds": "s"}, speed=rows, speed_commands=commands)
 
 
 def solved(scene: Scene) -> Callable[[], object]:
@@ -82,15 +112,17 @@ def seconds(work: Callable[[], object], repeats: int) -> float:
     return median(found[1:])
 
 
-def swept(folder: Path) -> float:
-    """Processor seconds of a sweep over SHIFTS, with all of its processes."""
-    command = [str(Path(sys.executable).with_name("railhead")), "sweep", "s1002_60e1"]
-    sets = [f"--set={key}" for key in (*ROLLS, *WHEELSET)]
-    more = [f"--over={SHIFTS}", "--only=patch,forces", f"--out={folder}", "--force", "--quiet"]
+def command(*arguments: str) -> float:
+    """Processor seconds of a command of `railhead` with all of its processes. RuntimeError: it
+    ends with another status than 0, or 1 where a check fails.
+    """
+    line = [str(Path(sys.executable).with_name("railhead")), *arguments, "--quiet"]
     start = tables.processor_seconds()
-    status = subprocess.run([*command, *sets, *more], check=False).returncode
-    if status > 1:  # 1: a position fails a check
-        raise RuntimeError(f"the sweep ended with status {status}")
+    with TemporaryDirectory() as out:
+        line += [f"--out={out}/out"]
+        status = subprocess.run(line, check=False, cwd=ROOT, stdout=subprocess.DEVNULL).returncode
+    if status > 1:
+        raise RuntimeError(f"{line} ended with status {status}")
     return tables.processor_seconds() - start
 
 
@@ -104,7 +136,10 @@ def creep_forces() -> None:
         found = friction.solve(Creepage(0.02 * (step + 1), 0.01, 0.1), found)
 
 
-def page(rows: list[Row]) -> str:
+def page(rows: list[Row], commands: list[Row]) -> str:
     """Text of the page."""
-    shown = tables.cells(rows, "{what}", "{asked}", "{seconds:.3f}", "{units:.3f}")
-    return tables.render("speed", rows=shown)
+    return tables.render(
+        "speed",
+        rows=tables.cells(rows, "{what}", "{asked}", "{seconds:.3f}", "{units:.3f}"),
+        commands=tables.cells(commands, "{task}", "`{command}`", "{seconds:.1f}"),
+    )

@@ -35,7 +35,7 @@ QUICK = {
         "on the right side of the limit at all 2 places",
     ),
     "profiles": ({"profiles.csv"}, "54E1 crown 1 mm"),
-    "speed": ({"speed.csv"}, "a creep force on 24 x 24 cells"),
+    "speed": ({"speed.csv", "speed_commands.csv"}, "a creep force on 24 x 24 cells"),
     "thesis": (
         {"thesis.csv", "thesis_lines.png", "thesis_loads.png", "thesis_patch.png"},
         "Not run: closed forms only.",
