@@ -18,7 +18,7 @@ from railhead.cli.study import PAGE
 from railhead.planning.simulation_plan import Plan
 from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
 from railhead.run.progress import Progress
-from railhead.run.quantities import numeric_values
+from railhead.scene.quantities import numeric_values
 from railhead.solver.algebra.newton import NewtonResult
 
 Row = dict[str, Any]
@@ -33,7 +33,7 @@ COLUMNS = {
     "tau_max_depth": "tau_max_depth_mm",
     "von_mises_max": "von_mises_max_MPa",
 }
-"""Columns of studies, and the quantities of `railhead.run.quantities` that they hold."""
+"""Columns of studies, and the quantities of `railhead.scene.quantities` that they hold."""
 
 
 def columns(result: Mapping[str, Any], names: Iterable[str]) -> dict[str, float]:

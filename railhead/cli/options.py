@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from railhead.scene import catalogue
+from railhead.scene.quantities import GROUPS
 from railhead.scene.scene import (
     OTHER_NAMES,
-    QUANTITIES,
     Effects,
     Scene,
     SceneError,
@@ -115,7 +115,7 @@ _scene_options = (
     _effect("--with", "switched_on", help="Simulate this effect."),
     _effect("--without", "switched_off", help="Leave this effect out."),
     click.option("--fast", is_flag=True, help="Half-spaces: --without finite_bodies."),
-    click.option("--only", metavar="NAME,NAME", help=f"Compute these: {','.join(QUANTITIES)}."),
+    click.option("--only", metavar="NAME,NAME", help=f"Compute these: {','.join(GROUPS)}."),
 )
 
 

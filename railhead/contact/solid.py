@@ -187,7 +187,7 @@ class Contact:
         3, of a line 2.
     prescribed_length: key in summary.json of the half length that is prescribed, not solved for;
         None where there is none.
-    error_family_shape: shape of the error envelopes, `Setting.shape`, of bodies that end; solid
+    error_family_shape: shape of the error envelopes, `Plan.setting`, of bodies that end; solid
         half-spaces have one of their own.
     """
 

@@ -18,7 +18,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
@@ -44,7 +44,7 @@ PLACES = ("tau_max_depth_mm",)
 TURNED = {"a_mm": "b_mm", "b_mm": "a_mm"}
 """Half lengths along and across the rail change places in line contacts across it."""
 USUAL = {"half-spaces": "ellipse", "bodies": "bodies"}
-"""Family of solids by `Setting.shape`, with quadratic tetrahedra and the default contact law."""
+"""Family of solids by shape (`Plan.setting`), with quadratic tetrahedra and the default law."""
 LAWS = Path(__file__).with_name("data") / "laws.json"
 
 
@@ -54,40 +54,6 @@ def drop_beside_maximum(beside: float) -> float:
         (FLAT) of the maximum.
     """
     return FLAT * beside**2
-
-
-@dataclass(frozen=True, kw_only=True)
-class Setting:
-    """Properties of a planned model, besides the resolution, on which its errors depend.
-    shape: 'half-spaces' (meshed blocks), 'bodies' (solids that end), 'plane strain' or 'meridian';
-        of sections also between half-spaces.
-    turned: the width of a line contact runs across the rail.
-    cell: 'tetrahedron' or 'hexahedron', as mesh.cell of the scene.
-    order: of the displacement, 1 or 2.
-    method: as solver.method of the scene.
-    theta: of Nitsche's method; None where the contact law chooses it.
-    gamma_factor: as solver.gamma_factor of the scene.
-    poisson, least_poisson: largest and least Poisson's ratio of the deformable bodies.
-    ellipse: the forecast patch, or the solved one where it is known, is Hertz's.
-    axis_ratio: longer over shorter half length of the most loaded patch; 1 of a line contact.
-    stiffness: smaller over larger E/(1 - nu^2) of the two bodies; 0 where one is rigid, also by
-        choice.
-    overload: load over that of first yield where yield is simulated, else 0.
-    """
-
-    shape: str
-    turned: bool
-    cell: str
-    order: int
-    method: str
-    theta: int | None
-    gamma_factor: float
-    poisson: float
-    least_poisson: float
-    ellipse: bool
-    axis_ratio: float
-    stiffness: float
-    overload: float
 
 
 @dataclass(frozen=True)
@@ -114,8 +80,8 @@ class Family:
     """Scenes whose errors were measured together. The error of a quantity has two parts: that of
     the mesh, and that of reading, the difference of two ways of postprocessing the same solution.
     name: name of the family.
-    where: by field of `Setting`, the range of a float (two ends), or all allowed values of a field
-        that is a word, a truth value, an integer or None.
+    where: by key of `Plan.setting`, the range of a float (two ends), or all allowed values of a
+        word, a truth value, an integer or None.
     resolution: smallest and largest calibrated n, elements per smaller semi-axis.
     laws: envelope of the mesh error by key of summary.json, over the quantity's scale
         (`estimates.error_scales`).
@@ -132,13 +98,13 @@ class Family:
     reading: Mapping[str, ErrorEnvelope]
     overlap: Mapping[str, float]
 
-    def holds(self, setting: Setting) -> bool:
-        """Whether every field of the setting lies within what was calibrated."""
+    def holds(self, setting: Mapping[str, Any]) -> bool:
+        """Whether every value of the setting lies within what was calibrated."""
         return all(
             self.where[name][0] <= value <= self.where[name][1]
             if isinstance(value, float)
             else value in self.where[name]
-            for name, value in asdict(setting).items()
+            for name, value in setting.items()
         )
 
     @property
@@ -262,51 +228,40 @@ def families() -> tuple[Family, ...]:
     )
 
 
-def family(setting: Setting) -> Family | None:
-    """The family that the setting lies in, turned for a width across the rail; None where no family
-    was calibrated for the setting, without regard to friction, for which there is none.
+def family(setting: Mapping[str, Any]) -> Family | None:
+    """The family that the setting (`Plan.setting`) lies in, turned for a width across the rail;
+    None where no family was calibrated for the setting, without regard to friction, for which there
+    is none.
 
     The approach depends on distant elements, whatever the contact law: its envelope is not below
     that of the family of the same bodies with the default law (USUAL).
     """
     found = next((each for each in families() if each.holds(setting)), None)
-    usual = next((each for each in families() if each.name == USUAL.get(setting.shape)), None)
+    usual = next((each for each in families() if each.name == USUAL.get(setting["shape"])), None)
     if found and usual:
         laws = (each.laws["approach_mm"] for each in (found, usual))
         widest = max(laws, key=lambda law: law.value)
         found = replace(found, laws={**found.laws, "approach_mm": widest})
-    return found.across if found and setting.turned else found
+    return found.across if found and setting["turned"] else found
 
 
-@dataclass(frozen=True)
-class Uncertainty:
-    """Relative error of sizes and values of the answer that measured profiles may hide: twice
-    (SAFETY) the largest change where they are smoothed more or less (`around`).
-    relative: relative error of the largest pressure or of the area, the larger one; infinite where
-        boundary elements find no patch.
-    reason: why the error is infinite, else empty.
-    """
-
-    relative: float
-    reason: str = ""
-
-
-def of_profiles(context: Context) -> Uncertainty | None:
-    """Relative error that the measured profiles of a scene may hide, by boundary elements; None
-    where no profile is measured, for half-spaces, and in sections, whose contacts no half-space
-    has.
+def of_profiles(context: Context) -> dict[str, Any] | None:
+    """Relative error that the measured profiles of a scene may hide (`around`), as "relative", and
+    why it is infinite, as "reason": boundary elements find no patch. None where no profile is
+    measured, for half-spaces, and in sections, whose contacts no half-space has.
     """
     scene, contact = context.contact.scene, context.contact
     if not contact.curved_solid or not solid.measured_bodies(scene):
         return None
     try:
-        return around(scene, context.boundary_elements)
+        return {"relative": around(scene, context.boundary_elements), "reason": ""}
     except ValueError as error:
-        return Uncertainty(math.inf, str(error))
+        return {"relative": math.inf, "reason": str(error)}
 
 
-def around(scene: Scene, solution: BoundaryElementSolution) -> Uncertainty:
-    """Twice (SAFETY) the largest relative change of largest pressure or area when the smoothing
+def around(scene: Scene, solution: BoundaryElementSolution) -> float:
+    """Relative error of sizes and values of the answer that measured profiles may hide: twice
+    (SAFETY) the largest relative change of largest pressure or area when the smoothing
     length of the measured profiles is doubled or halved, and half of the points of drawn ones are
     left out.
     solution: boundary elements with the usual smoothing.
@@ -317,4 +272,4 @@ def around(scene: Scene, solution: BoundaryElementSolution) -> Uncertainty:
         contact = solid.locate(scene, solid.pairs(scene, stretch))
         other = boundary_elements.solve(contact, closed_forms.ellipse(scene, contact), scene.load)
         changes += [other.max_pressure / solution.max_pressure - 1, other.area / solution.area - 1]
-    return Uncertainty(SAFETY * max(map(abs, changes)))
+    return SAFETY * max(map(abs, changes))

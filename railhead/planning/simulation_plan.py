@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from railhead.contact import dimension, placed_bodies, plane_section, solid
+from railhead.contact import dimension, placed_bodies, plane_section, solid, wheelset_kinematics
 from railhead.contact.plane_section import SectionContact
 from railhead.contact.solid import Contact
 from railhead.meshing.bodies import (
@@ -28,7 +28,7 @@ from railhead.planning import cost, effects, error_envelopes, sizing
 from railhead.planning.context import Context, Effect
 from railhead.planning.effects import interface, material
 from railhead.planning.effects.shape import one_radius
-from railhead.planning.error_envelopes import Family, Setting, Uncertainty
+from railhead.planning.error_envelopes import Family
 from railhead.planning.forecast import Forecast, forecast
 from railhead.planning.references import closed_forms, torque_free
 from railhead.planning.sizing import Sizing
@@ -98,45 +98,53 @@ class Plan:
         return self.context.hertz
 
     @property
-    def setting(self) -> Setting:
+    def setting(self) -> dict[str, Any]:
         """Properties of the plan that its errors depend on, besides the element size. Friction is
         not among them.
+        shape: 'half-spaces' (meshed blocks), 'bodies' (solids that end), 'plane strain' or
+            'meridian'; of sections also between half-spaces.
+        turned: whether the width of a line contact runs across the rail.
+        cell, method, theta, gamma_factor: as the scene has them under mesh and solver.
+        order: of the displacement, 1 or 2.
+        poisson, least_poisson: largest and least Poisson's ratio of the deformable bodies.
+        ellipse: whether the forecast patch is Hertz's.
+        axis_ratio: longer over shorter half length of the most loaded patch; 1 of a line contact.
+        stiffness: smaller over larger E/(1 - nu^2) of the two bodies; 0 where one is rigid, also by
+            choice.
+        overload: load over that of first yield where yield is simulated, else 0.
         """
-        scene, zone = self.scene, self.zone
+        scene, contact = self.scene, self.contact
         moduli = [
             young / (1 - scene.bodies[name].poisson_ratio ** 2)
             for name, young in self.context.young_moduli.items()
         ]
         ratios = [part.poisson_ratio for part in self.context.deformable.values()]
-        contact = self.contact
-        return Setting(
-            shape="half-spaces" if contact.solid_half_space else contact.error_family_shape,
-            turned=contact.prescribed_length == "a_mm",
-            cell=scene.mesh.cell,
-            order=self.order,
-            method=scene.solver.method,
-            theta=scene.solver.theta,
-            gamma_factor=scene.solver.gamma_factor,
-            poisson=max(ratios),
-            least_poisson=min(ratios),
-            ellipse=self.forecast.hertzian,
-            axis_ratio=max(zone) / min(zone),
-            stiffness=0.0 if math.isinf(max(moduli)) else min(moduli) / max(moduli),
-            overload=material.overload(self.context) if self.effects["plasticity"].on else 0.0,
-        )
+        return {
+            "shape": "half-spaces" if contact.solid_half_space else contact.error_family_shape,
+            "turned": contact.prescribed_length == "a_mm",
+            "cell": scene.mesh.cell,
+            "order": self.order,
+            "method": scene.solver.method,
+            "theta": scene.solver.theta,
+            "gamma_factor": scene.solver.gamma_factor,
+            "poisson": max(ratios),
+            "least_poisson": min(ratios),
+            "ellipse": self.forecast.hertzian,
+            "axis_ratio": max(self.zone) / min(self.zone),
+            "stiffness": 0.0 if math.isinf(max(moduli)) else min(moduli) / max(moduli),
+            "overload": material.overload(self.context) if self.effects["plasticity"].on else 0.0,
+        }
 
     @property
     def family(self) -> Family | None:
-        """Family of calibrated error envelopes whose laws hold for this plan. None where an effect
-        is simulated without which they were calibrated, but for friction on grids, which leaves
-        patch and pressure as they are; where half-spaces answer without a mesh; and where no family
-        was calibrated for such a model. Half-spaces that are meshed have a family of their own, and
-        so have bodies that yield.
+        """Family of calibrated error envelopes whose laws hold for this plan. None where half-
+        spaces answer without a mesh, where friction is condensed (on grids it leaves patch and
+        pressure as they are), and where no family was calibrated for such a model. Half-spaces that
+        are meshed have a family of their own, and so have bodies that yield.
         """
-        rules = effects.EFFECTS
-        beyond = [n for n, each in self.effects.items() if each.on and rules[n].beyond_envelopes]
-        none = self.by_half_spaces or (self.condenses and "friction" in beyond)
-        return None if none or {*beyond} - {"friction"} else error_envelopes.family(self.setting)
+        if self.by_half_spaces or (self.condenses and self.effects["friction"].on):
+            return None
+        return error_envelopes.family(self.setting)
 
     @property
     def stresses_asked(self) -> bool:
@@ -149,19 +157,9 @@ class Plan:
         return not self.effects["finite_bodies"].on
 
     @property
-    def beyond_envelopes(self) -> bool:
-        """Whether an effect is simulated without which the error envelopes were calibrated, such as
-        friction.
-        """
-        rules = effects.EFFECTS
-        return any(each.on and rules[name].beyond_envelopes for name, each in self.effects.items())
-
-    @property
     def elastic_laws_hold(self) -> bool:
-        """Whether error envelopes, and costs, of elastic and frictionless bodies hold with the
-        effects that are on: neither plasticity nor one `beyond_envelopes`, such as friction.
-        """
-        return not (self.effects["plasticity"].on or self.beyond_envelopes)
+        """Whether error envelopes, and costs, of elastic and frictionless bodies hold."""
+        return not (self.effects["plasticity"].on or self.effects["friction"].on)
 
     @property
     def plane_model(self) -> bool:
@@ -236,21 +234,19 @@ class Plan:
         return (self.scene.accuracy or 0.0) - self.omission_error
 
     @cached_property
-    def uncertainty(self) -> Uncertainty | None:
-        """Relative error of largest pressure and area, one number, that measured profiles may hide:
-        by boundary elements on profiles that are smoothed more and less, solved at the first call.
-        Infinite where these find no patch. None where no profile is measured, for half-spaces, and
-        in sections.
+    def uncertainty(self) -> dict[str, Any] | None:
+        """What measured profiles may hide, as of `error_envelopes.of_profiles`; boundary elements
+        are solved at the first call.
         """
         return error_envelopes.of_profiles(self.context)
 
     @property
     def profile_error(self) -> float:
-        """Relative error of largest pressure and area that measured profiles may hide
-        (`uncertainty`): 0 where that is None, infinite where boundary elements find no patch. No
-        mesh makes it smaller.
+        """Relative error of largest pressure and area, one number, that measured profiles may hide:
+        0 without such profiles, infinite where boundary elements find no patch. No mesh makes it
+        smaller.
         """
-        return self.uncertainty.relative if self.uncertainty else 0.0
+        return float(self.uncertainty["relative"]) if self.uncertainty else 0.0
 
     @property
     def profiles(self) -> dict[str, dict[str, Any]]:
@@ -432,14 +428,14 @@ class Plan:
 
         That error is the smallest envelope of elastic, frictionless bodies on this mesh. Without
         envelopes, or with yield, it is the accuracy of the scene. Without an accuracy, and with
-        effects `beyond_envelopes`, the tolerance is 1e-6 (DEFAULT_TOLERANCE).
+        friction, the tolerance is 1e-6 (DEFAULT_TOLERANCE).
         """
         family, n = self.family, self.forecast.minor / self.patch_size
         if self.scene.solver.tolerance is not None:
             return self.scene.solver.tolerance
         if family is not None and self.elastic_laws_hold:
             smallest = min(family.mesh(name, n) for name in family.laws)
-        elif self.scene.accuracy and not self.beyond_envelopes:
+        elif self.scene.accuracy and not self.effects["friction"].on:
             smallest = self.scene.accuracy
         else:
             return DEFAULT_TOLERANCE
@@ -604,6 +600,9 @@ class Plan:
         contact angle, wheelset creepage where the wheelset prescribes it, forecast, measured
         profiles and their uncertainty.
         """
+        wheelset = {}
+        if self.scene.rolling.from_wheelset:
+            wheelset["wheelset"] = wheelset_kinematics.wheelset_creepage(self.contact).summary()
         return {
             "effects": {
                 name: {
@@ -621,14 +620,10 @@ class Plan:
             "slave": BODY_NAMES[self.slave],
             "held_mm": self.held,
             "contact_angle_rad": self.contact.touch.angle,
-            **(
-                {}
-                if (found := interface.wheelset_creepage(self.context)) is None
-                else {"wheelset": found.summary()}
-            ),
+            **wheelset,
             "forecast": {"hertzian": self.forecast.hertzian, "reason": self.forecast.reason},
             "profiles": self.profiles,
-            "profile_uncertainty": self.uncertainty and vars(self.uncertainty),
+            "profile_uncertainty": self.uncertainty,
         }
 
 

@@ -32,9 +32,8 @@ from railhead.run.estimates import (
 from railhead.run.half_spaces.answer import HalfSpaceSolution, Solved
 from railhead.run.half_spaces.normal_contact import CELLS
 from railhead.run.mesh_solution import MeshSolution
-from railhead.run.quantities import QUANTITIES, numeric_values
 from railhead.scene.bodies import STEEL_MODULI
-from railhead.scene.sections import QUANTITIES as QUANTITY_GROUPS
+from railhead.scene.quantities import GROUPS, QUANTITIES, numeric_values
 
 DEFAULT_TOLERANCE = 0.05  # relative difference allowed to a number without an estimate
 ESTIMATE_FACTOR = 1.5  # difference allowed to a number with an estimate, over the estimate
@@ -674,7 +673,7 @@ def not_asked(plan: Plan) -> dict[str, str]:
     yields = any(part.yields for part in plan.context.stressed.values())
     return {
         name: NOT_ASKED
-        for name in QUANTITY_GROUPS
+        for name in GROUPS
         if not plan.scene.asks(name) and (rubs or name not in ("forces", "friction_stresses"))
     } | ({"plasticity": FORECAST} if yields and not known else {})
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from railhead.postprocess.findings import NO_DEPTH
 from railhead.postprocess.pass_rows import PASS_COLUMNS
-from railhead.run import quantities
+from railhead.scene import quantities
 from railhead.scene.scene import dotted
 
 Cell = float | str | None

@@ -14,9 +14,9 @@ from railhead.planning.simulation_plan import Plan
 from railhead.postprocess import symmetry
 from railhead.postprocess.findings import BASE_UNITS, Array, Findings, Surface, Units
 from railhead.results.report import terminal
-from railhead.run import quantities
 from railhead.run.half_spaces.answer import Solved
 from railhead.run.mesh_solution import MeshSolution
+from railhead.scene import quantities
 from railhead.scene.catalogue import as_path
 from railhead.scene.scene import SceneError
 
@@ -47,8 +47,8 @@ class Result(terminal.Drawn):
 
     The properties `patch`, `pressure`, `stress`, `friction`, `plastic`, `load` and `approach` hold
     numbers of that solution, `hertz` the same of exact Hertz, `estimate` bounds of relative errors.
-    `railhead.run.quantities` describes each number. Where nothing touches, all of them but `hertz`
-    and `estimate` raise ValueError. They are of the whole model, images in symmetry planes
+    `railhead.scene.quantities` describes each number. Where nothing touches, all of them but
+    `hertz` and `estimate` raise ValueError. They are of the whole model, images in symmetry planes
     included. A loaded result has `summary` and these numbers; all that needs the solution raises
     ValueError.
     """

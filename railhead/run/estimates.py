@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from railhead.planning.effects import material
@@ -29,7 +29,7 @@ from railhead.planning.error_envelopes import STEP, Family, drop_beside_maximum
 from railhead.postprocess.findings import RIVAL, Findings
 from railhead.postprocess.friction import MOTION, RISE
 from railhead.run.mesh_solution import MeshSolution
-from railhead.run.quantities import ESTIMATED, QUANTITIES, SCATTER, numeric_values
+from railhead.scene.quantities import ESTIMATED, QUANTITIES, SCATTER, numeric_values
 from railhead.theory.elastic.subsurface import max_shear
 
 # Error over the change between two meshes a step apart; first order leaves 1/(STEP - 1) = 1.67.
@@ -43,45 +43,23 @@ RIDGE_STRESS_FACTOR = 2.0
 """Uncertainty of the largest stresses in the bodies under a ridge of the pressure, over that of the
 ridge: chosen on the scenes of seed 1, of which one alone makes three quarters of the law if it is
 1."""
+ALWAYS = "mesh", "reading", "contact_law", "left_out", "geometry", "algebraic"
+"""Parts of all estimates."""
 NARROWEST_PEAK = 0.02  # least width of a maximum of the shear stress, over the element size
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Estimate:
-    """Relative error of one quantity, in parts that add up.
+    """Relative error of one quantity.
 
-    mesh: discretisation error, from an error envelope or from the changes between meshes.
-    reading: difference of two ways of reading the same solution; 0 where there is one way.
-    contact_law: effect of the overlap of the bodies in the penalty method; 0 with Nitsche's.
-    left_out: effect of what the plan leaves out.
-    geometry: distance of contact points from the exact surface, over the smaller semi-axis.
-    load_steps: error of the load steps where bodies yield.
-    algebraic: effect of the residual that Newton's method leaves.
-    profile: effect of the noise of measured profiles.
-    grid: of quantities of friction, the error of the grids of their tractions.
+    parts: by name, parts that add up (see above); those that are not in `ALWAYS` only where they
+        are not zero.
     flatness: where the quantity is the depth of a maximum, half the range of depths in which values
         are close to that maximum, over its depth; None for other quantities.
     """
 
-    mesh: float
-    reading: float
-    contact_law: float
-    left_out: float
-    geometry: float
-    load_steps: float = 0.0
-    algebraic: float = 0.0
-    profile: float = 0.0
-    grid: float = 0.0
+    parts: Mapping[str, float]
     flatness: float | None = None
-
-    @property
-    def parts(self) -> dict[str, float]:
-        """All parts by name, without `flatness`; "load_steps", "profile" and "grid" only where they
-        are not zero.
-        """
-        values = {name: value for name, value in vars(self).items() if name != "flatness"}
-        optional = ("load_steps", "profile", "grid")
-        return {name: value for name, value in values.items() if value or name not in optional}
 
     @property
     def total(self) -> float:
@@ -95,10 +73,7 @@ class Estimate:
         """
         if self.flatness is None:
             return self.total
-        return drop_beside_maximum((self.total - self.reading) / self.flatness)
-
-
-NONE = Estimate(mesh=0.0, reading=0.0, contact_law=0.0, left_out=0.0, geometry=0.0)
+        return drop_beside_maximum((self.total - self.parts["reading"]) / self.flatness)
 
 
 def largest_error(estimated: Mapping[str, Estimate], solved: MeshSolution) -> float:
@@ -374,28 +349,34 @@ def estimate(meshes: Sequence[MeshSolution]) -> tuple[dict[str, Estimate], str]:
     for key in parts.keys() & _of_rigid_bodies(solved):
         parts[key] = max(parts[key], parts.get("max_MPa", math.inf))
         readings[key] += readings["max_MPa"]
-    estimates = {
-        name: Estimate(
-            mesh=mesh,
-            reading=readings.get(name, 0.0),
-            contact_law=overlap * (envelopes.overlap.get(name, 1.0) if envelopes else 1.0),
-            left_out=solved.plan.omission_error,
-            geometry=solved.off_surface / min(solved.plan.zone),
-            load_steps=steps.get(name, 0.0),
-            algebraic=RESIDUAL_FACTOR * (solved.solution.newton.residual or 0.0),
-            profile=solved.plan.profile_error,
-            flatness=scale.get(name),
-        )
+    errors = {
+        name: {
+            "mesh": mesh,
+            "reading": readings.get(name, 0.0),
+            "contact_law": overlap * (envelopes.overlap.get(name, 1.0) if envelopes else 1.0),
+            "left_out": solved.plan.omission_error,
+            "geometry": solved.off_surface / min(solved.plan.zone),
+            "load_steps": steps.get(name, 0.0),
+            "algebraic": RESIDUAL_FACTOR * (solved.solution.newton.residual or 0.0),
+            "profile": solved.plan.profile_error,
+        }
         for name, mesh in parts.items()
     }
-    if solved.solution.friction is not None and "area_mm2" in estimates:
+    if solved.solution.friction is not None and "area_mm2" in errors:
         used = solved.solution.friction.used
-        patch = [estimates[key].total for key in ("area_mm2", "max_MPa")]
+        patch = [sum(errors[key].values()) for key in ("area_mm2", "max_MPa")]
         still = solved.result["friction"].get("resolution", {})
         for name, (mesh, grid) in friction_errors(solved.result["friction"], used, *patch).items():
             over = abs(_with_rises(solved.result["friction"])[name])
             over = solved.solution.friction.friction_limit if name in FRICTION_SHARES else over
             mesh += abs(still.get(name, 0.0)) / over if name != "stick_share" else 0.0
-            parts_of = estimates.get(name, NONE)
-            estimates[name] = replace(parts_of, mesh=max(mesh, parts_of.mesh), grid=grid)
+            before = errors.get(name, dict.fromkeys(ALWAYS, 0.0))
+            errors[name] = {**before, "mesh": max(mesh, before["mesh"]), "grid": grid}
+    estimates = {
+        name: Estimate(
+            {part: value for part, value in each.items() if value or part in ALWAYS},
+            scale.get(name),
+        )
+        for name, each in errors.items()
+    }
     return {name: each for name, each in estimates.items() if math.isfinite(each.total)}, source

@@ -138,7 +138,7 @@ class MeshSolution:
         plan, found = self.plan, self.findings
         if found is None or plan.family is None or plan.effects["plasticity"].on:
             return plan.family
-        return error_envelopes.family(replace(plan.setting, ellipse=found.hertzian))
+        return error_envelopes.family({**plan.setting, "ellipse": found.hertzian})
 
     @property
     def unloaded_fields(self) -> Fields | None:

@@ -106,7 +106,7 @@ def _friction(plan: Plan) -> FrictionSettings:
     scene, contact = plan.scene, plan.contact
     frame, rolling = contact.frame, scene.rolling
     given = rolling if rolling.prescribed else scene.friction
-    moves = interface.creepage(plan.context)
+    moves = wheelset_kinematics.creepage(plan.contact)
     known = [moves.along, moves.across, moves.spin]
     free = []
     for index, way in enumerate(("along", "across")):

@@ -10,11 +10,12 @@ from mpi4py import MPI
 from railhead.planning import cost, error_envelopes
 from railhead.planning.simulation_plan import Plan
 from railhead.planning.sizing import LINEAR_REFINEMENT
-from railhead.run import estimates, quantities
+from railhead.run import estimates
 from railhead.run.estimates import STEP_ORDER
 from railhead.run.half_spaces import answer
 from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
 from railhead.run.progress import Progress
+from railhead.scene import quantities
 from railhead.scene.scene import SceneError
 
 MAX_LEVELS = 5

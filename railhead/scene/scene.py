@@ -20,8 +20,8 @@ from pydantic import BeforeValidator, model_validator
 
 from railhead.scene import units
 from railhead.scene.bodies import Rail, Wheel, Wheelset
+from railhead.scene.quantities import GROUPS
 from railhead.scene.sections import (
-    QUANTITIES,
     Effects,
     Friction,
     Heat,
@@ -144,7 +144,7 @@ def _name(value: object) -> str:
 
 
 def _quantities(value: object) -> tuple[str, ...]:
-    """Names of `QUANTITIES`, each once, from a list or a text with commas. Raises ValueError (one
+    """Names of `GROUPS`, each once, from a list or a text with commas. Raises ValueError (one
     line) for anything else.
     """
     names = value.split(",") if isinstance(value, str) else value
@@ -152,8 +152,8 @@ def _quantities(value: object) -> tuple[str, ...]:
         found = tuple(dict.fromkeys(str(name).strip() for name in names))  # type: ignore[attr-defined]
     except TypeError:
         found = ()
-    if not found or not QUANTITIES.keys() >= {*found}:
-        allowed = f"give one or more of {', '.join(QUANTITIES)}"
+    if not found or not GROUPS.keys() >= {*found}:
+        allowed = f"give one or more of {', '.join(GROUPS)}"
         raise ValueError(f"{show(value)} is not allowed; {allowed}")
     return found
 
@@ -218,7 +218,7 @@ class Scene(Section):
     unload: whether bodies that yield are unloaded after the load; no effect where nothing yields.
     cycles: how often bodies that yield are loaded at the same place, 1 to 100; no effect where
         nothing yields.
-    quantities: what is computed, some of `QUANTITIES`, as a list or a text "patch,forces". Without
+    quantities: what is computed, some of `GROUPS`, as a list or a text "patch,forces". Without
         "forces" the contact is frictionless.
     rail: the rail, a `Rail`.
     wheel: the wheel, a `Wheel`.
@@ -240,7 +240,7 @@ class Scene(Section):
     budget: units.Duration | None = None
     unload: bool = True
     cycles: Annotated[int, Range(units.NUMBER, 1, 100, whole=True)] = 1
-    quantities: Annotated[tuple[str, ...], BeforeValidator(_quantities)] = tuple(QUANTITIES)
+    quantities: Annotated[tuple[str, ...], BeforeValidator(_quantities)] = tuple(GROUPS)
     rail: Rail = Rail()
     wheel: Wheel = Wheel()
     wheelset: Wheelset = Wheelset()
@@ -383,10 +383,10 @@ class Scene(Section):
         return self.accuracy is None and self.budget is None
 
     def asks(self, name: str) -> bool:
-        """Whether a group of `QUANTITIES` is computed: it is asked for, or needed by one that
+        """Whether a group of `GROUPS` is computed: it is asked for, or needed by one that
         is.
         """
-        asked = any(name in (each, *QUANTITIES[each]) for each in self.quantities)
+        asked = any(name in (each, *GROUPS[each]) for each in self.quantities)
         return asked or name == "patch"
 
     @property

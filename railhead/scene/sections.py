@@ -17,16 +17,6 @@ from railhead.scene.units import Range, show
 if TYPE_CHECKING:
     from railhead.theory.array_types import Array
 
-QUANTITIES: dict[str, tuple[str, ...]] = {
-    "patch": (),
-    "stresses": (),
-    "forces": (),
-    "friction_stresses": ("forces",),
-    "second_method": (),
-    "pictures": ("stresses", "forces", "friction_stresses"),
-}
-"""What a scene may ask for, and what else each of it needs. Patch and pressure are always found."""
-
 
 class SceneError(ValueError):
     """Error of a scene or of a command's input, as one line "key: text".

@@ -21,7 +21,7 @@ from railhead.postprocess.findings import BASE_UNITS, Subject, Units
 from railhead.results import result_folder
 from railhead.results.report import html, terminal
 from railhead.results.result import Result
-from railhead.run import quantities
+from railhead.scene import quantities
 from railhead.scene.catalogue import as_path
 from railhead.scene.scene import Scene, SceneError
 from railhead.sweeps import store

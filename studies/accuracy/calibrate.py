@@ -29,8 +29,8 @@ from railhead.planning.error_envelopes import PLACES, TURNED, ErrorEnvelope
 from railhead.planning.references.allowance import lever
 from railhead.run import estimates, mesh_solution
 from railhead.run.mesh_solution import MeshSolution
-from railhead.run.quantities import ESTIMATED
 from railhead.scene import catalogue
+from railhead.scene.quantities import ESTIMATED
 from railhead.scene.scene import Scene
 from studies import tables
 from studies.accuracy import families
@@ -75,7 +75,7 @@ def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Row]:
         k for k, where in families.parts(name).items() if families.bounds(where).holds(setting)
     )
     exact: dict[str, float] = {}
-    turn = TURNED if setting.turned else {}
+    turn = TURNED if setting["turned"] else {}
     for n in resolutions:
         solved = families.solved(scene, n)
         if solved is None or solved.findings is None or not solved.solution.newton.converged:

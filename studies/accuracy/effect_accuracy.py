@@ -16,8 +16,8 @@ from railhead.planning import simulation_plan as planning
 from railhead.postprocess.pictures.diagrams import new_figure
 from railhead.results import pipeline
 from railhead.run.progress import Progress
-from railhead.run.quantities import numeric_values
 from railhead.scene import catalogue
+from railhead.scene.quantities import numeric_values
 from railhead.scene.scene import Scene
 from railhead.theory.elastic.line import LineContact
 from railhead.theory.friction import partial_slip

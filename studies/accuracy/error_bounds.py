@@ -11,8 +11,8 @@ import numpy as np
 
 from railhead.planning import simulation_plan as planning
 from railhead.results import pipeline
-from railhead.run import quantities
-from railhead.run.quantities import ESTIMATED
+from railhead.scene import quantities
+from railhead.scene.quantities import ESTIMATED
 from railhead.scene.scene import Scene
 from studies import tables
 from studies.accuracy import families

@@ -16,8 +16,8 @@ from railhead.meshing.mesh import MeshError
 from railhead.planning import error_envelopes
 from railhead.planning import simulation_plan as planning
 from railhead.results.summary import exact_quantities
-from railhead.run import quantities
 from railhead.run.mesh_solution import MeshSolution
+from railhead.scene import quantities
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.elastic.hertz import point_contact
 from studies import tables

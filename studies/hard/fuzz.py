@@ -18,7 +18,7 @@ import tomli_w
 
 from railhead.results.checks import DEFAULT_TOLERANCE
 from railhead.results.quantity_rows import reference_name
-from railhead.run import quantities
+from railhead.scene import quantities
 from railhead.scene.catalogue import read_scene
 from railhead.scene.scene import SceneError
 from studies import tables

@@ -34,8 +34,8 @@ from railhead.results.summary import summarise
 from railhead.run.half_spaces.normal_contact import CELLS, twist_change
 from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
 from railhead.run.progress import Progress
-from railhead.run.quantities import numeric_values
 from railhead.run.refinement import Ending
+from railhead.scene.quantities import numeric_values
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.elastic import indentation
 from railhead.theory.elastic.hertz import Ellipse

@@ -201,7 +201,7 @@ def compared(case: WornCase, spacing: float, noise: float, seeds: int) -> Row:
             scene = case.measured(Path(folder), spacing, noise, seed)
             try:
                 found = solved(scene)
-                left = error_envelopes.around(scene, found).relative
+                left = error_envelopes.around(scene, found)
             except (ValueError, SceneError):
                 more += 1
                 continue

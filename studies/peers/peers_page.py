@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from railhead.postprocess.pictures.diagrams import FE, new_figure
-from railhead.run.quantities import numeric_values
+from railhead.scene.quantities import numeric_values
 from railhead.theory.elastic import hertz
 from studies import processes, tables
 from studies.peers.codes import Peer

@@ -8,7 +8,7 @@ import psutil
 import pytest
 from solved import solved
 
-from railhead.run.quantities import numeric_values
+from railhead.scene.quantities import numeric_values
 
 pytestmark = pytest.mark.system
 

@@ -21,8 +21,9 @@ from railhead.planning.context import Effect
 from railhead.planning.effects import EFFECTS
 from railhead.postprocess.stress.flux import contact_force
 from railhead.postprocess.stress.plastic import largest_von_mises
-from railhead.run import estimates, mesh_solution, quantities
+from railhead.run import estimates, mesh_solution
 from railhead.run.progress import Progress
+from railhead.scene import quantities
 from railhead.solver.algebra import linear, newton
 from railhead.solver.plasticity import load_stepping
 from railhead.solver.system.contact_system import LoadCase

@@ -9,7 +9,7 @@ from functools import partial
 from railhead.contact.dimension import Dimension
 from railhead.contact.solid import Contact
 from railhead.planning.context import Context, Effect, PostSolveVerdict
-from railhead.planning.effects import interface, material, passes, shape, tribology
+from railhead.planning.effects import interface, material, passes, shape
 from railhead.postprocess.findings import Findings
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.elastic.line import Hertz
@@ -32,8 +32,6 @@ class EffectRules:
     of_bodies: only meshed bodies have the effect. Where half-spaces answer it is off; what it would
         change is a part of their error estimate.
     in_half_spaces: half-spaces always have the effect; where they answer it cannot be off.
-    beyond_envelopes: the error envelopes were calibrated without the effect, and do not hold where
-        it is on.
     """
 
     words: str
@@ -43,7 +41,6 @@ class EffectRules:
     absent_in_half_spaces: bool = False
     of_bodies: bool = False
     in_half_spaces: bool = False
-    beyond_envelopes: bool = False
 
 
 EFFECTS = {
@@ -111,7 +108,6 @@ EFFECTS = {
         decide=interface.decide_friction,
         check=interface.check_friction,
         absent_in_half_spaces=True,
-        beyond_envelopes=True,
     ),
     "plasticity": EffectRules(
         words="steel that yields",
@@ -131,16 +127,16 @@ EFFECTS = {
     ),
     "heat": EffectRules(
         words="heat of friction: temperatures of the surfaces",
-        decide=tribology.decide_heat,
-        check=tribology.check_heat,
+        decide=interface.decide_heat,
+        check=interface.check_heat,
         absent_in_half_spaces=True,
     ),
     "falling_friction": EffectRules(
         words="friction that falls with slip or temperature",
-        decide=tribology.decide_falling_friction,
+        decide=interface.decide_falling_friction,
     ),
     "layer": EffectRules(
-        words="an elastic layer between the surfaces", decide=tribology.decide_layer
+        words="an elastic layer between the surfaces", decide=interface.decide_layer
     ),
 }
 ASSUMPTIONS: dict[str, tuple[str, Weigh]] = {

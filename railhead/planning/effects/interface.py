@@ -1,21 +1,27 @@
-"""Friction: a shift from rest, or steady rolling."""
+"""Effects between the surfaces: friction, its heat, friction that falls, an elastic layer.
+
+Friction acts in a shift from rest or in steady rolling.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 from railhead.contact import wheelset_kinematics
-from railhead.contact.wheelset_kinematics import WheelsetCreepage
+from railhead.planning import cost
 from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.planning.references import closed_forms
 from railhead.postprocess.findings import Findings
+from railhead.scene import bodies
 from railhead.scene.scene import SceneError
 from railhead.scene.sections import refuse_first
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.friction import kalker
-from railhead.theory.friction.rolling import Creepage
 
 OMITTED = "not simulated: roughness, dynamics (docs/limits.md)"
+HOT = 100.0  # K, least rise of the surfaces that matters where it is not simulated (a choice)
+UNKNOWN = "flash temperature not known for this material; give the constants of [heat]"
 
 
 def decide_friction(context: Context) -> Effect:
@@ -33,42 +39,23 @@ def decide_friction(context: Context) -> Effect:
         largest = max(mu for _, mu in ((0.0, coefficient), *pairs))
     table, along, across = scene.tangential_forces
     # On an inclined contact a force across carries a part of the load, or adds to it.
-    normal = context.hertz.load + across * math.tan(context.contact.touch.angle)
-    limit, most = coefficient * max(normal, 0.0), largest * max(normal, 0.0)
-    force = math.hypot(along, across)
-    if force and force >= most and (scene.load is not None or not most):
-        raise SceneError(
+    normal = max(context.hertz.load + across * math.tan(context.contact.touch.angle), 0.0)
+    force, most = math.hypot(along, across), largest * normal
+    refuse_first(
+        (
+            force and force >= most and (scene.load is not None or not most),
             f"{table}.force_{'along' if along else 'across'}",
             f"{force:g} N would slide; give less than friction.coefficient times the normal force, "
             f"{most:g} N",
-        )
-    wheelset = wheelset_creepage(context)
-    _fits_the_section(context)
-    untouched = "no tangential force and no creepage"
-    if scene.rolling.prescribed and not largest and scene.rolling.passes is None:
-        text = "has no use with a friction.coefficient of 0; give one above 0, or leave it out"
-        raise SceneError("rolling", text)
-    if not coefficient and scene.rolling.prescribed:
-        called, why = False, "friction.coefficient = 0: it rolls freely"
-    elif scene.rolling.prescribed:
-        stands = f" as the wheelset stands, {wheelset.why}" if wheelset else ""
-        called, why = True, f"the wheel rolls{stands}{_expected(context, limit)}; {OMITTED}"
-    elif force:
-        stick = max(0.0, 1 - force / limit) ** (1 / context.contact.load_power)
-        why = (
-            f"a tangential force of {force:g} N, {force / limit:.3g} of mu N: Cattaneo and Mindlin"
-        )
-        called, why = (
-            True,
-            f"{why}'s stick patch is {stick:.3g} times as long and wide as the patch",
-        )
-    elif not unlike(context):
-        called, why = False, f"{untouched}, and Dundurs' beta = 0 leaves the surfaces unsheared"
-    elif not coefficient:
-        called, why = False, f"{untouched}, and friction.coefficient = 0"
-    else:
-        beta = context.tangential_pair.dundurs_beta
-        called, why = True, f"it resists the slip of unlike materials, Dundurs' beta = {beta:.3g}"
+        ),
+        *_beyond_the_section(context),
+        (
+            scene.rolling.prescribed and not largest and scene.rolling.passes is None,
+            "rolling",
+            "has no use with a friction.coefficient of 0; give one above 0, or leave it out",
+        ),
+    )
+    called, why = _slips(context, force, coefficient * normal)
     meshed = context.decided["finite_bodies"].on
     if called and meshed and scene.mesh.linear and scene.effects.friction != "off":
         raise SceneError(
@@ -81,6 +68,67 @@ def decide_friction(context: Context) -> Effect:
     if called and (missing := _beyond_half_spaces(context)):
         return Effect(True, False, f"{why}; {missing}", {"on": missing})
     return Effect(called, called, why)
+
+
+def _slips(context: Context, force: float, limit: float) -> tuple[bool, str]:
+    """Whether friction has an effect, and why. force: tangential force that is given, N; limit:
+    coefficient of friction at the first contact times the normal force, N.
+    """
+    scene = context.scene
+    if scene.rolling.prescribed:
+        stands = ""
+        if scene.rolling.from_wheelset:
+            moves = wheelset_kinematics.wheelset_creepage(context.contact)
+            stands = f" as the wheelset stands, {moves.why}"
+        if not friction_coefficient(context):
+            return False, "friction.coefficient = 0: it rolls freely"
+        return True, f"the wheel rolls{stands}{_expected(context, limit)}; {OMITTED}"
+    if force:
+        stick = max(0.0, 1 - force / limit) ** (1 / context.contact.load_power)
+        share = f"a tangential force of {force:g} N, {force / limit:.3g} of mu N"
+        text = f"stick patch is {stick:.3g} times as long and wide as the patch"
+        return True, f"{share}: Cattaneo and Mindlin's {text}"
+    untouched = "no tangential force and no creepage"
+    if not unlike(context):
+        return False, f"{untouched}, and Dundurs' beta = 0 leaves the surfaces unsheared"
+    if not friction_coefficient(context):
+        return False, f"{untouched}, and friction.coefficient = 0"
+    beta = context.tangential_pair.dundurs_beta
+    return True, f"it resists the slip of unlike materials, Dundurs' beta = {beta:.3g}"
+
+
+def _expected(context: Context, limit: float) -> str:
+    """Text with the tangential force of Kalker's linear theory for an ellipse over `limit` (N, mu
+    times the normal force); empty for a line contact, given forces, and axis ratios outside 0.05
+    to 20.
+    """
+    scene, ellipse = context.scene, context.hertz
+    if not isinstance(ellipse, Ellipse) or scene.rolling.force_along or scene.rolling.force_across:
+        return ""
+    if not 0.05 <= ellipse.a / ellipse.b <= 20:
+        return ""
+    pair = closed_forms.tangential_pair(scene)
+    moves = wheelset_kinematics.creepage(context.contact)
+    linear = kalker.coefficients(ellipse.a / ellipse.b, pair.poisson)
+    forces = linear.forces(ellipse.a, ellipse.b, pair.shear_modulus, moves)
+    share = math.hypot(*forces[:2]) / limit
+    return f": Kalker's linear force is {share:.3g} mu N" + (
+        ", most of the patch slips" if share > 1 else ""
+    )
+
+
+def _beyond_the_section(context: Context) -> Iterator[tuple[object, str, str]]:
+    """Rules, as of `refuse_first`, against a tangential motion or force that a plane section does
+    not have: rolling or a motion along in a section across, or a motion across in a section along.
+    """
+    scene, plane = context.scene, context.contact.plane
+    along, across = scene.asymmetric_friction
+    rolls = scene.rolling.prescribed
+    table = "rolling" if rolls else "friction"
+    text = "is not allowed: the scene is a section"
+    yield plane == "yz" and rolls, "rolling", f"{text} across the rail"
+    yield plane == "yz" and along, table, f"along the rail {text} across it"
+    yield plane == "xz" and across, table, f"across the rail {text} along it"
 
 
 def _beyond_half_spaces(context: Context) -> str:
@@ -126,61 +174,115 @@ def check_friction(context: Context, effect: Effect, found: Findings) -> PostSol
     )
 
 
-def wheelset_creepage(context: Context) -> WheelsetCreepage | None:
-    """Creepage that follows from the wheelset where rolling.from_wheelset is true, else None.
-    Raises SceneError for half-spaces and sections.
+def beyond_grids(context: Context, *, layer: bool = False) -> str:
+    """Bodies whose tractions are found neither along lines in rolling direction nor on grids of
+    half-spaces, in words: these can have no heat, no law of friction but Coulomb's and no layer.
+    Empty of all others. layer: whether a layer is asked for, which sections do not have.
     """
-    if not context.scene.rolling.from_wheelset:
+    decided = context.decided
+    if decided["passes"].on:
+        return "rolling.passes"
+    if not decided["finite_bodies"].on:
+        return ""
+    if context.contact.plane:
+        return "a section in two dimensions" if layer else ""
+    if unlike(context):
+        return "meshed bodies of unlike materials"
+    return "bodies that yield" if decided["plasticity"].on else ""
+
+
+def decide_heat(context: Context) -> Effect:
+    """Surface temperatures are called for where bodies roll at a given speed with friction. Where
+    they cannot be simulated, they are called for from a rise of 100 K (HOT) on.
+    """
+    scene, hertz = context.scene, context.hertz
+    speed, rolling = scene.rolling.speed, scene.rolling
+    if speed is None or not context.decided["friction"].on:
+        why = "nothing slips" if speed else "no rolling.speed is given"
+        return Effect(False, False, why, {"on": why})
+    if not _known(context):
+        return Effect(False, False, UNKNOWN, {"on": UNKNOWN})
+    most, why = math.nan, "the creepage of a given force is known afterwards"
+    if not (rolling.force_along or rolling.force_across):
+        moves = wheelset_kinematics.creepage(context.contact)
+        slip = math.hypot(moves.along, moves.across) + abs(moves.spin) * max(hertz.half_lengths)
+        rubbed = friction_coefficient(context) * hertz.load * slip
+        most = closed_forms.flash_rise(scene, hertz, rubbed)
+        why = f"flash temperature up to {most:.3g} K where all slips"
+    missing = beyond_grids(context)
+    if not missing:
+        return Effect(True, True, f"{why}; a strip integral, no price")
+    text = f"no temperature is simulated with {missing}"
+    return Effect(most >= HOT, False, f"{why}, {HOT:g} K matter; {text}", {"on": text})
+
+
+def check_heat(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict | None:
+    """Verdict whether the flash temperature (a rise, K) of the dissipated energy reaches 100 K
+    (HOT) where it is not simulated.
+
+    It is 'unknown' (not needed) where a body is neither steel nor of infinite modulus, and None
+    without a rolling speed, where nothing rolls with friction, and where it is simulated.
+    """
+    if context.scene.rolling.speed is None or math.isnan(found.dissipated) or effect.on:
         return None
-    return wheelset_kinematics.wheelset_creepage(context.contact)
+    if not _known(context):
+        return PostSolveVerdict(False, UNKNOWN)
+    rise = closed_forms.flash_rise(context.scene, context.hertz, found.dissipated)
+    hot = rise >= HOT
+    text = f"flash temperature {rise:.3g} K, {'above' if hot else 'below'} {HOT:g} K"
+    return PostSolveVerdict(hot, f"{text}: friction and yield stress fall with it" if hot else text)
 
 
-def creepage(context: Context) -> Creepage:
-    """Creepage of the scene as of `wheelset_kinematics.creepage`; zero for a shift."""
-    return wheelset_kinematics.creepage(context.contact)
-
-
-def _expected(context: Context, limit: float) -> str:
-    """Text with the tangential force of Kalker's linear theory for an ellipse over `limit` (N, mu
-    times the normal force); empty for a line contact, given forces, and axis ratios outside 0.05
-    to 20.
+def _known(context: Context) -> bool:
+    """Whether thermal constants are given, or each body has the modulus of a steel or an infinite
+    one.
     """
-    scene, ellipse = context.scene, context.hertz
-    if not isinstance(ellipse, Ellipse) or scene.rolling.force_along or scene.rolling.force_across:
-        return ""
-    if not 0.05 <= ellipse.a / ellipse.b <= 20:
-        return ""
-    pair = closed_forms.tangential_pair(scene)
-    linear = kalker.coefficients(ellipse.a / ellipse.b, pair.poisson)
-    forces = linear.forces(ellipse.a, ellipse.b, pair.shear_modulus, creepage(context))
-    share = math.hypot(*forces[:2]) / limit
-    return f": Kalker's linear force is {share:.3g} mu N" + (
-        ", most of the patch slips" if share > 1 else ""
-    )
+    moduli = (part.young_modulus for part in context.scene.bodies.values())
+    steel = all(math.isinf(each) or bodies.is_steel(each) for each in moduli)
+    return steel or context.scene.heat.known
 
 
-def _fits_the_section(context: Context) -> None:
-    """Raises SceneError for a tangential motion or force that a plane section does not have:
-    rolling or a motion along in a section across, or a motion across in a section along.
+def decide_falling_friction(context: Context) -> Effect:
+    """A coefficient that depends on slip or temperature is called for by friction.law, where bodies
+    roll with friction. Raises SceneError where it cannot be simulated and is not switched off.
     """
-    scene, plane = context.scene, context.contact.plane
-    along, across = scene.asymmetric_friction
-    rolls = scene.rolling.prescribed
-    table = "rolling" if rolls else "friction"
-    refuse_first(
-        (
-            plane == "yz" and rolls,
-            "rolling",
-            "is not allowed: the scene is a section across the rail",
-        ),
-        (
-            plane == "yz" and along,
-            table,
-            "along the rail is not allowed: the scene is a section across it",
-        ),
-        (
-            plane == "xz" and across,
-            table,
-            "across the rail is not allowed: the scene is a section along it",
-        ),
-    )
+    scene = context.scene
+    friction, law = scene.friction, closed_forms.law(scene)
+    if law is None or not context.decided["friction"].on:
+        why = "nothing slips" if law else "friction.law is coulomb"
+        return Effect(False, False, why, {"on": why})
+    if friction.law == "temperature" and not _known(context):
+        raise SceneError("friction.law", f"temperature is not allowed: {UNKNOWN}")
+    _refuse_beyond_grids(context, "falling_friction", "friction.law", friction.law)
+    static = friction_coefficient(context)
+    half = f"with slip ({friction.law}), half at {friction.slip_half or 0:g} mm/s"
+    what = "with the temperature" if friction.table else half
+    if friction.memory is None and not friction.table:
+        what += "; no friction.memory is given: it follows along the length of a cell"
+    why = f"the coefficient goes from {static:g} to {law.kinetic:g} {what}"
+    return Effect(True, True, f"{why}; costs {cost.LAW:g} s; left out, it is {static:g}")
+
+
+def decide_layer(context: Context) -> Effect:
+    """An elastic layer is called for by its thickness and modulus, where there is friction. Raises
+    SceneError where it cannot be simulated and is not switched off.
+    """
+    friction = context.scene.friction
+    thick, modulus = friction.layer_thickness, friction.layer_modulus
+    if thick is None or modulus is None or not context.decided["friction"].on:
+        why = "nothing slips" if thick else "no friction.layer_thickness is given"
+        return Effect(False, False, why, {"on": why})
+    _refuse_beyond_grids(context, "layer", "friction.layer_thickness", f"{thick:g} mm")
+    why = f"it shears by {thick / modulus:.3g} mm/MPa; left out, creep curves begin steeper"
+    return Effect(True, True, f"{why}; no price")
+
+
+def _refuse_beyond_grids(context: Context, effect: str, key: str, value: str) -> None:
+    """Raises SceneError for a key where tractions are not found on grids of half-spaces, unless the
+    effect is switched off.
+    """
+    missing = beyond_grids(context, layer=effect == "layer")
+    if missing and context.scene.effects.state(effect) != "off":
+        flat = "" if context.contact.plane else "effects.finite_bodies=off or "
+        text = f"{value} is not allowed with {missing}"
+        raise SceneError(key, f"{text}; give {flat}effects.{effect}=off")

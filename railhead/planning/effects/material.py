@@ -13,7 +13,7 @@ from railhead.planning.context import STIFFEST, Context, Effect, PostSolveVerdic
 from railhead.planning.effects import interface
 from railhead.postprocess.findings import Findings
 from railhead.scene import bodies
-from railhead.scene.scene import Rail, Scene, SceneError, Wheel
+from railhead.scene.scene import Rail, SceneError, Wheel
 from railhead.theory.elastic import indentation
 from railhead.theory.friction import sliding
 
@@ -82,22 +82,13 @@ def decide_mean_dilatation(context: Context) -> Effect:
 
 def decide_plasticity(context: Context) -> Effect:
     """Whether yield is simulated: called for where the largest elastic, frictionless von Mises
-    stress passes the yield stress of a body (`Context.stressed`).
-
-    The state 'on' is refused where no deformable body has a yield stress, without finite bodies,
-    and with friction where bodies roll or differ in material. SceneError: linear cells where a body
-    yields and plasticity is not 'off'.
+    stress passes the yield stress of a body (`Context.stressed`). 'on' is refused where yield
+    cannot be simulated (`_elastic_only`). SceneError: linear cells where a body yields and
+    plasticity is not 'off', and a load far beyond that of first yield.
     """
-    scene = context.scene
-    stresses = _stresses(context)
-    if stresses:
-        over, why = _over_yield(scene, stresses)
-    else:
-        parts = context.stressed.items()
-        elastic = {name: context.von_mises(part.poisson_ratio) for name, part in parts}
-        over, why = 0.0, _steel_yields(context, elastic)[0]
-    yields = over > 1
-    meshed = context.decided["finite_bodies"].on
+    scene, meshed = context.scene, context.decided["finite_bodies"].on
+    ratio, why, _ = _over_yield(context, _stresses(context))
+    yields = ratio > 1
     if yields and meshed and scene.mesh.linear and scene.effects.plasticity != "off":
         raise SceneError(
             "mesh.order",
@@ -107,56 +98,62 @@ def decide_plasticity(context: Context) -> Effect:
         why += f"; exact Hertz's, as no other is known: {context.elastic}"
     if yields:
         why += _expected(context)
-    rolled = scene.rolling.passes is not None and scene.effects.passes != "off"
-    if stresses and rolled:
-        why += f"; {IN_PASSES}" if yields else ""
-        return Effect(yields, False, why, {"on": IN_PASSES})
-    yielding = any(part.yields for part in context.deformable.values())
-    refused = {} if yielding else {"on": "no body that deforms has a yield stress"}
-    if stresses and not context.decided["finite_bodies"].on:
-        refused = {"on": HALF_SPACES}
-        why += f"; {HALF_SPACES}" if yields else ""
-    elif stresses and context.decided["friction"].on:
-        grows = interface.grows(context)
-        if scene.rolling.prescribed or grows:
-            what = "unlike bodies are pressed" if grows else "rolling is solved"
-            refused = {
-                "on": f"{what} elastically with friction; effects.friction=off leaves it out"
-            }
-            why += f"; {what} elastically with friction, whose tractions add to it"
-            why += "" if yields else f": {_slipping(context)[0]}"
+    refused, told = _elastic_only(context, yields=yields)
+    if told:
+        why += f"; {told}"
     if yields and not refused:
         if (over := overload(context)) > LARGEST_OVERLOAD:
             text = f"{over:.3g} times the load of first yield is not allowed; give a load, or an"
             raise SceneError("load", f"{text} approach, of at most {LARGEST_OVERLOAD:g} times")
         why += f"; {steps(context)} load steps"
-    return Effect(yields, yields and not refused, why, refused)
+    return Effect(yields, yields and not refused, why, {"on": refused} if refused else {})
+
+
+def _elastic_only(context: Context, *, yields: bool) -> tuple[str, str]:
+    """Why yield cannot be simulated (no deformable body with a yield stress, passes, no finite
+    bodies, friction of bodies that roll or differ in material), and what the plan says of it; both
+    empty where it can. yields: whether a body passes its yield stress.
+    """
+    scene, decided = context.scene, context.decided
+    if _yielding(context):
+        if scene.rolling.passes is not None and scene.effects.passes != "off":
+            return IN_PASSES, IN_PASSES * yields
+        if not decided["finite_bodies"].on:
+            return HALF_SPACES, HALF_SPACES * yields
+        grows = interface.grows(context)
+        if decided["friction"].on and (scene.rolling.prescribed or grows):
+            what = f"{'unlike bodies are pressed' if grows else 'rolling is solved'} elastically"
+            told = f"{what} with friction, whose tractions add to it"
+            told += "" if yields else f": {_slipping(context)[1]}"
+            return f"{what} with friction; effects.friction=off leaves it out", told
+    if any(part.yields for part in context.deformable.values()):
+        return "", ""
+    return "no body that deforms has a yield stress", ""
 
 
 def check_plasticity(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict | None:
     """Verdict whether the largest von Mises stress of the solution passes the yield stress of a
     body that was taken as elastic. Where the solution was read without stresses, they are those of
-    the plan, without friction; the verdict is then notable where the body would yield if all slips.
+    the plan; with friction those where the whole patch slips.
     Without any yield stress nothing is needed, and the verdict is notable where the usual rail
     steel would yield.
     """
-    largest = {name: each.von_mises.value for name, each in found.largest.items()} or {
-        name: context.von_mises(part.poisson_ratio) for name, part in context.stressed.items()
-    }
-    stresses = {name: largest[name] for name in _yielding(context) if name in largest}
-    if not stresses:
-        return PostSolveVerdict(False, *_steel_yields(context, largest))
+    largest = {name: each.von_mises.value for name, each in found.largest.items()}
+    ratio, why, notable = _over_yield(context, largest or _stresses(context))
+    if not ratio:
+        return PostSolveVerdict(False, why, notable)
     if effect.on:
         return PostSolveVerdict(False, "simulated")
     if context.decided["passes"].on:
         return PostSolveVerdict(False, "simulated in the passes")
-    over, why = _over_yield(context.scene, stresses)
-    yields = over > 1
-    if not (found.largest or yields) and context.decided["friction"].on:
-        text, notable = _slipping(context)
-        return PostSolveVerdict(False, f"{why} without friction; {text}", notable)
-    cost = ": the elastic answer overstates the pressure and all stresses" if yields else ""
-    return PostSolveVerdict(yields, why + cost)
+    if ratio > 1:
+        overstates = "the elastic answer overstates the pressure and all stresses"
+        return PostSolveVerdict(True, f"{why}: {overstates}")
+    if largest or not context.decided["friction"].on:
+        return PostSolveVerdict(False, why)
+    most, text = _slipping(context)
+    tell = ": it may yield, friction_stresses tell" if most > 1 else ""
+    return PostSolveVerdict(most > 1, f"{why} without friction; {text}{tell}")
 
 
 def shear_yield(context: Context) -> float | None:
@@ -168,8 +165,8 @@ def shear_yield(context: Context) -> float | None:
 
 
 def _stresses(context: Context) -> dict[str, float]:
-    """Largest elastic, frictionless von Mises stress of the bodies of `_yielding`, MPa, by name."""
-    parts = _yielding(context).items()
+    """Largest elastic, frictionless von Mises stress of the stressed bodies, MPa, by name."""
+    parts = context.stressed.items()
     return {name: context.von_mises(part.poisson_ratio) for name, part in parts}
 
 
@@ -184,9 +181,8 @@ def overload(context: Context) -> float:
     """Load over that of first yield; 1 where no body has a yield stress. Hertz's
     stresses grow as the cube root of the load, in a line contact as the square root.
     """
-    stresses = _stresses(context)
-    over = _over_yield(context.scene, stresses)[0] if stresses else 1.0
-    return over**context.contact.load_power
+    ratio, *_ = _over_yield(context, _stresses(context))
+    return (ratio or 1.0) ** context.contact.load_power
 
 
 def _expected(context: Context) -> str:
@@ -204,18 +200,18 @@ def _expected(context: Context) -> str:
     return text
 
 
-def _slipping(context: Context) -> tuple[str, bool]:
-    """Text with the largest von Mises stress (MPa) under Hertz's pressure and tractions where the
-    whole patch slips, and whether it passes the yield stress of the weaker body.
+def _slipping(context: Context) -> tuple[float, str]:
+    """Largest von Mises stress under Hertz's pressure and tractions where the whole patch slips,
+    over the yield stress of the weaker body, and a text with that stress, MPa.
     """
-    friction = interface.friction_coefficient(context)
+    friction, parts = interface.friction_coefficient(context), _yielding(context).values()
     most = max(
         hardest(context.hertz, friction, ratio).von_mises
         for hardest in (sliding.peak_below_surface, sliding.peak_at_surface)
-        for ratio in {part.poisson_ratio for part in _yielding(context).values()}
+        for ratio in {part.poisson_ratio for part in parts}
     )
-    weakest = min(part.first_yield for part in _yielding(context).values())
-    return f"up to {most:.4g} MPa where all slips", bool(most > weakest)
+    weakest = min(part.first_yield for part in parts)
+    return most / weakest, f"up to {most:.4g} MPa where all slips"
 
 
 def steps(context: Context) -> int:
@@ -229,39 +225,29 @@ def steps(context: Context) -> int:
     return min(max(round(overload(context)), least), STEPS)
 
 
-def _steel_yields(context: Context, stresses: Mapping[str, float]) -> tuple[str, bool]:
-    """Sentence on whether the usual rail steel (R260) would yield in a scene without a yield
-    stress, and whether it would.
-    stresses: largest von Mises stress (MPa) by body ('rail', 'wheel'); bodies without the modulus
-        of a steel do not count. If none is left, the sentence says that no yield stress
-        is given, and it would not.
+def _over_yield(context: Context, stresses: Mapping[str, float]) -> tuple[float, str, bool]:
+    """Largest ratio of von Mises stress to initial yield stress, a sentence that says whether the
+    stress passes it, and whether the usual rail steel (R260) would yield in a scene without a yield
+    stress. There the ratio is 0, and the sentence is about that steel.
+    stresses: von Mises stress, MPa, by body ('rail', 'wheel').
     """
-    steel = {
-        name: stress
-        for name, stress in stresses.items()
-        if bodies.is_steel(context.scene.bodies[name].young_modulus)
-    }
-    if not steel:
-        return "no yield stress is given", False
-    name = max(steel, key=steel.__getitem__)
+    parts = context.scene.bodies
+    limits = {name: part.first_yield for name, part in _yielding(context).items()}
+    ratios = {name: stresses[name] / limits[name] for name in stresses.keys() & limits.keys()}
+    if ratios:
+        worst = max(sorted(ratios), key=ratios.__getitem__)
+        limit, steel = limits[worst], parts[worst].steel
+        verb = "passes" if ratios[worst] > 1 else "stays below"
+        kind = f" ({steel}: {bodies.steels()[steel].kind})" if steel else ""
+        text = f"von Mises {stresses[worst]:.4g} MPa {verb} the yield {limit:.4g} MPa of the"
+        return float(ratios[worst]), f"{text} {worst}{kind}", False
+    # A body without the modulus of a steel is none.
+    steels = [name for name in stresses if bodies.is_steel(parts[name].young_modulus)]
+    if not steels:
+        return 0.0, "no yield stress is given", False
+    name = max(steels, key=stresses.__getitem__)
     limit = bodies.steels()[DEFAULT_STEEL].yield_stress
-    yields = bool(steel[name] > limit)
+    yields = bool(stresses[name] > limit)
     verb = "would yield here" if yields else "would not yield"
-    text = f"von Mises {steel[name]:.4g} MPa in the {name}, its yield {limit:g}"
-    return f"no steel is given; {DEFAULT_STEEL} {verb}: {text}", yields
-
-
-def _over_yield(scene: Scene, stresses: dict[str, float]) -> tuple[float, str]:
-    """Largest ratio of von Mises stress to initial yield stress, and a sentence that says whether
-    the stress passes it. stresses: von Mises stress, MPa, by body that has a yield stress; not
-    empty.
-    """
-    ratios = {name: stress / scene.bodies[name].first_yield for name, stress in stresses.items()}
-    worst = max(ratios, key=ratios.__getitem__)
-    limit, steel = scene.bodies[worst].first_yield, scene.bodies[worst].steel
-    verb = "passes" if ratios[worst] > 1 else "stays below"
-    return (
-        float(ratios[worst]),
-        f"von Mises {stresses[worst]:.4g} MPa {verb} the yield {limit:.4g} MPa of the {worst}"
-        + (f" ({steel}: {bodies.steels()[steel].kind})" if steel else ""),
-    )
+    text = f"von Mises {stresses[name]:.4g} MPa in the {name}, its yield {limit:g}"
+    return 0.0, f"no steel is given; {DEFAULT_STEEL} {verb}: {text}", yields

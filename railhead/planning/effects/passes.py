@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from railhead.contact import wheelset_kinematics
 from railhead.planning.context import Context, Effect
 from railhead.planning.effects import interface
 from railhead.scene.catalogue import portable
@@ -186,7 +187,7 @@ def traction(context: Context) -> float:
         return min(math.hypot(along, across) / hertz.load, coefficient)
     if not isinstance(hertz, LineContact):
         return coefficient
-    creepage = abs(interface.creepage(context).along)
+    creepage = abs(wheelset_kinematics.creepage(context.contact).along)
     return coefficient * carter_share(hertz.strip, coefficient, creepage)
 
 

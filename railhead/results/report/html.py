@@ -20,8 +20,8 @@ from railhead.results import quantity_rows, result_folder
 from railhead.results.checks import SECOND
 from railhead.results.quantity_rows import Row
 from railhead.results.report import terminal
-from railhead.run import quantities
 from railhead.run.half_spaces.answer import Solved
+from railhead.scene import quantities
 from railhead.scene.catalogue import FILES
 from railhead.scene.scene import Scene
 from railhead.scene.scene import unit as scene_unit

@@ -138,7 +138,7 @@ def show_plan(plan: Plan, console: Console) -> None:
     for line in (*lines, *profile_lines(plan.profiles)):
         labelled(console, line)
     if plan.uncertainty:
-        labelled(console, _smoothing_uncertainty(vars(plan.uncertainty)))
+        labelled(console, _smoothing_uncertainty(plan.uncertainty))
     if plan.forecast.reason:
         console.print(f"The patch is forecast as Hertz's: {plan.forecast.reason}.", markup=False)
     if not plan.by_half_spaces:

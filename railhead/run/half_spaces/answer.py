@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from scipy.ndimage import zoom
 
+from railhead.contact import wheelset_kinematics
 from railhead.planning import effects
 from railhead.planning.context import PostSolveVerdict
 from railhead.planning.effects import interface, shape
@@ -30,7 +31,7 @@ from railhead.run.half_spaces import normal_contact, tangential_contact
 from railhead.run.half_spaces.normal_contact import PressedPatch
 from railhead.run.mesh_solution import MeshSolution, read_friction
 from railhead.run.progress import Progress
-from railhead.run.quantities import numeric_values
+from railhead.scene.quantities import numeric_values
 from railhead.theory.array_types import Array
 from railhead.theory.bem import pressure_solver
 from railhead.theory.bem.grid_patch import PatchSolution
@@ -405,7 +406,7 @@ def _tractions(
         sheared = tangential_contact.shear(
             patches,
             pair,
-            interface.creepage(plan.context),
+            wheelset_kinematics.creepage(plan.contact),
             (along, across),
             rolling=scene.rolling.prescribed,
             interface=closed_forms.interface(scene),

@@ -34,8 +34,9 @@ from railhead.run.half_spaces.worn_contact import (
 )
 from railhead.run.progress import Progress
 from railhead.scene.files import wear_pairs
+from railhead.scene.quantities import GROUPS
 from railhead.scene.scene import Scene, SceneError, checked
-from railhead.scene.sections import QUANTITIES, refuse_first
+from railhead.scene.sections import refuse_first
 from railhead.sweeps import store, worker_pool
 from railhead.sweeps.grid import read_rows
 from railhead.theory import wear
@@ -161,7 +162,7 @@ def _refuse(position: Scene, base: Scene, worn: Sequence[str]) -> None:
         (position.effects.friction == "off", "effects.friction", "off is not allowed in wear"),
         (rolling.passes is not None, "rolling.passes", "is not allowed in wear; leave it out"),
         (
-            {*position.quantities} != {*QUANTITIES},
+            {*position.quantities} != {*GROUPS},
             "quantities",
             f"{','.join(position.quantities)} is not allowed in wear; leave it out",
         ),

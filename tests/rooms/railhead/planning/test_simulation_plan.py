@@ -219,7 +219,7 @@ def test_a_body_that_is_rigid_by_choice_is_unlike_the_other(name: str) -> None:
     steps = model_setup.friction_steps(off)
     assert steps == model_setup.friction_steps(stiff) and len(steps) == 9
     assert off.context.tangential_pair == stiff.context.tangential_pair
-    assert off.setting.stiffness == 0.0
+    assert off.setting["stiffness"] == 0.0
     both = planned("hertz_ellipse", *keys)
     assert not both.condenses and len(model_setup.friction_steps(both)) == 1
     assert off.effect_cost("deformable_rail") and off.effect_cost("deformable_wheel")

@@ -6,7 +6,7 @@ from solved import solved
 import railhead as rh
 from railhead.planning import simulation_plan as planning
 from railhead.run.estimates import RESIDUAL_FACTOR
-from railhead.run.quantities import numeric_values
+from railhead.scene.quantities import numeric_values
 
 COARSE, SLOW = "mesh.patch_size=1.7", pytest.mark.slow
 SCENES = [

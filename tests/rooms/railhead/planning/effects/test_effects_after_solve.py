@@ -10,7 +10,7 @@ from solved import draw_only, solved
 
 from railhead.planning import effects
 from railhead.planning import simulation_plan as planning
-from railhead.planning.effects import shape, tribology
+from railhead.planning.effects import interface, shape
 from railhead.postprocess.pictures import diagrams
 from railhead.results.report import terminal
 from railhead.scene import catalogue
@@ -170,7 +170,7 @@ def test_heat_of_meshed_unlike_solids_is_told_by_a_formula() -> None:
 def test_no_temperature_is_signed_of_a_body_that_is_no_steel() -> None:
     keys = "wheel.young_modulus=3000", "rail.extent=half-space", "effects.finite_bodies=off"
     found = after("long_roller", *HOT[:3], *keys)
-    assert found["heat"]["why"] == tribology.UNKNOWN
+    assert found["heat"]["why"] == interface.UNKNOWN
 
 
 def test_half_spaces_check_the_elastic_answer_of_bodies_that_would_yield() -> None:

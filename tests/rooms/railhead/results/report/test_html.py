@@ -19,7 +19,7 @@ from railhead.postprocess.pictures import gallery
 from railhead.results import quantity_rows, result_folder
 from railhead.results.report import html, output_units, terminal
 from railhead.results.subject import subject
-from railhead.run import quantities
+from railhead.scene import quantities
 
 UNITS = output_units.parse("um,kN,GPa")
 

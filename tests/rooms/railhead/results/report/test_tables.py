@@ -16,7 +16,7 @@ from railhead.cli import geometry
 from railhead.postprocess.findings import Units, brief
 from railhead.results import quantity_rows, result_folder
 from railhead.results.report import html, output_units, terminal
-from railhead.run import quantities
+from railhead.scene import quantities
 
 
 @pytest.fixture(scope="module")

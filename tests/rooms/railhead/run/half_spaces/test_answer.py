@@ -13,7 +13,8 @@ from solved import planned
 
 import railhead as rh
 from railhead.planning.references import boundary_elements
-from railhead.run import mesh_solution, quantities
+from railhead.run import mesh_solution
+from railhead.scene import quantities
 from railhead.theory.bem import grid_stress, pressure_solver
 from railhead.theory.friction import coulomb_solver, kalker, tangential
 from railhead.theory.friction.rolling import Creepage

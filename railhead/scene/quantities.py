@@ -1,9 +1,11 @@
-"""The quantities of an answer: what each is called, its unit, who shows it and who judges it.
+"""The quantities of an answer: what may be asked for, and what each is called, its unit, who shows
+it and who judges it.
 
-Each record below is a part of "result" in summary.json, and each of its fields is described by a
-`Quantity`. From `QUANTITIES` are made: the tables of the terminal and of report.html, result.csv,
-the columns of sweep.csv, the error estimates, the comparison with a second method and the
-attributes of `Result`. A new quantity is a field here and the line that computes it.
+A scene asks for `GROUPS` of quantities (key `quantities`, option --only). Each record below is a
+part of "result" in summary.json, and each of its fields is described by a `Quantity`. From
+`QUANTITIES` are made: the tables of the terminal and of report.html, result.csv, the columns of
+sweep.csv, the error estimates, the comparison with a second method and the attributes of `Result`.
+A new quantity is a field here and the line that computes it.
 """
 
 from __future__ import annotations
@@ -16,6 +18,15 @@ from typing import Any, TypeVar
 
 T = TypeVar("T")
 METADATA = "quantity"
+GROUPS: dict[str, tuple[str, ...]] = {
+    "patch": (),
+    "stresses": (),
+    "forces": (),
+    "friction_stresses": ("forces",),
+    "second_method": (),
+    "pictures": ("stresses", "forces", "friction_stresses"),
+}
+"""What a scene may ask for, and what else each of it needs. Patch and pressure are always found."""
 
 
 @dataclass(frozen=True, kw_only=True)
