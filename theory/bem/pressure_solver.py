@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
@@ -79,7 +80,7 @@ class BoundaryElementSolution:
         """Sum of the areas of all patches, each on its own tangent plane, mm2."""
         return sum(patch.area for patch in self.patches)
 
-    @property
+    @cached_property
     def patches(self) -> list[PatchSolution]:
         """Connected patches of all windows, the one with the largest force first."""
         found = [patch for window in self.windows for patch in window.separate()]

@@ -220,9 +220,10 @@ def _edge_distance(plan: Plan, found: Findings) -> float:
     tread, over the smaller half length of the most loaded patch.
     """
     patch, frame = found.patch, found.frame
-    across = [frame.place(float(x), float(s))[1] for line in patch.outlines for x, s in line]
-    room = [abs(end - y) for end in shape.edges(plan.context) for y in across]
-    return min(room) / min(patch.a, patch.b)
+    s = np.concatenate(patch.outlines)[:, 1]
+    across = frame.origin[1] + math.cos(frame.angle) * s
+    room = min(float(np.abs(end - across).min()) for end in shape.edges(plan.context))
+    return room / min(patch.a, patch.b)
 
 
 def _error_parts(
