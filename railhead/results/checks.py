@@ -20,6 +20,7 @@ from railhead.meshing.bodies import BODY_NAMES
 from railhead.planning import effects
 from railhead.planning.error_envelopes import RANGE
 from railhead.planning.references import closed_forms
+from railhead.planning.references.pressed_patches import CELLS
 from railhead.planning.simulation_plan import Plan
 from railhead.planning.sizing import LINEAR_REFINEMENT
 from railhead.postprocess.findings import Frame
@@ -30,7 +31,6 @@ from railhead.run.estimates import (
     resolved_values,
 )
 from railhead.run.half_spaces.answer import HalfSpaceSolution, Solved
-from railhead.run.half_spaces.normal_contact import CELLS
 from railhead.run.mesh_solution import MeshSolution
 from railhead.scene.bodies import STEEL_MODULI
 from railhead.scene.quantities import GROUPS, QUANTITIES, numeric_values

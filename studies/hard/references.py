@@ -27,11 +27,12 @@ from railhead.meshing.mesh import MeshError
 from railhead.planning import simulation_plan as planning
 from railhead.planning.references import boundary_elements
 from railhead.planning.references.allowance import allowance
+from railhead.planning.references.pressed_patches import CELLS
 from railhead.postprocess.patch import compare
 from railhead.results import pipeline
 from railhead.results.checks import ESTIMATE_FACTOR
 from railhead.results.summary import summarise
-from railhead.run.half_spaces.normal_contact import CELLS, twist_change
+from railhead.run.half_spaces.second_method import twist_change
 from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
 from railhead.run.progress import Progress
 from railhead.run.refinement import Ending

@@ -8,11 +8,10 @@ import numpy as np
 from mpi4py import MPI
 
 from railhead.planning import simulation_plan as planning
-from railhead.planning.references import closed_forms
+from railhead.planning.references import closed_forms, pressed_patches
 from railhead.postprocess.pictures.diagrams import FE, GREY, HERTZ, new_figure
 from railhead.run import mesh_solution
 from railhead.run import solid_friction as friction
-from railhead.run.half_spaces import normal_contact, tangential_contact
 from railhead.scene import catalogue
 from railhead.solver.system.contact_system import LoadCase
 from railhead.solver.system.fields import gather
@@ -60,14 +59,14 @@ def half_spaces(speed: float, creepages: tuple[float, ...]) -> list[Row]:
     """Rows of half-spaces, upwards and then downwards, each from the one before."""
     of = plan(speed)
     assert of.scene.load is not None
-    patches = normal_contact.patches(
+    patches = pressed_patches.patches(
         of.contact, of.hertz, hertzian=True, load=of.scene.load, cells=CELLS
     )
     found: list[TangentialSolution] | None = None
     rows = []
     for way, values in (("upwards", creepages), ("downwards", creepages[::-1])):
         for value in values:
-            found = tangential_contact.shear(
+            found = pressed_patches.shear(
                 patches,
                 of.context.tangential_pair,
                 Creepage(value),

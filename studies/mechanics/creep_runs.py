@@ -12,10 +12,11 @@ from mpi4py import MPI
 
 import railhead as rh
 from railhead.planning import simulation_plan as planning
+from railhead.planning.references import pressed_patches
 from railhead.planning.simulation_plan import Plan
 from railhead.run import mesh_solution
 from railhead.run import solid_friction as friction
-from railhead.run.half_spaces import normal_contact, tangential_contact
+from railhead.run.half_spaces import second_method
 from railhead.scene import catalogue
 from railhead.solver.system.contact_system import LoadCase
 from railhead.solver.system.fields import gather
@@ -158,17 +159,17 @@ def _others(plan: Plan, curve: CreepCurve) -> Iterator[Point]:
     assert isinstance(ellipse, Ellipse) and scene.load is not None
     pair = plan.context.tangential_pair
     hertzian = plan.forecast.hertzian
-    patches = normal_contact.patches(
+    patches = pressed_patches.patches(
         plan.contact, ellipse, hertzian=hertzian, load=scene.load, cells=CELLS
     )
     limit = sum(each.limit for each in patches)
     for motion in curve.motions:
         given = motion.along, motion.across, motion.spin
-        sheared = tangential_contact.shear(patches, pair, motion, (None, None), rolling=True)
+        sheared = pressed_patches.shear(patches, pair, motion, (None, None), rolling=True)
         exactly = np.sum([each.forces for each in sheared], axis=0)
         sticks, touches = np.sum([each.areas for each in sheared], axis=0)
-        quick = tangential_contact.fastsim(patches, limit, pair, given)
-        straight = tangential_contact.linear(patches, pair, given)
+        quick = second_method.fastsim(patches, limit, pair, given)
+        straight = second_method.linear(patches, pair, given)
         for by, forces, sticking in (
             ("boundary elements", exactly, float(sticks / touches)),
             ("FASTSIM", np.array([*quick.values()][:3]), quick["stick_share"]),

@@ -20,13 +20,8 @@ from scipy.optimize import brentq
 
 from railhead.contact import solid, wheelset_kinematics
 from railhead.contact.solid import Contact, FreeAxle
-from railhead.planning.references import boundary_elements, closed_forms
-from railhead.theory.friction.rolling import (
-    Creepage,
-    HalfSpaceFriction,
-    TangentialSolution,
-    grid_over,
-)
+from railhead.planning.references import boundary_elements, closed_forms, pressed_patches
+from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction, TangentialSolution
 
 CELLS = 32  # of a patch each way; with 64 the radius is 2e-3 mm off at most (S1002 on 60E1)
 PRESSINGS, BALANCE = 12, 1e-3  # between pressure and tractions; of the load
@@ -60,28 +55,28 @@ class _PressedWheel:
         """contact: of the wheel. load: vertical force that the pressure carries, N. ValueError:
         boundary elements fail.
         """
-        surface, self._load = boundary_elements.develop(contact), load
-        hertz = closed_forms.hertz_contact(contact.scene, contact, load)
+        scene, self._load = contact.scene, load
+        hertz = closed_forms.hertz_contact(scene, contact, load)
         pressed = boundary_elements.solve(contact, hertz, load, CELLS)
         known = wheelset_kinematics.wheelset_creepage(contact)
         self._patches = []
-        for window in (window for window in pressed.windows if window.force > 0):
-            grid = grid_over(*window.middle_and_half_extents, CELLS)
-            each = window.sampled(replace(grid, angle=surface.angle(grid.s)))
-            modes = surface.slip(each.x, each.s)
-            slip = np.tensordot(known.creepage.motion, modes, axes=1)
-            turned, still = known.turning * (slip - modes[0]), np.zeros_like(slip)
+        for each in pressed_patches.patches(
+            contact, hertz, hertzian=False, load=load, cells=CELLS, profiles=pressed
+        ):
+            along, window = each.modes[0], each.pressed
+            slip = np.tensordot(known.creepage.motion, each.modes, axes=1)
+            still = np.zeros_like(slip)
             body = HalfSpaceFriction(
-                each.x,
-                each.s,
-                each.pressure,
-                surface.friction_coefficient(each.s),
-                closed_forms.tangential_pair(contact.scene),
+                window.x,
+                window.s,
+                window.pressure,
+                each.friction,
+                closed_forms.tangential_pair(scene),
                 rolling=True,
-                modes=np.array([modes[0], still, turned, still]),
-                interface=closed_forms.interface(contact.scene),
+                modes=np.array([along, still, known.turning * (slip - along), still]),
+                interface=closed_forms.interface(scene),
             )
-            self._patches.append((body, np.sin(each.angle)))
+            self._patches.append((body, np.sin(window.angle)))
         self.found: dict[float, list[TangentialSolution]] = {}
 
     def moment(self, speed: float) -> float:

@@ -19,16 +19,16 @@ from railhead.contact import wheelset_kinematics
 from railhead.planning import effects
 from railhead.planning.context import PostSolveVerdict
 from railhead.planning.effects import interface, shape
-from railhead.planning.references import boundary_elements, closed_forms
+from railhead.planning.references import boundary_elements, closed_forms, pressed_patches
 from railhead.planning.references.allowance import added_stress
+from railhead.planning.references.pressed_patches import PressedPatch
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess import friction
 from railhead.postprocess.findings import Findings
 from railhead.postprocess.pass_rows import Passes
 from railhead.postprocess.patch import compare, half_space
 from railhead.run.estimates import friction_errors
-from railhead.run.half_spaces import normal_contact, tangential_contact
-from railhead.run.half_spaces.normal_contact import PressedPatch
+from railhead.run.half_spaces import second_method
 from railhead.run.mesh_solution import MeshSolution, read_friction
 from railhead.run.progress import Progress
 from railhead.scene.quantities import numeric_values
@@ -169,7 +169,7 @@ def _pressed(plan: Plan, load: float | None) -> BoundaryElementSolution | None:
     if plan.contact.half_space:
         return None
     known = plan.context.boundary_elements if load == plan.scene.load else None
-    return boundary_elements.solve(plan.contact, plan.hertz, load, normal_contact.CELLS, known)
+    return boundary_elements.solve(plan.contact, plan.hertz, load, pressed_patches.CELLS, known)
 
 
 def _again(
@@ -200,7 +200,7 @@ def _read(
         found = half_space.of_hertz(hertz, contact.frame, poisson, section=plan.plane_model)
         pressed, approach = hertz.load * cosine, hertz.approach / cosine
     else:
-        points = normal_contact.surface(contact)
+        points = pressed_patches.surface(contact)
         values = compare.from_half_space(profiles, points, contact.touch.angle)
         found = half_space.of_boundary_elements(profiles, values, points, contact.frame, poisson)
         found = replace(found, edge_distance=_edge_distance(plan, found))
@@ -274,7 +274,7 @@ def _with_friction(plain: HalfSpaceSolution, sheared: PatchTractions) -> HalfSpa
     plan, scene = plain.plan, plain.plan.scene
     assert plain.findings is not None and plain.result is not None
     found, result = plain.findings, plain.result
-    points = normal_contact.surface(plan.contact)
+    points = pressed_patches.surface(plan.contact)
     solution = _at_cells(plan, sheared, points)
     rolls, unlike = scene.rolling.prescribed, interface.unlike(plan.context)
     assert sheared.coarse is not None
@@ -303,8 +303,8 @@ def _with_friction(plain: HalfSpaceSolution, sheared: PatchTractions) -> HalfSpa
     second = scene.asks("second_method") and closed_forms.coulomb(scene)
     if rolls and not (plan.contact.line or unlike) and second:
         pair = plan.context.tangential_pair
-        other["FASTSIM (equal ellipses)"] = tangential_contact.or_reason(
-            lambda: tangential_contact.fastsim(
+        other["FASTSIM (equal ellipses)"] = second_method.or_reason(
+            lambda: second_method.fastsim(
                 sheared.patches, solution.friction_limit, pair, solution.rigid_motion
             )
         )
@@ -390,7 +390,7 @@ def _tractions(
         """Tractions on a grid of `cells` cells along each axis; start: from which the iterations
         begin, if these are as many patches; None: from none.
         """
-        patches = normal_contact.patches(
+        patches = pressed_patches.patches(
             contact,
             plan.hertz,
             hertzian=False,
@@ -404,7 +404,7 @@ def _tractions(
             None if force is None else longer * force
             for force in (table.force_along, table.force_across)
         )
-        sheared = tangential_contact.shear(
+        sheared = pressed_patches.shear(
             patches,
             pair,
             wheelset_kinematics.creepage(plan.contact),

@@ -21,9 +21,9 @@ from railhead.geometry.worn_profile import Places
 from railhead.planning.references import (
     boundary_elements,
     closed_forms,
+    pressed_patches,
     torque_free,
 )
-from railhead.run.half_spaces import normal_contact, tangential_contact
 from railhead.scene.scene import Scene
 from railhead.theory import wear
 from railhead.theory.array_types import Array
@@ -227,7 +227,7 @@ class WornContact:
         """Tractions under the pressure, and what is read from both."""
         scene, contact = self._position.scene, self._contact
         pair, rolling = closed_forms.tangential_pair(scene), scene.rolling
-        patches = normal_contact.patches(
+        patches = pressed_patches.patches(
             contact,
             self._position.hertz,
             hertzian=False,
@@ -236,7 +236,7 @@ class WornContact:
             like=pair.like,
             profiles=self._pressed,
         )
-        found = tangential_contact.shear(
+        found = pressed_patches.shear(
             patches,
             pair,
             wheelset_kinematics.creepage(contact),

@@ -12,10 +12,9 @@ import railhead as rh
 from railhead.contact import solid, wheelset_kinematics
 from railhead.contact.solid import Contact, place
 from railhead.planning import simulation_plan as planning
-from railhead.planning.references import boundary_elements
+from railhead.planning.references import boundary_elements, pressed_patches
 from railhead.run import model_setup
-from railhead.run.half_spaces import normal_contact
-from railhead.run.half_spaces.tangential_contact import solve_by_boundary_elements
+from railhead.run.half_spaces.second_method import solve_by_boundary_elements
 from railhead.theory.friction import tangential
 from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction
 
@@ -146,7 +145,7 @@ def test_patches_and_a_flange_roll_as_half_spaces_do(shift: float, patches: int)
     half-spaces under the same pressures with a slip of their own."""
     plan = loaded(shift)
     known = boundary_elements.solve(plan.contact, plan.hertz, 80e3, 32)
-    pressed = normal_contact.patches(
+    pressed = pressed_patches.patches(
         plan.contact, plan.hertz, hertzian=False, load=80e3, cells=32, profiles=known
     )
     rolled = independent(plan.contact, [each.pressed for each in pressed], 460.0)
@@ -181,7 +180,7 @@ def test_finite_elements_roll_as_half_spaces_do(shift: float) -> None:
     known = boundary_elements.solve(
         contact, found.mesh_solution.ellipse, found.mesh_solution.solution.load, 64
     )
-    pressed = normal_contact.patches(
+    pressed = pressed_patches.patches(
         contact, found.mesh_solution.ellipse, hertzian=False, load=80e3, cells=64, profiles=known
     )
     rolled = independent(contact, [each.pressed for each in pressed], 460.0)

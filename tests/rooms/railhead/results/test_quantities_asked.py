@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 import railhead as rh
+from railhead.planning.references import pressed_patches
 from railhead.postprocess import read
 from railhead.postprocess.patch import half_space
-from railhead.run.half_spaces import normal_contact, tangential_contact
+from railhead.run.half_spaces import second_method
 from railhead.theory.bem import grid_stress
 
 ROLLS = [
@@ -42,7 +43,7 @@ def answer(case: str, *assignments: str, **keys: object) -> dict:
 
 def test_forces_alone_are_the_same_forces(monkeypatch) -> None:
     every = answer("hertz_ellipse", *ROLLS)
-    searches = (half_space, "largest"), (grid_stress, "stress"), (tangential_contact, "fastsim")
+    searches = (half_space, "largest"), (grid_stress, "stress"), (second_method, "fastsim")
     forbid(monkeypatch, *searches)
     some = answer("hertz_ellipse", *ROLLS, quantities="patch,forces")
     missing = {"von_mises_max_MPa", "von_mises_max_depth_mm", "von_mises_max_at",
@@ -58,7 +59,7 @@ def test_forces_alone_are_the_same_forces(monkeypatch) -> None:
 
 
 def test_stresses_alone_are_frictionless(monkeypatch) -> None:
-    forbid(monkeypatch, (tangential_contact, "shear"))
+    forbid(monkeypatch, (pressed_patches, "shear"))
     some = answer("hertz_ellipse", *ROLLS, quantities=["stresses"])
     assert "friction" not in some["result"] and "frictionless" not in some
     assert some["result"]["stress"] == answer("hertz_ellipse", *ROLLS[:1])["result"]["stress"]
@@ -99,7 +100,7 @@ def test_without_stresses_those_of_the_plan_tell_of_yield(
 def test_the_patch_of_bodies_alone_has_no_stresses_and_no_second_method(
     monkeypatch, tmp_path
 ) -> None:
-    searches = (read, "Search"), (read, "_below"), (normal_contact, "solve")
+    searches = (read, "Search"), (read, "_below"), (second_method, "solve")
     forbid(monkeypatch, *searches)
     scene = rh.find("uic54_thesis").replace(SOLID, quantities="patch")
     result = rh.solve(scene, quiet=True)

@@ -11,7 +11,7 @@ from railhead.cases.s1002_60e1 import SCENE as MANCHESTER
 from railhead.contact import solid
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.postprocess.patch import compare
-from railhead.run.half_spaces.normal_contact import half_space, solve
+from railhead.run.half_spaces.second_method import half_space, solve
 from railhead.run.mesh_solution import MeshSolution
 from railhead.scene import catalogue
 

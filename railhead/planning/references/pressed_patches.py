@@ -1,7 +1,7 @@
-"""Half-spaces in normal contact beside the finite elements, by boundary elements.
+"""Pressed patches of half-spaces, each on a grid, and the tractions on them under one motion.
 
-On the real profiles they are a second answer. The pressed patches, with their rigid slip at unit
-creepages and unit spin, are where tractions are found (`tangential_contact`).
+The pressure is Hertz's or that of boundary elements on the real profiles. A patch has the rigid
+slip of its cells at unit creepages and unit spin.
 """
 
 from __future__ import annotations
@@ -9,24 +9,30 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
 from railhead.contact import wheelset_kinematics
 from railhead.contact.solid import Contact
-from railhead.meshing.bodies import RAIL
-from railhead.planning.references import allowance, boundary_elements
-from railhead.postprocess.patch import body_motion, compare
+from railhead.planning.references import boundary_elements
 from railhead.postprocess.patch.separate_patches import SMALLEST
-from railhead.run.mesh_solution import MeshSolution
 from railhead.theory.array_types import Array
 from railhead.theory.bem import pressure_solver
 from railhead.theory.bem.grid_patch import Grid, PatchSolution, on_grid
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.elastic.hertz import Strip
 from railhead.theory.elastic.line import Hertz, LineContact
-from railhead.theory.friction.rolling import grid_over, plane_modes
+from railhead.theory.friction.laws import Interface
+from railhead.theory.friction.rolling import (
+    Creepage,
+    HalfSpaceFriction,
+    TangentialSolution,
+    grid_over,
+    plane_modes,
+    solve_dissimilar,
+    solve_for_forces,
+)
+from railhead.theory.friction.tangential import MaterialPair
 
 CELLS = 128  # of a patch each way
 LENGTH = 1e4  # of a strip over its half width
@@ -34,73 +40,7 @@ WIDER = 1.25  # grid of unlike bodies over the patch, which tractions widen
 TOLERANCE = 1e-8  # of the displacement
 PLANE = np.array([[0.0] * 3, [0.0] * 3, [0.0, 0.0, 1.0], [0.0] * 3])
 """`PressedPatch.angular` on the plane z = 0: about z for unit spin, zero for the other modes."""
-
-
-def solve(solved: MeshSolution) -> BoundaryElementSolution | str | None:
-    """Contact of the real profiles as half-spaces under the vertical load of the solution,
-    frictionless, or the reason why boundary elements failed. None where exact Hertz is the
-    half-space solution (half-spaces and line contacts), where nothing touches, and off rank 0.
-    """
-    contact = solved.plan.contact
-    if contact.half_space or contact.line or solved.findings is None:
-        return None
-    try:
-        return boundary_elements.solve(contact, solved.ellipse, solved.solution.load, CELLS)
-    except ValueError as error:
-        return f"boundary elements: {error}"
-
-
-def half_space(
-    solved: MeshSolution, solution: BoundaryElementSolution | str | None
-) -> dict[str, Any] | None:
-    """Entry "half_space" of summary.json: quantities of the half-space `solution`, and by quantity
-    the "allowance" for what half-spaces leave out; or {"reason": ...}. None where `solution` is
-    None. solved: finite elements, of which the twist of the bodies is read.
-    """
-    contact, found = solved.plan.contact, solved.findings
-    if solution is None or found is None:
-        return None
-    if isinstance(solution, str):
-        return {"reason": solution}
-    points, plane = boundary_elements.develop(contact).points, contact.touch.angle
-    quantities = compare.from_half_space(solution, points, plane)
-    try:
-        twist = twist_change(solved)
-    except ValueError as error:
-        return {**quantities, "allowance": {"reason": f"twist: {error}"}}
-    allowed = allowance.allowance(contact, solved.plan.deformable, solution, twist)
-    if found.hertzian:  # half lengths are those of ellipses
-        allowed |= dict.fromkeys(("a_mm", "b_mm"), allowed["area_mm2"])
-    return {**quantities, "allowance": allowed}
-
-
-def twist_change(solved: MeshSolution) -> float:
-    """Relative change of the largest pressure or of the area, the larger one, by the rotation and
-    the movement of the bodies in the solution (rank 0). It is 0 for a contact that is symmetric
-    about y = 0. Raises ValueError where it cannot be computed.
-    """
-    contact, moved = solved.plan.contact, motion(solved)
-    if contact.why_asymmetric_in_y() is None:
-        return 0.0
-    return allowance.change(contact, solved.plan.context.boundary_elements, *moved)
-
-
-def motion(solved: MeshSolution) -> tuple[float, float]:
-    """Rotation of the rail relative to the wheel about x, from y to z (rad), and movement of the
-    wheel relative to the rail along y (mm), in the solution. The movement is that at the height of
-    the crown, z = 0. Zeros in a section, which is symmetric. For rank 0 only, where bodies touch.
-    """
-    found, fields = solved.findings, solved.fields
-    assert found is not None and fields is not None
-    if solved.plan.plane_model:
-        return 0.0, 0.0
-    force = found.patch.mean_pressure * found.patch.area
-    angle = aside = 0.0
-    for tag in solved.plan.deformable:
-        sign = 1.0 if tag == RAIL else -1.0
-        turned, moved = body_motion.motion(fields, tag, found.patch.each, force)
-        angle, aside = angle + sign * turned, aside - sign * moved
-    return angle, aside - angle * found.patch.each[0].centre[2]
+SEVERAL = "how several patches share a force depends on the compliance of the bodies"
 
 
 @dataclass(frozen=True)
@@ -253,3 +193,64 @@ def _on_surface(contact: Contact, window: PatchSolution) -> tuple[Array, Array]:
         return plane_modes(window.x, window.s), contact.friction_coefficient(window.s)
     surface = boundary_elements.develop(contact)
     return surface.slip(window.x, window.s), surface.friction_coefficient(window.s)
+
+
+def shear(
+    patches: Sequence[PressedPatch],
+    pair: MaterialPair,
+    creepage: Creepage,
+    forces: tuple[float | None, float | None],
+    *,
+    rolling: bool,
+    interface: Interface | None = None,
+    start: Sequence[TangentialSolution] | None = None,
+) -> list[TangentialSolution]:
+    """Tractions of pressed patches of half-spaces under one rigid motion, a solution for each
+    patch, by boundary elements.
+
+    pair: materials.
+    forces: prescribed force of the wheel on the rail along and across, of all patches together, N;
+        None where the creepage is prescribed.
+    rolling: steady rolling; else one shift, of like bodies.
+    interface: law of friction, heat and layer; None: Coulomb's law alone.
+    start: tractions of similar patches of like bodies on as many cells, from which the iterations
+        begin; None: without.
+    Raises ValueError where tractions are not found, and for forces on several patches of unlike
+    bodies.
+    """
+    along, across = forces
+
+    def solve(bodies: Sequence[HalfSpaceFriction]) -> list[TangentialSolution]:
+        """Tractions of some patches under the motion and the forces of `shear`."""
+        begins = start if pair.like else None
+        return solve_for_forces(bodies, creepage, along=along, across=across, start=begins)
+
+    if pair.like:
+        return solve(
+            [
+                HalfSpaceFriction(
+                    each.pressed.x,
+                    each.pressed.s,
+                    each.pressed.pressure,
+                    each.friction,
+                    pair,
+                    rolling=rolling,
+                    modes=each.modes,
+                    interface=interface,
+                )
+                for each in patches
+            ]
+        )
+    if len(patches) > 1 and forces != (None, None):
+        raise ValueError(SEVERAL)
+    return [
+        solve_dissimilar(
+            each.pressed,
+            pair,
+            each.friction,
+            lambda body: solve([body])[0],
+            modes=each.modes,
+            interface=interface,
+        )
+        for each in patches
+    ]

@@ -1,8 +1,9 @@
-"""Half-spaces with friction: boundary elements, FASTSIM, linear theory, closed forms.
+"""Half-spaces beside finite elements: the same contact by boundary elements, without friction and
+with it, by FASTSIM, linear theory and closed forms.
 
-Boundary elements find the tractions on the pressed patches themselves. FASTSIM and the linear
-theory know ellipses alone: each connected patch rolls as the ellipse that has its second moments
-and its force.
+Boundary elements find pressure and tractions on the real profiles. FASTSIM and the linear theory
+know ellipses alone: each connected patch rolls as the ellipse that has its second moments and its
+force.
 """
 
 from __future__ import annotations
@@ -12,11 +13,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from railhead.meshing.bodies import RAIL
 from railhead.planning.effects import interface
-from railhead.planning.references import closed_forms
+from railhead.planning.references import (
+    allowance,
+    boundary_elements,
+    closed_forms,
+    pressed_patches,
+)
+from railhead.planning.references.pressed_patches import SEVERAL, PressedPatch, shear
 from railhead.planning.simulation_plan import Plan
-from railhead.run.half_spaces import normal_contact
-from railhead.run.half_spaces.normal_contact import PressedPatch
+from railhead.postprocess.patch import body_motion, compare
 from railhead.run.mesh_solution import MeshSolution
 from railhead.theory.array_types import Array
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
@@ -24,15 +31,7 @@ from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.line import LineContact
 from railhead.theory.friction import kalker, partial_slip
 from railhead.theory.friction.kalker import Coefficients
-from railhead.theory.friction.laws import Interface
-from railhead.theory.friction.rolling import (
-    CELLS,
-    Creepage,
-    HalfSpaceFriction,
-    TangentialSolution,
-    solve_dissimilar,
-    solve_for_forces,
-)
+from railhead.theory.friction.rolling import CELLS, Creepage
 from railhead.theory.friction.tangential import MaterialPair
 
 if TYPE_CHECKING:
@@ -50,7 +49,6 @@ SLENDER = 20.0  # largest axis ratio in the tables of the linear theory
 GROWING_PATCH = "unlike bodies slip while the patch grows, which is not followed there"
 STRIP_ACROSS = "a strip of unlike bodies across the rail"
 UNEVEN = "the formula has one coefficient of friction"
-SEVERAL = "how several patches share a force depends on the compliance of the bodies"
 
 Numbers = dict[str, float]
 """Keys of "friction" in summary.json with their values."""
@@ -58,6 +56,75 @@ NumbersByMethod = dict[str, dict[str, Any]]
 """The same, or a "reason", by the name of a method."""
 Patches = Callable[[int], Sequence[PressedPatch]]
 """Maps a number n to the pressed patches on grids of n cells along each axis."""
+
+
+def solve(solved: MeshSolution) -> BoundaryElementSolution | str | None:
+    """Contact of the real profiles as half-spaces under the vertical load of the solution,
+    frictionless, or the reason why boundary elements failed. None where exact Hertz is the
+    half-space solution (half-spaces and line contacts), where nothing touches, and off rank 0.
+    """
+    contact = solved.plan.contact
+    if contact.half_space or contact.line or solved.findings is None:
+        return None
+    try:
+        return boundary_elements.solve(
+            contact, solved.ellipse, solved.solution.load, pressed_patches.CELLS
+        )
+    except ValueError as error:
+        return f"boundary elements: {error}"
+
+
+def half_space(
+    solved: MeshSolution, solution: BoundaryElementSolution | str | None
+) -> dict[str, Any] | None:
+    """Entry "half_space" of summary.json: quantities of the half-space `solution`, and by quantity
+    the "allowance" for what half-spaces leave out; or {"reason": ...}. None where `solution` is
+    None. solved: finite elements, of which the twist of the bodies is read.
+    """
+    contact, found = solved.plan.contact, solved.findings
+    if solution is None or found is None:
+        return None
+    if isinstance(solution, str):
+        return {"reason": solution}
+    points, plane = boundary_elements.develop(contact).points, contact.touch.angle
+    quantities = compare.from_half_space(solution, points, plane)
+    try:
+        twist = twist_change(solved)
+    except ValueError as error:
+        return {**quantities, "allowance": {"reason": f"twist: {error}"}}
+    allowed = allowance.allowance(contact, solved.plan.deformable, solution, twist)
+    if found.hertzian:  # half lengths are those of ellipses
+        allowed |= dict.fromkeys(("a_mm", "b_mm"), allowed["area_mm2"])
+    return {**quantities, "allowance": allowed}
+
+
+def twist_change(solved: MeshSolution) -> float:
+    """Relative change of the largest pressure or of the area, the larger one, by the rotation and
+    the movement of the bodies in the solution (rank 0). It is 0 for a contact that is symmetric
+    about y = 0. Raises ValueError where it cannot be computed.
+    """
+    contact, moved = solved.plan.contact, motion(solved)
+    if contact.why_asymmetric_in_y() is None:
+        return 0.0
+    return allowance.change(contact, solved.plan.context.boundary_elements, *moved)
+
+
+def motion(solved: MeshSolution) -> tuple[float, float]:
+    """Rotation of the rail relative to the wheel about x, from y to z (rad), and movement of the
+    wheel relative to the rail along y (mm), in the solution. The movement is that at the height of
+    the crown, z = 0. Zeros in a section, which is symmetric. For rank 0 only, where bodies touch.
+    """
+    found, fields = solved.findings, solved.fields
+    assert found is not None and fields is not None
+    if solved.plan.plane_model:
+        return 0.0, 0.0
+    force = found.patch.mean_pressure * found.patch.area
+    angle = aside = 0.0
+    for tag in solved.plan.deformable:
+        sign = 1.0 if tag == RAIL else -1.0
+        turned, moved = body_motion.motion(fields, tag, found.patch.each, force)
+        angle, aside = angle + sign * turned, aside - sign * moved
+    return angle, aside - angle * found.patch.each[0].centre[2]
 
 
 def half_space_friction(
@@ -79,7 +146,7 @@ def half_space_friction(
 
     def patches(cells: int) -> Sequence[PressedPatch]:
         """The patches on a grid of `cells` cells along each axis."""
-        return normal_contact.patches(
+        return pressed_patches.patches(
             plan.contact,
             solved.ellipse,
             hertzian=findings.hertzian,
@@ -219,67 +286,6 @@ def _by_key(forces: Array, stick: float) -> Numbers:
     """
     names = ("force_along_N", "force_across_N", "moment_Nmm", "stick_share")
     return dict(zip(names, map(float, (*forces, stick)), strict=True))
-
-
-def shear(
-    patches: Sequence[PressedPatch],
-    pair: MaterialPair,
-    creepage: Creepage,
-    forces: tuple[float | None, float | None],
-    *,
-    rolling: bool,
-    interface: Interface | None = None,
-    start: Sequence[TangentialSolution] | None = None,
-) -> list[TangentialSolution]:
-    """Tractions of pressed patches of half-spaces under one rigid motion, a solution for each
-    patch, by boundary elements.
-
-    pair: materials.
-    forces: prescribed force of the wheel on the rail along and across, of all patches together, N;
-        None where the creepage is prescribed.
-    rolling: steady rolling; else one shift, of like bodies.
-    interface: law of friction, heat and layer; None: Coulomb's law alone.
-    start: tractions of similar patches of like bodies on as many cells, from which the iterations
-        begin; None: without.
-    Raises ValueError where tractions are not found, and for forces on several patches of unlike
-    bodies.
-    """
-    along, across = forces
-
-    def solve(bodies: Sequence[HalfSpaceFriction]) -> list[TangentialSolution]:
-        """Tractions of some patches under the motion and the forces of `shear`."""
-        begins = start if pair.like else None
-        return solve_for_forces(bodies, creepage, along=along, across=across, start=begins)
-
-    if pair.like:
-        return solve(
-            [
-                HalfSpaceFriction(
-                    each.pressed.x,
-                    each.pressed.s,
-                    each.pressed.pressure,
-                    each.friction,
-                    pair,
-                    rolling=rolling,
-                    modes=each.modes,
-                    interface=interface,
-                )
-                for each in patches
-            ]
-        )
-    if len(patches) > 1 and forces != (None, None):
-        raise ValueError(SEVERAL)
-    return [
-        solve_dissimilar(
-            each.pressed,
-            pair,
-            each.friction,
-            lambda body: solve([body])[0],
-            modes=each.modes,
-            interface=interface,
-        )
-        for each in patches
-    ]
 
 
 def fastsim(

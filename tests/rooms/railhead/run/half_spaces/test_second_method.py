@@ -1,20 +1,23 @@
-"""The rolling reference: half-spaces with friction beside a result, on which patches."""
+"""Half-spaces beside a solved mesh: what they take from it, and on which patches they roll."""
 
 import math
 from dataclasses import replace
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from friction_cases import MU, friction_found
 
 import railhead as rh
+from railhead.meshing.bodies import RAIL, WHEEL
 from railhead.planning import simulation_plan as planning
-from railhead.planning.references import boundary_elements
+from railhead.planning.references import boundary_elements, pressed_patches
+from railhead.postprocess.patch import body_motion
 from railhead.results import checks
 from railhead.results.report import terminal
-from railhead.run.half_spaces import normal_contact, tangential_contact
-from railhead.run.half_spaces.tangential_contact import (
+from railhead.run.half_spaces import second_method
+from railhead.run.half_spaces.second_method import (
     SEVERAL,
     solve_by_boundary_elements,
 )
@@ -29,7 +32,7 @@ def ellipse(*keys: str) -> planning.Plan:
 
 def hertz(plan: planning.Plan, cells: int):
     like = plan.context.tangential_pair.like
-    return normal_contact.patches(
+    return pressed_patches.patches(
         plan.contact, plan.hertz, hertzian=True, load=25e3, cells=cells, like=like
     )
 
@@ -46,7 +49,7 @@ def two() -> planning.Plan:
 
 @pytest.fixture(scope="module")
 def patches(two: planning.Plan):
-    return normal_contact.patches(two.contact, two.hertz, hertzian=False, load=1e4, cells=32)
+    return pressed_patches.patches(two.contact, two.hertz, hertzian=False, load=1e4, cells=32)
 
 
 def test_boundary_elements_shift_as_mindlin() -> None:
@@ -74,7 +77,7 @@ def test_what_sticks_in_any_patch_is_the_patch_of_the_force_that_is_left() -> No
     scene = rh.find("s1002_60e1").replace(effects={"plasticity": "off"})
     plan = planning.make(scene.replace(friction={"coefficient": MU}))
     whole, half = (
-        normal_contact.patches(plan.contact, plan.hertz, hertzian=False, load=load, cells=48)
+        pressed_patches.patches(plan.contact, plan.hertz, hertzian=False, load=load, cells=48)
         for load in (1e4, 5e3)
     )
     limit = MU * whole[0].pressed.force
@@ -140,9 +143,9 @@ def test_the_ellipse_of_an_ellipse_is_itself() -> None:
     linear = kalker.coefficients(exactly.a / exactly.b, pair.poisson)
     known = linear.forces(exactly.a, exactly.b, pair.shear_modulus, Creepage(*motion))
     patch = hertz(plan, 64)
-    np.testing.assert_allclose(tangential_contact.linear(patch, pair, motion), known, rtol=5e-3)
+    np.testing.assert_allclose(second_method.linear(patch, pair, motion), known, rtol=5e-3)
     followed = fastsim(exactly.a, exactly.b, 7500.0, pair.shear_modulus, linear, Creepage(*motion))
-    *forces, stick, wear = tangential_contact.fastsim(patch, 7500.0, pair, motion).values()
+    *forces, stick, wear = second_method.fastsim(patch, 7500.0, pair, motion).values()
     np.testing.assert_allclose([*forces, stick], followed, rtol=5e-3)
     assert wear == pytest.approx(np.dot(forces, motion))
 
@@ -152,7 +155,7 @@ def test_two_patches_roll_as_their_ellipses_nearly_do(two: planning.Plan, patche
     for motion in ((1e-4, 0.0, 0.0), (1e-3, 5e-4, 1e-4), (0.0, -3e-3, 0.0)):
         found = friction_found(limit, motion)
         answer = solve_by_boundary_elements(two, found, lambda cells: patches, (16, 32))
-        rolled = tangential_contact.fastsim(patches, limit, two.context.tangential_pair, motion)
+        rolled = second_method.fastsim(patches, limit, two.context.tangential_pair, motion)
         for name in ("force_along_N", "force_across_N"):
             assert answer[name] == pytest.approx(rolled[name], abs=0.05 * limit)
     shifted = planning.make(two.scene.replace(rolling={"spin": 0.0}))
@@ -165,10 +168,10 @@ def test_each_patch_dissipates_what_it_would_alone(two: planning.Plan, patches) 
     pair, motion = two.context.tangential_pair, (1e-3, 5e-4, 1e-4)
     normal = [each.pressed.force for each in patches]
     alone = [
-        tangential_contact.fastsim([each], MU * force, pair, motion)
+        second_method.fastsim([each], MU * force, pair, motion)
         for each, force in zip(patches, normal, strict=True)
     ]
-    rolled = tangential_contact.fastsim(patches, MU * sum(normal), pair, motion)
+    rolled = second_method.fastsim(patches, MU * sum(normal), pair, motion)
     wear, forces = rolled["t_gamma_N"], list(rolled.values())[:3]
     assert wear == pytest.approx(sum(each["t_gamma_N"] for each in alone), rel=1e-9)
     assert wear != pytest.approx(np.dot(forces, motion), rel=0.1)
@@ -251,3 +254,27 @@ def test_what_is_not_known_is_said_below_the_table(strip: rh.Result) -> None:
     text = terminal.recorded(partial(terminal.show_result, summary)).export_text()
     assert "Not checked: second_opinion_shift (no reason)." in " ".join(text.split())
     assert "0.8348" in text
+
+
+def test_motion_takes_the_normal_force_and_not_the_load(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At a contact inclined by 60 degrees the normal force is twice the load."""
+    forces = []
+
+    def motion(fields, body: int, patches, load: float) -> tuple[float, float]:
+        forces.append(load)
+        return (3e-4, 0.02) if body == RAIL else (1e-4, 0.05)
+
+    monkeypatch.setattr(body_motion, "motion", motion)
+    patch = SimpleNamespace(
+        mean_pressure=500.0, area=100.0, each=(SimpleNamespace(centre=(0.0, 30.0, -10.0)),)
+    )
+    solved = SimpleNamespace(
+        plan=SimpleNamespace(plane_model=False, deformable=(RAIL, WHEEL)),
+        findings=SimpleNamespace(patch=patch),
+        fields=SimpleNamespace(),
+        solution=SimpleNamespace(load=25e3),
+    )
+    angle, aside = second_method.motion(solved)
+    assert forces == [50e3, 50e3]
+    assert angle == pytest.approx(3e-4 - 1e-4)
+    assert aside == pytest.approx(0.05 - 0.02 + angle * 10.0)
