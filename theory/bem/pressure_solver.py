@@ -176,20 +176,8 @@ def solve_developed(
     known: what the coarse search of this contact found, which is then left out; its domains are
         taken, and `windows` have no effect.
     The domains are adapted until each suits its patch, first coarse, then with `cells` cells along
-    each axis. ValueError: an argument or gap out of range, no contact, no bounded patch, no
-    convergence.
+    each axis. ValueError: a gap out of range, no contact, no bounded patch, no convergence.
     """
-    if (load is None) == (approach is None):
-        raise ValueError("give exactly one of load and approach")
-    sizes = [size for _, half in windows for size in half]
-    positive = (contact_modulus, *sizes, tolerance, 1.0 if load is None else load)
-    if not all(1e-20 < value < 1e20 for value in positive):
-        names = "contact_modulus, half_size, tolerance, load"
-        raise ValueError(f"{names} must be positive and within 1e-20..1e20, got {positive}")
-    centres = [value for centre, _ in windows for value in centre]
-    if cells < 16 or not all(abs(value) < FAR for value in (*centres, approach or 0.0)):
-        names = f"cells ({cells}) must be at least 16, centre {centres} and approach {approach}"
-        raise ValueError(f"{names} within +-{FAR} mm")
     where = _merged([np.array(window, dtype=float) for window in windows])
     found, coarse, fine = known, known, known is not None
     if known is not None:
@@ -249,13 +237,11 @@ def flat(s: Array) -> Array:
 
 
 def _sample(gap: Gap, grid: Grid) -> Array:
-    """Undeformed gap (nx, ns), mm, at the cell centres; infinite above FAR. Raises ValueError for a
-    wrong shape, NaN and values out of range.
+    """Undeformed gap (nx, ns), mm, at the cell centres; infinite above FAR. Raises ValueError for
+    NaN and values out of range.
     """
     x, s = grid.x, grid.s
     values = np.asarray(gap(np.repeat(x, s.size), np.tile(s, x.size)), dtype=float)
-    if values.shape != (x.size * s.size,):
-        raise ValueError(f"gap must return one value a point, got the shape {values.shape}")
     if np.isnan(values).any() or not -FAR < values.min() < FAR:
         raise ValueError(
             f"gap must be above {-FAR} mm everywhere and below {FAR} mm somewhere, got "

@@ -173,8 +173,9 @@ class HalfSpaceFriction:
         interface: Interface | None = None,
     ) -> None:
         """x (nx,), y (ny,): cell centres, evenly spaced, mm.
-        pressure: (nx, ny), MPa, 0 outside of the patch; it does not change.
-        friction: coefficient, or that of each cell: an array that broadcasts to (nx, ny).
+        pressure: (nx, ny), MPa, 0 outside of the patch, two cells an axis at least; it does not
+            change.
+        friction: coefficient above 0, or that of each cell: an array that broadcasts to (nx, ny).
         pair: materials.
         rolling: steady rolling; else one shift.
         modes: rigid slip (4, 2, nx, ny) along x and y of unit creepages, unit spin and the fixed
@@ -184,16 +185,12 @@ class HalfSpaceFriction:
             half-spaces, linear; None: zero.
         interface: law of the coefficient, heat and layer; None: Coulomb's law alone. All but a
             layer need rolling. `friction` is the static coefficient.
-        ValueError: a shape or value out of range.
+        ValueError: a pressure below zero or zero everywhere, cells too long along x.
         """
-        if pressure.shape != (x.size, y.size) or min(pressure.shape) < 2:
-            raise ValueError("pressure must be (nx, ny), two cells an axis at least")
         if not (pressure.min() >= 0 and pressure.max() > 0):
             raise ValueError("pressure must be >= 0, and not zero everywhere")
         if rolling and x[1] - x[0] > LONGEST * (y[1] - y[0]):
             raise ValueError("cells that roll must not be longer along x than 1.5 times across")
-        if not (np.greater(friction, 0) & np.less(friction, np.inf)).all():
-            raise ValueError(f"friction must be positive and finite, got {friction}")
         self._x, self._y, self._rolling, self._pressure = x, y, rolling, pressure
         if pair.mismatch:  # the pressure of cells is solved for, by turns with tractions
             self._covered = panels = np.where(pressure > 0, 1.0, 0.0)

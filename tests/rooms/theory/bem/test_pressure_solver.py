@@ -234,15 +234,6 @@ def test_domain_is_found_from_a_poor_guess(
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({}, "exactly one of load and approach"),
-        ({"load": 1.0, "approach": 1.0}, "exactly one of load and approach"),
-        ({"load": -1.0}, "load must be positive"),
-        ({"load": math.nan}, "load must be positive"),
-        ({"load": 1.0, "contact_modulus": 0.0}, "contact_modulus, .* must be positive"),
-        ({"load": 1.0, "half_size": (1.0, 0.0)}, "half_size, .* must be positive"),
-        ({"load": 1.0, "centre": (math.nan, 0.0)}, "centre"),
-        ({"approach": math.inf}, "approach inf within"),
-        ({"load": 1.0, "cells": 8}, r"cells \(8\) must be at least 16"),
         ({"load": LOAD, "tolerance": 1e-19}, "no equilibrium to 1e-19"),
         ({"approach": -0.1}, "must fall below the approach"),
         ({"approach": 0.0}, "must fall below the approach"),
@@ -256,7 +247,6 @@ def test_domain_is_found_from_a_poor_guess(
         ({"load": LOAD, "gap": lambda x, s: x + math.inf}, "gap must be .* below .* somewhere"),
         ({"load": LOAD, "gap": lambda x, s: x * math.nan}, "gap must be"),
         ({"load": LOAD, "gap": lambda x, s: x - math.inf}, "gap must be above"),
-        ({"load": LOAD, "gap": lambda x, s: 0.0}, r"one value a point, got the shape \(\)"),
     ],
 )
 def test_loads_grids_and_gaps_without_an_answer_are_refused(change, message: str) -> None:

@@ -280,14 +280,12 @@ def test_unlike_bodies_creep_without_creepage() -> None:
     assert still.solve(Creepage()).forces == (0.0, 0.0, 0.0)
 
 
-def test_pressures_and_coefficients_out_of_range_are_refused() -> None:
+def test_pressures_out_of_range_are_refused() -> None:
     x, pressure = np.arange(4.0), np.ones((4, 4))
     drawn = pressure - 1.5 * np.eye(4)  # some cells alone are below zero
-    for p, mu in ((pressure[:3], 0.3), (-pressure, 0.3), (drawn, 0.3), (pressure[:, :1], 0.3),
-                  (pressure, 0.0), (0 * pressure, 0.3), (pressure * math.nan, 0.3),
-                  (pressure, math.inf)):  # fmt: skip
+    for p in (-pressure, drawn, 0 * pressure, pressure * math.nan):
         with pytest.raises(ValueError):
-            HalfSpaceFriction(x, x[: p.shape[1]], p, mu, STEEL, rolling=True)
+            HalfSpaceFriction(x, x, p, 0.3, STEEL, rolling=True)
 
 
 # Rolling of unlike half-spaces: pressure and tractions that change each other.
