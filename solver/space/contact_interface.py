@@ -258,9 +258,7 @@ def quadrature_order(slave: FacetSet) -> int:
     return SECTION_QUADRATURE if slave.kinematics.dim == 2 else 2 * slave.degree + 1
 
 
-def trace_bound(
-    slave: FacetSet, degree: int, normals_at: Callable[[Index, Array, Array], Array]
-) -> Array:
+def trace_bound(slave: FacetSet, at: tuple[Index, Array], weights: Array, normals: Array) -> Array:
     """Smallest stable parameter tau (m,) of Nitsche's method on each of m facets F of cells K,
     MPa/mm: the largest eigenvalue of
 
@@ -272,19 +270,15 @@ def trace_bound(
     tetrahedra. The value is multiplied by the number of contact facets of the cell, which share its
     energy.
 
-    degree: degree of the quadrature on the facets.
-    normals_at: facet (n,), coordinates xi there (n, c - 1) and position (n, c) -> normals n (n, c).
+    at, weights: quadrature points of the facets, see `FacetSet.quadrature`.
+    normals: n there (n, c).
     """
     count = len(slave)
     if not count:  # this rank holds no part of the contact surface
         return np.zeros(0)
-    (facet, xi), weights = slave.quadrature(degree)
-    points, _ = slave.tangents(facet, xi)
-    normals = normals_at(facet, xi, points)
-    reference = slave.reference(facet, xi)
-    traction = normal_stress(slave, facet, reference, normals)
+    traction = normal_stress(slave, at[0], slave.reference(*at), normals)
     size = slave.kinematics.dim * slave.dofs.shape[1]
-    rows = traction.reshape(count, len(facet) // count, size)
+    rows = traction.reshape(count, len(weights) // count, size)
     rows = rows * np.sqrt(weights).reshape(*rows.shape[:2], 1)
     energy = _cell_stiffness(slave)
     solved = np.linalg.solve(energy, rows.transpose(0, 2, 1))

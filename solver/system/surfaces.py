@@ -139,9 +139,9 @@ class Surfaces:
                     "miss) and n outward unit normals"
                 )
         self._number = np.repeat(np.arange(len(contacts)), [len(each) for each in self.secondary])
-        self.bound = np.asarray(factors)[self._number] * contact_interface.trace_bound(
-            self.slave, 2 * self.slave.degree, self._normals
-        )
+        at, weights = self.slave.quadrature(2 * self.slave.degree)
+        bound = contact_interface.trace_bound(self.slave, at, weights, self._normals(*at))
+        self.bound = np.asarray(factors)[self._number] * bound
         for each, *surfaces in zip(contacts, self.secondary, masters, strict=True):
             for tag, surface in zip(each.tags, surfaces, strict=False):
                 if each.gap is not None or surface.geometry_degree > 1:
@@ -158,11 +158,12 @@ class Surfaces:
         if self.comm.rank == 0:
             warnings.warn(text, stacklevel=5)
 
-    def _normals(self, facet: Index, xi: Array, points: Array) -> Array:
-        """Outward unit normals (n, c) at points (n, c), with coordinates xi (n, c - 1) on facets
-        (n,) of all secondary surfaces: those given with the gap, or of the facets.
+    def _normals(self, facet: Index, xi: Array) -> Array:
+        """Outward unit normals (n, c) at coordinates xi (n, c - 1) on facets (n,) of all secondary
+        surfaces: those given with the gap, or of the facets.
         """
-        out = self.slave.normals(facet, self.slave.tangents(facet, xi)[1])
+        points, tangents = self.slave.tangents(facet, xi)
+        out = self.slave.normals(facet, tangents)
         for number, contact in enumerate(self.contacts):
             own = self._number[facet] == number
             if contact.gap is not None:
