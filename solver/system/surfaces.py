@@ -147,16 +147,12 @@ class Surfaces:
                 if each.gap is not None or surface.geometry_degree > 1:
                     continue
                 every = np.concatenate(comm.allgather(surface.flat_normals))
-                if (every @ every[0]).min() < 1 - BENT:
-                    self._warn(
+                if comm.rank == 0 and (every @ every[0]).min() < 1 - BENT:
+                    text = (
                         f"facets {tag} are straight on a curved surface, which adds some 10 to 27 "
                         "% to the pressure: take a mesh of degree 2, or give the gap"
                     )
-
-    def _warn(self, text: str) -> None:
-        """Warn on rank 0."""
-        if self.comm.rank == 0:
-            warnings.warn(text, stacklevel=5)
+                    warnings.warn(text, stacklevel=4)
 
     def _normals(self, facet: Index, xi: Array) -> Array:
         """Outward unit normals (n, c) at coordinates xi (n, c - 1) on facets (n,) of all secondary
