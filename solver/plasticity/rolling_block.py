@@ -28,7 +28,7 @@ from railhead.solver.material import (
     deviator,
     radial_return,
 )
-from railhead.solver.plasticity.block import Block, slab
+from railhead.solver.plasticity.block import Block
 from railhead.theory.array_types import Array, Index
 
 TOLERANCE = 1e-4  # change of the stress in an iteration over the yield stress in shear
@@ -167,22 +167,17 @@ class RollingBlock:
         return self.streams.gathered(self.block.points.points)
 
     @cached_property
-    def slab(self) -> Block:
-        """Slab of one cell with tied planes."""
-        return slab(self.block)
-
-    @cached_property
     def _slab_streams(self) -> Streams:
         """Columns and lines of the slab; its lines are those of the block."""
-        return Streams.of(self.slab.points.points)
+        return Streams.of(self.block.slab.points.points)
 
     @cached_property
     def _areas(self) -> Array:
         """Area (lines,) of the section that belongs to each line, mm2; in plane strain per mm of
         width.
         """
-        weights = self._slab_streams.gathered(self.slab.points.weights)
-        return np.asarray(weights.sum(axis=0) / self.slab.axes[0][-1])
+        weights = self._slab_streams.gathered(self.block.slab.points.weights)
+        return np.asarray(weights.sum(axis=0) / self.block.slab.axes[0][-1])
 
     @property
     def hardening(self) -> Hardening:
@@ -217,7 +212,7 @@ class RollingBlock:
     @cached_property
     def _outflow_order(self) -> Array:
         """Number (k,) of the slab's node for each node of the outflow, in their order."""
-        slab, block = self.slab, self.block
+        slab, block = self.block.slab, self.block
         own = np.flatnonzero(slab.outflow)
         nearest = cKDTree(slab.nodes[own, 1:]).query(block.nodes[block.outflow, 1:])[1]
         return np.asarray(own[nearest])
@@ -226,7 +221,7 @@ class RollingBlock:
         """Answer of the slab to a change of its plastic strain (lines, m): u_x (k,) of the
         outflow's nodes, mm; displacement of the surface; residual stress (lines, m), MPa.
         """
-        slab, streams = self.slab, self._slab_streams
+        slab, streams = self.block.slab, self._slab_streams
         spread = streams.scattered(np.broadcast_to(change, (len(streams.x), *change.shape)))
         moved = slab.solve(slab.plastic_force(spread))
         strain = streams.gathered(slab.strains(moved))[0]

@@ -31,8 +31,6 @@ from railhead.solver.space.facets import FacetSet
 from railhead.solver.space.operators import assemble_rows
 from railhead.theory.array_types import Array, Index, Mask
 
-SECTION_QUADRATURE = 15  # degree of the contact quadrature in a plane section, where points are
-# cheap: it follows the edge of the patch, and the pressure's error falls tenfold
 LAYER_FACTOR = 2.0  # of the trace bound in hexahedra and quadrilaterals. Where Poisson's ratio is
 # small, a whole layer of them that is stretched attains the bound in each cell at no other cost.
 # Tetrahedra at a facet share their corners with others that have no contact facet.
@@ -251,11 +249,6 @@ def tangents_of(normals: Array) -> Array:
     first = np.cross(normals, least)
     first /= np.linalg.norm(first, axis=1)[:, None]
     return np.stack([first, np.cross(normals, first)], axis=1)
-
-
-def quadrature_order(slave: FacetSet) -> int:
-    """Degree of the contact quadrature on each piece or facet."""
-    return SECTION_QUADRATURE if slave.kinematics.dim == 2 else 2 * slave.degree + 1
 
 
 def trace_bound(slave: FacetSet, at: tuple[Index, Array], weights: Array, normals: Array) -> Array:
