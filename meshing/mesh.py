@@ -83,10 +83,12 @@ def generate(
                     _meshed, bodies, finer, options, seconds=seconds, meanwhile=meanwhile
                 )
                 bad = int(np.sum(shapes < MIN_QUALITY))
-                problem = bad and (
-                    f"{bad} of {len(shapes)} elements have a quality (scaled Jacobian) below "
-                    f"{MIN_QUALITY} (smallest {shapes.min():.3g}); try another mesh.patch_size"
-                )
+                problem = ""
+                if bad:
+                    problem = (
+                        f"{bad} of {len(shapes)} elements have a quality (scaled Jacobian) below "
+                        f"{MIN_QUALITY} (smallest {shapes.min():.3g}); try another mesh.patch_size"
+                    )
             except isolated_process.IsolatedProcessError as error:
                 problem = f"gmsh: {error}"
             if not problem:
