@@ -82,13 +82,7 @@ def generate(
                 found, shapes = isolated_process.run(
                     _meshed, bodies, finer, options, seconds=seconds, meanwhile=meanwhile
                 )
-                bad = int(np.sum(shapes < MIN_QUALITY))
-                problem = ""
-                if bad:
-                    problem = (
-                        f"{bad} of {len(shapes)} elements have a quality (scaled Jacobian) below "
-                        f"{MIN_QUALITY} (smallest {shapes.min():.3g}); try another mesh.patch_size"
-                    )
+                problem = _bad_elements(shapes)
             except isolated_process.IsolatedProcessError as error:
                 problem = f"gmsh: {error}"
             if not problem:
@@ -115,3 +109,16 @@ def _meshed(
         shapes = blocks.qualities(options.dim)
         blocks.undo_stretch(bodies, grading)
         return blocks.snapshot_model(), shapes
+
+
+def _bad_elements(shapes: np.ndarray) -> str:
+    """Message that some cells have a quality below 0.01 (`MIN_QUALITY`); '' where none has. shapes:
+    quality of the cells (m,).
+    """
+    bad = int(np.sum(shapes < MIN_QUALITY))
+    if not bad:
+        return ""
+    return (
+        f"{bad} of {len(shapes)} elements have a quality (scaled Jacobian) below "
+        f"{MIN_QUALITY} (smallest {shapes.min():.3g}); try another mesh.patch_size"
+    )
