@@ -13,6 +13,7 @@ from mpi4py import MPI
 import railhead.solver as rs
 from railhead.solver.compat import model_to_mesh
 from railhead.solver.model.assembly import Assembly
+from railhead.solver.space.kinematics import SOLID
 
 RADIUS, GAP = 10.0, 0.02
 
@@ -60,7 +61,7 @@ def main() -> None:
         taken = []
         for _ in range(4):
             begun = [time.process_time()]
-            model = Assembly(*mesh, None, 2, 1.0, False, parts)
+            model = Assembly(*mesh, None, 2, SOLID, parts)
             begun.append(time.process_time())
             face = model.surfaces.pair(np.zeros((len(model.bulk_points), 3)))
             begun.append(time.process_time())

@@ -193,25 +193,18 @@ class Grading:
         reach: distance that the body extends from the patch along the rail, mm.
         hexahedra: whether the cells are hexahedra swept in layers, otherwise tetrahedra.
         """
-        others = (other.predicted_cells(reach, hexahedra=hexahedra) for other in self.also)
-        return self._predicted_cells(reach, hexahedra) + sum(others)
-
-    def _predicted_cells(self, reach: float, hexahedra: bool) -> float:
-        """Predicted number of cells of one whole body, not cut at symmetry planes, that extends
-        `reach` mm from the patch along the rail, for this patch without the further ones.
-        hexahedra: whether all cells are hexahedra swept in layers, else tetrahedra.
-        """
+        others = sum(other.predicted_cells(reach, hexahedra=hexahedra) for other in self.also)
         distance = np.concatenate([[0.0], np.geomspace(1e-3 * self.size, reach, 400)])
         size = self._size(distance)
         if hexahedra:
             across, down = (edge + distance for edge in self._fine[1:])
             area = np.pi / 2 * across * down
             quads = area[0] / size[0] ** 2 + float(trapezoid(1 / size**2, area))
-            return quads * 2 * len(self.layers(reach))
+            return others + quads * 2 * len(self.layers(reach))
         along, across, down = (edge + distance for edge in self._fine)
         along = np.minimum(along, reach / self.stretch)
         volume = 2 * np.pi / 3 * along * across * down
-        return 4.4 * float(volume[0] / size[0] ** 3 + trapezoid(1 / size**3, volume))
+        return others + 4.4 * float(volume[0] / size[0] ** 3 + trapezoid(1 / size**3, volume))
 
 
 def _offset(name: str, origin: float) -> str:

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from petsc4py import PETSc
 
 from railhead.solver.friction.history import FrictionHistory
 from railhead.solver.plasticity.load_stepping import Response, plastic_problem
@@ -43,7 +42,6 @@ class ContactModel(ContactSystem):
         active: Mask,
         max_steps: int = 30,
         progress: Callable[[int, float], None] = lambda step, residual: None,
-        force: PETSc.Vec | None = None,
         friction: FrictionMethod | None = None,
     ) -> Solution:
         """Solve one load case: press the bodies, then apply friction, then remove the load where
@@ -56,8 +54,6 @@ class ContactModel(ContactSystem):
             rank has one, the twelve points with the smallest initial gap.
         max_steps: largest number of Newton's steps in each solve of the pressure.
         progress: called with the number and the relative residual of each of Newton's steps.
-        force: forces on the meshed part at the dofs that this process owns, in the order of
-            `bulk.space`, N, for example an assembled body force.
         friction: method for the tractions; without effect where the setup has no friction. None:
             `condensed_friction`.
         Raises ValueError for a negative or infinite load, for `active` of another shape or type,
@@ -80,7 +76,6 @@ class ContactModel(ContactSystem):
             active=active,
             max_steps=max_steps,
             progress=progress,
-            force=force,
         )
         response = self.response()
         solution = response.press(case)

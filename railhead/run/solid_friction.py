@@ -29,7 +29,6 @@ from railhead.solver.contact import ContactModel, condensed_friction
 from railhead.solver.friction.pressed_surfaces import (
     SurfacePoints,
     SurfaceResponse,
-    far_displacement,
 )
 from railhead.solver.plasticity.load_stepping import Response
 from railhead.solver.system.contact_system import LoadCase
@@ -326,7 +325,7 @@ class SolidFriction:
             load = each.points.loads(forces)
             force = load if force is None else force + load
             total += each.points.resultant(forces)
-        far = far_displacement(self.response.far_field, self.settings.axes[:2] @ total)
+        far = self.response.far_displacement(self.settings.axes[:2] @ total)
         solution = self.model.press(replace(case, force=force, support_displacement=far))
         if solution.newton.converged:
             fields = gather(self.model, solution, facing=False)

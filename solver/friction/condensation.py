@@ -23,7 +23,6 @@ two edges, whose noise is a seventh.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
@@ -204,7 +203,8 @@ class StaticCondensation(PressedSurfaces):
             displacement=place,
             pressure=indicator,
         )
-        for axis, (u, y) in zip(self.settings.axes, self._far_field_response, strict=False):
+        for axis, field in zip(self.settings.axes, self.far_field, strict=False):
+            u, y = self._moved_with(field)
             force = contact.force(axis)
             trial += np.outer(self._all((self.trial * u).array), force)
             displacement += np.outer(self._all((self.change * u).array), force)
@@ -282,21 +282,17 @@ class StaticCondensation(PressedSurfaces):
         """
         return self.response.plastic_shear_stress(self.own, self.face.tangents, self.face.normals)
 
-    @cached_property
-    def _far_field_response(self) -> list[tuple[PETSc.Vec, PETSc.Vec]]:
-        """For each far field of 1 N, the displacement of both bodies that it causes while the
-        active set stays, mm/N: on all dofs, and the part of the free unknowns alone.
+    def _moved_with(self, field: PETSc.Vec) -> tuple[PETSc.Vec, PETSc.Vec]:
+        """Displacement of both bodies that a far field of 1 N causes while the active set stays,
+        mm/N: on all dofs, and the part of the free unknowns alone.
         """
-        reduction, responses = self.system.reduction, []
-        for field in self.far_field:
-            u = field.copy()
-            force, y = self.tangent.createVecRight(), self.tangent.createVecRight()
-            reduction.matrix.multTranspose(self.system.reactions.forces(u), force)
-            force.scale(-1.0)
-            self.pc.apply(force, y)
-            u.axpy(1.0, reduction.matrix * y)
-            responses.append((u, y))
-        return responses
+        u, p = field.copy(), self.system.reduction.matrix
+        force, y = self.tangent.createVecRight(), self.tangent.createVecRight()
+        p.multTranspose(self.system.reactions.forces(u), force)
+        force.scale(-1.0)
+        self.pc.apply(force, y)
+        u.axpy(1.0, p * y)
+        return u, y
 
     def forces(self, nodal: Array, contact: ContactCompliance) -> PETSc.Vec:
         """Forces on the bodies of the meshed part from tangential tractions, on all dofs, N: the

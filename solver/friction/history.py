@@ -8,9 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from railhead.solver.algebra.mixing import Anderson
-from railhead.solver.friction.condensation import ContactCompliance, StaticCondensation
+from railhead.solver.friction.condensation import StaticCondensation
 from railhead.solver.friction.coulomb import TINY, CoulombContact, TangentialState
-from railhead.solver.friction.pressed_surfaces import far_displacement
 from railhead.solver.plasticity.load_stepping import Response
 from railhead.solver.system.contact_system import ContactSystem, LoadCase
 from railhead.solver.system.setup import FrictionSettings
@@ -38,7 +37,7 @@ class FrictionHistory:
     condensation: static condensation of the pressed contact.
     contact: compliance, linearised around the last solution.
     coefficient: coefficient of friction (n,), with a law that of the last solve for the tractions.
-    rigid_slip: modes of rigid slip (4, n, k), see `FrictionSettings.rigid_slip`.
+    rigid_slip: modes of rigid slip (4, n, k) along the tangents, see `FrictionSettings.rigid_slip`.
     motion: factors (4,) of these modes, prescribed or last found.
     prescribed_slip: rigid slip (n, k) of the prescribed motions alone.
     free_modes: indices of the modes that follow from prescribed forces.
@@ -73,7 +72,8 @@ class FrictionHistory:
         self.condensation = StaticCondensation(system, response, settings, pressed)
         self.contact = contact = self.condensation.condense(pressed)
         self.coefficient = settings.coefficient(contact.points)
-        self.rigid_slip = rigid_slip_modes(settings, contact)
+        modes = settings.rigid_slip(contact.points)
+        self.rigid_slip = np.einsum("mnc,nkc->mnk", modes, contact.tangents)
         self.motion = np.array([*settings.creepage, 1.0])
         self.prescribed_slip = np.tensordot(self.motion, self.rigid_slip, axes=1)
         self.free_modes = [index for index, _ in settings.force_controlled]
@@ -99,9 +99,10 @@ class FrictionHistory:
             solution = self._step(solution, load_share, force_share)
             if not solution.newton.converged:
                 break
+        direction = np.array(self.system.setup.direction)
         return replace(
             solution,
-            load=solution.load + self._carried,
+            load=solution.load + float(self.contact.force(direction) @ self.nodal),
             reference=self.pressed,
             friction=self._friction_solution(),
         )
@@ -252,9 +253,7 @@ class FrictionHistory:
         """
         case = self.case.scaled(self.load_share)
         force = self.condensation.forces(self.nodal, self.contact)
-        if self.case.force is not None:
-            force.axpy(1.0, self.case.force)
-        support = far_displacement(self.condensation.far_field, self.tangential)
+        support = self.condensation.far_displacement(self.tangential)
         case = replace(
             case, active=solution.pressure > 0, force=force, support_displacement=support
         )
@@ -282,14 +281,6 @@ class FrictionHistory:
     def _force(self, state: TangentialState) -> Array:
         """Force of the wheel on the rail along and across (2,), N, of the whole model."""
         return np.array(self._resultants(state)[0])
-
-    @property
-    def _carried(self) -> float:
-        """Part of the load that the tangential tractions on inclined surfaces carry, N, of the
-        whole model: their component along the direction of the setup.
-        """
-        direction = np.array(self.system.setup.direction)
-        return float(self.contact.force(direction) @ self.nodal)
 
     def _friction_solution(self) -> FrictionSolution:
         """Tractions and slip at the last load step; when rolling, its field `without_creepage` is
@@ -333,11 +324,3 @@ class FrictionHistory:
             rise_rail=hot[0],
             rise_wheel=hot[1],
         )
-
-
-def rigid_slip_modes(settings: FrictionSettings, contact: ContactCompliance) -> Array:
-    """Rigid slip (4, n, k) along the k tangents of n contact points under four motions: unit
-    creepage along, unit creepage across, unit spin, and the rotation of the wheel about tangents
-    at the origin. For a shift the unit motions are 1 mm, 1 mm and 1 rad.
-    """
-    return np.einsum("mnc,nkc->mnk", settings.rigid_slip(contact.points), contact.tangents)

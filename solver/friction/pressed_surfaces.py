@@ -56,7 +56,11 @@ class PressedSurfaces:
         self.slave = system.interface.slave.gathered(system.comm)
         self.master = system.interface.master
         self.sign = -1.0 if system.setup.slave == system.setup.moving.tag else 1.0
-        self.far_field = far_field(system, settings)
+        self.far_field: list[PETSc.Vec] = []
+        if settings.far_field is not None:
+            for way in range(system.setup.kinematics.dim - 1):
+                values = system.support_field(partial(settings.far_field, way))
+                self.far_field.append(vector(system.reduction.matrix, values))
 
     @property
     def edge(self) -> float:
@@ -64,6 +68,16 @@ class PressedSurfaces:
         ranks, mm (collective).
         """
         return self.system.interface.slave.mean_edge(self.touched, self.system.comm)
+
+    def far_displacement(self, force: Array) -> PETSc.Vec:
+        """Displacement of the supported faces, on all dofs, mm, under a force (2,) of the wheel on
+        the rail along and across the rail, N; zero where the bodies end at their supports.
+        """
+        out = self.system.reduction.matrix.createVecLeft()
+        out.set(0.0)
+        for value, field in zip(force, self.far_field, strict=False):
+            out.axpy(float(value), field)
+        return out
 
 
 def surface_tangents(normals: Array) -> Array:
@@ -83,28 +97,6 @@ def surface_tangents(normals: Array) -> Array:
     if normals.shape[1] == 2:
         return along[:, None]
     return np.stack([along, np.cross(normals, along)], axis=1)
-
-
-def far_displacement(fields: list[PETSc.Vec], force: Array) -> PETSc.Vec | None:
-    """Displacement of the supported faces, on all dofs, mm, under a force (2,) of the wheel on the
-    rail along and across the rail, N; None without fields. fields: see `far_field`.
-    """
-    out = None
-    for value, field in zip(force, fields, strict=False):
-        out = field * float(value) if out is None else out + field * float(value)
-    return out
-
-
-def far_field(system: ContactSystem, settings: FrictionSettings) -> list[PETSc.Vec]:
-    """Displacement of the supported faces under 1 N of the wheel on the rail along the rail and, in
-    a solid, under 1 N across it: vectors on all dofs, mm/N; empty where the settings have no far
-    field (collective).
-    """
-    if settings.far_field is None:
-        return []
-    ways = range(system.setup.kinematics.dim - 1)
-    fields = [system.support_field(partial(settings.far_field, way)) for way in ways]
-    return [vector(system.reduction.matrix, values) for values in fields]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -212,13 +204,9 @@ class SurfaceResponse(PressedSurfaces):
         solve fails.
         """
         system, problem = self.system, self.system.problem
-        out = far_displacement(self.far_field, self.settings.axes[:2] @ points.resultant(forces))
+        out = self.far_displacement(self.settings.axes[:2] @ points.resultant(forces))
         load = points.loads(forces)
-        if out is None:
-            out = load.duplicate()
-            out.set(0.0)
-        else:
-            load.axpy(-1.0, system.reactions.forces(out))
+        load.axpy(-1.0, system.reactions.forces(out))
         rhs, y = problem.stiffness.vector(), problem.stiffness.vector()
         system.reduction.matrix.multTranspose(load, rhs)
         linear.solve(problem, system.preconditioner, self.active, rhs, y, TOLERANCE)

@@ -62,13 +62,12 @@ class Assembly:
         facet_tags: Any,
         section: str | None,
         degree: int,
-        thickness: float,
-        mean_dilatation: bool,
+        kinematics: Kinematics,
         parts: Sequence[Part],
     ) -> None:
         self.comm, self.section = mesh.comm, section
         self.cell_tags, self.facet_tags = cell_tags, facet_tags
-        self.kinematics = kinematics(mesh, section, thickness, mean_dilatation)
+        self.kinematics = kinematics
         self.bodies = [each for each in parts if isinstance(each, Body)]
         contacts = [each for each in parts if isinstance(each, Contact)]
         supports = [each for each in parts if isinstance(each, Clamp | Slide | Hub)]
@@ -137,9 +136,8 @@ class Assembly:
         for body in given:
             values[self.cell_tags.find(body.tag)] = np.asarray(body.force, float)
         load = ufl.as_vector([compat.cellwise_constant(mesh, each.copy()) for each in values.T])
-        size: Any = self.kinematics.thickness
-        if self.kinematics.revolved:
-            size = 2 * np.pi * ufl.SpatialCoordinate(mesh)[0]
+        r = ufl.SpatialCoordinate(mesh)[0]
+        size = 2 * np.pi * r if self.kinematics.revolved else 1.0
         form = size * ufl.inner(load, ufl.TestFunction(self.bulk.space)) * ufl.dx
         found = assemble_vector(compat.form(form, mesh))
         found.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
@@ -297,30 +295,21 @@ def _compatible(contacts: Sequence[Contact], supports: Sequence[Clamp | Slide | 
         raise ValueError("nothing holds the bodies: give a Clamp, a Slide or a second Hub")
 
 
-def kinematics(mesh: Any, section: str | None, thickness: float, mean: bool) -> Kinematics:
+def kinematics(mesh: Any, section: str | None, mean: bool) -> Kinematics:
     """Meaning of the mesh's coordinates in a section (collective). Raises ValueError for a mesh
-    with another number of coordinates or negative radii, an unknown section, a wrong thickness.
+    with another number of coordinates or negative radii, and for an unknown section.
     """
     if section not in SECTIONS:
         raise ValueError(f"section {section!r} is unknown; give one of {SECTIONS}")
     dim = mesh.geometry.dim
     if dim != (3 if section is None else 2):
         raise ValueError(f"section {section!r} does not fit a mesh with {dim} coordinates")
-    if section in (None, "axisymmetric") and thickness != 1.0:
-        raise ValueError(f"thickness is not there with section {section!r}")
     if section is None:
         return replace(SOLID, mean_dilatation=mean)
-    if not 0 < thickness < np.inf:
-        raise ValueError(f"thickness must be positive, not {thickness!r}")
     revolved = section == "axisymmetric"
     r = mesh.geometry.x[:, 0]
     ends = [float(np.max(each, initial=0.0)) for each in (r, -r)]
     largest, beyond = np.max(mesh.comm.allgather(ends), axis=0)
     if revolved and beyond > ON_AXIS * largest:
         raise ValueError(f"an axisymmetric mesh has r from 0 on, not from {-beyond:.6g}")
-    return Kinematics(
-        np.eye(3)[:2],
-        thickness=1.0 if revolved else thickness,
-        revolved=revolved,
-        mean_dilatation=mean,
-    )
+    return Kinematics(np.eye(3)[:2], revolved=revolved, mean_dilatation=mean)

@@ -47,7 +47,6 @@ class Model:
     section: None: a solid; "plane strain", "plane stress" or, with coordinates (r, z),
         "axisymmetric".
     degree: polynomial degree of the displacement, 1 or 2.
-    thickness: of a plane section; forces are those of this thickness.
     mean_dilatation: the volume strain is averaged in each cell: for Poisson's ratios from 0.45 on
         and for large plastic strain, where cells lock.
     Finite strain and self-contact are not there. Raises ValueError for a section that does not fit.
@@ -61,7 +60,6 @@ class Model:
         section: str | None = None,
         *,
         degree: int = 2,
-        thickness: float = 1.0,
         mean_dilatation: bool = False,
     ) -> None:
         dims = [getattr(each, "dim", None) for each in (cell_tags, facet_tags)]
@@ -69,8 +67,8 @@ class Model:
             raise ValueError("cell_tags and facet_tags must be MeshTags of cells and of facets")
         if degree not in (1, 2):
             raise ValueError(f"degree {degree!r} is not there: give 1 or 2")
-        self.kinematics = kinematics(mesh, section, thickness, mean_dilatation)
-        self._mesh = mesh, cell_tags, facet_tags, section, degree, thickness, mean_dilatation
+        self.kinematics = kinematics(mesh, section, mean_dilatation)
+        self._mesh = mesh, cell_tags, facet_tags, section, degree, self.kinematics
         self.parts: list[Part] = []
         self._assembly: Assembly | None = None
 
@@ -141,26 +139,19 @@ class Solution:
         self.touching = bool(model.comm.allreduce(int((state.pressure > 0).sum())))
         self.u = compat.function(model.bulk.space, state.displacement)
         self.stress = self._stress()
-        self._forces = {part: self._force(part) for part in model.masks}
-
-    def _force(self, part: Clamp | Slide | Hub) -> Array:
-        """Force (c,) by which a part acts on the bodies (collective)."""
-        total = self._state.nodal[self._model.masks[part]].sum(axis=0)
-        total = np.sum(self._model.comm.allgather(total), axis=0)
-        if isinstance(part, Slide):
-            normal = unit("normal", part.normal)
-            return np.asarray((total @ normal) * normal)
-        return np.asarray(total)
+        nodal = {part: state.nodal[mask].sum(axis=0) for part, mask in model.masks.items()}
+        self._forces = {part: sum(model.comm.allgather(each)) for part, each in nodal.items()}
 
     def force(self, part: Clamp | Slide | Hub) -> Any:
         """Force by which a part acts on the bodies: along the free direction of a hub, positive
-        pushes that way; a vector (c,) of a hub without one, a clamp, a slide. In plane sections of
-        the thickness, in axisymmetric ones of the whole turn.
+        pushes that way; a vector (c,) of a hub without one, a clamp, a slide. In plane sections per
+        unit of depth, in axisymmetric ones of the whole turn.
         """
-        free = getattr(part, "free", None)
-        return (
-            self._forces[part] if free is None else float(self._forces[part] @ unit("free", free))
-        )
+        total, free = np.asarray(self._forces[part]), getattr(part, "free", None)
+        if isinstance(part, Slide):
+            normal = unit("normal", part.normal)
+            return (total @ normal) * normal
+        return total if free is None else float(total @ unit("free", free))
 
     def motion(self, hub: Hub) -> Any:
         """Motion of a hub from rest: along its free direction, or a vector (c,) without one."""

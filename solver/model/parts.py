@@ -73,7 +73,7 @@ class Body:
 @dataclass(frozen=True)
 class Force:
     """Force along the free direction of a hub, of the meshed part: in a plane section per
-    thickness, in an axisymmetric one of the whole turn. move: motion (c,) of the hub across its
+    unit of depth, in an axisymmetric one of the whole turn. move: motion (c,) of the hub across its
     free direction, from the start.
     """
 

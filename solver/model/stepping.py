@@ -120,7 +120,7 @@ def _problem(
     model: Assembly, before: State, pairing: Interface, loads: HubLoads, share: float
 ) -> tuple[ContactProblem, PETSc.Vec]:
     """Equations of a step from a state, and the prescribed displacement (collective)."""
-    unknowns, face, law = model.unknowns(loads), pairing, model.law
+    unknowns, law = model.unknowns(loads), model.law
     p = unknowns.reduction.matrix
     prescribed = model.prescribed(loads)
     force = model.stiffness * prescribed
@@ -135,13 +135,13 @@ def _problem(
     values = {
         "law": law,
         "stiffness": stiffness,
-        "gap": face.gap.matMult(p),
-        "stress": face.stress.matMult(p),
-        "area": face.weights,
-        "bound": face.stiffness_bound(law),
+        "gap": pairing.gap.matMult(p),
+        "stress": pairing.stress.matMult(p),
+        "area": pairing.weights,
+        "bound": pairing.stiffness_bound(law),
         "force": reduced,
-        "start_gap": face.initial_gap + (face.gap * prescribed).array,
-        "start_stress": (face.stress * prescribed).array.copy(),
+        "start_gap": pairing.initial_gap + (pairing.gap * prescribed).array,
+        "start_stress": (pairing.stress * prescribed).array.copy(),
     }
     problem: ContactProblem
     if not model.remembers:
@@ -162,9 +162,9 @@ def _with_history(
     values: dict[str, Any],
 ) -> FrictionalProblem:
     """Equations with yield and friction, from those without them."""
-    unknowns, face, shape = model.unknowns(loads), pairing, pairing.tangents.shape[:2]
+    unknowns, shape = model.unknowns(loads), pairing.tangents.shape[:2]
     p, bulk = unknowns.reduction.matrix, unknowns.points
-    surface = surface_points(face, None, model.bulk, unknowns.reduction, model.comm)
+    surface = surface_points(pairing, None, model.bulk, unknowns.reduction, model.comm)
     surface.groups = [
         (np.flatnonzero(pairing.contact == number), material.hardening)
         for number, material in enumerate(model.secondary)
@@ -177,7 +177,7 @@ def _with_history(
             for e in fields(History)
         )
     )
-    dyads, normals = model.kinematics.dyads, np.repeat(face.normals, shape[1], axis=0)
+    dyads, normals = model.kinematics.dyads, np.repeat(pairing.normals, shape[1], axis=0)
     along = pairing.tangents.reshape(normals.shape)
     sheared = (dyads(along + normals) - dyads(along) - dyads(normals)) / 2
     slipped = prescribed - before.displacement
@@ -186,7 +186,7 @@ def _with_history(
         **values,
         bulk=bulk,
         surface=surface,
-        normal_dyads=dyads(face.normals),
+        normal_dyads=dyads(pairing.normals),
         coefficient=friction[pairing.contact],
         slip=pairing.slip.matMult(p),
         shear=pairing.shear.matMult(p),
@@ -211,7 +211,7 @@ def _state(
     outdated: bool,
 ) -> State:
     """State that a result of Newton's method belongs to (collective)."""
-    face, pressure = pairing, result.pressure
+    pressure = result.pressure
     bulk, surface = before.bulk, before.surface
     traction, lost = np.zeros(pairing.tangents.shape[:2]), np.zeros(len(pressure))
     nodal = model.stiffness * u
@@ -222,10 +222,12 @@ def _state(
         lost = problem.plastic_normal_stress(surface.plastic)
         stress = -2 * problem.bulk.mu[:, None] * bulk.plastic * problem.bulk.weights[:, None]
         add_transposed(problem.bulk.full_strain_matrix, stress, nodal)
-        add_transposed(pairing.slip, -face.weights[:, None] * traction, nodal)
-    add_transposed(face.gap, -face.weights * pressure, nodal)
-    normal = (face.stress * u).array - lost
-    add_transposed(face.stress, -problem.consistency * problem.weight * (pressure + normal), nodal)
+        add_transposed(pairing.slip, -pairing.weights[:, None] * traction, nodal)
+    add_transposed(pairing.gap, -pairing.weights * pressure, nodal)
+    normal = (pairing.stress * u).array - lost
+    add_transposed(
+        pairing.stress, -problem.consistency * problem.weight * (pressure + normal), nodal
+    )
     motions, unknowns = {hub: load[1:] for hub, load in loads.items()}, model.unknowns(loads)
     for hub, place in zip(unknowns.hubs, unknowns.reduction.places, strict=True):
         along = model.comm.allreduce(float(result.y.array[place]) if place >= 0 else 0.0)

@@ -6,8 +6,7 @@ which is z = 0. The load stands at the origin and moves to +x, so that the body 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
 from typing import Any
@@ -87,6 +86,12 @@ class Block:
     def kinematics(self) -> Kinematics:
         """Meaning of the coordinates."""
         return KINEMATICS[self.dim]
+
+    @cached_property
+    def slab(self) -> Block:
+        """Slab of one cell along x, with tied planes and the same section."""
+        width = float(np.diff(self.axes[-1]).max())
+        return replace(self, axes=(np.array([0.0, width]), *self.axes[1:]), tied=True)
 
     @cached_property
     def mesh(self) -> Any:
@@ -248,10 +253,3 @@ class Block:
         vector.array[:] = stress.ravel()
         points.full_strain_matrix.multTranspose(vector, out)
         return out
-
-
-def slab(block: Block) -> Block:
-    """Slab of one cell along x, with tied planes and the section of a block."""
-    width = float(np.diff(block.axes[-1]).max())
-    axes: Sequence[Array] = (np.array([0.0, width]), *block.axes[1:])
-    return Block(tuple(axes), block.material, block.half, block.depth, block.aside, tied=True)

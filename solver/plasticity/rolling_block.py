@@ -28,7 +28,7 @@ from railhead.solver.material import (
     deviator,
     radial_return,
 )
-from railhead.solver.plasticity.block import Block, slab
+from railhead.solver.plasticity.block import Block
 from railhead.theory.array_types import Array, Index
 
 TOLERANCE = 1e-4  # change of the stress in an iteration over the yield stress in shear
@@ -54,18 +54,12 @@ class Streams:
 
     @classmethod
     def of(cls, points: Array) -> Streams:
-        """Streams of points (n, 3), mm. Raises ValueError where they do not line up along x."""
+        """Streams of points (n, 3), mm, that line up along x."""
         step = ALIKE * max(float(np.abs(points).max()), 1e-300)
         keys = np.round(points / step).astype(np.int64)
         order = np.lexsort((keys[:, 2], keys[:, 1], -keys[:, 0]))
         columns = len(np.unique(keys[:, 0]))
-        if not len(points) or len(points) % columns:
-            raise ValueError("the points do not line up along x: columns of different sizes")
         table = order.reshape(columns, -1)
-        apart = np.abs(points[table] - points[table[:1]])[:, :, 1:].max()
-        along = np.ptp(points[table][:, :, 0], axis=1).max()
-        if max(apart, along) > 2 * step:
-            raise ValueError("the points do not line up along x: their places across differ")
         return cls(table, points[table[:, 0], 0], points[table[0], 1:])
 
     def gathered(self, values: Array) -> Array:
@@ -97,28 +91,10 @@ class ProfileChange:
         return ProfileChange(self.y, self.along + other.along, self.up + other.up)
 
 
-@dataclass(frozen=True)
-class SurfaceMotion:
-    """Displacement of the surface that a pass adds to the elastic one.
-
-    x: (nx,), mm, ascending.
-    y: (ny,), mm, ascending.
-    moved: displacement (nx, ny, c) along the c coordinates of the block, mm.
-    """
-
-    x: Array
-    y: Array
-    moved: Array
-
-    @property
-    def up(self) -> Array:
-        """Displacement (nx, ny) out of the surface, mm."""
-        return np.asarray(self.moved[..., -1])
-
-
-ElasticStress = Callable[[SurfaceMotion, ProfileChange], Array]
-"""(surface of this pass, profile of the passes before) -> elastic stress of the load (columns,
-lines, m) at the points of `RollingBlock`, MPa, in Mandel's notation of the block."""
+ElasticStress = Callable[[Array, ProfileChange], Array]
+"""(displacement of the surface in this pass, see `RollingBlock.surface`; profile of the passes
+before) -> elastic stress of the load (columns, lines, m) at the points of `RollingBlock`, MPa, in
+Mandel's notation of the block."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -191,25 +167,17 @@ class RollingBlock:
         return self.streams.gathered(self.block.points.points)
 
     @cached_property
-    def slab(self) -> Block:
-        """Slab of one cell with tied planes."""
-        return slab(self.block)
-
-    @cached_property
     def _slab_streams(self) -> Streams:
-        """Columns and lines of the slab. ValueError: its lines are not those of the block."""
-        found = Streams.of(self.slab.points.points)
-        if found.places.shape != self.streams.places.shape:
-            raise ValueError("the lines of slab and block differ")
-        return found
+        """Columns and lines of the slab; its lines are those of the block."""
+        return Streams.of(self.block.slab.points.points)
 
     @cached_property
     def _areas(self) -> Array:
         """Area (lines,) of the section that belongs to each line, mm2; in plane strain per mm of
         width.
         """
-        weights = self._slab_streams.gathered(self.slab.points.weights)
-        return np.asarray(weights.sum(axis=0) / self.slab.axes[0][-1])
+        weights = self._slab_streams.gathered(self.block.slab.points.weights)
+        return np.asarray(weights.sum(axis=0) / self.block.slab.axes[0][-1])
 
     @property
     def hardening(self) -> Hardening:
@@ -241,15 +209,10 @@ class RollingBlock:
         out[..., :3] += lam * strain[..., :3].sum(axis=-1, keepdims=True)
         return out
 
-    @property
-    def surface_numbers(self) -> Index:
-        """Numbers (nx, ny) of the nodes of the surface, in the order of `SurfaceMotion`."""
-        return self.block.surface[2]
-
     @cached_property
     def _outflow_order(self) -> Array:
         """Number (k,) of the slab's node for each node of the outflow, in their order."""
-        slab, block = self.slab, self.block
+        slab, block = self.block.slab, self.block
         own = np.flatnonzero(slab.outflow)
         nearest = cKDTree(slab.nodes[own, 1:]).query(block.nodes[block.outflow, 1:])[1]
         return np.asarray(own[nearest])
@@ -258,7 +221,7 @@ class RollingBlock:
         """Answer of the slab to a change of its plastic strain (lines, m): u_x (k,) of the
         outflow's nodes, mm; displacement of the surface; residual stress (lines, m), MPa.
         """
-        slab, streams = self.slab, self._slab_streams
+        slab, streams = self.block.slab, self._slab_streams
         spread = streams.scattered(np.broadcast_to(change, (len(streams.x), *change.shape)))
         moved = slab.solve(slab.plastic_force(spread))
         strain = streams.gathered(slab.strains(moved))[0]
@@ -276,10 +239,11 @@ class RollingBlock:
         product = np.einsum("lm,lm->l", state.residual, state.history.plastic)
         return -0.5 * float(product @ self._areas)
 
-    def surface(self, displacement: Array) -> SurfaceMotion:
-        """Displacement of the surface z = 0, taken from that of all dofs (n c,), mm."""
-        x, y, numbers = self.block.surface
-        return SurfaceMotion(x, y, displacement.reshape(-1, self.block.dim)[numbers])
+    def surface(self, displacement: Array) -> Array:
+        """Displacement (nx, ny, c) of the surface z = 0, mm, at the nodes of `Block.surface`, along
+        the c coordinates of the block; displacement: of all dofs (n c,), mm.
+        """
+        return displacement.reshape(-1, self.block.dim)[self.block.surface[2]]
 
     def roll(self, state: SectionState, pressing: ElasticStress) -> RollingPass:
         """One more pass of a load over a state, by a fixed-point iteration on the displacement. It

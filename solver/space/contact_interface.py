@@ -31,8 +31,6 @@ from railhead.solver.space.facets import FacetSet
 from railhead.solver.space.operators import assemble_rows
 from railhead.theory.array_types import Array, Index, Mask
 
-SECTION_QUADRATURE = 15  # degree of the contact quadrature in a plane section, where points are
-# cheap: it follows the edge of the patch, and the pressure's error falls tenfold
 LAYER_FACTOR = 2.0  # of the trace bound in hexahedra and quadrilaterals. Where Poisson's ratio is
 # small, a whole layer of them that is stretched attains the bound in each cell at no other cost.
 # Tetrahedra at a facet share their corners with others that have no contact facet.
@@ -253,14 +251,7 @@ def tangents_of(normals: Array) -> Array:
     return np.stack([first, np.cross(normals, first)], axis=1)
 
 
-def quadrature_order(slave: FacetSet) -> int:
-    """Degree of the contact quadrature on each piece or facet."""
-    return SECTION_QUADRATURE if slave.kinematics.dim == 2 else 2 * slave.degree + 1
-
-
-def trace_bound(
-    slave: FacetSet, degree: int, normals_at: Callable[[Index, Array, Array], Array]
-) -> Array:
+def trace_bound(slave: FacetSet, at: tuple[Index, Array], weights: Array, normals: Array) -> Array:
     """Smallest stable parameter tau (m,) of Nitsche's method on each of m facets F of cells K,
     MPa/mm: the largest eigenvalue of
 
@@ -272,19 +263,15 @@ def trace_bound(
     tetrahedra. The value is multiplied by the number of contact facets of the cell, which share its
     energy.
 
-    degree: degree of the quadrature on the facets.
-    normals_at: facet (n,), coordinates xi there (n, c - 1) and position (n, c) -> normals n (n, c).
+    at, weights: quadrature points of the facets, see `FacetSet.quadrature`.
+    normals: n there (n, c).
     """
     count = len(slave)
     if not count:  # this rank holds no part of the contact surface
         return np.zeros(0)
-    (facet, xi), weights = slave.quadrature(degree)
-    points, _ = slave.tangents(facet, xi)
-    normals = normals_at(facet, xi, points)
-    reference = slave.reference(facet, xi)
-    traction = normal_stress(slave, facet, reference, normals)
+    traction = normal_stress(slave, at[0], slave.reference(*at), normals)
     size = slave.kinematics.dim * slave.dofs.shape[1]
-    rows = traction.reshape(count, len(facet) // count, size)
+    rows = traction.reshape(count, len(weights) // count, size)
     rows = rows * np.sqrt(weights).reshape(*rows.shape[:2], 1)
     energy = _cell_stiffness(slave)
     solved = np.linalg.solve(energy, rows.transpose(0, 2, 1))

@@ -83,11 +83,7 @@ class FacetSet(CellSet):
         """Set of the facets of all ranks, on every rank (collective). It is small, because a
         contact surface is.
         """
-        every: dict[str, Any] = {
-            name: np.concatenate(comm.allgather(getattr(self, name)))
-            for name in ("local_facet", "nodes", "dofs", "lame")
-        }
-        return replace(self, **every)
+        return FacetSet.joined(comm.allgather(self))
 
     @classmethod
     def joined(cls, sets: Sequence[FacetSet]) -> FacetSet:

@@ -22,7 +22,7 @@ from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.line import Strips
 
 if TYPE_CHECKING:
-    from railhead.solver.plasticity.rolling_block import ProfileChange, RollingBlock, SurfaceMotion
+    from railhead.solver.plasticity.rolling_block import ProfileChange, RollingBlock
 
 STRIP_CELLS, SOLID_CELLS = 128, 40  # of the grid of the pressure, each way
 ROOM = 1.4  # half size of that grid over the half length of the elastic patch
@@ -100,12 +100,12 @@ class Pressing:
         self.patch: PatchSolution | None = None
         self.traction_work = 0.0
         self._rolling, self._contact = rolling, contact
-        surface = rolling.surface(np.zeros(rolling.block.nodes.size))
+        x, y, _ = rolling.block.surface
         along, across = contact.grid.edges
-        self._along = cell_means(surface.x, along)
+        self._along = cell_means(x, along)
         if not contact.line:
             across = across[across > -1e-9 * across[-1]] if rolling.block.half else across
-            self._across = cell_means(surface.y, across)
+            self._across = cell_means(y, across)
         else:
             self._across = np.ones((2, 1))
             points = rolling.points.reshape(-1, 3)
@@ -113,12 +113,12 @@ class Pressing:
             self._strips = Strips(along, points[:, 0], -points[:, 2], poisson)
         self._kept: Array | None = None
 
-    def __call__(self, surface: SurfaceMotion, profile: ProfileChange) -> Array:
+    def __call__(self, surface: Array, profile: ProfileChange) -> Array:
         """Elastic stress (columns, lines, m), MPa, in Mandel's notation, at the Gauss points of the
         block: a column has the points with one x, a line those that the steel flows through. m is 4
         of a line contact, 6 of a solid.
 
-        surface: displacement of the surface by this pass.
+        surface: displacement of the surface by this pass, see `RollingBlock.surface`.
         profile: displacement that the passes before left.
         """
         if self._contact.traction is not None:
@@ -126,7 +126,7 @@ class Pressing:
         if self._kept is not None:
             return self._kept
         contact = self._contact
-        moved = self._along @ (surface.up + profile.up) @ self._across.T
+        moved = self._along @ (surface[..., -1] + profile.up) @ self._across.T
         if self._rolling.block.half:
             moved = np.hstack([moved[:, ::-1], moved])
         self.patch = contact.patch(moved, self.patch)
@@ -134,7 +134,7 @@ class Pressing:
         self._kept = stress if contact.keeps else None
         return stress
 
-    def _work(self, surface: SurfaceMotion) -> float:
+    def _work(self, surface: Array) -> float:
         """Work of the tangential tractions q of the wheel on the rail, per rolled length, N:
         -int q . du/dx dA with the displacement u of the surface by this pass. The rail moves to -x
         below the wheel.
@@ -142,7 +142,7 @@ class Pressing:
         contact, total = self._contact, 0.0
         assert contact.traction is not None
         for axis, traction in enumerate(contact.traction):
-            moved = self._along @ surface.moved[..., axis] @ self._across.T
+            moved = self._along @ surface[..., axis] @ self._across.T
             total += float(
                 (self._meshed(traction) * np.gradient(moved, contact.grid.x, axis=0)).sum()
             )
@@ -178,7 +178,7 @@ class Pressing:
         values = force.array.reshape(-1, 3)
         for axis, each in enumerate(acting):
             nodal = self._contact.grid.cell * self._along.T @ self._meshed(each) @ self._across
-            values[rolling.surface_numbers, axis] = nodal
+            values[block.surface[2], axis] = nodal
         strain = rolling.streams.gathered(block.strains(block.solve(force)))
         return rolling.stress(strain)
 

@@ -1,11 +1,11 @@
-"""The block below a moving load, and its section at the outflow."""
+"""The block below a moving load, its streams of points, and its section at the outflow."""
 
 import numpy as np
 import pytest
 
 from railhead.solver.material import Hardening, Material
 from railhead.solver.plasticity.block import Block, graded, mirrored
-from railhead.solver.plasticity.rolling_block import RollingBlock
+from railhead.solver.plasticity.rolling_block import RollingBlock, Streams
 
 STEEL = Material(207e3, 0.3, Hardening.linear(480.0))
 
@@ -63,6 +63,16 @@ def test_a_uniform_plastic_strain_moves_the_outflow_as_the_section_says(line):
     assert line.stress(strain - change)[len(strain) // 2] == pytest.approx(
         stress, abs=1e-6 * np.abs(stress).max()
     )
-    assert line.surface(moved).up[:, 0] == pytest.approx(
-        np.full(len(line.surface(moved).x), profile.up[0])
-    )
+    assert line.surface(moved)[:, 0, -1] == pytest.approx(profile.up[0])
+
+
+def test_points_are_sorted_from_the_largest_x_down():
+    places = np.array([[0.0, -1.0], [0.5, -1.0], [0.0, -2.0]])
+    points = np.array([[x, *yz] for yz in places for x in (0.3, -2.0, 5.0)])
+    mixed = np.random.default_rng(1).permutation(len(points))
+    found = Streams.of(points[mixed])
+    assert found.x == pytest.approx([5.0, 0.3, -2.0])
+    gathered = found.gathered(points[mixed])
+    assert (gathered[:, :, 0] == found.x[:, None]).all()
+    assert (gathered[:, :, 1:] == found.places).all()
+    assert found.scattered(gathered) == pytest.approx(points[mixed])

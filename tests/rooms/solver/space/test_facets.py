@@ -29,17 +29,12 @@ def surface(model, tag: int) -> FacetSet:
     return FacetSet.on(model.bulk, model.facet_tags.find(CONTACT + tag))
 
 
-def test_quadrature_covers_the_face(model) -> None:
-    _, weights = surface(model, RAIL).quadrature(3)
-    assert weights.sum() == pytest.approx(100.0, rel=1e-12)
-
-
-def test_points_and_tangents_lie_in_the_face(model) -> None:
+def test_quadrature_covers_the_face_and_lies_in_it(model) -> None:
     facets = surface(model, RAIL)
-    (facet, xi), _ = facets.quadrature(2)
-    points, tangents = facets.tangents(facet, xi)
-    assert np.abs(points[:, 2]).max() < 1e-12
-    assert np.abs(tangents[:, 2]).max() < 1e-12
+    at, weights = facets.quadrature(3)
+    assert weights.sum() == pytest.approx(100.0, rel=1e-12)
+    for each in facets.tangents(*at):  # points, and tangents
+        assert np.abs(each[:, 2]).max() < 1e-12
 
 
 def test_basis_reproduces_linear_fields_and_their_gradient(model) -> None:
@@ -98,9 +93,9 @@ def test_points_that_look_past_the_master_have_no_partner(model) -> None:
 def test_trace_bound_is_the_warburton_hesthaven_constant(degree) -> None:
     """(k+1)(k+3)/3 A/V (lambda + 2 mu), sharp on straight tetrahedra for stresses of degree k."""
     facets = surface(contact_model(degree=degree), RAIL)
-    bound = contact_interface.trace_bound(
-        facets, 2 * degree, lambda *at: ParabolicGap(0, 0, 1)(at[2])[1]
-    )
+    at, weights = facets.quadrature(2 * degree)
+    normals = ParabolicGap(0, 0, 1)(facets.tangents(*at)[0])[1]
+    bound = contact_interface.trace_bound(facets, at, weights, normals)
     _, _, volumes = facets.quadrature_points(1)
     _, weights = facets.quadrature(1)
     k = degree - 1
@@ -141,3 +136,5 @@ def test_a_pull_and_a_wrong_start_are_refused(model) -> None:
     for active in (every[1:], every[:, None], every.astype(float), np.flatnonzero(every), True):
         with pytest.raises(ValueError, match=f"active must be {len(every)} booleans"):
             model.solve(load=1.0, active=active)
+    with pytest.raises(ValueError, match="approach is unknown under load control"):
+        model.solve(approach=0.01, active=every)
