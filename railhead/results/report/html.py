@@ -40,7 +40,6 @@ CAPTIONS = {
     "stress_cut_along": "Stresses in a cut along the rail, through the largest pressure.",
     "depth": "Stresses below the contact.",
     "passes_section": "Plastic strain and residual stress across the rail after the last pass.",
-    "patch_on_rail": "The patch on the running surface, with its mesh.",
     "wheel_rail": "The bodies that were solved, cut open, and their mesh at the contact.",
     "shakedown": "Pressure and traction against the limits of repeated rolling.",
 }
