@@ -1,5 +1,5 @@
-"""Pictures of profiles without a solution: a wheelset on its track (profiles in contact, contact
-positions, rolling radii), and a measured profile over the nearest standard one.
+"""Pictures of profiles without a solution: a wheelset on its track (profiles in contact, places of
+the contacts, rolling radii), and a measured profile over the nearest standard one.
 """
 
 from __future__ import annotations
@@ -19,7 +19,6 @@ from railhead.postprocess.pictures.diagrams import Target, minus, new_figure
 RAIL_COLOUR, WHEEL_COLOUR = "#555555", "#1f4e79"
 MARK, FURTHER = "#c8502d", "#7b4fa3"
 SAMPLES = 1500
-LIFT = 25.0  # mm between wheel and rail in the picture of the positions
 RAW, SMOOTH, STANDARD, LOST = "#9a9a9a", "#1f4e79", "#c8502d", "#9a5f00"
 
 
@@ -70,48 +69,6 @@ def profiles(placed: Placed, subject: Subject, target: Target = None) -> Figure:
             ax.set_xlabel("y from the crown centre to the field side, mm")
         axes[0].set_ylabel("z, mm")
         axes[0].legend(loc="upper left")
-    return figure
-
-
-def positions(swept: Sequence[Placed], subject: Subject, target: Target = None) -> Figure:
-    """The right wheel, lifted above the right rail. Lines join each contact on the rail with the
-    same contact on the wheel, coloured by the lateral shift.
-
-    swept: the wheelset at several shifts, at least one.
-    subject: title and units.
-    target: PNG file or None (`new_figure`).
-    """
-    from matplotlib.collections import LineCollection
-    from matplotlib.colors import LinearSegmentedColormap
-
-    dark = LinearSegmentedColormap.from_list("shift", [WHEEL_COLOUR, FURTHER, MARK])
-    with new_figure(target, 9, 4.6, subject) as figure:
-        ax = figure.subplots()
-        placed = min(swept, key=lambda each: abs(each.shift))
-        pair = placed.right.pair
-        y = np.linspace(*pair.rail.domain, SAMPLES)
-        ax.plot(y, pair.rail.height(y), color=RAIL_COLOUR, label="rail")
-        offset = float(placed.right.pose.origin[1]) - placed.shift  # of the wheel at shift 0
-        tread = np.linspace(*pair.wheel.domain, SAMPLES)
-        ax.plot(tread + offset, LIFT - pair.wheel.height(tread), color=WHEEL_COLOUR, label="wheel")
-        lines, shifts = [], []
-        for placed in swept:
-            for touch in placed.right.touches:
-                above = LIFT - float(pair.wheel.height(touch.wheel_y))
-                lines.append([(touch.y, touch.z), (touch.wheel_y + offset, above)])
-                shifts.append(placed.shift)
-        joined = LineCollection(lines, cmap=dark, array=np.array(shifts), linewidths=0.9)
-        ax.add_collection(joined)
-        figure.colorbar(joined, ax=ax, label="lateral shift to the right, mm")
-        ax.plot([], [], color=FURTHER, lw=0.9, label="contact: from the rail to the wheel")
-        figure.legend(loc="outside upper center", ncols=3)
-        ax.set_xlabel(
-            "y on the right rail, from the crown centre, mm (wheel at shift 0)\n"
-            "(gauge side < 0 < field side)"
-        )
-        ax.set_ylabel("z, mm (wheel lifted)")
-        ax.set_aspect("equal", adjustable="datalim")  # else its label leaves the sheet
-        ax.set_xlim(min(-50.0, pair.rail.domain[0] - 5), 45, auto=True)
     return figure
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import io
 import platform
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
@@ -18,7 +18,6 @@ from railhead.planning.effects import in_words
 from railhead.postprocess.findings import Findings, Units
 from railhead.results import quantity_rows, result_folder
 from railhead.results.checks import SECOND
-from railhead.results.quantity_rows import Row
 from railhead.results.report import terminal
 from railhead.run.half_spaces.answer import Solved
 from railhead.scene import quantities
@@ -116,6 +115,8 @@ def render(
     passes = (summary["result"] or {}).get("passes")
     drawn = [name for name in CAPTIONS if (folder / f"{name}.png").exists()]
     effects = summary["plan"]["effects"]
+    friction, steel = (quantity_rows.rows(summary, name) for name in ("friction", "steel"))
+    columns = quantity_rows.filled(friction)
     return template("report.html.j2").render(
         summary=summary,
         units=units,
@@ -126,7 +127,10 @@ def render(
         scene_rows=list(scene_rows(scene, units)),
         scene_toml=(folder / "scene.toml").read_text(encoding="utf-8"),
         answer=answer_rows(summary, units, found),
-        friction=_friction(summary, units),
+        friction={
+            "columns": columns,
+            "rows": quantity_rows.texts([*friction, *steel], columns, units),
+        },
         files=[path.name for path in scene.files],
         left_out={name: each for name, each in effects.items() if not each["on"]},
         check_rows=_checks(summary["checks"]),
@@ -154,40 +158,15 @@ def answer_rows(summary: Mapping[str, Any], units: Units, found: Findings | None
     table = quantity_rows.rows(summary, "contact")
     columns = [name for name in quantity_rows.filled(table) if name in headings]
     rows = []
-    for quantity, row in zip(
-        quantities.rows("contact"), _texts(table, columns, units), strict=True
+    for quantity, (label, unit, texts) in zip(
+        quantities.rows("contact"), quantity_rows.texts(table, columns, units), strict=True
     ):
-        label, unit, texts = row
         cells = [
             f"\u00b1 {text}" if name == "estimate" and "%" in text else names.get(text, text)
             for name, text in zip(columns, texts, strict=True)
         ]
-        rows.append((label, unit, ".".join(quantity.path), cells))
+        rows.append((label.strip(), unit, ".".join(quantity.path), cells))
     return {"columns": [headings[name] for name in columns], "rows": rows}
-
-
-def _friction(summary: Mapping[str, Any], units: Units) -> dict[str, Any]:
-    """Table of friction: {"columns": names, "rows": [(label, unit, cells as text)]}, rows of the
-    steel included; no rows without friction.
-    """
-    table = quantity_rows.rows(summary, "friction")
-    columns = quantity_rows.filled(table)
-    every = [*table, *quantity_rows.rows(summary, "steel")]
-    return {"columns": columns, "rows": _texts(every, columns, units)}
-
-
-def _texts(
-    rows: Sequence[Row], columns: Iterable[str], units: Units
-) -> list[tuple[str, str, list[str]]]:
-    """Label, displayed unit and cells as text of each row of a table, for the named columns."""
-    return [
-        (
-            str(row["quantity"]).strip(),
-            units.unit(str(row["unit"])),
-            [terminal.cell(name, row.get(name), str(row["unit"]), units) for name in columns],
-        )
-        for row in rows
-    ]
 
 
 def scene_rows(scene: Scene, units: Units) -> Iterator[tuple[str, str]]:
