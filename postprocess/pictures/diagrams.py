@@ -153,7 +153,7 @@ def pressure(findings: Findings, hertz: Hertz | None, target: Target = None) -> 
             name = f"{method}, largest pressure of this patch {units.text(cut, 'MPa')}"
             name += f" (of another {units.text(largest, 'MPa')})"
         for axis, axes in enumerate(panels):
-            _pressure(axes, findings, hertz, axis, name)
+            pressure_line(axes, findings, hertz, axis, name)
         panels[0].set(ylabel="contact pressure, MPa", ylim=(0, None))
         handles = panels[0].get_legend_handles_labels()
         figure.legend(*handles, loc="outside upper center", ncols=count)
@@ -184,9 +184,11 @@ def loaded(line: AxisPressure) -> tuple[Array, Array]:
     return at[order], value[order]
 
 
-def _pressure(axes: Axes, findings: Findings, hertz: Hertz | None, axis: int, name: str) -> None:
+def pressure_line(
+    axes: Axes, findings: Findings, hertz: Hertz | None, axis: int, name: str
+) -> None:
     """Draw on `axes` the computed pressure along x (axis 0) or s (axis 1) through the most loaded
-    patch, and that of exact Hertz (`hertz`) unless that is None.
+    patch, called `name`, and that of exact Hertz (`hertz`) unless that is None.
     """
     line: AxisPressure = (findings.along, findings.across)[axis]
     axes.plot(*loaded(line), "o-", color=FE, lw=0.8, ms=3.5, label=name)

@@ -20,10 +20,10 @@ from railhead.postprocess.pictures.diagrams import (
     FE,
     HERTZ,
     Target,
-    exact_line,
     levels,
     loaded,
     new_figure,
+    pressure_line,
 )
 from railhead.theory.elastic.line import Hertz
 from railhead.theory.elastic.subsurface import von_mises
@@ -125,7 +125,11 @@ def draw(yielded: Yielded, found: Findings, exact: Hertz | None, target: Target 
         (strain, stress), (pressure, height) = figure.subplots(2, 2)
         _cut(strain, found, yielded, 100 * yielded.strain, "equivalent plastic strain, %")
         _cut(stress, found, yielded, yielded.residual, "residual von Mises stress, MPa")
-        _pressures(pressure, found, yielded.elastic, exact, yielded.axis)
+        pressure_line(pressure, found, exact, yielded.axis, "with yield")
+        line = loaded(yielded.elastic)
+        pressure.plot(*line, "--", color=FE, lw=1.2, label="elastic", zorder=4)
+        pressure.set(ylabel="contact pressure, MPa", ylim=(0, None))
+        pressure.legend(loc="lower center", fontsize=9)
         _heights(height, yielded, found)
     return figure
 
@@ -232,21 +236,6 @@ def _bar(axes: Axes, bands: Any, label: str) -> None:
     axes.figure.colorbar(bands, cax=axes.inset_axes((1.03, 0.0, 0.04, 1.0)), label=label)
     axes.set_aspect("equal")
     axes.grid(False)
-
-
-def _pressures(
-    axes: Axes, found: Findings, elastic: AxisPressure, exact: Hertz | None, axis: int
-) -> None:
-    """Draw contact pressure (MPa) along x (axis 0) or s (axis 1), mm: of the yielding bodies, of
-    the elastic ones, and of the exact Hertz contact unless that is None.
-    """
-    line, look = (found.along, found.across)[axis], {"color": FE, "lw": 0.8, "ms": 3.5}
-    axes.plot(*loaded(line), "o-", label="with yield", **look)
-    if exact is not None:
-        axes.plot(*exact_line(exact, axis), color=HERTZ, label="exact Hertz")
-    axes.plot(*loaded(elastic), "--", color=FE, lw=1.2, label="elastic")
-    axes.set(xlabel=found.subject.label(axis), ylabel="contact pressure, MPa", ylim=(0, None))
-    axes.legend()
 
 
 def _heights(axes: Axes, yielded: Yielded, found: Findings) -> None:

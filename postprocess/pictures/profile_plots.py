@@ -162,15 +162,13 @@ def draw_profile(
         bend.set_ylabel("curvature, 1/mm\n(convex is positive)")
         if worn:
             bend.plot(*_curvature(worn), color=STANDARD, lw=1.2, label=worn.name)
-            lost, largest = panels[3], subject.units.text(worn.largest_loss, "mm", 3)
+            lost, loss = panels[3], subject.units.text(worn.largest_loss, "mm", 3)
             lost.plot(worn.y, worn.loss, color=LOST)
             at = worn.y[worn.worst], worn.largest_loss
-            lost.plot(*at, "o", color=STANDARD, label=f"largest: {largest}")
+            lost.plot(*at, "o", color=STANDARD, label=f"largest: {loss}")
             lost.set_ylabel(f"less than\n{worn.name}, mm")
-        for axes, place in zip(
-            panels, ("best", "upper right", "best", "upper right"), strict=False
-        ):
-            axes.legend(loc=place)
+        for axes in panels:
+            axes.legend(loc="best")
         panels[-1].set_xlabel("y across the track, mm (gauge side and flange on the left)")
     return figure
 

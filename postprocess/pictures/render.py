@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -19,12 +19,12 @@ import meshio
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.interpolate import griddata
 
 from railhead.meshing import isolated_process
 from railhead.meshing.bodies import BODY_NAMES
-from railhead.postprocess.findings import Array, Findings, Frame
+from railhead.postprocess.findings import Array, Findings
 from railhead.postprocess.pictures.diagrams import (
     BANDS,
     Target,
@@ -139,8 +139,6 @@ def wheel_rail(grid: meshio.Mesh, findings: Findings, target: Target = None) -> 
     grid: cells of the whole bodies, as `vtu.volume_grid` makes them. findings: frame, patch,
         surface and names.
     """
-    from matplotlib.patches import Patch as Swatch
-
     frame, patch = findings.frame, findings.patch
     halves = {name: behind(part, findings) for name, part in bodies_of(grid).items()}
     meshes = [(half, {"color": COLOURS[name], **MESH, **SHADE}) for name, half in halves.items()]
@@ -148,31 +146,27 @@ def wheel_rail(grid: meshio.Mesh, findings: Findings, target: Target = None) -> 
     general = _around(corners, np.array([1.0, 0.5, 0.35]))
     low, high = patch.box
     reach = (high - low).max()
-    middle = _global(frame, [[0.0, (low[1] + high[1]) / 2, 0.0]])[0]
+    middle = np.array(frame.place(0.0, (low[1] + high[1]) / 2))
     close = Camera(middle, frame.axes[0], 0.7 * reach, reach, frame.axes[2], pixels=900)
-    names = findings.subject.names
+    local = frame.local(findings.surface.points)
     with new_figure(target, 10, 6.6, findings) as figure:
         left, right = figure.subplots(1, 2, width_ratios=(1.6, 1))
         general.show(left, general.shoot(meshes))
         left.set_axis_off()
         left.set_title("cut open at the contact")
         close.show(right, close.shoot(meshes), np.array(frame.origin))
-        surface = findings.surface
         for line in patch.outlines:
             s = np.linspace(line[:, 1].min(), line[:, 1].max(), 61)
-            at = _on(surface, frame, np.column_stack((np.zeros_like(s), s)))
-            right.plot(s, frame.local(at)[:, 2], color=CONTACT, lw=3, label="contact patch")
+            near = local[np.abs(local).max(axis=1) < 2 * np.abs(s).max()]
+            height = griddata(near[:, :2], near[:, 2], (0 * s, s), fill_value=0.0)
+            right.plot(s, height, color=CONTACT, lw=3)
         right.set(
             title="the same cut, close" + (", gauge side left" if findings.subject.gauge else ""),
             xlabel=findings.subject.label(1).split("\n")[0],
         )
         right.set(xlim=right.get_xlim(), ylim=right.get_ylim())
         right.set_ylabel("height over the contact, mm")
-        swatches = [Swatch(fc=COLOURS[name], ec=EDGE, label=names[name]) for name in halves]
-        for name in set(BODY_NAMES.values()) - set(halves):
-            text, side = f"{names[name]}: not meshed", 0.25 if name == "rail" else 0.75
-            right.text(0.5, side, text, transform=right.transAxes, ha="center")
-        figure.legend(handles=[*swatches, right.lines[0]], loc="outside upper center", ncols=3)
+        _legend(figure, right, findings.subject.names, halves)
     return figure
 
 
@@ -183,10 +177,9 @@ def section(grid: meshio.Mesh, axis: int, findings: Findings, target: Target = N
         runs along x, 1 along s.
     """
     from matplotlib.collections import PolyCollection
-    from matplotlib.patches import Patch as Swatch
 
     half, middle = (findings.patch.a, findings.patch.b)[axis], findings.patch.centre[axis]
-    names, skins = findings.subject.names, {k: outer(part) for k, part in bodies_of(grid).items()}
+    skins = {name: outer(part) for name, part in bodies_of(grid).items()}
     with new_figure(target, 10, 6.2, findings) as figure:
         left, right = figure.subplots(1, 2, width_ratios=(1.4, 1))
         for axes in (left, right):
@@ -201,17 +194,13 @@ def section(grid: meshio.Mesh, axis: int, findings: Findings, target: Target = N
         for line in findings.patch.outlines:
             ends = [line[:, axis].min(), line[:, axis].max()]
             right.plot(ends, [0, 0], color=CONTACT, lw=3, gid="contact patch")
-        for name in set(BODY_NAMES.values()) - set(skins):
+        if len(skins) == 1:  # the plane of a rigid body
             for axes in (left, right):
                 axes.axhline(0.0, color="black", lw=1.2, zorder=0)
-            text, side = f"{names[name]}: not meshed", 0.25 if name == "rail" else 0.75
-            right.text(0.5, side, text, transform=right.transAxes, ha="center")
         reach = 2.5 * half
         right.set(xlim=(middle - reach, middle + reach), ylim=(-1.2 * reach, 1.2 * reach))
         right.set_title("close")
-        swatches = [Swatch(fc=COLOURS[name], ec=EDGE, label=names[name]) for name in skins]
-        swatches.append(Swatch(fc=CONTACT, label="contact patch"))
-        figure.legend(handles=swatches, loc="outside lower center", ncols=3)
+        _legend(figure, right, findings.subject.names, skins)
     return figure
 
 
@@ -254,20 +243,18 @@ def _around(points: Array, towards: Array) -> Camera:
     return Camera(middle, towards, *(0.52 * np.ptp(flat, axis=0)))
 
 
-def _global(frame: Frame, local: ArrayLike) -> Array:
-    """Points (n, 3) in space, mm, from x, s and height in the contact frame (n, 3)."""
-    return np.asarray(np.array(frame.origin) + np.asarray(local) @ frame.axes)
-
-
-def _on(surface: Any, frame: Frame, line: Array) -> Array:
-    """Points (n, 3) in space, mm, of a curve (n, 2) of x and s in the frame, mm, at the heights of
-    a contact surface there. These are linear between its points; where it ends, the points lie on
-    the tangent plane. surface: has points (k, 3) in space, mm. frame: axes of the tangent plane.
+def _legend(figure: Figure, axes: Axes, names: Mapping[str, str], drawn: Iterable[str]) -> None:
+    """Draw the legend of the bodies that are drawn and of the patch, and say on the axes which body
+    is not meshed. names: in pictures, by body name.
     """
-    local = frame.local(surface.points)
-    near = np.abs(local).max(axis=1) < 2 * np.abs(line).max()
-    height = griddata(local[near, :2], local[near, 2], line, fill_value=0.0)
-    return _global(frame, np.column_stack((line, height)))
+    from matplotlib.patches import Patch as Swatch
+
+    swatches = [Swatch(fc=COLOURS[name], ec=EDGE, label=names[name]) for name in drawn]
+    swatches.append(Swatch(fc=CONTACT, label="contact patch"))
+    figure.legend(handles=swatches, loc="outside upper center", ncols=3)
+    for name in set(BODY_NAMES.values()).difference(drawn):
+        text, side = f"{names[name]}: not meshed", 0.25 if name == "rail" else 0.75
+        axes.text(0.5, side, text, transform=axes.transAxes, ha="center")
 
 
 def stresses_of_solid(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import io
 import platform
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
@@ -12,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
-from PIL import Image
 
 from railhead.planning.effects import in_words
 from railhead.postprocess.findings import Findings, Units
@@ -27,7 +25,6 @@ from railhead.scene.scene import unit as scene_unit
 from railhead.scene.sections import Section
 
 NAME = "report.html"
-LARGE = 300_000  # bytes
 CAPTIONS = {
     "patch": "Contact pressure over the patch, seen from above.",
     "friction": "Where the patch sticks and slips, and the tractions.",
@@ -222,17 +219,8 @@ def versions() -> dict[str, str]:
 
 
 def picture(png: bytes) -> str:
-    """Base64 text of a PNG picture; a large one is reduced to 256 colours."""
-    if len(png) < LARGE:
-        return _encoded(png)
-    small = io.BytesIO()
-    Image.open(io.BytesIO(png)).convert("RGB").quantize(256).save(small, format="png")
-    return _encoded(small.getvalue())
-
-
-def _encoded(data: bytes) -> str:
-    """Base64 text of bytes."""
-    return base64.b64encode(data).decode()
+    """Base64 text of a PNG picture."""
+    return base64.b64encode(png).decode()
 
 
 def template(name: str) -> Any:

@@ -271,8 +271,8 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
             if rows := quantity_rows.rows(summary, "steel"):
                 _show_rows("what pressure and tractions do to the steel", rows, console, units)
         if passes := summary["result"].get("passes"):
-            header, *rows = passes_table(passes, units)
-            console.print(_table(passes_title(summary["result"]), header, rows, 0))
+            header, *cells = passes_table(passes, units)
+            console.print(_table(passes_title(summary["result"]), header, cells))
             words = f"Passes: {summary['result']['passes_words']}."
             console.print(words, markup=False, highlight=False)
         missing = summary["checks"]["not_made"]
@@ -446,16 +446,19 @@ def _show_rows(title: str, rows: Sequence[Row], console: Console, units: Units) 
         left, above = left[count:], ""
 
 
-def _table(title: str, header: Sequence[str], rows: Sequence[Sequence[str]], words: int) -> Table:
-    """Table of rows of text. words: number of its first columns that may break and stand left; the
-    others hold numbers, which are never broken.
+def _table(
+    title: str, header: Sequence[str], rows: Sequence[Sequence[str]], words: int = 0
+) -> Table:
+    """Table of rows of text: `words` columns of words on the left, the others of numbers. Beside
+    words numbers are never broken into lines, nor their headers.
     """
     table = Table(
         title=title or None, title_justify="left", box=box.SIMPLE_HEAD, padding=0, show_edge=False
     )
-    for number, name in enumerate(header):
-        numeric = number >= words
-        table.add_column(name, justify="right" if numeric else "left", no_wrap=numeric)
+    for name in header[:words]:
+        table.add_column(name)
+    for name in header[words:]:
+        table.add_column(name, justify="right", no_wrap=words > 0)
     for row in rows:
         table.add_row(*row)
     return table
