@@ -113,11 +113,6 @@ def test_fields_that_do_not_fit_their_mesh_are_refused(blocks, call, words: str)
         call(blocks())
 
 
-def test_a_file_that_cannot_be_written_is_an_error_of_the_system(blocks, tmp_path) -> None:
-    with pytest.raises(OSError):
-        vtu.write(vtu.contact_grid({1: blocks().findings.surface}), tmp_path / "no" / "x")
-
-
 def test_cells_hold_the_mean_of_their_plastic_strains(blocks) -> None:
     case = blocks("hexahedron", 1)
     count = len(case.fields.cells)

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.image import imread
 from painted import POISSON, YOUNG, painted
 
-from railhead.postprocess.findings import Frame, OnePatch, Subject
+from railhead.postprocess.findings import Frame, OnePatch
 from railhead.postprocess.patch import patch, surface
 from railhead.postprocess.patch.body_motion import motion
 from railhead.postprocess.patch.separate_patches import separate_patches
@@ -143,12 +143,3 @@ def test_the_pressure_is_cut_through_its_peak_over_the_whole_patch() -> None:
         assert line.pressure[0] == line.pressure[-1] == 0.0
         assert line.coordinate.min() < found.main[:, axis].min()
         assert line.coordinate.max() > found.main[:, axis].max()
-
-
-def test_pictures_say_what_they_are_of(blocks, drawn) -> None:
-    titled = replace(blocks().findings, subject=Subject("a case: 25 kN", gauge=True))
-    figure = diagrams.pressure(titled, None)
-    assert "gauge side < 0" in figure.axes[1].get_xlabel()
-    with diagrams.new_figure(None, 4, 3, titled) as body:
-        body.add_subplot()
-    assert [text.get_text() for text in body.figure.subfigs[0].texts] == ["a case: 25 kN"]
