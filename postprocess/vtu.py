@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -11,11 +11,9 @@ import meshio
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead.meshing.bodies import RAIL, other
-from railhead.postprocess import symmetry
-from railhead.postprocess.findings import SYMMETRIC, Array, Findings, Surface
+from railhead.meshing.bodies import RAIL
+from railhead.postprocess.findings import SYMMETRIC, Array, Surface
 from railhead.postprocess.pass_rows import RailState
-from railhead.postprocess.stress.gauss_points import nodal_stress
 from railhead.solver.system.fields import Fields
 from railhead.solver.system.solution import FrictionSolution
 from railhead.theory.elastic.subsurface import directions, max_shear, principal, von_mises
@@ -221,31 +219,3 @@ def _with_unit(tag: re.Match[bytes]) -> bytes:
         return tag[0]
     key = '<InformationKey name="UNITS_LABEL" location="vtkDataArray">%s</InformationKey>'
     return tag[0] + (key % unit).encode()
-
-
-def grids(
-    fields: Fields,
-    stress: Array,
-    found: Findings,
-    residual: Fields | None,
-    friction_solution: FrictionSolution | None,
-    *,
-    whole: bool = False,
-) -> Iterator[tuple[str, meshio.Mesh]]:
-    """File names without suffix and grids of one result: "contact" (contact surfaces), "solution"
-    (cells), and, if given, "residual" (cells) and "traction" (contact points).
-
-    fields: under the load. stress (n, 6): at their nodes, MPa, as `nodal_stress` computes it.
-        found: gives the contact surfaces, of the modelled part. residual: fields after the load, or
-        None. friction_solution: solution with friction, or None. whole: whether mirror images of a
-        cut model are added to the cells; the others always have them.
-    """
-    both = {fields.slave: found.surface, other(fields.slave): found.opposite}
-    surfaces = {tag: each for tag, each in both.items() if each is not None}
-    planes = fields.mirrors if whole else ()
-    yield "contact", symmetry.grid(contact_grid(surfaces), fields.mirrors)
-    yield "solution", symmetry.grid(volume_grid(fields, stress), planes)
-    if residual is not None:
-        yield "residual", symmetry.grid(volume_grid(residual, nodal_stress(residual)), planes)
-    if friction_solution is not None:
-        yield "traction", symmetry.grid(traction_points(friction_solution), fields.mirrors)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -326,20 +327,21 @@ def largest(
         tractions.
     search: how, in one window.
     """
-    searched: dict[tuple[float, float], list[list[tuple[Array, float]]]] = {}
     pressed = [number for number, window in enumerate(windows) if window.pressure.any()]
+
+    @cache
+    def peaks_of(nu: float, drag: float) -> list[list[tuple[Array, float]]]:
+        """Peaks in each pressed window of a body that the tractions drag along (-1 or 1)."""
+        return [
+            search(windows[k], nu, None if tractions is None else drag * tractions[k])
+            for k in pressed
+        ]
+
     found = {}
     for body, nu in poisson.items():
-        into = -1.0 if body == "rail" else 1.0
+        into, both = -1.0 if body == "rail" else 1.0, []
         drag = 0.0 if tractions is None else -into  # the wheel is dragged the other way
-        if (nu, drag) not in searched:
-            sheared = [None if tractions is None else drag * tractions[k] for k in pressed]
-            searched[nu, drag] = [
-                search(windows[k], nu, traction)
-                for k, traction in zip(pressed, sheared, strict=True)
-            ]
-        both = []
-        for peaks in zip(*searched[nu, drag], strict=True):
+        for peaks in zip(*peaks_of(nu, drag), strict=True):
             number = max(range(len(peaks)), key=lambda k: peaks[k][1])
             (x, s, z), value = peaks[number]
             window = windows[pressed[number]]

@@ -145,20 +145,17 @@ def pressure(findings: Findings, hertz: Hertz | None, target: Target = None) -> 
     """
     count = 1 if findings.subject.revolved else 2  # along and across are the same
     with new_figure(target, 4 + 3 * count, 5.1, findings) as figure:
-        left, *others = figure.subplots(1, count, sharey=True, squeeze=False)[0]
+        panels = figure.subplots(1, count, sharey=True, squeeze=False)[0]
         method, units = findings.subject.method, findings.subject.units
         largest, cut = findings.patch.max_pressure, float(findings.along.pressure.max())
+        name = f"{method}, largest pressure {units.text(largest, 'MPa')}"
         if len(findings.patch.each) > 1 and cut < SEEN * largest:
             name = f"{method}, largest pressure of this patch {units.text(cut, 'MPa')}"
             name += f" (of another {units.text(largest, 'MPa')})"
-        else:
-            name = f"{method}, largest pressure {units.text(largest, 'MPa')}"
-        _pressure(left, findings, hertz, 0, name)
-        for right in others:
-            _pressure(right, findings, hertz, 1, name)
-        left.set_ylabel("contact pressure, MPa")
-        left.set_ylim(bottom=0)
-        handles = left.get_legend_handles_labels()
+        for axis, axes in enumerate(panels):
+            pressure_line(axes, findings, hertz, axis, name)
+        panels[0].set(ylabel="contact pressure, MPa", ylim=(0, None))
+        handles = panels[0].get_legend_handles_labels()
         figure.legend(*handles, loc="outside upper center", ncols=count)
     return figure
 
@@ -187,9 +184,11 @@ def loaded(line: AxisPressure) -> tuple[Array, Array]:
     return at[order], value[order]
 
 
-def _pressure(axes: Axes, findings: Findings, hertz: Hertz | None, axis: int, name: str) -> None:
+def pressure_line(
+    axes: Axes, findings: Findings, hertz: Hertz | None, axis: int, name: str
+) -> None:
     """Draw on `axes` the computed pressure along x (axis 0) or s (axis 1) through the most loaded
-    patch, and that of exact Hertz (`hertz`) unless that is None.
+    patch, called `name`, and that of exact Hertz (`hertz`) unless that is None.
     """
     line: AxisPressure = (findings.along, findings.across)[axis]
     axes.plot(*loaded(line), "o-", color=FE, lw=0.8, ms=3.5, label=name)
@@ -357,23 +356,31 @@ def _name_curves(axes: Axes, axis: DepthAxis) -> None:
         )
 
 
-def clip(drawn: Any, outlines: Sequence[Array], axes: Axes) -> None:
-    """Leave of a drawn field what lies inside closed outlines (n, 2), in the units of the axes."""
+def over_patches(axes: Axes, drawn: Any, findings: Findings) -> None:
+    """Leave of a field that is drawn over x and s what lies inside the outlines of all patches,
+    draw these, and give the axes their labels and equal scales.
+    """
     from matplotlib.path import Path as Path2D
 
+    outlines = findings.patch.outlines
     inside = Path2D.make_compound_path(*(Path2D(line, closed=True) for line in outlines))
     drawn.set_clip_path(inside, axes.transData)
+    for number, line in enumerate(outlines):
+        name = findings.subject.method if number == 0 else None
+        axes.plot(*line.T, color=FE, lw=1.8, label=name)
+    axes.set(xlabel=findings.subject.label(0), ylabel=findings.subject.label(1))
+    axes.set_aspect("equal", adjustable="datalim")  # else a narrow patch leaves no room for labels
 
 
 def patch(findings: Findings, hertz: Hertz | None, target: Target = None) -> Figure:
     """Pressure in bands over all patches, with axes x and s in the tangent plane, and their
-    outlines; not of a section.
+    outlines; above, length and width of the most loaded one; not of a section.
 
     findings: with the whole contact surface, images included. hertz: exact Hertz contact, whose
         outline is drawn too, or None.
     """
-    surface, outlines = findings.surface, findings.patch.outlines
-    curves = outlines + ([] if hertz is None else [hertz.outline])
+    surface, patch, units = findings.surface, findings.patch, findings.subject.units
+    curves = patch.outlines + ([] if hertz is None else [hertz.outline])
     low, high = np.min([c.min(0) for c in curves], 0), np.max([c.max(0) for c in curves], 0)
     margin = 0.12 * (high - low).max()
     width, height = high - low + 2 * margin
@@ -381,21 +388,16 @@ def patch(findings: Findings, hertz: Hertz | None, target: Target = None) -> Fig
     size = max(width * scale, 4) + 2.2, max(height * scale, 2) + 1.5
     with new_figure(target, *size, findings) as figure:
         axes = figure.subplots(subplot_kw={"axisbelow": True})
-        limits = levels(findings.subject.units, "MPa", surface.pressure)
+        limits = levels(units, "MPa", surface.pressure)
         bands = axes.tricontourf(
             *surface.local.T, surface.triangles, surface.pressure, limits, cmap="YlOrRd"
         )
-        clip(bands, outlines, axes)
-        for number, line in enumerate(outlines):
-            name = findings.subject.method if number == 0 else None
-            axes.plot(*line.T, color=FE, lw=2.2, label=name)
+        over_patches(axes, bands, findings)
         if hertz is not None:
             axes.plot(*hertz.outline.T, "--", color="black", lw=1.2, label="exact Hertz")
-        axes.set(
-            xlabel=findings.subject.label(0),
-            ylabel=findings.subject.label(1),
-        )
-        axes.set_aspect("equal", adjustable="datalim")  # else its label leaves a narrow sheet
+        long, wide = (units.text(2 * half, "mm") for half in (patch.a, patch.b))
+        most = ", most loaded patch" if len(patch.each) > 1 else ""
+        axes.set_title(f"2a = {long}, 2b = {wide}{most}", fontsize=11)
         axes.set_xlim(low[0] - margin, high[0] + margin, auto=True)
         axes.set_ylim(low[1] - margin, high[1] + margin, auto=True)
         figure.colorbar(bands, ax=axes, label="contact pressure, MPa", ticks=limits)

@@ -18,8 +18,8 @@ from railhead.postprocess.pictures.diagrams import (
     GREY,
     HERTZ,
     Target,
-    clip,
     new_figure,
+    over_patches,
     rounded,
 )
 from railhead.solver.system.solution import FrictionSolution
@@ -67,7 +67,6 @@ def draw_tractions(
         x, values = local[order, line], values[order]
         for left in maps:
             _map(left, local, traction, sticks, findings)
-            left.set(xlabel=subject.label(0), ylabel=subject.label(1))
             (middle, s), ends = patch.centre, 1.5 * patch.a
             x = x[np.abs(x - middle) < ends]
             x = np.linspace(x[0], x[-1], CELLS)
@@ -97,13 +96,10 @@ def draw_tractions(
 
 def _rise(axes: Axes, local: Array, rise: Array, findings: Findings) -> None:
     """Draw the rise (n,) of the rail's surface temperature, K, at x and s (n, 2), mm."""
-    subject, outlines = findings.subject, findings.patch.outlines
     drawn = axes.tripcolor(*local.T, rise, shading="gouraud", cmap="inferno")
-    clip(drawn, outlines, axes)
-    for outline in outlines:
-        axes.plot(*outline.T, color=FE, lw=1.2)
-    axes.figure.colorbar(drawn, ax=axes, label=f"temperature rise, {subject.names['rail']}, K")
-    axes.set(xlabel=subject.label(0), ylabel=subject.label(1), aspect="equal")
+    over_patches(axes, drawn, findings)
+    name = findings.subject.names["rail"]
+    axes.figure.colorbar(drawn, ax=axes, label=f"temperature rise, {name}, K")
 
 
 def _map(
@@ -121,16 +117,13 @@ def _map(
     """
     from matplotlib.patches import Patch
 
-    outlines, units = findings.patch.outlines, findings.subject.units
-    low, high = findings.patch.box
+    units, (low, high) = findings.subject.units, findings.patch.box
     x, s = (np.linspace(low[k], high[k], CELLS) for k in (0, 1))
     at = np.stack(np.meshgrid(x, s), axis=-1)
     zones = axes.contourf(
         x, s, sticks[cKDTree(local).query(at)[1]], levels=[-0.5, 0.5, 1.5], colors=[SLIP, STICK]
     )
-    clip(zones, outlines, axes)
-    for outline in outlines:
-        axes.plot(*outline.T, color=FE, lw=1.2)
+    over_patches(axes, zones, findings)
     cell = float(np.ptp(local, axis=0).max()) / ARROWS
     few = thinned(local, cell)
     largest = float(np.hypot(*traction.T).max())
@@ -139,7 +132,6 @@ def _map(
     shown = float(f"{units.value(largest, 'MPa'):.1g}")
     text = f"traction {brief(shown)} {units.unit('MPa')}"
     axes.quiverkey(arrows, 0.72, 1.05, shown / units.value(1.0, "MPa"), text, labelpos="E")
-    axes.set_aspect("equal", adjustable="datalim")  # else the legend has no room over a tall map
     names = [Patch(color=STICK, label="sticks"), Patch(color=SLIP, label="slips")]
     axes.legend(handles=names, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
 
@@ -173,49 +165,17 @@ def draw_shakedown(
         axes.plot(shares, limits, color=HERTZ, label="shakedown limit of a line")
         axes.plot(shares, elastic, "--", color=HERTZ, label="elastic limit of a line")
         sliding = shares[shares > 1 / (2 * HIGH)]
-        axes.plot(
-            sliding,
-            1 / sliding,
-            ":",
-            color=GREY,
-            label="surface limit, FI = 0",
-        )
-        axes.plot(
-            0,
-            damage.CIRCLE,
-            "^",
-            color=HERTZ,
-            clip_on=False,
-            label="shakedown limit of a circle without friction",
-        )
-        axes.plot(
-            used,
-            friction["first_yield_p0_over_k"],
-            "_",
-            color=FE,
-            ms=16,
-            mew=2,
-            label="this patch begins to yield",
-        )
-        axes.plot(
-            used,
-            friction["shakedown_limit_p0_over_k"],
-            "_",
-            color=HERTZ,
-            ms=16,
-            mew=2,
-            label="its shakedown limit",
-        )
+        axes.plot(sliding, 1 / sliding, ":", color=GREY, label="surface limit, FI = 0")
         state, index = friction["shakedown"], friction["surface_fatigue_index"]
-        axes.plot(
-            used,
-            ratio,
-            "o",
-            color=FE,
-            ms=8,
-            label=f"this patch: {state}, FI = {index:.2f}",
-            clip_on=False,
-        )
+        first, last = friction["first_yield_p0_over_k"], friction["shakedown_limit_p0_over_k"]
+        dash = {"ms": 16, "mew": 2}
+        for x, y, mark, colour, look, label in (
+            (0, damage.CIRCLE, "^", HERTZ, {}, "shakedown limit of a circle without friction"),
+            (used, first, "_", FE, dash, "this patch begins to yield"),
+            (used, last, "_", HERTZ, dash, "its shakedown limit"),
+            (used, ratio, "o", FE, {"ms": 8}, f"this patch: {state}, FI = {index:.2f}"),
+        ):
+            axes.plot(x, y, mark, color=colour, clip_on=False, label=label, **look)
         axes.set(
             xlim=(0, shares[-1]),
             ylim=(0, max(HIGH, 1.1 * ratio)),

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from railhead.meshing.bodies import RAIL
 from railhead.theory.elastic.line import Hertz, LineContact
 
 if TYPE_CHECKING:
@@ -35,7 +34,7 @@ MODULES = (
     "theory.elastic.line",
 )
 """Modules whose dataclasses a file of `save` may hold."""
-WITHOUT_STRESSES = "pressure.png", "patch.png", "patch_on_rail.png"
+WITHOUT_STRESSES = "pressure.png", "patch.png"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -165,8 +164,7 @@ def drawings(
 
 def _of_bodies(shown: Shown, cells: Callable[[], meshio.Mesh]) -> dict[str, Drawing]:
     """Pictures of pressure and stress in meshed bodies; arguments as of `drawings`."""
-    from railhead.postprocess import vtu
-    from railhead.postprocess.pictures import diagrams, render, stress_cuts
+    from railhead.postprocess.pictures import diagrams, render
 
     found, exact = shown.found, shown.exact
 
@@ -182,14 +180,12 @@ def _of_bodies(shown: Shown, cells: Callable[[], meshio.Mesh]) -> dict[str, Draw
         (axis,) = shown.axes
         return every | {
             "wheel_rail.png": in_cells(render.section, axis, found),
-            "stress_cut.png": in_cells(stress_cuts.of_section, axis, found),
+            "stress_cut.png": in_cells(render.stresses_of_section, axis, found),
         }
     if found.subject.rolls:
-        every["stress_cut_along.png"] = in_cells(stress_cuts.of_solid, 0, found)
-    contact = vtu.contact_grid({RAIL: found.surface})  # of any body: it is drawn without light
+        every["stress_cut_along.png"] = in_cells(render.stresses_of_solid, 0, found)
     return every | {
         "patch.png": partial(diagrams.patch, found, exact),
         "wheel_rail.png": in_cells(render.wheel_rail, found),
-        "stress_cut.png": in_cells(stress_cuts.of_solid, 1, found),
-        "patch_on_rail.png": partial(render.patch_on_rail, contact, found, exact),
+        "stress_cut.png": in_cells(render.stresses_of_solid, 1, found),
     }

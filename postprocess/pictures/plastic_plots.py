@@ -20,10 +20,10 @@ from railhead.postprocess.pictures.diagrams import (
     FE,
     HERTZ,
     Target,
-    exact_line,
     levels,
     loaded,
     new_figure,
+    pressure_line,
 )
 from railhead.theory.elastic.line import Hertz
 from railhead.theory.elastic.subsurface import von_mises
@@ -123,12 +123,13 @@ def draw(yielded: Yielded, found: Findings, exact: Hertz | None, target: Target 
     """
     with new_figure(target, 11, 8.6, found) as figure:
         (strain, stress), (pressure, height) = figure.subplots(2, 2)
-        for axes, values, label in (
-            (strain, 100 * yielded.strain, "equivalent plastic strain, %"),
-            (stress, yielded.residual, "residual von Mises stress, MPa"),
-        ):
-            _cut(figure, axes, found, yielded, values, label)
-        _pressures(pressure, found, yielded.elastic, exact, yielded.axis)
+        _cut(strain, found, yielded, 100 * yielded.strain, "equivalent plastic strain, %")
+        _cut(stress, found, yielded, yielded.residual, "residual von Mises stress, MPa")
+        pressure_line(pressure, found, exact, yielded.axis, "with yield")
+        line = loaded(yielded.elastic)
+        pressure.plot(*line, "--", color=FE, lw=1.2, label="elastic", zorder=4)
+        pressure.set(ylabel="contact pressure, MPa", ylim=(0, None))
+        pressure.legend(loc="lower center", fontsize=9)
         _heights(height, yielded, found)
     return figure
 
@@ -184,11 +185,8 @@ def draw_passes_section(passes: Passes, found: Findings, target: Target = None) 
             both = each if each is values[0] else np.array([-each, each])
             limits = levels(found.subject.units, label, both, LEVELS)
             filled = axes.contourf(left.y, -left.depth, each.T, limits, cmap=colours)
-            # An inset stays beside the axes, whose shape follows from their equal scales.
-            axes.figure.colorbar(filled, cax=axes.inset_axes((1.03, 0.0, 0.03, 1.0)), label=label)
-            axes.grid(False)
             axes.set(xlabel="across, from the middle of the patch, mm", ylabel="height, mm")
-            axes.set_aspect("equal")
+            _bar(axes, filled, label)
     return figure
 
 
@@ -206,14 +204,7 @@ def _window(found: Findings, yields: Array, axis: int) -> tuple[float, float]:
     return middle, SPAN * half
 
 
-def _cut(
-    figure: Figure,
-    axes: Axes,
-    found: Findings,
-    yielded: Yielded,
-    values: Array,
-    label: str,
-) -> None:
+def _cut(axes: Axes, found: Findings, yielded: Yielded, values: Array, label: str) -> None:
     """Draw bands of values at Gauss points, interpolated linearly within each body, in the plane
     across the rail through the contact, or of a section in its own: over x or s and the height.
     What lies outside of a body's Gauss points stays white. values (k,): at `yielded.points`.
@@ -234,33 +225,17 @@ def _cut(
             axes.text(0.03, height, found.subject.names[BODY_NAMES[tag]], **place)
     if not values.any():
         axes.set_title("none here", fontsize=11)
-    # An inset stays beside the axes, whose shape follows from their equal scales.
-    figure.colorbar(bands, cax=axes.inset_axes((1.04, 0.0, 0.05, 1.0)), label=label)
     axes.set(xlabel=found.subject.label(across), ylabel="height over the contact, mm")
+    _bar(axes, bands, label)
+
+
+def _bar(axes: Axes, bands: Any, label: str) -> None:
+    """Give axes of a cut equal scales, no grid, and a colour bar for the bands drawn on them. The
+    bar is an inset, which stays beside the axes, whose shape follows from their scales.
+    """
+    axes.figure.colorbar(bands, cax=axes.inset_axes((1.03, 0.0, 0.04, 1.0)), label=label)
     axes.set_aspect("equal")
     axes.grid(False)
-
-
-def _pressures(
-    axes: Axes, found: Findings, elastic: AxisPressure, exact: Hertz | None, axis: int
-) -> None:
-    """Draw contact pressure (MPa) along x (axis 0) or s (axis 1), mm: of the yielding bodies, of
-    the elastic ones, and of the exact Hertz contact unless that is None.
-    """
-    axes.plot(
-        *loaded((found.along, found.across)[axis]),
-        "o-",
-        color=FE,
-        lw=0.8,
-        ms=3.5,
-        label="with yield",
-    )
-    if exact is not None:
-        axes.plot(*exact_line(exact, axis), color=HERTZ, label="exact Hertz")
-    axes.plot(*loaded(elastic), "--", color=FE, lw=1.2, label="elastic")
-    axes.set(xlabel=found.subject.label(axis), ylabel="contact pressure, MPa")
-    axes.set_ylim(bottom=0)
-    axes.legend()
 
 
 def _heights(axes: Axes, yielded: Yielded, found: Findings) -> None:

@@ -1,25 +1,24 @@
-"""Pictures of profiles without a solution: a wheelset on its track (profiles in contact, contact
-positions, rolling radii), and a measured profile over the nearest standard one.
+"""Pictures of profiles without a solution: a wheelset on its track (profiles in contact, places of
+the contacts, rolling radii), and a measured profile over the nearest standard one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from railhead.geometry.measured.measured_profile import Measured, inner
 from railhead.geometry.measured.standards import LaidStandard
-from railhead.geometry.wheelset import Placed, Side
+from railhead.geometry.wheelset import Placed
 from railhead.postprocess.findings import Array, Subject
 from railhead.postprocess.pictures.diagrams import Target, minus, new_figure
 
 RAIL_COLOUR, WHEEL_COLOUR = "#555555", "#1f4e79"
 MARK, FURTHER = "#c8502d", "#7b4fa3"
 SAMPLES = 1500
-LIFT = 25.0  # mm between wheel and rail in the picture of the positions
 RAW, SMOOTH, STANDARD, LOST = "#9a9a9a", "#1f4e79", "#c8502d", "#9a5f00"
 
 
@@ -66,54 +65,10 @@ def profiles(placed: Placed, subject: Subject, target: Target = None) -> Figure:
             look = {"transform": ax.transAxes, "color": RAIL_COLOUR}
             ax.text(0.01, 0.65, f"{left} side", **look)
             ax.text(0.99, 0.65, f"{right} side", ha="right", **look)
-            ax.set_title(f"{name} rail")
+            ax.set(title=f"{name} rail", aspect="equal", ylim=(-36, 34))
             ax.set_xlabel("y from the crown centre to the field side, mm")
-            ax.set_aspect("equal")
-            ax.set_ylim(-36, 34)
         axes[0].set_ylabel("z, mm")
         axes[0].legend(loc="upper left")
-    return figure
-
-
-def positions(swept: Sequence[Placed], subject: Subject, target: Target = None) -> Figure:
-    """The right wheel, lifted above the right rail. Lines join each contact on the rail with the
-    same contact on the wheel, coloured by the lateral shift.
-
-    swept: the wheelset at several shifts, at least one.
-    subject: title and units.
-    target: PNG file or None (`new_figure`).
-    """
-    from matplotlib.collections import LineCollection
-    from matplotlib.colors import LinearSegmentedColormap
-
-    dark = LinearSegmentedColormap.from_list("shift", [WHEEL_COLOUR, FURTHER, MARK])
-    with new_figure(target, 9, 4.6, subject) as figure:
-        ax = figure.subplots()
-        placed = min(swept, key=lambda each: abs(each.shift))
-        pair = placed.right.pair
-        y = np.linspace(*pair.rail.domain, SAMPLES)
-        ax.plot(y, pair.rail.height(y), color=RAIL_COLOUR, label="rail")
-        offset = float(placed.right.pose.origin[1]) - placed.shift  # of the wheel at shift 0
-        tread = np.linspace(*pair.wheel.domain, SAMPLES)
-        ax.plot(tread + offset, LIFT - pair.wheel.height(tread), color=WHEEL_COLOUR, label="wheel")
-        lines, shifts = [], []
-        for placed in swept:
-            for touch in placed.right.touches:
-                above = LIFT - float(pair.wheel.height(touch.wheel_y))
-                lines.append([(touch.y, touch.z), (touch.wheel_y + offset, above)])
-                shifts.append(placed.shift)
-        joined = LineCollection(lines, cmap=dark, array=np.array(shifts), linewidths=0.9)
-        ax.add_collection(joined)
-        figure.colorbar(joined, ax=ax, label="lateral shift to the right, mm")
-        ax.plot([], [], color=FURTHER, lw=0.9, label="contact: from the rail to the wheel")
-        figure.legend(loc="outside upper center", ncols=3)
-        ax.set_xlabel(
-            "y on the right rail, from the crown centre, mm (wheel at shift 0)\n"
-            "(gauge side < 0 < field side)"
-        )
-        ax.set_ylabel("z, mm (wheel lifted)")
-        ax.set_aspect("equal", adjustable="datalim")  # else its label leaves the sheet
-        ax.set_xlim(min(-50.0, pair.rail.domain[0] - 5), 45, auto=True)
     return figure
 
 
@@ -136,15 +91,15 @@ def rolling_radius(
         upper, lower = figure.subplots(2, 1, sharex=True)
         upper.plot(*curve, color=MARK)
         upper.set_ylabel("rolling radius difference,\nright less left, mm")
-        further: str | None = "further contact, with a small gap"
+        further: list[tuple[float, float]] = []
         for name, colour in (("right", WHEEL_COLOUR), ("left", RAIL_COLOUR)):
-            y = np.array([_side(placed, name).touches[0].y for placed in swept])
-            lower.plot(shifts, y, ".", color=colour, ms=4, label=f"{name} rail, first contact")
-        for name in ("right", "left"):
-            for placed in swept:
-                for touch in _side(placed, name).touches[1:]:
-                    lower.plot(placed.shift, touch.y, ".", color=FURTHER, label=further)
-                    further = None
+            touches = [getattr(placed, name).touches for placed in swept]
+            first = [each[0].y for each in touches]
+            lower.plot(shifts, first, ".", color=colour, ms=4, label=f"{name} rail, first contact")
+            for shift, each in zip(shifts, touches, strict=True):
+                further += [(shift, touch.y) for touch in each[1:]]
+        label = "further contact, with a small gap" if further else None
+        lower.plot(*np.reshape(further, (-1, 2)).T, ".", color=FURTHER, label=label)
         lower.set_ylabel("contact on the rail, y, mm\n(gauge side < 0 < field side)")
         lower.set_xlabel("lateral shift to the right, mm")
         lower.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
@@ -163,15 +118,9 @@ def conicity(
     with new_figure(target, 7, 4, subject) as figure:
         ax = figure.subplots()
         ax.plot(list(found), np.array(list(found.values()), dtype=float), color=MARK)  # None: NaN
-        ax.set_ylim(bottom=0.0)
+        ax.set(xlabel="amplitude of the lateral shift, mm", ylim=(0.0, None))
         ax.set_ylabel("equivalent conicity (EN 15302)")
-        ax.set_xlabel("amplitude of the lateral shift, mm")
     return figure
-
-
-def _side(placed: Placed, name: str) -> Side:
-    """Right side of a placed wheelset if name is 'right', else the left."""
-    return placed.right if name == "right" else placed.left
 
 
 def draw_profile(
@@ -200,41 +149,28 @@ def draw_profile(
         title = f"{found.path.name}: {found.body}, {len(found.points)} points"
         top.set_title(title, parse_math=False)
         top.set_ylabel("z, mm")
-        top.legend(loc="best")
-        left.plot(found.points[:, 0], 1e3 * smoothed.residual, ".", color=RAW, ms=3)
-        left.axhspan(
-            -1e3 * smoothed.noise, 1e3 * smoothed.noise, color=SMOOTH, alpha=0.15, label="noise"
-        )
-        left.legend(loc="upper right")
+        raw: dict[str, Any] = {"color": RAW, "ls": "none", "marker": "."}
+        noise = 1e3 * smoothed.noise
+        left.plot(found.points[:, 0], 1e3 * smoothed.residual, ms=3, **raw)
+        left.axhspan(-noise, noise, color=SMOOTH, alpha=0.15, label="noise")
         left.set_ylabel("measured less\nsmoothed, um")
-        bend.plot(
-            found.points[1:-1, 0],
-            smoothed.rough_curvature(),
-            ".",
-            color=RAW,
-            ms=2,
-            label="of each three points",
-        )
-        curvature = profile.curvature(y)
+        rough, curvature = smoothed.rough_curvature(), profile.curvature(y)
+        bend.plot(found.points[1:-1, 0], rough, ms=2, label="of each three points", **raw)
         bend.plot(y, curvature, color=SMOOTH, label="smoothed")
         span = max(float(np.abs(curvature).max()), 0.02)
         bend.set_ylim(min(1.3 * float(curvature.min()), -0.2 * span), 1.3 * span)
         bend.set_ylabel("curvature, 1/mm\n(convex is positive)")
         if worn:
             bend.plot(*_curvature(worn), color=STANDARD, lw=1.2, label=worn.name)
-            _draw_loss(panels[3], worn, subject)
-        bend.legend(loc="best")
+            lost, loss = panels[3], subject.units.text(worn.largest_loss, "mm", 3)
+            lost.plot(worn.y, worn.loss, color=LOST)
+            at = worn.y[worn.worst], worn.largest_loss
+            lost.plot(*at, "o", color=STANDARD, label=f"largest: {loss}")
+            lost.set_ylabel(f"less than\n{worn.name}, mm")
+        for axes in panels:
+            axes.legend(loc="best")
         panels[-1].set_xlabel("y across the track, mm (gauge side and flange on the left)")
     return figure
-
-
-def _draw_loss(ax: Axes, worn: LaidStandard, subject: Subject) -> None:
-    """Draw the material lost against a standard, over y, with the largest loss marked."""
-    ax.plot(worn.y, worn.loss, color=LOST)
-    largest = f"largest: {subject.units.text(worn.largest_loss, 'mm', 3)}"
-    ax.plot(worn.y[worn.worst], worn.largest_loss, "o", color=STANDARD, label=largest)
-    ax.legend(loc="upper right")
-    ax.set_ylabel(f"less than\n{worn.name}, mm")
 
 
 def _curvature(worn: LaidStandard) -> tuple[Array, Array]:

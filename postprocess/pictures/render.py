@@ -1,4 +1,5 @@
-"""Pictures of the bodies and their mesh: of solids by a parallel camera, of sections as polygons.
+"""Pictures of the bodies: their mesh, of solids by a parallel camera, of sections as polygons; and
+the stresses in a cut, as bands of sigma_3 and of the largest shear stress.
 
 Images of meshes are shaded; lines and labels are placed over them in mm. The grids are those of
 `vtu`, of whole bodies with the images of what symmetry left out; nothing is deformed. All text is
@@ -10,6 +11,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -17,25 +19,34 @@ import meshio
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.interpolate import griddata
-from scipy.spatial import cKDTree
 
 from railhead.meshing import isolated_process
 from railhead.meshing.bodies import BODY_NAMES
-from railhead.postprocess.findings import Array, Findings, Frame, Patch
-from railhead.postprocess.pictures.diagrams import FE, Target, new_figure
-from railhead.theory.elastic.line import Hertz
+from railhead.postprocess.findings import Array, Findings
+from railhead.postprocess.pictures.diagrams import (
+    BANDS,
+    Target,
+    levels,
+    minus,
+    new_figure,
+    rounded,
+)
 
 COLOURS = {"rail": "#b4c3d3", "wheel": "#dcc9a3"}
-FREE_SURFACE, EDGE, CONTACT = "#d9dfe5", "#5a6570", "#b2182b"
+EDGE, CONTACT = "#5a6570", "#b2182b"
 GRAPHICS_BYTES = 1_200_000_000  # address space that VTK and Mesa map; with less they crash
 NEAR = 0.1  # of the patch's half length: a plane of the mesh so near to the contact will do
-BESIDE = 0.15  # of half the picture: from a patch to a dimension line, and to its words, at least
-LABELS = 0.83, 0.92  # of half the picture: the middles of words stay within, none is cut
-SEVERAL = 1.2  # times as much is seen of several patches: the lines stand beside one of them
 MESH = {"show_edges": True, "edge_color": EDGE, "edge_opacity": 0.6, "line_width": 0.8}
 SHADE = {"ambient": 0.45, "diffuse": 0.6}
+STRESSES = (r"smallest principal stress $\sigma_3$, MPa", r"largest shear stress $\tau$, MPa")
+LONG = 66  # letters of a label: two longer ones do not fit beside each other
+SURFACE = 1e-3  # of the smaller half length: a depth that is less counts as none
+# Of its depth (at least that share of the smaller half length): a point farther off a cut is said
+# to be so.
+OFF_CUT = 0.2
+MAPS = ("YlGnBu_r", "YlOrRd")
 
 
 def load_pyvista() -> Any:
@@ -89,15 +100,6 @@ class Camera:
         """RGB image (h, w, 3), uint8, of pyvista meshes, each given with its keyword arguments for
         `Plotter.add_mesh`.
         """
-        plotter = self.plotter(meshes)
-        image = plotter.screenshot(return_img=True)
-        plotter.close()
-        return np.asarray(image)
-
-    def plotter(self, meshes: list[tuple[Any, dict[str, Any]]]) -> Any:
-        """A pyvista plotter, off screen, with the meshes and this camera. Each mesh comes with its
-        keyword arguments for `Plotter.add_mesh`. The caller must close the plotter.
-        """
         half = np.array([self.half_width, self.half_height])
         size = np.round(half / half.max() * self.pixels).astype(int)
         pv = load_pyvista()
@@ -114,7 +116,9 @@ class Camera:
         camera.parallel_projection = True
         camera.parallel_scale = self.half_height
         plotter.renderer.reset_camera_clipping_range()
-        return plotter
+        image = plotter.screenshot(return_img=True)
+        plotter.close()
+        return np.asarray(image)
 
     def show(self, axes: Axes, image: NDArray[np.uint8], origin: Array | None = None) -> None:
         """Draw an image (h, w, 3) of this camera on matplotlib axes, whose data coordinates then
@@ -135,8 +139,6 @@ def wheel_rail(grid: meshio.Mesh, findings: Findings, target: Target = None) -> 
     grid: cells of the whole bodies, as `vtu.volume_grid` makes them. findings: frame, patch,
         surface and names.
     """
-    from matplotlib.patches import Patch as Swatch
-
     frame, patch = findings.frame, findings.patch
     halves = {name: behind(part, findings) for name, part in bodies_of(grid).items()}
     meshes = [(half, {"color": COLOURS[name], **MESH, **SHADE}) for name, half in halves.items()]
@@ -144,31 +146,27 @@ def wheel_rail(grid: meshio.Mesh, findings: Findings, target: Target = None) -> 
     general = _around(corners, np.array([1.0, 0.5, 0.35]))
     low, high = patch.box
     reach = (high - low).max()
-    middle = _global(frame, [[0.0, (low[1] + high[1]) / 2, 0.0]])[0]
+    middle = np.array(frame.place(0.0, (low[1] + high[1]) / 2))
     close = Camera(middle, frame.axes[0], 0.7 * reach, reach, frame.axes[2], pixels=900)
-    names = findings.subject.names
+    local = frame.local(findings.surface.points)
     with new_figure(target, 10, 6.6, findings) as figure:
         left, right = figure.subplots(1, 2, width_ratios=(1.6, 1))
         general.show(left, general.shoot(meshes))
         left.set_axis_off()
         left.set_title("cut open at the contact")
         close.show(right, close.shoot(meshes), np.array(frame.origin))
-        surface = findings.surface
         for line in patch.outlines:
             s = np.linspace(line[:, 1].min(), line[:, 1].max(), 61)
-            at = _on(surface, frame, np.column_stack((np.zeros_like(s), s)))
-            right.plot(s, frame.local(at)[:, 2], color=CONTACT, lw=3, label="contact patch")
+            near = local[np.abs(local).max(axis=1) < 2 * np.abs(s).max()]
+            height = griddata(near[:, :2], near[:, 2], (0 * s, s), fill_value=0.0)
+            right.plot(s, height, color=CONTACT, lw=3)
         right.set(
             title="the same cut, close" + (", gauge side left" if findings.subject.gauge else ""),
             xlabel=findings.subject.label(1).split("\n")[0],
         )
         right.set(xlim=right.get_xlim(), ylim=right.get_ylim())
         right.set_ylabel("height over the contact, mm")
-        swatches = [Swatch(fc=COLOURS[name], ec=EDGE, label=names[name]) for name in halves]
-        for name in set(BODY_NAMES.values()) - set(halves):
-            text, side = f"{names[name]}: not meshed", 0.25 if name == "rail" else 0.75
-            right.text(0.5, side, text, transform=right.transAxes, ha="center")
-        figure.legend(handles=[*swatches, right.lines[0]], loc="outside upper center", ncols=3)
+        _legend(figure, right, findings.subject.names, halves)
     return figure
 
 
@@ -179,10 +177,9 @@ def section(grid: meshio.Mesh, axis: int, findings: Findings, target: Target = N
         runs along x, 1 along s.
     """
     from matplotlib.collections import PolyCollection
-    from matplotlib.patches import Patch as Swatch
 
     half, middle = (findings.patch.a, findings.patch.b)[axis], findings.patch.centre[axis]
-    names, skins = findings.subject.names, {k: outer(part) for k, part in bodies_of(grid).items()}
+    skins = {name: outer(part) for name, part in bodies_of(grid).items()}
     with new_figure(target, 10, 6.2, findings) as figure:
         left, right = figure.subplots(1, 2, width_ratios=(1.4, 1))
         for axes in (left, right):
@@ -197,68 +194,14 @@ def section(grid: meshio.Mesh, axis: int, findings: Findings, target: Target = N
         for line in findings.patch.outlines:
             ends = [line[:, axis].min(), line[:, axis].max()]
             right.plot(ends, [0, 0], color=CONTACT, lw=3, gid="contact patch")
-        for name in set(BODY_NAMES.values()) - set(skins):
+        if len(skins) == 1:  # the plane of a rigid body
             for axes in (left, right):
                 axes.axhline(0.0, color="black", lw=1.2, zorder=0)
-            text, side = f"{names[name]}: not meshed", 0.25 if name == "rail" else 0.75
-            right.text(0.5, side, text, transform=right.transAxes, ha="center")
         reach = 2.5 * half
         right.set(xlim=(middle - reach, middle + reach), ylim=(-1.2 * reach, 1.2 * reach))
         right.set_title("close")
-        swatches = [Swatch(fc=COLOURS[name], ec=EDGE, label=names[name]) for name in skins]
-        swatches.append(Swatch(fc=CONTACT, label="contact patch"))
-        figure.legend(handles=swatches, loc="outside lower center", ncols=3)
+        _legend(figure, right, findings.subject.names, skins)
     return figure
-
-
-def patch_on_rail(
-    grid: meshio.Mesh, findings: Findings, hertz: Hertz | None, target: Target = None
-) -> Figure:
-    """The pressure on the contact surface, seen obliquely from above, with outlines and dimensions
-    of the patch.
-
-    grid: the contact surface, as `vtu.contact_grid` makes it. hertz: exact Hertz contact,
-        whose outline is drawn too, or None.
-    """
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import Normalize
-
-    frame, patch = findings.frame, findings.patch
-    surface = outer(load_pyvista().from_meshio(grid))
-    pressed, free = split(surface, frame, patch)
-    shown = (0.0, float(surface["pressure"].max()))
-    plain = {"lighting": False, "color": FREE_SURFACE}
-    # without light, so that the colours are those of the colour bar
-    look = {"lighting": False, "scalars": "pressure", "cmap": "YlOrRd", "clim": shown}
-    lines = {"style": "wireframe", "color": EDGE, "opacity": 0.3, "line_width": 0.8}
-    camera = camera_over(findings)
-    with new_figure(target, 10, 6.8, findings) as figure:
-        axes = figure.subplots()
-        nearer = surface.translate(1e-3 * camera.half_width * frame.axes[2])
-        image = camera.shoot([(free, plain), (pressed, look), (nearer, lines)])
-        camera.show(axes, image)
-        axes.set_axis_off()
-        for number, line in enumerate(patch.outlines):
-            name = findings.subject.method if number == 0 else None
-            axes.plot(*camera.project(_on(surface, frame, line)).T, color=FE, lw=2.2, label=name)
-        if hertz is not None:
-            line = camera.project(_on(surface, frame, hertz.outline))
-            axes.plot(*line.T, "--", color="black", lw=1.4, label="exact Hertz")
-        _dimensions(axes, camera, findings)
-        colours = ScalarMappable(Normalize(*shown), "YlOrRd")
-        figure.colorbar(colours, ax=axes, label="contact pressure, MPa", shrink=0.8)
-        figure.legend(loc="outside upper center", ncols=2)
-    return figure
-
-
-def camera_over(findings: Findings) -> Camera:
-    """A camera that looks obliquely from above at the middle of all patches, and shows them all."""
-    frame = findings.frame
-    low, high = findings.patch.box
-    reach = (high - low).max() * (SEVERAL if len(findings.patch.outlines) > 1 else 1.0)
-    middle = _global(frame, [[*(low + high) / 2, 0.0]])[0]
-    towards = np.array([-0.3, -0.6, 1.0]) @ frame.axes
-    return Camera(middle, towards, reach, 0.72 * reach, frame.axes[2])
 
 
 def bodies_of(grid: meshio.Mesh) -> dict[str, Any]:
@@ -270,24 +213,6 @@ def bodies_of(grid: meshio.Mesh) -> dict[str, Any]:
     return {BODY_NAMES[int(tag)]: volume.extract_cells(volume["body"] == tag) for tag in tags}
 
 
-def split(surface: Any, frame: Frame, patch: Patch) -> tuple[Any, Any]:
-    """Cut a pyvista contact surface along the outlines of all patches, into the part inside and the
-    part outside. Both carry the point data "outside": distance to the nearest outline point in x
-    and s, mm, negative inside. Triangles that a patch covers only in part are cut.
-    """
-    from matplotlib.path import Path as Path2D
-
-    local = frame.local(surface.points)[:, :2]
-    distance = cKDTree(np.concatenate(patch.outlines)).query(local)[0]
-    inside = np.zeros(len(local), dtype=bool)
-    for line in patch.outlines:  # a hole in a patch turns it round
-        inside ^= Path2D(line).contains_points(local)
-    surface = surface.copy()
-    surface["outside"] = np.where(inside, -distance, distance)
-    pressed = surface.clip_scalar(scalars="outside", value=0.0)
-    return pressed, surface.clip_scalar(scalars="outside", value=0.0, invert=False)
-
-
 def outer(part: Any) -> Any:
     """Outer faces of a pyvista grid as a surface, with the cells' straight edges."""
     return part.extract_surface(nonlinear_subdivision=0, algorithm="dataset_surface")
@@ -295,62 +220,17 @@ def outer(part: Any) -> Any:
 
 def behind(part: Any, findings: Findings) -> Any:
     """Outer faces, as a pyvista surface, of the half of a body that lies at smaller x than the
-    contact point.
+    contact point. If a plane between cells lies there, or near it at x = 0, the body is parted at
+    it. Otherwise cells are clipped.
     """
-    return outer(_half(part, findings.frame.origin[0], NEAR * findings.patch.a))
-
-
-def _half(part: Any, at: float, reach: float) -> Any:
-    """Cells of a body at x below `at`, mm. If a plane between cells lies there, or at x = 0 within
-    `reach` (mm) of `at`, the body is parted at it. Otherwise cells are clipped at `at`.
-    """
-    x = part.points[:, 0]
+    x, at = part.points[:, 0], findings.frame.origin[0]
     rounding = 1e-9 * np.ptp(x)
-    for plane in (at, 0.0 if abs(at) < reach else at):
+    for plane in (at, 0.0 if abs(at) < NEAR * findings.patch.a else at):
         sides = (way * (x - plane) < rounding for way in (1, -1))
         below, above = (part.extract_points(side, adjacent_cells=False) for side in sides)
         if below.n_cells + above.n_cells == part.n_cells:
-            return below
-    return part.clip(normal="x", origin=(at, 0.0, 0.0))
-
-
-def _dimensions(axes: Axes, camera: Camera, findings: Findings) -> None:
-    """Draw on the axes the dimension lines 2a along x and 2b along s beside the most loaded patch.
-    Where the subject has them, also name the gauge side, the field side and the direction of
-    rolling.
-    """
-    frame, patch, subject = findings.frame, findings.patch, findings.subject
-    length, width = (subject.units.text(2 * half, "mm") for half in (patch.a, patch.b))
-    (x0, s0), (x1, s1) = patch.main.min(axis=0), patch.main.max(axis=0)
-    away = max(0.2 * max(x1 - x0, s1 - s0), BESIDE * camera.half_width)
-    low, high = patch.box[0][1], patch.box[1][1]
-    beyond = s1 + away if high - s1 < s0 - low else s0 - away  # off other patches
-    lines = {
-        f"2a = {length}\n(x, {subject.along})": [[x0, beyond, 0], [x1, beyond, 0]],
-        f"2b = {width}\n(s, {subject.across})": [
-            [x0 - away, s0, 0],
-            [x0 - away, s1, 0],
-        ],
-    }
-    middle = camera.project(_global(frame, [[(x0 + x1) / 2, (s0 + s1) / 2, 0]]))[0]
-    box = {"fc": "white", "ec": "none", "alpha": 0.85, "pad": 2}
-    look: dict[str, Any] = {"ha": "center", "va": "center", "bbox": box, "clip_on": True}
-    inside = np.array([camera.half_width, camera.half_height]) * LABELS
-    for text, line in lines.items():
-        start, stop = camera.project(_global(frame, line))
-        arrow = {"arrowstyle": "<->", "shrinkA": 0, "shrinkB": 0, "lw": 1.5}
-        axes.annotate("", tuple(start), tuple(stop), arrowprops=arrow)
-        outwards = (start + stop) / 2 - middle
-        beside = max(away, BESIDE * camera.half_width) * outwards / np.linalg.norm(outwards)
-        right, upwards = np.clip((start + stop) / 2 + beside, -inside, inside)
-        axes.text(right, upwards, text, **look)
-    ends = {"gauge side": (x0 - away, s0 - away / 2), "field side": (x0 - away, s1 + away / 2)}
-    sides = ends if subject.gauge else {}
-    if subject.rolls:
-        sides["rolls"] = (x1 + away / 2, beyond)
-    for text, at in sides.items():
-        right, upwards = camera.project(_global(frame, [[*at, 0.0]]))[0]
-        axes.text(right, upwards, text, style="italic", **look)
+            return outer(below)
+    return outer(part.clip(normal="x", origin=(at, 0.0, 0.0)))
 
 
 def _around(points: Array, towards: Array) -> Camera:
@@ -363,17 +243,166 @@ def _around(points: Array, towards: Array) -> Camera:
     return Camera(middle, towards, *(0.52 * np.ptp(flat, axis=0)))
 
 
-def _global(frame: Frame, local: ArrayLike) -> Array:
-    """Points (n, 3) in space, mm, from x, s and height in the contact frame (n, 3)."""
-    return np.asarray(np.array(frame.origin) + np.asarray(local) @ frame.axes)
-
-
-def _on(surface: Any, frame: Frame, line: Array) -> Array:
-    """Points (n, 3) in space, mm, of a curve (n, 2) of x and s in the frame, mm, at the heights of
-    a contact surface there. These are linear between its points; where it ends, the points lie on
-    the tangent plane. surface: has points (k, 3) in space, mm. frame: axes of the tangent plane.
+def _legend(figure: Figure, axes: Axes, names: Mapping[str, str], drawn: Iterable[str]) -> None:
+    """Draw the legend of the bodies that are drawn and of the patch, and say on the axes which body
+    is not meshed. names: in pictures, by body name.
     """
-    local = frame.local(surface.points)
-    near = np.abs(local).max(axis=1) < 2 * np.abs(line).max()
-    height = griddata(local[near, :2], local[near, 2], line, fill_value=0.0)
-    return _global(frame, np.column_stack((line, height)))
+    from matplotlib.patches import Patch as Swatch
+
+    swatches = [Swatch(fc=COLOURS[name], ec=EDGE, label=names[name]) for name in drawn]
+    swatches.append(Swatch(fc=CONTACT, label="contact patch"))
+    figure.legend(handles=swatches, loc="outside upper center", ncols=3)
+    for name in set(BODY_NAMES.values()).difference(drawn):
+        text, side = f"{names[name]}: not meshed", 0.25 if name == "rail" else 0.75
+        axes.text(0.5, side, text, transform=axes.transAxes, ha="center")
+
+
+def stresses_of_solid(
+    grid: meshio.Mesh, axis: int, findings: Findings, target: Target = None
+) -> Figure:
+    """The smallest principal stress and the largest shear stress in a plane cut through the
+    contact: across the rail, at the x of the frame's origin, or along it and normal to the patch,
+    at the s of the largest pressure.
+
+    grid: cells with nodal stresses, as `vtu.volume_grid` makes them. axis: 1 across, 0 along.
+        findings: frame, patch and largest stresses.
+    """
+    frame, patch = findings.frame, findings.patch
+    ends = patch.box if axis else (patch.main.min(axis=0), patch.main.max(axis=0))
+    low, high = (each[axis] for each in ends)
+    half = np.array([1.2 * (high - low), min(0.9 * (high - low), 5 * (patch.b, patch.a)[axis])])
+    centre, cut = np.array([(low + high) / 2, 0.0]), 0.0 if axis else findings.along.at
+    beside = cut + 1e-3 * min(patch.a, patch.b)  # at x = 0 itself there may be faces of cells
+    origin = frame.place(beside, 0.0) if axis else frame.place(0.0, beside)
+    sections = {
+        name: part.slice(normal=frame.axes[1 - axis], origin=origin).triangulate()
+        for name, part in bodies_of(grid).items()
+    }
+    return _draw_fringes(sections, axis, cut, (centre - half, centre + half), findings, target)
+
+
+def stresses_of_section(
+    grid: meshio.Mesh, axis: int, findings: Findings, target: Target = None
+) -> Figure:
+    """The smallest principal stress and the largest shear stress around the contact, of a section
+    in two dimensions; solids are drawn by `stresses_of_solid`.
+
+    grid: cells of the whole section with nodal stresses, as `vtu.volume_grid` makes them. axis:
+        0 where the section runs along x, 1 along s.
+    """
+    patch = findings.patch
+    reach = np.array([2.4, 1.8]) * (patch.a, patch.b)[axis]
+    centre = np.array([patch.centre[axis], 0.0])
+    sections = {
+        name: part.extract_surface(
+            nonlinear_subdivision=1, algorithm="dataset_surface"
+        ).triangulate()
+        for name, part in bodies_of(grid).items()
+    }
+    return _draw_fringes(sections, axis, None, (centre - reach, centre + reach), findings, target)
+
+
+def _draw_fringes(
+    sections: Mapping[str, Any],
+    axis: int,
+    cut: float | None,
+    window: tuple[Array, Array],
+    findings: Findings,
+    target: Target = None,
+) -> Figure:
+    """Two panels: bands of the smallest principal stress and of the largest shear stress in all
+    bodies of a plane cut through the contact.
+
+    sections: pyvista surfaces of triangles by body name, with the point data "principal_stresses"
+        and "max_shear", MPa. axis: 0 where the horizontal axis of the picture is x, 1 where it is
+        s. cut: the other coordinate of the cut, mm; None of a section. window: smallest and largest
+        coordinate along that axis, and height over the tangent plane, that are shown, (2,) each,
+        mm; the stresses there set the limits of the colour bands. findings: give the title, the
+        edges of the patch and the largest shear stress of each body, which is marked in the second
+        panel.
+    """
+    from matplotlib.collections import LineCollection
+    from matplotlib.lines import Line2D
+
+    names, (low, high) = findings.subject.names, window
+    places = [findings.frame.local(each.points)[:, [axis, 2]] for each in sections.values()]
+    inside = [np.all((at > low) & (at < high), axis=1) for at in places]
+    stresses = (
+        [each["principal_stresses"][:, 2] for each in sections.values()],
+        [each["max_shear"] for each in sections.values()],
+    )
+    shape = float(np.divide(*(high - low)[::-1]))
+    with new_figure(target, 10, 2.0 + 4.4 * shape, findings) as figure:
+        panels = figure.subplots(1, 2, sharey=True)
+        for number, axes in enumerate(panels):
+            seen = [own[shown] for own, shown in zip(stresses[number], inside, strict=True)]
+            every = np.concatenate(seen)
+            every = every if number else np.minimum(every, 0.0)
+            ticks = levels(findings.subject.units, "MPa", every, BANDS + 2)
+            look = {"cmap": MAPS[number], "extend": "neither" if number else "max"}
+            for each, at, own in zip(sections.values(), places, stresses[number], strict=True):
+                drawn = axes.tricontourf(*at.T, each.regular_faces, own, ticks, **look)
+                rim = each.extract_feature_edges(
+                    feature_edges=False, manifold_edges=False, non_manifold_edges=False
+                )
+                ends = findings.frame.local(rim.points)[:, [axis, 2]][
+                    rim.lines.reshape(-1, 3)[:, 1:]
+                ]
+                axes.add_collection(LineCollection(list(ends), colors="black", linewidths=1.2))
+            figure.colorbar(
+                drawn,
+                ax=axes,
+                label=STRESSES[number],
+                ticks=ticks[::2] if number else ticks[::-2][::-1],
+                location="bottom",
+            )
+            axes.set(xlabel=findings.subject.label(axis), aspect="equal")
+            axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+            axes.grid(False)
+            for body in BODY_NAMES.values():
+                height, side = (0.03, "bottom") if body == "rail" else (0.97, "top")
+                text = names[body] + ("" if body in sections else ": not meshed")
+                axes.text(0.02, height, text, transform=axes.transAxes, va=side, fontsize=13)
+            along = cut is not None and axis == 0  # which cuts the most loaded patch alone
+            for line in [findings.patch.main] if along else findings.patch.outlines:
+                edges = np.array([line[:, axis].min(), line[:, axis].max()])
+                axes.plot(edges, [0, 0], "|", color="black", ms=14, mew=1.6, gid="contact patch")
+        panels[0].set_ylabel("height over the contact, mm")
+        marked = "edges of the patch (drawn undeformed)"
+        if cut is not None:
+            units, half = findings.subject.units, (findings.patch.b, findings.patch.a)[axis]
+            marked += f", cut at {'sx'[axis]} = {rounded(units, cut, half)} {units.unit('mm')}"
+        _mark_largest(panels[1], findings, axis, cut or 0.0)
+        handles, labels = panels[1].get_legend_handles_labels()
+        mark = Line2D([], [], color="black", marker="|", ms=12, mew=1.6, ls="none")
+        long = max(map(len, [*labels, marked])) > LONG
+        figure.legend(
+            [*handles, mark],
+            [*labels, marked],
+            loc="outside upper center",
+            ncols=1 if long else 2,
+            fontsize=10,
+        )
+    return figure
+
+
+def _mark_largest(axes: Axes, findings: Findings, axis: int, cut: float) -> None:
+    """Mark the place of the largest shear stress of each body in a picture of x or s over height.
+
+    axis: 0 where the horizontal axis is x, 1 where it is s. cut: the other coordinate of the cut,
+        mm. Legend entries give the value, the depth and, if the place lies off the cut, how far.
+    """
+    half, subject = min(findings.patch.a, findings.patch.b), findings.subject
+    for body, largest in findings.largest.items():
+        peak = largest.tau
+        local = findings.frame.local(np.array([peak.place]))[0]
+        depth = subject.units.text(peak.depth, "mm", 3)
+        deep = "at the surface" if peak.depth < SURFACE * half else f"{depth} deep"
+        value = subject.units.text(peak.value, "MPa")
+        label = rf"$\tau_{{max}}$ in the {subject.names[body]}: {value}, {deep}"
+        if abs(off := local[1 - axis] - cut) > OFF_CUT * max(peak.depth, OFF_CUT * half):
+            sign, way = "+" if off > 0 else "", (subject.across, subject.along)[axis]
+            label += minus(f", {sign}{subject.units.text(off, 'mm', 2)} {way}")
+        marker = "v" if body == "rail" else "^"
+        look: dict[str, Any] = {"ms": 10, "mfc": "white", "mec": "black", "ls": "none"}
+        axes.plot(local[axis], local[2], marker, label=label, **look)

@@ -98,20 +98,15 @@ def curves(
             for value, colour in zip(lines, colours, strict=True):
                 own = [row for row in rows if not others or row[others[0]] == value]
                 x = np.array([row[over] if numbers else _word(row, over, units) for row in own])
-                found = np.array([row.get(name, math.nan) for row in own], dtype=float)
-                order = np.argsort(x) if numbers else slice(None)
-                relative = f"{name.partition(' [')[0]} estimate"
-                of = found  # forces of friction have theirs over mu N
-                if name in FRICTION:
-                    of = np.array([row.get("mu N [N]", math.nan) for row in own], dtype=float)
-                error = of * np.array([row.get(relative, math.nan) for row in own], dtype=float)
-                error = np.abs(error)
+                short, order = name.partition(" [")[0], np.argsort(x) if numbers else slice(None)
+                found = _cells(own, name)
+                of = _cells(own, "mu N [N]") if name in FRICTION else found
+                error = np.abs(of * _cells(own, f"{short} estimate"))
                 name_of = _word(own[0], others[0], units) if others else ""
                 look: dict[str, Any] = {"color": colour, "label": name_of, "capsize": 3}
                 axes.errorbar(x[order], found[order], error[order], fmt="o-", **look)
                 bad = np.array([row["checks"] != "passed" for row in own])
                 axes.plot(x[bad], found[bad], "o", ms=10, mfc="none", mec=HERTZ, zorder=3)
-                short = name.partition(" [")[0]
                 names = [str(row.get("below resolution") or "").split("; ") for row in own]
                 hidden = np.array([short in each for each in names])
                 axes.plot(x[hidden], found[hidden], "x", ms=9, color=HERTZ, zorder=3)
@@ -209,6 +204,11 @@ def _strip(
         for line in lines:
             axes.fill(line[:, 0] + number * step, line[:, 1], fc=f"{colour}40", ec=colour, lw=1.0)
     axes.set_xlim(-0.6 * step, (len(each) - 0.4) * step)
+
+
+def _cells(rows: Rows, column: str) -> Array:
+    """Numbers (n,) of a column, NaN where a row has none."""
+    return np.array([row.get(column) for row in rows], dtype=float)
 
 
 def _most_varied_first(columns: Sequence[str], rows: Rows) -> list[str]:

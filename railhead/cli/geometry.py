@@ -265,7 +265,6 @@ class Location(Examined):
         here, over = (Subject(words + more + yaw, units=units) for more in (shifted, ""))
         one = {"profiles.png": partial(profile_plots.profiles, self.placed, here)}
         return (one if self.shifts is None else {}) | {
-            "positions.png": partial(profile_plots.positions, swept, over),
             "rolling_radius.png": partial(
                 profile_plots.rolling_radius, swept, radii.differences, over
             ),

@@ -8,6 +8,7 @@ from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from railhead.meshing.bodies import other
 from railhead.postprocess import symmetry
 from railhead.postprocess.findings import BASE_UNITS, Array, Units
 from railhead.postprocess.pass_rows import Passes
@@ -159,20 +160,32 @@ def write_grids(
 def paraview_grids(
     solved: Solved, stresses: Array | None, *, whole: bool
 ) -> Iterator[tuple[str, meshio.Mesh]]:
-    """Names and grids of the files for ParaView, as `vtu.grids`; with passes "passes_section". None
-    of the former without stresses.
+    """Names and grids of the files for ParaView: with passes "passes_section"; with stresses
+    "contact" (contact surfaces), "solution" (cells), where steel yields "residual" (cells after the
+    load), and with friction "traction" (contact points).
 
-    stresses (n, 6): as of `nodal_stress`. whole: cells with the images of what symmetry left out.
+    stresses (n, 6): as of `nodal_stress`. whole: whether cells have the images of what symmetry
+        left out; the others always have them.
     """
     from railhead.postprocess import vtu
+    from railhead.postprocess.stress import gauss_points
 
     if solved.passes is not None and solved.passes.rows:
         yield "passes_section", vtu.section_grid(solved.passes.sections[-1])
     if stresses is None:
         return
     assert isinstance(solved, MeshSolution) and solved.fields and solved.findings
-    friction, residual = solved.solution.friction, solved.unloaded_fields
-    yield from vtu.grids(solved.fields, stresses, solved.findings, residual, friction, whole=whole)
+    fields, found = solved.fields, solved.findings
+    both = {fields.slave: found.surface, other(fields.slave): found.opposite}
+    surfaces = {tag: each for tag, each in both.items() if each is not None}
+    planes = fields.mirrors if whole else ()
+    yield "contact", symmetry.grid(vtu.contact_grid(surfaces), fields.mirrors)
+    yield "solution", symmetry.grid(vtu.volume_grid(fields, stresses), planes)
+    if (left := solved.unloaded_fields) is not None:
+        unloaded = vtu.volume_grid(left, gauss_points.nodal_stress(left))
+        yield "residual", symmetry.grid(unloaded, planes)
+    if (friction := solved.solution.friction) is not None:
+        yield "traction", symmetry.grid(vtu.traction_points(friction), fields.mirrors)
 
 
 def _friction(summary: Mapping[str, Any]) -> Mapping[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from railhead.postprocess.findings import NO_DEPTH
+from railhead.postprocess.findings import NO_DEPTH, Units
 from railhead.postprocess.pass_rows import PASS_COLUMNS
 from railhead.scene import quantities
 from railhead.scene.scene import dotted
@@ -103,6 +103,33 @@ def filled(rows: Sequence[Row]) -> list[str]:
     """
     names = dict.fromkeys(name for row in rows for name in row if name not in FIRST)
     return [name for name in names if any(row.get(name) not in (None, "") for row in rows)]
+
+
+def texts(
+    rows: Sequence[Row], columns: Sequence[str], units: Units
+) -> list[tuple[str, str, list[str]]]:
+    """Quantity, displayed unit and cells as text of each row of a table, for the named columns."""
+    return [
+        (
+            str(row["quantity"]),
+            units.unit(str(row["unit"])),
+            [text(name, row.get(name), str(row["unit"]), units) for name in columns],
+        )
+        for row in rows
+    ]
+
+
+def text(column: str, value: Cell, unit: str, units: Units) -> str:
+    """Text of a cell: words as they are, nothing for None, relative columns in per cent, other
+    numbers in displayed units. unit: base unit of the value.
+    """
+    if value is None or isinstance(value, str):
+        return value or ""
+    if column.startswith("estimate"):
+        return f"{value:.2%}"
+    if column in RELATIVE:
+        return f"{round(value, 4) + 0.0:+.2%}"  # -0 is 0
+    return f"{units.value(value, unit):.5g}"
 
 
 def everything(summary: Mapping[str, Any]) -> Iterator[Row]:

@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 import base64
-import io
 import platform
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
-from PIL import Image
 
 from railhead.planning.effects import in_words
 from railhead.postprocess.findings import Findings, Units
 from railhead.results import quantity_rows, result_folder
 from railhead.results.checks import SECOND
-from railhead.results.quantity_rows import Row
 from railhead.results.report import terminal
 from railhead.run.half_spaces.answer import Solved
 from railhead.scene import quantities
@@ -27,7 +24,6 @@ from railhead.scene.scene import unit as scene_unit
 from railhead.scene.sections import Section
 
 NAME = "report.html"
-LARGE = 300_000  # bytes
 CAPTIONS = {
     "patch": "Contact pressure over the patch, seen from above.",
     "friction": "Where the patch sticks and slips, and the tractions.",
@@ -39,7 +35,6 @@ CAPTIONS = {
     "stress_cut_along": "Stresses in a cut along the rail, through the largest pressure.",
     "depth": "Stresses below the contact.",
     "passes_section": "Plastic strain and residual stress across the rail after the last pass.",
-    "patch_on_rail": "The patch on the running surface, with its mesh.",
     "wheel_rail": "The bodies that were solved, cut open, and their mesh at the contact.",
     "shakedown": "Pressure and traction against the limits of repeated rolling.",
 }
@@ -116,6 +111,8 @@ def render(
     passes = (summary["result"] or {}).get("passes")
     drawn = [name for name in CAPTIONS if (folder / f"{name}.png").exists()]
     effects = summary["plan"]["effects"]
+    friction, steel = (quantity_rows.rows(summary, name) for name in ("friction", "steel"))
+    columns = quantity_rows.filled(friction)
     return template("report.html.j2").render(
         summary=summary,
         units=units,
@@ -126,7 +123,10 @@ def render(
         scene_rows=list(scene_rows(scene, units)),
         scene_toml=(folder / "scene.toml").read_text(encoding="utf-8"),
         answer=answer_rows(summary, units, found),
-        friction=_friction(summary, units),
+        friction={
+            "columns": columns,
+            "rows": quantity_rows.texts([*friction, *steel], columns, units),
+        },
         files=[path.name for path in scene.files],
         left_out={name: each for name, each in effects.items() if not each["on"]},
         check_rows=_checks(summary["checks"]),
@@ -154,40 +154,15 @@ def answer_rows(summary: Mapping[str, Any], units: Units, found: Findings | None
     table = quantity_rows.rows(summary, "contact")
     columns = [name for name in quantity_rows.filled(table) if name in headings]
     rows = []
-    for quantity, row in zip(
-        quantities.rows("contact"), _texts(table, columns, units), strict=True
+    for quantity, (label, unit, texts) in zip(
+        quantities.rows("contact"), quantity_rows.texts(table, columns, units), strict=True
     ):
-        label, unit, texts = row
         cells = [
             f"\u00b1 {text}" if name == "estimate" and "%" in text else names.get(text, text)
             for name, text in zip(columns, texts, strict=True)
         ]
-        rows.append((label, unit, ".".join(quantity.path), cells))
+        rows.append((label.strip(), unit, ".".join(quantity.path), cells))
     return {"columns": [headings[name] for name in columns], "rows": rows}
-
-
-def _friction(summary: Mapping[str, Any], units: Units) -> dict[str, Any]:
-    """Table of friction: {"columns": names, "rows": [(label, unit, cells as text)]}, rows of the
-    steel included; no rows without friction.
-    """
-    table = quantity_rows.rows(summary, "friction")
-    columns = quantity_rows.filled(table)
-    every = [*table, *quantity_rows.rows(summary, "steel")]
-    return {"columns": columns, "rows": _texts(every, columns, units)}
-
-
-def _texts(
-    rows: Sequence[Row], columns: Iterable[str], units: Units
-) -> list[tuple[str, str, list[str]]]:
-    """Label, displayed unit and cells as text of each row of a table, for the named columns."""
-    return [
-        (
-            str(row["quantity"]).strip(),
-            units.unit(str(row["unit"])),
-            [terminal.cell(name, row.get(name), str(row["unit"]), units) for name in columns],
-        )
-        for row in rows
-    ]
 
 
 def scene_rows(scene: Scene, units: Units) -> Iterator[tuple[str, str]]:
@@ -243,17 +218,8 @@ def versions() -> dict[str, str]:
 
 
 def picture(png: bytes) -> str:
-    """Base64 text of a PNG picture; a large one is reduced to 256 colours."""
-    if len(png) < LARGE:
-        return _encoded(png)
-    small = io.BytesIO()
-    Image.open(io.BytesIO(png)).convert("RGB").quantize(256).save(small, format="png")
-    return _encoded(small.getvalue())
-
-
-def _encoded(data: bytes) -> str:
-    """Base64 text of bytes."""
-    return base64.b64encode(data).decode()
+    """Base64 text of a PNG picture."""
+    return base64.b64encode(png).decode()
 
 
 def template(name: str) -> Any:

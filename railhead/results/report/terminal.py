@@ -18,7 +18,7 @@ from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.findings import BASE_UNITS, Units, brief
 from railhead.postprocess.pass_rows import PASS_COLUMNS, PASS_ERRORS
 from railhead.results import quantity_rows
-from railhead.results.quantity_rows import Cell, Row
+from railhead.results.quantity_rows import Row
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -81,7 +81,7 @@ class Drawn(Printed):
         """Draw one picture; returns its matplotlib figure.
 
         picture: name of its PNG file without .png, e.g. "pressure" or "stress_cut" of a result,
-            "sweep" or "patches" of a sweep (none of three or more keys), "profiles", "positions",
+            "sweep" or "patches" of a sweep (none of three or more keys), "profiles",
             "rolling_radius" or "conicity" of what `locate` returns, and "profile" of what `profile`
             returns.
         ValueError: there is no such picture (the message names those that are), nothing touches,
@@ -271,7 +271,10 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
             if rows := quantity_rows.rows(summary, "steel"):
                 _show_rows("what pressure and tractions do to the steel", rows, console, units)
         if passes := summary["result"].get("passes"):
-            _show_passes(summary["result"], passes, console, units)
+            header, *cells = passes_table(passes, units)
+            console.print(_table(passes_title(summary["result"]), header, cells))
+            words = f"Passes: {summary['result']['passes_words']}."
+            console.print(words, markup=False, highlight=False)
         missing = summary["checks"]["not_made"]
         for reason in dict.fromkeys(missing.values()):
             names = ", ".join(name for name in missing if missing[name] == reason)
@@ -376,31 +379,6 @@ def _show_plastic(plastic: Mapping[str, Any], console: Console, units: Units) ->
         console.print(line, markup=False, highlight=False)
 
 
-def _show_passes(
-    result: Mapping[str, Any],
-    passes: Sequence[Mapping[str, Any]],
-    console: Console,
-    units: Units,
-) -> None:
-    """Print a table of the passes and their verdict. result: "result" of summary.json; passes: its
-    entry of that name.
-    """
-    table = Table(
-        title=passes_title(result),
-        title_justify="left",
-        box=box.SIMPLE_HEAD,
-        padding=0,
-        show_edge=False,
-    )
-    header, *rows = passes_table(passes, units)
-    for name in header:
-        table.add_column(name, justify="right")
-    for row in rows:
-        table.add_row(*row)
-    console.print(table)
-    console.print(f"Passes: {result['passes_words']}.", markup=False, highlight=False)
-
-
 def passes_title(result: Mapping[str, Any]) -> str:
     """Title of the table of passes, with the estimates after the last one. result: "result" of
     summary.json.
@@ -449,31 +427,40 @@ def _show_rows(title: str, rows: Sequence[Row], console: Console, units: Units) 
     are left out.
     """
     width = min(console.width, WIDEST)
-    left, shown = quantity_rows.filled(rows), 0
+    left, above = quantity_rows.filled(rows), title
+
+    def table(names: Sequence[str]) -> Table:
+        """The rows that have a value in one of these columns."""
+        filled = [row for row in rows if any(row[name] is not None for name in names)]
+        cells = quantity_rows.texts(filled, names, units)
+        lines = [[label, unit, *numbers] for label, unit, numbers in cells]
+        return _table(above, [*quantity_rows.FIRST, *names], lines, len(quantity_rows.FIRST))
+
     while left:
         count = len(left)
-        while count > 1 and _wide(_table(title, rows, left[:count], units), console) > width:
+        while count > 1 and _wide(table(left[:count]), console) > width:
             count -= 1
-        if shown:
+        if not above:
             console.print()
-        filled = [row for row in rows if any(row[name] is not None for name in left[:count])]
-        console.print(_table("" if shown else title, filled, left[:count], units))
-        left, shown = left[count:], shown + count
+        console.print(table(left[:count]))
+        left, above = left[count:], ""
 
 
-def _table(title: str, rows: Sequence[Row], names: Sequence[str], units: Units) -> Table:
-    """Table of rows with the columns quantity, unit and `names`."""
+def _table(
+    title: str, header: Sequence[str], rows: Sequence[Sequence[str]], words: int = 0
+) -> Table:
+    """Table of rows of text: `words` columns of words on the left, the others of numbers. Beside
+    words numbers are never broken into lines, nor their headers.
+    """
     table = Table(
         title=title or None, title_justify="left", box=box.SIMPLE_HEAD, padding=0, show_edge=False
     )
-    for name in quantity_rows.FIRST:
+    for name in header[:words]:
         table.add_column(name)
-    for name in names:
-        table.add_column(name, justify="right", no_wrap=True)
+    for name in header[words:]:
+        table.add_column(name, justify="right", no_wrap=words > 0)
     for row in rows:
-        unit = str(row["unit"])
-        numbers = (cell(name, row[name], unit, units) for name in names)
-        table.add_row(str(row["quantity"]), units.unit(unit), *numbers)
+        table.add_row(*row)
     return table
 
 
@@ -513,14 +500,3 @@ def show_failure(summary: dict[str, Any], console: Console) -> None:
 def rounded(value: float, digits: int = 3) -> float:
     """A number rounded to some decimal digits; a negative one that rounds to zero is 0, not -0."""
     return round(value, digits) + 0.0
-
-
-def cell(name: str, value: Cell, unit: str, units: Units) -> str:
-    """Text of a cell of column `name`: words as they are, nothing for None, relative columns in per
-    cent, other numbers in displayed units. unit: base unit of the value.
-    """
-    if value is None or isinstance(value, str):
-        return value or ""
-    if name in quantity_rows.RELATIVE:
-        return f"{value:.2%}" if name.startswith("estimate") else f"{rounded(value, 4):+.2%}"
-    return f"{units.value(value, unit):.5g}"

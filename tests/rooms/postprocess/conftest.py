@@ -10,15 +10,8 @@ from mpi4py import MPI
 from painted import LAME, POISSON, YOUNG
 
 from railhead.postprocess import symmetry, vtu
-from railhead.postprocess.findings import (
-    Array,
-    AxisPressure,
-    DepthAxis,
-    Findings,
-    Frame,
-    Patch,
-    Surface,
-)
+from railhead.postprocess.findings import Array, Findings, Frame, Surface
+from railhead.postprocess.patch import half_space
 from railhead.solver import compat
 from railhead.solver.system.fields import ContactFields, Fields
 from railhead.theory.elastic.halfspace import hertz_displacement
@@ -121,34 +114,6 @@ def _findings(ellipse: Ellipse, cut: bool, size: Array) -> Findings:
         gap=np.zeros(len(points)),
         displacement=0 * points,
     )
-    a, b = ellipse.a, ellipse.b
-    outline = [ellipse.outline]
-    patch = Patch(
-        a=a,
-        b=b,
-        centre=(0.0, 0.0),
-        area=ellipse.area,
-        max_pressure=ellipse.p0,
-        mean_pressure=ellipse.p_mean,
-        outlines=outline,
-    )
-    depth = np.linspace(0, 3 * min(a, b), 61)
-    normal = ellipse.axis_stress(POISSON, depth)
-    below = np.hstack((normal, np.zeros_like(normal)))
-    x, s = a * np.linspace(-1.25, 1.25, 61), b * np.linspace(-1.25, 1.25, 61)
-    centre = 0.0, 0.0, 0.0
-    depths = {
-        body: DepthAxis(body, depth, below, (centre, (0.0, 0.0, into)))
-        for body, into in (("rail", -1.0), ("wheel", 1.0))
-    }
-    return Findings(
-        frame=Frame((0.0, 0.0, 0.0), 0.0),
-        patch=patch,
-        surface=surface,
-        depth=depths,
-        along=AxisPressure(x, ellipse.pressure(x, 0)),
-        across=AxisPressure(s, ellipse.pressure(0, s)),
-        shape_error=0.0,
-        hertzian=True,
-        largest={body: axis.largest for body, axis in depths.items()},
-    )
+    frame = Frame((0.0, 0.0, 0.0), 0.0)
+    exact = half_space.of_hertz(ellipse, frame, {"rail": POISSON, "wheel": POISSON}, section=False)
+    return replace(exact, surface=surface)

@@ -84,12 +84,6 @@ def test_images_hold_the_exact_fields(blocks, degree: int) -> None:
         assert pulled == pytest.approx(value * along, abs=1e-9 * p0)
 
 
-def test_what_is_whole_stays_as_it_is(blocks) -> None:
-    case = blocks("hexahedron", 1, cut=False)
-    grid = vtu.volume_grid(case.fields, case.stress)
-    assert symmetry.grid(grid, case.fields.mirrors) is grid
-
-
 def test_a_surface_moves_as_its_image_does() -> None:
     """A quarter of a dome under displacements u = (x, 2 y, 3): four quarters of the same field."""
     x = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])

@@ -11,14 +11,12 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from railhead.postprocess import vtu
 from railhead.postprocess.findings import AxisPressure, OnePatch, Subject, Units
 from railhead.postprocess.pictures import (
     diagrams,
     friction_plots,
     plastic_plots,
     render,
-    stress_cuts,
     sweep_plots,
 )
 from railhead.postprocess.pictures.plastic_plots import Yielded
@@ -84,12 +82,10 @@ def test_all_patches_are_in_every_picture(blocks, sheets: list[Figure], tmp_path
     case = blocks(cut=False)
     found = two_patches(case)
     volume = case.volume
-    grid = vtu.contact_grid({1: found.surface})
     render.wheel_rail(volume, found, tmp_path / "w.png")
-    render.patch_on_rail(grid, found, None, tmp_path / "o.png")
-    stress_cuts.of_solid(volume, 1, found, tmp_path / "s.png")
+    render.stresses_of_solid(volume, 1, found, tmp_path / "s.png")
     diagrams.patch(found, None, tmp_path / "p.png")
-    places = (1, 0, 0, 0)  # of the panel
+    places = (1, 0, 0)  # of the panel
     for figure, place in zip(sheets, places, strict=True):
         axes = figure.axes[place]
         lines = [line for line in axes.lines if len(line.get_xydata()) > 1]
@@ -105,7 +101,7 @@ def test_a_cut_along_the_rail_says_where_it_is(blocks, sheets: list[Figure], tmp
     case = blocks(cut=False)
     found = two_patches(case)
     found = replace(found, along=replace(found.along, at=0.5))
-    stress_cuts.of_solid(case.volume, 0, found, tmp_path / "s.png")
+    render.stresses_of_solid(case.volume, 0, found, tmp_path / "s.png")
     (figure,) = sheets
     assert figure.axes[0].get_xlabel() == found.subject.label(0)
     edges = [line for line in figure.axes[0].lines if line.get_gid() == "contact patch"]
@@ -130,7 +126,7 @@ def test_long_labels_do_not_leave_the_sheet(blocks, sheets: list[Figure], tmp_pa
     }
     names = {"rail": "lower cylinder", "wheel": "upper cylinder"}
     found = replace(case.findings, largest=largest, subject=Subject(TITLE, names))
-    stress_cuts.of_solid(case.volume, 1, found, tmp_path / "s.png")
+    render.stresses_of_solid(case.volume, 1, found, tmp_path / "s.png")
     diagrams.depth(found, case.ellipse, 0.3, tmp_path / "d.png")
     for figure in sheets:
         assert not cut_off(figure)
@@ -242,7 +238,7 @@ def test_no_yield_is_said_and_coloured_as_none(blocks) -> None:
     yielded = shown(case, points=points, body=body, strain=zero, residual=zero, window=window)
     with diagrams.new_figure(None, 5, 5) as figure:
         axes = figure.add_subplot()
-        plastic_plots._cut(figure, axes, two_patches(case), yielded, zero, "strain")
+        plastic_plots._cut(axes, two_patches(case), yielded, zero, "strain")
         assert axes.collections[0].get_clim()[0] == 0.0
         assert axes.get_title() == "none here"
         assert [each.get_text() for each in axes.texts] == ["rail", "wheel"]

@@ -49,7 +49,7 @@ def result(tmp_path_factory) -> Path:
 
 def test_result_folder_is_complete(result) -> None:
     assert files(result) == sorted(
-        [".railhead", "contact.vtu", "depth.png", "patch.png", "patch_on_rail.png", "pictures.npz"]
+        [".railhead", "contact.vtu", "depth.png", "patch.png", "pictures.npz"]
         + [
             "pressure.png",
             "report.html",

@@ -242,7 +242,7 @@ def test_command_prints_json_and_writes_pictures(tmp_path, capsys) -> None:
     assert printed["scene"]["wheelset"]["yaw"] == pytest.approx(2e-3)
     assert printed["rolling_radius_difference_mm"] == pytest.approx(0.958, abs=0.01)
     pictures = {path.name for path in folder.glob("*.png")}
-    assert pictures == {"profiles.png", "positions.png", "rolling_radius.png", "conicity.png"}
+    assert pictures == {"profiles.png", "rolling_radius.png", "conicity.png"}
 
 
 def test_tables_and_pictures_are_in_the_readers_units(tmp_path, capsys) -> None:

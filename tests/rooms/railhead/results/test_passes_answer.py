@@ -48,15 +48,12 @@ def test_summary_has_a_row_for_each_pass(result):
     after = found["passes_after"]
     assert len(after["depth_mm"]) == len(after["strain"]) == len(after["residual_along_MPa"])
     assert max(after["strain"]) == pytest.approx(second["strain_max"])
-    assert "plastic" not in found
+    assert "plastic" not in found and after["estimate"] == {}
+    assert not any("pass" in key for key in result.summary["accuracy"]["bound"])
+    assert "Passes: undecided" in terminal.recorded(result.show).export_text()
     checks = result.summary["checks"]
     assert checks["effects_left_out"] == checks["passes_converged"] == checks["passes_rim"] == 0
     assert result.summary["effects_after"]["plasticity"]["why"] == "simulated in the passes"
-
-
-def test_passes_carry_no_estimate_without_an_accuracy(result):
-    assert not any("pass" in key for key in result.summary["accuracy"]["bound"])
-    assert result.summary["result"]["passes_after"]["estimate"] == {}
 
 
 def test_the_files_hold_the_passes(result, tmp_path, monkeypatch):
@@ -168,11 +165,6 @@ def test_passes_of_two_results_are_compared(result):
     groove = rows["passes: groove of the last"]
     assert groove["A"] == last["groove_mm"] and groove["B - A"] == 1.0 and groove["unit"] == "mm"
     assert (groove["estimate A"], groove["estimate B"]) == (None, 0.07)
-
-
-def test_the_table_shows_passes_and_verdict(result):
-    text = terminal.recorded(result.show).export_text()
-    assert "along, MPa" in text and "Passes: undecided" in text
 
 
 def test_half_spaces_in_the_place_of_bodies_have_the_same_passes(result):

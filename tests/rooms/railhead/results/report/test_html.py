@@ -1,16 +1,12 @@
 """report.html: one file, complete, with the numbers of summary.json, that a browser can draw."""
 
-import base64
-import io
 import json
 import re
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 from one_line import refusal
-from PIL import Image
 
 from railhead import api
 from railhead.planning.effects import in_words
@@ -163,16 +159,6 @@ def test_estimates_are_give_or_take(result) -> None:
     assert cells["pressure.max_MPa"] == "\u00b1 1.23%"
     others = {text for key, text in cells.items() if key != "pressure.max_MPa"}
     assert others == {"", "no law"}
-
-
-def test_large_pictures_keep_their_colours() -> None:
-    noise = np.random.default_rng(0).integers(0, 256, (400, 400, 3), dtype=np.uint8)
-    written = io.BytesIO()
-    Image.fromarray(noise).save(written, format="png")
-    assert len(written.getvalue()) > html.LARGE
-    small = base64.b64decode(html.picture(written.getvalue()))
-    assert len(small) < len(written.getvalue()) / 2
-    assert len(np.unique(np.asarray(Image.open(io.BytesIO(small))))) > 200
 
 
 @pytest.mark.parametrize(

@@ -167,7 +167,7 @@ def test_zero_is_printed_as_0() -> None:
     summary = {"result": {"friction": forces}, "accuracy": {"bound": {}}}
     rows = {row["quantity"]: row["FE"] for row in quantity_rows.rows(summary, "friction")}
     assert [f"{value:g}" for value in rows.values()] == ["0", "0", "0"]
-    assert terminal.cell("FE - Hertz", -1e-7, "", Units()) == "+0.00%"
+    assert quantity_rows.text("FE - Hertz", -1e-7, "", Units()) == "+0.00%"
     assert f"{terminal.rounded(-1e-9):.3f}" == "0.000" and brief(-0.0) == "0"
 
 
