@@ -4,8 +4,10 @@ import csv
 import io
 from concurrent.futures import Future
 from contextlib import contextmanager
+from pathlib import Path
 
 import command
+import pytest
 
 from railhead.sweeps import worker_pool
 
@@ -49,3 +51,11 @@ def rows(folder) -> list[dict[str, str]]:
     raw = (folder / "sweep.csv").read_bytes()
     assert raw.startswith(b"\xef\xbb\xbf") and raw.count(b"\r\n") == raw.count(b"\n")
     return list(csv.DictReader(io.StringIO(raw.decode("utf-8-sig"))))
+
+
+def solved_sweep(folder: Path, *arguments: str) -> Path:
+    """The folder of a sweep that passes, solved without processes."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(worker_pool, "submitting", one_after_the_other)
+        assert sweep(*arguments, "--out", str(folder)) == 0
+    return folder

@@ -265,24 +265,6 @@ def test_tables_and_pictures_are_in_the_readers_units(tmp_path, capsys) -> None:
                 assert np.array_equal(one.get_xydata(), other.get_xydata(), equal_nan=True)
 
 
-def test_positions_are_a_table_and_without_pictures_the_same(tmp_path, capsys, monkeypatch) -> None:
-    """--no-pictures leaves out pictures alone."""
-    monkeypatch.setattr(geometry, "SHIFTS", np.array([-8.0, -3.0, 0.0, 3.0, 8.0]))
-    assert command.status("locate", "s1002_60e1", "--quiet", *quickly(tmp_path)) == 0
-    assert capsys.readouterr().out == ""
-    assert {path.name for path in (tmp_path / "out").iterdir()} == {
-        ".railhead", "conicity.csv", "positions.csv", "scene.toml", "summary.json",
-    }  # fmt: skip
-    at = {float(row["shift [mm]"]): row for row in rows(tmp_path / "out" / "positions.csv")}
-    here, found = at[3.0], located("wheelset.shift=3 mm")
-    for side in ("left", "right"):
-        touch = found[side][0]
-        assert float(here[f"{side} rail y [mm]"]) == pytest.approx(touch["rail_y_mm"])
-        assert float(here[f"{side} rolling radius [mm]"]) == pytest.approx(touch["radius_mm"])
-        angle = math.degrees(touch["angle_rad"])
-        assert float(here[f"{side} contact angle [deg]"]) == pytest.approx(angle)
-
-
 def swept(tmp_path, capsys, *arguments: str) -> dict:
     """Summary of `railhead locate`, whose files are in tmp_path/out."""
     given = ("locate", "s1002_60e1", "--json", *quickly(tmp_path), *arguments)
@@ -291,15 +273,23 @@ def swept(tmp_path, capsys, *arguments: str) -> dict:
 
 
 def test_rows_over_shifts_are_those_of_single_places(tmp_path, capsys) -> None:
-    """In any order that is typed; the wheelset is alike on both sides."""
+    """In any order that is typed, printed and in a table; the wheelset is alike on both sides.
+    --no-pictures leaves out pictures alone.
+    """
     found = swept(tmp_path, capsys, "--over", "wheelset.shift=3,-3,0.5,7")
     assert [row["shift_mm"] for row in found["rows"]] == [-3.0, 0.5, 3.0, 7.0]
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {
+        ".railhead", "conicity.csv", "positions.csv", "scene.toml", "summary.json",
+    }  # fmt: skip
     mirrored, _, row, _ = found["rows"]
-    single = located("wheelset.shift=3 mm")
-    right, left = single["right"][0], single["left"][0]
-    assert row["radius_right_mm"] == pytest.approx(right["radius_mm"], abs=1e-9)
-    assert row["radius_left_mm"] == pytest.approx(left["radius_mm"], abs=1e-9)
-    assert row["angle_right_deg"] == pytest.approx(math.degrees(right["angle_rad"]), abs=1e-8)
+    cells, single = rows(tmp_path / "out" / "positions.csv")[2], located("wheelset.shift=3 mm")
+    for side in ("right", "left"):
+        touch = single[side][0]
+        assert row[f"radius_{side}_mm"] == pytest.approx(touch["radius_mm"], abs=1e-9)
+        angle = math.degrees(touch["angle_rad"])
+        assert row[f"angle_{side}_deg"] == pytest.approx(angle, abs=1e-8)
+        assert float(cells[f"{side} rail y [mm]"]) == pytest.approx(touch["rail_y_mm"])
+        assert float(cells[f"{side} rolling radius [mm]"]) == row[f"radius_{side}_mm"]
     assert row["roll_mrad"] == pytest.approx(1e3 * single["roll_rad"], abs=1e-9)
     assert mirrored["radius_left_mm"] == row["radius_right_mm"]
     assert mirrored["roll_mrad"] == -row["roll_mrad"]

@@ -4,19 +4,13 @@ import shutil
 from pathlib import Path
 
 import pytest
-from sweep_command import ROLLER, SIX, one_after_the_other, sweep
-
-from railhead.sweeps import worker_pool
+from sweep_command import ROLLER, SIX, solved_sweep
 
 
 @pytest.fixture(scope="session")
 def swept(tmp_path_factory) -> Path:
     """Six combinations, two meshes, with pictures."""
-    folder = tmp_path_factory.mktemp("sweep") / "out"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(worker_pool, "submitting", one_after_the_other)
-        assert sweep(*ROLLER, *SIX, "--out", str(folder)) == 0
-    return folder
+    return solved_sweep(tmp_path_factory.mktemp("sweep") / "out", *ROLLER, *SIX)
 
 
 @pytest.fixture

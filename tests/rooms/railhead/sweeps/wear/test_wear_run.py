@@ -54,7 +54,6 @@ def worn(tmp_path_factory: pytest.TempPathFactory) -> tuple[sweep.WearResult, Pa
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(wear_run, "RUNS", COARSE)
         found = sweep.wear(crown(depth_limit=0.02), folder)
-    assert found is not None
     return found, folder
 
 
@@ -81,7 +80,7 @@ def test_own_steps_give_pressure_and_depth_of_the_prototype_within_their_errors(
 
 def test_fewer_steps_are_the_same_within_their_errors(worn, tmp_path):
     found = sweep.wear(crown(step=3), tmp_path / "three")
-    assert found is not None and found.summary["steps"] == 3
+    assert found.summary["steps"] == 3
     bound, value = (
         each["pressure_max_MPa"]["last"]
         for each in (found.summary["accuracy"]["bound"], found.summary)
@@ -119,14 +118,14 @@ def test_one_step_for_all_the_wear_fails_a_check(worn, tmp_path):
     """It gives 1341 MPa, more than unworn, where many steps give 599."""
     assert "steps" not in worn[0].summary["checks"]["failed"]
     found = sweep.wear(crown(step=1, axles=10 * AXLES, accuracy=0.2), tmp_path / "one")
-    assert found is not None and "steps" in found.summary["checks"]["failed"]
+    assert "steps" in found.summary["checks"]["failed"]
 
 
 def test_another_limit_goes_on_from_the_records(worn, tmp_path):
     folder = tmp_path / "again"
     shutil.copytree(worn[1], folder)
     found = sweep.wear(crown(depth_limit=0.03), folder)
-    assert found is not None and found.summary["limits_reached"]["depth_limit"]["limit"] == 0.03
+    assert found.summary["limits_reached"]["depth_limit"]["limit"] == 0.03
     assert np.array_equal(found.rows[-1]["depth_rail_mm"], worn[0].rows[-1]["depth_rail_mm"])
 
 
@@ -219,7 +218,6 @@ def test_a_run_goes_on_after_its_last_record(worn, tmp_path, monkeypatch):
     done = len(list((folder / "records").glob("*.json")))
     assert done >= 2
     again = sweep.wear(crown(depth_limit=0.02), folder)
-    assert again is not None
     for one, other in zip(again.runs["main"].stages, found.runs["main"].stages, strict=True):
         assert one.done == other.done and np.array_equal(one.depth, other.depth)
     assert again.summary["pressure_max_MPa"] == found.summary["pressure_max_MPa"]
@@ -230,11 +228,10 @@ def test_a_run_goes_on_after_its_last_record(worn, tmp_path, monkeypatch):
 def test_two_runs_are_one(worn, tmp_path):
     found, _ = worn
     first = sweep.wear(crown(axles=AXLES / 2, step=3), tmp_path / "first")
-    assert first is not None
     profile = {"profile": str(tmp_path / "first" / "rail_profile.csv"), "profile_mirror": "off"}
     then = crown(axles=AXLES / 2, step=3).model_copy(update={"rail": Rail(**profile)})
     second = sweep.wear(then, tmp_path / "second")
-    assert second is not None and second.passed
+    assert second.passed
     total = sum(each.summary["depth_max_mm"]["rail"] for each in (first, second))
     assert total == pytest.approx(found.summary["depth_max_mm"]["rail"], rel=5e-3)
     last = second.summary["pressure_max_MPa"]["last"]
@@ -245,7 +242,7 @@ def test_rail_and_wheel_share_the_wear(worn, tmp_path):
     found, _ = worn
     amounts = {"axles": AXLES / 2, "distance": AXLES / 2 * 2 * math.pi * 460}
     both = sweep.wear(crown(on="both", step=5, accuracy=0.03, **amounts), tmp_path / "both")
-    assert both is not None and both.passed
+    assert both.passed
     depth = both.summary["depth_max_mm"]
     assert depth["rail"] == pytest.approx(depth["wheel"], rel=1e-3)
     assert depth["rail"] == pytest.approx(found.summary["depth_max_mm"]["rail"] / 2, rel=0.01)
@@ -276,7 +273,7 @@ def test_positions_that_are_alike_wear_as_one(tmp_path):
 def test_finite_elements_stand_beside_the_half_spaces(tmp_path):
     scene = crown(axles=AXLES / 2, step=2).replace(**{"effects.finite_bodies": "auto"})
     found = sweep.wear(scene, tmp_path / "out")
-    assert found is not None and found.beside is not None and not found.beside["checks"]
+    assert found.beside is not None and not found.beside["checks"]
     bodies, flat = (found.beside[name] for name in ("finite_elements", "half_spaces"))
     last = found.summary["pressure_max_MPa"]["last"]
     assert flat["pressure_max_MPa"] == pytest.approx(last, rel=0.015)  # its 48 cells
@@ -288,7 +285,7 @@ def test_wear_that_leaves_the_profile_fails_a_check(tmp_path):
     narrow = crown(axles=AXLES / 100, step=2)
     rail = narrow.rail.model_copy(update={"width": 8.0})
     found = sweep.wear(narrow.model_copy(update={"rail": rail}), tmp_path / "narrow")
-    assert found is not None and not found.passed
+    assert not found.passed
     assert "patch_on_profile" in found.summary["checks"]["failed"] or found.summary["reason"]
 
 
