@@ -29,8 +29,7 @@ if TYPE_CHECKING:
         Wheelset,
     )
     from railhead.sweeps.creep_tables import creep_table
-    from railhead.sweeps.parallel import sweep
-    from railhead.sweeps.sweep_table import Sweep
+    from railhead.sweeps.parallel import Sweep, sweep
     from railhead.sweeps.wear.wear import wear
 
 __version__ = "0.3.0"
@@ -66,8 +65,7 @@ _HOMES = dict.fromkeys(__all__, "railhead.scene.scene") | {
     **dict.fromkeys(("locate", "profile"), "railhead.cli.geometry"),
     "Result": "railhead.results.result",
     "creep_table": "railhead.sweeps.creep_tables",
-    "Sweep": "railhead.sweeps.sweep_table",
-    "sweep": "railhead.sweeps.parallel",
+    **dict.fromkeys(("Sweep", "sweep"), "railhead.sweeps.parallel"),
     "wear": "railhead.sweeps.wear.wear",
 }
 

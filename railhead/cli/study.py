@@ -6,7 +6,6 @@ installed package has no studies.
 
 from __future__ import annotations
 
-import difflib
 import sys
 from importlib import import_module
 from pathlib import Path
@@ -29,18 +28,6 @@ def modules() -> dict[str, tuple[str, str]]:
     return dict(import_module("studies").STUDIES)
 
 
-def canonical(name: str) -> str:
-    """Key in `modules` of the study that is written with - or _. Raises SceneError for an unknown
-    name.
-    """
-    known, wanted = sorted(modules()), name.replace("-", "_")
-    if wanted in known:
-        return wanted
-    close = difflib.get_close_matches(wanted, known, n=1)
-    hint = f"did you mean {close[0]}? " if close else ""
-    raise SceneError("study", f"{name!r} is unknown; {hint}give one of {', '.join(known)}")
-
-
 def run(name: str, folder: Path | None, *, quick: bool, install: bool = False) -> tuple[Path, str]:
     """Run a study; returns its folder and the text of its page.
 
@@ -51,9 +38,12 @@ def run(name: str, folder: Path | None, *, quick: bool, install: bool = False) -
     Raises SceneError for an unknown name, a folder that holds other files, several MPI ranks, or
     `install` where a study needs no programs.
     """
-    name = canonical(name)
+    name, known = name.replace("-", "_"), modules()
+    if name not in known:
+        text = f"{name!r} is unknown; give one of {', '.join(sorted(known))}"
+        raise SceneError("study", text)
     folder = folder if folder is not None else Path("results") / name
-    study = import_module(modules()[name][0])
+    study = import_module(known[name][0])
     if install and not hasattr(study, "install"):
         raise SceneError("--install", f"{name} needs no other programs; leave it out")
 

@@ -159,12 +159,11 @@ def read_rows(path: Path) -> list[dict[str, object]]:
         split = ";" if ";" in text.partition("\n")[0] else ","
         reader = csv.reader(io.StringIO(text), delimiter=split, strict=True)
         table = [(reader.line_num, [cell.strip() for cell in line]) for line in reader if line]
-    except csv.Error as error:
-        text = f"{str(path)!r} is no table: {error}; give a closing quote for each"
+    except (csv.Error, OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        advice = "give a .csv file in UTF-8, with a closing quote for each"
+        text = f"{str(path)!r} is no table: {reason}; {advice}"
         raise SceneError("--over-file", text) from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or "is no UTF-8 text"
-        raise SceneError("--over-file", f"{str(path)!r}: {reason}; give a .csv file") from None
     heads = [head.rstrip("]").partition(" [") for head in (table[0][1] if table else ())]
     if len(table) < 2 or len({key for key, _, _ in heads}) < len(heads):
         text = f"{str(path)!r} is no table; give a line of different keys and lines of values"

@@ -114,18 +114,17 @@ def run(
     anything is solved, OSError where nothing can be written.
     """
     meshed = any(scene.effects.finite_bodies != "off" for scene in sweep.grid.scenes)
-    with ExitStack() as claim:
+    with ExitStack() as stack:
+        progress = stack.enter_context(show_progress(quiet=quiet, tell=tell))
 
         def solve(submit: worker_pool.Submit) -> Sweep:
             """Plan all scenes, get the folder ready for their records, and solve them."""
-            with show_progress(quiet=quiet, tell=tell) as progress:
-                plans = runner.plan_all(sweep.grid, progress, partial(_plan, submit))
-            claim.enter_context(result_folder.claimed(sweep.folder))
+            plans = runner.plan_all(sweep.grid, progress, partial(_plan, submit))
+            stack.enter_context(result_folder.claimed(sweep.folder))
             store.begin(sweep.folder, sweep.request, other, LATER)
             copy_files(map(Path, sweep.files), sweep.folder)
             _check_records(sweep)
-            with Progress(quiet=quiet, tell=tell) as progress:
-                results = _solve_all(sweep, plans, submit, progress)
+            results = _solve_all(sweep, plans, submit, progress)
             return Sweep(sweep.folder, results, shared_y(plans))
 
         jobs = worker_pool.JOBS_PER_PROCESS if meshed else 0

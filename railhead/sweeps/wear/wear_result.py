@@ -165,17 +165,16 @@ class WearResult:
     @cached_property
     def _bounds(self) -> dict[str, Row]:
         """Relative errors of `NUMBERS`; None where a number is 0 or its error is not known."""
-        rows, found = self.rows, dict[str, Row]()
-        for name, group in NUMBERS.items():
-            pairs = {
-                key: (rows[at][column], rows[at][f"{column} estimate"])
-                for key, (at, column) in group.items()
-            }
-            found[name] = {
-                key: None if off is None or not value else off / value
-                for key, (value, off) in pairs.items()
-            }
-        return found
+
+        def bound(at: int, column: str) -> float | None:
+            """Relative error of a number in a row and a column."""
+            value, off = self.rows[at][column], self.rows[at][f"{column} estimate"]
+            return None if off is None or not value else off / value
+
+        return {
+            name: {key: bound(*place) for key, place in group.items()}
+            for name, group in NUMBERS.items()
+        }
 
     @cached_property
     def _largest(self) -> float:

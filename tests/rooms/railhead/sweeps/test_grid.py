@@ -121,7 +121,7 @@ def test_rows_of_a_file_are_combinations(tmp_path, capsys) -> None:
         ("load [mm]\n3\n", "load: '3mm' is not a force"),
         ("speed\n3\n", "speed: unknown key"),
         ("load\n1kN\n1000\n", "gives load=1000.0 twice"),
-        ('load\n"10\n20\n', "is no table: unexpected end of data; give a closing quote"),
+        ('load\n"10\n20\n', "is no table: unexpected end of data; give a .csv file in UTF-8"),
         ('load\n"10\n20"\n', r"load: '10\n20' is not a force"),
         (None, "No such file"),
     ],
