@@ -54,7 +54,7 @@ def test_factor_ten_rival_and_orders_are_read_from_the_runs() -> None:
         run("penalty", "hexahedron 1", 8, 20.0, 2e-2),
     ]
     text = accuracy_cost.page(rows, 1000)
-    assert "costs a factor 3.0 in time" in text
+    assert "takes 3.0 times as long" in text
     assert "none as quick" in text and "| 50.0 " in text
     assert accuracy_cost.orders(rows)["made_up", "nitsche", "tetrahedron 2"] == pytest.approx(
         3.32, abs=0.01
