@@ -31,7 +31,7 @@ from railhead.theory.elastic import indentation
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.friction import partial_slip
 from studies.hard.case import CaseErrors, Deviation
-from studies.hard.fuzz_scenes import Seeded, plans, runnable, scene
+from studies.hard.fuzz_scenes import Source, plans, runnable, scene
 
 Summary = Mapping[str, Any]
 PATCH = ("max_MPa", "area_mm2", "tau_max_MPa")
@@ -319,7 +319,7 @@ def random_plans(count: int) -> CaseErrors:
     refused = broken = 0
     for seed in range(count):
         try:
-            refused += plans(scene(Seeded(seed))) is None
+            refused += plans(scene(Source(seed))) is None
         except ValueError:
             broken += 1
     remark = f"{refused} of {count} refused in one line"
