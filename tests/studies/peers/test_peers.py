@@ -10,7 +10,7 @@ from one_line import refusal
 from railhead.results import result_folder
 from railhead.theory.elastic import hertz
 from studies import processes
-from studies.peers import block_meshes, codes, peers_page, peers_study
+from studies.peers import block_meshes, peers_page, peers_study
 
 CASE = {
     "load": 25e3,
@@ -129,15 +129,6 @@ def test_a_command_that_fails_says_why_and_has_no_cost(command, said: str, tmp_p
     assert said in refusal(
         lambda: processes.run(command, tmp_path, limit=2.0), processes.FailedError
     )
-
-
-def test_each_code_is_whole_and_needs_one_kind_of_package() -> None:
-    known = codes.peers()
-    assert len({each.TITLE for each in known}) == len(known) == 4
-    for each in known:
-        assert bool(each.PIP) != bool(each.DEBIAN)
-        assert each.METHOD in ("finite elements", "boundary elements")
-        assert each.SETTINGS and each.RUNS and callable(each.solve)
 
 
 def test_the_page_has_medians_reasons_and_what_failed() -> None:
