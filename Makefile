@@ -48,7 +48,7 @@ site: .venv-site/installed
 	    'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["site"])')
 	touch $@
 
-# docs/peers.md: installs other codes (2.6 GB, in results/peers/venv and from Debian), so `docs` has it not.
+# docs/peers.md: installs other codes (in results/peers/venv and from Debian), so `docs` has it not.
 peers: setup
 	.venv/bin/railhead study peers --install
 	cp results/peers/page.md docs/peers.md

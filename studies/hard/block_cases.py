@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from railhead.geometry.surfaces import ParabolicGap
@@ -157,12 +158,21 @@ def transformed(how: str) -> CaseErrors:
         direction=tuple(matrix @ np.array(other.direction)),
         planes=tuple((tag, tuple(matrix @ np.array(normal))) for tag, normal in other.planes),
     )
-    points = good.model.interface.points[:, :2]
-    inside = np.linalg.norm(points, axis=1) < 3.0
-    found = solve(moved, other, lambda _: inside, LOAD * stress * length**2)
+
+    def back(model: ContactModel) -> Array:
+        """Contact points in the frame and the units of the good solution."""
+        return np.asarray(model.interface.points @ matrix / length)
+
+    found = solve(
+        moved,
+        other,
+        lambda model: np.linalg.norm(back(model)[:, :2], axis=1) < 3.0,
+        LOAD * stress * length**2,
+    )
+    same = cKDTree(back(found.model)).query(good.model.interface.points)[1]
     solution = replace(
         found.solution,
-        pressure=np.asarray(found.solution.pressure / stress),
+        pressure=np.asarray(found.solution.pressure[same] / stress),
         approach=found.solution.approach / length,
     )
     deviation = differ(solution, good.solution, good.solution.approach)

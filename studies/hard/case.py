@@ -8,8 +8,6 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-KRYLOV = 27  # iterations a step: a good preconditioner halves the residual, and 2^-27 < 1e-8
-
 
 @dataclass(frozen=True)
 class Deviation:

@@ -23,7 +23,7 @@ from railhead.scene.catalogue import read_scene
 from railhead.scene.scene import SceneError
 from studies import tables
 from studies.hard.case import Deviation
-from studies.hard.fuzz_scenes import FINE, Seeded, plans, wild, write
+from studies.hard.fuzz_scenes import FINE, Source, plans, wild, write
 from studies.hard.references import PATCH, against_boundary_elements, deviations
 from studies.processes import attempts
 
@@ -50,7 +50,7 @@ def valid(seed: int) -> str:
     """Text of a scene file that the plan accepts and whose mesh is cheap: two thirds (FINE) of the
     usual elements per semi-axis, in one of five scenes 0.05 to 1.5 times as many."""
     for attempt in itertools.count():
-        source = Seeded(1_000_000 * attempt + seed)
+        source = Source(1_000_000 * attempt + seed)
         try:
             given = wild(source)
         except SceneError:
@@ -69,7 +69,7 @@ def fuzz(seed: int, broken: bool) -> Fuzzed:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "scene.toml"
         if broken:
-            kind = write(Seeded(seed), file)
+            kind = write(Source(seed), file)
             return _judged(seed, kind, file, _affordable(file))
         file.write_text(valid(seed), encoding="utf-8")
         return _judged(seed, "valid", file, [])

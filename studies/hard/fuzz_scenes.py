@@ -5,7 +5,7 @@ import itertools
 import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import tomli_w
@@ -17,28 +17,18 @@ FINE = 2 / 3  # of the default resolution: the cheapest that the checks let pass
 MOST = 40_000  # predicted unknowns
 
 
-class Source(Protocol):
-    """Source of the random choices of which a scene is made."""
-
-    def number(self, low: float, high: float) -> float:
-        """A number from low to high."""
-        ...
-
-    def choice(self, options: Sequence[Any]) -> Any:
-        """One of the options."""
-        ...
-
-
-class Seeded:
-    """A source that repeats itself for the same seed."""
+class Source:
+    """Random choices of which a scene is made, the same for the same seed."""
 
     def __init__(self, seed: int) -> None:
         self._generator = np.random.default_rng(seed)
 
     def number(self, low: float, high: float) -> float:
+        """A number from low to high."""
         return float(self._generator.uniform(low, high))
 
     def choice(self, options: Sequence[Any]) -> Any:
+        """One of the options."""
         return options[int(self._generator.integers(len(options)))]
 
 
@@ -143,7 +133,7 @@ def runnable(seed: int, fits: Callable[[Scene], bool], most: int = MOST) -> Scen
     """The first scene from a seed on that fits and that the plan accepts with at most so many
     predicted unknowns at FINE of the default resolution, which it is given."""
     for drawn in itertools.count(seed):
-        given = scene(Seeded(drawn))
+        given = scene(Source(drawn))
         made = plans(given) if fits(given) else None
         if made is None:
             continue

@@ -78,7 +78,7 @@ def one(
         reference=fields.get("reference", REFERENCES.get(against, "invariance")),
         solve=partial(references.METHODS.get(against) or getattr(block_cases, against), **options),
         quick=name in quick if isinstance(quick, list) else quick,
-        refusable=fields.get("refusable", bool(options.get("noise"))),
+        refusable=fields.get("refusable", False),
         **{key: fields[key] for key in given if key in fields},
     )
 

@@ -5,24 +5,14 @@ by what the reference itself does not know.
 """
 
 import functools
-import hashlib
-import json
 import math
-import os
-import subprocess
-import sys
-import tempfile
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
-import numpy as np
 from mpi4py import MPI
 
-from railhead.cli import launch
 from railhead.contact.solid import Contact
-from railhead.geometry import profiles
 from railhead.meshing.mesh import MeshError
 from railhead.planning import simulation_plan as planning
 from railhead.planning.references import boundary_elements
@@ -42,16 +32,14 @@ from railhead.theory.elastic import indentation
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.friction import partial_slip
 from studies.hard.case import CaseErrors, Deviation
-from studies.hard.fuzz_scenes import Seeded, plans, runnable, scene
+from studies.hard.fuzz_scenes import Source, plans, runnable, scene
 
 Summary = Mapping[str, Any]
 PATCH = ("max_MPa", "area_mm2", "tau_max_MPa")
 HALF_SPACE = (*PATCH, "approach_mm")
 LIMIT = 0.01  # of a quantity without an estimate
 SINGLE, SEVERAL = 0.015, 0.03  # of the largest pressure, by number of patches
-SAME = 1e-6  # what solutions to 1e-8 of the force may differ by
 FORCES = ("force_along_N", "force_across_N")
-TRACES = ("OMPI_", "PMIX_", "ORTE_", "OPAL_")  # variables that mpirun refuses
 # Within these an independent program's spheres are met (tests/verification/test_plasticity.py).
 PLASTIC = {"approach_mm": 0.012, "area_mm2": 0.03, "max_MPa": 0.04, "strain_max": 0.08}
 REPEATED = 0.01  # the same yielding scene in other units, or pressed again
@@ -59,8 +47,6 @@ FINE = 1.6  # times the elements per semi-axis, and twice the load steps
 # Shares of mu N within which closed forms are met (tests/verification/friction/test_friction.py).
 FORCE, STICK, SOLID = 0.012, 0.03, 0.02
 SOFT = -0.72  # mu P at creepage 0 with a rail 69 times softer: two other programs, -0.72 and -0.75
-STEP, EDGE = 0.25, 0.5  # mm between points of a profile gauge, and what it does not reach
-WORN_RESOLUTION = 5.0  # elements per smaller semi-axis
 RANDOM_SEED = 54
 
 
@@ -328,43 +314,13 @@ def friction(scene: Scene, reference: str) -> CaseErrors:
     return measure(result, {name: Deviation(abs(value - exact()), allowed)})
 
 
-def gauged(scene: Scene, rail: str, wear: Sequence[float], noise: float, folder: Path) -> Scene:
-    """A scene on a measured rail: its profile less depth exp(-((y - centre)/width)^2 / 2), with
-    noise of a standard deviation in um, is written into a folder. wear: depth, centre, width
-    in mm."""
-    depth, centre, width = wear
-    profile = profiles.rail_head(rail)
-    y = np.arange(profile.domain[0] + EDGE, profile.domain[1] - EDGE, STEP)
-    z = profile.height(y) - depth * np.exp(-(((y - centre) / width) ** 2) / 2)
-    place = "gauge corner" if centre else "crown"
-    name = f"{rail}, {depth:g} mm off the {place} {1e-3 * noise}"
-    seed = list(hashlib.sha256(name.encode()).digest())
-    z += np.random.default_rng(seed).normal(0.0, 1e-3 * noise, y.shape)
-    rows = "\n".join(f"{a:.4f},{b:.6f}" for a, b in zip(y, z, strict=True))
-    file = folder / f"noise{noise:g}.csv"
-    file.write_text(f"y,z\n{rows}\n", encoding="utf-8")
-    return scene.replace([f"rail.profile={file}"])
-
-
-@refusable
-def true_profile(scene: Scene, rail: str, wear: Sequence[float], noise: float) -> CaseErrors:
-    """The measured profile by finite elements, the one without noise by boundary elements; the mesh
-    is that for the latter. Where the noise hides the profile, a refusal is an answer."""
-    with tempfile.TemporaryDirectory() as folder:
-        smooth = resolved(gauged(scene, rail, wear, 0.0, Path(folder)), WORN_RESOLUTION)
-        noisy = gauged(scene, rail, wear, noise, Path(folder))
-        result = pipeline.run(noisy.replace([f"mesh.patch_size={smooth.mesh.patch_size!r}"]))
-        true = half_space(smooth, result.mesh_solution)
-    return measure(result, against_boundary_elements(result.summary, true))
-
-
 def random_plans(count: int) -> CaseErrors:
     """Share of `count` random valid scenes whose plan has numbers that are not finite, or whose
     refusal has more than one line; none may."""
     refused = broken = 0
     for seed in range(count):
         try:
-            refused += plans(scene(Seeded(seed))) is None
+            refused += plans(scene(Source(seed))) is None
         except ValueError:
             broken += 1
     remark = f"{refused} of {count} refused in one line"
@@ -381,36 +337,6 @@ def random_scene(number: int) -> CaseErrors:
     return (against_hertz if flat else against_half_space)(drawn, n=0.0)
 
 
-def coarse_run(ranks: int, folder: Path) -> dict[str, Any]:
-    """`railhead run uic54_thesis` on a coarse mesh; its summary.json. CalledProcessError: its
-    status is not 0. RuntimeError: another number of processes than `ranks` solved it.
-    """
-    clean = {key: text for key, text in os.environ.items() if not key.startswith(TRACES)}
-    launcher, environment = launch.under_mpirun(ranks, clean)
-    start = [*launcher, sys.executable, "-c", "from railhead.cli import main; main()"]
-    options = ["--quiet", "--no-pictures", "--out", f"ranks{ranks}", "--set", "mesh.patch_size=1.0"]
-    command = [*start, "run", "uic54_thesis", *options]
-    subprocess.run(command, cwd=folder, env=environment, check=True, capture_output=True)
-    text = (folder / f"ranks{ranks}" / "summary.json").read_text(encoding="utf-8")
-    found: dict[str, Any] = json.loads(text)
-    if found["cost"]["ranks"] != ranks:
-        raise RuntimeError(f"{found['cost']['ranks']} processes solved it, not {ranks}")
-    return found
-
-
-def against_one_rank(ranks: int) -> CaseErrors:
-    """Patch, pressure and approach on several ranks against one."""
-    with tempfile.TemporaryDirectory() as folder:
-        one, more = (coarse_run(count, Path(folder)) for count in (1, ranks))
-    exact, found = quantities(one), quantities(more)
-    return CaseErrors(
-        deviations={name: Deviation(off(found[name], exact[name]), SAME) for name in HALF_SPACE},
-        failed=tuple(more["checks"]["failed"]),
-        newton=more["cost"]["newton_iterations"],
-        krylov=more["cost"]["linear_iterations"],
-    )
-
-
 METHODS: dict[str, Callable[..., CaseErrors]] = {
     "hertz": against_hertz,
     "half_space": against_half_space,
@@ -420,9 +346,7 @@ METHODS: dict[str, Callable[..., CaseErrors]] = {
     "finer_plastic": finer_plastic,
     "same_plastic": same_plastic,
     "friction": friction,
-    "true_profile": true_profile,
     "random_plans": random_plans,
     "random_scene": random_scene,
-    "against_one_rank": against_one_rank,
 }
 """What `against` in cases.toml names; other names are functions of `blocks`."""

@@ -15,8 +15,7 @@ from railhead.geometry.wheelset import Track, WheelsetOnTrack
 from railhead.postprocess.pictures.diagrams import FE, GREY, HERTZ, new_figure
 from studies import tables
 from studies.mechanics import creep_laws as laws
-from studies.mechanics import creep_runs as changes
-from studies.mechanics import creep_runs as curves
+from studies.mechanics import creep_runs as runs
 from studies.tables import Row, cells, groups
 
 METHODS = ("boundary elements", "FASTSIM", "linear theory")
@@ -55,18 +54,18 @@ def main(out: Path, *, quick: bool) -> None:
     creep.png, creep_speed.png, friction_axes.png, creep_sliding.png and page.md; quick: two motions
     on a coarse mesh, one scene, one coefficient of a section and one speed."""
     points, costs, left = [], [], []
-    for curve in curves.QUICK if quick else curves.CURVES:
+    for curve in runs.QUICK if quick else runs.CURVES:
         print(f"{curve.case}: {len(curve.motions)} motions", file=sys.stderr)
-        found, cost = curves.rolled(curve)
+        found, cost = runs.rolled(curve)
         points += found
         costs.append(cost)
-    for name, given, creepage in changes.SCENES[: 1 if quick else None]:
+    for name, given, creepage in runs.SCENES[: 1 if quick else None]:
         print(f"{name} at a creepage of {creepage:g}, with and without friction", file=sys.stderr)
-        left.append(changes.left_out(name, given, creepage))
+        left.append(runs.left_out(name, given, creepage))
     print("full sliding", file=sys.stderr)
-    strip = changes.STRIP[2:3] if quick else changes.STRIP
-    slid = list(changes.slid("long_roller", strip, changes.HALF_SPACE))
-    slid += [] if quick else changes.slid("hertz_ellipse", changes.SLIDING, changes.FOUR)
+    strip = runs.STRIP[2:3] if quick else runs.STRIP
+    slid = list(runs.slid("long_roller", strip, runs.HALF_SPACE))
+    slid += [] if quick else runs.slid("hertz_ellipse", runs.SLIDING, runs.FOUR)
     print("a law of friction over speed", file=sys.stderr)
     falling = laws.rows(quick=quick)
     draw_curves(points, out / "creep.png")
@@ -92,8 +91,8 @@ def page(
     head, speeds, apart = laws.table(falling)
     return tables.render(
         "creep",
-        coefficient=curves.COEFFICIENT,
-        slides=changes.SLIDES,
+        coefficient=runs.COEFFICIENT,
+        slides=runs.SLIDES,
         law=laws.LAW,
         head=head,
         speeds=speeds,
@@ -128,7 +127,7 @@ def page(
         ],
         forces={case: rows for case, (rows, _) in forces.items()},
         slid={case: _stresses(own) for case, own in sliding.items()},
-        crossover={case: changes.crossover(own) for case, own in sliding.items()},
+        crossover={case: runs.crossover(own) for case, own in sliding.items()},
     )
 
 

@@ -4,18 +4,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from mpi4py import MPI
-
 from railhead.planning import simulation_plan as planning
 from railhead.planning.references import closed_forms, pressed_patches
 from railhead.postprocess.pictures.diagrams import FE, GREY, HERTZ, new_figure
-from railhead.run import mesh_solution
-from railhead.run import solid_friction as friction
 from railhead.scene import catalogue
-from railhead.solver.system.contact_system import LoadCase
-from railhead.solver.system.fields import gather
 from railhead.theory.friction.rolling import Creepage, TangentialSolution
+from studies.mechanics import creep_runs
 from studies.tables import Row
 
 LAW: dict[str, Any] = {
@@ -81,14 +75,8 @@ def half_spaces(speed: float, creepages: tuple[float, ...]) -> list[Row]:
 
 def solids(speed: float, creepages: tuple[float, ...]) -> list[Row]:
     """Rows of finite elements, under the pressure without friction."""
-    of = plan(speed)
-    model = mesh_solution.assemble(of, mesh_solution.generate(of, of.grading(), MPI.COMM_WORLD))
-    touching = of.forecast.touching(model.interface.points)
-    pressed = model.press(LoadCase(load=of.scene.load or 0.0, active=touching))
-    smooth = friction.shared_patches(model, gather(model, pressed), parabolic=True)
-    solid = friction.SolidFriction(model, pressed, smooth, lambda name: None)
-    solid.sample()
-    return [row(speed, v, "railhead", solid.tractions(Creepage(v))[0]) for v in creepages]
+    friction = creep_runs.sampled(plan(speed)).friction
+    return [row(speed, v, "railhead", friction.tractions(Creepage(v))[0]) for v in creepages]
 
 
 def rows(*, quick: bool) -> list[Row]:
@@ -112,12 +100,12 @@ def table(found: Sequence[Row]) -> tuple[list[str], list[list[str]], float]:
     head = [
         f"{'finite elements, ' if by == 'railhead' else ''}{speed:g} m/s" for by, speed in columns
     ]
+    text = {key: f"{force:.4f}" for key, force in forces.items()}
     lines = [
-        [f"{creepage:g}", *(f"{forces.get((*each, creepage), np.nan):.4f}" for each in columns)]
+        [f"{creepage:g}", *(text.get((*each, creepage), "") for each in columns)]
         for creepage in sorted({each["creepage"] for each in found})
     ]
-    text = [[cell.replace("nan", "") for cell in line] for line in lines]
-    return ["creepage", *head], text, apart
+    return ["creepage", *head], lines, apart
 
 
 def draw(found: Sequence[Row], path: Path) -> None:

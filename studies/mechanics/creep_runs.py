@@ -14,8 +14,7 @@ import railhead as rh
 from railhead.planning import simulation_plan as planning
 from railhead.planning.references import pressed_patches
 from railhead.planning.simulation_plan import Plan
-from railhead.run import mesh_solution
-from railhead.run import solid_friction as friction
+from railhead.run import mesh_solution, solid_friction
 from railhead.run.half_spaces import second_method
 from railhead.scene import catalogue
 from railhead.solver.system.contact_system import LoadCase
@@ -82,38 +81,62 @@ own), of pressing without friction, of sampling what finite bodies add and, on t
 point with its own pressing."""
 
 
-def rolled(curve: CreepCurve) -> tuple[list[Point], Cost]:
-    """Forces by all methods at each motion of a curve, and the cost of the curve."""
-    plan = _plan(curve)
-    clock = [time.process_time()]
+@dataclass(frozen=True)
+class Sampled:
+    """Friction of solids, ready for any motion.
+
+    friction: friction of the solids, sampled.
+    case: load case under which they are pressed.
+    force: normal force of all patches, N.
+    unknowns: number of unknowns of the model.
+    clock: processor seconds at the start, and after assembly, pressing and sampling.
+    """
+
+    friction: solid_friction.SolidFriction
+    case: LoadCase
+    force: float
+    unknowns: int
+    clock: tuple[float, ...]
+
+
+def sampled(plan: Plan) -> Sampled:
+    """Friction of the solids of a plan, pressed on its mesh."""
+    start = time.process_time()
     model = mesh_solution.assemble(
         plan, mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
     )
-    clock.append(time.process_time())
+    built = time.process_time()
     touching = plan.forecast.touching(model.interface.points)
     case = LoadCase(load=plan.scene.load or 0.0, active=touching)
-    pressed = model.press(case)
-    clock.append(time.process_time())
-    smooth = friction.shared_patches(
-        model, gather(model, pressed), parabolic=plan.contact.half_space
+    solution = model.press(case)
+    pressed = time.process_time()
+    smooth = solid_friction.shared_patches(
+        model, gather(model, solution), parabolic=plan.contact.half_space
     )
-    solid = friction.SolidFriction(model, pressed, smooth, lambda name: None)
-    solid.sample()
-    clock.append(time.process_time())
-    points = []
-    limit = COEFFICIENT * sum(each.force for each in smooth)
+    friction = solid_friction.SolidFriction(model, solution, smooth, lambda name: None)
+    friction.sample()
+    force = sum(each.force for each in smooth)
+    clock = start, built, pressed, time.process_time()
+    return Sampled(friction, case, force, model.unknowns, clock)
+
+
+def rolled(curve: CreepCurve) -> tuple[list[Point], Cost]:
+    """Forces by all methods at each motion of a curve, and the cost of the curve."""
+    plan = _plan(curve)
+    solid = sampled(plan)
+    points, limit = [], COEFFICIENT * solid.force
     for motion in curve.motions:
-        solid.press_again(case, solid.tractions(motion))
-        found = solid.tractions(motion)
+        solid.friction.press_again(solid.case, solid.friction.tractions(motion))
+        found = solid.friction.tractions(motion)
         along, across, _ = np.sum([each.forces for each in found], axis=0) / limit
         sticks, touches = np.sum([each.areas for each in found], axis=0)
         points.append(_point(curve, motion, "railhead", along, across, float(sticks / touches)))
-    spent = np.diff([*clock, time.process_time()])
+    spent = np.diff([*solid.clock, time.process_time()])
     spent[3] /= len(curve.motions)
     cost = {
         "case": curve.case,
         "model": "half" if plan.half_y else "whole",
-        "unknowns": model.unknowns,
+        "unknowns": solid.unknowns,
         **dict(zip(("built", "pressed", "sampled", "point"), spent.tolist(), strict=True)),
     }
     return [*points, *_others(plan, curve)], cost

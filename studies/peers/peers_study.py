@@ -32,7 +32,6 @@ COARSE = {"coarse": ["--set", "mesh.patch_size=1.2"]}  # quick
 CHILD = Path(__file__).with_name("child.py")
 DEBIAN_PYTHON = "/usr/bin/python3"
 APT = "apt-get install -q -y --no-install-recommends"
-Mesh = tuple[str, int, float]
 
 
 def install() -> None:
@@ -93,11 +92,10 @@ def measured(
     case = _case()
     lists = [list(peer.RUNS.items())[: 1 if quick else None] for peer in present]
     runs = [run for own in lists for _, run in own if "mesh" in run]
-    files: dict[Mesh, Path] = {}
-    for cell, order, size in dict.fromkeys(tuple(run["mesh"]) for run in runs):
-        progress.stage(f"meshing: {cell}, order {order}, {size:g} mm")
-        files[cell, order, size] = work / f"{len(files)}.npz"
-        block_meshes.write(files[cell, order, size], case, cell, order, size)
+    files = {size: work / f"{size}.npz" for size in sorted({run["mesh"] for run in runs})}
+    for size, file in files.items():
+        progress.stage(f"meshing: {size:g} mm")
+        block_meshes.write(file, case, size)
     own = [COARSE] if quick else [OWN_RUNS] * REPEATS
     for theirs, ours in zip_longest(zip_longest(*lists), own, fillvalue=()):
         for peer, chosen in zip(present, theirs, strict=False):
@@ -138,13 +136,13 @@ def solve(
     setting: str,
     run: Mapping[str, Any],
     case: Mapping[str, float],
-    files: Mapping[Mesh, Path],
+    files: Mapping[float, Path],
     work: Path,
 ) -> Row:
     """One run of a code, with its costs and errors, or why there are none."""
     head = peer.TITLE, peer.METHOD, setting
     options = {key: value for key, value in run.items() if key != "mesh"}
-    mesh = str(files[tuple(run["mesh"])]) if "mesh" in run else None
+    mesh = str(files[run["mesh"]]) if "mesh" in run else None
     try:
         found, cost = _asked(peer, {"case": case, "mesh": mesh, "run": options}, work)
         return peers_page.row(*head, cost | peers_page.read(case, found))

@@ -72,18 +72,6 @@ def wheel_normal_printed(g: Curve, s1: float, s2: float) -> Array:
     return g(s1) * np.array([s, -derivative(g, s1), -c])
 
 
-def wheel_point_printed(g: Curve, half_axle: float, s1: float, s2: float) -> Array:
-    """Eqs 3.27 and 4.14: the axle is the line x = z = 0."""
-    c, s = _pair(s2)
-    return np.array([g(s1) * s, -half_axle + s1, g(s1) * c])
-
-
-def rail_point(f: Curve, s1: float, s2: float, matrix: Array | None = None) -> Array:
-    """Point of the rail: the crown's point (0, s2, f(s2)) carried s1 along the rail, turned."""
-    point = np.array([s1, s2, f(s2)])
-    return point if matrix is None else matrix @ point
-
-
 def tangents(surface: Callable[[float, float], Array], s1: float, s2: float) -> tuple[Array, Array]:
     """d/ds1 and d/ds2 of a surface by central differences: what a tangent vector is."""
     return (
@@ -204,13 +192,15 @@ def cone(s1: float) -> float:
 
 
 def wheel(s1: float, s2: float) -> Array:
-    """Point (3,) of the wheel by the printed equations, mm, at its parameters s1 and s2."""
-    return wheel_point_printed(cone, HALF_AXLE, s1, s2)
+    """Point (3,) of the wheel, mm, at its parameters s1 and s2 by eqs 3.27 and 4.14: the axle is
+    the line x = z = 0."""
+    c, s = _pair(s2)
+    return np.array([cone(s1) * s, s1 - HALF_AXLE, cone(s1) * c])
 
 
 def rail(s1: float, s2: float) -> Array:
-    """Point (3,) of the rail, mm, without rotation."""
-    return rail_point(crown, s1, s2)
+    """Point (3,) of the rail, mm, without rotation: the crown's point carried s1 along the rail."""
+    return np.array([s1, s2, crown(s2)])
 
 
 def proper(matrix: Array) -> ClaimCheck:

@@ -45,7 +45,7 @@ SKIPPED = (
 SCENES = dict(
     line.split(": ", 1) for line in RECORD.with_name("scenes.txt").read_text().splitlines()
 )
-"""Command, case, options and assignments by name."""
+"""Words of the command by name."""
 
 
 def main(arguments: list[str]) -> int:
@@ -74,16 +74,11 @@ def _tolerance(name: str) -> tuple[float, float]:
 
 def _answer(name: str) -> dict[str, Any]:
     """Exit status, message, and all values of summary.json by dotted key."""
-    command, *rest = SCENES[name].split()
-    words, options = [], []
-    for word in rest:
-        dotted = "=" in word and not word.startswith("-")
-        words += ["--set", word] if dotted else [word]
+    command, *words = SCENES[name].split()
+    options = ["--no-pictures"] if command != "plan" else []
     with tempfile.TemporaryDirectory() as folder:
-        if command != "plan":
-            options = ["--out", f"{folder}/result", "--no-pictures"]
-        if command == "locate":
-            options = ["--no-pictures"]
+        if command not in ("plan", "locate"):
+            options += ["--out", f"{folder}/result"]
         done = subprocess.run(
             [str(Path(sys.executable).with_name("railhead")), command, *words, *options, "--json"],
             capture_output=True,

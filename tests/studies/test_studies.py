@@ -1,14 +1,12 @@
 """The studies as the command runs them, on a small part of their runs."""
 
 import os
-import tomllib
 from pathlib import Path
 
 import command
 import csv_rows
 import matplotlib.image
 import pytest
-from one_line import refusal
 
 from railhead.cli import study
 from railhead.scene import catalogue
@@ -89,16 +87,3 @@ def test_without_a_checkout_the_command_says_in_one_line_that_it_needs_one(
     for arguments in (["study"], ["study", "load_sweep"]):
         assert "studies need a checkout" in command.refused(capsys, *arguments)
     assert os.listdir(here) == []
-
-
-def test_studies_are_no_part_of_what_is_installed() -> None:
-    with (study.ROOT / "pyproject.toml").open("rb") as file:
-        setuptools = tomllib.load(file)["tool"]["setuptools"]
-    named = [*setuptools["packages"], *setuptools["package-dir"], *setuptools["package-data"]]
-    assert not [name for name in named if "studies" in name]
-
-
-def test_a_folder_with_other_files_is_left_alone(tmp_path) -> None:
-    (tmp_path / "page.md").write_text("mine")
-    assert "--out" in refusal(lambda: study.run("load_sweep", tmp_path, quick=True))
-    assert (tmp_path / "page.md").read_text() == "mine"

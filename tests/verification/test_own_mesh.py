@@ -8,6 +8,9 @@ from boxes import LOWER, UPPER, two_boxes
 from curved import meshed
 
 import railhead.solver as rs
+from railhead.geometry.surfaces import Cosine
+from railhead.theory.elastic import line
+from railhead.theory.elastic.hertz import line_contact
 
 E, NU = 1000.0, 0.3
 STRAIN = E / (1 - NU**2)
@@ -22,25 +25,55 @@ def model_of(mesh, *parts, **options) -> rs.Model:
     return model
 
 
-def block(size: float, a: float, n: int):
-    """Meridian section of a cylinder under z = 0, n elements over a at the axis."""
+def rectangle(width: float, depth: float, size: str):
+    """Mesh of a rectangle below y = 0: 11 its upper side, 21 the lower, 30 the left, 31 the right
+    one."""
 
     def tag(body: int, box: tuple[float, float, float, float]) -> int:
         _, low, right, high = box
-        return 30 if right < 1e-6 else 11 if low > -1e-6 else 21 if high < 1e-5 - size else 31
+        return 30 if right < 1e-6 else 11 if low > -1e-6 else 21 if high < 1e-5 - depth else 31
 
-    growing = f"{a / n}+0.15*Max(0,Sqrt(x*x+y*y)-{1.6 * a})"
-    return meshed(lambda occ: [occ.addRectangle(0, -size, 0, size, size)], tag, growing)
+    return meshed(lambda occ: [occ.addRectangle(0, -depth, 0, width, depth)], tag, size)
+
+
+def block(size: float, a: float, n: int):
+    """Meridian section of a cylinder under z = 0, n elements over a at the axis."""
+    return rectangle(size, size, f"{a / n}+0.15*Max(0,Sqrt(x*x+y*y)-{1.6 * a})")
+
+
+def rings(radii, corner: tuple[float, float], extent: tuple[float, float], size: str):
+    """Mesh of two rings of (inner, outer) radii around the origin, cut out by a rectangle: 11 and
+    21 the outer and inner circle of the inner ring, 22 and 12 those of the outer one, 30 and 31
+    the cuts along y and x."""
+
+    def make(occ) -> list[int]:
+        window, out = (2, occ.addRectangle(*corner, 0, *extent)), []
+        for low, high in radii:
+            ring = occ.cut(*([(2, occ.addDisk(0, 0, 0, r, r))] for r in (high, low)))[0]
+            out.append(occ.intersect(ring, [window], removeTool=False)[0][0][1])
+        occ.remove([window], recursive=True)
+        return out
+
+    def tag(body: int, box: tuple[float, float, float, float]) -> int:
+        if box[2] < 1e-6 or (corner[1] == 0 and box[3] < 1e-6):
+            return 30 if box[2] < 1e-6 else 31
+        far = max(box[2], box[3], -box[1]) > radii[body - 1][0] + 1
+        return (11 if far else 21) if body == 1 else (22 if far else 12)
+
+    return meshed(make, tag, size)
+
+
+def quarter(occ, radius: float, low: float) -> int:
+    """Lower right quarter of a disc whose lowest point lies at y = low on the axis."""
+    disc = [(2, occ.addDisk(0, low + radius, 0, radius, radius))]
+    return occ.intersect(disc, [(2, occ.addRectangle(0, low, 0, radius, radius))])[0][0][1]
 
 
 def ball_on_block(radius: float, a: float, n: int, gap: float):
     """Meridian section, or half, of half a ball over a block of 8 mm; 22: its flat face."""
 
     def make(occ) -> list[int]:
-        ball = occ.addDisk(0, radius + gap, 0, radius, radius)
-        box = occ.addRectangle(0, gap, 0, radius, radius)
-        ball = occ.intersect([(2, ball)], [(2, box)])[0][0][1]
-        return [occ.addRectangle(0, -8, 0, 8, 8), ball]
+        return [occ.addRectangle(0, -8, 0, 8, 8), quarter(occ, radius, gap)]
 
     def tag(body: int, box: tuple[float, float, float, float]) -> int:
         _, low, right, high = box
@@ -115,25 +148,11 @@ def test_pin_in_a_hole_has_perssons_pressure(angle: int, secondary: int) -> None
     over, largest = PERSSON[angle]
     load = E * clearance / over
 
-    def make(occ) -> list[int]:
-        out = []
-        for outer, inner in ((radius - clearance, 0.3), (40 * radius, radius)):
-            rings = [[(2, occ.addDisk(0, 0, 0, r, r))] for r in (outer, inner)]
-            ring = occ.cut(*rings)[0]
-            right = [(2, occ.addRectangle(0, -700, 0, 700, 1400))]
-            out.append(occ.intersect(ring, right)[0][0][1])
-        return out
-
-    def tag(body: int, box: tuple[float, float, float, float]) -> int:
-        if box[2] < 1e-6:
-            return 30
-        far = max(box[2], box[3], -box[1]) > (9 if body == 1 else 11)
-        return (11 if far else 21) if body == 1 else (22 if far else 12)
-
     place = f"Sqrt(x*x+(y+{radius})*(y+{radius}))-{1.3 * half * radius}"
     size = f"{half * radius / 12}+0.2*Max(0,Min(Sqrt(x*x+y*y),{place}))"
+    mesh = rings(((0.3, radius - clearance), (radius, 40 * radius)), (0, -700), (700, 1400), size)
     model = model_of(
-        meshed(make, tag, size), *BOTH, rs.Slide(30, normal=(1, 0)), rs.Clamp(22),
+        mesh, *BOTH, rs.Slide(30, normal=(1, 0)), rs.Clamp(22),
         rs.Contact(secondary=secondary, primary=23 - secondary), section="plane stress",
     )  # fmt: skip
     pin = model.add(rs.Hub(21, free=(0, -1)))
@@ -170,6 +189,64 @@ def test_rigid_punch_of_fourth_power() -> None:
     np.testing.assert_allclose(found.pressure[near], exact, rtol=0.02)
     moved = model.solve({base: rs.Move((0, 8 / 3 * c * a**4))})
     assert moved.force(base) == pytest.approx(load, rel=0.005)
+
+
+def test_disc_free_to_slide_on_its_diametral_plane_gives_johnsons_approach() -> None:
+    """On a rigid plane, b/R = 0.03: within 0.5 %."""
+    radius, load = 13.0, 320.0
+    steel = rs.Elastic(29120.0, 0.3)
+    strip = line_contact(1 / radius, 29120.0 / (1 - 0.3**2), load)
+
+    def tag(body: int, box: tuple[float, float, float, float]) -> int:
+        _, low, right, _ = box
+        return 30 if right < 1e-6 else 22 if low > radius - 1e-5 else 12
+
+    size = f"{strip.b / 8}+0.2*Max(0,Sqrt(x*x+y*y)-{1.5 * strip.b})"
+    model = model_of(
+        meshed(lambda occ: [quarter(occ, radius, 0.0)], tag, size), rs.Body(1, steel),
+        rs.Slide(30, normal=(1, 0)), rs.Contact(secondary=12, primary=rs.Plane((0, 0), (0, 1))),
+        section="plane strain",
+    )  # fmt: skip
+    face = model.add(rs.Hub(22, free=(0, -1), slides=True))
+    found = model.solve({face: rs.Force(load / 2)})
+    exact = line.cylinder_approach(strip, radius, 29120.0, 0.3)
+    assert found.converged and found.motion(face) == pytest.approx(exact, rel=0.005)
+
+
+@pytest.mark.parametrize("share", [0.2, 0.5, 0.8])
+def test_westergaards_waves_under_a_plane(share: float) -> None:
+    """Half a wave between planes of symmetry, pressed on a rigid plane. Mean pressure
+    pi E* amplitude/length sin2(psi_a), and p = 2 p_mean cos(psi) sqrt(sin2(psi_a) -
+    sin2(psi))/sin2(psi_a), psi = pi x/length (H. M. Westergaard, J. Appl. Mech. 6, 1939; Johnson,
+    Contact Mechanics, 13.2)."""
+    waves = Cosine(length=20.0, amplitude=1e-3)
+    sine = np.sin(np.pi * share / 2) ** 2
+    mean = np.pi * STRAIN * waves.amplitude / waves.length * sine
+
+    def gap(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        height = waves(x[:, 0], x[:, 1])[0]
+        return waves.amplitude - height, np.tile([0.0, 1.0], (len(x), 1))
+
+    half = waves.length / 2
+    size = f"{min(half / 40, share * half / 16)}+0.2*Max(0,-y-1)"
+    model = model_of(
+        rectangle(half, 4 * half, size), BOTH[0], rs.Contact(secondary=11, primary=None, gap=gap),
+        rs.Slide(30, normal=(1, 0)), rs.Slide(31, normal=(1, 0)), section="plane strain",
+    )  # fmt: skip
+    base = model.add(rs.Hub(21, free=(0, 1)))
+    found = model.solve({base: rs.Force(mean * half)})
+    assert found.converged
+    psi = np.pi * found.points[:, 0] / waves.length
+    inside = np.sin(psi) ** 2 < 0.9 * sine
+    exact = 2 * mean * np.cos(psi) * np.sqrt(np.maximum(sine - np.sin(psi) ** 2, 0)) / sine
+    near = exact[inside].max()
+    np.testing.assert_allclose(found.pressure[inside], exact[inside], atol=0.01 * near)
+    # where p^2/cos^2, a line over sin^2, is zero
+    slope, start = np.polyfit(
+        np.sin(psi[inside]) ** 2, (found.pressure / np.cos(psi))[inside] ** 2, 1
+    )
+    reached = 2 / np.pi * np.arcsin(np.sqrt(-start / slope))
+    assert reached == pytest.approx(share, rel=0.01)
 
 
 @pytest.mark.parametrize("gap, secondary", [(0.0, 12), (1.0, 12), (1.0, 11)])
@@ -215,25 +292,12 @@ def test_press_fit_of_two_free_rings_has_lames_pressure(secondary: int) -> None:
     """Interference 5 um, held by symmetry alone: the mean to 0.5 %, every point within 2 %."""
     inner, radius, outer, over = 10.0, 20.0, 30.0, 0.005
 
-    def make(occ) -> list[int]:
-        out = []
-        for low, high in ((inner, radius + over / 2), (radius - over / 2, outer)):
-            ring = occ.cut(*([(2, occ.addDisk(0, 0, 0, r, r))] for r in (high, low)))[0]
-            quarter = [(2, occ.addRectangle(0, 0, 0, 40, 40))]
-            out.append(occ.intersect(ring, quarter)[0][0][1])
-        return out
-
-    def tag(body: int, box: tuple[float, float, float, float]) -> int:
-        if box[2] < 1e-6 or box[3] < 1e-6:
-            return 30 if box[2] < 1e-6 else 31
-        far = max(box[2], box[3]) > (11 if body == 1 else 21)
-        return (11 if far else 41) if body == 1 else (42 if far else 12)
-
     away = f"Sqrt(x*x+y*y)-{radius}"
     size = f"0.5*(1+0.3*Max(0,Min(1,1e6*({away}))))+0.3*Max(0,({away})*({away})/10)"
     steel = rs.Elastic(210e3, 0.3)
+    mesh = rings(((inner, radius + over / 2), (radius - over / 2, outer)), (0, 0), (40, 40), size)
     found = model_of(
-        meshed(make, tag, size), rs.Body(1, steel), rs.Body(2, steel),
+        mesh, rs.Body(1, steel), rs.Body(2, steel),
         rs.Slide(30, normal=(1, 0)), rs.Slide(31, normal=(0, 1)),
         rs.Contact(secondary=secondary, primary=23 - secondary), section="plane stress",
     ).solve()  # fmt: skip

@@ -9,7 +9,6 @@ import pytest
 from dolfinx import mesh as dmesh
 from mpi4py import MPI
 from scipy.spatial import cKDTree
-from scipy.spatial.transform import Rotation
 
 from railhead.geometry import outlines, profiles
 from railhead.geometry.surfaces import ParabolicGap
@@ -24,7 +23,9 @@ from railhead.solver.space.contact_interface import ContactLaw
 from railhead.solver.space.kinematics import SOLID, Kinematics
 from railhead.solver.system.fields import gather
 from railhead.solver.system.setup import LoadPath, Setup
-from studies.hard.block_pairs import GAP, STEEL, contact_model, press, side, two_blocks
+from studies.hard import block_cases
+from studies.hard.block_pairs import STEEL, contact_model, press, side, two_blocks
+from studies.hard.hard_cases import CASES
 
 SOFT = Material(1000.0, 0.0)
 FLAT = {"gap": ParabolicGap(0.0, 0.0, 1), "materials": (SOFT, SOFT), "load_control": False}
@@ -259,38 +260,11 @@ def test_exchanging_the_roles_of_the_surfaces() -> None:
     assert two.approach == pytest.approx(one.approach, rel=2e-3)
 
 
-def test_frame_invariance() -> None:
-    """The whole scene rotated in space: same pressure and approach to 1e-8."""
-    reference = press(contact_model())
-    turn = Rotation.from_euler("xyz", [0.5, -0.8, 1.1]).as_matrix()
-
-    def turned_gap(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        distance, normal = GAP(points @ turn)
-        return distance, normal @ turn.T
-
-    turned, other = two_blocks(own=True)
-    turned.mesh.geometry.x[:] = turned.mesh.geometry.x @ turn.T
-    setup = replace(
-        other,
-        gap=turned_gap,
-        direction=tuple(turn @ np.array([0.0, 0.0, -1.0])),
-        planes=tuple((tag, tuple(turn @ np.array(normal))) for tag, normal in other.planes),
-    )
-    model = ContactModel(turned.mesh, turned.cell_tags, turned.facet_tags, setup)
-    solution = press(model)
-    assert solution.approach == pytest.approx(reference.approach, rel=1e-8)
-    away, same = cKDTree(model.interface.points @ turn).query(contact_model().interface.points)
-    assert away.max() < 1e-9
-    np.testing.assert_allclose(
-        solution.pressure[same], reference.pressure, atol=1e-8 * reference.pressure.max()
-    )
-
-
-def test_unit_invariance() -> None:
-    """Stiffness and load in other units: the same displacements."""
-    reference = press(contact_model())
-    solution = press(contact_model(materials=(Material(207.0, 0.3),) * 2), load=3.0)
-    assert solution.approach == pytest.approx(reference.approach, rel=1e-8)
+@pytest.mark.parametrize("how", block_cases.TRANSFORMS)
+def test_frames_and_units_change_nothing(how: str) -> None:
+    """The blocks rotated, mirrored, in other units: the same pressure and approach to 1e-8."""
+    found = block_cases.transformed(how)
+    assert CASES[f"invariance: {how}"].fault(found) == "", found
 
 
 @pytest.mark.parametrize("rigid", [RAIL, WHEEL])

@@ -1,25 +1,11 @@
 """Sections against exact line contact, published benchmarks and the solid model."""
 
-import math
-
 import numpy as np
 import pytest
-from mpi4py import MPI
 from solved import passed, solved
 
-from railhead.geometry import outlines, profiles
-from railhead.geometry.surfaces import ExactGap, RailSurface, StraightTread
-from railhead.meshing import mesh
-from railhead.meshing.bodies import CONTACT, RAIL, SUPPORT, SYMMETRY_X, WHEEL, Body, Options
-from railhead.meshing.grading import Grading
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene
-from railhead.solver.contact import ContactModel
-from railhead.solver.material import Material
-from railhead.solver.space.kinematics import Kinematics
-from railhead.solver.system.setup import ContactBody, Setup
-from railhead.theory.elastic import line
-from railhead.theory.elastic.hertz import line_contact
 
 
 def test_nafems_roller_on_block() -> None:
@@ -142,33 +128,6 @@ def test_two_cylinders_in_plane_stress_meet_roark() -> None:
     assert passed(case.replace(keys)).summary["result"]["approach_mm"] == pytest.approx(
         0.41739, rel=0.01
     )
-
-
-def test_disc_free_to_slide_on_its_diametral_plane_gives_johnsons_approach() -> None:
-    """Half a disc on a frictionless plane under a rigid plate, w/R = 0.03: within 0.5 %."""
-    radius, young, poisson, load = 13.0, 29120.0, 0.3, 320.0
-    strip = line_contact(1 / radius, young / (1 - poisson**2), load)
-    upside_down, still = np.diag([1.0, -1.0]), np.zeros(2)
-    half = outlines.disc(radius, radius, 0.0, half=True)
-    section = [curve.moved(upside_down, still) for curve in half]
-    grading = Grading(centre=(0.0, 0.0, 0.0), a=strip.b, b=strip.b, angle=0.0, size=strip.b / 8)
-    options = Options("tetrahedron", 2, True, "xz")
-    made = mesh.generate([Body(RAIL, section, 0.0)], grading, options, MPI.COMM_WORLD)
-    arc = profiles.Profile("arc", (profiles.Arc(-radius, radius, 0.0, -radius, radius, 1),))
-    across = Kinematics(np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), thickness=2.0)
-    flat = StraightTread(profiles.single_radius(math.inf, 99.0), 0.0)
-    setup = Setup(
-        fixed=ContactBody(RAIL, CONTACT + RAIL, 99, Material(young, poisson)),
-        moving=ContactBody(WHEEL, CONTACT + WHEEL, SUPPORT + WHEEL, Material(math.inf, 0.3)),
-        slave=RAIL, gap=ExactGap(RailSurface(arc), flat), degree=2, kinematics=across,
-        planes=((SYMMETRY_X, (0.0, 1.0, 0.0)), (SUPPORT + RAIL, (0.0, 0.0, 1.0))),
-    )  # fmt: skip
-    model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
-    active = np.abs(model.interface.points[:, 0]) < strip.b
-    # Two planes, but only one of them is a cut: the load is that of two quarters.
-    found = model.solve(load=4 / 2 * 2.0 * load, active=active)
-    exact = line.cylinder_approach(strip, radius, young, poisson)
-    assert found.approach == pytest.approx(exact, rel=5e-3)
 
 
 def test_real_sphere_on_a_block() -> None:

@@ -7,11 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from curved import meshed
 
 import railhead as rh
-import railhead.solver as rs
-from railhead.geometry.surfaces import Cosine
 from railhead.scene.scene import Scene
 
 STEEL = {"young_modulus": 209920.0, "poisson_ratio": 0.28}
@@ -108,46 +105,3 @@ def test_a_map_of_waves_has_their_numbers(position: float, tmp_path: Path) -> No
     np.testing.assert_allclose(mapped, waves, rtol=0.005)
     places = [each["surface_shape"]["position_mm"] for each in found]
     assert places[0] == pytest.approx(places[1], abs=0.005)
-
-
-@pytest.mark.parametrize("share", [0.2, 0.5, 0.8])
-def test_westergaards_waves_under_a_plane(share: float) -> None:
-    """Half a wave between planes of symmetry, pressed on a rigid plane, by the solver: scenes are
-    not periodic. Mean pressure pi E* amplitude/length sin2(psi_a), and p = 2 p_mean cos(psi)
-    sqrt(sin2(psi_a) - sin2(psi))/sin2(psi_a), psi = pi x/length (H. M. Westergaard, J. Appl. Mech.
-    6, 1939; Johnson, Contact Mechanics, 13.2)."""
-    length, young, nu = 20.0, 209920.0, 0.28
-    waves = Cosine(length=length, amplitude=0.01)
-    sine = math.sin(math.pi * share / 2) ** 2
-    mean = math.pi * young / (1 - nu**2) * waves.amplitude / length * sine
-
-    def gap(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        height = waves(x[:, 0], x[:, 1])[0]
-        return waves.amplitude - height, np.tile([0.0, 1.0], (len(x), 1))
-
-    def tag(body: int, box: tuple[float, float, float, float]) -> int:
-        low_x, low_y, high_x, high_y = box
-        if high_x - low_x < 1e-5:
-            return 30
-        return 11 if low_y > -1e-5 else 21
-
-    half, deep = length / 2, 2 * length
-    size = f"{min(half / 40, share * half / 16)}+0.2*Max(0,-y-1)"
-    box = meshed(lambda occ: [occ.addRectangle(0, -deep, 0, half, deep)], tag, size)
-    model = rs.Model(*box, section="plane strain")
-    model.add(rs.Body(1, rs.Elastic(young, nu)), rs.Slide(30, normal=(1, 0)))
-    model.add(rs.Contact(secondary=11, primary=None, gap=gap))
-    base = model.add(rs.Hub(21, free=(0, 1)))
-    found = model.solve({base: rs.Force(mean * length / 2)})
-    assert found.converged
-    psi = math.pi * found.points[:, 0] / length
-    inside = np.sin(psi) ** 2 < 0.9 * sine
-    exact = 2 * mean * np.cos(psi) * np.sqrt(np.maximum(sine - np.sin(psi) ** 2, 0)) / sine
-    near = exact[inside].max()
-    np.testing.assert_allclose(found.pressure[inside], exact[inside], atol=0.01 * near)
-    # where p^2/cos^2, a line over sin^2, is zero
-    slope, start = np.polyfit(
-        np.sin(psi[inside]) ** 2, (found.pressure / np.cos(psi))[inside] ** 2, 1
-    )
-    reached = 2 / math.pi * math.asin(math.sqrt(-start / slope))
-    assert reached == pytest.approx(share, rel=0.01)
