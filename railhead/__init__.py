@@ -3,12 +3,8 @@
 The names of `__all__` are all that a script needs; they are imported when they are first used.
 """
 
-import sys
-import warnings
 from importlib import import_module
-from importlib.machinery import ModuleSpec
-from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from railhead.api import find, load, plan, solve, steels
@@ -68,36 +64,6 @@ _HOMES = dict.fromkeys(__all__, "railhead.scene.scene") | {
     **dict.fromkeys(("Sweep", "sweep"), "railhead.sweeps.parallel"),
     "wear": "railhead.sweeps.wear.wear",
 }
-
-_MOVED = {
-    "railhead.display": "railhead.results.report.output_units",
-    "railhead.meshing.profiles": "railhead.geometry.profiles",
-    "railhead.meshing.surfaces": "railhead.geometry.surfaces",
-    "railhead.solver.elasticity": "railhead.solver.material",
-    "railhead.solver.kinematics": "railhead.solver.space.kinematics",
-    "railhead.solver.contact_system": "railhead.solver.system.contact_system",
-    "railhead.solver.setup": "railhead.solver.system.setup",
-    "railhead.solver.solution": "railhead.solver.system.solution",
-    "railhead.theory.indentation": "railhead.theory.elastic.indentation",
-}
-"""Present names, by the former ones, of modules that pages have shown; kept until 0.5."""
-
-
-class _FormerNames:
-    """Import of modules by the former names of `_MOVED`, with a DeprecationWarning."""
-
-    def find_spec(self, name: str, *_: Any) -> ModuleSpec | None:
-        return ModuleSpec(name, self) if name in _MOVED else None  # type: ignore[arg-type]
-
-    def create_module(self, spec: ModuleSpec) -> None:
-        text = f"{spec.name} is now called {_MOVED[spec.name]}"
-        warnings.warn(text, DeprecationWarning, stacklevel=2)
-
-    def exec_module(self, module: ModuleType) -> None:
-        sys.modules[module.__name__] = import_module(_MOVED[module.__name__])
-
-
-sys.meta_path.append(_FormerNames())
 
 
 def __getattr__(name: str) -> object:

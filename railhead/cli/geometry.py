@@ -18,12 +18,18 @@ from rich.console import Console
 from rich.table import Table
 
 from railhead.contact import solid
-from railhead.contact.conicity import RollingRadii, rolling_radii
 from railhead.geometry.measured import BODY_BY_EXTENSION, standards
 from railhead.geometry.measured.measured_profile import Measured, smoothness
 from railhead.geometry.measured.standards import LaidStandard
 from railhead.geometry.placement import PlacementError
-from railhead.geometry.wheelset import Placed, Side, WheelsetOnTrack, top
+from railhead.geometry.wheelset import (
+    Placed,
+    RollingRadii,
+    Side,
+    WheelsetOnTrack,
+    rolling_radii,
+    top,
+)
 from railhead.postprocess.findings import BASE_UNITS, Subject, Units
 from railhead.results import result_folder
 from railhead.results.report import terminal

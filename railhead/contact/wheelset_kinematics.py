@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from railhead.contact.solid import Contact, FreeAxle
+from railhead.contact.solid import Contact
 from railhead.geometry.surfaces import RailSurface, nearest
 from railhead.postprocess.findings import Frame
 from railhead.scene.scene import SceneError
@@ -34,80 +34,65 @@ KEY = "rolling.from_wheelset"
 class WheelsetCreepage:
     """Creepage of the wheel of a scene that is solved, in the pose of its wheelset.
 
-    axle: 'free', turning by the mean of both rolling radii, 'nominal', by the nominal radius, or
-        'torque_free', by the radius at which no torque acts.
+    contact: the first contact of the wheel, with the pose, and how an axle without torque turns.
     turning: radius R by which the axle turns, mm: the axle moves by R in one radian.
-    radius: radius of the wheel's circle at the first contact, mm.
-    yaw: yaw of the wheelset, rad, in the axes of the right side.
-    roll: roll of the wheelset, rad, in these axes.
-    angle: contact angle, rad, as `Frame.angle`: positive where the tangent rises to the field side.
     creepage: rigid creepages along the rail and along the common tangent across, and spin about the
         rail's outward normal in 1/mm.
-    balance: of an axle that turns without torque how it turns; None of others.
     """
 
-    axle: str
+    contact: Contact
     turning: float
-    radius: float
-    yaw: float
-    roll: float
-    angle: float
     creepage: Creepage
-    balance: FreeAxle | None = None
-
-    @property
-    def why(self) -> str:
-        """Sentence that gives the creepages and the radii and angles that lead to them."""
-        moves, named = self.creepage, {"free": "the mean of both wheels'"}
-        radius = self.balance.why if self.balance else named.get(self.axle, "the nominal radius")
-        return (
-            f"creepage along {moves.along:.4g}, across {moves.across:.4g}, spin {moves.spin:.4g} "
-            f"1/mm (radius {self.radius:.6g} mm on a {self.axle} axle, which turns by "
-            f"{self.turning:.6g} mm, {radius}; yaw {1e3 * self.yaw:.4g}, roll "
-            f"{1e3 * self.roll:.4g} mrad, contact angle {np.degrees(self.angle):.4g} deg)"
-        )
 
     def summary(self) -> dict[str, Any]:
-        """Entries of summary.json: axle, its radius and the rolling radius in mm, yaw, roll and
-        contact angle in rad, both creepages, and the spin in 1/mm; of an axle without torque
-        those of `FreeAxle`.
+        """Entries of summary.json: axle ('free', 'nominal' or 'torque_free'), its radius and the
+        rolling radius in mm, yaw and roll in the axes of the right side and contact angle in rad,
+        both creepages, and the spin in 1/mm; of an axle without torque those of `FreeAxle`.
         """
+        contact, balance = self.contact, self.contact.axle
+        assert contact.placed is not None
         return {
-            "axle": self.axle,
+            "axle": contact.scene.rolling.axle,
             "axle_radius_mm": self.turning,
-            **(self.balance.summary() if self.balance else {}),
-            "rolling_radius_mm": self.radius,
-            "yaw_rad": self.yaw,
-            "roll_rad": self.roll,
-            "contact_angle_rad": self.angle,
+            **(balance.summary() if balance else {}),
+            "rolling_radius_mm": contact.touch.radius,
+            "yaw_rad": contact.scene.wheelset.yaw,
+            "roll_rad": contact.placed.roll,
+            "contact_angle_rad": contact.touch.angle,
             "creepage_along": self.creepage.along,
             "creepage_across": self.creepage.across,
             "spin_per_mm": self.creepage.spin,
         }
+
+    @property
+    def why(self) -> str:
+        """Sentence that gives the creepages and the radii and angles that lead to them."""
+        moves, values, named = self.creepage, self.summary(), {"free": "the mean of both wheels'"}
+        axle, balance = values["axle"], self.contact.axle
+        radius = balance.why if balance else named.get(axle, "the nominal radius")
+        return (
+            f"creepage along {moves.along:.4g}, across {moves.across:.4g}, spin {moves.spin:.4g} "
+            f"1/mm (radius {values['rolling_radius_mm']:.6g} mm on a {axle} axle, which turns by "
+            f"{self.turning:.6g} mm, {radius}; yaw {1e3 * values['yaw_rad']:.4g}, roll "
+            f"{1e3 * values['roll_rad']:.4g} mrad, contact angle "
+            f"{np.degrees(values['contact_angle_rad']):.4g} deg)"
+        )
 
 
 def wheelset_creepage(contact: Contact) -> WheelsetCreepage:
     """Rigid creepage of the solved wheel of a scene's wheelset at the first contact. Raises
     SceneError for half-spaces and sections, which have no wheelset.
     """
-    placed, pose = contact.placed, contact.pose
-    if placed is None or pose is None:
+    if contact.placed is None or contact.pose is None:
         kind = "half-spaces have" if contact.half_space else "a section has"
         text = f"true is not allowed: {kind} no wheelset; give creepages, spin or forces"
         raise SceneError(KEY, text)
-    touch, (along, across, normal) = contact.touch, contact.frame.axes
+    along, across, normal = contact.frame.axes
     turns = _angular_velocity(contact)
-    moves = along + np.cross(turns, np.array(contact.origin) - pose.origin)
+    moves = along + np.cross(turns, np.array(contact.origin) - contact.pose.origin)
     values = (float(each) + 0.0 for each in (moves @ along, moves @ across, turns @ normal))
     return WheelsetCreepage(
-        axle=contact.scene.rolling.axle,
-        turning=turning_radius(contact),
-        radius=touch.radius,
-        yaw=contact.scene.wheelset.yaw,
-        roll=placed.roll,
-        angle=touch.angle,
-        creepage=Creepage(*values),
-        balance=contact.axle,
+        contact=contact, turning=turning_radius(contact), creepage=Creepage(*values)
     )
 
 

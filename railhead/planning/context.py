@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
-from railhead.contact.dimension import Dimension
+from railhead.contact.plane_section import Dimension
 from railhead.contact.solid import Contact
 from railhead.planning.references import allowance, boundary_elements, closed_forms
 from railhead.scene.scene import Rail, Scene, SceneError, Wheel

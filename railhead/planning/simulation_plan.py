@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from railhead.contact import dimension, placed_bodies, plane_section, solid, wheelset_kinematics
+from railhead.contact import placed_bodies, plane_section, solid, wheelset_kinematics
 from railhead.contact.plane_section import SectionContact
 from railhead.contact.solid import Contact
 from railhead.meshing.bodies import (
@@ -659,7 +659,7 @@ def _decided(scene: Scene) -> Plan:
     without a valid contact, a patch that is too large or too small, and effects that a person
     cannot choose.
     """
-    kind = dimension.choose(scene)
+    kind = plane_section.choose(scene)
     contact = plane_section.locate(scene, kind)
     predicted = closed_forms.hertz_if_valid(scene, contact)
     contact = torque_free.balanced(contact)

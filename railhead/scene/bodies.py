@@ -8,7 +8,7 @@ hardening: no flow curve with a source was at hand.
 import json
 import os
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self
 
@@ -75,14 +75,9 @@ def _curve(value: object) -> str:
     """
     if files.is_array(value):
         value = files.file_of(value, "curve", {"plastic_strain": "", "stress_MPa": "MPa"})
-    path = files.existing(value, ".csv")
+    path = files.existing(value, (".csv",))
     files.read_curve(path)
     return path
-
-
-def _map(value: object) -> str:
-    """The absolute path of a readable .csv or .npz file. Raises ValueError (one line)."""
-    return files.existing(value, ".csv", ".npz")
 
 
 def _two(value: object) -> object:
@@ -157,7 +152,9 @@ class Surface(Section):
     length: units.BodyLength | None = None
     depth: Annotated[float, Range(units.LENGTH, 0, 100)] | None = None
     amplitude: units.Displacement | None = None
-    file: Annotated[str, BeforeValidator(_map)] | None = None
+    file: (
+        Annotated[str, BeforeValidator(partial(files.existing, suffixes=(".csv", ".npz")))] | None
+    ) = None
     position: units.Position = 0.0
 
     @model_validator(mode="after")
@@ -342,17 +339,17 @@ class Rail(BodySection):
     _ARC_KEYS: ClassVar = ("crown_radius", "depth", "width")
 
     @model_validator(mode="after")
-    def _depth_of_the_flat(self) -> Self:
-        """Raise SceneError for a flat without depth, which only a wheel can have."""
-        if self.surface and self.surface.kind == "flat" and self.surface.depth is None:
-            raise SceneError("surface.depth", "not given; a flat of the rail needs it")
-        return self
-
-    @model_validator(mode="after")
-    def _gauge_of_the_height(self) -> Self:
-        """Raise SceneError for a height of the gauge without a gauge."""
-        if self.gauge is None and self.gauge_height != GAUGE_HEIGHT:
-            raise SceneError("gauge_height", f"{self.gauge_height:g} is not allowed without gauge")
+    def _depth_of_the_flat_and_gauge(self) -> Self:
+        """Raise SceneError for a flat without depth, which only a wheel can have, and for a height
+        of the gauge without a gauge.
+        """
+        flat, high = self.surface, self.gauge_height
+        bare = flat is not None and flat.kind == "flat" and flat.depth is None
+        useless = self.gauge is None and high != GAUGE_HEIGHT
+        refuse_first(
+            (bare, "surface.depth", "not given; a flat of the rail needs it"),
+            (useless, "gauge_height", f"{high:g} is not allowed without gauge"),
+        )
         return self
 
 

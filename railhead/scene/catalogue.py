@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from railhead.geometry.measured import EXTENSIONS
-from railhead.scene.scene import MAX_NAME_BYTES, Scene, SceneError
+from railhead.scene.scene import MAX_NAME_BYTES, Scene, SceneError, file_entries
 from railhead.scene.units import show
 
 
@@ -50,11 +50,6 @@ def find(name: str | Path) -> Scene:
 
 
 INPUT = "input"  # folder in a result folder with the files that the scene names
-FILES = (
-    *("profile", "stress_strain", "passes_from", "other_rail", "other_wheel"),
-    *("positions", "law"),
-)
-"""Keys of tables whose values may be paths."""
 
 
 def as_path(value: object, name: str) -> Path:
@@ -102,16 +97,9 @@ def read_scene(path: str | Path) -> Scene:
     stem = unicodedata.normalize("NFC", path.stem)  # else an accent is a character of its own
     short = re.sub(r"[^\w.-]", "_", stem).encode()[:MAX_NAME_BYTES].decode(errors="ignore")
     data.setdefault("name", short)
-    for section in filter(lambda table: isinstance(table, dict), data.values()):
-        for key in FILES:
-            file = section.get(key)
-            if not isinstance(file, str):
-                continue
-            if key == "passes_from" or file.lower().endswith(EXTENSIONS):
-                section[key] = str(path.parent / file)
-        surface = section.get("surface")
-        if isinstance(surface, dict) and isinstance(surface.get("file"), str):
-            surface["file"] = str(path.parent / surface["file"])
+    for table, key in file_entries(data):
+        if key in ("passes_from", "file") or table[key].lower().endswith(EXTENSIONS):
+            table[key] = str(path.parent / table[key])
     return Scene.from_mapping(data)
 
 
@@ -130,10 +118,8 @@ def portable(scene: Scene) -> dict[str, Any]:
     result folder. OSError: a file cannot be read.
     """
     at, data = places(scene.files), scene.model_dump(exclude_none=True)
-    for table in (data["rail"], data["wheel"], data["wheelset"], data["rolling"], data["wear"]):
-        table |= {key: at.get(table[key], table[key]) for key in FILES if key in table}
-        if file := table.get("surface", {}).get("file"):
-            table["surface"]["file"] = at[file]
+    for table, key in file_entries(data):
+        table[key] = at.get(table[key], table[key])
     return data
 
 

@@ -29,7 +29,7 @@ def readable(path: str) -> bool:
     return is_text and os.path.isfile(path) and os.access(path, os.R_OK)
 
 
-def existing(value: object, *suffixes: str) -> str:
+def existing(value: object, suffixes: tuple[str, ...]) -> str:
     """The absolute path of a readable file with one of some extensions, small letters with a dot.
     Raises ValueError (one line) for another value.
     """

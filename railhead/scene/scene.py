@@ -72,6 +72,13 @@ _DROPS = {
     "wheel.profile": ("wheel.transverse_radius", ("arc",)),
     "solver.method": ("solver.theta", ("nitsche", "none")),
 }
+#: Keys whose values may name files.
+FILE_KEYS = (
+    *(f"rail.{key}" for key in ("profile", "stress_strain", "surface.file")),
+    *(f"wheel.{key}" for key in ("profile", "stress_strain", "surface.file")),
+    *("wheelset.other_rail", "wheelset.other_wheel", "rolling.passes_from"),
+    *("wear.positions", "wear.law"),
+)
 OTHER_NAMES = {"friction.tangential_load": "friction.force_along"}
 _SOLID = {  # of a wheelset, and of surfaces along the rail
     "rail.surface",
@@ -199,6 +206,19 @@ def dotted(table: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any
             yield from dotted(value, f"{above}{key}.")
         else:
             yield f"{above}{key}", value
+
+
+def file_entries(data: Mapping[str, Any]) -> Iterator[tuple[dict[str, Any], str]]:
+    """Table and key of each text in the nested tables of a scene that may name a file
+    (FILE_KEYS).
+    """
+    for key in FILE_KEYS:
+        *above, leaf = key.split(".")
+        table: Any = data
+        for name in above:
+            table = table.get(name) if isinstance(table, Mapping) else None
+        if isinstance(table, dict) and isinstance(table.get(leaf), str):
+            yield table, leaf
 
 
 class Scene(Section):
@@ -438,15 +458,9 @@ class Scene(Section):
 
     @property
     def files(self) -> list[Path]:
-        """Absolute paths of the files that profiles, stress-strain curves, earlier passes, and a
-        route and law of wear are read from.
-        """
-        bodies = self.bodies.values()
-        given = [path for body in bodies for path in (body.profile, body.stress_strain)]
-        given += [body.surface.file for body in bodies if body.surface]
-        others = self.wheelset.other_rail, self.wheelset.other_wheel
-        given += [self.rolling.passes_from, *others, self.wear.positions, self.wear.law]
-        return [path for path in map(Path, filter(None, given)) if path.suffix]
+        """Absolute paths of the files that the scene names."""
+        paths = (Path(table[key]) for table, key in file_entries(self.model_dump()))
+        return [path for path in paths if path.suffix]
 
     @property
     def _half_space(self) -> str:

@@ -6,6 +6,7 @@ as well. A key that may be None leaves the choice to the plan.
 
 import os
 from difflib import get_close_matches
+from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
@@ -116,38 +117,35 @@ def _passes_file(value: object) -> str:
     return path
 
 
+def _pairs(value: object, first: Range, least: int, allowed: str) -> tuple[files.Pair, ...]:
+    """Pairs of a number, rising, and a coefficient of friction above 0, `least` of them at least.
+    first: range of the rising numbers; allowed: words of messages. Raises ValueError (one line) for
+    anything else.
+    """
+    wrong = f"{show(value)} is not allowed; {allowed}"
+    try:
+        pairs = tuple((first(at), units.PAIRED_COEFFICIENT(mu)) for at, mu in value)  # type: ignore[attr-defined]
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{wrong} ({error})") from None
+    if len(pairs) < least or any(after[0] <= before[0] for before, after in pairwise(pairs)):
+        raise ValueError(wrong)
+    return pairs
+
+
 def _coefficient(value: object) -> object:
     """A coefficient of friction from 0 to 2, or pairs (angle in degrees, coefficient above 0) with
     rising angles. Raises ValueError (one line) for anything else.
     """
-    if not isinstance(value, list | tuple):
-        return units.COEFFICIENT(value)
-    if not all(isinstance(pair, list | tuple) and len(pair) == 2 for pair in value):
-        raise ValueError(f"{show(value)} is not allowed; {PAIRS}")
-    try:
-        pairs = tuple((units.SURFACE_ANGLE(a), units.PAIRED_COEFFICIENT(mu)) for a, mu in value)
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{show(value)} is not allowed; {PAIRS} ({error})") from None
-    angles = [angle for angle, _ in pairs]
-    if not angles or any(b <= a for a, b in pairwise(angles)):
-        raise ValueError(f"{show(value)} is not allowed; {PAIRS}")
-    return pairs
+    if isinstance(value, list | tuple):
+        return _pairs(value, units.SURFACE_ANGLE, 1, PAIRS)
+    return units.COEFFICIENT(value)
 
 
 def _table(value: object) -> object:
     """Pairs (temperature in deg C, coefficient above 0) with rising temperatures. Raises ValueError
     (one line) for anything else.
     """
-    try:
-        pairs = tuple(
-            (units.TEMPERATURE_RANGE(t), units.PAIRED_COEFFICIENT(mu))
-            for t, mu in value  # type: ignore[attr-defined]
-        )
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{show(value)} is not allowed; {TABLE} ({error})") from None
-    if len(pairs) < 2 or any(b[0] <= a[0] for a, b in pairwise(pairs)):
-        raise ValueError(f"{show(value)} is not allowed; {TABLE}")
-    return pairs
+    return _pairs(value, units.TEMPERATURE_RANGE, 2, TABLE)
 
 
 TABLE = "give pairs of a temperature, rising, and a coefficient, e.g. [[0, 0.3], [400, 0.12]]"
@@ -463,11 +461,6 @@ class Heat(Section):
         return bool(given.keys() & {"conductivity", "density", "specific_heat"})
 
 
-def _csv(value: object) -> str:
-    """The absolute path of a readable .csv file. Raises ValueError (one line) for another value."""
-    return files.existing(value, ".csv")
-
-
 def _law(value: object) -> str:
     """A law of wear: 'energy', 'usfd' or the absolute path of a .csv file of pairs. Raises
     ValueError (one line) for another value and a file that holds no pairs.
@@ -476,7 +469,7 @@ def _law(value: object) -> str:
         return str(value)
     if not str(value).lower().endswith(".csv"):
         raise ValueError(f"{show(value)} is not allowed; give energy, usfd or a .csv file of pairs")
-    path = files.existing(value, ".csv")
+    path = files.existing(value, (".csv",))
     files.wear_pairs(path)
     return path
 
@@ -507,7 +500,9 @@ class Wear(Section):
     distance: Annotated[float, Range(units.LENGTH, 1e3, 1e15, note=', e.g. "1000 km"')] | None = (
         None
     )
-    positions: Annotated[str, BeforeValidator(_csv)] | None = None
+    positions: (
+        Annotated[str, BeforeValidator(partial(files.existing, suffixes=(".csv",)))] | None
+    ) = None
     step: (
         Annotated[int, Range(units.NUMBER, 1, 1000, whole=True, words="auto or 1 to 1000")]
         | Literal["auto"]

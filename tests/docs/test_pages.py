@@ -3,9 +3,8 @@
 import re
 import shutil
 import subprocess
-import sys
 import tomllib
-from importlib import import_module, metadata
+from importlib import metadata
 from pathlib import Path
 
 import pytest
@@ -98,23 +97,6 @@ def test_every_folder_of_modules_is_named_once_where_the_package_is_built() -> N
         for module in (ROOT / place).rglob("__init__.py")
     ]
     assert sorted(setuptools["packages"]) == sorted(folders)
-
-
-@pytest.mark.parametrize("former", railhead._MOVED)
-def test_a_module_that_moved_is_found_by_its_former_name(former: str, monkeypatch) -> None:
-    monkeypatch.delitem(sys.modules, former, raising=False)
-    present = railhead._MOVED[former]
-    with pytest.warns(DeprecationWarning, match=f"{former} is now called {present}"):
-        assert import_module(former) is import_module(present)
-    assert import_module(present).__name__ == present
-    with pytest.raises(ModuleNotFoundError):
-        import_module(f"{former}_no")
-
-
-def test_units_are_parsed_by_their_former_name() -> None:
-    from railhead.display import Units
-
-    assert Units.parse("mm,kN,MPa").unit("N") == "kN"
 
 
 WIDEST = 200  # characters

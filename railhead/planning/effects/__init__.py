@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
-from railhead.contact.dimension import Dimension
+from railhead.contact.plane_section import Dimension
 from railhead.contact.solid import Contact
 from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.planning.effects import interface, material, passes, shape

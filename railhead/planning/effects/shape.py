@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from railhead.contact import dimension, placed_bodies
+from railhead.contact import placed_bodies, plane_section
 from railhead.contact.solid import Contact
 from railhead.geometry.outlines import head_depth
 from railhead.geometry.profiles import STANDARD_RAILS, Arc, Polynomial, osculating
@@ -43,7 +43,7 @@ SMOOTH = "nothing that varies is added to the surfaces"
 
 def decide_plane_strain(context: Context) -> Effect:
     """Plane strain is called for, and simulated, where the contact was found to be a line
-    (`dimension.choose`, which heeds effects.plane_strain of the scene).
+    (`plane_section.choose`, which heeds effects.plane_strain of the scene).
     """
     kind = context.dimension
     refused = {} if kind.line else {"on": kind.plane_strain}
@@ -54,7 +54,7 @@ def decide_axisymmetry(context: Context) -> Effect:
     """A meridian section is called for where both bodies, and their loads, are of revolution about
     the contact normal; it is on where such a section was located, which a person's 'off' prevents.
     """
-    called, why = dimension.circular(context.scene)
+    called, why = plane_section.circular(context.scene)
     return Effect(called, context.contact.revolved, why)
 
 

@@ -22,8 +22,7 @@ from railhead.results.quantity_rows import Row
 from railhead.results.report import terminal
 from railhead.run.half_spaces.answer import Solved
 from railhead.scene import quantities
-from railhead.scene.catalogue import FILES
-from railhead.scene.scene import Scene
+from railhead.scene.scene import FILE_KEYS, Scene
 from railhead.scene.scene import unit as scene_unit
 from railhead.scene.sections import Section
 
@@ -201,7 +200,7 @@ def scene_rows(scene: Scene, units: Units) -> Iterator[tuple[str, str]]:
             if value == type(of).model_fields[name or section].default:
                 continue
             key, text = f"{section}.{name}".rstrip("."), str(value)
-            if name in FILES:
+            if key in FILE_KEYS:
                 text = Path(text).name
             if isinstance(value, float):
                 base = scene_unit(key)

@@ -15,9 +15,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from railhead.contact import solid, wheelset_kinematics
-from railhead.geometry import worn_profile
+from railhead.geometry import profiles
 from railhead.geometry.placement import ProfilePair
-from railhead.geometry.worn_profile import Places
+from railhead.geometry.profiles import Places
 from railhead.planning.references import (
     boundary_elements,
     closed_forms,
@@ -123,7 +123,7 @@ class Seen:
 def places(scene: Scene, count: int) -> dict[str, Places]:
     """Places along the new profiles of 'rail' and 'wheel' of a scene, `count` along each."""
     new = solid.pair(scene)
-    return {body: worn_profile.along(getattr(new, body), count) for body in BODIES}
+    return {body: profiles.places_along(getattr(new, body), count) for body in BODIES}
 
 
 def pairs(scene: Scene, along: Mapping[str, Places], depths: Array) -> solid.Pairs:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from mpi4py import MPI
 
-from railhead.geometry.worn_profile import Places
+from railhead.geometry.profiles import Places
 from railhead.meshing.mesh import MeshError
 from railhead.postprocess.findings import Subject, Units
 from railhead.results import pipeline, result_folder

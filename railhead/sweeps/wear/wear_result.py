@@ -12,9 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from railhead.contact import conicity, solid
-from railhead.geometry import worn_profile
+from railhead.contact import solid
+from railhead.geometry import profiles
 from railhead.geometry.placement import PlacementError
+from railhead.geometry.wheelset import rolling_radii
 from railhead.results import checks
 from railhead.results.checks import Check
 from railhead.run.half_spaces import worn_contact
@@ -386,10 +387,10 @@ def _geometry(run: Run, depths: Array) -> Row:
     scene, found = run.route.scene, None
     with suppress(PlacementError, SceneError, ValueError):
         wheelset = solid.on_track(scene, worn_contact.pairs(scene, run.places, depths))
-        radii = conicity.rolling_radii(replace(wheelset, roll=0.0), REACH)
+        radii = rolling_radii(replace(wheelset, roll=0.0), REACH)
         found = radii.conicities.get(AMPLITUDE)
     points = run.places["wheel"].worn(depths[1])
-    thickness = worn_profile.flange_thickness(points, solid.tape_circle(scene))
+    thickness = profiles.flange_thickness(points, solid.tape_circle(scene))
     return {"conicity": found, "flange_thickness_mm": thickness}
 
 

@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from railhead.contact import dimension
+from railhead.contact import plane_section
 from railhead.contact.plane_section import SectionContact
 from railhead.meshing.bodies import RAIL
 from railhead.planning import simulation_plan
@@ -100,7 +100,7 @@ def plain(name: str) -> list[float]:
 def kind(given: Scene) -> str:
     if given.rail.extent == "half-space":
         return given._half_space
-    return dimension.choose(given).kind
+    return plane_section.choose(given).kind
 
 
 @pytest.mark.parametrize("name", SCENES)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from one_line import refusal
 
-from railhead.contact import dimension
+from railhead.contact import plane_section
 from railhead.meshing.bodies import WHEEL
 from railhead.planning import simulation_plan as planning
 from railhead.scene import catalogue
@@ -47,7 +47,7 @@ KINDS = {
 def test_shapes_make_a_solid_a_section_or_a_body_of_revolution(
     assignments: list[str], kind: str
 ) -> None:
-    assert dimension.choose(scene(*assignments)).kind == kind
+    assert plane_section.choose(scene(*assignments)).kind == kind
 
 
 def test_a_ball_without_a_rim_is_held_between_its_tread_and_its_axle() -> None:
@@ -114,7 +114,7 @@ def test_plan_gives_reasons_and_fewer_unknowns() -> None:
 
 def test_contact_length_is_the_common_width() -> None:
     shifted = scene(*INF_RAIL, "wheel.width=60", "wheelset.shift=20")
-    found = dimension.choose(shifted)
+    found = plane_section.choose(shifted)
     assert (found.length, found.centre) == (45.0, 12.5)
     assert planning.make(shifted).contact.origin == (0.0, 12.5, 0.0)
 

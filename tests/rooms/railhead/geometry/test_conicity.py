@@ -6,10 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from railhead.contact.conicity import equivalent_conicity, rolling_radii
 from railhead.geometry import profiles
 from railhead.geometry.placement import ProfilePair
-from railhead.geometry.wheelset import WheelsetOnTrack
+from railhead.geometry.wheelset import WheelsetOnTrack, equivalent_conicity, rolling_radii
 
 TABLE = Path(__file__).parent / "data" / "en15302.csv"
 RADIUS = 460.0  # mm
