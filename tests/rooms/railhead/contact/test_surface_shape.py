@@ -94,15 +94,6 @@ def test_what_adds_nothing_changes_nothing(keys: dict) -> None:
     assert made.hertz == smooth.hertz and made.contact.touch == smooth.contact.touch
 
 
-def test_steep_slopes_are_refused_with_their_size() -> None:
-    """2 pi times amplitude over length is the slope of waves."""
-    keys = {**WAVES, "rail.surface.length": 10.0, "rail.surface.amplitude": 0.2}
-    line = refusal(
-        lambda: simulation_plan.make(BASE.replace(**keys, **{"rail.surface.position": 2.5}))
-    )
-    assert line.startswith("rail.surface: its slope is up to 0.12")
-
-
 @pytest.mark.parametrize("amplitude, called", [(1e-3, False), (4e-3, True)])
 def test_heights_below_half_of_the_accuracy_are_left_out(amplitude: float, called: bool) -> None:
     """The bodies would overlap 4.5 mm either way, where waves of 60 mm fall by 0.11 of their
@@ -113,11 +104,22 @@ def test_heights_below_half_of_the_accuracy_are_left_out(amplitude: float, calle
     assert made.effects["surface_shape"].error == pytest.approx(0 if called else change, abs=5e-4)
 
 
-def test_roughness_is_no_shape() -> None:
-    """What changes between the places that are looked at is refused, not overlooked."""
-    pit = {"rail.surface.kind": "flat", "rail.surface.length": 0.01, "rail.surface.depth": 100.0}
-    line = refusal(lambda: solid.locate(BASE.replace(**pit)))
-    assert line.startswith("rail.surface: its height changes within 0.01 mm, as roughness does")
+STEEP = {**WAVES, "rail.surface.length": 10.0, "rail.surface.amplitude": 0.2}
+PIT = {"rail.surface.kind": "flat", "rail.surface.length": 0.01, "rail.surface.depth": 100.0}
+
+
+@pytest.mark.parametrize(
+    "keys, words",
+    [
+        ({**STEEP, "rail.surface.position": 2.5}, "its slope is up to 0.12"),
+        (PIT, "its height changes within 0.01 mm, as roughness does"),
+    ],
+)
+def test_steep_slopes_and_roughness_are_no_shape(keys: dict, words: str) -> None:
+    """The slope of waves is 2 pi times amplitude over length; what changes between the places that
+    are looked at is refused, not overlooked."""
+    line = refusal(lambda: simulation_plan.make(BASE.replace(**keys)))
+    assert line.startswith(f"rail.surface: {words}")
 
 
 @pytest.mark.parametrize("load", [1e-6, 1.0, 10e3])

@@ -212,11 +212,26 @@ def test_the_plan_says_the_numbers_and_the_axle() -> None:
     assert "wheelset" not in rh.plan(simple().replace(rolling={"from_wheelset": False})).as_dict()
 
 
-@pytest.mark.parametrize("key, value", [("creepage_along", 0.0), ("creepage_across", 1e-3),
-                                        ("spin", 1e-4), ("force_across", 10.0)])  # fmt: skip
-def test_what_the_wheelset_gives_is_not_given_twice(key: str, value: float) -> None:
-    line = f"rolling.{key}: is not allowed beside from_wheelset, which gives it"
-    assert refusal(lambda: scene(rolling={key: value})) == line
+GIVES = "is not allowed beside from_wheelset, which gives it"
+STANDS = {"from_wheelset": False, "axle": "nominal"}
+
+
+@pytest.mark.parametrize(
+    "rolling, line",
+    [
+        ({"creepage_along": 0.0}, f"rolling.creepage_along: {GIVES}"),
+        ({"creepage_across": 1e-3}, f"rolling.creepage_across: {GIVES}"),
+        ({"spin": 1e-4}, f"rolling.spin: {GIVES}"),
+        ({"force_across": 10.0}, f"rolling.force_across: {GIVES}"),
+        (STANDS, "rolling.axle: nominal is not allowed without from_wheelset"),
+        (
+            {**STANDS, "creepage_along": 1e-3},
+            "rolling.axle: nominal is not allowed without from_wheelset",
+        ),
+    ],
+)
+def test_what_the_wheelset_gives_is_given_once(rolling: dict, line: str) -> None:
+    assert refusal(lambda: scene(rolling=rolling)) == line
 
 
 @pytest.mark.parametrize("case, what", [("hertz_ellipse", "half-spaces have no wheelset"),
@@ -225,13 +240,6 @@ def test_without_a_wheelset_it_is_one_line(case: str, what: str) -> None:
     given = rh.find(case).replace(friction={"coefficient": 0.3}, rolling={"from_wheelset": True})
     line = f"rolling.from_wheelset: true is not allowed: {what}"
     assert refusal(lambda: rh.plan(given)).startswith(line)
-
-
-@pytest.mark.parametrize("given", [{}, {"creepage_along": 1e-3}])
-def test_an_axle_is_not_said_where_the_wheelset_gives_nothing(given: dict) -> None:
-    rolling = {"from_wheelset": False, "axle": "nominal", **given}
-    line = "rolling.axle: nominal is not allowed without from_wheelset"
-    assert refusal(lambda: scene(rolling=rolling)) == line
 
 
 def test_a_torque_gives_the_force_along_in_the_place_of_its_creepage() -> None:

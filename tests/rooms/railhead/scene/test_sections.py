@@ -80,16 +80,15 @@ def test_a_wrong_curve_names_its_line(tmp_path, rows: str, said: str) -> None:
         Rail(stress_strain=str(file))
 
 
-def test_linear_tetrahedra_are_no_matter_where_yield_is_switched_off() -> None:
-    scene = Scene(load=2e5, rail=Rail(yield_stress=300), mesh={"order": 1})
-    planning.make(scene.replace(effects={"plasticity": "off"}))
-
-
-def test_half_spaces_have_no_cells_that_lock() -> None:
-    plan = planning.make(
-        find("hertz_ellipse").replace([*ROLLING, "mesh.order=1", "effects.finite_bodies=off"])
-    )
-    assert plan.effects["friction"].on
+@pytest.mark.parametrize(
+    "keys",
+    [
+        ["rail.yield_stress=300", "effects.plasticity=off"],
+        [*ROLLING, "effects.finite_bodies=off"],
+    ],
+)
+def test_linear_tetrahedra_matter_only_where_cells_yield_or_roll(keys: list[str]) -> None:
+    planning.make(find("hertz_ellipse").replace([*keys, "mesh.order=1"]))
 
 
 PAIRS = ((-10.0, 0.5), (20.0, 0.4), (60.0, 0.1))

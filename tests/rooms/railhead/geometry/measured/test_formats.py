@@ -134,15 +134,12 @@ def test_miniprof_headers_order_the_columns(tmp_path) -> None:
     assert found.remarks == ("1 line commented out",)
 
 
-def test_lines_of_points_are_known() -> None:
+@pytest.mark.parametrize("file", [BAN, PRW], ids=lambda file: file.name)
+def test_lines_of_points_are_known(file: Path) -> None:
     """Those that are commented out leave holes."""
-    for file in (BAN, PRW):
-        table, lines = formats.read(file), file.read_text().splitlines()
-        assert len(table.lines) == len(table.points)
-        for i in (0, len(table.lines) // 2, -1):
-            assert [float(each) for each in lines[table.lines[i] - 1].split()[:2]]
-    first = (BAN.read_text().splitlines()[formats.read(BAN).lines[0] - 1]).split()
-    np.testing.assert_allclose(formats.read(BAN).points[0], [float(first[0]), float(first[1])])
+    table, lines = formats.read(file), file.read_text().splitlines()
+    listed = [[float(each) for each in lines[line - 1].split()[:2]] for line in table.lines]
+    np.testing.assert_allclose(np.abs(table.points), np.abs(listed))
 
 
 # Tables of points as people and programs write them.

@@ -5,9 +5,9 @@ from contextlib import nullcontext
 import numpy as np
 import pytest
 from one_line import refusal
-from profile_points import crown, even, wheel
+from profile_points import crown, wheel
 
-from railhead.geometry import outlines, profiles
+from railhead.geometry import profiles
 from railhead.geometry.measured import ordering, orientation, standards
 from railhead.geometry.measured.formats import Table
 from railhead.geometry.measured.ordering import PointError
@@ -221,15 +221,6 @@ def test_a_head_with_its_underside_stands_upright(name: str, flip: int) -> None:
     assert ("turned upside down" in said) is (flip < 0)
 
 
-@pytest.mark.parametrize("begin, flip", [(0.0, -1), (0.5, 1)])
-def test_a_closed_section_stands_upright_wherever_it_begins(begin: float, flip: int) -> None:
-    curves = outlines.rail_section("60E1", "section", half=False)
-    points = even(np.concatenate([curve.sampled() for curve in curves]), 1.0)
-    points = np.roll(points, int(begin * len(points)), axis=0)
-    _, said = turned(points * [1, flip], unit="mm")
-    assert ("turned upside down" in said) is (flip < 0)
-
-
 @pytest.mark.parametrize("left", [-57.0, -50.0])
 def test_a_wheel_that_begins_in_its_flange_has_no_known_origin(left: float) -> None:
     points = wheel(np.linspace(left, 60.0, 400)) + [200.0, 0.0]
@@ -249,24 +240,20 @@ def test_a_foreign_origin_is_moved_to_the_crown() -> None:
     np.testing.assert_allclose(kept, true + [100.0, 172.0])
 
 
-@pytest.mark.parametrize(("off", "is_refused"), [(0.6, False), (1.0, True), (-3.0, True)])
-def test_a_wild_point_is_refused(off: float, is_refused: bool) -> None:
-    """The curve would turn back at it, and the profile end there. Points are 0.25 mm apart."""
-    points = crown(np.arange(-30.0, 30.0, 0.25))
-    points[90, 1] += off
-    said = pytest.raises(ValueError, match="stands off its neighbours by .* mm; delete it")
-    with said if is_refused else nullcontext():
-        turned(points / 25.4, unit="inch")
+#: Place among points, by how much (mm) it is off, and whether it stands off.
+WILD = [(90, [0, off], off != 0.4) for off in (0.4, 1.0, -3.0)]
+WILD += [(place, off, True) for place in (0, -2) for off in ([0, 3], [0, 1], [3, 0], [-3, 0])]
+WILD += [(0, [0, -3], False), (-2, [0, -3], True)]  # down the face is farther along it
 
 
-@pytest.mark.parametrize("place", [0, -2])
-@pytest.mark.parametrize("off", [[0, 3], [0, -3], [0, 1], [3, 0], [-3, 0]])
-def test_a_wild_point_at_an_end_is_refused(place: int, off: list[float]) -> None:
-    """The curve through it may run off for kilometres; one that is farther along it is none."""
+@pytest.mark.parametrize(("place", "off", "is_refused"), WILD)
+def test_a_wild_point_is_refused(place: int, off: list[float], is_refused: bool) -> None:
+    """The curve would turn back at it, and the profile end there; at an end it may run off for
+    kilometres."""
     points = outline(0.0, 0.0, 0.0, 16.0)
     points[place] += off
-    along = off == [0, -3] and place in (0, -1)  # down the face
-    with nullcontext() if along else pytest.raises(ValueError, match="stands off"):
+    said = pytest.raises(ValueError, match="stands off its neighbours by .* mm; delete it")
+    with said if is_refused else nullcontext():
         turned(points)
 
 
