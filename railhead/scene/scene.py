@@ -551,23 +551,24 @@ class Scene(Section):
         return reduce(getitem, OTHER_NAMES.get(key, key).split("."), self.model_dump())
 
 
+def _units(section: type[Section], above: str = "") -> Iterator[tuple[str, str]]:
+    """Dotted keys of a table and of those in it, and the base unit of their values, empty for none.
+    above: prefix of the keys with its dot, 'mesh.'.
+    """
+    for key, field in section.model_fields.items():
+        kinds = (field.annotation, *get_args(field.annotation))
+        tables = [each for each in kinds if isinstance(each, type) and issubclass(each, Section)]
+        for table in tables:
+            yield from _units(table, f"{above}{key}.")
+        if not tables:
+            yield above + key, units.unit(field.annotation, *field.metadata)
+
+
 def unit(key: str) -> str:
     """Base unit (N, mm, MPa, s, rad, 1/mm, m/s) of the values of a dotted key; empty for keys
     without unit and for unknown keys.
     """
-    *above, leaf = OTHER_NAMES.get(key, key).split(".")
-    section: Any = Scene
-    for name in above:
-        field = section.model_fields.get(name)
-        tables = (field.annotation, *get_args(field.annotation)) if field else ()
-        inner = (each for each in tables if isinstance(each, type) and issubclass(each, Section))
-        section = next(inner, None)
-        if section is None:
-            return ""
-    if leaf not in section.model_fields:
-        return ""
-    field = section.model_fields[leaf]
-    return next(filter(None, map(units.unit, (*field.metadata, field.annotation))), "")
+    return dict(_units(Scene)).get(OTHER_NAMES.get(key, key), "")
 
 
 def set_but_unused(scene: Scene, kind: str) -> list[tuple[str, str]]:

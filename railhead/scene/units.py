@@ -277,11 +277,15 @@ def angle(value: object) -> float | None:
     return ANGLE.convert(parts[1], parts[2]) if parts and parts[2] in ANGLE.factors else None
 
 
-def unit(annotation: object) -> str:
-    """Base unit of the quantity that a key's type annotation reads; empty where it has none."""
-    if isinstance(annotation, Range):
-        return annotation.kind.unit
-    return next(filter(None, map(unit, get_args(annotation))), "")
+def unit(*annotations: object) -> str:
+    """Base unit of the quantity that the first type annotation with one reads; empty where none
+    has.
+    """
+    for each in annotations:
+        found = each.kind.unit if isinstance(each, Range) else unit(*get_args(each))
+        if found:
+            return found
+    return ""
 
 
 LARGEST = sys.float_info.max  # all finite numbers

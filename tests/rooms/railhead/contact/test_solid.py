@@ -1,7 +1,5 @@
 """Both sides of a wheelset in a scene: which wheel is solved, and what is on the other side."""
 
-import math
-
 import numpy as np
 import pytest
 from one_line import refusal
@@ -64,19 +62,6 @@ def test_the_opposite_scene_solves_the_other_wheel_of_the_same_wheelset() -> Non
     assert radii[0] == radii[1] == (here.touch.radius + there.touch.radius) / 2
 
 
-def test_a_creepage_along_of_both_wheels_is_that_of_their_radii() -> None:
-    """A wheelset without shift and yaw, cones of other radii: xi = (r0 - r)/r0 on each side."""
-    given = scene(
-        **{"wheel.profile": "cylinder", "wheelset.other_radius": 459.0, "rail.gauge": "none"}
-    )
-    for each in (given, given.opposite):
-        contact = solid.locate(each)
-        moves = wheelset_kinematics.wheelset_creepage(contact)
-        assert moves.turning == pytest.approx(459.5, abs=1e-3)
-        expected = (moves.turning - contact.touch.radius) / moves.turning
-        assert moves.creepage.along == pytest.approx(expected, abs=1e-5)
-
-
 def test_unlike_sides_break_the_symmetry_across() -> None:
     """The axle rolls; nothing else in the scene is asymmetric."""
     given = Scene.from_mapping({"load": 1e5, "wheelset": {"other_radius": 415}})
@@ -122,14 +107,3 @@ def test_a_rail_that_ends_above_the_gauge_is_answered_by_a_key() -> None:
     assert ends < 20
     near = given.replace(**{"rail.gauge_height": ends - 0.1})
     assert solid.locate(near).touch.y != solid.locate(scene()).touch.y
-
-
-def test_the_gauge_height_moves_the_rails_apart_by_the_slope_of_their_faces() -> None:
-    one, two = (scene(**{"rail.gauge_height": each}) for each in (13.0, 13.9))
-    crowns = [solid.on_track(each).track.crown(solid.pair(each)) for each in (one, two)]
-    rail = profiles.rail_head("60E1", 1 / 40)
-    top = max(rail.height(np.linspace(*rail.domain, 100001)))
-    y = np.linspace(rail.domain[0], -30, 200001)
-    faces = [y[np.argmin(abs(rail.height(y) - top + depth))] for depth in (13.0, 13.9)]
-    assert crowns[0] - crowns[1] == pytest.approx(faces[1] - faces[0], abs=1e-4)
-    assert math.copysign(1, crowns[0] - crowns[1]) < 0

@@ -12,19 +12,8 @@ HEIGHT = {"54E1": 159.0, "60E1": 172.0}
 
 def polygon(name: str, sharp_below: float = 0.0) -> np.ndarray:
     """Fine polygon (n, 2) of the whole section, y to the right and z from the foot bottom."""
-    points = []
-    section = outlines.rail_section(name, "section", half=False)
-    for curve in outlines.sharpened(section, sharp_below):
-        start, end = curve.points
-        if curve.centre is None:
-            points.append(np.linspace(start, end, 50)[:-1])
-            continue
-        a0, a1 = (np.arctan2(*(p - curve.centre)[::-1]) for p in (start, end))
-        turn = (a1 - a0 + np.pi) % (2 * np.pi) - np.pi
-        angle = a0 + np.linspace(0, turn, 200)[:-1]
-        radius = np.linalg.norm(start - curve.centre)
-        points.append(curve.centre + radius * np.column_stack([np.cos(angle), np.sin(angle)]))
-    return np.concatenate(points) + [0.0, HEIGHT[name]]
+    section = outlines.sharpened(outlines.rail_section(name, "section", half=False), sharp_below)
+    return np.concatenate([curve.sampled()[:-1] for curve in section]) + [0.0, HEIGHT[name]]
 
 
 def section_properties(points: np.ndarray) -> tuple[float, float, float, float]:

@@ -143,6 +143,12 @@ REPLACED = {
     "approach by load": (BY_APPROACH, ["load=25 kN"], {}),
     "no approach": ({}, ["approach=none"], {}),
     "no method": ({}, ["solver.theta=-1", "solver.method=none"], {"solver.theta": -1}),
+    "theta beside nitsche": ({"solver.theta": 0}, ["solver.method=nitsche"], {"solver.theta": 0}),
+    "no theta by penalty": (
+        {"solver.theta": 0},
+        ["solver.method=penalty"],
+        {"solver.method": "penalty"},
+    ),
     "an arc by a rail": (CROWN, ["rail.profile=60E1"], {"rail.profile": "60E1"}),
     "an arc by itself": (CROWN, ["rail.profile=arc"], CROWN),
     "a rail, no power of ten": ({}, ['rail.profile="60E1"'], {"rail.profile": "60E1"}),
@@ -406,6 +412,10 @@ CONTRADICTIONS = [
         "curvature of 0 1/mm is neither a point nor a line contact",
     ),
     ({**HALF, **ARC_WHEEL, "wheel.transverse_radius": -200}, "curvature of -0.00166667 1/mm"),
+    (
+        {"solver.method": "penalty", "solver.theta": 0},
+        "solver.theta: 0 is not allowed; only method nitsche",
+    ),
     ({"rolling.pressure": "hertz"}, "rolling.pressure: hertz is not allowed without"),
     ({**HALF, "wheel.profile": "S1002"}, "wheel.profile: 'S1002' has no single radius"),
     *(

@@ -166,11 +166,3 @@ def test_set_half_space_drops_only_what_was_not_asked_for() -> None:
     roller = scene("plane_along", **{"wheel.width": 50, "wheel.rim_depth": 20})
     half = roller.replace(["rail.extent=half-space"])
     assert (half.wheel.width, half.wheel.rim_depth) == (50, None)
-
-
-def test_theta_belongs_to_nitsche() -> None:
-    given = scene("half_space", **{"solver.theta": 0})
-    assert given.replace(["solver.method=nitsche"]).solver.theta == 0
-    assert given.replace(["solver.method=penalty"]).solver.theta is None
-    with pytest.raises(SceneError, match=r"^solver.theta: 0 is not allowed; only method nitsche"):
-        given.replace(["solver.method=penalty", "solver.theta=0"])

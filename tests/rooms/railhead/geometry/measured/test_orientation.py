@@ -78,11 +78,6 @@ def test_a_width_that_no_profile_has_asks_for_the_unit(scale: float, unit: str) 
     assert "no usual width of a rail" in said and "give its profile_unit" in said
 
 
-def test_exchanged_columns_are_refused() -> None:
-    points = outline(0.0, 0.0, 0.0)[:, ::-1]
-    assert "give y before z" in refusal(lambda: turned(points), PointError)
-
-
 def arc(radius: float, half: float, sign: float = 1.0) -> np.ndarray:
     y = np.linspace(-half, half, 161)
     return np.column_stack([y, sign * (np.sqrt(radius**2 - y**2) - radius)])
