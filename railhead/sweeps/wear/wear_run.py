@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from railhead.geometry.worn_profile import Places
+from railhead.geometry.profiles import Places
 from railhead.planning import simulation_plan as planning
 from railhead.run.half_spaces import worn_contact
 from railhead.run.half_spaces.worn_contact import (
