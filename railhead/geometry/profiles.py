@@ -219,14 +219,14 @@ def rail_head(name: str, inclination: float = 0.0) -> Profile:
     pieces: list[Arc] = []
     for mirror in (-1, 1):
         for segment in segments[::mirror]:
-            centre = (np.array(segment["centre"]) - top) * [mirror, 1]
+            y, z = (np.array(segment["centre"]) - top) * [mirror, 1]
             ends = (np.array([segment["start"], segment["end"]]) - top) * [mirror, 1]
             start, end = sorted(ends[:, 0])
             if mirror == 1 and segment is segments[0]:  # the other half of the crown's arc
                 pieces[-1] = replace(pieces[-1], end=end)
             else:
-                radius = float(np.hypot(*(ends[0] - centre)))
-                pieces.append(Arc(start, end, *centre, radius, 1))
+                radius = float(np.hypot(*(ends[0] - [y, z])))
+                pieces.append(Arc(start, end, y, z, radius, 1))
     return rolled(Profile(name, tuple(pieces)), inclination)
 
 
@@ -238,8 +238,9 @@ def rolled(profile: Profile, slope: float) -> Profile:
     if not slope:
         return profile
     c, s = _cos_sin(slope)
-    if all(isinstance(piece, Arc) for piece in profile.pieces):
-        return Profile(profile.name, tuple(_turned(piece, c, s) for piece in profile.pieces))
+    arcs = [piece for piece in profile.pieces if isinstance(piece, Arc)]
+    if len(arcs) == len(profile.pieces):
+        return Profile(profile.name, tuple(_turned(arc, c, s) for arc in arcs))
     y = np.linspace(*profile.domain, 2001)
     z = profile.height(y)
     turned_y, turned_z = y * c - z * s, y * s + z * c

@@ -221,7 +221,7 @@ APART = np.tile([[0, 0.01], [0, 0]], (len(HEAD), 1))
 ANY, LATER = range(1, 10_000), range(len(HEAD) + 1, 2 * len(HEAD) + 1)
 #: Points, what is said, and in which lines.
 REFUSED = {
-    "columns the other way": (HEAD[:, ::-1], "give y before z", ANY),
+    "columns the other way": ((HEAD * [1, 2])[:, ::-1], "give y before z", ANY),
     "there and back": (np.concatenate([HEAD, HEAD[::-1] + [0, 0.003]]), "same place twice", LATER),
     "twice": (np.concatenate([HEAD, HEAD + [0.01, 0.003]]), "same place twice", ANY),
     "two heights": (np.repeat(HEAD, 2, axis=0) + APART,
