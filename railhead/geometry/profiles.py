@@ -22,6 +22,7 @@ from railhead.theory.array_types import Array
 
 STANDARD_RAILS = ("54E1", "60E1")  # EN 13674-1
 
+FACES_UP = 0.999  # of the radius: as far from its centre an arc faces upwards
 STRAIGHT = 1e-9  # 1/mm, curvature of what counts as straight
 CONES = {"cylinder": 0.0, "cone20": 1 / 20, "cone40": 1 / 40}
 DENSE = 20  # places between two of `places_along`, over which the length is summed
@@ -209,50 +210,54 @@ def s1002() -> Profile:
 
 def rail_head(name: str, inclination: float = 0.0) -> Profile:
     """Crown of a standard rail: an arc of R300 in the middle, then R80 and R13 on each side, turned
-    about the crown centre, which is at y = z = 0. Ends that no longer face upwards are cut.
+    about the crown centre, which is at y = z = 0, as of `rolled`.
     name: "54E1" or "60E1" (STANDARD_RAILS); KeyError for another.
     inclination: slope by which the rail leans towards the track's centre (y < 0), as 1/20.
     """
     segments = json_data("rails.json")[name]["half_section"][:3]
     top = np.array(segments[0]["start"])
-    c, s = _cos_sin(inclination)
     pieces: list[Arc] = []
     for mirror in (-1, 1):
         for segment in segments[::mirror]:
-            centre = (np.array(segment["centre"]) - top) * [mirror, 1]
+            y, z = (np.array(segment["centre"]) - top) * [mirror, 1]
             ends = (np.array([segment["start"], segment["end"]]) - top) * [mirror, 1]
-            radius = float(np.hypot(*(ends[0] - centre)))
-            cy, cz = centre[0] * c - centre[1] * s, centre[0] * s + centre[1] * c
-            start, end = sorted(ends[:, 0] * c - ends[:, 1] * s)
-            # Keep what still faces upwards.
-            start, end = max(start, cy - 0.999 * radius), min(end, cy + 0.999 * radius)
+            start, end = sorted(ends[:, 0])
             if mirror == 1 and segment is segments[0]:  # the other half of the crown's arc
                 pieces[-1] = replace(pieces[-1], end=end)
             else:
-                pieces.append(Arc(start, end, cy, cz, radius, 1))
-    return Profile(name, tuple(pieces))
+                radius = float(np.hypot(*(ends[0] - [y, z])))
+                pieces.append(Arc(start, end, y, z, radius, 1))
+    return rolled(Profile(name, tuple(pieces)), inclination)
 
 
 def rolled(profile: Profile, slope: float) -> Profile:
     """The profile turned about the origin by the angle arctan(slope), from y to z, so that its top
-    leans to y < 0. The result is exact for a single arc, else a cubic spline through 2001 points.
+    leans to y < 0. Arcs stay arcs, without ends that no longer face upwards; else the result is a
+    cubic spline through 2001 points.
     """
     if not slope:
         return profile
     c, s = _cos_sin(slope)
-    start, end = profile.domain
-    if len(profile.pieces) == 1 and isinstance(profile.pieces[0], Arc):
-        arc = profile.pieces[0]
-        centre = (arc.centre_y * c - arc.centre_z * s, arc.centre_y * s + arc.centre_z * c)
-        ends = np.array([start, end])
-        first, last = ends * c - profile.height(ends) * s
-        turned = Arc(float(first), float(last), *centre, arc.radius, arc.side)
-        return Profile(profile.name, (turned,))
-    y = np.linspace(start, end, 2001)
+    arcs = [piece for piece in profile.pieces if isinstance(piece, Arc)]
+    if len(arcs) == len(profile.pieces):
+        return Profile(profile.name, tuple(_turned(arc, c, s) for arc in arcs))
+    y = np.linspace(*profile.domain, 2001)
     z = profile.height(y)
     turned_y, turned_z = y * c - z * s, y * s + z * c
     spline = make_interp_spline(turned_y, turned_z, k=3)
     return Profile(profile.name, (Spline(turned_y[0], turned_y[-1], spline),))
+
+
+def _turned(arc: Arc, c: float, s: float) -> Arc:
+    """An arc turned about the origin by the angle with this cosine and sine, as far as it faces
+    upwards.
+    """
+    ends = np.array([arc.start, arc.end])
+    first, last = ends * c - arc.derivative(ends, 0) * s
+    y, z = arc.centre_y * c - arc.centre_z * s, arc.centre_y * s + arc.centre_z * c
+    reach = FACES_UP * arc.radius
+    start, end = max(float(first), y - reach), min(float(last), y + reach)
+    return Arc(start, end, y, z, arc.radius, arc.side)
 
 
 def osculating(profile: Profile, y: float) -> Profile:

@@ -127,14 +127,13 @@ def _text(path: Path) -> str:
     """
     data = path.read_bytes()
     marked = data[:2] in (b"\xff\xfe", b"\xfe\xff")
-    for coding in ("utf-16",) if marked else ("utf-8-sig", "latin-1"):
-        try:
-            text = data.decode(coding)
-        except UnicodeDecodeError:
-            continue
-        if "\0" not in text:
-            return text
-    raise FormatError(path.name, 1, "is no text; give points as text")
+    try:
+        text = data.decode("utf-16" if marked else "utf-8-sig")
+    except UnicodeDecodeError:
+        text = data.decode("latin-1")
+    if "\0" in text:
+        raise FormatError(path.name, 1, "is no text; give points as text")
+    return text
 
 
 def _numbers(line: str, separator: str, decimal: str) -> list[float] | None:

@@ -17,7 +17,8 @@ from railhead.geometry.measured.ordering import PointError
 from railhead.theory.array_types import Array
 
 WIDTHS = 1.0, 1000.0  # mm of any profile; and where no unit is stated ...
-LIKELY, LIKELY_IN_INCHES = (15.0, 160.0), {"rail": (25.0, 100.0)}  # ... a wheel: 60 to 150
+LIKELY = 15.0, 160.0  # ... in mm and m, and in inches:
+LIKELY_IN_INCHES = {"rail": (25.0, 100.0), "wheel": (60.0, 150.0)}
 STEP = 0.25  # mm between the places at which shapes are looked at
 HIGH = 1.3  # times its width: a head that is higher has its columns exchanged
 NARROW, LEAST_FALL = 25.0, 1.0  # mm: a narrower rail may be a groove; and a flat one may be either
@@ -367,8 +368,8 @@ def in_mm(table: Table, body: str, given: str) -> tuple[Table, str]:
     given or stated one, fits the width.
     """
     stated = table.unit if given == "auto" else given
-    inches = LIKELY_IN_INCHES.get(body, (60.0, 150.0))
-    widths = {stated: WIDTHS} if stated else {"mm": LIKELY, "inch": inches, "m": LIKELY}
+    likely = {"mm": LIKELY, "inch": LIKELY_IN_INCHES[body], "m": LIKELY}
+    widths = {stated: WIDTHS} if stated else likely
     y = table.points[:, 0]
     width = float(np.ptp(y))
     fits = (unit for unit, (low, high) in widths.items() if low <= width * MM_OF_UNIT[unit] <= high)

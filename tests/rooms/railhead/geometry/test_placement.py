@@ -6,7 +6,7 @@ from one_line import refusal
 
 from railhead.geometry import placement, profiles
 from railhead.geometry.placement import Pose, ProfilePair, turned, upright
-from railhead.geometry.surfaces import ExactGap, ParabolicGap, RailSurface, WheelSurface, along
+from railhead.geometry.surfaces import ExactGap, RailSurface, WheelSurface, along
 
 PAIRS = [
     (ProfilePair(profiles.rail_head("54E1"), profiles.cone(0, 67, "cylinder"), 420.0), 0.0),
@@ -121,9 +121,3 @@ def test_points_beside_the_slave_are_moved_onto_it() -> None:
     )
     down = np.array([[0.0, 0.0, -1.0]])
     assert along(rail, off, down)[0] == pytest.approx(0.3 + 300 - np.sqrt(300**2 - 25), abs=1e-12)
-
-
-def test_parabolic_gap_is_hertz_own() -> None:
-    gap, normal = ParabolicGap(1 / 420, 1 / 300, -1)(np.array([[2.0, 3.0, 0.0]]))
-    assert gap == pytest.approx(4 / 840 + 9 / 600)
-    np.testing.assert_array_equal(normal, [[0, 0, -1]])

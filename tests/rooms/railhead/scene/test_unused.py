@@ -125,19 +125,6 @@ def test_a_key_is_used_or_refused(name: str, key: str) -> None:
     assert found != plain(name)
 
 
-@pytest.mark.parametrize("name", scenes.UNUSED_KEYS)
-def test_the_table_holds_what_is_refused(name: str) -> None:
-    """Meridian sections give way to solids, which use every key."""
-    assert scenes.set_but_unused(scene(name), name) == []
-    for key in scenes.UNUSED_KEYS[name][1]:
-        if name == "axisymmetric":
-            beside = {"rail.gauge": 1437} if key == "rail.gauge_height" else {}
-            assert kind(scene(name, **{key: KEYS[key]}, **beside)) == "solid"
-            continue
-        with pytest.raises(SceneError, match=f"^{key}: "):
-            simulation_plan.make(scene(name, **{key: KEYS[key]}))
-
-
 def test_a_long_narrow_contact_with_yaw_is_solid() -> None:
     keys = {"rail.crown_radius": 1e6, "rail.width": 10.0, "wheel.width": 10.0}
     assert kind(scene("plane_along", **keys)) == "plane_along"
