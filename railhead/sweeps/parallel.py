@@ -135,15 +135,12 @@ def run(
 
 
 def _plan(submit: worker_pool.Submit, scenes: Sequence[Scene]) -> runner.Planned:
-    """`runner.plan_each` of scenes, in processes side by side. Raises RuntimeError if one fails."""
+    """`runner.plan_each` of scenes, in processes side by side. Raises ValueError if one fails."""
     count = min(worker_pool.workers(MPI.COMM_WORLD.size), len(scenes))
-    parts = [submit(runner.plan_each, scenes[first::count]) for first in range(count)]
+    jobs = [(scenes[first::count],) for first in range(count)]
     planned: dict[int, Plan | SceneError] = {}
-    for first, part in enumerate(parts):
-        attempt = worker_pool.outcome(part)
-        if attempt.value is None:
-            raise RuntimeError(attempt.fault)
-        planned |= zip(range(first, len(scenes), count), attempt.value, strict=True)
+    for first, part in enumerate(worker_pool.together(submit, runner.plan_each, jobs)):
+        planned |= zip(range(first, len(scenes), count), part, strict=True)
     return [planned[number] for number in range(len(scenes))]
 
 

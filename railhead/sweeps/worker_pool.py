@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -89,6 +89,22 @@ def outcome(future: Future[Attempt[T]]) -> Attempt[T]:
         return future.result()
     except ProcessExpired:
         return Attempt(None, "the process crashed")
+
+
+def together(
+    submit: Submit | None, work: Callable[..., T], jobs: Iterable[tuple[Any, ...]]
+) -> list[T]:
+    """Values of work(*job) for each job, in their order, solved side by side. submit: starts a job;
+    None: one after the other in this process. Raises ValueError with the reason of one that fails.
+    """
+    if submit is None:
+        return [work(*job) for job in jobs]
+    found = []
+    for attempt in [outcome(future) for future in [submit(work, *job) for job in jobs]]:
+        if attempt.value is None:
+            raise ValueError(attempt.fault)
+        found.append(attempt.value)
+    return found
 
 
 @contextmanager

@@ -231,9 +231,7 @@ def _draw_depth(
             ax.fill_between(
                 y, worn_off - error, worn_off + error, color=COLOURS[body], alpha=0.3, lw=0
             )
-            ax.set_title(body)
-            ax.set_xlabel("y to the field side, mm")
-            ax.set_ylabel("worn depth, mm")
+            ax.set(title=body, xlabel="y to the field side, mm", ylabel="worn depth, mm")
             ax.invert_yaxis()
     return figure
 
@@ -254,6 +252,5 @@ def _draw_history(rows: Sequence[Row], subject: Subject, target: Target = None) 
                 ax.plot(done, values, "o-", label=name, color=COLOURS.get(name, "#c8502d"))
             if len(keys) > 1:
                 ax.legend()
-            ax.set_xlabel("share of the wear, %")
-            ax.set_ylabel(label)
+            ax.set(xlabel="share of the wear, %", ylabel=label)
     return figure

@@ -17,7 +17,6 @@ from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -265,7 +264,7 @@ class Run:
             (position, self.fineness, depth, each, shares, other)
             for position, each, other in zip(positions, begin, others, strict=True)
         ]
-        answers = _answers(jobs, self.submit)
+        answers = worker_pool.together(self.submit, worn_contact.solve, jobs)
         total = [np.sum([worn[n] for _, worn in answers], axis=0) for n in range(len(shares))]
         return _joined([each for each, _ in answers]), total
 
@@ -373,23 +372,6 @@ def _stages(run: Run, ends: Sequence[float] | None) -> Iterator[Stage]:
         return wear.march(run.advance, last, [end for end in ends if end > last.done])
     approach = min(position.hertz.approach for position in run.route.positions)
     return wear.march_freely(run.advance, last, given.accuracy, SETTLES * approach)
-
-
-def _answers(
-    jobs: Sequence[tuple[Any, ...]], submit: worker_pool.Submit | None
-) -> list[tuple[Seen, list[Array]]]:
-    """What `worn_contact.solve` returns for each of its arguments in turn, side by side. Raises
-    ValueError with the reason of one that fails.
-    """
-    if submit is None:
-        return [worn_contact.solve(*job) for job in jobs]
-    futures = [submit(worn_contact.solve, *job) for job in jobs]
-    found = []
-    for attempt in [worker_pool.outcome(future) for future in futures]:
-        if attempt.value is None:
-            raise ValueError(attempt.fault)
-        found.append(attempt.value)
-    return found
 
 
 def _joined(seen: Sequence[Seen]) -> Contacts:
