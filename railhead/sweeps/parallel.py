@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, wait
 from contextlib import AbstractContextManager, ExitStack, suppress
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -119,7 +119,7 @@ def run(
 
         def solve(submit: worker_pool.Submit) -> Sweep:
             """Plan all scenes, get the folder ready for their records, and solve them."""
-            plans = runner.plan_all(sweep.grid, progress, partial(_plan, submit))
+            plans = runner.plan_all(sweep.grid, progress, submit)
             stack.enter_context(result_folder.claimed(sweep.folder))
             store.begin(sweep.folder, sweep.request, other, LATER)
             copy_files(map(Path, sweep.files), sweep.folder)
@@ -132,16 +132,6 @@ def run(
         if found is not None:
             _write(sweep, found, pictures=pictures)
         return found
-
-
-def _plan(submit: worker_pool.Submit, scenes: Sequence[Scene]) -> runner.Planned:
-    """`runner.plan_each` of scenes, in processes side by side. Raises ValueError if one fails."""
-    count = min(worker_pool.workers(MPI.COMM_WORLD.size), len(scenes))
-    jobs = [(scenes[first::count],) for first in range(count)]
-    planned: dict[int, Plan | SceneError] = {}
-    for first, part in enumerate(worker_pool.together(submit, runner.plan_each, jobs)):
-        planned |= zip(range(first, len(scenes), count), part, strict=True)
-    return [planned[number] for number in range(len(scenes))]
 
 
 def _check_records(sweep: ParallelSweep) -> None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import timedelta
 from typing import TYPE_CHECKING, Any
@@ -28,6 +28,7 @@ from railhead.run.mesh_solution import solve_on_mesh
 from railhead.run.progress import Progress
 from railhead.run.refinement import Ending
 from railhead.scene.scene import Scene, SceneError
+from railhead.sweeps import worker_pool
 from railhead.sweeps.grid import ParameterGrid
 
 if TYPE_CHECKING:
@@ -40,13 +41,11 @@ MAX_GROUP = 30  # loads that share a mesh: gmsh evaluates the size field of each
 MAX_LOAD_RATIO = 8.0
 
 
-Planned = list[Plan | SceneError]
-"""Plan of each of some scenes, or why it makes no contact problem."""
-
-
-def plan_each(scenes: Sequence[Scene]) -> Planned:
-    """Plan scenes one after the other in this process."""
-    planned: Planned = []
+def plan_each(scenes: Sequence[Scene]) -> list[Plan | SceneError]:
+    """Plan scenes one after the other in this process; an error in the place of a plan says why a
+    scene makes no contact problem.
+    """
+    planned: list[Plan | SceneError] = []
     for scene in scenes:
         try:
             planned.append(planning.make(scene))
@@ -56,23 +55,27 @@ def plan_each(scenes: Sequence[Scene]) -> Planned:
 
 
 def plan_all(
-    grid: ParameterGrid,
-    progress: Progress,
-    plan: Callable[[Sequence[Scene]], Planned] = plan_each,
+    grid: ParameterGrid, progress: Progress, submit: worker_pool.Submit | None = None
 ) -> list[Plan]:
     """Plans of all scenes of a grid. Raises SceneError, with the values of the scene, for the first
-    scene that makes no contact problem. plan: as of `plan_each`, in other processes too.
+    scene that makes no contact problem. submit: as of `worker_pool.together`.
 
     The approach of a whole rail is to its foot, that of a head to its cut. So that one sweep has
     one datum, `effects.rail_section` is set to on in the grid's scenes that leave it to the plan,
     where the plan of another scene has it.
     """
-    progress.stage(f"planning {len(grid.scenes)} scenes")
+    total = len(grid.scenes)
+    progress.stage(f"planning {total} scenes")
+    parts = 1 if submit is None else min(worker_pool.workers(MPI.COMM_WORLD.size), total)
+    jobs = [(grid.scenes[first::parts],) for first in range(parts)]
+    planned: dict[int, Plan | SceneError] = {}
+    for first, part in enumerate(worker_pool.together(submit, plan_each, jobs)):
+        planned |= zip(range(first, total, parts), part, strict=True)
     plans = []
-    for number, planned in enumerate(plan(grid.scenes)):
-        if isinstance(planned, SceneError):
-            raise SceneError(planned.key, f"{planned.text} ({grid.label(number)})")
-        plans.append(planned)
+    for number, plan in sorted(planned.items()):
+        if isinstance(plan, SceneError):
+            raise SceneError(plan.key, f"{plan.text} ({grid.label(number)})")
+        plans.append(plan)
     sections = [plan.effects["rail_section"] for plan in plans]
     if any(each.on for each in sections) and "effects.rail_section" not in grid.keys:
         for number, each in enumerate(sections):
