@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +15,7 @@ from numpy.typing import NDArray
 from railhead.postprocess.findings import Array
 from railhead.theory.friction import damage
 from railhead.theory.friction.rolling import TangentialSolution
-
-if TYPE_CHECKING:
-    from railhead.solver.system.solution import FrictionSolution
+from railhead.theory.friction.solution import FrictionSolution
 
 MOTION = {
     True: ("creepage_along", "creepage_across", "spin_per_mm"),
@@ -62,8 +60,6 @@ def at_cells(
     parts: factor on the areas of the cells: number of symmetric parts of the model, where only the
         cells of one are used.
     """
-
-    from railhead.solver.system.solution import FrictionSolution
 
     def joined(values: Sequence[NDArray[Any]]) -> NDArray[Any]:
         """Values (n, ...) at the cells that are used, of an array (nx, ny, ...) a patch."""

@@ -18,7 +18,7 @@ from railhead.postprocess.findings import COLUMN, ROW, Array, Surface
 if TYPE_CHECKING:
     import meshio
 
-    from railhead.solver.system.solution import FrictionSolution
+    from railhead.theory.friction.solution import FrictionSolution
 
 Normal = tuple[float, float, float]
 Planes = Sequence[Normal]

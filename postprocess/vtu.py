@@ -15,8 +15,8 @@ from railhead.meshing.bodies import RAIL
 from railhead.postprocess.findings import SYMMETRIC, Array, Surface
 from railhead.postprocess.pass_rows import RailState
 from railhead.solver.system.fields import Fields
-from railhead.solver.system.solution import FrictionSolution
 from railhead.theory.elastic.subsurface import directions, max_shear, principal, von_mises
+from railhead.theory.friction.solution import FrictionSolution
 
 UNITS = {
     "displacement": "mm",

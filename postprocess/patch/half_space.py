@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -32,9 +32,7 @@ from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.elastic.line import Hertz
 from railhead.theory.elastic.subsurface import EllipsoidalPressure
-
-if TYPE_CHECKING:
-    from railhead.solver.system.solution import FrictionSolution, GridTraction
+from railhead.theory.friction.solution import FrictionSolution, GridTraction
 
 SurfaceMap = Callable[[Array, Array], Array]
 """Places x (n,), s (n,), mm, on the developed surface -> points (n, 3) in space, mm."""
@@ -239,7 +237,7 @@ def _on_strips(friction: FrictionSolution, frame: Frame) -> FrictionSolution:
     a symmetry plane have images, whose tractions are the other way round.
     """
 
-    from railhead.solver.system.solution import GridTraction
+    from railhead.theory.friction.solution import GridTraction
 
     local, traction = frame.local(friction.points), friction.traction @ frame.axes.T
     axis = int(np.argmax(np.ptp(local[:, :2], axis=0)))

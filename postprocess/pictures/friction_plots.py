@@ -22,8 +22,8 @@ from railhead.postprocess.pictures.diagrams import (
     over_patches,
     rounded,
 )
-from railhead.solver.system.solution import FrictionSolution
 from railhead.theory.friction import damage
+from railhead.theory.friction.solution import FrictionSolution
 
 STICK, SLIP, ACROSS = "#d3e4f3", "#e08a4f", "#3f7d54"  # light and dark: told apart in grey, too
 ARROWS = 17  # along the longer side of the patch

@@ -22,16 +22,16 @@ if TYPE_CHECKING:
     from railhead.postprocess.pictures.diagrams import Drawing
     from railhead.postprocess.pictures.plastic_plots import Yielded
     from railhead.postprocess.symmetry import Planes
-    from railhead.solver.system.solution import FrictionSolution
+    from railhead.theory.friction.solution import FrictionSolution
 
 MODULES = (
     "postprocess.findings",
     "postprocess.pass_rows",
     "postprocess.pictures.gallery",
     "postprocess.pictures.plastic_plots",
-    "solver.system.solution",
     "theory.elastic.hertz",
     "theory.elastic.line",
+    "theory.friction.solution",
 )
 """Modules whose dataclasses a file of `save` may hold."""
 WITHOUT_STRESSES = "pressure.png", "patch.png"

@@ -23,8 +23,8 @@ from railhead.scene.scene import SceneError
 if TYPE_CHECKING:
     from railhead.postprocess.pictures.diagrams import Drawing
     from railhead.solver.system.fields import Fields
-    from railhead.solver.system.solution import FrictionSolution
     from railhead.theory.elastic.line import Hertz
+    from railhead.theory.friction.solution import FrictionSolution
 
 BOUNDS = {
     each.bound: each.key

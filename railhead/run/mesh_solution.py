@@ -38,7 +38,8 @@ if TYPE_CHECKING:
     from railhead.postprocess.stress.plastic import ResidualState
     from railhead.solver.contact import ContactModel
     from railhead.solver.system.fields import Fields
-    from railhead.solver.system.solution import FrictionSolution, Solution
+    from railhead.solver.system.solution import Solution
+    from railhead.theory.friction.solution import FrictionSolution
 
 # largest ratio of solved and expected patch, either way, for which a mesh is kept:
 REMESH_RATIO = 1.25

@@ -33,7 +33,7 @@ from railhead.solver.friction.pressed_surfaces import (
 from railhead.solver.plasticity.load_stepping import Response
 from railhead.solver.system.contact_system import LoadCase
 from railhead.solver.system.fields import Fields, gather
-from railhead.solver.system.solution import FrictionSolution, GridTraction, Solution
+from railhead.solver.system.solution import Solution
 from railhead.theory.array_types import Array
 from railhead.theory.friction.rolling import (
     CELLS,
@@ -44,6 +44,7 @@ from railhead.theory.friction.rolling import (
     solve_for_forces,
 )
 from railhead.theory.friction.smooth_tractions import NARROW, SmoothTractions
+from railhead.theory.friction.solution import FrictionSolution, GridTraction
 from railhead.theory.friction.tangential import TractionInfluence
 
 Stage = Callable[[str], None]

@@ -261,8 +261,6 @@ def _write(sweep: ParallelSweep, found: Sweep, *, pictures: bool) -> None:
 
     found: rows of all scenes; its failures are added to.
     """
-    from railhead.postprocess import vtu
-
     folder, rows = sweep.folder, found.rows()
 
     def attempt(name: str) -> AbstractContextManager[None]:
@@ -270,13 +268,13 @@ def _write(sweep: ParallelSweep, found: Sweep, *, pictures: bool) -> None:
         return result_folder.attempt(found.failures, folder / name, folder)
 
     _write_table(folder, rows)
-    for name in SERIES if sweep.vtu else ():
-        steps = {
-            float(number): f"{VTU}/{number:05d}/{name}.vtu"
-            for number, row in enumerate(rows)
-            if row[sweep_table.CHECKS] == sweep_table.PASSED
-        }
-        vtu.series(steps, folder / f"{name}.pvd")
+    if sweep.vtu:
+        from railhead.postprocess import vtu
+
+        passed = [n for n, row in enumerate(rows) if row[sweep_table.CHECKS] == sweep_table.PASSED]
+        for name in SERIES:
+            steps = {float(n): f"{VTU}/{n:05d}/{name}.vtu" for n in passed}
+            vtu.series(steps, folder / f"{name}.pvd")
     for name in DRAWN:
         (folder / name).unlink(missing_ok=True)
     if pictures:

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future
 from contextlib import contextmanager
 from dataclasses import dataclass
+from importlib import import_module
 from multiprocessing.context import SpawnContext, SpawnProcess
 from types import ModuleType
 from typing import Any, Generic, TypeVar
@@ -69,6 +70,7 @@ def submitting(ranks: int, jobs: int = JOBS_PER_PROCESS) -> Iterator[Submit | No
     if ranks > 1:
         from mpi4py.futures import MPICommExecutor
 
+        import_module("railhead.solver")  # PETSc starts on all ranks at once, or waits for ever
         with MPICommExecutor() as executor:
             yield executor and (lambda *job: executor.submit(attempt, *job))
         return

@@ -13,9 +13,10 @@ from railhead.solver.friction.coulomb import TINY, CoulombContact, TangentialSta
 from railhead.solver.plasticity.load_stepping import Response
 from railhead.solver.system.contact_system import ContactSystem, LoadCase
 from railhead.solver.system.setup import FrictionSettings
-from railhead.solver.system.solution import FrictionSolution, Solution
+from railhead.solver.system.solution import Solution
 from railhead.theory.array_types import Array, Mask
 from railhead.theory.friction.laws import agree, settled
+from railhead.theory.friction.solution import FrictionSolution
 
 COUPLING_TOLERANCE = 1e-3  # change of the tractions in one coupling iteration, over max(mu p)
 COUPLING_ITERATIONS = 30  # at most in a load step

@@ -6,7 +6,7 @@ import math
 import numpy as np
 
 from railhead.scene.scene import Rail, Scene, Wheel
-from railhead.solver.system.solution import FrictionSolution
+from railhead.theory.friction.solution import FrictionSolution
 
 MU = 0.3
 

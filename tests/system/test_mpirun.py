@@ -28,6 +28,17 @@ def test_two_ranks_give_what_one_gives(tmp_path) -> None:
     assert numeric_values(two["result"]) == pytest.approx(numeric_values(one["result"]), rel=1e-6)
 
 
+@pytest.mark.parametrize("how", ["--fast", "--quiet"])
+def test_a_sweep_under_mpirun_ends(tmp_path, how: str) -> None:
+    """The second process solves: half-spaces, and bodies with a mesh."""
+    start = ["mpirun", "-n", "2", *command.START, "sweep", "hertz_ellipse", how]
+    keys = ["--set", "mesh.patch_size=3", "--over", "load=10kN,20kN", "--out", "swept"]
+    done = subprocess.run([*start, *keys], cwd=tmp_path, check=False, timeout=60,
+                          env=command.environment() | command.ROOT)  # fmt: skip
+    assert done.returncode in (0, 1)
+    assert len((tmp_path / "swept/sweep.csv").read_text().splitlines()) == 3
+
+
 def test_a_killed_command_leaves_no_ranks(tmp_path) -> None:
     """As a batch system or `timeout -s KILL` ends it."""
     case = ["hertz_ellipse", "--set", "mesh.patch_size=0.2", "--no-pictures", "--ranks", "2"]

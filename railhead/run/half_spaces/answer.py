@@ -10,7 +10,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from scipy.ndimage import zoom
@@ -38,9 +38,7 @@ from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.elastic.line import Hertz
 from railhead.theory.friction.rolling import CELLS, TangentialSolution
-
-if TYPE_CHECKING:
-    from railhead.solver.system.solution import FrictionSolution
+from railhead.theory.friction.solution import FrictionSolution
 
 TURNS, BALANCE = 12, 1e-6  # between pressing and shearing; of the load
 NEAR = 0.2  # of a load: half lengths change by 7 %, and grids leave 10 % beside the patch

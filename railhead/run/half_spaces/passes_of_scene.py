@@ -45,9 +45,9 @@ from railhead.scene.scene import Scene
 from railhead.solver.material import History, Material
 from railhead.solver.plasticity.block import Block, graded, mirrored
 from railhead.solver.plasticity.rolling_block import RollingBlock
-from railhead.solver.system.solution import FrictionSolution
 from railhead.theory.array_types import Array
 from railhead.theory.elastic.line import LineContact
+from railhead.theory.friction.solution import FrictionSolution
 
 BEYOND = 1.03  # p0/k over Melan's limit, from which a line does not shake down
 SPACING = 0.2  # mm, of the points of the profile with its groove

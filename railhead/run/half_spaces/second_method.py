@@ -9,7 +9,7 @@ force.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -32,10 +32,8 @@ from railhead.theory.elastic.line import LineContact
 from railhead.theory.friction import kalker, partial_slip
 from railhead.theory.friction.kalker import Coefficients
 from railhead.theory.friction.rolling import CELLS, Creepage
+from railhead.theory.friction.solution import FrictionSolution
 from railhead.theory.friction.tangential import MaterialPair
-
-if TYPE_CHECKING:
-    from railhead.solver.system.solution import FrictionSolution
 
 STRIP_KEYS = (
     "force_along_N",

@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 
 from railhead.postprocess import symmetry, vtu
 from railhead.postprocess.findings import Surface
-from railhead.solver.system.solution import FrictionSolution
+from railhead.theory.friction.solution import FrictionSolution
 
 KINDS = [("tetrahedron", 1), ("tetrahedron", 2), ("hexahedron", 1), ("hexahedron", 2)]
 

@@ -11,8 +11,9 @@ import pyvista as pv
 from vtkmodules.vtkCommonCore import vtkDataArray
 
 from railhead.postprocess import symmetry, vtu
-from railhead.solver.system.solution import FrictionSolution, PlasticStrain
+from railhead.solver.system.solution import PlasticStrain
 from railhead.theory.elastic.subsurface import max_shear, von_mises
+from railhead.theory.friction.solution import FrictionSolution
 
 UNITS_LABEL = vtkDataArray.UNITS_LABEL()
 KINDS = [("tetrahedron", 1), ("tetrahedron", 2), ("hexahedron", 1), ("hexahedron", 2)]
