@@ -61,7 +61,7 @@ class ContactCompliance:
     response is linearised around, without the effect of tractions.
 
     points: position in space (n, 3), mm.
-    weights: area of each point (n,) in the meshed part, mm2.
+    area: area of each point (n,) in the whole model, mm2.
     tangents: (n, k, 3) unit vectors in space: in a solid along the rail and across it, in a section
         along the section; see `surface_tangents`.
     tau: parameter of the contact law (n,), MPa/mm.
@@ -70,7 +70,6 @@ class ContactCompliance:
     trial_compliance: D (n k, m), trial traction per nodal traction.
     displacement_compliance: D_g (n k, m), relative displacement per nodal traction, mm/MPa.
     pressure_compliance: D_p (n, m), pressure per nodal traction.
-    parts: number of symmetric images that make up the whole model.
     active: (n,) whether a point touches.
     trial_traction: q0 (n, k), MPa, without the error of the mesh.
     displacement: g0 (n, k), tangential displacement of the wheel relative to the rail, mm; when
@@ -79,7 +78,7 @@ class ContactCompliance:
     """
 
     points: Array
-    weights: Array
+    area: Array
     tangents: Array
     tau: Array
     step: float
@@ -87,16 +86,10 @@ class ContactCompliance:
     trial_compliance: Array
     displacement_compliance: Array
     pressure_compliance: Array
-    parts: int
     active: Mask
     trial_traction: Array
     displacement: Array
     pressure: Array
-
-    @property
-    def area(self) -> Array:
-        """Area of each point (n,) in the whole model, mm2."""
-        return self.parts * self.weights
 
     def in_space(self, values: Array) -> Array:
         """Vectors in space (n, 3) from their components along the tangents of the n points (n,
@@ -189,7 +182,7 @@ class StaticCondensation(PressedSurfaces):
         active, trial_traction, place, indicator = self._linearisation(solution)
         contact = ContactCompliance(
             points=setup.kinematics.lift(self._all(self.face.points)),
-            weights=self._all(self.face.weights),
+            area=setup.parts * self._all(self.face.weights),
             tangents=setup.kinematics.in_space(self._all(self.face.tangents)),
             tau=self._all(problem.tau[self.own]),
             step=self.step,
@@ -197,7 +190,6 @@ class StaticCondensation(PressedSurfaces):
             trial_compliance=trial,
             displacement_compliance=displacement,
             pressure_compliance=pressure_compliance,
-            parts=setup.parts,
             active=active,
             trial_traction=trial_traction,
             displacement=place,

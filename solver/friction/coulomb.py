@@ -96,9 +96,9 @@ class CoulombContact:
 
     contact: compliance of the contact points; it holds the shape functions F and the areas W.
     coefficient: coefficient of friction mu at the points, (n,), also from one number.
-    projection: F^T W (m, n k), mm2 of the meshed part; mass^-1 projection is the L2 projection of
+    projection: F^T W (m, n k), mm2; mass^-1 projection is the L2 projection of
         tractions at the points on the nodes.
-    mass: F^T W F (m, m), mm2 of the meshed part.
+    mass: F^T W F (m, m), mm2.
     Raises ValueError for coefficients that are not all positive and finite.
     """
 
@@ -106,8 +106,8 @@ class CoulombContact:
         if not (np.greater(coefficient, 0) & np.less(coefficient, np.inf)).all():
             raise ValueError(f"friction must be positive and finite, got {coefficient}")
         self.contact = contact
-        self.coefficient = np.broadcast_to(coefficient, len(contact.weights))
-        weights = sp.diags(np.repeat(contact.weights, contact.trial_traction.shape[1]))
+        self.coefficient = np.broadcast_to(coefficient, len(contact.area))
+        weights = sp.diags(np.repeat(contact.area, contact.trial_traction.shape[1]))
         self.projection = (contact.shape_functions.T @ weights).tocsr()
         self.mass = (self.projection @ contact.shape_functions).toarray()
 

@@ -93,11 +93,6 @@ class Assembly:
                     "them a tag and a Contact"
                 )
         self.secondary = [self.materials[found[0]] for found in on]
-        self._motions = {
-            hub: self._translation(hub)
-            for hub in supports
-            if isinstance(hub, Hub) and hub.free is not None
-        }
         suited = [ContactLaw().suited(each.young_modulus, each.lame) for each in self.secondary]
         rubs = any(each.friction for each in contacts)
         self.law = ContactLaw(theta=0 if rubs else min(law.theta or 0 for law in suited))
@@ -204,7 +199,7 @@ class Assembly:
         """
         closing = np.zeros(len(pairing.contact))
         for hub in self._free(loads):
-            motion = (pairing.gap * self._motions[hub]).array
+            motion = (pairing.gap * self._translation(hub)).array
             closing -= motion * np.sign(loads[hub][0] or 1.0)
         return pairing.nearest(closing)
 

@@ -1,4 +1,4 @@
-"""gmsh blocks and sections: tags, volumes, areas, sizes, quality, and meshio."""
+"""gmsh blocks and sections: tags, volumes, areas, sizes, quality."""
 
 import math
 import os
@@ -6,14 +6,12 @@ import signal
 from dataclasses import replace
 
 import gmsh
-import meshio
 import numpy as np
 import pytest
 from dolfinx import fem
 from mpi4py import MPI
 
 from railhead.geometry import outlines, profiles
-from railhead.geometry.surfaces import StraightTread
 from railhead.meshing import blocks, mesh
 from railhead.meshing.bodies import (
     CONTACT,
@@ -106,19 +104,6 @@ def test_flat_elements_are_refused_loudly() -> None:
         mesh.generate(
             [Body(RAIL, thin, 40.0)], GRADING, Options("hexahedron", 1, True), MPI.COMM_WORLD
         )
-
-
-def test_meshio_reads_what_gmsh_wrote(tmp_path) -> None:
-    path = tmp_path / "mesh.msh"
-    with blocks.model(bodies("head", half=True), GRADING, Options("tetrahedron", 2, True)):
-        cells = len(blocks.qualities())
-        gmsh.option.setNumber("Mesh.MshFileVersion", 2.2)  # meshio reads its groups
-        gmsh.write(str(path))
-    read = meshio.read(path)
-    assert sum(len(block) for block in read.cells if block.type == "tetra10") == cells
-    assert {"rail", "wheel", "rail_contact", "wheel_support"} <= set(read.field_data)
-    read.write(tmp_path / "mesh.vtu")
-    np.testing.assert_allclose(meshio.read(tmp_path / "mesh.vtu").points, read.points)
 
 
 TILTED = Grading(centre=(0.0, 5.0, -0.1), a=6.0, b=2.0, angle=0.05, size=0.3)
@@ -226,11 +211,3 @@ def test_predicted_triangles_are_those_of_gmsh() -> None:
         MPI.COMM_WORLD,
     )
     assert FLAT.predicted_triangles(30.0) / 2 == pytest.approx(made.cells, rel=0.35)
-
-
-def test_straight_tread_is_its_profile_everywhere() -> None:
-    tread = StraightTread(profiles.cone(0.05, 60.0, "cone20"), 2.0, 3.0)
-    points = np.array([[0.0, 3.0, 2.0], [40.0, 13.0, 2.5], [0.0, 3.0, 1.0]])
-    value, gradient = tread.implicit(points)
-    np.testing.assert_allclose(value, [0.0, 0.0, 1.0], atol=1e-12)
-    np.testing.assert_allclose(gradient, [[0.0, 0.05, -1.0]] * 3)

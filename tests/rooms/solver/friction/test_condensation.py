@@ -28,7 +28,7 @@ def test_movements_are_reciprocal(rigid: tuple[str, ...]) -> None:
     """Betti: what the tractions of one node work on the movement by those of another is what these
     work on the movement by the first, and tractions work on their own movement."""
     contact = condensed("long_roller", "mesh.patch_size=0.5", *rigid)
-    weights = np.repeat(contact.weights, contact.tangents.shape[1])
+    weights = np.repeat(contact.area, contact.tangents.shape[1])
     work = -contact.shape_functions.T @ (weights[:, None] * contact.displacement_compliance)
     np.testing.assert_allclose(work, work.T, rtol=0, atol=1e-12 * np.abs(work).max())
     assert np.linalg.eigvalsh(work).min() > 0
