@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -123,8 +124,7 @@ def draw(yielded: Yielded, found: Findings, exact: Hertz | None, target: Target 
     """
     with new_figure(target, 11, 8.6, found) as figure:
         (strain, stress), (pressure, height) = figure.subplots(2, 2)
-        _cut(strain, found, yielded, 100 * yielded.strain, "equivalent plastic strain, %")
-        _cut(stress, found, yielded, yielded.residual, "residual von Mises stress, MPa")
+        _cuts((strain, stress), found, yielded)
         pressure_line(pressure, found, exact, yielded.axis, "with yield")
         line = loaded(yielded.elastic)
         pressure.plot(*line, "--", color=FE, lw=1.2, label="elastic", zorder=4)
@@ -204,29 +204,36 @@ def _window(found: Findings, yields: Array, axis: int) -> tuple[float, float]:
     return middle, SPAN * half
 
 
-def _cut(axes: Axes, found: Findings, yielded: Yielded, values: Array, label: str) -> None:
-    """Draw bands of values at Gauss points, interpolated linearly within each body, in the plane
-    across the rail through the contact, or of a section in its own: over x or s and the height.
-    What lies outside of a body's Gauss points stays white. values (k,): at `yielded.points`.
-    label: of the colour bar.
+def _cuts(panels: Sequence[Axes], found: Findings, yielded: Yielded) -> None:
+    """Draw bands of equivalent plastic strain (first panel) and residual von Mises stress (second),
+    interpolated linearly between the Gauss points within each body, in the plane across the rail
+    through the contact, or of a section in its own: over x or s and the height.
+    What lies outside of a body's Gauss points stays white.
     """
     local, across, (middle, half) = yielded.points, yielded.axis, yielded.window
     flat = np.ptp(local[:, 1 - across]) == 0
     used = [across, 2] if flat else [across, 2, 1 - across]
     t, z = middle + half * np.linspace(-1, 1, CELLS), half * np.linspace(-1, 1, CELLS)
     at = np.stack([*np.meshgrid(t, z), np.zeros((CELLS, CELLS))], axis=-1)[..., : len(used)]
-    limits = levels(found.subject.units, label, values)
-    for tag, height in ((RAIL, 0.04), (WHEEL, 0.96)):
+    both = np.stack([100 * yielded.strain, yielded.residual], axis=1)
+    fields = {}
+    for tag in (RAIL, WHEEL):
         own = yielded.body == tag
-        if own.any():
-            field = LinearNDInterpolator(local[own][:, used], values[own])(at)
-            bands = axes.contourf(t, z, field, levels=limits, cmap="YlOrRd")
-            place = {"va": "bottom" if tag == RAIL else "top", "transform": axes.transAxes}
+        if own.any():  # both at once: the search for the places takes longest
+            fields[tag] = LinearNDInterpolator(local[own][:, used], both[own])(at)
+    labels = "equivalent plastic strain, %", "residual von Mises stress, MPa"
+    for number, (axes, label) in enumerate(zip(panels, labels, strict=True)):
+        values = both[:, number]
+        limits = levels(found.subject.units, label, values)
+        for tag, field in fields.items():
+            bands = axes.contourf(t, z, field[..., number], levels=limits, cmap="YlOrRd")
+            height, side = (0.04, "bottom") if tag == RAIL else (0.96, "top")
+            place = {"va": side, "transform": axes.transAxes}
             axes.text(0.03, height, found.subject.names[BODY_NAMES[tag]], **place)
-    if not values.any():
-        axes.set_title("none here", fontsize=11)
-    axes.set(xlabel=found.subject.label(across), ylabel="height over the contact, mm")
-    _bar(axes, bands, label)
+        if not values.any():
+            axes.set_title("none here", fontsize=11)
+        axes.set(xlabel=found.subject.label(across), ylabel="height over the contact, mm")
+        _bar(axes, bands, label)
 
 
 def _bar(axes: Axes, bands: Any, label: str) -> None:

@@ -1,4 +1,7 @@
-"""Seconds and memory of a mesh, predicted from its number of unknowns; this machine.
+"""Seconds and memory of a run, predicted from the number of unknowns; this machine.
+
+Seconds are those of the processor, all processes of a run together: on a machine that is shared a
+run takes longer by the clock.
 
 One shipped number for each kind of model; what finished runs took on this machine corrects it (see
 `correction`).
@@ -20,8 +23,8 @@ from railhead.scene import files
 
 RUNS = 9  # number of the latest runs that are kept; the first one of them may compile
 LEAST_RUNS = 3  # least number of runs by which predictions are corrected
-LEAST_UNKNOWNS = 10_000  # least size of a mesh whose time is recorded
-START = 1.3  # seconds to import everything
+LEAST_UNKNOWNS = 20_000  # least size of a mesh whose time is recorded
+START = 1.2  # seconds to import everything
 BASE_BYTES = 400_000_000  # memory of the libraries
 SMALL = 30_000  # unknowns above which the seconds of an unknown grow
 # Time of a load step of bodies that yield, its share of unloading included, over that of an elastic
@@ -29,9 +32,9 @@ SMALL = 30_000  # unknowns above which the seconds of an unknown grow
 # unknowns, 0.14 on a line of 7 300 with its many small steps.
 LOAD_STEP = {False: 0.45, True: 0.15}
 YIELD_BYTES = 6_000  # more bytes per unknown with yield: 4 500 to 5 500 were measured
-# Additional time with friction of like solids over that of an elastic run, and seconds beside it
-# for boundary elements.
-FRICTION, FRICTION_SECONDS = 1.5, 2.0
+# Additional time with friction of like solids over that of an elastic run, and seconds beside it:
+# 0.4 to 1.4 were measured from 26 000 to 230 000 unknowns, with one to three patches.
+FRICTION, FRICTION_SECONDS = 1.0, 1.0
 LAW = 1.0  # seconds by a law of friction: 0.3 to 2.9 were measured on half-spaces and solids
 FRICTION_BYTES = 3_000  # more bytes per unknown with it: up to 1 700 were measured
 # Additional time with condensed friction over that of an elastic run at CONDENSING_AT unknowns, in
@@ -53,10 +56,14 @@ BOUNDARY_ELEMENTS = {
     (True, True): 1.5,
 }
 
+# Processor seconds of all pictures and the report, by what answers: 0.6 to 1.0 of half-spaces, 2.4
+# to 2.9 of sections, 4.3 to 6.0 of solids, 10.9 where one yields.
+PICTURES = {"half-spaces": 0.8, "section": 2.6, "solid": 4.8, "solid that yields": 10.8}
+
 
 def cache_file() -> Path:
     """Path of the file that holds the ratios of finished runs, in the cache folder of the user."""
-    return files.cache_folder() / "speed.json"
+    return files.cache_folder() / "processor.json"
 
 
 def correction() -> float:
@@ -117,16 +124,17 @@ class Cost:
         return self.seconds * unknowns * max(1.0, unknowns / SMALL) ** self.growth
 
 
-# Half-spaces of quadratic tetrahedra from 17 000 to 1 000 000 unknowns take 34 to 80e-6 s and 2.5e3
-# B, bodies with profiles to 630 000 44 to 97e-6 s; the others to 160 000, sections to 970 000.
-# Factorisations and multigrid of linear cells grow.
+# Half-spaces of quadratic tetrahedra from 16 000 to 1 330 000 unknowns take 33 to 60e-6 s and 2.5e3
+# B, bodies with profiles from 25 000 to 385 000 34 to 65e-6 s; linear cells were measured at 33 000
+# to 168 000, quadratic hexahedra at 118 000, sections to 1 000 000. Factorisations and multigrid of
+# linear cells grow.
 SECTION = Cost(30e-6, 0.0, 2_000)
 HALF_SPACES = Cost(45e-6, 0.0, 3_000)
-PROFILES = Cost(65e-6, 0.0, 3_500)
+PROFILES = Cost(50e-6, 0.0, 3_500)
 OTHER_CELLS = {
-    ("tetrahedron", 1): Cost(150e-6, 0.4, 5_000),
-    ("hexahedron", 1): Cost(140e-6, 0.8, 13_000),
-    ("hexahedron", 2): Cost(140e-6, 0.8, 13_000),
+    ("tetrahedron", 1): Cost(120e-6, 0.25, 5_000),
+    ("hexahedron", 1): Cost(65e-6, 0.86, 13_000),
+    ("hexahedron", 2): Cost(42e-6, 0.8, 13_000),
 }
 CELLS = json.loads((Path(__file__).parent / "data" / "cells.json").read_text(encoding="utf-8"))
 

@@ -217,7 +217,7 @@ class Plan:
         changes nothing.
         """
         other = self.flipped(name)
-        return self.unknowns - other.unknowns, self.seconds - other.seconds
+        return self.unknowns - other.unknowns, self.seconds_of_one - other.seconds_of_one
 
     @property
     def omission_error(self) -> float:
@@ -443,10 +443,31 @@ class Plan:
 
     @property
     def seconds(self) -> float:
-        """Predicted seconds of the whole process with one mesh: imports, `mesh_seconds` and passes,
-        pictures not included.
+        """Predicted seconds of the whole process: `solving_seconds`, and the pictures and the
+        report where the scene asks for them.
         """
-        return cost.START + self.mesh_seconds + self._seconds_of_passes
+        kind = "solid that yields" if self.effects["plasticity"].on else "solid"
+        kind = "section" if self.plane_model else kind
+        drawn = cost.PICTURES["half-spaces" if self.by_half_spaces else kind]
+        return self.solving_seconds + cost.correction() * drawn * self.scene.asks("pictures")
+
+    @property
+    def solving_seconds(self) -> float:
+        """Predicted seconds of the whole process without pictures: imports, passes, and one mesh or
+        the coarse and the fine one of an accuracy or a budget.
+        """
+        if self.scene.one_mesh or self.by_half_spaces:
+            return cost.START + self.seconds_of_one
+        return self.seconds_of_two
+
+    @property
+    def seconds_of_one(self) -> float:
+        """Predicted seconds of this mesh and of the passes, without imports."""
+        passes = 0.0
+        if self.effects["passes"].on and self.scene.rolling.passes is not None:
+            first, each = cost.PASSES[self.contact.line]
+            passes = cost.correction() * (first + each * self.scene.rolling.passes)
+        return self.mesh_seconds + passes
 
     @property
     def mesh_seconds(self) -> float:
@@ -466,14 +487,6 @@ class Plan:
         elif self.effects["friction"].on and not self.plane_model:
             more += cost.CONDENSING * self.unknowns / cost.CONDENSING_AT
         return cost.correction() * (self.cost_per_unknown.time(self.unknowns) * (1 + more) + beside)
-
-    @property
-    def _seconds_of_passes(self) -> float:
-        """Predicted seconds of the passes over a rail that yields; 0 without them."""
-        if not self.effects["passes"].on or self.scene.rolling.passes is None:
-            return 0.0
-        first, each = cost.PASSES[self.contact.line]
-        return cost.correction() * (first + each * self.scene.rolling.passes)
 
     @property
     def condenses(self) -> bool:
@@ -535,7 +548,7 @@ class Plan:
         coarse = replace(self, patch_size=error_envelopes.STEP * self.patch_size)
         twice = replace(coarse, load_steps=2 * coarse.load_steps)
         again = twice.mesh_seconds if self.effects["plasticity"].on else 0.0
-        return self.seconds + coarse.mesh_seconds + again
+        return cost.START + self.seconds_of_one + coarse.mesh_seconds + again
 
     def prices(self) -> list[dict[str, Any]] | None:
         """Predicted cost of several accuracies, coarsest first; None where no family of error laws

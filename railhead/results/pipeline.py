@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 
 from mpi4py import MPI
@@ -42,11 +43,12 @@ def solve(plan: Plan, progress: Progress, comm: MPI.Intracomm = MPI.COMM_WORLD) 
         solved = answer.solve(plan, progress)
         solved = replace(solved, passes=_passes(solved, progress))
         return Result(solved, summarise_half_spaces(solved))
+    begun = sum(os.times()[:4])  # of the processor, by this process and those it started
     levels, ending = refine(plan, progress, comm)
+    if comm.size == 1:
+        _record_speed(levels, sum(os.times()[:4]) - begun)
     if why := unplanned_yield(levels[-1], comm):
         levels, ending = refine(plan.with_yield(why), progress, comm)
-    if comm.size == 1:
-        _record_speed(levels)
     return result(levels, ending, progress, comm)
 
 
@@ -76,11 +78,11 @@ def _passes(solved: Solved, progress: Progress) -> Passes | None:
     return passes_of_scene.solve_passes(solved, progress)
 
 
-def _record_speed(levels: list[MeshSolution]) -> None:
-    """Record the measured seconds of elastic, frictionless meshes of 10 000 unknowns or more for
-    later predictions on this machine.
+def _record_speed(levels: list[MeshSolution], taken: float) -> None:
+    """Record the processor seconds of meshes for later predictions on this machine, if all are
+    elastic and frictionless and have 20 000 unknowns or more.
     """
-    for level in levels:
-        if level.plan.elastic_laws_hold and level.unknowns >= cost.LEAST_UNKNOWNS:
-            predicted = level.plan.cost_per_unknown.time(level.unknowns)
-            cost.record(sum(level.seconds.values()), predicted)
+    elastic = all(level.plan.elastic_laws_hold for level in levels)
+    if elastic and min(level.unknowns for level in levels) >= cost.LEAST_UNKNOWNS:
+        times = [level.plan.cost_per_unknown.time(level.unknowns) for level in levels]
+        cost.record(taken, sum(times))

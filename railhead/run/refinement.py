@@ -205,6 +205,7 @@ def _obstacle(plan: Plan, spent: float) -> str:
     if not plan.fits(cost.free_memory()):
         return f"memory: the next mesh needs about {plan.memory / 1e9:.1f} GB"
     limit = plan.scene.budget
-    if limit is not None and spent and spent + plan.seconds > limit:
-        return f"budget: the next mesh needs about {plan.seconds:.0f} s"
+    needed = cost.START + plan.seconds_of_one
+    if limit is not None and spent and spent + needed > limit:
+        return f"budget: the next mesh needs about {needed:.0f} s"
     return ""

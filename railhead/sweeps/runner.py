@@ -114,7 +114,7 @@ def forecast(grid: ParameterGrid, workers: int, progress: Progress) -> dict[str,
     problem.
     """
     plans = plan_all(grid, progress)
-    seconds = [plan.seconds - cost.START for plan in plans]
+    seconds = [plan.solving_seconds - cost.START for plan in plans]
     on = Counter(name for plan in plans for name, effect in plan.effects.items() if effect.on)
     return {
         "combinations": len(plans),

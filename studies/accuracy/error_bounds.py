@@ -69,7 +69,7 @@ def measure(name: str, scene: Scene, accuracy: float | None) -> list[Row]:
     if accuracy is not None:
         scene = scene.replace([f"accuracy={accuracy!r}"])
     plan = planning.make(scene)
-    predicted = plan.seconds if accuracy is None else plan.seconds_of_two
+    predicted = plan.solving_seconds
     start = tables.processor_seconds()
     result = pipeline.run(scene)
     seconds = tables.processor_seconds() - start

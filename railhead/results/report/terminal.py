@@ -119,6 +119,8 @@ def show_plan(plan: Plan, console: Console) -> None:
     console.print(table)
     if idle:
         labelled(console, f"no part    {', '.join(idle)} (why: --json)")
+    drawn = ", pictures included" if plan.scene.asks("pictures") else ""
+    seconds = f"{plan.seconds:.1f} s of processor time{drawn}"
     lines: tuple[str, ...] = (
         f"contact    y = {rounded(contact['y_mm']):.3f} mm, z = {rounded(contact['z_mm']):.3f} mm, "
         f"angle {rounded(math.degrees(contact['angle_rad'])):.3f} deg, relative radii "
@@ -130,10 +132,10 @@ def show_plan(plan: Plan, console: Console) -> None:
         f"{mesh['patch_size_mm']:.3g} mm in the patch",
         f"solver     {solver['method']}, linear {solver['linear']}",
         f"approach   of {places_of_approach(said['plan'])}",
-        f"predicted  {plan.unknowns} unknowns, {plan.seconds:.1f} s",
+        f"predicted  {plan.unknowns} unknowns, {seconds}",
     )
     if plan.by_half_spaces:
-        answer = f"answer     by half-spaces, without a mesh; predicted {plan.seconds:.1f} s"
+        answer = f"answer     by half-spaces, without a mesh; predicted {seconds}"
         lines = (*lines[:2], answer)
     for line in (*lines, *profile_lines(plan.profiles)):
         labelled(console, line)

@@ -237,8 +237,8 @@ def test_no_yield_is_said_and_coloured_as_none(blocks) -> None:
     window = plastic_plots._window(two_patches(case), points[:0], 1)
     yielded = shown(case, points=points, body=body, strain=zero, residual=zero, window=window)
     with diagrams.new_figure(None, 5, 5) as figure:
-        axes = figure.add_subplot()
-        plastic_plots._cut(axes, two_patches(case), yielded, zero, "strain")
+        axes, other = figure.subplots(2)
+        plastic_plots._cuts((axes, other), two_patches(case), yielded)
         assert axes.collections[0].get_clim()[0] == 0.0
         assert axes.get_title() == "none here"
         assert [each.get_text() for each in axes.texts] == ["rail", "wheel"]

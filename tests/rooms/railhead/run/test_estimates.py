@@ -299,7 +299,7 @@ def test_a_budget_pays_for_meshes_and_for_the_start_of_the_process() -> None:
     plan = planning.make(scene)
     left = [
         refinement._obstacle(plan, 60 - plan.mesh_seconds - start).split(":")[0]
-        for start in (1.2, 1.4)
+        for start in (cost.START - 0.1, cost.START + 0.1)
     ]
     assert left == ["budget", ""]
     rolls = planning.make(scene.replace(["rail.steel=R260", "load=300kN", "rolling.passes=2"]))
