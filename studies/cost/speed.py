@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
@@ -13,7 +14,6 @@ import railhead
 from railhead.cli.study import ROOT
 from railhead.run.progress import Progress
 from railhead.scene import catalogue
-from railhead.scene.scene import Scene
 from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction
 from railhead.theory.friction.tangential import pair
 from studies import tables
@@ -73,13 +73,13 @@ def main(out: Path, *, quick: bool) -> None:
             commands.append({"task": task, "command": line, "seconds": each})
         progress.stage(UNIT)
         unit = catalogue.find("hertz_ellipse").replace(["mesh.patch_size=0.3"])
-        whole = seconds(lambda: railhead.solve(unit, quiet=True), repeats)
+        whole = seconds(partial(railhead.solve, unit, quiet=True), repeats)
         rows.append({"what": UNIT, "asked": "all", "seconds": whole, "units": 1.0})
         for name, (case, keys) in list(SCENES.items())[1 if quick else 0 :]:
             for asked, only in ASKED.items():
                 progress.stage(f"{name}: {asked}")
                 scene = catalogue.find(case).replace([*keys, *only])
-                each = seconds(solved(scene), repeats)
+                each = seconds(partial(railhead.solve, scene, quiet=True), repeats)
                 rows.append({"what": name, "asked": asked, "seconds": each, "units": each / whole})
         progress.stage("creep forces")
         each = seconds(creep_forces, repeats) / CREEPAGES
@@ -95,11 +95,6 @@ def main(out: Path, *, quick: bool) -> None:
                 {"what": text, "asked": "patch, forces", "seconds": each, "units": each / whole}
             )
     tables.publish(out, page(rows, commands), {"seconds": "s"}, speed=rows, speed_commands=commands)
-
-
-def solved(scene: Scene) -> Callable[[], object]:
-    """A function that solves a scene."""
-    return lambda: railhead.solve(scene, quiet=True)
 
 
 def seconds(work: Callable[[], object], repeats: int) -> float:

@@ -1,7 +1,6 @@
-"""The page of the study thesis: verdicts, and their numbers by chapter; figures 6.1 to 6.10 of the
+"""The page of the study thesis: verdicts, and their numbers by chapter; figures 6.1 to 6.7 of the
 thesis drawn again from its formulas, exact Hertz and finite elements."""
 
-import itertools
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -270,45 +269,6 @@ def lines(facts: Facts, fe: Sampled | None, path: Path) -> None:
         for axes in (left, middle):
             axes.axvline(c.a, color="black", lw=0.8, ls=":")
         _legend(figure, fe is not None)
-
-
-def loads(facts: Facts, fe: Sequence[Mapping[str, float]], path: Path) -> None:
-    """Draw figures 6.8 to 6.10: p0 and a over the load, p0 over a. fe: load (N), a (mm) and p0
-    (MPa) of each finite-element run."""
-    c = facts.ellipse
-    load = np.geomspace(1e3, 150e3, 61)
-    growth = np.cbrt(load / c.load)
-    with new_figure(path, 13.5, 4.8) as figure:
-        first, second, third = figure.subplots(1, 3)
-        for look, a, p0 in ((1, c.a, c.p0), (2, A, P0)):
-            first.plot(load / 1e3, p0 * growth, **ROUTES[look][1])
-            second.plot(load / 1e3, a * growth, **ROUTES[look][1])
-            third.plot(a * growth, p0 * growth, **ROUTES[look][1])
-        fixed = np.linspace(0.75, 2, 41) * c.a
-        third.plot(fixed, c.p0 * (c.a / fixed) ** 2, ":", color=HERTZ)
-        third.annotate(
-            "25 kN, bodies of other\nradii, same shape",
-            (1.6 * c.a, c.p0 / 2.56),
-            xytext=(-25, 30),
-            textcoords="offset points",
-            fontsize=9,
-        )
-        names = {
-            "load": "load, kN",
-            "p0": "largest pressure, MPa",
-            "a": "semi-axis a along the rail, mm",
-        }
-        for axes, title, x, y in (
-            (first, "6.8", "load", "p0"),
-            (second, "6.9", "load", "a"),
-            (third, "6.10", "a", "p0"),
-        ):
-            unit = 1e-3 if x == "load" else 1.0
-            axes.plot([row[x] * unit for row in fe], [row[y] for row in fe], **MARKS)
-            axes.set(title=title, xlabel=names[x], ylabel=names[y])
-        for axes, at in itertools.product((first, second), (25, 110.3)):
-            axes.axvline(at, color="black", lw=0.8, ls=":")
-        _legend(figure, bool(fe))
 
 
 def _four(axes: Axes, at: Array, stresses: Array, route: int, named: bool = False) -> None:

@@ -41,7 +41,7 @@ shape_error: see `Findings`."""
 
 
 def main(out: Path, *, quick: bool) -> None:
-    """Write thesis.csv, thesis_runs.csv, three pictures and the page; quick: closed forms only."""
+    """Write thesis.csv, thesis_runs.csv, two pictures and the page; quick: closed forms only."""
     scene = catalogue.find(CASE)
     given = facts(scene)
     rows, fe, sampled = ([], {}, None) if quick else measure(scene, given.ellipse)
@@ -49,9 +49,6 @@ def main(out: Path, *, quick: bool) -> None:
     judged = judge(given)
     thesis_page.patch(given, sampled, out / "thesis_patch.png")
     thesis_page.lines(given, sampled, out / "thesis_lines.png")
-    thesis_page.loads(
-        given, [r for r in rows if r["elements"] == DEFAULT], out / "thesis_loads.png"
-    )
     checks = [row for pair in judged for row in _rows(*pair)]
     text = thesis_page.page(given, judged, rows)
     tables.publish(out, text, UNITS, thesis=checks, thesis_runs=rows)

@@ -56,15 +56,6 @@ def test_pages_that_lie_are_caught(tmp_path) -> None:
     assert pages.unsupported(page) == ["2.5"]
 
 
-def test_shell_commands_that_fail_are_caught(here) -> None:
-    page = here / "page.md"
-    page.write_text("```sh\nls examples | grep two_blocks\nrailhead --version > version\n```\n")
-    assert pages.run(page)[1] == ["two_blocks.py\n"] and (here / "version").read_text()
-    page.write_text("```sh\nrailhead run no_such_case\n```\n")
-    with pytest.raises(AssertionError, match="status 2: .*no_such_case"):
-        pages.run(page)
-
-
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 

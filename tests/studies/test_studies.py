@@ -35,7 +35,7 @@ QUICK = {
     "profiles": ({"profiles.csv"}, "54E1 crown 1 mm"),
     "speed": ({"speed.csv", "speed_commands.csv"}, "a creep force on 24 x 24 cells"),
     "thesis": (
-        {"thesis.csv", "thesis_lines.png", "thesis_loads.png", "thesis_patch.png"},
+        {"thesis.csv", "thesis_lines.png", "thesis_patch.png"},
         "Not run: closed forms only.",
     ),
     "wear-bounds": ({"wear_bounds.csv"}, "hold in 2 of 2 routes"),

@@ -20,7 +20,6 @@ CASE = {
     "young": 207e3,
     "poisson": 0.3,
 }
-COST = {"seconds": 4.0, "cpu_seconds": 2.0, "peak_bytes": 10**8}
 CODE = """
 TITLE, METHOD, SETTINGS = "{title}", "finite elements", "As it is."
 PIP, DEBIAN, MODULES = (), ("python3-numpy",), ({modules})
@@ -129,43 +128,6 @@ def test_a_command_that_fails_says_why_and_has_no_cost(command, said: str, tmp_p
     assert said in refusal(
         lambda: processes.run(command, tmp_path, limit=2.0), processes.FailedError
     )
-
-
-def test_the_page_has_medians_reasons_and_what_failed() -> None:
-    fe, cost = "finite elements", {"peak_bytes": 2 * 10**8, "unknowns": 9, "force": 25e3}
-    errors = dict.fromkeys((f"error_{name}" for name in peers_page.ERRORS), 1e-4)
-    own = [
-        peers_page.row(
-            peers_page.OURS,
-            fe,
-            "default",
-            {**cost, **errors, "error_p_max": -2e-4, "error_p_fit": None}
-            | {"seconds": s, "cpu_seconds": s / 2},
-        )
-        for s in (2.0, 9.0, 3.0)
-    ]
-    other = peers_page.row("Code", fe, "1 mm", COST | peers_page.read(CASE, found()))
-    lost = peers_page.row("Code", fe, "0.1 mm", {}, "singular matrix")
-    text = peers_page.page(
-        [own[0], other, own[1], lost, own[2]], [], {}, {"Gone": "no command gone"}
-    )
-    row = next(line for line in text.splitlines() if line.startswith("| railhead | default"))
-    assert [cell.strip() for cell in row.split("|")][3:9] == [
-        "9",
-        "1.5",
-        "3.0",
-        "200",
-        "-0.02",
-        "-",
-    ]
-    assert (
-        "ran 3 times in between (medians; the" in text
-        and "factor 4.50)" in text
-        and "(24.0 to 24.0 kN)" in text
-    )
-    assert "- Gone: no command gone" in text
-    assert "- Code, 0.1 mm: singular matrix" in text
-    assert "shared with other work" in text  # clock over processor: 2
 
 
 def test_a_code_is_run_and_one_that_raises_is_a_row_without_numbers(tmp_path) -> None:

@@ -3,7 +3,10 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from railhead.scene import catalogue
 from railhead.theory.elastic.hertz import point_contact
@@ -16,6 +19,13 @@ from studies.thesis.claims import (
     equation,
     itself,
     number,
+)
+from studies.thesis.facts import (
+    TABLE_5_3,
+    exact_coefficients,
+    hertz_coefficients,
+    thesis_axis_stress,
+    thesis_contact,
 )
 
 
@@ -126,3 +136,64 @@ def test_touches_on_the_real_profiles(facts) -> None:
     assert facts.profiles["y cone20 0"] == pytest.approx(-11.34, abs=5e-3)
     assert facts.profiles["s1002_radius"] == pytest.approx(-319.89, abs=0.01)
     assert facts.profiles["s1002_convex_from"] == pytest.approx(14.0, abs=0.1)
+
+
+# Formulas as printed, and turns.
+
+
+def test_printed_semi_axes_and_pressure(reference) -> None:
+    chain = reference["thesis_chain"]
+    k3, k4, k_wheel_and_rail = 0.00286, 4.76e-4, 2.8e-6  # as the thesis rounds them
+    found = thesis_contact((k3 - k4, 0), (0, k3 + k4), 1 / (math.pi * k_wheel_and_rail), 25000)
+    base = chain["base_length_mm"]
+    assert (found.k3, found.k4) == pytest.approx((k3, k4), rel=1e-14)
+    assert found.a == pytest.approx(found.m * base, rel=1e-14)
+    assert found.b == pytest.approx(found.n * base, rel=1e-14)
+    assert found.p0 == pytest.approx(3 * 25000 / (2 * math.pi * found.a * found.b), rel=1e-14)
+    assert round(found.a, 2) == chain["a_printed"]
+    assert math.floor(100 * found.b) / 100 == chain["b_printed"]  # the thesis truncated it
+    m, n = (round(value, 3) for value in hertz_coefficients(80.4))  # the thesis rounds these, too
+    assert m * base == pytest.approx(chain["a_mm_unrounded"], rel=1e-14)
+    assert n * base == pytest.approx(chain["b_mm_unrounded"], rel=1e-14)
+
+
+def test_equations_5_2_and_5_3(reference) -> None:
+    rows, inputs = reference["axis_table"], reference["axis_extrema_thesis_formula"]
+    depth = [row["z_mm"] for row in rows]
+    expected = [
+        (row["thesis_sigma_r"], row["thesis_sigma_r"], row["thesis_sigma_z"]) for row in rows
+    ]
+    found = thesis_axis_stress(inputs["pmax"], inputs["a"], 0.3, depth)
+    np.testing.assert_allclose(found, expected, rtol=1e-11)
+
+
+def test_exact_coefficients_of_table_5_3(reference) -> None:
+    rows = reference["table_5_3"]
+    for row in rows:
+        expected = (row["m_exact"], row["n_exact"])
+        assert exact_coefficients(row["theta_deg"]) == pytest.approx(expected, rel=1e-8)
+    assert TABLE_5_3.T.tolist() == [
+        [row["theta_deg"], row["m_thesis"], row["n_thesis"]] for row in rows
+    ]
+
+
+angles = st.floats(-1.2, 1.2)
+moderate = st.floats(0.02, 0.7)
+
+
+@given(angles, angles, angles)
+def test_correct_rotation_is_proper_and_the_printed_one_a_reflection(yaw, bank, pitch) -> None:
+    correct = geometry.rotation(yaw, bank, pitch)
+    matrices = geometry.printed(yaw, bank, pitch)
+    printed = matrices["3.5"] @ matrices["3.6"] @ matrices["3.7"]
+    for matrix, det in ((correct, 1), (printed, -1)):
+        np.testing.assert_allclose(matrix.T @ matrix, np.eye(3), atol=1e-14)
+        assert np.linalg.det(matrix) == pytest.approx(det, abs=1e-13)
+
+
+@given(moderate, moderate, st.floats(100, 2000))
+def test_equation_4_31_has_a_numerator_of_zero_for_every_geometry(yaw, bank, half_axle) -> None:
+    found = geometry.reduced_equations(yaw, bank, half_axle)
+    scale = half_axle * abs(found.a2 * found.b2)
+    assert abs(found.numerator) <= 1e-14 * scale + 1e-300
+    assert found.s1w == pytest.approx(half_axle, rel=1e-9)

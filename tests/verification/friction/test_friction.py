@@ -1,20 +1,18 @@
 """Friction: Carter's strip, Cattaneo and Mindlin's patch, Kalker's rolling, and what must hold."""
 
 import math
-from dataclasses import replace
 
 import coupled_punch
 import meshio
 import numpy as np
 import pytest
 from friction_data import ENTRIES
-from mpi4py import MPI
 from one_line import refusal
+from scipy.integrate import quad
 from solved import assembled, draw_only, friction, passed, solved
 
 import railhead as rh
 from railhead.planning import simulation_plan as planning
-from railhead.postprocess.friction import quantities
 from railhead.run import mesh_solution
 from railhead.solver.friction.history import FrictionHistory
 from railhead.solver.friction.pressed_surfaces import surface_tangents
@@ -178,21 +176,6 @@ def test_unloaded_half_spaces_are_pulled_by_nothing(yielded) -> None:
         assert least <= abs(state.displacement.array.reshape(-1, 2)[held, 0]).max() <= most
 
 
-def test_a_wheel_rigid_by_choice_shifts_as_one_of_an_infinite_modulus() -> None:
-    """On one mesh; its patch grows in steps, as that of any unlike bodies."""
-    keys = {"friction": {"force_along": 12e3}, "mesh": {"patch_size": 2.0}}
-    stiff = planning.make(roller(wheel={"young_modulus": math.inf}, **keys))
-    chosen = planning.make(roller(effects={"deformable_wheel": "off"}, **keys))
-    made = mesh_solution.generate(stiff, stiff.grading(), MPI.COMM_SELF)
-    one, other = (
-        mesh_solution.solve(plan, mesh_solution.assemble(plan, made))
-        for plan in (stiff, replace(chosen, forecast=stiff.forecast))
-    )
-    assert len(one.friction.load_steps) == 9
-    assert other.friction.rigid_motion == pytest.approx(one.friction.rigid_motion, rel=1e-9)
-    np.testing.assert_allclose(other.pressure, one.pressure, rtol=1e-9)
-
-
 def test_yield_takes_shear_stress_at_the_surface() -> None:
     """Where contact points have the plastic strain eps_xz = 1e-3: 2 mu t . eps . n on level
     surfaces, t along x and the slave's normal up or down."""
@@ -208,28 +191,6 @@ def test_yield_takes_shear_stress_at_the_surface() -> None:
     assert middle.sum() > 5 and lost[middle] == pytest.approx(expected, rel=0.01)
 
 
-def test_what_turns_about_the_tangents_acts_as_creepage_along_does() -> None:
-    """A wheel that turns by one motion and creeps by another: its tractions do work on both."""
-    plan = planning.make(roller(rolling={"creepage_along": 0.0}, mesh={"patch_size": 0.5}))
-    answers = []
-    for known, share in ((5e-4, 0.0), (2e-4, 3e-4)):
-        model = assembled(plan)
-        rub = model.setup.friction
-
-        def slip(points: np.ndarray, rub=rub, share=share) -> np.ndarray:
-            modes = rub.rigid_slip(points)
-            return np.array([*modes[:3], share * modes[0]])
-
-        rub = replace(rub, creepage=(known, 0.0, 0.0), rigid_slip=slip)
-        model.setup = replace(model.setup, friction=rub)
-        touching = plan.forecast.touching(model.setup.kinematics.lift(model.interface.points))
-        found = model.solve(load=110e3, active=touching).friction
-        answers.append(quantities(found, rolling=True, like=True, speed=None, cycle=False))
-    one, other = answers
-    for name in ("force_along_N", "t_gamma_N"):
-        assert other[name] == pytest.approx(one[name], rel=1e-9)
-
-
 @pytest.mark.slow
 def test_a_patch_that_rolls_is_kalker_s() -> None:
     """Against boundary elements; on six elements a semi-axis, as by default."""
@@ -239,19 +200,6 @@ def test_a_patch_that_rolls_is_kalker_s() -> None:
     answer = friction(found)
     for name in ("force_along_N", "force_across_N"):
         assert abs(answer[name] - second[name]) < 0.003 * answer["limit_N"]
-
-
-@pytest.mark.slow
-def test_a_rigid_wheel_rolls_as_on_a_half_space() -> None:
-    """Tractions change the pressure: by 3.7 % of the largest. On 4.3 elements a semi-axis: the
-    patch is smaller than that of two like bodies."""
-    scene = ellipse(rolling={"creepage_along": 1e-3}, mesh={"patch_size": 0.64})
-    found = passed(scene.replace(wheel={"young_modulus": math.inf}))
-    second = found.as_dict()["half_space_friction"]["boundary elements"]
-    force, limit = friction(found)["force_along_N"], friction(found)["limit_N"]
-    # Boundary elements on 32, 64 and 128 cells have 0.2390, 0.2309 and 0.2294.
-    assert force / limit == pytest.approx(0.228, abs=0.016)
-    assert second["force_along_N"] / limit == pytest.approx(0.228, abs=0.008)
 
 
 def test_nothing_pushes_a_sphere_aside_that_is_pressed() -> None:
@@ -348,3 +296,68 @@ def test_the_files_show_stick_slip_and_tractions(tmp_path, monkeypatch) -> None:
         np.abs(points["slip"][slips, 0]) > 10 * np.abs(points["slip"][~slips, 0]).max()
     ).mean() > 0.5
     assert (tmp_path / "out" / "friction.png").is_file()
+
+
+# A coefficient that depends on the angle of the rail's surface.
+
+CROWN = 80.0
+PAIRS = [[0, 0.2], [4, 0.6]]
+KINDS = {
+    "half-spaces": {"effects.finite_bodies": "off"},
+    "solids": {"mesh.patch_size": "2 mm"},
+    "unlike solids": {"mesh.patch_size": "2.5 mm", "wheel.poisson_ratio": 0.25},
+}
+
+
+def slides(kind: str, coefficient: object) -> rh.Result:
+    """A wheel that slips everywhere on the middle of a round rail."""
+    scene = rh.Scene(
+        load=60e3,
+        rail=rh.Rail(profile="arc", crown_radius=CROWN),
+        wheel=rh.Wheel(profile="arc", rolling_radius=420, transverse_radius=-120),
+        friction={"coefficient": coefficient},
+        rolling={"creepage_along": 0.2},
+    )
+    return solved(scene.replace(**KINDS[kind]))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_slips_everywhere_carries_the_integral_over_hertz_s_pressure(kind: str) -> None:
+    """p over the chords is 3 N/(4 b) (1 - y^2/b^2), the angle at y on the circle -asin(y/R); only
+    the side of the gauge, y < 0, has more than 0.2."""
+    found = slides(kind, PAIRS)
+    b = found.as_dict()["hertz"]["patch"]["b_mm"]
+
+    def integral(arm: float) -> float:
+        """Of mu p (1 - arm + arm y) over N."""
+
+        def share(t: float) -> float:
+            angle = -math.asin(t * b / CROWN)
+            mu = np.interp(math.degrees(angle), *zip(*PAIRS, strict=True))
+            return float(0.75 * (1 - t * t) * mu * (1 - arm - arm * CROWN * angle))
+
+        return float(quad(share, -1, 1)[0])
+
+    answer, within = friction(found), 2e-3 if kind == "half-spaces" else 0.01
+    assert answer["force_along_N"] / 60e3 == pytest.approx(integral(0), rel=within)
+    assert answer["coefficient"] == pytest.approx(integral(0), rel=within)
+    assert answer["moment_Nmm"] / 60e3 == pytest.approx(-integral(1), rel=10 * within)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_pairs_of_one_coefficient_are_that_number(kind: str) -> None:
+    one, other = (friction(slides(kind, each)) for each in (0.3, [[-3, 0.3], [2, 0.3]]))
+    for name in ("force_along_N", "limit_N", "traction_max_MPa"):
+        assert other[name] == pytest.approx(one[name], rel=1e-12)
+
+
+def test_level_bodies_have_the_coefficient_of_no_angle() -> None:
+    """Half-spaces, and a section along the rail."""
+    for case, size in (("hertz_ellipse", None), ("long_roller", "0.5 mm")):
+        scene = rh.find(case).replace(rolling={"creepage_along": 1e-3}, mesh={"patch_size": size})
+        scene = scene.replace(effects={"finite_bodies": "auto" if size else "off"})
+        one, other = (
+            friction(solved(scene.replace(friction={"coefficient": each})))
+            for each in (0.3, [[-10, 0.2], [10, 0.4]])
+        )
+        assert other["force_along_N"] == pytest.approx(one["force_along_N"], rel=1e-9)
