@@ -107,18 +107,6 @@ class Family:
             for name, value in setting.items()
         )
 
-    @property
-    def across(self) -> Family:
-        """The family for line contacts whose width runs across the rail: half lengths along and
-        across change places, as the laws are stored for contacts along the rail.
-        """
-        return replace(
-            self,
-            laws=_turned(self.laws),
-            reading=_turned(self.reading),
-            overlap=_turned(self.overlap),
-        )
-
     def mesh(self, name: str, n: float) -> float:
         """Envelope of the mesh error of a quantity over its scale, at n elements per smaller semi-
         axis; beyond the calibrated range the envelope falls at most as the first power of n.
@@ -242,7 +230,14 @@ def family(setting: Mapping[str, Any]) -> Family | None:
         laws = (each.laws["approach_mm"] for each in (found, usual))
         widest = max(laws, key=lambda law: law.value)
         found = replace(found, laws={**found.laws, "approach_mm": widest})
-    return found.across if found and setting["turned"] else found
+    if found and setting["turned"]:
+        found = replace(
+            found,
+            laws=_turned(found.laws),
+            reading=_turned(found.reading),
+            overlap=_turned(found.overlap),
+        )
+    return found
 
 
 def of_profiles(context: Context) -> dict[str, Any] | None:

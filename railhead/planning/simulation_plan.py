@@ -24,14 +24,13 @@ from railhead.meshing.bodies import (
     Options,
 )
 from railhead.meshing.grading import Grading
-from railhead.planning import cost, effects, error_envelopes, sizing
+from railhead.planning import cost, effects, error_envelopes
 from railhead.planning.context import Context, Effect
 from railhead.planning.effects import interface, material
 from railhead.planning.effects.shape import one_radius
 from railhead.planning.error_envelopes import Family
-from railhead.planning.forecast import Forecast, forecast
+from railhead.planning.forecast import Forecast, Sizing, body_reach, forecast
 from railhead.planning.references import closed_forms, torque_free
-from railhead.planning.sizing import Sizing
 from railhead.scene.bodies import Rail, Wheel
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.elastic.line import Hertz
@@ -684,7 +683,7 @@ def _decided(scene: Scene) -> Plan:
         context=context,
         order=order,
         patch_size=size,
-        reach=sizing.reach(contact, predicted, expected, friction=context.decided["friction"].on),
+        reach=body_reach(contact, predicted, expected, friction=context.decided["friction"].on),
         forecast=expected,
         load_steps=material.steps(context),
     )

@@ -19,10 +19,10 @@ import numpy as np
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.planning import effects
 from railhead.planning.error_envelopes import RANGE
+from railhead.planning.forecast import LINEAR_REFINEMENT
 from railhead.planning.references import closed_forms
 from railhead.planning.references.pressed_patches import CELLS
 from railhead.planning.simulation_plan import Plan
-from railhead.planning.sizing import LINEAR_REFINEMENT
 from railhead.postprocess.findings import Frame
 from railhead.run.estimates import (
     Estimate,

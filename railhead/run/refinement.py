@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from mpi4py import MPI
 
 from railhead.planning import cost, error_envelopes
+from railhead.planning.forecast import LINEAR_REFINEMENT
 from railhead.planning.simulation_plan import Plan
-from railhead.planning.sizing import LINEAR_REFINEMENT
 from railhead.run import estimates
 from railhead.run.estimates import STEP_ORDER
 from railhead.run.half_spaces import answer

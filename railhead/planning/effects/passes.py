@@ -29,6 +29,7 @@ BORNE = 1.1
 LARGEST_STRAIN = 0.03
 FEW, MANY = 3, 10  # passes that tell all below and above the shakedown limit
 OFF = "rolling.passes is not given"
+KEY = "rolling.passes"
 ARRAYS = (
     *("rows", "axes", "plastic", "back", "equivalent", "residual", "surface", "displacement"),
     *("each_stress", "each_strain", "each_up"),
@@ -59,22 +60,18 @@ def decide_passes(context: Context) -> Effect:
         return Effect(called, False, why, {"on": OFF})
     if scene.effects.passes == "off":
         return Effect(yields, True, why)
-    given, key = f"{count} is not allowed: ", "rolling.passes"
+    given = f"{count} is not allowed: "
     _refuse_what_has_no_passes(context, given)
     _refuse_other(scene)
     hardened = _flow_stress(scene.rail, LARGEST_STRAIN) / scene.rail.first_yield
     share = traction(context) if isinstance(context.hertz, LineContact) else 0.0
     bearable = BORNE / share if share else math.inf
     steady = min(STEADY[scene.rolling.pressure], bearable) * hardened
-    beside = f" at Q/P = {share:.2g}" if share else ""
-    refuse_first(
-        (
-            ratio > steady,
-            key,
-            f"{given}p0/k is {ratio:.3g}, and the rail's flow curve has no steady answer above "
-            f"{steady:.3g}{beside}; give a larger rail.hardening_modulus, or a smaller load",
-        )
-    )
+    if ratio > steady:
+        beside = f" at Q/P = {share:.2g}" if share else ""
+        text = f"{given}p0/k is {ratio:.3g}, and the rail's flow curve has no steady answer above"
+        instead = "give a larger rail.hardening_modulus, or a smaller load"
+        raise SceneError(KEY, f"{text} {steady:.3g}{beside}; {instead}")
     return Effect(yields, True, f"{count} passes; {why}; about {enough} tell")
 
 
@@ -83,36 +80,28 @@ def _refuse_what_has_no_passes(context: Context, given: str) -> None:
     wheel that only its effect makes rigid, a force of [friction], and a section across the way;
     given: the beginning of the message.
     """
-    key, friction, wheel = "rolling.passes", context.scene.friction, context.scene.wheel
-    across = 0 not in context.contact.slips
-    refuse_first(
-        (
-            "rail" not in context.deformable,
-            key,
-            f"{given}the rail is rigid; give effects.deformable_rail=auto",
-        ),
+    friction, wheel = context.scene.friction, context.scene.wheel
+    rules = (
+        ("rail" not in context.deformable, "the rail is rigid; give effects.deformable_rail=auto"),
         (
             not context.scene.rail.yields,
-            key,
-            f"{given}the rail has no yield stress; give rail.steel or rail.yield_stress",
+            "the rail has no yield stress; give rail.steel or rail.yield_stress",
         ),
         (
             "wheel" not in context.deformable and math.isfinite(wheel.young_modulus),
-            key,
-            f"{given}the wheel is rigid by effects.deformable_wheel; give wheel.young_modulus=inf",
+            "the wheel is rigid by effects.deformable_wheel; give wheel.young_modulus=inf",
         ),
         (
             friction.force_along or friction.force_across,
-            key,
-            f"{given}a force of [friction] shifts a wheel that rests; give it in [rolling]",
+            "a force of [friction] shifts a wheel that rests; give it in [rolling]",
         ),
         (
-            across,
-            key,
-            f"{given}the scene is a section across the way; give a wheel that rolls, and of a "
-            "circular patch effects.axisymmetry=off",
+            0 not in context.contact.slips,
+            "the scene is a section across the way; give a wheel that rolls, and of a circular "
+            "patch effects.axisymmetry=off",
         ),
     )
+    refuse_first(*((broken, KEY, f"{given}{text}") for broken, text in rules))
 
 
 def alike(scene: Scene) -> dict[str, Any]:

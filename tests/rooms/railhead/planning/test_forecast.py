@@ -8,8 +8,8 @@ import pytest
 from solved import planned
 
 from railhead.cases.s1002_60e1 import SCENE as MANCHESTER
+from railhead.planning import forecast
 from railhead.planning import simulation_plan as planning
-from railhead.planning import sizing
 from railhead.planning.forecast import ridges
 from railhead.planning.references import boundary_elements
 from railhead.theory.elastic.hertz import Ellipse
@@ -99,7 +99,7 @@ def test_the_width_of_the_profiles_bounds_the_elements_of_long_bodies() -> None:
     assert plan.sizing.coarsest < 25
     assert (
         planned("uic54_22t5_axle").sizing.coarsest
-        == sizing.COARSEST * planned("uic54_22t5_axle").reach
+        == forecast.COARSEST * planned("uic54_22t5_axle").reach
     )
 
 
@@ -107,7 +107,7 @@ def test_the_mesh_is_finer_along_it_and_nowhere_else() -> None:
     plan = planned("uic54_22t5_axle", CROSSING)
     grading = plan.grading()
     (line,) = grading.also
-    assert line.size == sizing.RIDGE_SHARE * grading.size
+    assert line.size == forecast.RIDGE_SHARE * grading.size
     assert grading.at(*line.centre[1:]) == pytest.approx(line.size)
     assert grading.at(line.centre[1] + 3 * grading.size, line.centre[2]) == grading.size
 

@@ -80,6 +80,7 @@ def test_yield_that_shows_in_the_solution_alone_makes_a_rigid_body_deform() -> N
 
 AXLE, THESIS, ELLIPSE = "uic54_22t5_axle", "uic54_thesis", "hertz_ellipse"
 SOFT, RUBS = "rail.poisson_ratio=0.49", "friction.coefficient=0.3"
+ALONG = ["wheel.width=8", "load=50kN", "effects.plane_strain=on"]
 LEANS, UNLIKE = "rail.inclination=1:40", "wheel.young_modulus=70000"
 CALLED = [
     ("mean_dilatation", ELLIPSE, [SOFT], True, ""),
@@ -105,6 +106,7 @@ CALLED = [
     ("rail_section", AXLE, ["rail.inclination=0", "load=25kN"], False, ""),
     ("rail_section", AXLE, [LEANS, "rail.young_modulus=inf"], False, ""),
     ("rail_section", AXLE, [], False, ""),  # on the crown, above the web
+    ("rail_section", THESIS, ALONG, False, "a section along the rail has neither web nor foot"),
     # By a load or by unlike bodies.
     ("friction", ELLIPSE, [], False, "Dundurs' beta = 0"),
     ("friction", ELLIPSE, [UNLIKE], False, "coefficient = 0"),
@@ -227,9 +229,6 @@ def test_a_body_that_is_rigid_by_choice_is_unlike_the_other(name: str) -> None:
     assert other.condenses and name not in other.context.deformable
 
 
-ALONG = ["wheel.width=8", "load=50kN", "effects.plane_strain=on"]
-
-
 @pytest.mark.parametrize(
     ("case", "keys", "said"),
     [
@@ -271,12 +270,6 @@ def test_a_choice_that_cannot_be_had_is_refused_in_one_line(case, keys, said) ->
 )
 def test_a_plan_says_where_its_bodies_are_held(case, keys, held) -> None:
     assert planned(case, *keys).held == pytest.approx(held)
-
-
-def test_a_section_along_the_rail_has_no_whole_rail() -> None:
-    """The load would call for it in a solid: the stress at the cut is above what is allowed."""
-    section = planned("uic54_thesis", *ALONG).effects["rail_section"]
-    assert not section.on and not section.called_for
 
 
 def test_short_name_of_both_planes_yields_to_the_name_of_one() -> None:
@@ -336,12 +329,8 @@ def largest(*assignments: str) -> float:
 
 
 @pytest.mark.slow
-def test_one_radius_is_exact_where_the_patch_lies_on_one_arc() -> None:
+def test_one_radius_is_exact_on_one_arc_and_wrong_across_a_joint() -> None:
     whole = largest("effects.true_profile=on")
     assert largest("effects.true_profile=off") == pytest.approx(whole, rel=1e-5)
-
-
-@pytest.mark.slow
-def test_one_radius_is_wrong_across_a_joint() -> None:
     errors = [largest(ACROSS, f"effects.true_profile={on}") / 1427.9 - 1 for on in ("on", "off")]
     assert abs(errors[0]) < 0.05 < 0.07 < abs(errors[1])
