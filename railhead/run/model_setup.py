@@ -137,9 +137,8 @@ def friction_steps(plan: Plan) -> tuple[tuple[float, float], ...]:
     steps where bodies yield.
     """
     scene, power = plan.scene, plan.contact.load_power
-    if not interface.grows(plan.context):
-        grown = []
-    else:
+    grown: list[tuple[float, float]] = []
+    if interface.grows(plan.context):
         angles = np.linspace(0, np.pi / 2, GROWTH_STEPS + 1)[1:]
         grown = [(float(share), 0.0) for share in np.sin(angles) ** power]
         if not any(scene.tangential_forces[1:]):

@@ -67,11 +67,10 @@ def decide_passes(context: Context) -> Effect:
     share = traction(context) if isinstance(context.hertz, LineContact) else 0.0
     bearable = BORNE / share if share else math.inf
     steady = min(STEADY[scene.rolling.pressure], bearable) * hardened
-    if ratio > steady:
-        beside = f" at Q/P = {share:.2g}" if share else ""
-        text = f"{given}p0/k is {ratio:.3g}, and the rail's flow curve has no steady answer above"
-        instead = "give a larger rail.hardening_modulus, or a smaller load"
-        raise SceneError(KEY, f"{text} {steady:.3g}{beside}; {instead}")
+    beside = f" at Q/P = {share:.2g}" if share else ""
+    text = f"{given}p0/k is {ratio:.3g}, and the rail's flow curve has no steady answer above"
+    instead = "give a larger rail.hardening_modulus, or a smaller load"
+    refuse_first((ratio > steady, KEY, f"{text} {steady:.3g}{beside}; {instead}"))
     return Effect(yields, True, f"{count} passes; {why}; about {enough} tell")
 
 

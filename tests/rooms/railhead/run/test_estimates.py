@@ -294,7 +294,7 @@ def test_a_budget_buys_what_it_can_and_says_what_was_too_dear(monkeypatch) -> No
 
 
 def test_a_budget_pays_for_meshes_and_for_the_start_of_the_process() -> None:
-    """Its imports take 1.3 s; passes, which come after the meshes, take their time as well."""
+    """Imports count; passes, which come after the meshes, take their time as well."""
     scene = catalogue.find("long_roller").replace(["budget=60s"])
     plan = planning.make(scene)
     left = [
@@ -320,13 +320,6 @@ def test_a_measured_profile_hides_twice_what_pressure_or_area_changes() -> None:
         for more, wider in ((2, 1), (1, 2))
     ]
     assert hidden == pytest.approx([1, 1], rel=0.01)
-
-
-def test_price_grows_with_the_accuracy() -> None:
-    plan = planning.make(catalogue.find("uic54_thesis"))
-    meshes = [plan.at_resolution(plan.family.finest(asked)) for asked in (0.05, 0.01, 0.002)]
-    costs = [(each.unknowns, each.seconds_of_two, each.memory) for each in meshes]
-    assert costs == sorted(costs) and all(math.isfinite(seconds) for _, seconds, _ in costs)
 
 
 def test_seconds_follow_what_runs_took_on_this_machine(tmp_path, monkeypatch) -> None:
