@@ -35,7 +35,7 @@ Target = Path | None
 """PNG file to write, or None: the figure is not written."""
 
 Drawing = Callable[[Target], Any]
-"""Draws a picture on a target and returns its figure, or None where there is nothing to draw."""
+"""Draws a picture on a target and returns its figure."""
 
 UNTITLED = Subject()
 FE, HERTZ, GREY = "#1f4e79", "#c8502d", "#7a7a7a"

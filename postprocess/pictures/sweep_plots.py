@@ -1,4 +1,4 @@
-"""Pictures of a sweep: quantities over the varied columns, and the patches side by side.
+"""The picture of a sweep: quantities over the varied columns.
 
 Rows are those of the sweep's table; `columns` names the one or two columns that are varied, whose
 values may be words.
@@ -12,7 +12,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from railhead.postprocess.findings import Array, Subject, Units
@@ -34,16 +33,11 @@ SHAPE = {
     "load share": "load share of the most loaded patch",
     "found approach [mm]": "approach, mm",
 }
-LABELS = 24  # patches of a strip whose values are written, at most
-GAP = 0.15  # between patches, of the longest
-LETTER = 0.11  # in: width of one of a value
 
 
-def drawings(
-    columns: Sequence[str], rows: Rows, outlines: Sequence[Sequence[Any]], y: str, subject: Subject
-) -> dict[str, Drawing]:
-    """The pictures of a sweep, `curves` and `patches`, by name of their PNG file; arguments as of
-    these, with any number of columns. Rows that are not all combinations of the values of their
+def drawings(columns: Sequence[str], rows: Rows, y: str, subject: Subject) -> dict[str, Drawing]:
+    """The picture of a sweep by name of its PNG file; arguments as of `curves`, with any number of
+    columns. Rows that are not all combinations of the values of their
     columns are numbered. Empty without rows or columns, and where rows are all combinations of
     three or more columns.
     """
@@ -52,10 +46,7 @@ def drawings(
         rows = [{**row, "combination": number} for number, row in enumerate(rows, 1)]
     if not rows or not 1 <= len(columns) <= 2:
         return {}
-    return {
-        "sweep.png": partial(curves, columns, rows, y, subject),
-        "patches.png": partial(patches, columns, rows, outlines, y, subject),
-    }
+    return {"sweep.png": partial(curves, columns, rows, y, subject)}
 
 
 def panels(rows: Rows) -> dict[str, str]:
@@ -129,81 +120,6 @@ def curves(
                 handles, labels, title=units.unit(others[0]), loc="outside right upper", fontsize=9
             )
     return figure
-
-
-def patches(
-    columns: Sequence[str],
-    rows: Rows,
-    outlines: Sequence[Sequence[Any]],
-    y: str,
-    subject: Subject,
-    target: Target = None,
-) -> Figure | None:
-    """All patch outlines from above, to scale, beside each other at their places in y. None, and
-    nothing is drawn, if there is no outline.
-
-    columns: headers of the one or two columns that are varied. rows: of sweep.csv, cells by column
-        header. outlines: of each row, a list of curves (k, 2) in x and y, mm. y: label of the
-        vertical axis. subject: title and units. There is a strip for each value of the column with
-        fewer values, or one if one column is varied. Patches of rows whose checks did not pass are
-        red.
-    """
-    over, *others = _most_varied_first(columns, rows)
-    split = others[0] if others else None
-    strips = _values(split, rows) if split else [None]
-    lines = [[np.array(line) for line in each] for each in outlines]
-    known = [line for each in lines for line in each]
-    if not known:
-        return None
-    across = np.concatenate([line[:, 1] for line in known])
-    step = (1 + GAP) * max(float(np.ptp(np.concatenate(each)[:, 0])) for each in lines if each)
-    most = max(
-        sum(row.get(split) == value for row in rows) if split else len(rows) for value in strips
-    )
-    high, every = float(np.ptp(across)) + 2 * GAP * step, math.ceil(most / LABELS)
-    inch = min(max(0.12, 3.4 / (most * step)), 14 / (most * step), 4 / high)  # per mm
-    units = subject.units
-    letters = max(len(_word(row, over, units)) for row in rows)
-    step = max(step, (letters + 1) * LETTER / every / inch)  # no value runs into the next
-    width, height = max(most * step * inch + 1.6, 5.0), max(high * inch, 1.6) + 0.7
-    with new_figure(target, width, len(strips) * height + 0.2, subject) as figure:
-        panels = figure.subplots(len(strips), 1, squeeze=False, sharex=True, sharey=True)[:, 0]
-        for axes, value in zip(panels, strips, strict=True):
-            own = [index for index, row in enumerate(rows) if not split or row[split] == value]
-            passed = [rows[index]["checks"] == "passed" for index in own]
-            _strip(axes, [lines[index] for index in own], passed, step)
-            said = [_word(rows[index], over, units) for index in own]
-            shown = [text if number % every == 0 else "" for number, text in enumerate(said)]
-            axes.set_xticks([number * step for number in range(len(own))], shown)
-            if split:
-                name = f"{units.unit(split)}: {_word({split: value}, split, units)}"
-                axes.set_title(name, fontsize=10, loc="left")
-            axes.set_aspect("equal")
-            middle = (across.min() + across.max()) / 2
-            axes.set_ylim(middle - high / 2, middle + high / 2)
-            axes.tick_params(labelbottom=True)
-            axes.set_ylabel(y, fontsize=9)
-        failed = any(row["checks"] != "passed" for row in rows)
-        panels[-1].set_xlabel(
-            f"{units.unit(over)}; patches from above, to scale"
-            + ("; red: a check failed" if failed else "")
-        )
-    return figure
-
-
-def _strip(
-    axes: Axes, each: Sequence[Sequence[Array]], passed: Sequence[bool], step: float
-) -> None:
-    """Fill the outlines of one strip of patches, `step` (mm) apart along the horizontal axis.
-
-    each: curves (k, 2) of each patch, mm. passed: of each patch, whether all checks passed;
-        otherwise it is red.
-    """
-    for number, (lines, good) in enumerate(zip(each, passed, strict=True)):
-        colour = FE if good else HERTZ
-        for line in lines:
-            axes.fill(line[:, 0] + number * step, line[:, 1], fc=f"{colour}40", ec=colour, lw=1.0)
-    axes.set_xlim(-0.6 * step, (len(each) - 0.4) * step)
 
 
 def _cells(rows: Rows, column: str) -> Array:

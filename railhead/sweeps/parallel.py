@@ -31,10 +31,9 @@ from railhead.sweeps.sweep_table import Row, Sweep
 
 TABLE, VTU, FIELDS = "sweep.csv", "vtu", "fields.npz"
 SERIES = ("solution", "contact")  # names of the .vtu files of a scene
-PICTURES = ("sweep.png", "patches.png")
 DRAWN = (
     sweep_table.REPORT,
-    *(str(Path(name).with_suffix(end)) for name in PICTURES for end in (".png", ".svg", ".pdf")),
+    *(f"sweep.{kind}" for kind in ("png", "svg", "pdf")),
 )
 LATER = (TABLE, VTU, FIELDS, *(f"{name}.pvd" for name in SERIES), *DRAWN)
 """Names of what is written into the folder of a sweep."""

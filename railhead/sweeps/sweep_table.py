@@ -48,18 +48,12 @@ def record(
     names: of the files among them, by key (`ParameterGrid.names`).
     fault: reason why there is no result, in one line; empty where there is one.
     summary: content of summary.json.
-    outlines: outlines of the patches seen from above, lists of points x, y in space in mm.
     wheelset: only with rail.gauge, columns of both wheels' first contacts and their values.
     """
     table: dict[str, Any] = {"over": over, "names": names, "fault": ""}
     if isinstance(result, Exception):
         return table | {"fault": " ".join(str(result).split())}
-    outlines, findings = [], result.findings
-    if findings is not None:
-        for line in findings.patch.outlines:
-            points = (findings.frame.place(float(x), float(s)) for x, s in line)
-            outlines.append([[round(x, 4), round(y, 4)] for x, y, _ in points])
-    table |= {"summary": result.summary, "outlines": outlines}
+    table["summary"] = result.summary
     placed = result.plan.contact.placed if result.plan.scene.rail.gauge else None
     if placed is not None:
         here, there = placed.right.touches[0], placed.left.touches[0]
@@ -244,7 +238,6 @@ class Sweep(terminal.Drawn, list[Result]):
         self._rows = [row for _, row in known.values()]
         if any(name not in row for name in self._columns for row in self._rows):
             raise SceneError("load", f"{str(folder)!r} holds records of another sweep")
-        self._outlines = [each.get("outlines", []) for each, _ in known.values()]
         self.failures: list[str] = []
 
     def show(self, console: Console, units: Units | None = None) -> None:
@@ -267,7 +260,7 @@ class Sweep(terminal.Drawn, list[Result]):
         from railhead.postprocess.pictures import sweep_plots as plots
 
         subject = Subject(self._title, units=units)
-        return plots.drawings(self._columns, self._rows, self._outlines, self._y, subject)
+        return plots.drawings(self._columns, self._rows, self._y, subject)
 
     def write_report(self, folder: Path, scenes: Sequence[Scene], units: Units) -> None:
         """Write report.html into the folder of the sweep, with those pictures that are there.

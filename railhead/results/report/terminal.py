@@ -81,7 +81,7 @@ class Drawn(Printed):
         """Draw one picture; returns its matplotlib figure.
 
         picture: name of its PNG file without .png, e.g. "pressure" or "stress_cut" of a result,
-            "sweep" or "patches" of a sweep (none of three or more keys), "profiles",
+            "sweep" of a sweep (none of three or more keys), "profiles",
             "rolling_radius" or "conicity" of what `locate` returns, and "profile" of what `profile`
             returns.
         ValueError: there is no such picture (the message names those that are), nothing touches,
@@ -93,10 +93,7 @@ class Drawn(Printed):
             names = ", ".join(name.removesuffix(".png") for name in drawings)
             text = f"give {names}" if names else "it has none"
             raise ValueError(f"picture: {picture!r} is none of this result; {text}")
-        figure = draw(None)
-        if figure is None:
-            raise ValueError(f"picture: {picture!r} has nothing to draw")
-        found: Figure = figure.figure  # of a part of a figure the whole
+        found: Figure = draw(None).figure  # of a part of a figure the whole
         return found
 
 

@@ -270,10 +270,8 @@ def test_sweeps_and_the_shakedown_map_say_what_they_are_of(sheets: list[Figure],
         {"load [N]": n, "checks": "passed"} | dict.fromkeys(sweep_plots.PANELS, float(n))
         for n in (1, 2)
     ]
-    circle = [[[np.cos(t), np.sin(t)] for t in np.linspace(0, 6, 20)]]
     subject = Subject(TITLE)
     sweep_plots.curves(["load [N]"], rows, "y, mm", subject, tmp_path / "c.png")
-    sweep_plots.patches(["load [N]"], rows, [circle, circle], "y, mm", subject, tmp_path / "p.png")
     friction = {
         "traction_coefficient": 0.1,
         "p0_over_k": 3.0,
@@ -287,32 +285,6 @@ def test_sweeps_and_the_shakedown_map_say_what_they_are_of(sheets: list[Figure],
         said = " ".join(text.get_text() for part in figure.subfigs for text in part.texts)
         assert " ".join(said.split()) in (TITLE, f"{TITLE} bars: estimated errors")
         assert not cut_off(figure)
-
-
-def test_values_beside_narrow_patches_do_not_run_into_each_other(
-    sheets: list[Figure], tmp_path
-) -> None:
-    """Two strips of a roller, 70 mm long and 4 mm wide, of which either load is five letters."""
-    rows = [{"load [N]": load, "checks": "passed"} for load in (50000, 110000)]
-    strip = [[[-2.0, -35.0], [2.0, -35.0], [2.0, 35.0], [-2.0, 35.0]]]
-    sweep_plots.patches(["load [N]"], rows, [strip, strip], "y, mm", Subject(), tmp_path / "p.png")
-    (figure,) = sheets
-    first, second = (text.get_window_extent() for text in figure.axes[0].get_xticklabels())
-    assert first.x1 < second.x0
-    assert not cut_off(figure)
-
-
-def test_a_strip_of_patches_holds_the_key_with_more_values(sheets: list[Figure], tmp_path) -> None:
-    circle = [[[np.cos(t), np.sin(t)] for t in np.linspace(0, 6, 20)]]
-    rows = [
-        {"shift": shift, "load": load, "checks": "passed"}
-        for shift in (0.0, 1.0, 2.0)
-        for load in (1.0, 2.0)
-    ]
-    sweep_plots.patches(
-        ["shift", "load"], rows, [circle] * 6, "y, mm", Subject(), tmp_path / "p.png"
-    )
-    assert [axes.get_title(loc="left") for axes in sheets[0].axes] == ["load: 1", "load: 2"]
 
 
 def test_dollars_in_a_title_are_no_formula(tmp_path) -> None:
