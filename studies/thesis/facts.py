@@ -208,11 +208,13 @@ def facts(scene: Scene) -> Facts:
     contact = solid.locate(scene)
     ellipse = closed_forms.ellipse(scene, contact)
     curvatures = (ellipse.curvature_x, 0.0), (0.0, ellipse.curvature_y)
-    numerical = pressure_solver.solve(
+    numerical = pressure_solver.solve_developed(
         contact.half_space_gap(contact.touch),
         ellipse.contact_modulus,
+        [((0.0, 0.0), (2 * ellipse.a, 2 * ellipse.b))],
+        np.zeros_like,
         load=ellipse.load,
-        half_size=(2 * ellipse.a, 2 * ellipse.b),
+        split=False,
     )
     return Facts(
         ellipse,

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from pressing import flat
 
 from railhead.theory import wear
 from railhead.theory.bem import pressure_solver
@@ -34,7 +35,7 @@ class Crown:
             lambda x, s: x**2 / (2 * RADIUS) + s**2 / (2 * CROWN) + np.interp(s, PLACES, depth),
             MODULUS,
             [((0.0, 0.0), (9.0, 11.0))],
-            pressure_solver.flat,
+            flat,
             load=LOAD,
             cells=self.cells,
             tolerance=1e-7,

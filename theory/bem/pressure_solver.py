@@ -98,51 +98,6 @@ class BoundaryElementSolution:
         return np.asarray(np.cos(angle) * total[0] + np.sin(angle) * total[1])
 
 
-def solve(
-    gap: Gap,
-    contact_modulus: float,
-    *,
-    load: float | None = None,
-    approach: float | None = None,
-    centre: tuple[float, float] = (0.0, 0.0),
-    half_size: tuple[float, float] = (10.0, 10.0),
-    cells: int = 128,
-    tolerance: float = 1e-8,
-) -> PatchSolution:
-    """Frictionless contact of two half-spaces with a given gap: pressure p >= 0 with gap + u(p) -
-    approach >= 0, where one of both is zero in every cell and u(p) is the normal displacement.
-
-    gap: function of points x (n,), s (n,), mm; undeformed gap (n,), mm, +inf where the bodies do
-        not face each other.
-    contact_modulus: E*, MPa.
-    load: normal force, N; None: approach is given.
-    approach: mm; None: load is given.
-    centre: of the first domain, x and s, mm.
-    half_size: of the first domain along x and s, mm.
-    cells: number along each axis.
-    tolerance: of the gap in the patch, over the largest displacement.
-
-    The domain grows until the patch fits in and shrinks until the patch takes up 60 to 90 % of its
-    width. A second patch is found if it lies in the first domain and is wider than a cell there, of
-    64 an axis. On Hertz ellipses along the axes, 128 cells reach 3e-5 in approach, 4e-5 in
-    max_pressure, 1e-4 in semi_axes, 2e-3 in area and 4e-3 in half_extents; at a sharp edge p
-    depends on the cells. ValueError: an argument or gap out of range, no contact, no bounded patch,
-    no convergence.
-    """
-    found = solve_developed(
-        gap,
-        contact_modulus,
-        [(centre, half_size)],
-        flat,
-        load=load,
-        approach=approach,
-        cells=cells,
-        tolerance=tolerance,
-        split=False,
-    )
-    return found.windows[0]
-
-
 def solve_developed(
     gap: Gap,
     contact_modulus: float,
@@ -176,7 +131,12 @@ def solve_developed(
     known: what the coarse search of this contact found, which is then left out; its domains are
         taken, and `windows` have no effect.
     The domains are adapted until each suits its patch, first coarse, then with `cells` cells along
-    each axis. ValueError: a gap out of range, no contact, no bounded patch, no convergence.
+    each axis: a domain grows until the patch fits in, and shrinks until it takes up 60 to 90 % of
+    its width. A second patch is found if it lies in the first domain and is wider than a cell
+    there, of 64 an axis. On Hertz ellipses along the axes, 128 cells reach 3e-5 in approach, 4e-5
+    in max_pressure, 1e-4 in semi_axes, 2e-3 in area and 4e-3 in half_extents; at a sharp edge p
+    depends on the cells. ValueError: a gap out of range, no contact, no bounded patch, no
+    convergence.
     """
     where = _merged([np.array(window, dtype=float) for window in windows])
     found, coarse, fine = known, known, known is not None
@@ -219,7 +179,8 @@ def under_load(
     found: BoundaryElementSolution, load: float, tolerance: float
 ) -> BoundaryElementSolution:
     """The contact of a solution under another load (N), nearly the same, on the same grids, and on
-    those of its coarser solution. tolerance: as of `solve`. Raises ValueError without convergence.
+    those of its coarser solution. tolerance: as of `solve_developed`. Raises ValueError without
+    convergence.
     """
     windows, influence = found.windows, Influence(found.windows, found.contact_modulus)
     moved = influence.split(influence(np.concatenate([w.pressure.ravel() for w in windows])))
@@ -229,11 +190,6 @@ def under_load(
     solved = equilibrium(windows, gaps, found.contact_modulus, load, None, tolerance, found)
     coarse = found.coarse and under_load(found.coarse, load, tolerance)
     return BoundaryElementSolution(tuple(solved), found.contact_modulus, coarse)
-
-
-def flat(s: Array) -> Array:
-    """Tilt (n,) of the normal of a plane surface at places s (n,): zero."""
-    return np.zeros_like(s)
 
 
 def _sample(gap: Gap, grid: Grid) -> Array:

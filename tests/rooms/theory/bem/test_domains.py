@@ -5,11 +5,10 @@ import math
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from pressing import flat, solve
 
 from railhead.theory.bem.pressure_solver import (
     BoundaryElementSolution,
-    flat,
-    solve,
     solve_developed,
 )
 from railhead.theory.elastic.hertz import point_contact

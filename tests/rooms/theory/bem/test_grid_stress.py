@@ -1,9 +1,10 @@
 """Stresses below a grid's pressure, against the closed forms of Hertz's ellipse."""
 
 import numpy as np
+import pressing
 import pytest
 
-from railhead.theory.bem import grid_stress, pressure_solver
+from railhead.theory.bem import grid_stress
 from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.elastic import subsurface
 from railhead.theory.elastic.hertz import Ellipse, point_contact
@@ -15,7 +16,7 @@ MODULUS, LOAD = 1.1e5, 4e4
 def pair(ratio: float) -> tuple[Ellipse, PatchSolution]:
     """Exact Hertz, and his contact by boundary elements on 64 cells an axis."""
     exact = point_contact(ratio * 1e-3, 1e-3, MODULUS, LOAD)
-    found = pressure_solver.solve(
+    found = pressing.solve(
         lambda x, s: (ratio * x**2 + s**2) * 1e-3 / 2,
         MODULUS,
         load=LOAD,

@@ -5,14 +5,9 @@ import math
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from pressing import flat, solve
 
-from railhead.theory.bem.pressure_solver import (
-    PatchSolution,
-    flat,
-    solve,
-    solve_developed,
-    under_load,
-)
+from railhead.theory.bem.pressure_solver import PatchSolution, solve_developed, under_load
 from railhead.theory.elastic.hertz import Ellipse, point_contact
 
 Array = NDArray[np.float64]

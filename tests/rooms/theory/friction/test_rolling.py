@@ -6,6 +6,7 @@ Limits are 0.5 % of mu N for the elements and what a reference says of its own e
 import math
 
 import numpy as np
+import pressing
 import pytest
 from carter import Carter
 from friction_data import named
@@ -306,12 +307,12 @@ def rolling(
 
 def pressed(materials: MaterialPair) -> pressure_solver.PatchSolution:
     modulus = materials.shear_modulus / (1 - materials.poisson)
-    return pressure_solver.solve(ball, modulus, load=500.0, cells=32)
+    return pressing.solve(ball, modulus, load=500.0, cells=32)
 
 
 def test_like_bodies_take_one_turn() -> None:
     materials, creepage = pair(*HARD, *HARD), Creepage(1e-4, 1e-4)
-    patch = pressure_solver.solve(ball, 207000 / 1.82, load=500.0, cells=32)
+    patch = pressing.solve(ball, 207000 / 1.82, load=500.0, cells=32)
     body = HalfSpaceFriction(patch.x, patch.s, patch.pressure, 0.3, materials, rolling=True)
     found = rolling(HARD, HARD, creepage)
     np.testing.assert_allclose(found.traction, body.solve(creepage).traction, rtol=1e-6, atol=1e-9)
@@ -348,7 +349,7 @@ def test_the_gap_closes_under_pressure_and_tractions_together() -> None:
 def test_patches_meet_forces_together() -> None:
     """At one creepage, whose forces add up to it."""
     materials = pair(*HARD, *HARD)
-    patch = pressure_solver.solve(ball, 207000 / 1.82, load=500.0, cells=32)
+    patch = pressing.solve(ball, 207000 / 1.82, load=500.0, cells=32)
     bodies = [
         HalfSpaceFriction(patch.x, patch.s, share * patch.pressure, 0.3, materials, rolling=True)
         for share in (1.0, 0.5)
