@@ -6,7 +6,7 @@ import json
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, wait
-from contextlib import AbstractContextManager, ExitStack, suppress
+from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -27,7 +27,7 @@ from railhead.scene.scene import Scene, SceneError, warn_of_units
 from railhead.scene.sections import refuse_first
 from railhead.sweeps import runner, store, sweep_table, worker_pool
 from railhead.sweeps.grid import ParameterGrid
-from railhead.sweeps.sweep_table import Row, Sweep
+from railhead.sweeps.sweep_table import Sweep
 
 TABLE, VTU, FIELDS = "sweep.csv", "vtu", "fields.npz"
 SERIES = ("solution", "contact")  # names of the .vtu files of a scene
@@ -158,7 +158,6 @@ def _solve_all(
     """
     folder, names = sweep.folder, sweep.grid.names
     done = store.done(folder)
-    rows: dict[int, Row] = {}
     results: dict[int, Result] = {}
     faults: dict[int, str] = {}
 
@@ -178,23 +177,19 @@ def _solve_all(
         for part in split_among_workers(wanted, busy, workers)
     }
     while jobs:
-        ended: list[tuple[int, int, str]] = []  # number, size of its group, reason for no record
-        for job in wait(jobs, POLL, FIRST_COMPLETED).done:
+        ended = wait(jobs, POLL, FIRST_COMPLETED).done
+        done = store.done(folder)
+        for job in ended:
             group, part = jobs.pop(job)
             attempt = worker_pool.outcome(job)
             solved, short = attempt.value or ({}, dict.fromkeys(part, attempt.fault))
             results |= solved
-            ended += [(number, len(group), short.get(number, LOST_RECORD)) for number in part]
-        new = store.done(folder) - rows.keys()
-        rows |= {number: sweep_table.row(store.read(folder, number)) for number in new}
-        for number, size, fault in ended:
-            if number not in rows and size > 1:
-                jobs[start([number], [number])] = [number], [number]
-            elif number not in rows:
-                faults[number] = fault
-        with suppress(OSError):  # of a full disk: records may still fit
-            _write_table(folder, [row for _, row in sorted(rows.items())])
-        progress.jobs(len(rows) + len(faults), len(plans))
+            for number in (number for number in part if number not in done):
+                if len(group) > 1:
+                    jobs[start([number], [number])] = [number], [number]
+                else:
+                    faults[number] = short.get(number, LOST_RECORD)
+        progress.jobs(len(done) + len(faults), len(plans))
     for number, fault in faults.items():
         record = sweep_table.record(sweep.values(number), names[number], RuntimeError(fault))
         store.write(folder, number, record | {AGAIN: True})
@@ -248,11 +243,6 @@ def _solve(
     return results, faults
 
 
-def _write_table(folder: Path, rows: Sequence[Row]) -> None:
-    """Write sweep.csv. OSError: it cannot be written."""
-    store.write_whole(folder, folder / TABLE, result_folder.encoded(rows))
-
-
 def _write(sweep: ParallelSweep, found: Sweep, *, pictures: bool) -> None:
     """Write the table beside the records. With `pictures` write report.html, and PNG files where at
     most two keys are set or the scenes are rows of a table. With `sweep.vtu` write .pvd files, for
@@ -266,7 +256,7 @@ def _write(sweep: ParallelSweep, found: Sweep, *, pictures: bool) -> None:
         """Context in which a file is written; it keeps an error as a line."""
         return result_folder.attempt(found.failures, folder / name, folder)
 
-    _write_table(folder, rows)
+    store.write_whole(folder, folder / TABLE, result_folder.encoded(rows))
     if sweep.vtu:
         from railhead.postprocess import vtu
 
