@@ -30,17 +30,16 @@ STEEL = 209920.0  # G = 82 GPa with nu = 0.28
 
 
 def ellipse(
-    friction: float, interface: Interface | None, *, cells: int = 32, young: float = STEEL,
-    rolling: bool = True, wider: int = 1,
-) -> HalfSpaceFriction:  # fmt: skip
+    friction: float, interface: Interface | None, *, cells: int = 32, young: float = STEEL
+) -> HalfSpaceFriction:
     """Ertz and Knothe's ellipse, a = 5.88, b = 10.54 mm, under 100 kN."""
-    grid = grid_over((0.0, 0.0), (A, B), wider * cells, wider)
+    grid = grid_over((0.0, 0.0), (A, B), cells)
     u, v = grid.x / A, grid.s / B
     pressure = np.sqrt(np.maximum(1 - u[:, None] ** 2 - v**2, 0))
     pressure *= LOAD / (pressure.sum() * grid.cell)
     materials = pair(young, 0.28, young, 0.28)
     return HalfSpaceFriction(
-        grid.x, grid.s, pressure, friction, materials, rolling=rolling, interface=interface
+        grid.x, grid.s, pressure, friction, materials, rolling=True, interface=interface
     )
 
 
