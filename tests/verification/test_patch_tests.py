@@ -200,16 +200,6 @@ def test_contact_patch_test_and_balance(kinematics: Kinematics, cell: str, law: 
 
 # What must hold whatever the mesh: balance, action and reaction, frame invariance.
 
-LAWS = [ContactLaw("nitsche", 1), ContactLaw("nitsche", -1), ContactLaw("penalty")]
-
-
-@pytest.mark.parametrize("law", LAWS)
-def test_force_balance_and_reaction(law: ContactLaw) -> None:
-    solution = press(contact_model(law=law))
-    assert solution.newton.converged
-    assert solution.load == pytest.approx(3000.0, rel=1e-8)
-    assert solution.reaction == pytest.approx(3000.0, rel=1e-8)
-
 
 def test_action_equals_reaction_between_the_bodies() -> None:
     """The contact forces on rail and wheel sum to zero, whoever carries the quadrature."""

@@ -47,13 +47,6 @@ def test_nearly_round_patches_keep_their_elements() -> None:
         assert planned(name).grading().stretch == 1
 
 
-def test_a_round_patch_beside_a_long_one_keeps_its_elements_along_the_rail() -> None:
-    plan = planned("s1002_60e1", "wheelset.shift=5")
-    stretched = plan.sizing._stretched(2.0)
-    assert stretched.stretch * stretched.size == pytest.approx(plan.patch_size)
-    assert stretched.resolution == pytest.approx(plan.sizing.resolution)
-
-
 @pytest.mark.parametrize(
     "radius, cell",
     [
