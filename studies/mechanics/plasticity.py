@@ -217,6 +217,7 @@ def page(loads: Sequence[Load], spheres: Sequence[Sphere]) -> str:
             *("{left}", "{end}"),
         ),
         useful=USEFUL,
+        yields=next((r["load"] / r["multiple"] for r in loads if r["multiple"]), None),
         ratios=[r["seconds"] / r["elastic_seconds"] for r in loads if r["multiple"]],
         fine=max(fine, default=None),
         misled=min(misled, default=None),

@@ -114,8 +114,13 @@ def page(
     repeated = [[run["cpu_seconds"] for run in each] for each in own]
     forces = [run["force"] / 1e3 for run in done if run["code"] != OURS]
     waited = [run["seconds"] / run["cpu_seconds"] for run in done]
+    default = [run for run in seen if run["code"] == OURS and run["setting"] == "default"]
+    others = [run for run in seen if run["method"] == "finite elements" and run["code"] != OURS]
+    others = [run for run in others if not run["failure"]]
+    best = [min(each, key=_worst) for each in (default, others) if each]
     return tables.render(
         "peers",
+        best=[(100 * _worst(run), run["cpu_seconds"], run["code"]) for run in best],
         ours=version("railhead-contact"),
         threads=processes.THREADS,
         cores=os.cpu_count(),
@@ -138,6 +143,11 @@ def page(
         failed=[run for run in seen if run["failure"]],
         rows=[_row(run) for run in seen if not run["failure"]],
     )
+
+
+def _worst(run: Row) -> float:
+    """The larger error of largest pressure and area, in size."""
+    return max(abs(run[f"error_{name}"]) for name in ("p_max", "area"))
 
 
 def _row(run: Row) -> tuple[Any, ...]:
