@@ -253,7 +253,7 @@ def test_yield_has_an_estimate_only_where_its_load_steps_were_doubled(monkeypatc
     monkeypatch.setattr(mesh_solution.MeshSolution, "family", known)
     assert estimates.estimate([solved]) == ({}, "the error of the load steps is not known")
     found, _ = estimates.estimate([replace(solved, load_step_errors={"a_mm": 0.02})])
-    assert found["a_mm"].load_steps == 0.02 and "tau_max_depth_mm" not in found
+    assert found["a_mm"].parts["load_steps"] == 0.02 and "tau_max_depth_mm" not in found
 
 
 def test_load_steps_are_of_second_order() -> None:
