@@ -1,7 +1,5 @@
 """Which scenes are solved in two dimensions, and which are refused."""
 
-import math
-
 import numpy as np
 import pytest
 from one_line import refusal
@@ -117,11 +115,6 @@ def test_contact_length_is_the_common_width() -> None:
     found = plane_section.choose(shifted)
     assert (found.length, found.centre) == (45.0, 12.5)
     assert planning.make(shifted).contact.origin == (0.0, 12.5, 0.0)
-
-
-def test_load_of_a_line_is_shared_by_its_length() -> None:
-    half, whole = (planning.make(scene(*INF_RAIL, f"wheel.width={w}")).hertz for w in (30, 60))
-    assert half.half_width == pytest.approx(math.sqrt(2) * whole.half_width)
 
 
 def test_a_narrow_bar_across_the_rail_has_no_length_that_makes_it_thin() -> None:

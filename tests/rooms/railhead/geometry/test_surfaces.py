@@ -62,12 +62,6 @@ def test_a_fresh_flat_is_a_chord_of_the_wheel() -> None:
     assert height.range == pytest.approx(60**2 / 8 / 450, rel=2e-3)
 
 
-def test_a_map_ends_with_the_heights_of_its_border() -> None:
-    (value, along, across) = MAP(np.array([99.0, 99.0]), np.array([3.0, -99.0]))
-    assert value == pytest.approx(MAP(np.array([19.7, 19.7]), np.array([3.0, -10.0]))[0])
-    assert along.tolist() == [0.0, 0.0] and across[0] != 0 and across[1] == 0
-
-
 def written(path: Path, rows: np.ndarray, **more: str) -> Path:
     np.savetxt(path, rows, delimiter=",", **more)
     return path
