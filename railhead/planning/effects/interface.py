@@ -120,6 +120,7 @@ def _expected(context: Context, limit: float) -> str:
 def _beyond_the_section(context: Context) -> Iterator[tuple[object, str, str]]:
     """Rules, as of `refuse_first`, against a tangential motion or force that a plane section does
     not have: rolling or a motion along in a section across, or a motion across in a section along.
+    Without the motion of a wheelset, which `wheelset_creepage` refuses.
     """
     scene, plane = context.scene, context.contact.plane
     along, across = scene.asymmetric_friction
@@ -128,6 +129,7 @@ def _beyond_the_section(context: Context) -> Iterator[tuple[object, str, str]]:
     text = "is not allowed: the scene is a section"
     yield plane == "yz" and rolls, "rolling", f"{text} across the rail"
     yield plane == "yz" and along, table, f"along the rail {text} across it"
+    across = across and not scene.rolling.from_wheelset
     yield plane == "xz" and across, table, f"across the rail {text} along it"
 
 
