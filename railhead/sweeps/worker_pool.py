@@ -95,18 +95,19 @@ def outcome(future: Future[Attempt[T]]) -> Attempt[T]:
 
 def together(
     submit: Submit | None, work: Callable[..., T], jobs: Iterable[tuple[Any, ...]]
-) -> list[T]:
-    """Values of work(*job) for each job, in their order, solved side by side. submit: starts a job;
-    None: one after the other in this process. Raises ValueError with the reason of one that fails.
+) -> Iterator[T]:
+    """Values of work(*job) for each job, in their order, each when it is there; all jobs are solved
+    side by side. submit: starts a job; None: one after the other in this process. Raises ValueError
+    with the reason of one that fails.
     """
     if submit is None:
-        return [work(*job) for job in jobs]
-    found = []
-    for attempt in [outcome(future) for future in [submit(work, *job) for job in jobs]]:
-        if attempt.value is None:
-            raise ValueError(attempt.fault)
-        found.append(attempt.value)
-    return found
+        yield from (work(*job) for job in jobs)
+        return
+    for future in [submit(work, *job) for job in jobs]:
+        found = outcome(future)
+        if found.value is None:
+            raise ValueError(found.fault)
+        yield found.value
 
 
 @contextmanager

@@ -168,10 +168,16 @@ class Interface:
         whole = np.bincount(facet, weights, minlength=len(self.slave))
         return np.bincount(self.facet, self.weights, minlength=len(whole)) > 0.99 * whole
 
-    def nearest(self, closing: Array) -> Mask:
-        """Mask (n,) of this rank's points among the twelve (NEAREST) of each contact, of all ranks,
-        whose gaps close first (collective). closing: by how much each gap closes under a motion
-        (n,); a contact in which none does takes the smallest gaps.
+    def nearest(
+        self, closing: Array, touching: Callable[[int, Array, Array], int] = lambda *_: NEAREST
+    ) -> Mask:
+        """Mask (n,) of this rank's points among those of each contact, of all ranks, whose gaps
+        close first, at least twelve (NEAREST) of each (collective).
+
+        closing: by how much each gap closes under a motion (n,); a contact in which none does takes
+            the smallest gaps.
+        touching: number of a contact, gaps of its points (m,) in rising order, over what closes
+            them, and their areas (m,) -> how many of them are taken.
         """
         out = np.zeros(len(self.contact), dtype=bool)
         for number in range(len(self.missed)):
@@ -179,9 +185,12 @@ class Interface:
             gaps, rate = self.initial_gap[own], closing[own]
             if self.comm.allreduce(int((rate > 0).sum())):
                 gaps = np.where(rate > 0, gaps / np.where(rate > 0, rate, 1.0), np.inf)
-            every = np.sort(np.concatenate(self.comm.allgather(gaps)))
-            near = gaps <= every[min(NEAREST, len(every)) - 1]
-            out[own] = near & np.isfinite(gaps)
+            every, area = (
+                np.concatenate(self.comm.allgather(each)) for each in (gaps, self.weights[own])
+            )
+            order = np.argsort(every)[: np.isfinite(every).sum()]
+            count = max(NEAREST, touching(number, every[order], area[order]))
+            out[own] = gaps <= every[order][min(count, len(order)) - 1]
         return out
 
     def stiffness_bound(self, law: ContactLaw) -> Array:

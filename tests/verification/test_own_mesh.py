@@ -259,7 +259,7 @@ def test_ball_on_a_block_under_a_load_from_afar(gap: float, secondary: int) -> N
     model = model_of(mesh, *BOTH, rs.Clamp(21), pair, section="axisymmetric")
     ball = model.add(rs.Hub(22, free=(0, -1)))
     found = model.solve({ball: rs.Force(load)})
-    assert found.converged
+    assert found.converged and len(found.history) <= 15  # 21 and 26 from the twelve nearest points
     assert found.pressure.max() == pytest.approx(3 * load / (2 * np.pi * a**2), rel=0.01)
     assert found.force(ball) == pytest.approx(load, rel=1e-8)
     assert found.weights @ found.pressure == pytest.approx(load, rel=1e-3)

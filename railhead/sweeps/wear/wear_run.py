@@ -264,7 +264,7 @@ class Run:
             (position, self.fineness, depth, each, shares, other)
             for position, each, other in zip(positions, begin, others, strict=True)
         ]
-        answers = worker_pool.together(self.submit, worn_contact.solve, jobs)
+        answers = list(worker_pool.together(self.submit, worn_contact.solve, jobs))
         total = [np.sum([worn[n] for _, worn in answers], axis=0) for n in range(len(shares))]
         return _joined([each for each, _ in answers]), total
 

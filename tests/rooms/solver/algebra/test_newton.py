@@ -63,6 +63,7 @@ def test_the_nearest_points_are_those_of_all_ranks(elsewhere: float, count: int)
         contact=np.zeros(20, int),
         missed=[0.0],
         initial_gap=np.arange(20.0),
+        weights=np.ones(20),
         comm=TwoRanks(np.full(12, elsewhere)),
     )
     assert Interface.nearest(interface, np.zeros(20)).sum() == count
