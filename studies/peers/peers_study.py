@@ -32,6 +32,7 @@ COARSE = {"coarse": ["--set", "mesh.patch_size=1.2"]}  # quick
 CHILD = Path(__file__).with_name("child.py")
 DEBIAN_PYTHON = "/usr/bin/python3"
 APT = "apt-get install -q -y --no-install-recommends"
+Mesh = tuple[str, float]  # cell, and size in mm
 
 
 def install() -> None:
@@ -92,10 +93,11 @@ def measured(
     case = _case()
     lists = [list(peer.RUNS.items())[: 1 if quick else None] for peer in present]
     runs = [run for own in lists for _, run in own if "mesh" in run]
-    files = {size: work / f"{size}.npz" for size in sorted({run["mesh"] for run in runs})}
-    for size, file in files.items():
-        progress.stage(f"meshing: {size:g} mm")
-        block_meshes.write(file, case, size)
+    meshes: set[Mesh] = {tuple(run["mesh"]) for run in runs}
+    files = {(cell, size): work / f"{cell}_{size}.npz" for cell, size in sorted(meshes)}
+    for (cell, size), file in files.items():
+        progress.stage(f"meshing: {cell}, {size:g} mm")
+        block_meshes.write(file, case, cell, size)
     own = [COARSE] if quick else [OWN_RUNS] * REPEATS
     for theirs, ours in zip_longest(zip_longest(*lists), own, fillvalue=()):
         for peer, chosen in zip(present, theirs, strict=False):
@@ -136,13 +138,13 @@ def solve(
     setting: str,
     run: Mapping[str, Any],
     case: Mapping[str, float],
-    files: Mapping[float, Path],
+    files: Mapping[Mesh, Path],
     work: Path,
 ) -> Row:
     """One run of a code, with its costs and errors, or why there are none."""
     head = peer.TITLE, peer.METHOD, setting
     options = {key: value for key, value in run.items() if key != "mesh"}
-    mesh = str(files[run["mesh"]]) if "mesh" in run else None
+    mesh = str(files[tuple(run["mesh"])]) if "mesh" in run else None
     try:
         found, cost = _asked(peer, {"case": case, "mesh": mesh, "run": options}, work)
         return peers_page.row(*head, cost | peers_page.read(case, found))

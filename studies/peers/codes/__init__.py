@@ -4,8 +4,8 @@
     PIP, DEBIAN               packages, the first of which has the page's version; with DEBIAN's it
                               runs in Debian's Python, else in the venv
     MODULES                   what must import there
-    RUNS                      {label: keywords of `solve`}, coarse to fine; "mesh" is the size in mm
-                              of a mesh of `studies.peers.block_meshes`, read before the call
+    RUNS                      {label: keywords of `solve`}, coarse to fine; "mesh" is cell and
+                              size of a mesh of `studies.peers.block_meshes`, read beforehand
     solve(case, mesh, **run)  -> {unknowns, force, pressure_max, x, y, pressure, [approach,
                               tau_max, iterations]}, in N, mm and MPa, of the whole contact
 

@@ -14,7 +14,7 @@ Pressure: CPRESS at the node."""
 PIP = ()
 DEBIAN = ("calculix-ccx", "python3-numpy")
 MODULES = ()
-RUNS = {f"mortar, C3D8, {size} mm": {"mesh": size} for size in (1.0, 0.7, 0.5)}
+RUNS = {f"mortar, C3D8, {size} mm": {"mesh": ["hexahedron", size]} for size in (1.0, 0.7, 0.5)}
 PENALTY = 1000  # times E per mm
 NEAR = {"rail": 7.0, "wheel": 11.0}  # mm around the centre where contact is looked for
 

@@ -21,7 +21,7 @@ PIP = (
 )
 DEBIAN = ()
 MODULES = ("KratosMultiphysics.ContactStructuralMechanicsApplication",)
-RUNS = {f"{size} mm": {"mesh": size} for size in (1.0, 0.7, 0.5)}
+RUNS = {f"{size} mm": {"mesh": ["hexahedron", size]} for size in (1.0, 0.7, 0.5)}
 NEAR = {"rail": 9.0, "wheel": 11.7}  # mm around the centre where contact is looked for
 STEPS = 50
 

@@ -20,6 +20,7 @@ CASE = {
     "young": 207e3,
     "poisson": 0.3,
 }
+EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))  # of VTK's quadratic tetrahedra
 CODE = """
 TITLE, METHOD, SETTINGS = "{title}", "finite elements", "As it is."
 PIP, DEBIAN, MODULES = (), ("python3-numpy",), ({modules})
@@ -83,8 +84,9 @@ def test_a_fit_has_the_axes_in_their_order_and_refuses_what_is_no_ellipse() -> N
             peers_page.fitted(x, y, flat)
 
 
-def test_blocks_lie_on_their_arcs_and_show_their_faces(tmp_path) -> None:
-    block_meshes.write(tmp_path / "mesh.npz", CASE, 4.0)
+@pytest.mark.parametrize("cell", ["hexahedron", "tetrahedron"])
+def test_blocks_lie_on_their_arcs_and_show_their_faces(cell, tmp_path) -> None:
+    block_meshes.write(tmp_path / "mesh.npz", CASE, cell, 4.0)
     mesh = dict(np.load(tmp_path / "mesh.npz"))
     for body, sign in (("rail", 1), ("wheel", -1)):
         points, corners = mesh[f"{body}_points"], mesh[f"{body}_corners"]
@@ -94,9 +96,12 @@ def test_blocks_lie_on_their_arcs_and_show_their_faces(tmp_path) -> None:
         a, b, c = points[corners[:, :3]].transpose(1, 0, 2)
         assert (np.sign(np.cross(b - a, c - a)[:, 2]) == sign).all()
         for (owner, side), face in zip(mesh[f"{body}_sides"], corners, strict=True):
-            assert set(mesh[f"{body}_cells"][owner][block_meshes.FACES[side]]) == set(face)
+            assert set(mesh[f"{body}_cells"][owner][block_meshes.FACES[cell][side]]) == set(face)
         whole = points[mesh[f"{body}_cells"]]
-        edges = whole[:, [1, 3, 4]] - whole[:, :1]
+        for middle, (one, other) in enumerate(EDGES if cell == "tetrahedron" else (), start=4):
+            away = whole[:, middle] - (whole[:, one] + whole[:, other]) / 2
+            assert np.abs(away).max() < 0.3  # the arc's height
+        edges = whole[:, [1, 3, 4] if cell == "hexahedron" else [1, 2, 3]] - whole[:, :1]
         assert (np.linalg.det(edges) > 0).all()
         assert (np.abs(points[mesh[f"{body}_x0"], 0]) < 1e-9).all()
         assert np.abs(points[mesh[f"{body}_far"], 2]) == pytest.approx(60)
