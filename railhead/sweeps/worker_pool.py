@@ -97,12 +97,16 @@ def together(
     submit: Submit | None, work: Callable[..., T], jobs: Iterable[tuple[Any, ...]]
 ) -> list[T]:
     """Values of work(*job) for each job, in their order, solved side by side. submit: starts a job;
-    None: one after the other in this process. Raises ValueError with the reason of one that fails.
+    None: one after the other in this process. One that fails, as its process may have crashed, is
+    tried once more; raises ValueError with the reason if it fails again.
     """
     if submit is None:
         return [work(*job) for job in jobs]
     found = []
-    for attempt in [outcome(future) for future in [submit(work, *job) for job in jobs]]:
+    for job, future in [(job, submit(work, *job)) for job in jobs]:
+        attempt = outcome(future)
+        if attempt.value is None:
+            attempt = outcome(submit(work, *job))
         if attempt.value is None:
             raise ValueError(attempt.fault)
         found.append(attempt.value)
