@@ -357,7 +357,9 @@ def wear(
     _ask(scene)
     folder = out if out is not None else Path("results") / f"{scene.name}_wear"
     result_folder.check_folder(folder)
-    found = sweep.wear(scene, folder, force=force, pictures=not no_pictures, quiet=quiet or as_json)
+    quiet, pictures = quiet or as_json, not no_pictures
+    with process.told_at_a_signal(KEPT.format(folder)):
+        found = sweep.wear(scene, folder, force=force, pictures=pictures, quiet=quiet)
     for name, advice in found.summary["checks"]["advice"].items():
         click.echo(f"FAILED {name}: {advice}", err=True)
     _print(

@@ -286,6 +286,7 @@ class FrictionQuantities:
     moment_Nmm: moment of the wheel on the rail about the normal at the first contact, N mm; 0 with
         symmetry planes.
     limit: integral of the friction coefficient times the pressure, N.
+    coefficient: the limit over the normal force.
     coefficient_least: least friction coefficient in the patch; None where it is the same
         everywhere.
     coefficient_slipping: mean one where the surfaces slip, weighted by pressure; None where it is
@@ -358,6 +359,7 @@ class FrictionQuantities:
         "moment_Nmm", "N mm", "moment about the normal", column="moment"
     )
     limit: float = friction("limit_N", "N", column="mu N")
+    coefficient: float = friction("coefficient")
     coefficient_least: float | None = friction(
         "coefficient_least", "", "least friction coefficient", column="least mu"
     )

@@ -20,7 +20,6 @@ from railhead.scene.scene import SceneError, dotted
 from railhead.theory.array_types import Array
 
 REQUEST, RECORDS = "sweep.json", "records"
-NUMBER = 5 * "[0-9]"  # name of the files of a record
 ADVICE = "give another folder, or --force to replace it"
 Other = Literal["refuse", "move", "replace"]
 
@@ -77,7 +76,12 @@ def _check_request(folder: Path, request: dict[str, Any]) -> None:
 
 def done(folder: Path) -> set[int]:
     """Numbers of the jobs that have a record."""
-    return {int(path.stem) for path in (folder / RECORDS).glob(f"{NUMBER}.json")}
+    return _numbers(folder, ".json")
+
+
+def _numbers(folder: Path, end: str) -> set[int]:
+    """Numbers of the files of records that end so."""
+    return {int(p.stem) for p in (folder / RECORDS).glob(f"*{end}") if p.stem.isdecimal()}
 
 
 def write(
@@ -111,10 +115,7 @@ def read(folder: Path, number: int) -> dict[str, Any]:
 
 def arrays(folder: Path) -> dict[int, dict[str, Array]]:
     """Arrays by name of all jobs that have some, by number. Raises SceneError for a broken file."""
-    return {
-        int(path.stem): read_arrays(folder, int(path.stem))
-        for path in sorted((folder / RECORDS).glob(f"{NUMBER}.npz"))
-    }
+    return {number: read_arrays(folder, number) for number in sorted(_numbers(folder, ".npz"))}
 
 
 def read_arrays(folder: Path, number: int) -> dict[str, Array]:

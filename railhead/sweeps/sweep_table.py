@@ -220,9 +220,14 @@ class Sweep(terminal.Drawn, list[Result]):
     ) -> None:
         """folder: of the sweep. solved: results by number of the combination, in the place of those
         of the records, which have numbers only; None: none. y: label of y in pictures. Nothing is
-        solved. Raises SceneError for a broken file, and for records of another sweep.
+        solved. Raises SceneError for a broken file, and for records of another sweep, wear or a
+        creep table.
         """
-        known, request = records(folder), store.load(folder / store.REQUEST)
+        request = store.load(folder / store.REQUEST)
+        if "over" not in request:
+            text = f"{str(folder)!r} holds no run and no sweep"
+            raise SceneError("load", f"{text}; give the folder of one")
+        known = records(folder)
         found = {
             number: Result(None, record["summary"])
             for number, (record, _) in known.items()

@@ -97,14 +97,17 @@ def together(
     submit: Submit | None, work: Callable[..., T], jobs: Iterable[tuple[Any, ...]]
 ) -> Iterator[T]:
     """Values of work(*job) for each job, in their order, each when it is there; all jobs are solved
-    side by side. submit: starts a job; None: one after the other in this process. Raises ValueError
-    with the reason of one that fails.
+    side by side. submit: starts a job; None: one after the other in this process. One that fails,
+    as its process may have crashed, is tried once more; raises ValueError with the reason if it
+    fails again.
     """
     if submit is None:
         yield from (work(*job) for job in jobs)
         return
-    for future in [submit(work, *job) for job in jobs]:
+    for job, future in [(job, submit(work, *job)) for job in jobs]:
         found = outcome(future)
+        if found.value is None:
+            found = outcome(submit(work, *job))
         if found.value is None:
             raise ValueError(found.fault)
         yield found.value

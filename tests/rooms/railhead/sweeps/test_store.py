@@ -75,6 +75,20 @@ def test_what_else_lies_among_the_records_is_left_alone(copied: Path) -> None:
     assert len(store.done(copied)) == len(rh.load(copied).rows()) == 6
 
 
+def test_records_beyond_five_digits_count(tmp_path: Path) -> None:
+    """Job 100000 was done, and nobody saw it."""
+    store.write(tmp_path, 100000, {}, {"pressure": np.ones(1)})
+    assert store.done(tmp_path) == set(store.arrays(tmp_path)) == {100000}
+
+
+def test_wear_and_creep_tables_are_no_broken_sweeps(tmp_path: Path) -> None:
+    """Their records, which are whole, were said to be broken, and to be deleted."""
+    store.begin(tmp_path / "table", {"table": {"cells": 12}})
+    store.write(tmp_path / "table", 0, {"forces": []})
+    with pytest.raises(SceneError, match="holds no run and no sweep"):
+        rh.load(tmp_path / "table")
+
+
 def test_arrays_that_a_combination_lacks_are_nan(tmp_path: Path) -> None:
     """One without friction took the tractions of all others with it."""
     rubs = {"pressure": np.ones(2), "traction": np.ones((2, 3)), "sticks": np.array([True, False])}

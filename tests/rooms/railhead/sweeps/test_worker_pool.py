@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from railhead.sweeps import worker_pool
 from studies.processes import attempts
 
 pytestmark = pytest.mark.system
@@ -55,3 +56,17 @@ def test_jobs_end_with_the_process_that_asked_for_them(tmp_path: Path) -> None:
     time.sleep(1.0)
     state = Path("/proc") / file.read_text() / "stat"
     assert not state.exists() or state.read_text().split()[2] == "Z"
+
+
+def crash_once(file: str) -> str:
+    if not Path(file).exists():
+        Path(file).write_text("seen")
+        os.abort()
+    return "back"
+
+
+def test_a_job_that_crashed_is_tried_once_more(tmp_path: Path) -> None:
+    """One that planned for a sweep ended it with a traceback."""
+    with worker_pool.submitting(1) as submit:
+        found = worker_pool.together(submit, crash_once, [(str(tmp_path / "seen"),)])
+    assert found == ["back"]
