@@ -117,8 +117,10 @@ def column(key: str) -> str:
 
 def shown(key: str, value: object) -> object:
     """A value (base unit, as in JSON) of a dotted key in the unit of its column: angles in mrad,
-    the words "inf" and "-inf" as numbers, others unchanged.
+    the words "inf" and "-inf" as numbers, lists as text, others unchanged.
     """
+    if isinstance(value, list | tuple):
+        return ", ".join(map(str, value))
     if value in ("inf", "-inf"):
         return float(str(value))
     if unit(key) == "rad" and isinstance(value, float):

@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import Future
+from concurrent.futures import BrokenExecutor, Future
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
@@ -89,7 +89,7 @@ def outcome(future: Future[Attempt[T]]) -> Attempt[T]:
     """Wait for a submitted job and return its outcome."""
     try:
         return future.result()
-    except ProcessExpired:
+    except (ProcessExpired, BrokenExecutor):  # the last one: several have crashed
         return Attempt(None, "the process crashed")
 
 

@@ -8,7 +8,7 @@ import pytest
 from sweep_command import refused, sweep
 
 import railhead as rh
-from railhead.sweeps.grid import ParameterGrid, parse_values, read_rows
+from railhead.sweeps.grid import ParameterGrid, parse_values, read_rows, shown
 
 
 def values(*texts: str, case: str = "s1002_60e1") -> list[tuple[object, ...]]:
@@ -143,3 +143,7 @@ def test_a_sweep_is_planned_without_solving(capsys) -> None:
     numbers = json.loads("{" + found)
     assert numbers["unknowns"] == [each.unknowns for each in plans]
     assert max(each.solving_seconds for each in plans) <= numbers["seconds"] < 10
+
+
+def test_lists_stand_as_text_in_columns_and_pictures() -> None:
+    assert shown("quantities", ("patch", "forces")) == "patch, forces"

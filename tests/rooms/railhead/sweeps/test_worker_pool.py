@@ -68,5 +68,5 @@ def crash_once(file: str) -> str:
 def test_a_job_that_crashed_is_tried_once_more(tmp_path: Path) -> None:
     """One that planned for a sweep ended it with a traceback."""
     with worker_pool.submitting(1) as submit:
-        found = worker_pool.together(submit, crash_once, [(str(tmp_path / "seen"),)])
+        found = list(worker_pool.together(submit, crash_once, [(str(tmp_path / "seen"),)]))
     assert found == ["back"]
