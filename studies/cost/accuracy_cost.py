@@ -1,7 +1,6 @@
 """Error against time for each method and element, and what an asked accuracy costs."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -29,16 +28,12 @@ ELEMENTS = {
     "hexahedron 1": ("hexahedron", 1, (4.0, 7.0, 12.0, 20.0)),
 }
 """Name: cell, order, elements per smaller semi-axis of the patch."""
-CUBIC_SIZES = (2.0, 3.0, 4.0, 6.0)
-"""No scene can ask for them: they are here to show whether they would pay."""
 ASKED = ("5%", "1%", "0.2%")
 MAX_UNKNOWNS = 200_000  # predicted; finer meshes are left out
 MAIN = ("a", "b", "p_max")
 DEFAULT, SOLID185 = ("nitsche", "tetrahedron 2"), ("penalty", "hexahedron 1")
-CUBIC = ("nitsche", "tetrahedron 3")
 ASYMPTOTIC = 0.02  # error below which a power law is expected
 LOOKS = {
-    "tetrahedron 3": ("#7b4fa3", "D"),
     "tetrahedron 2": ("#1f4e79", "^"),
     "tetrahedron 1": ("#3b8f5a", "v"),
     "hexahedron 1": ("#c8502d", "s"),
@@ -69,7 +64,6 @@ def main(out: Path, *, quick: bool) -> None:
             scene = catalogue.find(name).replace(["effects.axisymmetry=off"])  # solids alone
             exact = reference(scene)
             runs += fixed_meshes(scene, exact, 2 if quick else None, progress)
-            runs += cubic_meshes(scene, exact, 2 if quick else None, progress)
             runs += asked_accuracies(scene, exact, 1 if quick else None, progress)
     draw(runs, out / "accuracy_cost.png")
     tables.publish(out, page(runs, MAX_UNKNOWNS), accuracy_cost=runs)
@@ -110,27 +104,6 @@ def fixed_meshes(
                 else:
                     start = tables.processor_seconds()
                     yield _recorded(run, _solve(one), exact, start)
-
-
-def cubic_meshes(
-    scene: Scene, exact: Exact, sizes: int | None, progress: Progress
-) -> Iterator[Row]:
-    """Rows of cubic tetrahedra with Nitsche's method, after a warm-up. sizes: how many of
-    CUBIC_SIZES; None: all."""
-    plan = replace(planning.make(scene), order=3)
-    progress.stage(f"{scene.name}: {CUBIC[1]}, warm-up")
-    tables.solved(plan.at_resolution(CUBIC_SIZES[0]))
-    for n in CUBIC_SIZES[:sizes]:
-        progress.stage(f"{scene.name}: nitsche, {CUBIC[1]}, b/{n:g}")
-        start = tables.processor_seconds()
-        solved = tables.solved(plan.at_resolution(n))
-        newton = solved.solution.newton
-        yield _run(scene, *CUBIC, None, n, solved.plan.grading().size, solved.unknowns) | {
-            "seconds": tables.processor_seconds() - start,
-            **tables.counts(newton),
-            "failure": "" if newton.converged else newton.reason,
-            **_errors(solved.result, exact),
-        }
 
 
 def asked_accuracies(
@@ -209,8 +182,7 @@ def page(rows: Sequence[Row], max_unknowns: int) -> str:
         max_unknowns=max_unknowns,
         asymptotic=ASYMPTOTIC,
         fronts={case: _factor_ten(own) for case, own in groups(rows, "case").items()},
-        solid185=_rival(rows, SOLID185),
-        cubic=_rival(rows, CUBIC, "error_all"),
+        solid185=_rival(rows),
         orders=[(*key, f"{a[key]:.2f}", f"{worst[key]:.2f}") for key in worst],
         asked=tables.cells(
             [row for row in shown if row["asked"] is not None],
@@ -249,14 +221,14 @@ def _factor_ten(rows: Sequence[Row]) -> dict[str, Any] | None:
     return {"first": front[0], "last": front[-1], "factor": tables.factor_ten(front)}
 
 
-def _rival(rows: Sequence[Row], which: tuple[str, str], quantity: str = "error") -> list[tuple]:
-    """For each run of the default: its error beside the least of another element in no more time,
-    as cells of a table."""
+def _rival(rows: Sequence[Row]) -> list[tuple]:
+    """For each run of the default: its error beside the least of SOLID185's elements in no more
+    time, as cells of a table."""
     lines = []
     for run in _fixed(rows, DEFAULT):
-        rivals = [row for row in _fixed(rows, which) if row["case"] == run["case"]]
-        quick = [row[quantity] for row in rivals if row["seconds"] <= run["seconds"]]
-        best, error = min(quick, default=None), run[quantity]
+        rivals = [row for row in _fixed(rows, SOLID185) if row["case"] == run["case"]]
+        quick = [row["error"] for row in rivals if row["seconds"] <= run["seconds"]]
+        best, error = min(quick, default=None), run["error"]
         ratio = "none as quick" if best is None else f"{best / error:.1f}"
         took = f"{run['seconds']:.2f}"
         lines.append((run["case"], took, percent(error), percent(best), ratio))

@@ -42,17 +42,12 @@ PANELS = (
     ("across", "force_across", "creepage across"),
     ("spin", "force_across", "spin, 1/mm"),
 )
-STRESSES = {
-    "railhead": (FE, "o", "finite elements"),
-    "below": (HERTZ, "-", "exact, below the surface"),
-    "surface": (GREY, "-", "exact, at the surface"),
-}
 
 
 def main(out: Path, *, quick: bool) -> None:
     """Write creep.csv, creep_costs.csv, creep_left_out.csv, creep_sliding.csv, creep_speed.csv,
-    creep.png, creep_speed.png, friction_axes.png, creep_sliding.png and page.md; quick: two motions
-    on a coarse mesh, one scene, one coefficient of a section and one speed."""
+    creep.png, creep_speed.png, friction_axes.png and page.md; quick: two motions on a coarse mesh,
+    one scene, one coefficient of a section and one speed."""
     points, costs, left = [], [], []
     for curve in runs.QUICK if quick else runs.CURVES:
         print(f"{curve.case}: {len(curve.motions)} motions", file=sys.stderr)
@@ -71,7 +66,6 @@ def main(out: Path, *, quick: bool) -> None:
     draw_curves(points, out / "creep.png")
     laws.draw(falling, out / "creep_speed.png")
     draw_axes(out / "friction_axes.png")
-    draw_sliding(slid, out / "creep_sliding.png")
     text = page(points, costs, left, slid, falling)
     tables.publish(out, text, UNITS, creep=points, creep_costs=costs, creep_left_out=left)
     tables.publish(out, text, {"speed": "m_s"}, creep_speed=falling)
@@ -192,22 +186,6 @@ def draw_curves(points: Sequence[Row], path: Path) -> None:
                 axes.set(xscale="log", ylim=(0, 1.1), xlabel=label, title=case)
             row[0].set_ylabel("force over mu N")
         rows[0, 0].legend()
-
-
-def draw_sliding(slid: Sequence[Row], path: Path) -> None:
-    """Draw the largest von Mises stress over the coefficient of friction, with the exact largest
-    ones below and at the surface."""
-    cases = groups(slid, "case")
-    with new_figure(path, 4.6 * len(cases), 3.8) as figure:
-        panels = figure.subplots(1, len(cases), squeeze=False, sharey=True)[0]
-        for (case, found), axes in zip(cases.items(), panels, strict=True):
-            for by, own in groups(found, "by").items():
-                colour, look, label = STRESSES[by]
-                x, y = ([each[key] for each in own] for key in ("coefficient", "von_mises"))
-                axes.plot(x, y, look, color=colour, label=label)
-            axes.set(xlabel="coefficient of friction", title=case)
-        panels[0].set_ylabel("largest von Mises stress over p0")
-        panels[0].legend()
 
 
 Point = tuple[float, float]
