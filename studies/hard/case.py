@@ -110,30 +110,3 @@ class HardCase:
             rate = found.krylov / found.newton
             return f"{rate:.0f} Krylov iterations a step, {self.krylov:g} allowed"
         return ""
-
-
-@dataclass(frozen=True)
-class CaseOutcome:
-    """A case of the battery after it was run.
-
-    case: the case.
-    measured: its errors; None if the run ended without a result.
-    fault: part of the rule that is broken, in words; empty if none is.
-    seconds: wall time of the run, s.
-    """
-
-    case: HardCase
-    measured: CaseErrors | None
-    fault: str
-    seconds: float
-
-    @property
-    def refused(self) -> bool:
-        """Whether the case counts as right because its result is refused."""
-        return not self.fault and self.measured is not None and bool(self.measured.failed)
-
-    @property
-    def result(self) -> str:
-        """'FAILS: ' and the fault, 'refused: ' and the failed checks, or 'right'."""
-        failed = ", ".join(self.measured.failed) if self.measured else ""
-        return f"FAILS: {self.fault}" if self.fault else f"refused: {failed}" if failed else "right"

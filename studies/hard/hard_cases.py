@@ -22,9 +22,9 @@ from railhead.scene import catalogue
 from railhead.scene.scene import Scene
 from studies import tables
 from studies.hard import block_cases, references
-from studies.hard.case import CaseErrors, CaseOutcome, HardCase
+from studies.hard.case import CaseErrors, Deviation, HardCase
 from studies.processes import attempts
-from studies.tables import render
+from studies.tables import Row, groups, render
 
 STEEL = 207e3  # MPa, what a stiffness ratio refers to
 REFERENCES = {
@@ -101,18 +101,18 @@ def solve(key: str) -> CaseErrors:
     return CASES[key].solve()
 
 
-def row(outcome: CaseOutcome) -> dict[str, Any]:
-    """The columns of a case; numbers are None where it ended without a result. quantity: the one
-    with the largest share of what is allowed."""
-    case, found = outcome.case, outcome.measured
+def row(case: HardCase, found: CaseErrors | None, fault: str, seconds: float) -> Row:
+    """The columns of a case. found: None where it ended without a result, as its numbers then are.
+    fault: part of the rule that is broken, in words; holds: it is empty. quantity: the one with the
+    largest share of what is allowed. seconds: by the clock."""
     name, worst = found.worst or ("", None) if found else ("", None)
     return {
         "group": case.group,
         "case": case.name,
         "reason": case.reason + (f" ({found.remark})" if found and found.remark else ""),
         "against": case.reference,
-        "holds": not outcome.fault,
-        "fault": outcome.fault,
+        "holds": not fault,
+        "fault": fault,
         "known": case.known,
         "refusable": case.refusable,
         "failed": " ".join(found.failed) if found else "",
@@ -122,22 +122,22 @@ def row(outcome: CaseOutcome) -> dict[str, Any]:
         "newton_iterations": found.newton if found else None,
         "linear_iterations": found.krylov if found else None,
         "noise": found.noise if found else None,
-        "seconds": outcome.seconds,
+        "seconds": seconds,
     }
 
 
 def main(out: Path, *, quick: bool) -> None:
     """Write hard_cases.csv, hard_cases.png and page.md; quick: the cases of the tests."""
     cases = QUICK if quick else list(CASES.values())
-    done: list[CaseOutcome] = []
+    rows: list[Row] = []
     jobs, limits = [(case.key,) for case in cases], [case.seconds for case in cases]
     for case, attempt in zip(cases, attempts(solve, jobs, limits), strict=True):
         found = attempt.value
         fault = attempt.fault if found is None else case.fault(found)
-        done.append(CaseOutcome(case, found, fault, attempt.seconds))
-        print(f"{case.key}: {done[-1].result}", file=sys.stderr)
-    draw(done, out / "hard_cases.png")
-    tables.publish(out, page(done), hard_cases=[row(outcome) for outcome in done])
+        rows.append(row(case, found, fault, attempt.seconds))
+        print(f"{case.key}: {fault or rows[-1]['failed'] or 'right'}", file=sys.stderr)
+    draw(rows, out / "hard_cases.png")
+    tables.publish(out, page(rows), hard_cases=rows)
 
 
 LAWS = ("default", "Nitsche, theta 1", "Nitsche, theta 0", "Nitsche, theta -1", "penalty")
@@ -167,55 +167,55 @@ MAPS = (
 """Title, group of the cases, their rows and columns, labels of the columns and of the rows."""
 
 
-def cell(outcome: CaseOutcome | None) -> tuple[float, bool, str]:
+def cell(row: Row | None) -> tuple[float, bool, str]:
     """A point of a map: relative error (nan: no result), whether it converged, a short note."""
-    if outcome is None or outcome.measured is None:
-        return math.nan, False, "no end" if outcome and "back" in outcome.fault else "x"
-    worst = outcome.measured.worst
-    error = worst[1].value if worst else math.nan
-    if outcome.measured.failed:
-        return error, False, outcome.measured.failed[0].replace("_", "\n", 1)
-    if worst is None:
+    if row is None or row["newton_iterations"] is None:
+        return math.nan, False, "no end" if row and "back" in row["fault"] else "x"
+    error = math.nan if row["deviation"] is None else row["deviation"]
+    if row["failed"]:
+        return error, False, row["failed"].split()[0].replace("_", "\n", 1)
+    if not row["quantity"]:
         return error, False, "x"
-    return error, True, f"{error:.1%}" + ("\nWRONG" if outcome.fault else "")
+    return error, True, f"{error:.1%}" + ("\nWRONG" if row["fault"] else "")
 
 
-def _summary(group: str, outcomes: Sequence[CaseOutcome]) -> list[str]:
+def _summary(group: str, rows: Sequence[Row]) -> list[str]:
     """Cells of a group: number of cases, of right, refused and failing ones, largest share of
     what is allowed and its case and most Newton steps, both without refused cases, most seconds."""
-    refused, faults = ([getattr(o, name) for o in outcomes] for name in ("refused", "fault"))
-    counts = len(outcomes), sum(map(bool, refused)), sum(map(bool, faults))
-    signed = [(o.case.name, o.measured) for o in outcomes if o.measured and not o.measured.failed]
-    pairs = [(found.worst[1].share, name) for name, found in signed if found.worst]
-    share, nearest = max(pairs, default=(math.nan, ""))
-    newton = max((found.newton for _, found in signed), default=0)
+    refused, faults = sum(map(_refused, rows)), sum(not row["holds"] for row in rows)
+    signed = [row for row in rows if row["newton_iterations"] is not None and not row["failed"]]
+    compared = [row for row in signed if row["quantity"]]
+    shares = [(Deviation(row["deviation"], row["allowed"]).share, row["case"]) for row in compared]
+    share, nearest = max(shares, default=(math.nan, ""))
     return [
         group,
-        *map(str, (counts[0], counts[0] - counts[1] - counts[2], *counts[1:])),
+        *map(str, (len(rows), len(rows) - refused - faults, refused, faults)),
         f"{share:.2f}: {nearest}" if nearest else "-",
-        str(newton),
-        f"{max(outcome.seconds for outcome in outcomes):.1f}",
+        str(max((row["newton_iterations"] for row in signed), default=0)),
+        f"{max(row['seconds'] for row in rows):.1f}",
     ]
 
 
-def page(outcomes: Sequence[CaseOutcome]) -> str:
+def _refused(row: Row) -> bool:
+    """Whether a case counts as right because its result is refused."""
+    return bool(row["holds"] and row["failed"])
+
+
+def page(rows: Sequence[Row]) -> str:
     """Text of docs/hard-cases.md: what fails, and a row for each group of cases."""
-    groups: dict[str, list[CaseOutcome]] = {}
-    for outcome in outcomes:
-        groups.setdefault(outcome.case.group, []).append(outcome)
     return render(
         "hard_cases",
-        count=len(outcomes),
-        failing=[outcome for outcome in outcomes if outcome.fault],
-        refused=sum(outcome.refused for outcome in outcomes),
-        groups=[_summary(group, own) for group, own in groups.items()],
+        count=len(rows),
+        failing=[row for row in rows if row["fault"]],
+        refused=sum(map(_refused, rows)),
+        groups=[_summary(group, own) for group, own in groups(rows, "group").items()],
     )
 
 
-def draw(outcomes: Sequence[CaseOutcome], path: Path) -> None:
+def draw(runs: Sequence[Row], path: Path) -> None:
     """The two failure maps of a whole run, one panel below the other; colour is the error, a grey
     cell with a cross did not converge."""
-    found = {outcome.case.key: outcome for outcome in outcomes}
+    found = {f"{run['group']}: {run['case']}": run for run in runs}
     heights = [len(rows) for _, _, rows, _, _ in MAPS]
     width = 3.0 + 1.05 * max(len(columns) for _, _, _, columns, _ in MAPS)
     with new_figure(path, width, 0.62 * sum(heights) + 1.5 * len(MAPS)) as figure:
