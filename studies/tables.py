@@ -19,7 +19,6 @@ from railhead.planning.simulation_plan import Plan
 from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
 from railhead.run.progress import Progress
 from railhead.scene.quantities import numeric_values
-from railhead.solver.algebra.newton import NewtonResult
 
 Row = dict[str, Any]
 """One run, scene or mesh of a study, by the columns of its CSV (without units)."""
@@ -160,15 +159,6 @@ def front(rows: Sequence[Row]) -> list[Row]:
 def factor_ten(rows: Sequence[Row]) -> float:
     """The factor in seconds for a tenth of the error, by the power law through the rows."""
     return float(10 ** -power_law([r["error"] for r in rows], [r["seconds"] for r in rows])[1])
-
-
-def counts(newton: NewtonResult) -> Row:
-    """Columns: numbers of Newton and Krylov iterations, and whether Newton's method converged."""
-    return {
-        "newton_iterations": len(newton.history),
-        "linear_iterations": sum(step.linear_iterations for step in newton.history),
-        "converged": newton.converged,
-    }
 
 
 def processor_seconds() -> float:

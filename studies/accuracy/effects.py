@@ -32,8 +32,7 @@ from railhead.solver.contact import ContactModel
 from railhead.solver.material import Material
 from railhead.solver.system.setup import ContactBody, Setup
 from railhead.theory.elastic import hertz
-from studies import tables
-from studies.tables import Row, groups
+from studies.tables import Row, cells, columns, groups, publish, render
 
 SCENES = {
     "uic54_thesis": ("uic54_thesis", []),
@@ -68,7 +67,7 @@ def main(out: Path, *, quick: bool) -> None:
         runs = [run for name in names for run in switch(name, progress, 1 if quick else REPEATS)]
         progress.stage("with and without a plan")
         bare = compare(1 if quick else BARE_REPEATS)
-    tables.publish(out, page(runs, bare), UNITS, effects=runs, effects_off=bare)
+    publish(out, page(runs, bare), UNITS, effects=runs, effects_off=bare)
 
 
 def switch(name: str, progress: Progress, repeats: int) -> Iterator[Row]:
@@ -97,7 +96,7 @@ def switch(name: str, progress: Progress, repeats: int) -> Iterator[Row]:
             start = time.process_time()
             result = pipeline.run(chosen).summary
             times.append(time.process_time() - start)
-        values = tables.columns(result["result"], QUANTITIES)
+        values = columns(result["result"], QUANTITIES)
         planned = planned or values
         yield {
             "scene": name,
@@ -115,16 +114,14 @@ def switch(name: str, progress: Progress, repeats: int) -> Iterator[Row]:
 def page(runs: Sequence[Row], bare: Sequence[Row]) -> str:
     """The whole page; bare: the two routes of the same contact."""
     planned, direct = bare
-    return tables.render(
+    return render(
         "effects",
         verdict=verdict(runs),
         scenes={name: _scene(own) for name, own in groups(runs, "scene").items()},
         same=all(planned[key] == direct[key] for key in ("unknowns", "forms")),
         ratio=planned["seconds"] / direct["seconds"],
         noise=NOISE,
-        bare=tables.cells(
-            bare, "{route}", "{unknowns}", "{forms}", "{seconds:.3f}", "{p_max:.10g}"
-        ),
+        bare=cells(bare, "{route}", "{unknowns}", "{forms}", "{seconds:.3f}", "{p_max:.10g}"),
     )
 
 
@@ -138,7 +135,7 @@ def verdict(runs: Sequence[Row]) -> str:
     """Whether the plan left out too much, in words, with the numbers that decide."""
     left = _left(runs)
     kept = [row for row in runs if row["effect"] and not _simulates_more(row)]
-    return tables.render(
+    return render(
         "effects_verdict",
         change=_change,
         limit=runs[0]["accuracy"],

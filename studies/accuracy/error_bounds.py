@@ -14,10 +14,9 @@ from railhead.results import pipeline
 from railhead.scene import quantities
 from railhead.scene.quantities import ESTIMATED
 from railhead.scene.scene import Scene
-from studies import tables
 from studies.accuracy import families
 from studies.processes import attempts
-from studies.tables import Row, groups
+from studies.tables import Row, cells, groups, processor_seconds, publish, render
 
 SEEDS = (20261201, 20261202)
 SCENES = 8  # of a family and a seed, but those in OTHERS
@@ -70,9 +69,9 @@ def measure(name: str, scene: Scene, accuracy: float | None) -> list[Row]:
         scene = scene.replace([f"accuracy={accuracy!r}"])
     plan = planning.make(scene)
     predicted = plan.solving_seconds
-    start = tables.processor_seconds()
+    start = processor_seconds()
     result = pipeline.run(scene)
-    seconds = tables.processor_seconds() - start
+    seconds = processor_seconds() - start
     checks, cost, reached = (result.summary[key] for key in ("checks", "cost", "accuracy"))
     if not checks["converged"]:
         return []
@@ -116,7 +115,7 @@ def main(out: Path, *, quick: bool) -> None:
             records += attempt.value or []
             lost += [f"{job[1].name}: {attempt.fault}"] if attempt.fault else []
             print(f"{name}: {number} of {len(jobs)}", file=sys.stderr)
-        tables.publish(out, page(records, lost), error_bounds=records)
+        publish(out, page(records, lost), error_bounds=records)
 
 
 def verdict(records: Sequence[Row]) -> dict[str, float]:
@@ -144,11 +143,11 @@ def page(records: Sequence[Row], lost: Sequence[str]) -> str:
             for name, each in own.items()
         ]
         head = ("{of}", "{scenes}", "{holds:.1%}", "{worst:.2f}", "{effectivity:.1f}")
-        return tables.cells(rows, *head, *more)
+        return cells(rows, *head, *more)
 
     quantities = groups(records, "quantity")
     price = [r["price"] for r in quantities["max_MPa"]]
-    return tables.render(
+    return render(
         "error_bounds",
         seeds=SEEDS,
         fine=families.FINE,

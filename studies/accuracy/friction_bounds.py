@@ -18,8 +18,7 @@ from railhead.theory.array_types import Array
 from railhead.theory.friction.coulomb_solver import CoulombSolver
 from railhead.theory.friction.rolling import TOLERANCE, plane_modes
 from railhead.theory.friction.tangential import MaterialPair, TractionInfluence
-from studies import tables
-from studies.tables import Row
+from studies.tables import Row, groups, publish, render
 
 SEED, SCENES = 20261206, 100
 GRIDS = (48, 96, 192)  # cells each way of the other scheme
@@ -52,7 +51,7 @@ def main(out: Path, *, quick: bool) -> None:
     for index in range(count):
         print(f"scene {index + 1} of {count}", file=sys.stderr)
         records += measure(index, grids)
-    tables.publish(out, page(records, grids), friction_bounds=records)
+    publish(out, page(records, grids), friction_bounds=records)
 
 
 def scene(index: int) -> rh.Scene:
@@ -156,7 +155,7 @@ def _other_scheme(result: rh.Result, cells: int) -> list[float]:
 def page(records: list[Row], grids: tuple[int, ...]) -> str:
     """Text of the page: a row a number."""
     rows = []
-    for number, own in [*tables.groups(records, "number").items(), ("all", records)]:
+    for number, own in [*groups(records, "number").items(), ("all", records)]:
         over = [each["error"] / each["estimate"] for each in own]
         hold = [each["error"] <= each["estimate"] + each["truth_error"] for each in own]
         rows.append(
@@ -171,4 +170,4 @@ def page(records: list[Row], grids: tuple[int, ...]) -> str:
             )
         )
     count = len({each["scene"] for each in records})
-    return tables.render("friction_bounds", rows=rows, scenes=count, seed=SEED, grids=grids)
+    return render("friction_bounds", rows=rows, scenes=count, seed=SEED, grids=grids)

@@ -14,9 +14,8 @@ from railhead.run.half_spaces.worn_contact import BODIES, Fineness
 from railhead.run.progress import Progress
 from railhead.sweeps.wear import wear_run
 from railhead.sweeps.wear.wear_result import WearResult
-from studies import tables
 from studies.processes import attempts
-from studies.tables import Row
+from studies.tables import Row, groups, publish, render
 
 SEED, ROUTES, STEPS, FINER = 20261127, 20, 2, 4
 COARSE, MAIN, TRUTH = (
@@ -47,7 +46,7 @@ def main(out: Path, *, quick: bool) -> None:
             raise RuntimeError(f"route {index + 1}: {done.fault}")
         print(f"route {index + 1} of {count}: {done.seconds:.0f} s", file=sys.stderr)
         records += done.value
-    tables.publish(out, page(records), wear_bounds=records)
+    publish(out, page(records), wear_bounds=records)
 
 
 def scene(index: int, folder: Path) -> rh.Scene:
@@ -157,9 +156,9 @@ def page(records: list[Row]) -> str:
         for body in BODIES
     }
     answers = [each for each in records if each["stage"] in ends.get(each["number"], ())]
-    whole = [all(map(_holds, own)) for own in tables.groups(answers, "route").values()]
+    whole = [all(map(_holds, own)) for own in groups(answers, "route").values()]
     rows = []
-    for number, own in [*tables.groups(records, "number").items(), ("all", records)]:
+    for number, own in [*groups(records, "number").items(), ("all", records)]:
         over = [each["error"] / max(each["estimate"], 1e-12) for each in own]
         rows.append(
             (
@@ -171,7 +170,7 @@ def page(records: list[Row]) -> str:
                 f"{max(each['error'] for each in own):.2g}",
             )
         )
-    return tables.render(
+    return render(
         "wear_bounds",
         rows=rows,
         holds=sum(whole),

@@ -20,11 +20,10 @@ from matplotlib.ticker import FuncFormatter
 from railhead.postprocess.pictures.diagrams import new_figure
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene
-from studies import tables
 from studies.hard import block_cases, references
 from studies.hard.case import CaseErrors, Deviation, HardCase
 from studies.processes import attempts
-from studies.tables import Row, groups, render
+from studies.tables import Row, groups, publish, render
 
 STEEL = 207e3  # MPa, what a stiffness ratio refers to
 REFERENCES = {
@@ -137,7 +136,7 @@ def main(out: Path, *, quick: bool) -> None:
         rows.append(row(case, found, fault, attempt.seconds))
         print(f"{case.key}: {fault or rows[-1]['failed'] or 'right'}", file=sys.stderr)
     draw(rows, out / "hard_cases.png")
-    tables.publish(out, page(rows), hard_cases=rows)
+    publish(out, page(rows), hard_cases=rows)
 
 
 LAWS = ("default", "Nitsche, theta 1", "Nitsche, theta 0", "Nitsche, theta -1", "penalty")

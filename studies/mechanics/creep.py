@@ -14,7 +14,6 @@ from railhead.geometry.placement import ProfilePair
 from railhead.geometry.wheelset import Track, WheelsetOnTrack
 from railhead.postprocess.pictures.diagrams import FE, GREY, HERTZ, new_figure
 from studies import tables
-from studies.mechanics import creep_laws as laws
 from studies.mechanics import creep_runs as runs
 from studies.tables import Row, cells, groups
 
@@ -46,8 +45,8 @@ PANELS = (
 
 def main(out: Path, *, quick: bool) -> None:
     """Write creep.csv, creep_costs.csv, creep_left_out.csv, creep_sliding.csv, creep_speed.csv,
-    creep.png, creep_speed.png, friction_axes.png and page.md; quick: two motions on a coarse mesh,
-    one scene, one coefficient of a section and one speed."""
+    creep.png, friction_axes.png and page.md; quick: two motions on a coarse mesh, one scene, one
+    coefficient of a section and one speed."""
     points, costs, left = [], [], []
     for curve in runs.QUICK if quick else runs.CURVES:
         print(f"{curve.case}: {len(curve.motions)} motions", file=sys.stderr)
@@ -62,9 +61,8 @@ def main(out: Path, *, quick: bool) -> None:
     slid = list(runs.slid("long_roller", strip, runs.HALF_SPACE))
     slid += [] if quick else runs.slid("hertz_ellipse", runs.SLIDING, runs.FOUR)
     print("a law of friction over speed", file=sys.stderr)
-    falling = laws.rows(quick=quick)
+    falling = runs.falling(quick=quick)
     draw_curves(points, out / "creep.png")
-    laws.draw(falling, out / "creep_speed.png")
     draw_axes(out / "friction_axes.png")
     text = page(points, costs, left, slid, falling)
     tables.publish(out, text, UNITS, creep=points, creep_costs=costs, creep_left_out=left)
@@ -82,12 +80,12 @@ def page(
     """Text of the page; differences of forces, over mu N, are the largest of a case."""
     forces = {case: _forces(own) for case, own in groups(points, "case").items()}
     sliding = groups(slid, "case")
-    head, speeds, apart = laws.table(falling)
+    head, speeds, apart = runs.speed_table(falling)
     return tables.render(
         "creep",
         coefficient=runs.COEFFICIENT,
         slides=runs.SLIDES,
-        law=laws.LAW,
+        law=runs.LAW,
         head=head,
         speeds=speeds,
         apart=f"{apart:.1g}",

@@ -1,5 +1,6 @@
 """Runs with friction: creep curves of finite elements beside boundary elements, FASTSIM and linear
-theory; what leaving friction out changes; the largest stresses under full sliding."""
+theory; what leaving friction out changes; the largest stresses under full sliding;
+creep curves over speed under a coefficient of friction that falls with slip."""
 
 import math
 import time
@@ -12,7 +13,7 @@ from mpi4py import MPI
 
 import railhead as rh
 from railhead.planning import simulation_plan as planning
-from railhead.planning.references import pressed_patches
+from railhead.planning.references import closed_forms, pressed_patches
 from railhead.planning.simulation_plan import Plan
 from railhead.run import mesh_solution, solid_friction
 from railhead.run.half_spaces import second_method
@@ -22,7 +23,8 @@ from railhead.solver.system.fields import gather
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.line import Hertz
 from railhead.theory.friction import sliding
-from railhead.theory.friction.rolling import Creepage
+from railhead.theory.friction.rolling import Creepage, TangentialSolution
+from studies.tables import Row
 
 COEFFICIENT = 0.3
 CELLS = 64  # each way, of the boundary elements
@@ -289,3 +291,102 @@ def _rolling(name: str, friction: float, creepage: float) -> rh.Scene:
     return rh.find(name).replace(
         friction={"coefficient": friction}, rolling={"creepage_along": creepage}
     )
+
+
+# A coefficient that falls with slip, over speed.
+
+LAW: dict[str, Any] = {
+    "coefficient": 0.33,
+    "law": "exponential",
+    "kinetic": 0.14,
+    "slip_half": 1250.0,
+    "memory": 0.5,
+}
+SPEEDS = (5.0, 10.0, 30.0)  # m/s
+SPEED_CREEPAGES = (5e-4, 1e-3, 2e-3, 3e-3, 5e-3, 1e-2, 3e-2, 1e-1)
+MESHED = (1e-3, 3e-3, 1e-2, 1e-1)  # creepages of finite elements, at the middle speed
+SPEED_CELLS = 32  # each way, of the boundary elements
+
+
+def _falling_plan(speed: float) -> Plan:
+    """Elastic plan of the thesis's ellipse that rolls with the law at a speed, m/s."""
+    scene = catalogue.find("hertz_ellipse").replace(
+        friction=LAW,
+        rolling={"creepage_along": 1e-3, "speed": speed},
+        effects={"plasticity": "off"},
+    )
+    return planning.make(scene)
+
+
+def _falling_row(speed: float, creepage: float, by: str, found: TangentialSolution) -> Row:
+    """Row of a creepage: force over the static mu N, and least coefficient."""
+    inside = found.pressure > 0
+    normal = found.pressure.sum() * found.cell
+    return {
+        "speed": speed,
+        "creepage": creepage,
+        "by": by,
+        "force": found.forces[0] / (LAW["coefficient"] * normal),
+        "least": float((found.bound[inside] / found.pressure[inside]).min()),
+    }
+
+
+def half_spaces(speed: float, creepages: tuple[float, ...]) -> list[Row]:
+    """Rows of half-spaces, upwards and then downwards, each from the one before."""
+    of = _falling_plan(speed)
+    assert of.scene.load is not None
+    patches = pressed_patches.patches(
+        of.contact, of.hertz, hertzian=True, load=of.scene.load, cells=SPEED_CELLS
+    )
+    found: list[TangentialSolution] | None = None
+    rows = []
+    for way, values in (("upwards", creepages), ("downwards", creepages[::-1])):
+        for value in values:
+            found = pressed_patches.shear(
+                patches,
+                of.context.tangential_pair,
+                Creepage(value),
+                (None, None),
+                rolling=True,
+                interface=closed_forms.interface(of.scene),
+                start=found,
+            )
+            rows.append(_falling_row(speed, value, way, found[0]))
+    return rows
+
+
+def solids(speed: float, creepages: tuple[float, ...]) -> list[Row]:
+    """Rows of finite elements, under the pressure without friction."""
+    friction = sampled(_falling_plan(speed)).friction
+    return [
+        _falling_row(speed, v, "railhead", friction.tractions(Creepage(v))[0]) for v in creepages
+    ]
+
+
+def falling(*, quick: bool) -> list[Row]:
+    """Rows of all speeds; quick: two creepages of half-spaces at one speed."""
+    if quick:
+        return half_spaces(SPEEDS[1], SPEED_CREEPAGES[2:7:4])
+    found = [each for speed in SPEEDS for each in half_spaces(speed, SPEED_CREEPAGES)]
+    return found + solids(SPEEDS[1], MESHED)
+
+
+def speed_table(found: Sequence[Row]) -> tuple[list[str], list[list[str]], float]:
+    """Head and rows of a table, forces by creepage, speed and method; and the largest difference
+    of forces between both ways."""
+    forces = {(each["by"], each["speed"], each["creepage"]): each["force"] for each in found}
+    columns = sorted({(by, speed) for by, speed, _ in forces if by != "downwards"})
+    apart = max(
+        abs(forces["downwards", speed, creepage] - force)
+        for (by, speed, creepage), force in forces.items()
+        if by == "upwards"
+    )
+    head = [
+        f"{'finite elements, ' if by == 'railhead' else ''}{speed:g} m/s" for by, speed in columns
+    ]
+    text = {key: f"{force:.4f}" for key, force in forces.items()}
+    lines = [
+        [f"{creepage:g}", *(text.get((*each, creepage), "") for each in columns)]
+        for creepage in sorted({each["creepage"] for each in found})
+    ]
+    return ["creepage", *head], lines, apart

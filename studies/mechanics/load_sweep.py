@@ -28,8 +28,7 @@ from railhead.solver.contact import ContactModel
 from railhead.solver.system.fields import gather
 from railhead.solver.system.solution import Solution
 from railhead.theory.elastic.hertz import Ellipse
-from studies import tables
-from studies.tables import Row, groups, power_law
+from studies.tables import Row, columns, groups, plain_ticks, power_law, publish, render
 
 CASES = {"hertz_ellipse": "half-spaces", "uic54_thesis": "wheel on UIC54"}
 LOWEST, HIGHEST, COUNT = 1e3, 150e3, 10
@@ -80,7 +79,7 @@ def main(out: Path, *, quick: bool) -> None:
     with Progress(quiet=False) as progress:
         rows = [row for name in names for row in sweep(name, loads, progress)]
     draw({CASES[name]: own for name, own in groups(rows, "case").items()}, out / "load_sweep.png")
-    tables.publish(out, page(rows), UNITS, load_sweep=rows)
+    publish(out, page(rows), UNITS, load_sweep=rows)
 
 
 def around_smallest(plan: Plan, lowest: float) -> Grading:
@@ -140,11 +139,11 @@ def _row(
         frame.origin,
         ellipse.approach / math.cos(frame.angle),
     )
-    difference = tables.columns(compare.difference(values, reference), QUANTITIES)
+    difference = columns(compare.difference(values, reference), QUANTITIES)
     return {
         "case": plan.scene.name,
         "load": solution.load,
-        **tables.columns(values, QUANTITIES),
+        **columns(values, QUANTITIES),
         **{f"difference_{name}": value for name, value in difference.items()},
         "unknowns": model.unknowns,
         "newton_iterations": len(newton.history),
@@ -155,7 +154,7 @@ def _row(
 
 def page(rows: Sequence[Row]) -> str:
     """Text of docs/load-sweep.md."""
-    return tables.render("load_sweep", cases=[_case(own) for own in groups(rows, "case").values()])
+    return render("load_sweep", cases=[_case(own) for own in groups(rows, "case").values()])
 
 
 def exponents(rows: Sequence[Row]) -> dict[tuple[str, str], float]:
@@ -231,7 +230,7 @@ def _exact(rows: Sequence[Row], key: str) -> Array:
 
 def _plain_ticks(axis: Axis, low: float, high: float) -> None:
     """Set the ticks to 1, 2, 5 and their decades; closer where the range is below a decade."""
-    tables.plain_ticks(axis, (1, 2, 5) if high > 10 * low else (1, 1.5, 2, 3, 4, 6, 8))
+    plain_ticks(axis, (1, 2, 5) if high > 10 * low else (1, 1.5, 2, 3, 4, 6, 8))
 
 
 def _differences(axes: Axes, series: Mapping[str, Sequence[Row]]) -> None:

@@ -39,22 +39,15 @@ UNITS = {"spacing": "mm", "noise": "um", "true_pressure": "MPa"}
 class Worn:
     """A piece of a profile from which depth exp(-((y - centre) / width)^2 / 2) is worn off.
 
+    start, end: y at which the piece starts and ends, mm.
     base: the piece before wear.
     wear: depth, centre and width, mm.
     """
 
+    start: float
+    end: float
     base: Piece
     wear: tuple[float, float, float]
-
-    @property
-    def start(self) -> float:
-        """y at which the piece starts, mm."""
-        return self.base.start
-
-    @property
-    def end(self) -> float:
-        """y at which the piece ends, mm."""
-        return self.base.end
 
     def derivative(self, y: Array, order: int) -> Array:
         """z (order 0), dz/dy (1) or d2z/dy2 (2)."""
@@ -89,7 +82,7 @@ class WornCase:
         """The two profiles after wear and without noise, the truth of the case."""
         pair = solid.pair(self.scene)
         new: Profile = getattr(pair, self.worn)
-        pieces = tuple(Worn(piece, self.wear) for piece in new.pieces)
+        pieces = tuple(Worn(each.start, each.end, each, self.wear) for each in new.pieces)
         bodies = {"rail": pair.rail, "wheel": pair.wheel, self.worn: Profile(new.name, pieces)}
         return ProfilePair(bodies["rail"], bodies["wheel"], pair.rolling_radius)
 

@@ -23,7 +23,7 @@ QUICK = {
     ),
     "creep": (
         {"creep.csv", "creep_costs.csv", "creep_left_out.csv", "creep_sliding.csv",
-         "creep_speed.csv", "creep.png", "creep_speed.png", "friction_axes.png"},
+         "creep_speed.csv", "creep.png", "friction_axes.png"},
         "Full sliding",
     ),
     "friction-bounds": ({"friction_bounds.csv"}, "3 random ellipses of half-spaces"),
