@@ -1,6 +1,10 @@
-"""From the axes of a file to those of the project; points that are refused before."""
+"""From the axes of a file to those of the project; points that are refused before.
+
+Files of instruments, two real ones among them, and tables as people and programs write them.
+"""
 
 from contextlib import nullcontext
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,8 +12,9 @@ from one_line import refusal
 from profile_points import crown, wheel
 
 from railhead.geometry import profiles
-from railhead.geometry.measured import ordering, orientation, standards
-from railhead.geometry.measured.formats import Table
+from railhead.geometry.measured import formats, ordering, orientation, standards
+from railhead.geometry.measured import measured_profile as measured
+from railhead.geometry.measured.formats import FormatError, Table
 from railhead.geometry.measured.ordering import PointError
 from railhead.geometry.measured.orientation import Orientation
 
@@ -262,3 +267,273 @@ def test_heights_in_stairs_are_refused(digits: int, unit: str, is_refused: bool)
     said = pytest.raises(ValueError, match="heights rounded to .* mm; give more digits")
     with said if is_refused else nullcontext():
         turned(points, unit=unit)
+
+
+DATA = Path(__file__).parents[1] / "data"
+BAN, PRW = DATA / "MBench_UIC60_v3.ban", DATA / "MBench_S1002_v3.prw"
+
+
+def read(folder: Path, text: str, name: str = "rail.csv") -> formats.Table:
+    """What a file of that text holds."""
+    (folder / name).write_bytes(text.encode())
+    return formats.read(folder / name)
+
+
+def test_miniprof_rail_is_60e1_canted_1_in_40() -> None:
+    """19 points that are commented out by quotation marks are left out; turned and mirrored."""
+    found = measured.read(BAN, "rail")
+    assert len(found.points) == 476
+    said = " ".join(found.remarks)
+    assert "MiniProf" in said and "upside down" in said and "mirrored" in said and "1:40" in said
+    expected = profiles.rail_head("60E1", 1 / 40)
+    y = np.linspace(-38, 25, 201)  # from the highest point, which the file has at the origin
+    top = 300 / np.hypot(40, 1)
+    truth = expected.height(y + top) - expected.height(top)
+    np.testing.assert_allclose(found.profile.height(y), truth, atol=0.05)  # drawn a little leaner
+
+
+def test_simpack_wheel_is_s1002() -> None:
+    """A first point that is commented out is left out; the flange comes to y < 0."""
+    found = measured.read(PRW, "wheel")
+    assert len(found.points) == 399
+    y = np.linspace(-60, 55, 301)
+    truth = profiles.s1002()
+    apart = (found.profile.height(y) - truth.height(y)) / np.hypot(1, truth.slope(y))
+    assert np.abs(apart).max() < 3e-3
+
+
+def test_a_wheel_is_no_rail(tmp_path) -> None:
+    assert "is a wheel's" in refusal(lambda: measured.read(PRW, "rail"), FormatError)
+    file = tmp_path / "wheel.prr"
+    file.write_bytes(PRW.read_bytes())
+    assert "is a wheel's; give one of a rail" in refusal(
+        lambda: measured.read(file, "rail"), FormatError
+    )
+
+
+def simpack(keys: str, points: np.ndarray) -> str:
+    rows = "\n".join(f"{y:.6f} {z:.6f} 1.0" for y, z in points)
+    return f"header.begin\n type = 0 ! rail\nheader.end\nspline.begin\n{keys}\n" \
+           f"point.begin\n{rows}\n point.end\nspline.end\n"  # fmt: skip
+
+
+def test_simpack_headers_shift_rotate_and_mirror(tmp_path) -> None:
+    """In the file's unit and in this order."""
+    y = np.linspace(-0.03, 0.03, 61)
+    points = np.column_stack([y, 0.1 * y + 0.01 * np.cos(30 * y)])
+    keys = "shift.y = 0.001\nshift.z = 0.002\nrotate = 0.1\nmirror.z = 1\nunits.len.f = 1"
+    found = read(tmp_path, simpack(keys, points), "rail.prr")
+    c, s = np.cos(0.1), np.sin(0.1)
+    moved = points + [0.001, 0.002]
+    turned = np.column_stack([c * moved[:, 0] - s * moved[:, 1], s * moved[:, 0] + c * moved[:, 1]])
+    np.testing.assert_allclose(found.points, turned * [1, -1], atol=1e-6)
+    assert (found.unit, found.body) == ("m", "rail")
+
+
+def test_simpack_bounds_and_inches(tmp_path) -> None:
+    """Bounds are of the points as they are turned, before they are mirrored."""
+    y = np.linspace(-1.2, 1.2, 25)
+    points = np.column_stack([y, -0.2 * y**2])
+    keys = "units.len.f = 39\nbound.y.min = -0.65\nbound.y.max = 0.95\nmirror.y = 1"
+    found = read(tmp_path, simpack(keys, points), "rail.prr")
+    assert found.unit == "inch"
+    np.testing.assert_allclose(found.points[:, 0], -y[6:22], atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "words"),
+    [
+        ("header.begin\n", 1, "without point.begin"),
+        ("point.begin\n1 2\n", 2, "without point.end"),
+        ("point.begin\n1 2\n3 x\npoint.end", 3, "no point"),
+        ("mirror.y = yes\npoint.begin\n1 2\npoint.end", 1, "give a number"),
+        ("units.ang.f = 0\npoint.begin\n1 2\npoint.end", 1, "give a number"),
+        ("units.len.f = 1e999\npoint.begin\n1 2\npoint.end", 1, "give a number"),
+        ("point.begin\npoint.end", 2, "no points"),
+    ],
+)
+def test_broken_simpack_files_are_refused(text, line, words, tmp_path) -> None:
+    with pytest.raises(FormatError, match=f"rail.prr, line {line}: .*{words}"):
+        read(tmp_path, text, "rail.prr")
+
+
+def test_broken_miniprof_files_are_refused(tmp_path) -> None:
+    with pytest.raises(FormatError, match="rail.ban, line 2: ends after 2 points"):
+        read(tmp_path, "1 2\n3 4\n", "rail.ban")
+    with pytest.raises(FormatError, match="rail.ban, line 6: .*no point"):
+        read(tmp_path, "XYPoints=2\n\n1 2\n3 4\n5 6\n3 four\n", "rail.ban")
+    rows = "1 2\n3 4\n5 6\n"
+    with pytest.raises(FormatError, match="rail.mpt, line 6: begins another profile"):
+        read(tmp_path, f"[Profile1Data]\n{rows}[Profile2Data]\n{rows}", "rail.mpt")
+
+
+HEADERS = {
+    "1994": "MINIPROF 101 148 1994 3 24\nwheel.prd\n 32.0 28.0 10.0  (Sd/Sh/qR)\n\n",
+    "2020": '#MINIWHEELPROF\nMINIPROF 2020\nStock.......:\n" 32.00 28.00 10.00\n(Sd/Sh/qR)\n',
+    "Windows": "[FileInfo]\nDate=18/09/2022\n\n[Profile1Info]\nXYPoints=16\n\n[Profile1Points]\n",
+    "none": "",
+}
+
+
+@pytest.mark.parametrize("header", HEADERS.values(), ids=HEADERS)
+def test_miniprof_headers_of_every_age_are_no_points(header: str, tmp_path) -> None:
+    rows = "".join(f"{y}\t{y / 7:.4f} 0 0\n" for y in range(15))
+    found = read(tmp_path, header + rows, "wheel.mpt")
+    assert found.points[:, 0].tolist() == list(range(15)) and found.unit == "mm"
+    assert ("of 16 by its header" in found.remarks) is ("XYPoints" in header)
+
+
+def test_miniprof_headers_order_the_columns(tmp_path) -> None:
+    points = np.column_stack([np.linspace(-30.0, 30.0, 13), np.linspace(0.0, -5.0, 13)])
+    rows = [f"{z:.4f} 7 {y:.4f}" for y, z in points]
+    rows[3] = f'"{rows[3]}'
+    found = read(tmp_path, "ColumnDef=Y,*,X\nXYPoints=12\n\n" + "\n".join(rows), "rail.ban")
+    np.testing.assert_allclose(found.points, np.delete(points, 3, axis=0), atol=1e-3)
+    assert found.remarks == ("1 line commented out",)
+
+
+@pytest.mark.parametrize("file", [BAN, PRW], ids=lambda file: file.name)
+def test_lines_of_points_are_known(file: Path) -> None:
+    """Those that are commented out leave holes."""
+    table, lines = formats.read(file), file.read_text().splitlines()
+    listed = [[float(each) for each in lines[line - 1].split()[:2]] for line in table.lines]
+    np.testing.assert_allclose(np.abs(table.points), np.abs(listed))
+
+
+# Tables of points as people and programs write them.
+
+Y = np.linspace(-35, 35, 15)
+Z = -(Y**2) / 600
+POINTS = np.column_stack([Y, np.round(Z, 5)])
+
+
+def written(separator: str, comma: bool = False, form: str = "%.5f") -> str:
+    rows = "\n".join(separator.join(form % value for value in row) for row in POINTS)
+    return rows.replace(".", ",") if comma else rows
+
+
+def numbered(separator: str) -> str:
+    return "\n".join(
+        separator.join([str(i), f"{y:.5f}", f"{z:.5f}"]) for i, (y, z) in enumerate(POINTS)
+    )
+
+
+def swapped(separator: str) -> str:
+    return "\n".join(separator.join([f"{z:.5f}", f"{y:.5f}"]) for y, z in POINTS)
+
+
+GOOD = {
+    "commas": written(","),
+    "commas and blanks": written(", "),
+    "semicolons": written(";"),
+    "tabs": written("\t"),
+    "blanks": written("   "),
+    "aligned": written(" ", form="%12.5f"),
+    "decimal commas, semicolons": written(";", True),
+    "decimal commas, tabs": written("\t", True),
+    "decimal commas, blanks": written(" ", True),
+    "decimal commas, commas and blanks": "\n".join(
+        f"{y:.5f}".replace(".", ",") + ", " + f"{z:.5f}".replace(".", ",") for y, z in POINTS
+    ),
+    "exponents": written(",", form="%.7e"),
+    "byte order mark": "\ufeffy,z\n" + written(","),
+    "windows": written(";").replace("\n", "\r\n"),
+    "quoted": "\n".join(f'"{y:.5f}";"{z:.5f}"' for y, z in POINTS).join(["x;y\n", ""]),
+    "separators at the end": written(";").replace("\n", ";\n") + ";",
+    "# comments": "# rail 12\n# km 3,4\n" + written(","),
+    "% comments": "% rail\n" + written(" ") + "\n% end\n",
+    "! comments": "! rail\n!\n" + written(" "),
+    "// comments": "// rail 1 2\n" + written("\t"),
+    "; comments": "; rail\n" + written(","),
+    "* comments": "* rail\n" + written(","),
+    "names and units": "y [mm];z [mm]\n" + written(";"),
+    "names, then units": "y;z\n[mm];[mm]\n" + written(";"),
+    "words": "measured by hand\nleft rail\n\ny z\n" + written(" "),
+    "named columns": "no,y,z\n" + numbered(","),
+    "names and units, blanks": "y [mm] z [mm]\n" + written(" "),
+    "columns the other way": "z;y\n" + swapped(";"),
+    "comments beside points": written(" ").replace("\n", "  # fine\n"),
+}
+
+
+@pytest.mark.parametrize("text", GOOD.values(), ids=GOOD)
+def test_usual_dialects_give_the_same_points(text: str, tmp_path) -> None:
+    np.testing.assert_allclose(read(tmp_path, text).points, POINTS, atol=1e-9)
+
+
+@pytest.mark.parametrize("header", ["", "# rail 12\n", "Position;Hoehe;Extra\n", "a;b;c\n"])
+def test_three_columns_need_a_header_that_names_y_and_z(header: str, tmp_path) -> None:
+    line = 2 if header else 1
+    text = f"rail.csv, line {line}: has 3 columns; give a header line that names y and z"
+    assert refusal(lambda: read(tmp_path, header + numbered(";")), FormatError) == text
+
+
+@pytest.mark.parametrize(
+    ("header", "columns"),
+    [
+        ("x;y;z", (1, 2)), ("y;sigma;elevation", (0, 2)), ("No;y;depth", (1, 2)),
+        ("t [s];lat [mm];vert [mm]", (1, 2)), ("X;Y;Angle", (0, 1)), ("x;q;z", (0, 2)),
+        ("Wheel diameter;920;1\nz;no;y", (2, 0)),
+    ],
+)  # fmt: skip
+def test_names_tell_y_and_z(header: str, columns: tuple, tmp_path) -> None:
+    numbers = np.random.default_rng(3).uniform(-9, 9, (15, 3)).round(3)
+    rows = "\n".join(";".join(map(str, row)) for row in numbers)
+    found = read(tmp_path, f"{header}\n{rows}")
+    np.testing.assert_allclose(found.points, numbers[:, list(columns)])
+    assert found.remarks == (f"columns {columns[0] + 1} and {columns[1] + 1} of 3",)
+
+
+@pytest.mark.parametrize("coding", ["utf-16", "latin-1"])
+def test_other_codings_are_read(coding: str, tmp_path) -> None:
+    file = tmp_path / "rail.txt"
+    file.write_bytes(("# Höhe über SO\n" + written(" ")).encode(coding))
+    np.testing.assert_allclose(formats.read(file).points, POINTS, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("header", "unit"),
+    [
+        ("y [mm], z [mm]", "mm"), ("y (m), z (m)", "m"), ("y/inch, z/inch", "inch"),
+        ("y_mm,z_mm", "mm"), ("# unit: inches", "inch"), ("y (cm), z (cm)", "cm"),
+        ("Y [µm],Z [µm]", "um"), ("y (in),z (in)", "inch"), ("y,z\ncm,cm", "cm"),
+        ("y,z (um)", "um"), ("x [m]\ny [mm], z [mm]", "mm"), ("# 60 kg/m", ""),
+        ("# 0.1 mm/m, 5 kN/mm", ""), ("y,z", ""), ("y_left,z_left", ""),
+        ("Chainage (m),Line\ny,z", ""), ("# station [m]: 1200", ""),
+    ],
+)  # fmt: skip
+def test_units_are_taken_from_headers(header: str, unit: str, tmp_path) -> None:
+    assert read(tmp_path, header + "\n" + written(",")).unit == unit
+
+
+BAD = {
+    "empty": ("", 1, "two numbers"),
+    "words": ("rail\nof steel\n", 2, "no points follow; give two numbers"),
+    "broken": (written(",").replace("-15.00000", "oops", 1), 5, "no point"),
+    "one number": (written(",") + "\n7\n", 16, "no point"),
+    "not a number": (written(",").replace("-15.00000", "nan", 1), 5, "no point"),
+    "ambiguous": ("\n".join(f"{y},{y},-{y},5" for y in range(20)), 1, "4 columns"),
+    "more columns than names": ("y,z\n" + "\n".join(f"{y},5,-{y},5" for y in range(20)), 1,
+                                "fewer than the 4 of the points"),
+    "short": (written(",").split("\n-15")[0], 4, "at least 12"),
+    "a column too few": ("z,no,y\n" + "\n".join(f"1,{i},2" for i in range(20)) + "\n1,2", 22,
+                         "column 3"),
+    "binary": ("\0\1\2" * 50, 1, "no text"),
+    "points in thousands": (written(";", comma=True).replace("35,", "1.035,"), 15, "no point"),
+    "beyond numbers": (written(",").replace("-15.00000", "1e999", 1), 5, "no point"),
+    "two heights": ("rail\ny;z_left;z_worn\n" + "1;2;3\n" * 15, 2, "several columns"),
+    "decimal commas, y in whole mm": (
+        "\n".join(f"{y:.0f},{z:.4f}".replace(".", ",") for y, z in POINTS), 1, "3 columns"
+    ),
+    "two units": ("rail\ny/mm,z/um\n" + written(","), 2, "in mm and um; give both in one of mm, m"),
+    "two units, blanks": ("y [mm] z [m]\n" + written(" "), 1, "in mm and m; give"),
+    "degrees": ("y [°];z [mm]\n" + written(";"), 1, "in ° and mm; give both"),
+    "unknown unit": ("y (yd),z (yd)\n" + written(","), 1, "in yd; give both in one of mm, m, inch"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "line", "words"), BAD.values(), ids=BAD)
+def test_wrong_files_name_file_line_and_what_is_allowed(text, line, words, tmp_path) -> None:
+    message = refusal(lambda: read(tmp_path, text), FormatError)
+    assert message.startswith(f"rail.csv, line {line}: ") and "give" in message
+    assert words in message
