@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhead.postprocess.findings import Array
-from railhead.theory.friction import damage
+from railhead.theory import damage
 from railhead.theory.friction.rolling import TangentialSolution
 from railhead.theory.friction.solution import FrictionSolution
 

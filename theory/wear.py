@@ -22,7 +22,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator, make_interp_spline
 
 from railhead.theory.array_types import Array
-from railhead.theory.friction.laws import DENSITY
+from railhead.theory.friction_laws import DENSITY
 
 Pairs = tuple[tuple[float, float], ...]
 """Pairs of numbers, the first ones positive and rising."""

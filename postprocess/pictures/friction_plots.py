@@ -22,7 +22,7 @@ from railhead.postprocess.pictures.diagrams import (
     over_patches,
     rounded,
 )
-from railhead.theory.friction import damage
+from railhead.theory import damage
 from railhead.theory.friction.solution import FrictionSolution
 
 STICK, SLIP, ACROSS = "#d3e4f3", "#e08a4f", "#3f7d54"  # light and dark: told apart in grey, too

@@ -15,8 +15,8 @@ from railhead.solver.system.contact_system import ContactSystem, LoadCase
 from railhead.solver.system.setup import FrictionSettings
 from railhead.solver.system.solution import Solution
 from railhead.theory.array_types import Array, Mask
-from railhead.theory.friction.laws import agree, settled
 from railhead.theory.friction.solution import FrictionSolution
+from railhead.theory.friction_laws import agree, settled
 
 COUPLING_TOLERANCE = 1e-3  # change of the tractions in one coupling iteration, over max(mu p)
 COUPLING_ITERATIONS = 30  # at most in a load step

@@ -15,8 +15,8 @@ from railhead.solver.space.contact_interface import ContactLaw, Gap
 from railhead.solver.space.kinematics import SOLID, Kinematics, must_be_orthonormal
 from railhead.theory.array_types import Array
 from railhead.theory.friction import tangential
-from railhead.theory.friction.laws import Interface
 from railhead.theory.friction.tangential import MaterialPair
+from railhead.theory.friction_laws import Interface
 
 LINEAR_SOLVERS = ("auto", "direct", "multigrid")
 FarField = Callable[[float, int, Array], Array]

@@ -14,8 +14,8 @@ from railhead.postprocess.pictures.diagrams import FE, GREY, HERTZ, new_figure
 from railhead.run.half_spaces import pass_contact, passes_of_scene
 from railhead.scene import catalogue
 from railhead.solver.material import Hardening, Material
+from railhead.theory import damage
 from railhead.theory.elastic.subsurface import von_mises
-from railhead.theory.friction import damage
 from studies import tables
 
 COUNT, QUICK = 20, 2  # passes of the axle

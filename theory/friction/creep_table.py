@@ -28,7 +28,6 @@ from scipy.interpolate import RegularGridInterpolator
 
 from railhead.theory.array_types import Array
 from railhead.theory.friction.kalker import coefficients
-from railhead.theory.friction.laws import Falling, Heat, Interface
 from railhead.theory.friction.rolling import (
     Creepage,
     HalfSpaceFriction,
@@ -36,6 +35,7 @@ from railhead.theory.friction.rolling import (
     grid_over,
 )
 from railhead.theory.friction.tangential import MaterialPair
+from railhead.theory.friction_laws import Falling, Heat, Interface
 
 NORMAL = 2 * math.pi / 3  # N of an ellipse with a b = 1 and a largest pressure of 1
 FARTHEST = 10.0  # X, Y and S, at most: beyond it the whole patch slips

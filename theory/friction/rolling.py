@@ -29,8 +29,8 @@ from railhead.theory.bem.grid_patch import Grid, PatchSolution, shares
 from railhead.theory.bem.influence import Influence
 from railhead.theory.bem.pressure_solver import equilibrium
 from railhead.theory.friction.coulomb_solver import CoulombSolver
-from railhead.theory.friction.laws import Interface, agree, settled
 from railhead.theory.friction.tangential import AHEAD, MaterialPair, TractionInfluence
+from railhead.theory.friction_laws import Interface, agree, settled
 
 TOLERANCE = 1e-8  # of the tractions
 CELLS = (16, 32, 64)  # of a patch each way, the coarsest first: numbers are extrapolated

@@ -14,8 +14,8 @@ from railhead.planning.effects import interface
 from railhead.scene.catalogue import portable
 from railhead.scene.scene import Rail, Scene, SceneError
 from railhead.scene.sections import refuse_first
+from railhead.theory import damage
 from railhead.theory.elastic.line import LineContact
-from railhead.theory.friction import damage
 from railhead.theory.friction.partial_slip import carter_share
 
 STEADY = {"hertz": 5.5, "contact": 6.0}  # largest p0/k that perfect plasticity has an answer for

@@ -13,8 +13,8 @@ from railhead.theory.elastic import hertz
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.line import Hertz, LineContact
 from railhead.theory.friction import tangential
-from railhead.theory.friction.laws import ByTemperature, Falling, Heat, Interface, Law
 from railhead.theory.friction.tangential import MaterialPair
+from railhead.theory.friction_laws import ByTemperature, Falling, Heat, Interface, Law
 
 CELLS = 64  # along the patch, for temperatures before anything is solved: 0.1 %
 CONTINUUM = 1e-6  # mm, least half length of a patch: some atoms

@@ -22,7 +22,6 @@ from railhead.theory.bem.grid_patch import Grid, PatchSolution, on_grid
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.elastic.hertz import Strip
 from railhead.theory.elastic.line import Hertz, LineContact
-from railhead.theory.friction.laws import Interface
 from railhead.theory.friction.rolling import (
     Creepage,
     HalfSpaceFriction,
@@ -33,6 +32,7 @@ from railhead.theory.friction.rolling import (
     solve_for_forces,
 )
 from railhead.theory.friction.tangential import MaterialPair
+from railhead.theory.friction_laws import Interface
 
 CELLS = 128  # of a patch each way
 LENGTH = 1e4  # of a strip over its half width

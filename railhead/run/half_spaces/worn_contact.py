@@ -30,8 +30,8 @@ from railhead.theory.array_types import Array
 from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.bem.influence import Lines
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
+from railhead.theory.damage import surface_fatigue_index
 from railhead.theory.elastic.line import Hertz
-from railhead.theory.friction.damage import surface_fatigue_index
 from railhead.theory.wear import WearLaw
 
 BODIES = ("rail", "wheel")

@@ -15,7 +15,6 @@ from railhead.planning import simulation_plan
 from railhead.run.half_spaces.worn_contact import Fineness
 from railhead.sweeps.wear import wear, wear_run
 from railhead.theory.friction.kalker import coefficients
-from railhead.theory.friction.laws import ByTemperature, Falling, Heat, Interface
 from railhead.theory.friction.rolling import (
     Creepage,
     HalfSpaceFriction,
@@ -24,6 +23,7 @@ from railhead.theory.friction.rolling import (
     solve_for_forces,
 )
 from railhead.theory.friction.tangential import pair
+from railhead.theory.friction_laws import ByTemperature, Falling, Heat, Interface
 
 A, B, LOAD = 5.88, 10.54, 1e5
 STEEL = 209920.0  # G = 82 GPa with nu = 0.28

@@ -16,9 +16,9 @@ from railhead.sweeps import creep_tables
 from railhead.theory.friction import creep_table
 from railhead.theory.friction.creep_table import AXES
 from railhead.theory.friction.kalker import Coefficients, coefficients, fastsim
-from railhead.theory.friction.laws import Falling, Heat, Interface
 from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction, grid_over
 from railhead.theory.friction.tangential import MaterialPair
+from railhead.theory.friction_laws import Falling, Heat, Interface
 
 NU = 0.28
 

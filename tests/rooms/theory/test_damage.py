@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from railhead.theory.friction import damage
+from railhead.theory import damage
 
 
 def test_a_line_shakes_down_below_four_without_friction() -> None:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from railhead.theory.friction.laws import ByTemperature, Falling, Heat, Interface, followed
+from railhead.theory.friction_laws import ByTemperature, Falling, Heat, Interface, followed
 
 ONE = np.ones((1, 1))
 
