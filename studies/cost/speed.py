@@ -1,5 +1,6 @@
 """What commands cost, and what a position costs by what is asked of it, in processor seconds."""
 
+import os
 import subprocess
 import sys
 from collections.abc import Callable, Mapping
@@ -113,9 +114,12 @@ def command(*arguments: str) -> float:
     """
     line = [str(Path(sys.executable).with_name("railhead")), *arguments, "--quiet"]
     start = tables.processor_seconds()
+    alone = {
+        key: value for key, value in os.environ.items() if not key.startswith(("OMPI", "PMIX"))
+    }
     with TemporaryDirectory() as folder:
-        line += [f"--out={folder}/out"]
-        subprocess.run(line, check=False, cwd=ROOT, stdout=subprocess.DEVNULL)
+        line += [f"--out={folder}/out"]  # a command of this process could not start mpirun
+        subprocess.run(line, check=False, cwd=ROOT, env=alone, stdout=subprocess.DEVNULL)
         if not Path(folder, "out").is_dir():
             raise RuntimeError(f"{line} wrote nothing")
     return tables.processor_seconds() - start
