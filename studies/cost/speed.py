@@ -137,8 +137,12 @@ def creep_forces() -> None:
 
 def page(rows: list[Row], commands: list[Row]) -> str:
     """Text of the page."""
+    runs = [row for row in commands if row["command"].startswith("run")]
+    solids = sorted(row["seconds"] for row in runs if "--fast" not in row["command"])
     return tables.render(
         "speed",
+        least=f"{solids[0]:.0f}",
+        most=f"{solids[-1]:.0f}",
         rows=tables.cells(rows, "{what}", "{asked}", "{seconds:.3f}", "{units:.3f}"),
         commands=tables.cells(commands, "{task}", "`{command}`", "{seconds:.1f}"),
     )
