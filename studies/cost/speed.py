@@ -84,8 +84,14 @@ def main(out: Path, *, quick: bool) -> None:
                 rows.append({"what": name, "asked": asked, "seconds": each, "units": each / whole})
         progress.stage("creep forces")
         each = seconds(creep_forces, repeats) / CREEPAGES
-        text = "a creep force on 24 x 24 cells"
-        rows.append({"what": text, "asked": "forces", "seconds": each, "units": each / whole})
+        rows.append(
+            {
+                "what": "a creep force on 24 x 24 cells",
+                "asked": "forces",
+                "seconds": each,
+                "units": each / whole,
+            }
+        )
         if not quick:
             progress.stage("sweep")
             sets = [f"--set={key}" for key in (*ROLLS, *WHEELSET)]
@@ -137,8 +143,11 @@ def creep_forces() -> None:
 
 def page(rows: list[Row], commands: list[Row]) -> str:
     """Text of the page."""
-    runs = [row for row in commands if row["command"].startswith("run")]
-    solids = sorted(row["seconds"] for row in runs if "--fast" not in row["command"])
+    solids = sorted(
+        row["seconds"]
+        for row in commands
+        if row["command"].startswith("run") and "--fast" not in row["command"]
+    )
     return tables.render(
         "speed",
         least=f"{solids[0]:.0f}",
