@@ -143,7 +143,6 @@ def run(
     as_json: bool,
 ) -> int:
     """Solve a case (its name, or a TOML file) and compare it with exact Hertz."""
-
     from railhead import api
     from railhead.cli import launch
     from railhead.planning import cost
@@ -219,7 +218,6 @@ def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: b
     result in `out`, without `force`, and another command that writes there are refused. A result in
     results/<name> will be renamed to <name>.1, so it is refused where the scene reads a file of it.
     """
-
     folder = out if out is not None else Path("results") / name
     result_folder.check_free(folder, command, scene, force=force or out is None)
     read = [file.name for file in scene.files if folder.resolve() in file.resolve().parents]
@@ -260,7 +258,6 @@ def sweep(
     as_json: bool,
 ) -> int:
     """Solve a case for every combination of values, side by side."""
-
     grid = _grid(scene, lists, over_file)
     if vtu:
         _check_bodies("--vtu", grid.scenes)

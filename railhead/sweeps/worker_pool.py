@@ -24,6 +24,7 @@ from railhead.run.process import prepare
 from railhead.scene.scene import SceneError
 
 T = TypeVar("T")
+CRASHED = "the process crashed"
 JOBS_PER_PROCESS = 8  # jobs of a process before it ends and its memory is freed
 
 
@@ -90,23 +91,22 @@ def outcome(future: Future[Attempt[T]]) -> Attempt[T]:
     try:
         return future.result()
     except (ProcessExpired, BrokenExecutor):  # the last one: several have crashed
-        return Attempt(None, "the process crashed")
+        return Attempt(None, CRASHED)
 
 
 def together(
     submit: Submit | None, work: Callable[..., T], jobs: Iterable[tuple[Any, ...]]
 ) -> Iterator[T]:
     """Values of work(*job) for each job, in their order, each when it is there; all jobs are solved
-    side by side. submit: starts a job; None: one after the other in this process. One that fails,
-    as its process may have crashed, is tried once more; raises ValueError with the reason if it
-    fails again.
+    side by side. submit: starts a job; None: one after the other in this process. One whose process
+    crashes is tried once more. Raises ValueError with the reason of one that fails.
     """
     if submit is None:
         yield from (work(*job) for job in jobs)
         return
     for job, future in [(job, submit(work, *job)) for job in jobs]:
         found = outcome(future)
-        if found.value is None:
+        if found.fault == CRASHED:
             found = outcome(submit(work, *job))
         if found.value is None:
             raise ValueError(found.fault)

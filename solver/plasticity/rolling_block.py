@@ -163,7 +163,7 @@ class RollingBlock:
 
     @cached_property
     def points(self) -> Array:
-        """Gauss points (columns, lines, 3) in space, mm."""
+        """Positions in space (columns, lines, 3) of the Gauss points of the block, mm."""
         return self.streams.gathered(self.block.points.points)
 
     @cached_property

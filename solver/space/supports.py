@@ -209,7 +209,9 @@ class Reduction:
 
     @cached_property
     def _divisors(self) -> PETSc.Vec:
-        """Squared norms of the columns of P, and 1 where a column is zero."""
+        """Diagonal of P^T P by which `restricted` divides, with 1 in the place of zero where a
+        column of P is zero.
+        """
         out = self.squared_norms()
         out.array[:] = np.where(out.array > 0, out.array, 1.0)
         return out

@@ -212,7 +212,9 @@ class CreepTable:
 
     @cached_property
     def _at(self) -> RegularGridInterpolator:
-        """Values (6,) at log(a/b), X, Y, S: monotone cubics between the nodes."""
+        """Interpolator of forces along and across and of the moment, and of their errors, (6,), at
+        log(a/b), X, Y, S: monotone cubics between the nodes.
+        """
         ratio, *rest = (self.axes[name] for name in AXES)
         grid = np.moveaxis(self.values.reshape(6, *self.values.shape[2:]), 0, -1)
         if len(ratio) < CUBIC:  # few ratios near each other: the same forces beyond them
