@@ -287,13 +287,6 @@ class WornContact:
         what its lines carry by name.
         """
         steps = [float(window.s[1] - window.s[0]) for window in windows]
-        edges = [
-            float(min(y.min() - ends[0], ends[1] - y.max()) / (window.s[1] - window.s[0]))
-            for window in self._pressed.windows
-            for used in [window.s[window.pressure.any(axis=0)]]
-            for body in (BODIES if used.size else ())
-            for y, ends in [(self._y(body, used[[0, -1]]), self._across[body][[0, -1]])]
-        ]
         worn = {
             f"{body}_mm2": sum(
                 step * float(self._passes(body, window.s) @ each["worn"])
@@ -307,8 +300,23 @@ class WornContact:
             "area_mm2": self._pressed.area,
             "t_gamma_N": sum(step * float(line.sum()) for step, line in energy),
             **worn,
-            "edge_cells": min(edges),
+            "edge_cells": self._edge_cells(),
         }
+
+    def _edge_cells(self) -> float:
+        """Distance of the pressed lines of all patches from the nearest end of a profile, in cells
+        across; negative beyond it.
+        """
+        least = np.inf
+        for window in self._pressed.windows:
+            used = window.s[window.pressure.any(axis=0)]
+            if not used.size:
+                continue
+            for body in BODIES:
+                y, (low, high) = self._y(body, used[[0, -1]]), self._across[body][[0, -1]]
+                room = min(y.min() - low, high - y.max())
+                least = min(least, float(room / (window.s[1] - window.s[0])))
+        return least
 
     def _fields(
         self, body: str, windows: Sequence[PatchSolution], lines: Sequence[Mapping[str, Array]]
