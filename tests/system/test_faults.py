@@ -147,17 +147,6 @@ def test_a_full_disk_leaves_the_earlier_result(tmp_path) -> None:
     assert os.listdir(tmp_path) == ["result"]
 
 
-def test_a_folder_that_refuses_files_is_one_line(tmp_path, monkeypatch, capsys) -> None:
-    def refuse(*_: object, **__: object) -> None:
-        raise OSError(errno.EROFS, os.strerror(errno.EROFS), str(tmp_path / "out"))
-
-    monkeypatch.setattr(result_folder.tempfile, "mkdtemp", refuse)
-    assert command.status("run", *CASE, str(tmp_path / "out")) == 1
-    errors = capsys.readouterr().err.strip()
-    assert errors == f"railhead: NOT WRITTEN: {tmp_path / 'out'}: {os.strerror(errno.EROFS)}"
-    assert os.listdir(tmp_path) == []
-
-
 def test_read_only_folder_is_refused_before_anything_is_solved(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(result_folder.os, "access", lambda *_: False)
     assert command.status("run", *CASE, str(tmp_path / "out")) == 2

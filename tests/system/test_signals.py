@@ -7,7 +7,6 @@ import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import command
 import psutil
@@ -68,14 +67,6 @@ def test_a_signal_ends_meshing_at_once(tmp_path, number: signal.Signals) -> None
     assert seconds < 2 and errors == "railhead: nothing was written\n"
     assert psutil.wait_procs(children, timeout=5)[1] == []
     assert os.listdir(tmp_path) == []
-
-
-def test_a_signal_says_that_wear_is_kept(tmp_path) -> None:
-    case = Path(__file__).parents[2] / "examples" / "wear_crown.toml"
-    running = start(tmp_path, COMMAND, "wear", str(case), "--fast")
-    command.until(running, "main run")
-    _, errors = ended(running, signal.SIGINT)
-    assert "railhead: what is solved is kept in " in errors
 
 
 def test_sigint_ends_a_library_at_once_and_the_next_command_tidies_up(tmp_path) -> None:

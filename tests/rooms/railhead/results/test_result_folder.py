@@ -45,17 +45,6 @@ def test_a_result_is_replaced_as_a_whole(tmp_path: Path) -> None:
     assert os.listdir(tmp_path) == ["out"]
 
 
-@pytest.mark.parametrize("name", ["mine.toml", "patch.png", ".notes", "thesis"])
-def test_a_foreign_file_is_named_and_kept(name: str, tmp_path: Path) -> None:
-    folder = tmp_path / "out"
-    write(folder, "old")
-    if name == "thesis":
-        (folder / name).mkdir()
-    else:
-        (folder / name).write_text("mine")
-    assert repr(name) in refused(folder)
-
-
 def test_a_scene_beside_its_result_survives(tmp_path: Path, capsys) -> None:
     """Refused before anything is computed; nothing is touched."""
     folder = tmp_path / "r1"

@@ -234,12 +234,6 @@ def test_what_a_person_switched_off_is_no_failing(capsys) -> None:
     assert "│ plasticity " in out and "though" not in out
 
 
-def test_the_coefficient_of_friction_is_an_attribute() -> None:
-    """The page of friction laws names it; it was a key of summary.json alone."""
-    found = quantities.read(quantities.FrictionQuantities, {"coefficient": 0.3})
-    assert found.coefficient == 0.3
-
-
 UNITS = output_units.parse("um,kN,GPa")
 
 
