@@ -533,9 +533,6 @@ def _status(arguments: Sequence[str] | None) -> int:
     """
     words = process.take_arguments() if arguments is None else list(arguments)
     try:
-        for word in words:
-            if "\0" in word:
-                raise SceneError("argument", f"{word!r} has a null character; give none")
         code = railhead.main(words, prog_name="railhead", standalone_mode=False, obj=words)
         return int(code or SOLVED)
     except click.exceptions.NoArgsIsHelpError as error:

@@ -40,8 +40,6 @@ from railhead.sweeps.grid import ParameterGrid
 from railhead.theory.array_types import Array
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from railhead.postprocess.pictures.diagrams import Drawing
 
 CLEARANCE = 0.05  # mm, largest gap of a contact, of the size of elastic approaches
@@ -450,10 +448,6 @@ class ExaminedProfile(Examined):
             for index in range(len(y))
         ]
         return {"profile.csv": rows}
-
-    def plot(self, picture: str = "profile") -> Figure:
-        """Draw "profile", which has four panels, as `Result.plot`."""
-        return super().plot(picture)
 
     def drawings(self, units: Units = BASE_UNITS) -> dict[str, Drawing]:
         """Function that draws the picture, by name of its PNG file. units: of its numbers."""

@@ -24,6 +24,3 @@ def parse(text: str | None) -> Units:
     if chosen.get("mm", "mm") != "mm":
         chosen["um"] = chosen["mm"]
     return Units(chosen)
-
-
-Units.parse = staticmethod(parse)  # type: ignore[attr-defined]  # as in railhead.display, until 0.5
