@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from railhead.planning import simulation_plan as planning
 from railhead.planning.simulation_plan import Plan
-from railhead.results import quantity_rows
 from railhead.results.report import terminal
 from railhead.scene.bodies import steels
 from railhead.scene.catalogue import as_path, find
@@ -120,9 +119,7 @@ def load(folder: str | Path) -> Result | Sweep:
         if (folder / store.REQUEST).is_file():
             return Sweep(folder)
         found = Result(None, json.loads((folder / "summary.json").read_text("utf-8")), folder)
-        terminal.recorded(found.show)
-        for _ in quantity_rows.everything(found.summary):
-            pass  # every number is read once: what is broken shows here
+        terminal.recorded(found.show)  # reads every number once: what is broken shows here
     except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
         if isinstance(error, SceneError):
             raise
