@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import platform
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
@@ -16,9 +16,9 @@ from railhead.planning.effects import in_words
 from railhead.postprocess.findings import Findings, Units
 from railhead.results import quantity_rows, result_folder
 from railhead.results.checks import SECOND
+from railhead.results.quantity_rows import Row
 from railhead.results.report import terminal
 from railhead.run.half_spaces.answer import Solved
-from railhead.scene import quantities
 from railhead.scene.scene import FILE_KEYS, Scene
 from railhead.scene.scene import unit as scene_unit
 from railhead.scene.sections import Section
@@ -73,13 +73,6 @@ CHECKS = {
     "passes_rim": "no yield at the rim of the region where it is followed",
     "passes_energy": "resistance to rolling against plastic work",
 }
-HEADINGS = {
-    "FE": "finite elements",
-    "half-spaces": "half-spaces",
-    "estimate": "within",
-    "half-space": "half-spaces",
-    "Hertz": "exact Hertz",
-}
 PACKAGES = (
     "fenics-dolfinx",
     "petsc4py",
@@ -111,8 +104,9 @@ def render(
     passes = (summary["result"] or {}).get("passes")
     drawn = [name for name in CAPTIONS if (folder / f"{name}.png").exists()]
     effects = summary["plan"]["effects"]
-    friction, steel = (quantity_rows.rows(summary, name) for name in ("friction", "steel"))
-    columns = quantity_rows.filled(friction)
+    contact, friction, steel = (
+        quantity_rows.rows(summary, name) for name in ("contact", "friction", "steel")
+    )
     return template("report.html.j2").render(
         summary=summary,
         units=units,
@@ -122,11 +116,8 @@ def render(
         title=found.subject.title if found else summary["case"],
         scene_rows=list(scene_rows(scene, units)),
         scene_toml=(folder / "scene.toml").read_text(encoding="utf-8"),
-        answer=answer_rows(summary, units, found),
-        friction={
-            "columns": columns,
-            "rows": quantity_rows.texts([*friction, *steel], columns, units),
-        },
+        answer=_table(contact, units),
+        friction=_table([*friction, *steel], units),
         files=[path.name for path in scene.files],
         left_out={name: each for name, each in effects.items() if not each["on"]},
         check_rows=_checks(summary["checks"]),
@@ -141,28 +132,10 @@ def render(
     )
 
 
-def answer_rows(summary: Mapping[str, Any], units: Units, found: Findings | None) -> dict[str, Any]:
-    """Table of the contact: {"columns": names, "rows": [(label, unit, key in summary.json, cells as
-    text)]}. found: as of `render`; None, where nothing touches, gives an empty table.
-    """
-    if found is None:
-        return {"columns": [], "rows": []}
-    names, headings = found.subject.names, dict(HEADINGS)
-    for kind in quantity_rows.REFERENCES:
-        for answer in quantity_rows.ANSWERS:
-            headings[f"{kind} {answer}"] = f"{kind}, {HEADINGS[answer]}"
-    table = quantity_rows.rows(summary, "contact")
-    columns = [name for name in quantity_rows.filled(table) if name in headings]
-    rows = []
-    for quantity, (label, unit, texts) in zip(
-        quantities.rows("contact"), quantity_rows.texts(table, columns, units), strict=True
-    ):
-        cells = [
-            f"\u00b1 {text}" if name == "estimate" and "%" in text else names.get(text, text)
-            for name, text in zip(columns, texts, strict=True)
-        ]
-        rows.append((label.strip(), unit, ".".join(quantity.path), cells))
-    return {"columns": [headings[name] for name in columns], "rows": rows}
+def _table(rows: Sequence[Row], units: Units) -> dict[str, Any]:
+    """Columns that have a value, and rows (quantity, unit, cells as text), of a table."""
+    columns = quantity_rows.filled(rows)
+    return {"columns": columns, "rows": quantity_rows.texts(rows, columns, units)}
 
 
 def scene_rows(scene: Scene, units: Units) -> Iterator[tuple[str, str]]:

@@ -237,6 +237,9 @@ def test_what_a_person_switched_off_is_no_failing(capsys) -> None:
 UNITS = output_units.parse("um,kN,GPa")
 
 
+CELLS = "<tr><td>(.*?)</td><td>(.*?)</td>" + 2 * '<td class="n">(.*?)</td>'
+
+
 def tables_of(text: str) -> list[str]:
     """Ids of tables."""
     return re.findall(r'<table id="(\w+)"', text)
@@ -274,23 +277,13 @@ def test_one_file_without_a_network(folder: Path) -> None:
     assert not result_folder.foreign(folder)
 
 
-def test_numbers_are_those_of_the_summary(folder: Path) -> None:
-    summary = json.loads((folder / "summary.json").read_text())
+def test_numbers_are_those_of_the_summary(result, folder: Path) -> None:
+    """In the units of the reader; with friction on so coarse a mesh no law holds."""
     text = (folder / html.NAME).read_text(encoding="utf-8")
-    cells = dict(re.findall(r'data-key="([^"]+)">([^<]*)<', text))  # of the finite elements
-    assert len(cells) == len(quantities.rows("contact"))
-    factor = {"mm": 1e3, "mm2": 1e6, "MPa": 1e-3}
-    compared = 0
-    for each, row in zip(
-        quantities.rows("contact"), quantity_rows.rows(summary, "contact"), strict=True
-    ):
-        value = row["FE"]
-        if isinstance(value, float):
-            assert float(cells[".".join(each.path)]) == pytest.approx(
-                value * factor[each.unit], rel=1e-4
-            )
-            compared += 1
-    assert compared == 10
+    table = re.search(r'<table id="answer">.*?</table>', text, re.S)[0]
+    rows = {label: cells for label, *cells in re.findall(CELLS, table)}
+    assert len(rows) > 6
+    assert rows["largest pressure"] == ["GPa", f"{1e-3 * result.pressure.max:.5g}", "no law"]
 
 
 def brief_of(result, folder: Path) -> str:
@@ -366,16 +359,6 @@ def test_the_verdict_is_of_what_holds(result, folder: Path) -> None:
     assert "The patch is no ellipse" not in said(checks={**no_ellipse, "passed": False})
     assert re.search(r"The contact patch\s+is", said())
     assert "touch in 2 patches; the most loaded one" in said(result=two)
-
-
-def test_estimates_are_give_or_take(result) -> None:
-    summary = {**result.summary, "accuracy": {"bound": {"max_MPa": 0.0123}}}
-    table = html.answer_rows(summary, Units(), result.findings)
-    column = table["columns"].index("within")
-    cells = {key: cells[column] for _, _, key, cells in table["rows"]}
-    assert cells["pressure.max_MPa"] == "\u00b1 1.23%"
-    others = {text for key, text in cells.items() if key != "pressure.max_MPa"}
-    assert others == {"", "no law"}
 
 
 @pytest.mark.parametrize(
