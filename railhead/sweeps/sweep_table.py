@@ -273,7 +273,7 @@ class Sweep(terminal.Drawn, list[Result]):
         """
         drawn = (folder / name for name in self.drawings())
         rows, columns = self._rows, self._columns
-        first, *others = [list(html.scene_rows(scene, units)) for scene in scenes]
+        first, *others = map(html.scene_rows, scenes)
         text = html.template("sweep.html.j2").render(
             title=self._title,
             units=units,

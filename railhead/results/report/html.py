@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import platform
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
@@ -19,9 +19,8 @@ from railhead.results.checks import SECOND
 from railhead.results.quantity_rows import Row
 from railhead.results.report import terminal
 from railhead.run.half_spaces.answer import Solved
-from railhead.scene.scene import FILE_KEYS, Scene
-from railhead.scene.scene import unit as scene_unit
-from railhead.scene.sections import Section
+from railhead.scene.catalogue import portable
+from railhead.scene.scene import Scene, dotted
 
 NAME = "report.html"
 CAPTIONS = {
@@ -114,7 +113,7 @@ def render(
         check=check,
         found=found,
         title=found.subject.title if found else summary["case"],
-        scene_rows=list(scene_rows(scene, units)),
+        scene_rows=scene_rows(scene),
         scene_toml=(folder / "scene.toml").read_text(encoding="utf-8"),
         answer=_table(contact, units),
         friction=_table([*friction, *steel], units),
@@ -138,25 +137,13 @@ def _table(rows: Sequence[Row], units: Units) -> dict[str, Any]:
     return {"columns": columns, "rows": quantity_rows.texts(rows, columns, units)}
 
 
-def scene_rows(scene: Scene, units: Units) -> Iterator[tuple[str, str]]:
-    """Pairs (key in words, value with unit, of files the name) of all keys of a scene whose value
-    is not the default.
+def scene_rows(scene: Scene) -> list[tuple[str, Any]]:
+    """Pairs (dotted key, value in N, mm, MPa, rad, s) of all keys of a scene whose value is not the
+    default; files by their places in a result folder.
     """
-    for section, inner in scene:
-        of = inner if isinstance(inner, Section) else scene
-        for name, value in inner if isinstance(inner, Section) else [("", inner)]:
-            if value == type(of).model_fields[name or section].default:
-                continue
-            key, text = f"{section}.{name}".rstrip("."), str(value)
-            if key in FILE_KEYS:
-                text = Path(text).name
-            if isinstance(value, float):
-                base = scene_unit(key)
-                if base == "rad":
-                    value, base = 1e3 * value, "mrad"
-                text = units.text(value, base, 6).strip()
-            words = key.replace("effects.", "effect.").replace(".", ": ").replace("_", " ")
-            yield words, text
+    values = dict(dotted(portable(scene)))
+    given = scene.model_dump(exclude_defaults=True, exclude_none=True)
+    return [(key, values[key]) for key, _ in dotted(given)]
 
 
 def check(name: str) -> str:

@@ -13,7 +13,7 @@ from mpi4py import MPI
 
 from railhead.geometry.profiles import Places
 from railhead.meshing.mesh import MeshError
-from railhead.postprocess.findings import Subject, Units
+from railhead.postprocess.findings import Subject
 from railhead.results import pipeline, result_folder
 from railhead.run.half_spaces.worn_contact import BODIES
 from railhead.run.progress import Progress, Tell
@@ -185,7 +185,7 @@ def _save(found: WearResult, folder: Path, *, pictures: bool) -> None:
         summary=found.summary,
         verdict=found.words(),
         pictures=[html.picture((folder / name).read_bytes()) for name in drawings],
-        scene=list(html.scene_rows(scene, Units())),
+        scene=html.scene_rows(scene),
         date=result_folder.now(),
         versions=html.versions(),
     )

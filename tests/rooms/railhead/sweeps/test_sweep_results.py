@@ -242,7 +242,7 @@ def test_the_report_of_a_sweep_has_all_of_it(swept) -> None:
         assert found["checks"] == "passed"
     assert _cells(text, "asked")[0] == ["load [N]", "50000, 80000, 110000"]
     same = {name for name, _ in _cells(text, "scene")}
-    assert "mesh: patch size" in same and not {"load", "wheel: rolling radius"} & same
+    assert "mesh.patch_size" in same and not {"load", "wheel.rolling_radius"} & same
 
 
 def test_what_failed_is_red(tmp_path) -> None:

@@ -184,9 +184,9 @@ def test_zero_is_printed_as_0() -> None:
     assert f"{terminal.rounded(-1e-9):.3f}" == "0.000" and brief(-0.0) == "0"
 
 
-def test_a_yaw_is_in_mrad_in_the_report() -> None:
-    scene = rh.find("s1002_60e1").replace(["wheelset.yaw=2 mrad"])
-    assert ("wheelset: yaw", "2 mrad") in html.scene_rows(scene, Units())
+def test_keys_that_are_no_defaults_are_in_the_report() -> None:
+    rows = html.scene_rows(rh.find("uic54_22t5_axle").replace(["wheelset.yaw=2 mrad"]))
+    assert ("wheelset.yaw", 0.002) in rows and not [key for key, _ in rows if "effects" in key]
 
 
 NAME = "a_long_name_of_a_file_of_points_on_a_rail_head.csv"
