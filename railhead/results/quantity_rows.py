@@ -39,13 +39,13 @@ def reference_name(summary: Mapping[str, Any]) -> str:
 
 
 def rows(summary: Mapping[str, Any], table: str) -> list[Row]:
-    """Rows of one table of quantities, a row for each quantity of `quantities.rows`; empty where
-    nothing touches. Quantities of friction that the result lacks have no row.
+    """Rows of one table of quantities, a row for each quantity of `quantities.rows` that the result
+    has; empty where nothing touches.
 
     table: "contact": beside the answer stand estimates, half-spaces, exact Hertz and the solution
-        without yield or friction; half-spaces only beside finite elements. "load". "friction":
-        forces of the wheel on the rail, motion and stick share, beside other methods. "steel":
-        effects of pressure and tractions on the steel.
+        without yield or friction; half-spaces only beside finite elements. "load". "yield": under
+        the load and after it. "friction": forces of the wheel on the rail, motion and stick share,
+        beside other methods. "steel": effects of pressure and tractions on the steel.
     """
     result = summary["result"]
     if result is None:
@@ -66,12 +66,10 @@ def rows(summary: Mapping[str, Any], table: str) -> list[Row]:
         others = {name: {"friction": of} for name, of in flat.items() if "reason" not in of}
     found = []
     for each in quantities.rows(table):
-        if table in ("friction", "steel") and each.path[1] not in friction:
+        if each.value(result) is None:
             continue
-        if each.path[0] == "stress" and "stress" not in result:
-            continue
-        least = 0.0
-        if each.key.endswith("depth_mm"):
+        least = 0.0  # up to which a number is rounding
+        if table == "yield" or each.key.endswith("depth_mm"):
             least = NO_DEPTH * result["patch"]["a_mm"]
         elif each.over_friction_limit or each.unit == "N mm":  # a moment's arm is 1 mm
             least = ROUNDING * limit
@@ -137,7 +135,7 @@ def everything(summary: Mapping[str, Any]) -> Iterator[Row]:
     place of "FE" or "half-spaces"; then program and date.
     """
     above = ""
-    for table in ("contact", "load", "friction", "steel"):
+    for table in ("contact", "load", "yield", "friction", "steel"):
         for row in rows(summary, table):
             label = str(row["quantity"])
             name = f"{above}: {label.strip()}" if label.startswith(" ") else label

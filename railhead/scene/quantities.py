@@ -37,7 +37,7 @@ class Quantity:
     unit: product of powers of mm, N and MPa, or W; empty for ratios, words and lists.
     label: name of its row in tables, indented where the row belongs to the one above; empty: no
         row.
-    table: "contact", "load", "friction" or "steel": the table that has the row.
+    table: "contact", "load", "yield", "friction" or "steel": the table that has the row.
     column: name of its column in sweep.csv, without the unit; empty: no column.
     bound: name of its error bound in `Result.estimate`. In `QUANTITIES` an empty one is filled with
         the name of the field.
@@ -94,8 +94,10 @@ def quantity(key: str, unit: str = "", label: str = "", **more: Any) -> Any:
     return dataclasses.field(default=None, metadata={METADATA: described})
 
 
-friction, steel = (partial(quantity, table=name) for name in ("friction", "steel"))
-"""`quantity` for the tables "friction" and "steel"."""
+friction, steel, plastic = (
+    partial(quantity, table=name) for name in ("friction", "steel", "yield")
+)
+"""`quantity` for the tables "friction", "steel" and "yield"."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -458,22 +460,26 @@ class PlasticQuantities:
         `body`.
     """
 
-    load_over_first_yield: float = quantity("load_over_first_yield", column="load/first yield")
-    load_steps: int = quantity("load_steps")
-    strain_max: float = quantity("strain_max", column="plastic strain")
-    body: str = quantity("body")
-    place: list[float] = quantity("place_mm")
-    volume_mm3: float = quantity("volume_mm3")
-    depth: float = quantity("depth_mm")
-    top: float = quantity("top_mm")
-    residual_depth_rail: float | None = quantity(
-        "residual_depth_rail_mm", "mm", column="residual depth rail"
+    load_over_first_yield: float = plastic(
+        "load_over_first_yield", "", "load over that of first yield", column="load/first yield"
     )
-    residual_depth_wheel: float | None = quantity(
-        "residual_depth_wheel_mm", "mm", column="residual depth wheel"
+    load_steps: int = plastic("load_steps")
+    strain_max: float = plastic("strain_max", "", "largest plastic strain", column="plastic strain")
+    body: str = plastic("body", "", "   its body")
+    place: list[float] = plastic("place_mm")
+    volume_mm3: float = plastic("volume_mm3", "mm3", "volume that yields")
+    depth: float = plastic("depth_mm", "mm", "   its largest depth")
+    top: float = plastic("top_mm", "mm", "   its least depth")
+    residual_depth_rail: float | None = plastic(
+        "residual_depth_rail_mm", "mm", "imprint left in the rail", column="residual depth rail"
     )
-    residual_von_mises_max: float | None = quantity("residual_von_mises_max_MPa")
-    elastic_p0_over_k: float = quantity("elastic_p0_over_k")
+    residual_depth_wheel: float | None = plastic(
+        "residual_depth_wheel_mm", "mm", "imprint left in the wheel", column="residual depth wheel"
+    )
+    residual_von_mises_max: float | None = plastic(
+        "residual_von_mises_max_MPa", "MPa", "von Mises stress left"
+    )
+    elastic_p0_over_k: float = plastic("elastic_p0_over_k", "", "elastic p0/k")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -559,8 +565,8 @@ SCATTER = {each.key: each.scatter for each in QUANTITIES if each.scatter}
 
 
 def rows(table: str) -> list[Quantity]:
-    """Quantities that have a row in a table: "contact", "load", "friction" or "steel"; in the order
-    of `QUANTITIES`.
+    """Quantities that have a row in a table: "contact", "load", "yield", "friction" or "steel"; in
+    the order of `QUANTITIES`.
     """
     return [each for each in QUANTITIES if each.table == table and each.label]
 

@@ -103,9 +103,8 @@ def render(
     passes = (summary["result"] or {}).get("passes")
     drawn = [name for name in CAPTIONS if (folder / f"{name}.png").exists()]
     effects = summary["plan"]["effects"]
-    contact, friction, steel = (
-        quantity_rows.rows(summary, name) for name in ("contact", "friction", "steel")
-    )
+    names = "contact", "yield", "friction", "steel"
+    contact, plastic, friction, steel = (quantity_rows.rows(summary, name) for name in names)
     return template("report.html.j2").render(
         summary=summary,
         units=units,
@@ -116,6 +115,7 @@ def render(
         scene_rows=scene_rows(scene),
         scene_toml=(folder / "scene.toml").read_text(encoding="utf-8"),
         answer=_table(contact, units),
+        plastic=_table(plastic, units),
         friction=_table([*friction, *steel], units),
         files=[path.name for path in scene.files],
         left_out={name: each for name, each in effects.items() if not each["on"]},

@@ -27,9 +27,12 @@ if TYPE_CHECKING:
 
 WIDTH = 80  # characters where there is no terminal
 WIDEST = 80  # characters of a table of numbers, which are never cut: it goes on below
-ROUNDING = 1e-6  # of the deeper one: less deep is the surface of a body that did not yield
-BORDER = 10.0  # times first yield beyond which load steps move the largest residual stress
-PAIRED = 30.0  # times first yield beyond which the pairing of the surfaces is felt
+TABLES = {
+    "yield": "yield",
+    "friction": "friction",
+    "steel": "what pressure and tractions do to the steel",
+}
+"""Titles of the tables below the one of the contact, by their names in `quantity_rows.rows`."""
 NO_ESTIMATE = "passes (without an estimate)"
 PASSES_SHOWN = 10  # rows of the table of passes, and the last one
 
@@ -236,7 +239,7 @@ def _show_prices(prices: Sequence[Mapping[str, Any]] | None, console: Console) -
 
 
 def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_UNITS) -> None:
-    """Print finite elements, or half-spaces, and exact Hertz side by side, friction, yield, remarks
+    """Print finite elements, or half-spaces, and exact Hertz side by side, yield, friction, remarks
     and cost; failed checks are left to `show_failure`.
     """
     if summary["result"] is not None:
@@ -258,17 +261,14 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
             ahead, height = (units.text(round(value, 4), "mm") for value in varies.values())
             text = f"They touch {ahead} ahead of the smooth ones; heights there vary by {height}."
             console.print(text, highlight=False)
-        if plastic := summary["result"].get("plastic"):
-            _show_plastic(plastic, console, units)
+        for name, title in TABLES.items():
+            if rows := quantity_rows.rows(summary, name):
+                _show_rows(title, rows, console, units)
         if friction := summary["result"].get("friction"):
-            _show_rows("friction", quantity_rows.rows(summary, "friction"), console, units)
+            limit = units.text(friction["limit_N"], "N")
             console.print(
-                f"Forces are those of the wheel on the rail; mu N = "
-                f"{units.text(friction['limit_N'], 'N')}.",
-                highlight=False,
+                f"Forces are those of the wheel on the rail; mu N = {limit}.", highlight=False
             )
-            if rows := quantity_rows.rows(summary, "steel"):
-                _show_rows("what pressure and tractions do to the steel", rows, console, units)
         if passes := summary["result"].get("passes"):
             header, *cells = passes_table(passes, units)
             console.print(_table(passes_title(summary["result"]), header, cells))
@@ -338,44 +338,6 @@ def places_of_approach(plan: Mapping[str, Any], units: Units = BASE_UNITS) -> st
         else f"the rigid {body}"
         for body, side in (("rail", "below"), ("wheel", "above"))
     )
-
-
-def _show_plastic(plastic: Mapping[str, Any], console: Console, units: Units) -> None:
-    """Print yield under the load and the state after unloading. plastic: entry of "result" in
-    summary.json.
-    """
-    lines = [
-        f"Yields from {1 / plastic['load_over_first_yield']:.3g} of the load on: plastic strain up "
-        f"to {plastic['strain_max']:.3g} in the {plastic['body']} at "
-        f"{units.place(plastic['place_mm'])}, in {units.text(plastic['volume_mm3'], 'mm3')} "
-        f"between {units.text(plastic['top_mm'], 'mm')} and "
-        f"{units.text(plastic['depth_mm'], 'mm')} deep."
-    ]
-    if plastic["residual_von_mises_max_MPa"] is not None:
-        left = {body: plastic.get(f"residual_depth_{body}_mm", 0.0) for body in ("rail", "wheel")}
-        depths = ", ".join(
-            f"the {body} {units.text(depth, 'mm')}"
-            for body, depth in left.items()
-            if depth > ROUNDING * max(left.values())
-        )
-        far = plastic["load_over_first_yield"] > BORDER
-        lines.append(
-            f"Unloaded: {f'{depths} deep' if depths else 'nothing pushed in'}, von Mises stress up "
-            f"to {units.text(plastic['residual_von_mises_max_MPa'], 'MPa')} (without an estimate"
-            f"{'; more load steps take 9 to 13 % from it at 20 times first yield' if far else ''})."
-        )
-    if plastic["load_over_first_yield"] > PAIRED:
-        lines.append(
-            "Surfaces stay paired as they were before the load: the approach is 0.5 % (20 times "
-            "first yield) to 3 % (100 times) too large."
-        )
-    ratio = plastic["elastic_p0_over_k"]
-    lines.append(
-        f"Elastic p0/k is {ratio:.3g}; rolling without traction shakes down to elastic below 4 "
-        "(line) to 4.68 (circle), with traction below less. One spot pressed is not rolling."
-    )
-    for line in lines:
-        console.print(line, markup=False, highlight=False)
 
 
 def passes_title(result: Mapping[str, Any]) -> str:
