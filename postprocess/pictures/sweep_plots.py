@@ -22,7 +22,7 @@ PLACE = "patch y [mm]"
 PANELS = {
     "p_max [MPa]": "largest pressure, MPa",
     "area [mm2]": "patch area, mm2",
-    PLACE: "patch centre, ",
+    PLACE: "patch centre, y, mm",
     "tau_max [MPa]": "largest shear stress, MPa",
 }
 FRICTION = {"force along [N]": "force along the rail, N", "force across [N]": "force across, N"}
@@ -35,7 +35,7 @@ SHAPE = {
 }
 
 
-def drawings(columns: Sequence[str], rows: Rows, y: str, subject: Subject) -> dict[str, Drawing]:
+def drawings(columns: Sequence[str], rows: Rows, subject: Subject) -> dict[str, Drawing]:
     """The picture of a sweep by name of its PNG file; arguments as of `curves`, with any number of
     columns. Rows that are not all combinations of the values of their
     columns are numbered. Empty without rows or columns, and where rows are all combinations of
@@ -46,7 +46,7 @@ def drawings(columns: Sequence[str], rows: Rows, y: str, subject: Subject) -> di
         rows = [{**row, "combination": number} for number, row in enumerate(rows, 1)]
     if not rows or not 1 <= len(columns) <= 2:
         return {}
-    return {"sweep.png": partial(curves, columns, rows, y, subject)}
+    return {"sweep.png": partial(curves, columns, rows, subject)}
 
 
 def panels(rows: Rows) -> dict[str, str]:
@@ -62,14 +62,12 @@ def panels(rows: Rows) -> dict[str, str]:
     }
 
 
-def curves(
-    columns: Sequence[str], rows: Rows, y: str, subject: Subject, target: Target = None
-) -> Figure:
+def curves(columns: Sequence[str], rows: Rows, subject: Subject, target: Target = None) -> Figure:
     """A panel of each of `panels` over the varied column with the most values; bars are error
     estimates. What mesh or grid do not resolve is crossed.
 
     columns: headers of the one or two columns that are varied. rows: of sweep.csv, cells by column
-        header. y: label of the place in y. subject: title and units. There is a line for each value
+        header. subject: title and units. There is a line for each value
         of the other column. Rows whose checks did not pass are ringed; quantities that a row lacks
         are not drawn.
     """
@@ -101,7 +99,7 @@ def curves(
                 names = [str(row.get("below resolution") or "").split("; ") for row in own]
                 hidden = np.array([short in each for each in names])
                 axes.plot(x[hidden], found[hidden], "x", ms=9, color=HERTZ, zorder=3)
-            axes.set_ylabel(label + y if name == PLACE else label)
+            axes.set_ylabel(label)
             if name not in (PLACE, AHEAD, *FRICTION):
                 axes.set_ylim(0, 1.05 * axes.get_ylim()[1])  # room for a ring
             axes.set_xlabel(over if numbers else units.unit(over))  # words are in units already

@@ -75,9 +75,9 @@ def write(
             with attempt("report.html"):
                 from railhead.results.report import html
 
-                found = None if shown is None else shown.found
+                title = scene.name if shown is None else shown.found.subject.title
                 brief = report == "brief"
-                text = html.render(solved, summary, units, work, found, brief=brief)
+                text = html.render(solved, summary, units, work, title, brief=brief)
                 (work / html.NAME).write_text(text, encoding="utf-8")
 
 

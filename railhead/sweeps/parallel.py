@@ -19,7 +19,6 @@ from railhead.planning.simulation_plan import NoMemoryError, Plan
 from railhead.postprocess.findings import BASE_UNITS, Units
 from railhead.results import files, result_folder
 from railhead.results.result import Result
-from railhead.results.subject import shared_y
 from railhead.run import process
 from railhead.run.progress import Progress, Tell, show_progress
 from railhead.scene.catalogue import as_path, copy_files, places, portable
@@ -124,7 +123,7 @@ def run(
             copy_files(map(Path, sweep.files), sweep.folder)
             _check_records(sweep)
             results = _solve_all(sweep, plans, submit, progress)
-            return Sweep(sweep.folder, results, shared_y(plans))
+            return Sweep(sweep.folder, results)
 
         jobs = worker_pool.JOBS_PER_PROCESS if meshed else 0
         found = worker_pool.on_first(MPI.COMM_WORLD, solve, jobs)

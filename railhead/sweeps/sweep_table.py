@@ -215,13 +215,10 @@ class Sweep(terminal.Drawn, list[Result]):
     failures: a line for each file that could not be drawn or stamped.
     """
 
-    def __init__(
-        self, folder: Path, solved: Mapping[int, Result] | None = None, y: str = "y, mm"
-    ) -> None:
+    def __init__(self, folder: Path, solved: Mapping[int, Result] | None = None) -> None:
         """folder: of the sweep. solved: results by number of the combination, in the place of those
-        of the records, which have numbers only; None: none. y: label of y in pictures. Nothing is
-        solved. Raises SceneError for a broken file, and for records of another sweep, wear or a
-        creep table.
+        of the records, which have numbers only; None: none. Nothing is solved. Raises SceneError
+        for a broken file, and for records of another sweep, wear or a creep table.
         """
         request = store.load(folder / store.REQUEST)
         if "over" not in request:
@@ -238,7 +235,7 @@ class Sweep(terminal.Drawn, list[Result]):
             name, self.keys = str(request["scene"]["name"]), list(request["over"])
         except (LookupError, TypeError):
             raise store.broken(folder / store.REQUEST) from None
-        self._title, self._y = f"sweep of {name} over {' and '.join(self.keys)}", y
+        self._title = f"sweep of {name} over {' and '.join(self.keys)}"
         self._columns = [column(key) for key in self.keys]
         self._rows = [row for _, row in known.values()]
         if any(name not in row for name in self._columns for row in self._rows):
@@ -265,7 +262,7 @@ class Sweep(terminal.Drawn, list[Result]):
         from railhead.postprocess.pictures import sweep_plots as plots
 
         subject = Subject(self._title, units=units)
-        return plots.drawings(self._columns, self._rows, self._y, subject)
+        return plots.drawings(self._columns, self._rows, subject)
 
     def write_report(self, folder: Path, scenes: Sequence[Scene], units: Units) -> None:
         """Write report.html into the folder of the sweep, with those pictures that are there.

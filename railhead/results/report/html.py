@@ -13,7 +13,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from railhead.planning.effects import in_words
-from railhead.postprocess.findings import Findings, Units
+from railhead.postprocess.findings import Units
 from railhead.results import quantity_rows, result_folder
 from railhead.results.checks import SECOND
 from railhead.results.quantity_rows import Row
@@ -88,14 +88,14 @@ def render(
     summary: dict[str, Any],
     units: Units,
     folder: Path,
-    found: Findings | None,
+    title: str,
     *,
     brief: bool = False,
 ) -> str:
     """HTML text of the report, with those pictures of the folder in it that have a caption
     (CAPTIONS), and its scene.toml, which must be there.
 
-    found: findings with titles; None where nothing touches.
+    title: of the page.
     brief: whether it is one page: verdict, answer, two pictures, failed checks, what was asked.
     Raises OSError for a file that cannot be read.
     """
@@ -110,8 +110,7 @@ def render(
         units=units,
         effect=in_words,
         check=check,
-        found=found,
-        title=found.subject.title if found else summary["case"],
+        title=title,
         scene_rows=scene_rows(scene),
         scene_toml=(folder / "scene.toml").read_text(encoding="utf-8"),
         answer=_table(contact, units),

@@ -271,7 +271,7 @@ def test_sweeps_and_the_shakedown_map_say_what_they_are_of(sheets: list[Figure],
         for n in (1, 2)
     ]
     subject = Subject(TITLE)
-    sweep_plots.curves(["load [N]"], rows, "y, mm", subject, tmp_path / "c.png")
+    sweep_plots.curves(["load [N]"], rows, subject, tmp_path / "c.png")
     friction = {
         "traction_coefficient": 0.1,
         "p0_over_k": 3.0,

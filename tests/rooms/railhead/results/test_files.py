@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from solved import solved
 
 from railhead.planning import simulation_plan
-from railhead.results.subject import shared_y, subject
+from railhead.results.subject import subject
 from railhead.scene.catalogue import find
 
 
@@ -124,42 +124,20 @@ def test_half_spaces_are_drawn_without_bodies(
 
 BAN = str(Path(__file__).parents[1] / "geometry" / "data" / "MBench_UIC60_v3.ban")
 TITLES = {
-    "a straight bar": (
-        "uic54_thesis", ("wheel.rolling_radius=inf", "rail.length=100mm"), "rail", "bar",
-        "25 kN, straight bar, profile cylinder, on rail 54E1",
+    "rolls with friction": (
+        "uic54_thesis", ("friction.coefficient=0.3", "rolling.creepage_along=0.1%"),
+        "25 kN, wheel R 420 mm, tread cylinder, on rail 54E1, friction 0.3",
     ),
-    "a rigid wheel and friction": (
-        "uic54_thesis",
-        ("wheel.young_modulus=inf", "friction.coefficient=0.3", "rolling.creepage_along=0.1%"),
-        "rail", "wheel", "rigid wheel R 420 mm, tread cylinder, on rail 54E1, friction 0.3",
-    ),
-    "a file": ("s1002_60e1", (f"rail.profile={BAN}", "rail.inclination=0"), "rail", "wheel",
-               "on rail MBench_UIC60_v3.ban"),
-    "a wheelset": ("s1002_60e1", ("wheelset.shift=-3mm", "wheelset.yaw=2mrad"), "rail", "wheel",
-                   "on rail 60E1, inclined 1:40, shifted -3 mm, yaw 2 mrad"),
-    "cylinders": ("two_cylinders", (), "lower cylinder", "upper cylinder", ""),
-    "a sphere": ("sphere_on_plane", (), "plane", "sphere",
-                 "sphere R 8 mm on a rigid plane, as half-spaces"),
-    "a roller": ("long_roller", (), "block", "roller", "on a flat block"),
+    "a file": ("s1002_60e1", (f"rail.profile={BAN}", "rail.inclination=0"),
+               "tread S1002, on rail MBench_UIC60_v3.ban"),
+    "arcs": ("sphere_on_plane", (),
+             "wheel R 8 mm, tread R 8 mm, on rail R inf mm, as half-spaces"),
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(("case", "keys", "lower", "upper", "end"), TITLES.values(), ids=TITLES)
-def test_a_title_says_bodies_and_where_they_stand(
-    case: str, keys: tuple[str, ...], lower: str, upper: str, end: str
-) -> None:
+@pytest.mark.parametrize(("case", "keys", "end"), TITLES.values(), ids=TITLES)
+def test_a_title_says_load_pair_and_friction(case: str, keys: tuple[str, ...], end: str) -> None:
     found = subject(simulation_plan.make(find(case).replace(keys)), 25e3)
     assert found.title.replace("\N{NO-BREAK SPACE}", " ").endswith(end)
-    assert found.names == {"rail": lower, "wheel": upper}
-    assert found.gauge == (lower == "rail") and found.revolved == (upper == "sphere")
+    assert found.gauge == found.label(1).endswith("field side)") == (case != "sphere_on_plane")
     assert (found.rolls and found.has_friction) == ("friction" in end)
-
-
-def test_y_is_called_what_all_scenes_of_a_sweep_call_it() -> None:
-    plans = [
-        simulation_plan.make(find(name))
-        for name in ("uic54_thesis", "long_roller", "sphere_on_plane")
-    ]
-    alone = [shared_y([each]) for each in plans]
-    assert alone == ["y, across the rail, mm", "y, along the axis, mm", "y, mm"]
-    assert shared_y(plans[:1] * 2) == alone[0] and shared_y(plans) == "y, mm"

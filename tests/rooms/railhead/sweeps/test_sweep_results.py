@@ -222,7 +222,7 @@ def test_bars_are_estimates(tmp_path, monkeypatch) -> None:
         {"load [N]": load, "checks": "passed", "p_max [MPa]": 100.0, "p_max estimate": bound}
         for load, bound in ((1.0, 0.1), (2.0, None))
     ]
-    plots.curves(["load [N]"], rows, "y, mm", Subject(), tmp_path / "a.png")
+    plots.curves(["load [N]"], rows, Subject(), tmp_path / "a.png")
     assert drawn[0][1][0] == pytest.approx(10.0) and np.isnan(drawn[0][1][1])
     assert np.isnan(drawn[1][1]).all()
 

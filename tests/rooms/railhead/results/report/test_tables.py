@@ -26,7 +26,6 @@ from railhead.postprocess.findings import Units, brief
 from railhead.postprocess.pictures import gallery
 from railhead.results import quantity_rows, result_folder
 from railhead.results.report import html, output_units, terminal
-from railhead.results.subject import subject
 from railhead.scene import quantities
 
 
@@ -284,8 +283,7 @@ def test_numbers_are_those_of_the_summary(result, folder: Path) -> None:
 
 
 def brief_of(result, folder: Path) -> str:
-    found = replace(result.findings, subject=subject(result.plan, result.load))
-    return html.render(result.mesh_solution, result.summary, UNITS, folder, found, brief=True)
+    return html.render(result.solved, result.summary, UNITS, folder, "a title", brief=True)
 
 
 def test_a_brief_report_is_the_answer_and_what_was_asked(result, folder: Path) -> None:
@@ -345,7 +343,7 @@ def test_the_verdict_is_of_what_holds(result, folder: Path) -> None:
 
     def said(**changed) -> str:
         shown = {**summary, **changed}
-        return html.render(result.mesh_solution, shown, Units(), folder, result.findings)
+        return html.render(result.solved, shown, Units(), folder, "a title")
 
     after = {"plasticity": {"needed": True, "why": "it yields <b>here</b>"}}
     told = f"What was left out matters: {in_words('plasticity')}.</b> it yields &lt;b&gt;here"
