@@ -118,9 +118,6 @@ def plan(
 @options.picture_format
 @click.option("--no-report", is_flag=True, help="Write no report.html.")
 @click.option("--brief", is_flag=True, help="Write report.html on one page.")
-@click.option(
-    "--whole", is_flag=True, help="Mirror solution.vtu and residual.vtu to the whole model."
-)
 @options.units
 @click.option("--ranks", type=PROCESSES, metavar="NUMBER", help="Processes [as many as pay].")
 @options.quiet
@@ -136,7 +133,6 @@ def run(
     no_pictures: bool,
     no_report: bool,
     brief: bool,
-    whole: bool,
     units: Units,
     ranks: int | None,
     quiet: bool,
@@ -150,8 +146,6 @@ def run(
 
     start = time.perf_counter()
     _ask(scene)
-    if whole:
-        _check_bodies("--whole", [scene])
     scene = api.with_accuracy(scene, accuracy, budget)
     folder = _folder(out, scene.name, "run", scene, force=force)
     planned = planning.make(scene)
@@ -179,7 +173,6 @@ def run(
                 folder,
                 pictures=not no_pictures,
                 report="brief" if brief and not no_report else not no_report,
-                whole=whole,
                 units=units,
                 force=None if out is None else True,
             )
@@ -198,17 +191,6 @@ def run(
         if problem is not None:
             errors.not_written(problem)
     return SOLVED if result.passed and problem is None else CHECK_FAILED
-
-
-def _check_bodies(option: str, scenes: Sequence[Scene]) -> None:
-    """Raise SceneError where an option asks for .vtu files of scenes that have none."""
-    flat = any(each.effects.finite_bodies == "off" for each in scenes)
-    whole = all(each.asks("stresses") for each in scenes)
-    lean = f".vtu files need stresses; leave out {option} or add stresses to --only"
-    refuse_first(
-        (flat, option, f"half-spaces have no bodies to write; leave out {option} or --fast"),
-        (not whole, option, lean),
-    )
 
 
 def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: bool) -> Path:
@@ -260,7 +242,12 @@ def sweep(
     """Solve a case for every combination of values, side by side."""
     grid = _grid(scene, lists, over_file)
     if vtu:
-        _check_bodies("--vtu", grid.scenes)
+        flat = any(each.effects.finite_bodies == "off" for each in grid.scenes)
+        lean = not all(each.asks("stresses") for each in grid.scenes)
+        refuse_first(
+            (flat, "--vtu", "half-spaces have no bodies to write; leave out --vtu or --fast"),
+            (lean, "--vtu", ".vtu files need stresses; leave out --vtu or add stresses to --only"),
+        )
     folder = out if out is not None else Path("results") / f"{scene.name}_sweep"
     result_folder.check_folder(folder)
 

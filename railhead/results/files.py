@@ -35,7 +35,6 @@ def write(
     *,
     pictures: bool = True,
     report: bool | Literal["brief"] = True,
-    whole: bool = False,
     units: Units = BASE_UNITS,
     aside: bool = False,
 ) -> None:
@@ -45,7 +44,6 @@ def write(
     summary: content of summary.json.
     pictures: whether PNG files are written; none where nothing touches.
     report: whether report.html is written; "brief": on one page.
-    whole: whether .vtu files of cells contain the mirror images of what symmetry left out.
     units: of pictures and report.
     aside: as of `result_folder.result`.
     OSError: the numbers cannot be written; or, a line for each, other files that could not be
@@ -59,12 +57,12 @@ def write(
         stresses: Array | None = None
         with attempt("*.vtu"):
             stresses = nodal_stress(solved)
-            write_grids(solved, stresses, work, whole=whole)
+            write_grids(solved, stresses, work)
         shown: Shown | None = None
         cells = cache(partial(_cells, solved, stresses))
         with attempt(SHOWN):
             if solved.plan.scene.asks("pictures"):
-                shown = _shown(solved, units, whole=whole)
+                shown = _shown(solved, units)
             if shown is not None:
                 from railhead.postprocess.pictures import gallery
 
@@ -139,33 +137,29 @@ def nodal_stress(solved: Solved) -> Array | None:
     return gauss_points.nodal_stress(solved.fields)
 
 
-def write_grids(
-    solved: Solved, stresses: Array | None, folder: Path, *, whole: bool = False
-) -> None:
+def write_grids(solved: Solved, stresses: Array | None, folder: Path) -> None:
     """Write the files for ParaView into a folder; without stresses none but the section of passes.
 
-    stresses (n, 6): as of `nodal_stress`. whole: cells with the images of what symmetry left out.
+    stresses (n, 6): as of `nodal_stress`.
     """
     if stresses is None and solved.passes is None:
         return
     from railhead.postprocess import vtu
 
-    for name, grid in paraview_grids(solved, stresses, whole=whole):
+    for name, grid in paraview_grids(solved, stresses):
         vtu.write(grid, folder / f"{name}.vtu")
     if stresses is not None and isinstance(solved, MeshSolution) and solved.unloaded_fields:
         names = {0.0: "solution.vtu", 1.0: "residual.vtu"}
         vtu.series(names, folder / "solution.pvd")
 
 
-def paraview_grids(
-    solved: Solved, stresses: Array | None, *, whole: bool
-) -> Iterator[tuple[str, meshio.Mesh]]:
+def paraview_grids(solved: Solved, stresses: Array | None) -> Iterator[tuple[str, meshio.Mesh]]:
     """Names and grids of the files for ParaView: with passes "passes_section"; with stresses
     "contact" (contact surfaces), "solution" (cells), where steel yields "residual" (cells after the
-    load), and with friction "traction" (contact points).
+    load), and with friction "traction" (contact points). Cells are those that were meshed, the
+    others have the images of what symmetry left out.
 
-    stresses (n, 6): as of `nodal_stress`. whole: whether cells have the images of what symmetry
-        left out; the others always have them.
+    stresses (n, 6): as of `nodal_stress`.
     """
     from railhead.postprocess import vtu
     from railhead.postprocess.stress import gauss_points
@@ -178,12 +172,10 @@ def paraview_grids(
     fields, found = solved.fields, solved.findings
     both = {fields.slave: found.surface, other(fields.slave): found.opposite}
     surfaces = {tag: each for tag, each in both.items() if each is not None}
-    planes = fields.mirrors if whole else ()
     yield "contact", symmetry.grid(vtu.contact_grid(surfaces), fields.mirrors)
-    yield "solution", symmetry.grid(vtu.volume_grid(fields, stresses), planes)
+    yield "solution", vtu.volume_grid(fields, stresses)
     if (left := solved.unloaded_fields) is not None:
-        unloaded = vtu.volume_grid(left, gauss_points.nodal_stress(left))
-        yield "residual", symmetry.grid(unloaded, planes)
+        yield "residual", vtu.volume_grid(left, gauss_points.nodal_stress(left))
     if (friction := solved.solution.friction) is not None:
         yield "traction", symmetry.grid(vtu.traction_points(friction), fields.mirrors)
 
@@ -193,9 +185,9 @@ def _friction(summary: Mapping[str, Any]) -> Mapping[str, Any]:
     return (summary["result"] or {}).get("friction") or {}
 
 
-def _shown(solved: Solved, units: Units, *, whole: bool = False) -> Shown | None:
+def _shown(solved: Solved, units: Units) -> Shown | None:
     """What the pictures of a solved scene show, but for its cells; None where nothing touches and
-    off rank 0. whole: whether solution.vtu contains images of what symmetry left out.
+    off rank 0.
     """
     found, plan = solved.findings, solved.plan
     if found is None:
@@ -231,7 +223,7 @@ def _shown(solved: Solved, units: Units, *, whole: bool = False) -> Shown | None
         found=found,
         friction=shown.friction and symmetry.tractions(shown.friction, planes),
         axes=fields.kinematics.varying,
-        cut=() if whole else planes,
+        cut=planes,
         yielded=yielded,
     )
 

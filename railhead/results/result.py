@@ -287,19 +287,19 @@ class Result(terminal.Drawn):
             raise ValueError("no fields: half-spaces answered, or this is not rank 0")
         return recovery.stress_at(self.fields, points, body)
 
-    def to_pyvista(self, *, whole: bool = False) -> Any:
+    def to_pyvista(self) -> Any:
         """The grids of the .vtu files (docs/files.md) as a pyvista.MultiBlock, in mm and MPa: the
         blocks "solution" (cells), "contact" (contact surfaces), with friction "traction" (contact
         points), where steel yields "residual" (cells after the load), with passes "passes_section".
 
-        whole: whether cells have the mirror images of what symmetry left out; the others have them.
-        ValueError: nothing touches, off rank 0, half-spaces, or a loaded result.
+        Cells are those that were meshed; the others have the mirror images of what symmetry left
+        out. ValueError: nothing touches, off rank 0, half-spaces, or a loaded result.
         """
         from railhead.postprocess.pictures.render import load_pyvista
         from railhead.results import files
 
         pv, stresses = load_pyvista(), files.nodal_stress(self.solved)
-        grids = dict(files.paraview_grids(self.solved, stresses, whole=whole))
+        grids = dict(files.paraview_grids(self.solved, stresses))
         if not grids:
             raise ValueError("no grids: half-spaces answered, nothing touches, or not rank 0")
         return pv.MultiBlock({name: pv.from_meshio(grid) for name, grid in grids.items()})
@@ -310,7 +310,6 @@ class Result(terminal.Drawn):
         *,
         pictures: bool = True,
         report: bool | Literal["brief"] = True,
-        whole: bool = False,
         units: Units | None = None,
         force: bool | None = False,
     ) -> None:
@@ -319,7 +318,6 @@ class Result(terminal.Drawn):
 
         pictures: whether PNG files are written; not where the scene does not ask for them.
         report: whether report.html is written, "brief" on one page; without pictures it is not.
-        whole: whether .vtu files of cells contain the mirror images of what symmetry left out.
         units: of pictures and report.html; None: mm, N, MPa.
         force: whether a result of another command or scene in the folder is replaced; one of the
             same scene always is. None: another one is renamed to NAME.1, or the first free number.
@@ -345,7 +343,6 @@ class Result(terminal.Drawn):
                     out,
                     pictures=pictures,
                     report=report if pictures else False,
-                    whole=whole,
                     units=units or BASE_UNITS,
                     aside=force is None,
                 )

@@ -32,7 +32,7 @@ KINDS = {"yields": YIELDS, "solid": SOLID, "half-spaces": FLAT, "line": LINE}
 def kept(request: pytest.FixtureRequest, tmp_path_factory) -> Path:
     """The folder of a result with its pictures."""
     folder = tmp_path_factory.mktemp("kept") / "out"
-    solved(*request.param).save(folder, report=False, whole=request.param is SOLID)
+    solved(*request.param).save(folder, report=False)
     return folder
 
 
