@@ -113,41 +113,14 @@ def test_what_is_wrong_with_a_solution_fails_its_check(mesh_solution, change, na
     assert failed(change(mesh_solution)) == names
 
 
-def changed(mesh_solution: MeshSolution, table: str, quantity: str, factor: float) -> MeshSolution:
-    """With one reported number times a factor."""
-    values = {**mesh_solution.result[table]}
-    values[quantity] *= factor
-    return replace(mesh_solution, result={**mesh_solution.result, table: values})
-
-
 @pytest.mark.parametrize(
-    ("quantity", "factor", "names"),
-    [
-        ("tau_max_MPa", 0.5, {"shear_over_pressure_least", "mises_over_shear"}),
-        ("tau_max_MPa", 2.0, {"shear_over_pressure", "mises_over_shear_least"}),
-        ("tau_max_MPa", 1.18, {"mises_over_shear_least"}),
-        ("von_mises_max_MPa", 0.85, {"mises_over_shear_least"}),
-        ("von_mises_max_MPa", 1.1, {"mises_over_shear"}),
-    ],
+    ("factor", "name"), [(0.5, "shear_over_pressure_least"), (2.0, "shear_over_pressure")]
 )
-def test_implausible_stresses_fail(mesh_solution, quantity, factor, names) -> None:
-    assert set(failed(changed(mesh_solution, "stress", quantity, factor))) == names
-
-
-@pytest.mark.parametrize("case", ["roller_on_block", "sphere_on_plane"])
-@pytest.mark.parametrize(
-    ("table", "quantity", "factor", "names"),
-    [
-        ("pressure", "max_MPa", 1.02, {"pressure_over_mean"}),
-        ("patch", "area_mm2", 1.02, {"pressure_over_mean"}),
-        ("patch", "area_mm2", 0.9, {"pressure_over_mean"}),
-    ],
-)
-def test_pressure_area_and_load_that_disagree_fail(case, table, quantity, factor, names) -> None:
-    """Real bodies in a section, which have no second opinion, too."""
-    right = solved(case).mesh_solution
-    assert failed(right) == []
-    assert set(failed(changed(right, table, quantity, factor))) == names
+def test_implausible_stresses_fail(mesh_solution, factor, name) -> None:
+    stress = {**mesh_solution.result["stress"]}
+    stress["tau_max_MPa"] *= factor
+    wrong = replace(mesh_solution, result={**mesh_solution.result, "stress": stress})
+    assert failed(wrong) == [name]
 
 
 def test_smooth_stresses_that_are_not_the_elements_fail(monkeypatch) -> None:
@@ -275,8 +248,7 @@ PAGE = DOCS / "howto-failed-checks.md"
 def names() -> set[str]:
     """Names of all checks in the source; those of compared quantities are one."""
     source = Path(checks.__file__).read_text(encoding="utf-8")
-    two = re.findall(r'_between\(\s*"(\w+)"', source)
-    found = {f"{name}{end}" for name in two for end in ("", "_least")}
+    found = set()
     for name in re.findall(r'name=f?"(?!{name})(.+?)"', source):
         name = name.replace("_{key}", "").replace("{SECOND}", checks.SECOND)
         found |= {name.replace("{BODY_NAMES[body]}", body) for body in BODY_NAMES.values()}
