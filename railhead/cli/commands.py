@@ -217,7 +217,6 @@ def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: b
 @options.over_file
 @options.out("results/<case>_sweep")
 @options.force
-@click.option("--resume", is_flag=True, help="Refuse a folder that holds no part of this sweep.")
 @click.option("--vtu", is_flag=True, help="Write .vtu files of each combination, for ParaView.")
 @click.option("--fields", is_flag=True, help="Write pressure and tractions of all into fields.npz.")
 @options.no_pictures
@@ -231,7 +230,6 @@ def sweep(
     over_file: Path | None,
     out: Path | None,
     force: bool,
-    resume: bool,
     vtu: bool,
     fields: bool,
     no_pictures: bool,
@@ -254,7 +252,7 @@ def sweep(
     from railhead.sweeps import parallel, store, sweep_table
 
     task = parallel.ParallelSweep(grid=grid, folder=folder, vtu=vtu, fields=fields, units=units)
-    other: store.Other = "replace" if force else "move" if out is None and not resume else "refuse"
+    other: store.Other = "replace" if force else "move" if out is None else "refuse"
     quiet = quiet or as_json
     with process.told_at_a_signal(KEPT.format(folder)):
         pictures = not no_pictures and scene.asks("pictures")

@@ -90,7 +90,7 @@ def steps(collection: Path) -> dict[float, Path]:
 
 
 def test_a_sweep_opens_as_time_steps(radii: Path, in_this_process) -> None:
-    """Meshes that differ; what does not pass is left out, also after --resume."""
+    """Meshes that differ; what does not pass is left out, also when it goes on."""
     grids = {}
     for name in ("solution", "contact"):
         assert pyvista.PVDReader(radii / f"{name}.pvd").time_values == [0.0, 1.0]
@@ -101,7 +101,7 @@ def test_a_sweep_opens_as_time_steps(radii: Path, in_this_process) -> None:
     fault = {"over": {"wheel.rolling_radius": 420.0}, "names": {}, "fault": "gmsh: no"}
     (radii / "records" / "00000.json").write_text(json.dumps(fault))
     (radii / "records" / "00001.json").unlink()
-    assert sweep(*WITH_FILES, "--out", str(radii), "--resume") == 1
+    assert sweep(*WITH_FILES, "--out", str(radii)) == 1
     assert list(steps(radii / "contact.pvd")) == [1.0]
     assert all(Path(file).is_file() for file in steps(radii / "contact.pvd").values())
     assert sorted(os.listdir(radii)) == sorted(
@@ -110,7 +110,7 @@ def test_a_sweep_opens_as_time_steps(radii: Path, in_this_process) -> None:
 
 
 def test_files_for_paraview_are_part_of_what_was_asked(swept: Path, capsys) -> None:
-    assert sweep(*ROLLER, *SIX, "--vtu", "--out", str(swept), "--resume") == 2
+    assert sweep(*ROLLER, *SIX, "--vtu", "--out", str(swept)) == 2
     assert "vtu not given and not True" in capsys.readouterr().err
 
 
@@ -153,7 +153,7 @@ def test_another_profile_under_the_same_name_is_another_sweep(
     assert sweep(*asked) == 1
     capsys.readouterr()
     np.savetxt(file, np.column_stack([y, -(y**2) / 400]), delimiter=",")
-    assert sweep(*asked, "--resume") == 2
+    assert sweep(*asked) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert "holds another sweep, with scene.rail.profile input/" in line and "p.csv" in line
 
@@ -210,7 +210,7 @@ def test_what_a_crash_takes_with_it_is_solved_by_itself(tmp_path: Path, monkeypa
     assert asked == [[1], [1]]  # on the mesh of all three, and by itself
 
 
-def test_what_has_no_memory_now_is_tried_again_by_resume(tmp_path: Path, monkeypatch) -> None:
+def test_what_has_no_memory_now_is_tried_again(tmp_path: Path, monkeypatch) -> None:
     """It has a row that says why, and no record."""
     plan = planning.make(rh.find("sphere_on_plane"))
     (tmp_path / "records").mkdir()

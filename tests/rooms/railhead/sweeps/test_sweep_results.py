@@ -1,6 +1,6 @@
 """The sweep of a script, read again from its folder; its rows of sweep.csv and its report.
 
-The folder of a sweep: resumed, broken, in use.
+The folder of a sweep: gone on with, broken, in use.
 """
 
 import functools
@@ -287,7 +287,7 @@ def test_a_surface_along_the_rail_has_its_columns_and_panels() -> None:
 
 def test_another_sweep_is_not_gone_on_with(swept: Path, capsys) -> None:
     before = (swept / "sweep.csv").read_bytes()
-    out = ("--out", str(swept), "--resume")
+    out = ("--out", str(swept))
     other = ("--over", "load=50kN,80kN,111kN", "--over", "wheel.rolling_radius=420mm,460mm")
     assert sweep(*ROLLER, *other, *out) == 2
     (line,) = capsys.readouterr().err.splitlines()
@@ -309,7 +309,7 @@ def test_another_sweep_is_not_gone_on_with(swept: Path, capsys) -> None:
 def test_a_broken_file_is_said(copied: Path, name: str, content: str | None, capsys) -> None:
     half = (copied / name).read_text(encoding="utf-8")[:100]
     (copied / name).write_text(half if content is None else content, encoding="utf-8")
-    assert sweep(*ROLLER, *SIX, "--out", str(copied), "--resume") == 2
+    assert sweep(*ROLLER, *SIX, "--out", str(copied)) == 2
     err = capsys.readouterr().err
     assert len(err.splitlines()) == 1
     if name.startswith("records") or content in (None, "[]"):
@@ -335,7 +335,7 @@ def test_a_record_that_is_none_of_its_combination_is_said(
     kept = json.loads(record.read_text())
     functools.reduce(dict.get, place[:-1], kept)[place[-1]] = value
     record.write_text(json.dumps(kept))
-    assert sweep(*ROLLER, *SIX, "--out", str(copied), "--resume") == 2
+    assert sweep(*ROLLER, *SIX, "--out", str(copied)) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert "00000.json' is broken; delete it and start again" in line
 
@@ -371,12 +371,11 @@ def test_arrays_that_a_combination_lacks_are_nan(tmp_path: Path) -> None:
         np.testing.assert_array_equal(found["sticks"], [1, 0, np.nan])
 
 
-@pytest.mark.parametrize("more", [(), ("--resume",)])
-def test_a_folder_in_use_is_left_alone(copied: Path, more: tuple, capsys) -> None:
+def test_a_folder_in_use_is_left_alone(copied: Path, capsys) -> None:
     """The second sweep threw the first one's records away."""
     before = {path: path.stat().st_mtime_ns for path in copied.rglob("*")}
     with result_folder.claimed(copied):
-        assert sweep(*ROLLER, *SIX, "--out", str(copied), *more) == 2
+        assert sweep(*ROLLER, *SIX, "--out", str(copied)) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert "--out: " in line and "in use by another command; wait for it" in line
     assert before == {path: path.stat().st_mtime_ns for path in copied.rglob("*")}
