@@ -50,7 +50,8 @@ site: .venv-site/installed
 
 # docs/peers.md: installs other codes (in results/peers/venv and from Debian), so `docs` has it not.
 peers: setup
-	.venv/bin/railhead study peers --install
+	.venv/bin/python -c "from studies.peers import peers_study; peers_study.install()"
+	.venv/bin/railhead study peers
 	cp results/peers/page.md docs/peers.md
 	cp results/peers/peers.csv results/peers/peers.png docs/
 

@@ -1,7 +1,7 @@
 """The evidence. `railhead study NAME` runs a study in a checkout of the repository.
 
 A study is a module with a function main(out, *, quick), which writes tables, pictures and page.md
-into the folder `out`. One that needs other programs has install() too, and KEEPS: names in its
+into the folder `out`. One that needs other programs has KEEPS: names in its
 folder that a new run leaves.
 """
 
@@ -52,7 +52,7 @@ STUDIES = {
     ),
     "peers": (
         "studies.peers.peers_study",
-        "hertz_ellipse by other codes, measured beside this one (--install gets them)",
+        "hertz_ellipse by other codes, measured beside this one (`make peers` gets them)",
     ),
     "plasticity": (
         "studies.mechanics.plasticity",

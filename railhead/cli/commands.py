@@ -486,20 +486,17 @@ def _report(
 @click.argument("name", required=False)
 @options.out("results/<study>")
 @click.option("--quick", is_flag=True, help="Only a small part of the study.")
-@click.option("--install", is_flag=True, help="First install the programs that `peers` measures.")
-def study(name: str | None, out: Path | None, quick: bool, install: bool) -> None:
+def study(name: str | None, out: Path | None, quick: bool) -> None:
     """Run a study: CSV, picture and page. Without a name: list the studies."""
     from railhead.cli import study as studies
 
     if name is None:
-        if out is not None or quick or install:
-            raise SceneError(
-                "study", "--out, --quick and --install need the name of a study; give one"
-            )
+        if out is not None or quick:
+            raise SceneError("study", "--out and --quick need the name of a study; give one")
         for each, (_, shows) in sorted(studies.modules().items()):
             click.echo(f"{each:22s} {shows}")
         return
-    folder, page = studies.run(name, out, quick=quick, install=install)
+    folder, page = studies.run(name, out, quick=quick)
     click.echo(page)
     click.echo(f"written to {folder}/")
 

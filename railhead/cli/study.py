@@ -28,15 +28,13 @@ def modules() -> dict[str, tuple[str, str]]:
     return dict(import_module("studies").STUDIES)
 
 
-def run(name: str, folder: Path | None, *, quick: bool, install: bool = False) -> tuple[Path, str]:
+def run(name: str, folder: Path | None, *, quick: bool) -> tuple[Path, str]:
     """Run a study; returns its folder and the text of its page.
 
     name: name of the study, with - or _.
     folder: target folder; None for results/<study>.
     quick: whether only a small part of the study is done.
-    install: whether other programs that the study needs are installed first.
-    Raises SceneError for an unknown name, a folder that holds other files, several MPI ranks, or
-    `install` where a study needs no programs.
+    Raises SceneError for an unknown name, a folder that holds other files, and several MPI ranks.
     """
     name, known = name.replace("-", "_"), modules()
     if name not in known:
@@ -44,8 +42,6 @@ def run(name: str, folder: Path | None, *, quick: bool, install: bool = False) -
         raise SceneError("study", text)
     folder = folder if folder is not None else Path("results") / name
     study = import_module(known[name][0])
-    if install and not hasattr(study, "install"):
-        raise SceneError("--install", f"{name} needs no other programs; leave it out")
 
     from railhead.results import result_folder
 
@@ -55,8 +51,6 @@ def run(name: str, folder: Path | None, *, quick: bool, install: bool = False) -
 
     if MPI.COMM_WORLD.size > 1:
         raise SceneError("study", f"{name} measures one process; start it without mpirun")
-    if install:
-        study.install()
     with result_folder.claimed(folder), result_folder.replacing(folder) as work:
         study.main(work, quick=quick)
     return folder, (folder / PAGE).read_text(encoding="utf-8")

@@ -192,8 +192,7 @@ WRONG = [
     (["study", "load-swep"], "load_sweep"),
     (["study", "hertz_ellipse"], "load_sweep"),
     (["study", "nothing"], "load_sweep"),
-    (["study", "--install"], "--install"),
-    (["study", "scaling", "--install"], "--install"),
+    (["study", "--quick"], "need the name of a study"),
     (["fly"], "fly"),
     # What cannot be computed.
     (["run", "uic54_thesis", "--set", "load=1e-300"], "give a force from 1e-40 to 1e15 N"),
