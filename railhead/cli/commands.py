@@ -116,7 +116,6 @@ def plan(
 @options.force
 @options.no_pictures
 @options.picture_format
-@click.option("--no-report", is_flag=True, help="Write no report.html.")
 @click.option("--brief", is_flag=True, help="Write report.html on one page.")
 @options.units
 @click.option("--ranks", type=PROCESSES, metavar="NUMBER", help="Processes [as many as pay].")
@@ -131,7 +130,6 @@ def run(
     out: Path | None,
     force: bool,
     no_pictures: bool,
-    no_report: bool,
     brief: bool,
     units: Units,
     ranks: int | None,
@@ -172,7 +170,7 @@ def run(
             result.save(
                 folder,
                 pictures=not no_pictures,
-                report="brief" if brief and not no_report else not no_report,
+                report="brief" if brief else True,
                 units=units,
                 force=None if out is None else True,
             )

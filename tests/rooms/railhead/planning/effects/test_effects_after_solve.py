@@ -30,7 +30,7 @@ def test_needed_effects_are_named_in_table_summary_and_pictures(here, monkeypatc
     ]
     draw_only(monkeypatch, "pressure")
     # A warning is no failure.
-    assert command.status("run", "uic54_22t5_axle", "--no-report", *choice) == 0
+    assert command.status("run", "uic54_22t5_axle", *choice) == 0
     printed = capsys.readouterr().out
     folder = here / "results" / "uic54_22t5_axle"
     summary = json.loads((folder / "summary.json").read_text())
