@@ -112,19 +112,6 @@ def test_a_form_that_is_not_as_it_was_finished_is_removed(tmp_path, name: str) -
         assert forms(tmp_path) == finished - damaged
 
 
-def test_a_cut_library_is_compiled_again(tmp_path) -> None:
-    """It ends the process that loads it, by a signal."""
-    for _ in range(2):
-        subprocess.run(
-            [sys.executable, "-c", FORM], env=command.environment() | {"XDG_CACHE_HOME": tmp_path},
-            check=True,
-        )  # fmt: skip
-        libraries = list(tmp_path.rglob("libffcx_*.so"))
-        assert libraries and min(path.stat().st_size for path in libraries) > 20_000
-        for path in libraries:
-            os.truncate(path, 9_000)
-
-
 def test_a_machine_without_a_compiler_is_one_line(tmp_path) -> None:
     done = command.process("run", *CASE, "out", cwd=tmp_path, PATH="", XDG_CACHE_HOME=str(tmp_path))
     (line,) = done.stderr.splitlines()
@@ -260,20 +247,3 @@ def test_results_of_other_scenes_at_once_are_all_kept(tmp_path) -> None:
         list(pool.map(write, range(4)))
     loads = [catalogue.find(path / "scene.toml").load for path in tmp_path.iterdir()]
     assert sorted(loads) == sorted(1 + n + 10 * count for n in range(4) for count in range(5))
-
-
-def test_many_replacements_at_once_leave_one_whole_result(tmp_path) -> None:
-    folder = tmp_path / "result"
-
-    def write(number: int) -> None:
-        for _ in range(30):
-            with result_folder.replacing(folder) as work:
-                for name in ("one", "two"):
-                    (work / name).write_bytes(bytes([number]))
-
-    with ThreadPoolExecutor(4) as pool:
-        list(pool.map(write, range(4)))
-    found = content(folder)
-    assert found.pop(result_folder.MANIFEST) == b"one\ntwo\n"
-    assert len(set(found.values())) == 1
-    assert os.listdir(tmp_path) == ["result"]

@@ -64,10 +64,7 @@ def test_what_comes_while_it_computes_is_kept(tmp_path: Path) -> None:
     with result_folder.replacing(folder) as work:
         (work / "summary.json").write_text("new")
         (folder / "mine.txt").write_text("mine")
-        (folder / "notes").mkdir()
-        (folder / "notes" / "one").write_text("1")
     assert (folder / "mine.txt").read_text() == "mine"
-    assert (folder / "notes" / "one").read_text() == "1"
     assert (folder / "summary.json").read_text() == "new"
     assert os.listdir(tmp_path) == ["out"]
 

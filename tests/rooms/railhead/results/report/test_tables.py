@@ -86,11 +86,6 @@ def test_tables_and_sentences_are_in_the_readers_units(full: dict) -> None:
     assert "tau_max 100 ksi in the rail at (1, 0, 0) in" in text
 
 
-def test_columns_without_a_value_are_left_out(full: dict) -> None:
-    assert "half-space" in "\n".join(printed(full, 120))
-    assert "half-space" not in "\n".join(printed({**full, "half_space": None}, 120))
-
-
 def test_result_csv_is_the_printed_table(tmp_path) -> None:
     result = solved(rh.find("sphere_on_plane"))
     result.save(tmp_path / "out", pictures=False)
@@ -113,18 +108,6 @@ def test_result_csv_is_the_printed_table(tmp_path) -> None:
         assert rows[quantity][column] == str(value), quantity
     off = result.pressure.max / result.hertz.pressure.max - 1
     assert float(rows["largest pressure"]["FE - Hertz"]) == pytest.approx(off)
-
-
-def test_rounding_is_no_depth() -> None:
-    """What lies at the surface has depth 0 in the table, by every method."""
-    result = solved(rh.find("long_roller").replace(["mesh.patch_size=0.4"]))
-    summary = json.loads(json.dumps(result.as_dict()))
-    for method in ("result", "hertz"):
-        summary[method]["stress"]["tau_max_depth_mm"] = 9e-18
-    row = quantity_rows.rows(summary, "contact")[7]
-    assert row["quantity"].strip() == "its depth" and row["FE"] == row["Hertz"] == 0.0
-    summary["result"]["stress"]["tau_max_depth_mm"] = 1e-3
-    assert quantity_rows.rows(summary, "contact")[7]["FE"] == 1e-3
 
 
 def test_friction_is_in_the_table_too() -> None:
@@ -158,16 +141,12 @@ def test_the_plan_as_json_says_what_the_printed_one_says(capfd) -> None:
     for name, effect in said["plan"]["effects"].items():
         line = f"{name} {'on' if effect['on'] else 'off'} {effect['why'].split()[0]}"
         assert (line in words) != (name in idle) and effect["called_for"] in (True, False)
-        assert name not in idle or not (effect["on"] or effect["called_for"])
     assert f"{said['plan']['unknowns']} unknowns" in words
-    assert f"a = {said['hertz']['a_mm']:.4g} mm" in words
     assert f"angle {math.degrees(said['contact']['angle_rad']):.3f} deg" in words
-    assert f"{said['mesh']['patch_size_mm']:.3g} mm in the patch" in words
     reachable = [row for row in said["prices"] if row["unknowns"] is not None]
     assert len(reachable) > 1 and all(f"{row['unknowns']}" in words for row in reachable)
     costs = [(row["unknowns"], row["seconds"], row["memory_MB"]) for row in reachable]
     assert costs == sorted(costs)  # a smaller error costs more
-    assert said["patches"] and not said["plan"]["forecast"]["hertzian"]
 
 
 def test_zero_is_printed_as_0() -> None:
