@@ -132,7 +132,7 @@ def test_commands_of_a_page_run(page: Path, tmp_path: Path) -> None:
 
 
 def test_pages_with_commands_are_found() -> None:
-    assert {"README", "files", "friction", "passes", "profiles", "report", "sweeps"} <= {
+    assert {"README", "friction", "passes", "profiles", "report", "sweeps"} <= {
         page.stem for page in PAGES
     }
     assert len(commands(ROOT / "README.md")) >= 4
