@@ -16,7 +16,7 @@ from pydantic import BeforeValidator, model_validator
 
 from railhead.geometry.measured import BODY_BY_EXTENSION, EXTENSIONS
 from railhead.scene import files, units
-from railhead.scene.sections import SceneError, Section, Switch, refuse_first
+from railhead.scene.sections import Section, Switch, refuse_first
 from railhead.scene.units import Range, show
 
 ALIASES = {"UIC54": "54E1", "UIC60": "60E1"}
@@ -48,7 +48,7 @@ def _profile(body: str, *names: str) -> BeforeValidator:
         """The name of a standard profile or the absolute path of a file. Raises ValueError."""
         text = str(value)
         if files.is_array(value):
-            text = files.file_of(value, "profile", {"y_mm": "mm", "z_mm": "mm"})
+            text = files.file_of(value, "profile", "y_mm", "z_mm")
         if (name := known.get(text.casefold())) in names:
             return name
         if not text.lower().endswith(tuple(suffixes)):
@@ -74,7 +74,7 @@ def _curve(value: object) -> str:
     (`files.read_curve`).
     """
     if files.is_array(value):
-        value = files.file_of(value, "curve", {"plastic_strain": "", "stress_MPa": "MPa"})
+        value = files.file_of(value, "curve", "plastic_strain", "stress_MPa")
     path = files.existing(value, (".csv",))
     files.read_curve(path)
     return path
@@ -91,8 +91,6 @@ def _two(value: object) -> object:
     return tuple(value)
 
 
-# steels of the standards without yield data here:
-WITHOUT_DATA = ("R200", "R220", "R320Cr", "R350HT", "ER6", "ER9")
 STEEL_MODULI = (180e3, 230e3)  # MPa, least and largest Young's modulus of a steel
 
 
@@ -128,9 +126,7 @@ def _steel_name(value: object) -> str:
     """
     if isinstance(value, str) and value in steels():
         return value
-    allowed = f"give {', '.join(steels())}"
-    if value in WITHOUT_DATA:
-        raise ValueError(f"no yield of {value} is known here; {allowed} or yield_stress")
+    allowed = f"give {', '.join(steels())}, or a yield_stress instead"
     raise ValueError(f"{show(value)} is not allowed; {allowed}")
 
 
@@ -163,12 +159,19 @@ class Surface(Section):
         has no use for.
         """
         needs = {"flat": {"length"}, "cosine": {"length", "amplitude"}, "map": {"file"}}[self.kind]
-        for key in ("length", "depth", "amplitude", "file"):
-            given = getattr(self, key) is not None
-            if not given and key in needs:
-                raise SceneError(key, f"not given; kind {self.kind} needs it")
-            if given and key not in needs and (self.kind, key) != ("flat", "depth"):
-                raise SceneError(key, f"is not allowed beside kind {self.kind}; leave it out")
+        takes = needs | {"depth"} if self.kind == "flat" else needs
+        given = {key: getattr(self, key) for key in ("length", "depth", "amplitude", "file")}
+        refuse_first(
+            *(
+                (given[key] is None, key, f"not given; kind {self.kind} needs it")
+                for key in sorted(needs)
+            ),
+            *(
+                (value is not None, key, f"is not allowed beside kind {self.kind}; leave it out")
+                for key, value in given.items()
+                if key not in takes
+            ),
+        )
         return self
 
 
@@ -252,17 +255,28 @@ class BodySection(Section):
         and for a key that says how a file is read where the profile is no file.
         """
         profile: str = getattr(self, "profile", "")
-        for key in self._ARC_KEYS:
-            value = getattr(self, key)
-            if profile == "arc" and value is None and key.endswith("radius"):
-                raise SceneError(key, 'not given; profile arc needs it, e.g. 80 or "80 mm"')
-            if profile != "arc" and value is not None:
-                raise SceneError(key, f"{value:g} is not allowed; only profile arc takes it")
-        for key in _FILE_KEYS:
-            value, default = getattr(self, key), type(self).model_fields[key].default
-            if value != default and not is_profile_file(profile):
-                text = f"{value} is not allowed; only a profile from a file takes it; give "
-                raise SceneError(key, text + ("auto" if default == "auto" else str([*default])))
+        arc, file = profile == "arc", is_profile_file(profile)
+        given = self.model_dump(exclude_defaults=True)
+        refuse_first(
+            *(
+                (
+                    arc and key not in given and key.endswith("radius"),
+                    key,
+                    'not given; profile arc needs it, e.g. 80 or "80 mm"',
+                )
+                for key in self._ARC_KEYS
+            ),
+            *(
+                (not arc, key, f"{given[key]:g} is not allowed; only profile arc takes it")
+                for key in self._ARC_KEYS
+                if key in given
+            ),
+            *(
+                (not file, key, f"{given[key]} is not allowed; only a profile from a file takes it")
+                for key in _FILE_KEYS
+                if key in given
+            ),
+        )
         return self
 
     @property
@@ -405,12 +419,19 @@ class Wheel(BodySection):
         """Raise SceneError for another tape circle of S1002 than its own, and for a segment longer
         than 2.4 rolling radii.
         """
-        if self.segment_length and self.segment_length > 2.4 * self.rolling_radius:
-            text = f"{self.segment_length:g} is not allowed; give at most 2.4 rolling_radius"
-            raise SceneError("segment_length", f"{text} ({2.4 * self.rolling_radius:g})")
-        if self.profile == "S1002" and self.tape_circle not in (None, 70.0):
-            text = f"{self.tape_circle:g} is not allowed; S1002 has its tape circle at 70"
-            raise SceneError("tape_circle", text)
+        most, segment, circle = 2.4 * self.rolling_radius, self.segment_length, self.tape_circle
+        refuse_first(
+            (
+                segment is not None and segment > most,
+                "segment_length",
+                f"{segment or 0:g} is not allowed; give at most 2.4 rolling_radius ({most:g})",
+            ),
+            (
+                self.profile == "S1002" and circle not in (None, 70.0),
+                "tape_circle",
+                f"{circle or 0:g} is not allowed; S1002 has its tape circle at 70",
+            ),
+        )
         return self
 
 
