@@ -545,9 +545,6 @@ class Effects(Section):
     finite_bodies: on: finite elements on meshed bodies. off: half-spaces answer without a mesh, by
         exact Hertz or boundary elements; not allowed in sections of bodies that end, beside an
         approach of such bodies, and beside a budget.
-    true_profile: on: the gap is that of the real profiles. off: that of circles of curvature at the
-        first contact; meshed bodies keep their profiles. on is not allowed for half-spaces and
-        sections along the rail, off not without finite_bodies.
     surface_shape: on: the gap is that of the surfaces with rail.surface and wheel.surface. off:
         that of the smooth ones. on is not allowed where nothing is added to them.
     mean_dilatation: on: the volume change is constant in each cell, so that nearly incompressible
@@ -579,7 +576,6 @@ class Effects(Section):
     rail_section: Switch = "auto"
     far_field: Switch = "auto"
     finite_bodies: Switch = "auto"
-    true_profile: Switch = "auto"
     surface_shape: Switch = "auto"
     mean_dilatation: Switch = "auto"
     plasticity: Switch = "auto"

@@ -83,7 +83,7 @@ CROSSING = "rail.inclination=1:40"  # the contact point is 2.5 mm from the R300-
 
 def test_the_joint_in_the_patch_is_a_ridge_as_long_as_the_patch_there() -> None:
     plan = planned("uic54_22t5_axle", CROSSING)
-    (zone,), (line,) = plan.forecast.zones, ridges(plan.gap_contact, plan.forecast.zones[0])
+    (zone,), (line,) = plan.forecast.zones, ridges(plan.contact, plan.forecast.zones[0])
     rail = plan.contact.profiles["rail"][0]
     assert any(line.centre[1] == joint for joint in rail.joints)
     assert line.centre[2] == rail.height(line.centre[1])
@@ -116,7 +116,6 @@ def test_the_mesh_is_finer_along_it_and_nowhere_else() -> None:
     "assignments",
     [
         (),  # the patch lies on R300 alone
-        (CROSSING, "effects.true_profile=off"),
         (CROSSING, "mesh.cell=hexahedron"),
     ],
 )
