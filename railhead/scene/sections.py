@@ -260,13 +260,12 @@ class Friction(Section):
     @classmethod
     def _other_name(cls, data: Any) -> Any:
         """Replace the key tangential_load by force_along. Raises SceneError where both are set."""
-        if isinstance(data, dict) and "tangential_load" in data:
-            data = dict(data)
-            force = data.pop("tangential_load")
-            if data.get("force_along"):
-                raise SceneError("tangential_load", "is not allowed beside force_along; give one")
-            data["force_along"] = force
-        return data
+        if not isinstance(data, dict) or "tangential_load" not in data:
+            return data
+        both = data.get("force_along")
+        refuse_first((both, "tangential_load", "is not allowed beside force_along; give one"))
+        rest = {key: value for key, value in data.items() if key != "tangential_load"}
+        return rest | {"force_along": data["tangential_load"]}
 
     @model_validator(mode="after")
     def _keys_of_the_law(self) -> Self:

@@ -1,7 +1,6 @@
 """What the mesh is refined around, before anything is meshed."""
 
 import math
-import pickle
 
 import numpy as np
 import pytest
@@ -53,15 +52,6 @@ def test_tread_and_gauge_corner_share_the_load() -> None:
     centres = np.array([tread.centre, corner.centre])
     assert plan.forecast.touching(centres).all()
     assert not plan.forecast.touching(centres.mean(axis=0)[None]).any()
-
-
-def test_a_pickled_plan_foresees_the_same_patch() -> None:
-    for plan in (planned("uic54_thesis"), planned(MANCHESTER)):
-        again = pickle.loads(pickle.dumps(plan))
-        points = np.random.default_rng(1).uniform(-8, 8, (200, 3)) * [1, 1, 0]
-        np.testing.assert_array_equal(
-            again.forecast.touching(points), plan.forecast.touching(points)
-        )
 
 
 def test_a_forecast_that_fails_says_why(half_spaces_fail) -> None:

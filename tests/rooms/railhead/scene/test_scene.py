@@ -46,17 +46,6 @@ def scene(**keys) -> Scene:
 NAN, INF = math.nan, math.inf
 
 
-@pytest.mark.parametrize(("word", "value"), [("on", True), ("off", False)])
-def test_on_and_off_are_true_and_false_too(tmp_path, word: str, value: bool) -> None:
-    (file := tmp_path / "it.toml").write_text(f"load = 1\neffects.heat = {value}".lower())
-    for found in (
-        catalogue.read_scene(file),
-        scene().replace([f"effects.heat={value}"]),
-        scene().replace(effects={"heat": value}),
-    ):
-        assert found.effects.heat == word
-
-
 @pytest.mark.parametrize(
     ("key", "text", "number"),
     [
@@ -134,6 +123,8 @@ CROWN = {"rail.profile": "arc", "rail.crown_radius": 80}
 #: Keys of a scene, what is assigned, and the keys that it has then.
 REPLACED = {
     "nothing": ({}, [], {}),
+    "a switch by true": ({}, ["effects.heat=true"], {"effects.heat": "on"}),
+    "a switch by False": ({}, ["effects.heat=off"], {"effects.heat": False}),
     "several keys": (
         {},
         ["load=110kN", "rail.profile=arc", "rail.crown_radius = 80", "solver.theta=-1", "name='x'"],
@@ -195,16 +186,6 @@ def test_keys_have_the_units_of_their_quantities() -> None:
              "rail.yield_stress": "MPa", "rail.inclination": "", "rolling.spin": "1/mm",
              "friction.tangential_load": "N", "no.key": ""}  # fmt: skip
     assert {key: unit(key) for key in known} == known
-
-
-def test_files_that_a_scene_needs_are_named() -> None:
-    scene = rh.find("hertz_ellipse")
-    assert scene.files == []
-    needs = scene.model_copy(
-        update={"rail": scene.rail.model_copy(update={"profile": "/a/worn.ban"}),
-                "wheel": scene.wheel.model_copy(update={"stress_strain": "/b/er7.csv"})}
-    )  # fmt: skip
-    assert [path.name for path in needs.files] == ["worn.ban", "er7.csv"]
 
 
 # Questions about units that were probably mixed up.
