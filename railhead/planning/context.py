@@ -167,7 +167,7 @@ class Context:
 
     @property
     def one_radius(self) -> bool:
-        """Whether either body has one radius across 1.1 (MARGIN) times Hertz's patch; also between
+        """Whether each body has one radius across 1.1 (MARGIN) times Hertz's patch; also between
         half-spaces and in sections.
         """
         touch, reach = self.contact.touch, MARGIN * self.hertz.b

@@ -16,7 +16,7 @@ from pydantic import BeforeValidator, model_validator
 
 from railhead.geometry.measured import BODY_BY_EXTENSION, EXTENSIONS
 from railhead.scene import files, units
-from railhead.scene.sections import Section, Switch, refuse_first
+from railhead.scene.sections import SceneError, Section, Switch, refuse_first
 from railhead.scene.units import Range, show
 
 ALIASES = {"UIC54": "54E1", "UIC60": "60E1"}
@@ -159,19 +159,12 @@ class Surface(Section):
         has no use for.
         """
         needs = {"flat": {"length"}, "cosine": {"length", "amplitude"}, "map": {"file"}}[self.kind]
-        takes = needs | {"depth"} if self.kind == "flat" else needs
-        given = {key: getattr(self, key) for key in ("length", "depth", "amplitude", "file")}
-        refuse_first(
-            *(
-                (given[key] is None, key, f"not given; kind {self.kind} needs it")
-                for key in sorted(needs)
-            ),
-            *(
-                (value is not None, key, f"is not allowed beside kind {self.kind}; leave it out")
-                for key, value in given.items()
-                if key not in takes
-            ),
-        )
+        for key in ("length", "depth", "amplitude", "file"):
+            given = getattr(self, key) is not None
+            if not given and key in needs:
+                raise SceneError(key, f"not given; kind {self.kind} needs it")
+            if given and key not in needs and (self.kind, key) != ("flat", "depth"):
+                raise SceneError(key, f"is not allowed beside kind {self.kind}; leave it out")
         return self
 
 
@@ -255,28 +248,16 @@ class BodySection(Section):
         and for a key that says how a file is read where the profile is no file.
         """
         profile: str = getattr(self, "profile", "")
-        arc, file = profile == "arc", is_profile_file(profile)
-        given = self.model_dump(exclude_defaults=True)
-        refuse_first(
-            *(
-                (
-                    arc and key not in given and key.endswith("radius"),
-                    key,
-                    'not given; profile arc needs it, e.g. 80 or "80 mm"',
-                )
-                for key in self._ARC_KEYS
-            ),
-            *(
-                (not arc, key, f"{given[key]:g} is not allowed; only profile arc takes it")
-                for key in self._ARC_KEYS
-                if key in given
-            ),
-            *(
-                (not file, key, f"{given[key]} is not allowed; only a profile from a file takes it")
-                for key in _FILE_KEYS
-                if key in given
-            ),
-        )
+        for key in self._ARC_KEYS:
+            value = getattr(self, key)
+            if profile == "arc" and value is None and key.endswith("radius"):
+                raise SceneError(key, 'not given; profile arc needs it, e.g. 80 or "80 mm"')
+            if profile != "arc" and value is not None:
+                raise SceneError(key, f"{value:g} is not allowed; only profile arc takes it")
+        given = self.model_dump(exclude_defaults=True, include={*_FILE_KEYS})
+        if given and not is_profile_file(profile):
+            key, value = next(iter(given.items()))
+            raise SceneError(key, f"{value} is not allowed; only a profile from a file takes it")
         return self
 
     @property

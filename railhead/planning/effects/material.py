@@ -61,15 +61,13 @@ def decide_mean_dilatation(context: Context) -> Effect:
     """Constant volume change in each cell is called for where a deformable body has nu above 0.45
     (0.49 in a meridian section); linear and hexahedral cells cannot have it, and refuse 'on'.
     """
-    scene = context.scene
-    ratios = {name: part.poisson_ratio for name, part in context.deformable.items()}
-    name, ratio = max(ratios.items(), key=lambda each: each[1], default=("no body", 0.0))
-    limit = LARGEST_RATIO[context.contact.revolved]
+    mesh, limit = context.scene.mesh, LARGEST_RATIO[context.contact.revolved]
+    ratio = max((part.poisson_ratio for part in context.deformable.values()), default=0.0)
     above = ratio > limit
-    why = f"Poisson's ratio {ratio:g} of the {name}, {'above' if above else 'below'} {limit}"
-    if scene.mesh.cell == "hexahedron" or scene.mesh.linear:
-        locks = "; these cells lock, take quadratic tetrahedra" if above else ""
-        return Effect(above, False, why + locks, {"on": "it needs quadratic tetrahedra"})
+    why = f"Poisson's ratio {ratio:g}, {'above' if above else 'below'} {limit}"
+    if mesh.cell == "hexahedron" or mesh.linear:
+        quadratic = "it needs quadratic tetrahedra"
+        return Effect(above, False, f"{why}; {quadratic}", {"on": quadratic})
     return Effect(above, above, why)
 
 
