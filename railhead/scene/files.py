@@ -58,12 +58,12 @@ def file_of(value: Any, kind: str, *columns: str) -> str:
     """
     import numpy as np
 
+    given = [] if hasattr(value, "magnitude") else value  # of pint: its unit would be lost
     try:
-        rows = np.asarray(np.ma.filled(value, np.nan)).astype(float, casting="same_kind")
+        rows = np.asarray(np.ma.filled(given, np.nan)).astype(float, casting="same_kind")
     except (TypeError, ValueError):
         rows = np.empty(0)
-    united = hasattr(value, "magnitude")  # of pint: its unit would be lost
-    if united or rows.ndim != 2 or rows.shape[1] != 2 or not np.isfinite(rows).all():
+    if rows.ndim != 2 or rows.shape[1] != 2 or not np.isfinite(rows).all():
         text = f"an array of shape (n, 2), {' and '.join(columns)}, with finite numbers"
         raise ValueError(f"{show(value)} is not allowed; give {text}")
     lines = (",".join(map(repr, row)) for row in rows.tolist())
