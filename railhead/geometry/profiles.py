@@ -260,26 +260,6 @@ def _turned(arc: Arc, c: float, s: float) -> Arc:
     return Arc(start, end, y, z, arc.radius, arc.side)
 
 
-def osculating(profile: Profile, y: float) -> Profile:
-    """The circle of curvature of a profile at y (mm), as a profile within the same domain, at most
-    0.95 of the radius to each side. It is a straight line where the magnitude of the curvature is
-    below 1e-9/mm (STRAIGHT).
-    Both profiles have the same height, slope and curvature at y.
-    """
-    start, end = profile.domain
-    height, slope, curvature = (
-        float(f(y)) for f in (profile.height, profile.slope, profile.curvature)
-    )
-    if abs(curvature) < STRAIGHT:
-        return Profile(profile.name, (Polynomial(start, end, (height - slope * y, slope)),))
-    radius, stretch = 1 / curvature, math.hypot(1.0, slope)
-    centre = (y + radius * slope / stretch, height - radius / stretch)
-    reach = 0.95 * abs(radius)
-    start, end = max(start, centre[0] - reach), min(end, centre[0] + reach)
-    side = 1 if curvature > 0 else -1
-    return Profile(profile.name, (Arc(start, end, *centre, abs(radius), side),))
-
-
 def _cos_sin(slope: float) -> tuple[float, float]:
     """Cosine and sine of the angle whose tangent is the slope."""
     angle = math.atan(slope)

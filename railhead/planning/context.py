@@ -9,6 +9,8 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from railhead.contact.plane_section import Dimension
 from railhead.contact.solid import Contact
 from railhead.planning.references import allowance, boundary_elements, closed_forms
@@ -21,6 +23,8 @@ from railhead.theory.friction.tangential import MaterialPair
 
 STIFFEST = 1e5  # largest ratio of both moduli in a mesh; balance of forces failed at 7e6
 DEFAULT_ACCURACY = 0.01  # accuracy of a scene that prescribes none
+MARGIN = 1.1  # factor on the patch in which radii are compared
+STRAIGHT = 1e-9  # 1/mm, change of a curvature by rounding
 
 
 @dataclass(frozen=True)
@@ -61,10 +65,14 @@ class Effect:
             self, on=on, override=True, error=error, why=f"{self.why}; {state} by effects.{name}"
         )
 
+    @classmethod
+    def absent(cls, why: str) -> Effect:
+        """An effect that a scene does not call for and that a person cannot switch on."""
+        return cls(False, False, why, {"on": why})
+
     def summary(self) -> dict[str, Any]:
         """called_for, on, override and why, by name, as in summary.json."""
-        keys = ("called_for", "on", "override", "why")
-        return {key: getattr(self, key) for key in keys}
+        return {key: getattr(self, key) for key in ("called_for", "on", "override", "why")}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -145,12 +153,27 @@ class Context:
     @cached_property
     def twist_change(self) -> float:
         """Relative change of the largest pressure or of the area, the larger one, as the load
-        twists the rail.
+        twists the rail. It is 0 for a block, a rigid rail, a contact in the plane of symmetry and
+        one radius each.
         Raises ValueError where boundary elements cannot tell.
         """
+        rail = self.scene.rail
+        still = self.one_radius or rail.profile == "arc" or math.isinf(rail.young_modulus)
+        if still or self.contact.why_asymmetric_in_y() is None:
+            return 0.0
         angle = allowance.twist(self.contact, self.hertz)
         aside = allowance.CENTRE * angle
         return allowance.change(self.contact, self.boundary_elements, angle, aside)
+
+    @property
+    def one_radius(self) -> bool:
+        """Whether each body has one radius across 1.1 (MARGIN) times Hertz's patch; also between
+        half-spaces and in sections.
+        """
+        touch, reach = self.contact.touch, MARGIN * self.hertz.b
+        y = touch.y + reach * math.cos(touch.angle) * np.array([-1.0, 0.0, 1.0])
+        curvatures = [each.curvature(y - shift) for _, each, shift in self.contact.cross_profiles]
+        return not self.contact.curved_solid or float(np.ptp(curvatures, axis=1).max()) < STRAIGHT
 
     @cached_property
     def hertzian(self) -> bool:
@@ -198,8 +221,7 @@ class Context:
         """Relative error that effects may add before they are called for: the accuracy of the
         scene, or 0.01 (DEFAULT_ACCURACY).
         """
-        accuracy = self.scene.accuracy
-        return DEFAULT_ACCURACY if accuracy is None else accuracy
+        return self.scene.accuracy or DEFAULT_ACCURACY
 
 
 @dataclass(frozen=True)

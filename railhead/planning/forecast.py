@@ -225,9 +225,7 @@ def body_reach(contact: Contact, hertz: Hertz, forecast: Forecast, *, friction: 
 @dataclass(frozen=True, kw_only=True)
 class Sizing:
     """Rules of the element sizes of a plan, and what they depend on.
-    contact: first contact of the undeformed bodies, with their own profiles.
-    gap_contact: contact whose profiles make the gap: circles of curvature where `true_profile` is
-        off.
+    contact: first contact of the undeformed bodies.
     forecast: patches around which the mesh is refined.
     cell: 'tetrahedron' or 'hexahedron'; in a section these stand for triangles and quadrilaterals.
     order: polynomial order of the displacement, 1 or 2.
@@ -236,7 +234,6 @@ class Sizing:
     """
 
     contact: Contact
-    gap_contact: Contact
     forecast: Forecast
     cell: str
     order: int
@@ -317,6 +314,6 @@ class Sizing:
                 width, size = RIDGE_WIDTH * patch.size, RIDGE_SHARE * patch.size
                 others += [
                     replace(patch, centre=line.centre, a=line.a, b=width, size=size)
-                    for line in ridges(self.gap_contact, zone)
+                    for line in ridges(self.contact, zone)
                 ]
         return replace(first, also=tuple(others))

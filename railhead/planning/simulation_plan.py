@@ -27,11 +27,9 @@ from railhead.meshing.grading import Grading
 from railhead.planning import cost, effects, error_envelopes
 from railhead.planning.context import Context, Effect
 from railhead.planning.effects import interface, material
-from railhead.planning.effects.shape import one_radius
 from railhead.planning.error_envelopes import Family
 from railhead.planning.forecast import Forecast, Sizing, body_reach, forecast
 from railhead.planning.references import closed_forms, torque_free
-from railhead.scene.bodies import Rail, Wheel
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.elastic.line import Hertz
 
@@ -84,9 +82,7 @@ class Plan:
 
     @property
     def contact(self) -> Contact:
-        """First contact of the undeformed bodies, with their own profiles also where `true_profile`
-        is off.
-        """
+        """First contact of the undeformed bodies."""
         return self.context.contact
 
     @property
@@ -269,31 +265,17 @@ class Plan:
         return tuple(tag for tag in BODY_NAMES if self.effects[f"deformable_{BODY_NAMES[tag]}"].on)
 
     @property
-    def reported_body(self) -> Rail | Wheel:
-        """Table of the scene of the body whose depth axis is reported: the rail, unless it is
-        rigid.
-        """
-        return next(iter(self.context.stressed.values()))
-
-    @property
     def poisson_ratios(self) -> dict[str, float]:
-        """Poisson's ratio of the bodies that the pressure stresses, by 'rail' and 'wheel'."""
+        """Poisson's ratio by 'rail' and 'wheel' of the bodies that the pressure stresses. The depth
+        axis of the first one is reported.
+        """
         return {name: part.poisson_ratio for name, part in self.context.stressed.items()}
 
     @property
     def rigid(self) -> dict[str, float]:
         """Poisson's ratio of those of `poisson_ratios` that are not meshed."""
-        meshed = self.context.deformable
-        return {name: nu for name, nu in self.poisson_ratios.items() if name not in meshed}
-
-    @cached_property
-    def gap_contact(self) -> Contact:
-        """Contact whose profiles make the gap: the exact one, or one radius each where the effect
-        `true_profile` is off.
-        """
-        if self.effects["true_profile"].on:
-            return self.contact
-        return one_radius(self.contact)
+        ratios = self.poisson_ratios.items()
+        return {name: nu for name, nu in ratios if name not in self.context.deformable}
 
     @property
     def half_x(self) -> bool:
@@ -388,7 +370,6 @@ class Plan:
         """
         return Sizing(
             contact=self.contact,
-            gap_contact=self.gap_contact,
             forecast=self.forecast,
             cell=self.scene.mesh.cell,
             order=self.order,

@@ -203,7 +203,7 @@ def _shown(solved: Solved, units: Units) -> Shown | None:
         found=found,
         # Hertz's ellipse lies at the first contact, which need not be the most loaded of several.
         exact=solved.ellipse if len(found.patch.each) < 2 else None,
-        poisson=plan.reported_body.poisson_ratio,
+        poisson=next(iter(plan.poisson_ratios.values())),
         friction=answer.friction and replace(answer.friction, without_creepage=None, misread=None),
         passes=passes and replace(passes, state=None),
     )

@@ -154,7 +154,7 @@ class MeshSolution:
         off rank 0, where nothing touches, and for half-spaces. Each distance is along the surface's
         gradient at the point.
         """
-        gap = self.plan.gap_contact.smooth.gap(self.plan.slave)
+        gap = self.plan.contact.smooth.gap(self.plan.slave)
         if self.fields is None or not isinstance(gap, ExactGap):
             return 0.0
         contact = self.fields.contact

@@ -61,7 +61,7 @@ def setup(plan: Plan) -> Setup:
         fixed=fixed,
         moving=moving,
         slave=plan.slave,
-        gap=plan.gap_contact.gap(plan.slave),
+        gap=plan.contact.gap(plan.slave),
         degree=plan.order,
         cut=kinematics.dim == 2,  # in a solid eight times as many points as whole facets have
         law=ContactLaw(scene.solver.method, theta, scene.solver.gamma_factor),

@@ -48,7 +48,7 @@ def _profile(body: str, *names: str) -> BeforeValidator:
         """The name of a standard profile or the absolute path of a file. Raises ValueError."""
         text = str(value)
         if files.is_array(value):
-            text = files.file_of(value, "profile", {"y_mm": "mm", "z_mm": "mm"})
+            text = files.file_of(value, "profile", "y_mm", "z_mm")
         if (name := known.get(text.casefold())) in names:
             return name
         if not text.lower().endswith(tuple(suffixes)):
@@ -74,7 +74,7 @@ def _curve(value: object) -> str:
     (`files.read_curve`).
     """
     if files.is_array(value):
-        value = files.file_of(value, "curve", {"plastic_strain": "", "stress_MPa": "MPa"})
+        value = files.file_of(value, "curve", "plastic_strain", "stress_MPa")
     path = files.existing(value, (".csv",))
     files.read_curve(path)
     return path
@@ -91,8 +91,6 @@ def _two(value: object) -> object:
     return tuple(value)
 
 
-# steels of the standards without yield data here:
-WITHOUT_DATA = ("R200", "R220", "R320Cr", "R350HT", "ER6", "ER9")
 STEEL_MODULI = (180e3, 230e3)  # MPa, least and largest Young's modulus of a steel
 
 
@@ -128,9 +126,7 @@ def _steel_name(value: object) -> str:
     """
     if isinstance(value, str) and value in steels():
         return value
-    allowed = f"give {', '.join(steels())}"
-    if value in WITHOUT_DATA:
-        raise ValueError(f"no yield of {value} is known here; {allowed} or yield_stress")
+    allowed = f"give {', '.join(steels())}, or a yield_stress instead"
     raise ValueError(f"{show(value)} is not allowed; {allowed}")
 
 
@@ -258,11 +254,10 @@ class BodySection(Section):
                 raise SceneError(key, 'not given; profile arc needs it, e.g. 80 or "80 mm"')
             if profile != "arc" and value is not None:
                 raise SceneError(key, f"{value:g} is not allowed; only profile arc takes it")
-        for key in _FILE_KEYS:
-            value, default = getattr(self, key), type(self).model_fields[key].default
-            if value != default and not is_profile_file(profile):
-                text = f"{value} is not allowed; only a profile from a file takes it; give "
-                raise SceneError(key, text + ("auto" if default == "auto" else str([*default])))
+        given = self.model_dump(exclude_defaults=True, include={*_FILE_KEYS})
+        if given and not is_profile_file(profile):
+            key, value = next(iter(given.items()))
+            raise SceneError(key, f"{value} is not allowed; only a profile from a file takes it")
         return self
 
     @property
@@ -405,12 +400,19 @@ class Wheel(BodySection):
         """Raise SceneError for another tape circle of S1002 than its own, and for a segment longer
         than 2.4 rolling radii.
         """
-        if self.segment_length and self.segment_length > 2.4 * self.rolling_radius:
-            text = f"{self.segment_length:g} is not allowed; give at most 2.4 rolling_radius"
-            raise SceneError("segment_length", f"{text} ({2.4 * self.rolling_radius:g})")
-        if self.profile == "S1002" and self.tape_circle not in (None, 70.0):
-            text = f"{self.tape_circle:g} is not allowed; S1002 has its tape circle at 70"
-            raise SceneError("tape_circle", text)
+        most, segment, circle = 2.4 * self.rolling_radius, self.segment_length, self.tape_circle
+        refuse_first(
+            (
+                segment is not None and segment > most,
+                "segment_length",
+                f"{segment or 0:g} is not allowed; give at most 2.4 rolling_radius ({most:g})",
+            ),
+            (
+                self.profile == "S1002" and circle not in (None, 70.0),
+                "tape_circle",
+                f"{circle or 0:g} is not allowed; S1002 has its tape circle at 70",
+            ),
+        )
         return self
 
 

@@ -7,7 +7,6 @@ import difflib
 import importlib
 import re
 import shutil
-import stat
 import tomllib
 import unicodedata
 from collections.abc import Iterable
@@ -67,22 +66,14 @@ def _read_toml(path: Path) -> dict[str, Any]:
     UTF-8 or invalid TOML.
     """
     try:
-        is_file = stat.S_ISREG(path.stat().st_mode)
-        text = path.read_text(encoding="utf-8-sig") if is_file else ""
-    except UnicodeDecodeError as error:
-        reason = f"byte {error.start} is not UTF-8; give a TOML file, which is UTF-8 text"
-        raise SceneError(str(path), reason) from None
-    except (FileNotFoundError, NotADirectoryError, ValueError):  # ValueError: a zero byte
-        raise SceneError(str(path), "no such file; give the path of a TOML file") from None
+        if path.is_file():
+            return tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise SceneError(str(path), f"cannot be read: {error.strerror}") from None
-    if not is_file:
-        raise SceneError(str(path), "not a file; give the path of a TOML file")
-    try:
-        return tomllib.loads(text)
-    except (ValueError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:  # bytes that are no text, too
         reason = " ".join(str(error).split())
-        raise SceneError(str(path), f"not valid TOML: {reason}") from None
+        raise SceneError(str(path), f"not valid TOML, which is UTF-8 text: {reason}") from None
+    raise SceneError(str(path), "is no file; give the path of a TOML file")
 
 
 def read_scene(path: str | Path) -> Scene:

@@ -8,8 +8,6 @@ other file.
 import csv
 import math
 import os
-import tempfile
-import time
 from collections.abc import Iterator
 from hashlib import sha256
 from numbers import Real
@@ -18,7 +16,6 @@ from typing import Any
 
 from railhead.scene.units import show
 
-KEPT = 90 * 24 * 3600.0  # s: an array that no scene was given for so long is removed
 MIN_STRESS, MAX_STRESS = 1e-6, 1e9  # MPa, of a stress-strain curve
 Pair = tuple[float, float]
 
@@ -51,42 +48,33 @@ def is_array(value: object) -> bool:
     return value is not None and not isinstance(value, str | os.PathLike | Real)
 
 
-def file_of(value: object, kind: str, columns: dict[str, str]) -> str:
+def file_of(value: Any, kind: str, *columns: str) -> str:
     """Absolute path of a .csv file with the rows of an array (n, 2); its name is `kind` and twelve
-    digits of the content's SHA-256. Writing a new one removes files older than 90 days (KEPT).
+    digits of the content's SHA-256.
 
-    value: numbers, or a quantity of pint where both columns have one unit.
-    columns: header of each column, and its unit, empty for none.
+    columns: header of each column.
     Raises ValueError (one line) for anything else, numbers that are not finite, and a cache that
     cannot be written.
     """
     import numpy as np
 
+    given = [] if hasattr(value, "magnitude") else value  # of pint: its unit would be lost
     try:
-        if hasattr(value, "m_as"):  # of pint
-            value = value.m_as(next(iter(columns.values())))
-        given: Any = np.ma.asarray(value)
-        rows = np.ma.filled(given.astype(float), np.nan) if given.dtype.kind in "biuf" else given
-    except (TypeError, ValueError, OverflowError):
+        rows = np.asarray(np.ma.filled(given, np.nan)).astype(float, casting="same_kind")
+    except (TypeError, ValueError):
         rows = np.empty(0)
-    numbers = rows.dtype.kind == "f"
-    if not (numbers and rows.ndim == 2 and rows.shape[1] == 2 and np.isfinite(rows).all()):
+    if rows.ndim != 2 or rows.shape[1] != 2 or not np.isfinite(rows).all():
         text = f"an array of shape (n, 2), {' and '.join(columns)}, with finite numbers"
         raise ValueError(f"{show(value)} is not allowed; give {text}")
     lines = (",".join(map(repr, row)) for row in rows.tolist())
     content = "\n".join([",".join(columns), *lines, ""]).encode()
     path = cache_folder() / "arrays" / f"{kind}-{sha256(content).hexdigest()[:12]}.csv"
     try:
-        if not path.is_file() or path.read_bytes() != content:
+        if not path.is_file():
             path.parent.mkdir(parents=True, exist_ok=True)
-            for old in path.parent.iterdir():
-                if old.stat().st_mtime < time.time() - KEPT:
-                    old.unlink(missing_ok=True)
-            part, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
-            with open(part, "wb") as file:
-                file.write(content)
-            Path(name).replace(path)
-        path.touch()
+            part = path.with_suffix(f".{os.getpid()}")
+            part.write_bytes(content)
+            part.replace(path)
     except OSError as error:
         raise ValueError(f"the array cannot be kept in {path}: {error.strerror}") from None
     return str(path)
@@ -95,14 +83,15 @@ def file_of(value: object, kind: str, columns: dict[str, str]) -> str:
 def read_pairs(path: str, first: str, second: str) -> Iterator[tuple[int, Pair]]:
     """Numbers of the lines of a .csv file that hold pairs of numbers, and the pairs; a heading in
     the first line is left out. first, second: what the numbers are, for messages. Raises ValueError
-    (one line) for a row that is not two numbers and for a file that is no text, OSError where it
-    cannot be read.
+    (one line) for a row that is not two numbers, for first numbers that do not rise and for a file
+    that is no text, OSError where it cannot be read.
     """
     try:
         with open(path, newline="", encoding="utf-8-sig") as file:
             rows = list(csv.reader(file))
     except (UnicodeDecodeError, csv.Error):
         raise ValueError(f"{path} is no text; give {first} and {second}, a row each") from None
+    last = -math.inf
     for number, row in enumerate(rows, 1):
         if not any(cell.strip() for cell in row):
             continue
@@ -113,6 +102,11 @@ def read_pairs(path: str, first: str, second: str) -> Iterator[tuple[int, Pair]]
                 continue  # a heading
             text = f"{','.join(row)!r} is not a {first} and a {second}; give two numbers"
             raise ValueError(f"{path}, line {number}: {text}") from None
+        if not last < one < math.inf:
+            raise ValueError(
+                f"{path}, line {number}: {first} {one:g} does not rise; give rising ones"
+            )
+        last = one
         yield number, (one, other)
 
 
@@ -120,27 +114,21 @@ def read_curve(path: str) -> tuple[Pair, ...]:
     """Points (plastic strain, true stress in MPa) of a .csv file; a heading in its first line is
     left out.
 
-    Raises ValueError (one line) for fewer than two points, a row that is not two numbers, a first
-    strain other than 0 and strains that do not increase. It raises it too for a stress out of range
-    or below the one before it (softening has no unique answer), and for a file that is no text.
-    Raises OSError where the file cannot be read.
+    Raises ValueError (one line) for fewer than two points, and for what `read_pairs` refuses. So it
+    does for a first strain other than 0, and for a stress out of range or below the one before it
+    (softening has no unique answer). Raises OSError where the file cannot be read.
     """
     points: list[Pair] = []
+    least = MIN_STRESS
     for number, (strain, stress) in read_pairs(path, "plastic strain", "stress"):
-        last_strain, last_stress = points[-1] if points else (-math.inf, -math.inf)
-        problem = ""
-        if not points and strain != 0:
-            problem = f"the first plastic strain is {strain:g}; give 0"
-        elif not last_strain < strain < math.inf:
-            problem = f"plastic strain {strain:g} does not grow; give ascending ones"
-        elif not MIN_STRESS <= stress <= MAX_STRESS:
-            allowed = f"give one from {MIN_STRESS:g} to {MAX_STRESS:g} MPa"
-            problem = f"stress {stress:g} is not allowed; {allowed}"
-        elif stress < last_stress:
-            problem = f"stress {stress:g} falls; give one that does not"
-        if problem:
-            raise ValueError(f"{path}, line {number}: {problem}")
+        if strain != 0 and not points:
+            text = f"the first plastic strain is {strain:g}; give 0"
+            raise ValueError(f"{path}, line {number}: {text}")
+        if not least <= stress <= MAX_STRESS:
+            allowed = f"give {least:g} to {MAX_STRESS:g} MPa, as it may not fall"
+            raise ValueError(f"{path}, line {number}: stress {stress:g} is not allowed; {allowed}")
         points.append((strain, stress))
+        least = stress
     if len(points) < 2:
         raise ValueError(f"{path} has {len(points)} points; give at least two")
     return tuple(points)
@@ -151,13 +139,12 @@ def wear_pairs(path: str) -> tuple[Pair, ...]:
     worn mass, ug per m and mm2, not negative. Raises ValueError (one line) for other content.
     """
     names = "T-gamma over the area", "rate"
-    found, last = [], 0.0
+    found = []
     for number, (density, mass) in read_pairs(path, *names):
-        if not (last < density < math.inf and 0 <= mass < math.inf):
-            text = f"{density:g}, {mass:g} is not allowed; give rising {names[0]} above 0 and rates"
+        if not (density > 0 and 0 <= mass < math.inf):
+            text = f"{density:g}, {mass:g} is not allowed; give {names[0]} above 0 and rates"
             raise ValueError(f"{path}, line {number}: {text} of 0 or more")
         found.append((density, mass))
-        last = density
     if not found:
         raise ValueError(f"{path} has no pair; give {names[0]} and {names[1]}, a row each")
     return tuple(found)

@@ -172,9 +172,7 @@ def assignment(text: str) -> tuple[str, object]:
     other value and that of a key in _WORDS remains a string. Raises SceneError for a text without
     key and equals sign.
     """
-    if not isinstance(text, str):
-        raise SceneError("assignment", f"{show(text)} is not text; write e.g. load=110kN")
-    key, equals, value = (part.strip() for part in text.partition("="))
+    key, equals, value = (part.strip() for part in str(text).partition("="))
     if not (key and equals):
         raise SceneError("assignment", f"{show(text)} is not key=value; write e.g. load=110kN")
     known = (str,) if key in _WORDS else (str, int, float, bool, list)
@@ -623,9 +621,8 @@ def unit_questions(*scenes: Scene) -> Iterable[str]:
             continue
         for factor in FACTORS:
             if low <= abs(value) / factor <= high:
-                meant = f"{value / factor:g} {unit(key)} meant?"
-                said = f"{key} = {value:g} {unit(key)}, {factor:g} times what is usual: {meant}"
-                lines.setdefault(key, said)
+                said = f"{key} = {value:g} {unit(key)}, {factor:g} times what is usual"
+                lines.setdefault(key, f"{said}: {value / factor:g} {unit(key)} meant?")
     return lines.values()
 
 

@@ -260,13 +260,12 @@ class Friction(Section):
     @classmethod
     def _other_name(cls, data: Any) -> Any:
         """Replace the key tangential_load by force_along. Raises SceneError where both are set."""
-        if isinstance(data, dict) and "tangential_load" in data:
-            data = dict(data)
-            force = data.pop("tangential_load")
-            if data.get("force_along"):
-                raise SceneError("tangential_load", "is not allowed beside force_along; give one")
-            data["force_along"] = force
-        return data
+        if not isinstance(data, dict) or "tangential_load" not in data:
+            return data
+        both = data.get("force_along")
+        refuse_first((both, "tangential_load", "is not allowed beside force_along; give one"))
+        rest = {key: value for key, value in data.items() if key != "tangential_load"}
+        return rest | {"force_along": data["tangential_load"]}
 
     @model_validator(mode="after")
     def _keys_of_the_law(self) -> Self:
@@ -545,9 +544,6 @@ class Effects(Section):
     finite_bodies: on: finite elements on meshed bodies. off: half-spaces answer without a mesh, by
         exact Hertz or boundary elements; not allowed in sections of bodies that end, beside an
         approach of such bodies, and beside a budget.
-    true_profile: on: the gap is that of the real profiles. off: that of circles of curvature at the
-        first contact; meshed bodies keep their profiles. on is not allowed for half-spaces and
-        sections along the rail, off not without finite_bodies.
     surface_shape: on: the gap is that of the surfaces with rail.surface and wheel.surface. off:
         that of the smooth ones. on is not allowed where nothing is added to them.
     mean_dilatation: on: the volume change is constant in each cell, so that nearly incompressible
@@ -579,7 +575,6 @@ class Effects(Section):
     rail_section: Switch = "auto"
     far_field: Switch = "auto"
     finite_bodies: Switch = "auto"
-    true_profile: Switch = "auto"
     surface_shape: Switch = "auto"
     mean_dilatation: Switch = "auto"
     plasticity: Switch = "auto"

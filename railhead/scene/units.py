@@ -191,14 +191,12 @@ SLOPE = SlopeKind(
 
 
 def to_base(value: object, kind: QuantityKind) -> float:
-    """A number, a text with a unit, or a quantity of pint as a float in the base unit of its kind.
+    """A number or a text with a unit as a float in the base unit of its kind.
 
     Raises ValueError (one line) for NaN, a boolean, anything that is not a number or a text, an
     unreadable text and a unit of another kind.
     """
     number = math.nan
-    if hasattr(value, "magnitude"):  # of pint, whatever its registry
-        value = str(value)
     try:
         if isinstance(value, str) and (parts := _TEXT.fullmatch(value.strip())):
             number = kind.convert(parts[1], parts[2]) if parts[2] else float(parts[1])

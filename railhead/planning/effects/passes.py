@@ -27,7 +27,6 @@ BORNE = 1.1
 # line under a kept p0/k of 5.8 a modulus of 800 MPa fails and 1500 MPa converges (this asks for 880
 # MPa); in contact at 6.9 it is 2000 and 6000 MPa (2500 MPa).
 LARGEST_STRAIN = 0.03
-FEW, MANY = 3, 10  # passes that tell all below and above the shakedown limit
 OFF = "rolling.passes is not given"
 KEY = "rolling.passes"
 ARRAYS = (
@@ -49,14 +48,13 @@ def decide_passes(context: Context) -> Effect:
     accepted = scene.effects.plasticity == "off"  # that yield is left out
     if count is None and not scene.rolling.prescribed:
         return Effect(False, False, "nothing rolls", {"on": OFF})
-    why, ratio, enough = "the rail has no yield stress", 0.0, FEW
+    why, ratio = "the rail has no yield stress", 0.0
     if scene.rail.yields:
-        ratio, limit, why = _indicator(context)
-        enough = MANY if ratio > limit else FEW
+        ratio, why = _indicator(context)
     if count is None:
         called = yields and scene.rail.yields and not accepted
         if called:
-            why += f"; give rolling.passes, about {enough} tell"
+            why += "; give rolling.passes"
         return Effect(called, False, why, {"on": OFF})
     if scene.effects.passes == "off":
         return Effect(yields, True, why)
@@ -71,7 +69,7 @@ def decide_passes(context: Context) -> Effect:
     text = f"{given}p0/k is {ratio:.3g}, and the rail's flow curve has no steady answer above"
     instead = "give a larger rail.hardening_modulus, or a smaller load"
     refuse_first((ratio > steady, KEY, f"{text} {steady:.3g}{beside}; {instead}"))
-    return Effect(yields, True, f"{count} passes; {why}; about {enough} tell")
+    return Effect(yields, True, f"{count} passes; {why}")
 
 
 def _refuse_what_has_no_passes(context: Context, given: str) -> None:
@@ -179,9 +177,9 @@ def traction(context: Context) -> float:
     return coefficient * carter_share(hertz.strip, coefficient, creepage)
 
 
-def _indicator(context: Context) -> tuple[float, float, str]:
-    """Largest elastic pressure p0 over the rail's yield stress in shear k before any hardening, the
-    shakedown limit of that ratio, and both in a sentence.
+def _indicator(context: Context) -> tuple[float, str]:
+    """Largest elastic pressure p0 over the rail's yield stress in shear k before any hardening, and
+    a sentence that holds it against first yield and the shakedown limit.
     """
     scene, hertz, elastic = context.scene, context.hertz, context.elastic
     poisson = scene.rail.poisson_ratio
@@ -195,7 +193,7 @@ def _indicator(context: Context) -> tuple[float, float, str]:
         limit = min(damage.ellipse_limit(hertz.a / hertz.b), 2 * first)
         beside = f" without tractions, and less with Q/P up to {share:.2g}"
     text = f"p0/k = {ratio:.3g} of the elastic pressure, first yield {first:.3g}, shakedown limit "
-    return ratio, limit, f"{text}{limit:.3g}{beside if share else ''}"
+    return ratio, f"{text}{limit:.3g}{beside if share else ''}"
 
 
 def line_limit(context: Context) -> float:

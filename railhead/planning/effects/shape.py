@@ -1,28 +1,26 @@
 """Effects of the bodies' shape: what is modelled of them, and which simplification holds.
 
 A section or one side of a plane of symmetry; blocks cut out of half-spaces; bodies of finite size
-or half-spaces; the whole rail or its head; the real profiles or one radius each. And what every
-model assumes of the shape, held against the solution: a small patch, inside of thick bodies.
+or half-spaces; the whole rail or its head. And what every model assumes of the shape, held against
+the solution: a patch away from the edges.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
-from railhead.contact import placed_bodies, plane_section
+from railhead.contact import plane_section
 from railhead.contact.solid import Contact
 from railhead.geometry.outlines import head_depth
-from railhead.geometry.profiles import STANDARD_RAILS, Arc, Polynomial, osculating
+from railhead.geometry.profiles import STANDARD_RAILS
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.planning.context import Context, Effect, PostSolveVerdict
-from railhead.planning.references import boundary_elements, closed_forms
-from railhead.planning.references.allowance import Allowance, allowance, twist
+from railhead.planning.references import boundary_elements
+from railhead.planning.references.allowance import Allowance, allowance
 from railhead.postprocess.findings import Findings
-from railhead.scene.scene import SceneError
-from railhead.theory.elastic import halfspace
+from railhead.scene.sections import refuse_first
 from railhead.theory.elastic.line import LineContact
 
 SECTION = "half-spaces know no section of bodies that end"
@@ -30,9 +28,6 @@ APPROACH = "the approach of bodies that end depends on where they are held; with
 BUDGET = "half-spaces are solved once, whatever the budget"
 # Relative change of the largest shear stress over the stress at the cut over p0 (measured).
 STRESS_CHANGE = 0.25
-MARGIN = 1.1  # factor on the patch that must lie within one arc
-SMALL = 0.1  # largest semi-axis over relative radius of a small patch
-DOUBTFUL = ": the comparison with Hertz is doubtful"
 EDGE = 1.1  # factor on the semi-axis across that must lie within both profiles
 LEFT_OUT = 0.5  # of the accuracy, that heights may take; the mesh has the other half
 STEEPEST = 0.1  # slope of what is added to a surface: its cosine is 0.5 % below 1
@@ -84,7 +79,7 @@ def _symmetry(asymmetric: str, symmetric: str) -> Effect:
     for it.
     """
     if asymmetric:
-        return Effect(False, False, asymmetric, {"on": asymmetric})
+        return Effect.absent(asymmetric)
     return Effect(True, True, symmetric)
 
 
@@ -92,34 +87,24 @@ def decide_far_field(context: Context) -> Effect:
     """Half-spaces that continue beyond their meshed blocks are simulated where rail.extent is half-
     space; for bodies that end the effect is refused.
     """
-    if context.contact.half_space:
-        return Effect(True, True, "rail.extent = half-space: what lies beyond the blocks deforms")
-    why = "the bodies end where they really end"
-    return Effect(False, False, why, {"on": f"rail.extent is {context.scene.rail.extent}"})
+    half, why = context.contact.half_space, f"rail.extent is {context.scene.rail.extent}"
+    return Effect(half, half, why, {} if half else {"on": why})
 
 
 def decide_finite_bodies(context: Context) -> Effect:
-    """Finite bodies are always called for and on; a person may switch them off. The reason says by
-    how much half-spaces would be off.
+    """Finite bodies are always called for and on; a person may switch them off.
 
     'off' is refused for sections of bodies that end, for a given approach of bodies that end, and
     with a budget.
     """
     scene, contact = context.scene, context.contact
-    refused = {} if scene.budget is None else {"off": BUDGET}
-    if contact.half_space:
-        why = "the bodies are half-spaces: by their shape, half-spaces would miss nothing"
-        return Effect(True, True, why, refused)
-    if contact.plane:
-        return Effect(True, True, SECTION, {"off": SECTION})
-    if scene.load is None:
-        refused = {"off": APPROACH}
-    try:
-        pressure, area = (100 * each["total"] for each in half_space_errors(context).values())
-        why = f"half-spaces would be {pressure:.2g} % off in pressure, {area:.2g} % in area"
-    except ValueError as error:
-        why = f"by how much half-spaces would be off is not known ({error})"
-    return Effect(True, True, why, refused)
+    why = "the bodies are half-spaces" if contact.half_space else "the bodies end"
+    refused = "" if scene.budget is None else BUDGET
+    if contact.plane and not contact.half_space:
+        refused = SECTION
+    elif scene.load is None and not contact.half_space:
+        refused = APPROACH
+    return Effect(True, True, why, {"off": refused} if refused else {})
 
 
 def half_space_errors(context: Context) -> dict[str, Allowance]:
@@ -131,19 +116,7 @@ def half_space_errors(context: Context) -> dict[str, Allowance]:
     tags = [tag for tag, name in BODY_NAMES.items() if context.decided[f"deformable_{name}"].on]
     solved = context.hertz if context.hertzian else context.boundary_elements
     assert not isinstance(solved, LineContact)
-    return allowance(context.contact, tags, solved, _twist(context))
-
-
-def _twist(context: Context) -> float:
-    """Relative change of the largest pressure or of the area, the larger one, by the twist of the
-    rail. It is 0 for a block, a rigid rail, a contact in the plane of symmetry, and where both
-    bodies have one radius.
-    """
-    rail = context.scene.rail
-    still = rail.profile == "arc" or math.isinf(rail.young_modulus)
-    still |= context.contact.why_asymmetric_in_y() is None
-    still |= not context.decided["true_profile"].called_for
-    return 0.0 if still else context.twist_change
+    return allowance(context.contact, tags, solved, context.twist_change)
 
 
 def decide_rail_section(context: Context) -> Effect:
@@ -152,56 +125,36 @@ def decide_rail_section(context: Context) -> Effect:
     part of the profiles into contact. Raises SceneError for extent section without a standard rail,
     and in a section along the rail.
     """
-    rail, hertz = context.scene.rail, context.hertz
-    extent, name = rail.extent, rail.profile
-    without = ""
-    if context.contact.half_space:
-        without = "a half-space"
-    elif name not in STANDARD_RAILS:
-        without = f"rail.profile {name}"
-    elif context.contact.plane == "xz":
-        without = "a section along the rail"
+    extent, name = context.scene.rail.extent, context.scene.rail.profile
+    reasons = (
+        (context.contact.half_space, "a half-space"),
+        (name not in STANDARD_RAILS, f"rail.profile {name}"),
+        (context.contact.plane == "xz", "a section along the rail"),
+    )
+    without = next((reason for applies, reason in reasons if applies), "")
     if without:
         why = f"{without} has neither web nor foot"
-        if extent == "section":
-            raise SceneError(
-                "rail.extent", f"section needs a whole rail 54E1 or 60E1, but {why}; give head"
-            )
-        return Effect(False, False, why, {"on": why})
+        text = f"section needs a whole rail 54E1 or 60E1, but {why}; give head"
+        refuse_first((extent == "section", "rail.extent", text))
+        return Effect.absent(why)
     if extent == "section":
         return Effect(True, True, "rail.extent = section")
-    cut, why = _cut_matters(context, hertz.a, hertz.b)
+    cut, why = _cut_matters(context)
     twists, twist_text = _twists(context)
     called = cut or twists
     return Effect(called, called, f"{why}; {twist_text}")
 
 
-def check_rail_section(
-    context: Context, effect: Effect, found: Findings
-) -> PostSolveVerdict | None:
-    """Verdict whether the rail needs its web and foot though only its head was meshed: by the
-    stress at the cut below the head, with the patch of the solution, or by the twist of the rail.
-    None where no whole section can be had.
-    """
-    if "on" in effect.refused:
-        return None
-    cut, why = _cut_matters(context, found.patch.a, found.patch.b)
-    if effect.on or cut or not effect.called_for:
-        return PostSolveVerdict(cut and not effect.on, why)
-    twists, twist_text = _twists(context)
-    return PostSolveVerdict(twists, twist_text if twists else why)
-
-
-def _cut_matters(context: Context, a: float, b: float) -> tuple[bool, str]:
+def _cut_matters(context: Context) -> tuple[bool, str]:
     """Whether the stress at the cut of a rail head, over p0, exceeds what the accuracy allows, and
-    a sentence that says so.
-    a, b: semi-axes of the patch, mm; of a line b is its half width.
+    a sentence that says so. a and b are Hertz's semi-axes; of a line b is its half width.
     It allows a ratio of the accuracy over 0.25 (STRESS_CHANGE).
     The stress is Boussinesq's 3F/(2 pi H^2) below a point load over p0 = 3F/(2 pi a b), or
     Flamant's 2F'/(pi H) below a line load over p0 = 2F'/(pi b), with H the depth of the cut
     (Johnson, Contact Mechanics, 3.19, 4.26, 2.19 and 4.43).
     """
     depth, limit = head_depth(context.scene.rail.profile), context.accuracy / STRESS_CHANGE
+    a, b = context.hertz.a, context.hertz.b
     ratio, name = (b / depth, "b/H") if context.contact.line else (a * b / depth**2, "ab/H^2")
     side = "above" if ratio > limit else "below"
     text = f"stress at the cut {depth:.1f} mm deep over p0: {name} = {ratio:.2g}"
@@ -212,56 +165,13 @@ def _twists(context: Context) -> tuple[bool, str]:
     """Whether pressure or area change by more than the accuracy as the load twists the rail, or may
     do so, and a sentence that says so.
     """
-    contact = context.contact
-    if contact.plane:
-        return False, "nothing twists in a section"
-    if not math.isfinite(context.scene.rail.young_modulus):
-        return False, "a rigid rail does not twist"
-    if not context.decided["true_profile"].called_for:
-        return False, "a twist changes nothing where both bodies have one radius"
-    angle, limit = twist(contact, context.hertz), context.accuracy
-    text = f"the load twists it by {1e3 * angle:.2g} mrad"
+    limit = context.accuracy
     try:
         change = context.twist_change
     except ValueError as error:
-        return True, f"{text}: what that changes cannot be judged ({error})"
+        return True, f"what its twist changes cannot be judged ({error})"
     side = "above" if change > limit else "below"
-    return change > limit, f"{text}: pressure or area change by {change:.2g}, {side} {limit:g}"
-
-
-def decide_true_profile(context: Context) -> Effect:
-    """Real profiles are called for where the predicted patch, times 1.1 (MARGIN), reaches across a
-    joint of two arcs of a profile, or the profile is no arc there. Otherwise one radius each is
-    enough.
-    """
-    contact = context.contact
-    if not contact.cross_profiles:
-        why = "the section runs along the rail"
-        if contact.half_space and contact.plane != "xz":
-            why = "half-spaces have one radius each"
-        return Effect(False, False, why, {"on": why})
-    reach = MARGIN * context.hertz.b * math.cos(contact.touch.angle)
-    called, why = _leaves(contact, contact.touch.y - reach, contact.touch.y + reach)
-    return Effect(called, called, f"{MARGIN} times the predicted patch, {why}")
-
-
-def check_true_profile(
-    context: Context, effect: Effect, found: Findings
-) -> PostSolveVerdict | None:
-    """Verdict whether the patch of the solution leaves one arc of either body though its profile
-    was one radius; None where the effect cannot be on. Where it is on, nothing is needed.
-    """
-    if "on" in effect.refused:
-        return None
-    centre, reach = found.patch.centre[1], found.patch.b
-    if found.patch.outlines:
-        across = np.concatenate(found.patch.outlines)[:, 1]
-        low, high = float(across.min()), float(across.max())
-    else:
-        low, high = centre - reach, centre + reach
-    cosine, y = math.cos(found.frame.angle), found.frame.origin[1]
-    leaves, why = _leaves(context.contact, y + low * cosine, y + high * cosine)
-    return PostSolveVerdict(leaves and not effect.on, f"the patch, {why}")
+    return change > limit, f"its twist changes pressure or area by {change:.2g}, {side} {limit:g}"
 
 
 def decide_surface_shape(context: Context) -> Effect:
@@ -274,7 +184,7 @@ def decide_surface_shape(context: Context) -> Effect:
     contact, hertz = context.contact, context.hertz
     pair, shape = contact.pair, contact.shape
     if shape is None or pair is None:
-        return Effect(False, False, SMOOTH, {"on": SMOOTH})
+        return Effect.absent(SMOOTH)
     rigid = hertz.approach / math.cos(contact.touch.angle)
     surface, plain = boundary_elements.develop(contact), boundary_elements.develop(contact.smooth)
     x, s, above = (each.ravel() for each in surface.locus(rigid))
@@ -287,18 +197,23 @@ def decide_surface_shape(context: Context) -> Effect:
     x, s = np.concatenate([x[near], u, ahead + u]), np.concatenate([s[near], v, beside + v])
     points = surface.points(x, s)
     height, slopes = shape.at(pair, points[np.isfinite(points).all(axis=1)])
-    for body, slope in slopes.items():
-        if (steepest := float(slope.max())) > STEEPEST:
-            text = f"its slope is up to {steepest:.3g} where the bodies touch, beyond small sliding"
-            raise SceneError(f"{body}.surface", f"{text} on a kept body; give {STEEPEST} at most")
+    refuse_first(
+        *(
+            (
+                slope.max() > STEEPEST,
+                f"{body}.surface",
+                f"its slope is up to {slope.max():.3g} where the bodies touch, beyond small "
+                f"sliding on a kept body; give {STEEPEST} at most",
+            )
+            for body, slope in slopes.items()
+        )
+    )
     change, limit = float(np.ptp(height)) / rigid, LEFT_OUT * context.accuracy
-    called = change > limit
-    why = f"where they may touch the height varies by {change:.2g} of the approach"
-    why = f"{why}, {'above' if called else 'below'} {limit:g}"
+    varies = f"where they may touch the height varies by {change:.2g} of the approach"
+    if change <= limit:
+        return Effect(False, False, f"{varies}, below {limit:g}", error=change)
     tilted = max(1 - math.cos(math.atan(slope.max())) for slope in slopes.values())
-    if not called:
-        return Effect(False, False, why, error=change)
-    return Effect(True, True, f"{why}; {QUASI_STATIC}", error=tilted)
+    return Effect(True, True, f"{varies}, above {limit:g}; {QUASI_STATIC}", error=tilted)
 
 
 def height_in_patch(contact: Contact, found: Findings) -> float | None:
@@ -311,52 +226,6 @@ def height_in_patch(contact: Contact, found: Findings) -> float | None:
     inside = [line.mean(axis=0) + t * (line - line.mean(axis=0)) for line in rings for t in SHARES]
     points = np.array([found.frame.place(*at) for at in np.concatenate(inside)])
     return float(np.ptp(contact.shape.at(contact.pair, points)[0]))
-
-
-def one_radius(contact: Contact) -> Contact:
-    """The contact with each profile replaced by its circle of curvature at the contact, pose and
-    contact point kept; half-spaces and sections along the rail are unchanged.
-    """
-    if contact.pair is None or not contact.cross_profiles:
-        return contact
-    y = contact.touch.y
-    rail, wheel = (osculating(profile, y - shift) for _, profile, shift in contact.cross_profiles)
-    return replace(contact, pair=replace(contact.pair, rail=rail, wheel=wheel))
-
-
-def _leaves(contact: Contact, low: float, high: float) -> tuple[bool, str]:
-    """Whether a patch from y = low to high (mm, in space) leaves one arc of either body, and a
-    sentence that says so: a joint lies between, or a profile is neither an arc nor straight at the
-    first contact. Of several joints the sentence names one that is crossed, else the nearest.
-    """
-    joints = []
-    for body, profile, shift in contact.cross_profiles:
-        piece = next(p for p in profile.pieces if p.end >= contact.touch.y - shift)
-        straight = isinstance(piece, Polynomial) and len(piece.coefficients) <= 2
-        if not (isinstance(piece, Arc) or straight):
-            return True, f"on the {body}'s {profile.name} where it is no arc"
-        joints += [(joint + shift, body) for joint in profile.joints]
-    span = f"y = {low:.1f} to {high:.1f} mm"
-    if not joints:
-        return False, f"{span}, lies on one arc each"
-    crossed = [each for each in joints if low < each[0] < high]
-    crosses = bool(crossed)
-    nearest, owner = min(crossed or joints, key=lambda joint: abs(joint[0] - contact.touch.y))
-    verb = "crosses" if crosses else "ends before"
-    return crosses, f"{span}, {verb} the {owner}'s joint at y = {nearest:.1f} mm"
-
-
-def small_patch(context: Context, found: Findings) -> PostSolveVerdict:
-    """Verdict on the size of the (most loaded) patch: Hertz's parabolas and half-spaces need
-    semi-axes far below the relative radii (Johnson, Contact Mechanics, 4.1).
-    The larger of a times curvature_x and b times curvature_y is compared with 0.1 (SMALL).
-    """
-    touch, patch = context.contact.touch, found.patch
-    a, b = patch.a * touch.curvature_x, patch.b * touch.curvature_y
-    side, ratio = ("a", a) if a > b else ("b", b)
-    large = bool(ratio > SMALL)
-    text = f"{side}/R = {ratio:.2g}, {'above' if large else 'below'} {SMALL}"
-    return PostSolveVerdict(large, text + (DOUBTFUL if large else ""))
 
 
 def inside_the_bodies(context: Context, found: Findings) -> PostSolveVerdict | None:
@@ -381,28 +250,3 @@ def edges(context: Context) -> list[float]:
     contact, width = context.contact, context.scene.wheel.width or math.inf
     ends = [end + shift for _, profile, shift in contact.cross_profiles for end in profile.domain]
     return [*ends, contact.touch.y - width / 2, contact.touch.y + width / 2]
-
-
-def thick_bodies(context: Context, found: Findings) -> PostSolveVerdict | None:
-    """Verdict on the rise of the pressure because a body is held at a finite depth, against the
-    accuracy (`theory.elastic.halfspace.held_below`). A standard rail is left to the effect
-    rail_section. None without profiles across the rail.
-    """
-    scene, contact = context.scene, context.contact
-    if not contact.cross_profiles:
-        return None
-    modulus, patch, limit = closed_forms.contact_modulus(scene), found.patch, context.accuracy
-    changes = {}
-    for tag, body in BODY_NAMES.items():
-        if body == "rail" and scene.rail.profile in STANDARD_RAILS:
-            continue
-        weight = modulus / closed_forms.plane_strain_modulus(scene, tag)
-        deep = placed_bodies.depth(scene, tag)
-        curvature = weight * halfspace.held_below(deep, scene.bodies[body].poisson_ratio)
-        changes[body, deep] = halfspace.pressure_rise(curvature, patch.a, patch.b)
-    (body, deep), change = max(changes.items(), key=lambda each: each[1])
-    thin = bool(change > limit)
-    side = "above" if thin else "below"
-    rise = f"pressure rises by {change:.2g}, {side} {limit:g}"
-    text = f"the {body} is held {deep:.3g} mm deep: {rise}"
-    return PostSolveVerdict(thin, text + (DOUBTFUL if thin else ""))

@@ -28,7 +28,6 @@ import numpy as np
 from railhead.contact import placed_bodies
 from railhead.contact.solid import Contact
 from railhead.geometry import profiles
-from railhead.geometry.placement import PlacementError
 from railhead.meshing.bodies import BODY_NAMES, RAIL
 from railhead.planning.references import boundary_elements, closed_forms
 from railhead.planning.references.boundary_elements import Developed
@@ -248,10 +247,9 @@ def twisted(contact: Contact, angle: float, aside: float) -> Contact:
     """Contact with the wheel lowered onto the rail whose head is turned by `angle` (rad) about its
     crown and moved by -aside (mm) along y relative to the wheel. The turn is positive towards the
     middle of the track.
-    Raises PlacementError for half-spaces, and where the wheel misses the rail.
+    Not for half-spaces. Raises PlacementError where the wheel misses the rail.
     """
-    if contact.pair is None or contact.pose is None:
-        raise PlacementError("half-spaces do not twist")
+    assert contact.pair is not None and contact.pose is not None
     rail = contact.scene.rail
     if rail.profile in COMPLIANCE:
         slope = math.tan(math.atan(rail.inclination) + angle)

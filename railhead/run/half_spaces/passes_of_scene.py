@@ -332,8 +332,8 @@ def _of_scene(
             bound = coefficient * contact.pressure
             contact = _with_tractions(solved, contact, bound, x, y, friction.traction[:, :2])
         return contact, (hertz.a, hertz.b), not plan.scene.asymmetric_friction[1], None
-    surface = boundary_elements.develop(plan.gap_contact)
-    found = boundary_elements.solve(plan.gap_contact, hertz, load or solved.load)
+    surface = boundary_elements.develop(plan.contact)
+    found = boundary_elements.solve(plan.contact, hertz, load or solved.load)
     if len(found.patches) > 1:
         raise ValueError("there are several patches; passes know one")
     patch = found.patches[0]
@@ -358,8 +358,7 @@ def _of_scene(
         traction = np.column_stack([friction.traction[:, 0], tangent])
         bound = surface.friction_coefficient(s + contact.grid.s) * contact.pressure
         contact = _with_tractions(solved, contact, bound, along - x, across - s, traction)
-    true = boundary_elements.develop(plan.contact)  # `plan.gap_contact` may be circles
-    laid = groove_on_profile(true, s, plan.scene.rail.inclination)
+    laid = groove_on_profile(surface, s, plan.scene.rail.inclination)
     return contact, half_lengths, symmetric, laid
 
 

@@ -38,11 +38,15 @@ def run(effect: str, on: bool, change: float) -> dict:
 
 
 def test_verdict_names_what_was_wrongly_left_out() -> None:
-    fine = [run("", True, 0.0), run("symmetry_x", False, 0.002), run("true_profile", False, 0.05)]
+    fine = [
+        run("", True, 0.0),
+        run("symmetry_x", False, 0.002),
+        run("rail_section", False, 0.05),
+    ]
     assert effects.wrong(fine) == []
     assert effects.verdict(fine).startswith("Yes: of 1 effects")
-    bad = [*fine, run("rail_section", True, 0.03), run("symmetry_y", False, -0.02)]
-    assert [row["effect"] for row in effects.wrong(bad)] == ["rail_section", "symmetry_y"]
+    bad = [*fine, run("plasticity", True, 0.03), run("symmetry_y", False, -0.02)]
+    assert [row["effect"] for row in effects.wrong(bad)] == ["plasticity", "symmetry_y"]
     assert effects.verdict(bad).startswith("**No.**")
 
 

@@ -3,14 +3,11 @@
 import pytest
 from mpi4py import MPI
 from one_line import refusal
-from solved import planned, scene_of
+from solved import planned
 
 from railhead.meshing.bodies import RAIL, WHEEL
-from railhead.planning import simulation_plan
-from railhead.planning.effects import shape
 from railhead.results import pipeline
 from railhead.run import mesh_solution, model_setup
-from railhead.run.progress import Progress
 from railhead.scene import catalogue
 from railhead.scene.scene import Effects
 
@@ -46,19 +43,19 @@ def test_a_body_below_a_thousandth_of_the_compliance_is_rigid(ratio: int, deform
 
 
 @pytest.mark.parametrize(
-    ("case", "keys", "why"),
+    ("case", "keys"),
     [
-        ("hertz_ellipse", ["wheel.yield_stress=100"], "von Mises 780.6 MPa passes its yield"),
-        ("hertz_ellipse", ["friction.coefficient=0.1"], "friction adds"),
-        ("uic54_thesis", [], "not those of a half-space"),
-        ("long_roller", [], "not those of a half-space"),
+        ("hertz_ellipse", ["wheel.yield_stress=100"]),
+        ("hertz_ellipse", ["friction.coefficient=0.1"]),
+        ("uic54_thesis", []),
+        ("long_roller", []),
     ],
 )
-def test_a_stiff_body_whose_stresses_are_not_hertz_s_deforms(case: str, keys, why: str) -> None:
+def test_a_stiff_body_whose_stresses_are_not_hertz_s_deforms(case: str, keys) -> None:
     """However stiff it is: in the mesh 1e5 times as stiff as the other one, no more."""
     plan = planned(case, "wheel.young_modulus=1e12", *keys)
     found = plan.effects["deformable_wheel"]
-    assert found.on and why in found.why and found.error == plan.omission_error == 1e-5
+    assert found.on and "not Hertz's" in found.why and found.error == plan.omission_error == 1e-5
     assert plan.context.young_moduli == {"rail": 207000, "wheel": 207000e5}
     assert not plan.rigid
 
@@ -87,12 +84,6 @@ CALLED = [
     # A rigid body cannot lock; its Poisson's ratio would only cost the other one accuracy.
     ("mean_dilatation", ELLIPSE, [SOFT, "rail.young_modulus=2e9"], False, ""),
     ("mean_dilatation", ELLIPSE, [SOFT, "effects.deformable_rail=off"], False, ""),
-    # Near a joint of arcs.
-    ("true_profile", AXLE, [], False, ""),  # y = 0, b = 5.7 mm, joints at 10 mm
-    ("true_profile", AXLE, ["load=700kN"], True, ""),
-    ("true_profile", AXLE, [LEANS], True, ""),  # y = -7.5 mm
-    ("true_profile", AXLE, ["wheel.profile=S1002", LEANS], True, ""),
-    ("true_profile", AXLE, ["rail.profile=arc", "rail.crown_radius=300"], False, ""),
     # By extent, load or accuracy, and where its twist changes the patch.
     ("rail_section", THESIS, [], False, ""),
     ("rail_section", THESIS, ["rail.extent=section"], True, ""),
@@ -141,16 +132,6 @@ def test_what_is_left_out_is_part_of_the_bound() -> None:
     assert summary["accuracy"]["reached"]
 
 
-def test_a_patch_that_crosses_the_farther_joint_leaves_its_arc() -> None:
-    """54E1's joints lie 10.012 mm to both sides of the first contact of an upright cylinder."""
-    contact = planned("uic54_thesis").contact
-    left = {
-        (low, high): shape._leaves(contact, low, high)[0]
-        for low, high in ((-6.0, 12.0), (-12.0, 6.0), (-9.9, 9.9))
-    }
-    assert left == {(-6.0, 12.0): True, (-12.0, 6.0): True, (-9.9, 9.9): False}
-
-
 @pytest.mark.parametrize(
     "assignments, family",
     [
@@ -187,14 +168,6 @@ def test_plasticity_begins_at_the_yield_load_of_the_ellipse(share: float, yields
         found = effect("plasticity", "hertz_ellipse", *given)
         assert (found.called_for, found.on) == (yields, yields)
         assert f"the yield 600 MPa of the {body}" in found.why
-
-
-def test_the_plan_says_where_yield_is_decided_by_hertz_for_want_of_a_patch(
-    half_spaces_fail,
-) -> None:
-    scene = scene_of("s1002_60e1", "wheelset.shift=5mm", "rail.steel=R260")
-    found = simulation_plan.make(scene).effects["plasticity"]
-    assert "exact Hertz's, as no other is known: no bounded contact found" in found.why
 
 
 @pytest.mark.parametrize(
@@ -241,7 +214,6 @@ def test_a_body_that_is_rigid_by_choice_is_unlike_the_other(name: str) -> None:
         ("sphere_on_plane", ["effects.deformable_wheel=off"],
          "effects.deformable_wheel: 'off' is not allowed"),
         (ELLIPSE, ["effects.rail_section=on"], "effects.rail_section: 'on' is not allowed"),
-        (ELLIPSE, ["effects.true_profile=on"], "effects.true_profile: 'on' is not allowed"),
         (THESIS, [*ALONG, "rail.extent=section"], "rail.extent: section needs a whole rail"),
         (ELLIPSE, [RUBS, "load=10kN", "friction.tangential_load=5kN"],
          "friction.force_along: 5000 N would slide"),
@@ -316,21 +288,3 @@ def test_a_stiff_body_left_out_changes_the_answer_by_its_share() -> None:
         results[1]["pressure"]["max_MPa"], rel=2e-3
     )
     assert results[0]["approach_mm"] == pytest.approx(results[1]["approach_mm"], rel=2e-3)
-
-
-ACROSS = "rail.inclination=1:40"  # boundary elements on the same gap: 1427.9 MPa
-
-
-def largest(*assignments: str) -> float:
-    head = ["mesh.patch_size=3", "effects.rail_section=off", "effects.plasticity=off"]
-    plan = planned("uic54_22t5_axle", *head, *assignments)
-    done = mesh_solution.mesh_and_solve(plan, Progress(quiet=True), MPI.COMM_WORLD)
-    return float(done.result["pressure"]["max_MPa"])
-
-
-@pytest.mark.slow
-def test_one_radius_is_exact_on_one_arc_and_wrong_across_a_joint() -> None:
-    whole = largest("effects.true_profile=on")
-    assert largest("effects.true_profile=off") == pytest.approx(whole, rel=1e-5)
-    errors = [largest(ACROSS, f"effects.true_profile={on}") / 1427.9 - 1 for on in ("on", "off")]
-    assert abs(errors[0]) < 0.05 < 0.07 < abs(errors[1])

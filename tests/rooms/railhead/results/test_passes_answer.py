@@ -53,7 +53,7 @@ def test_summary_has_a_row_for_each_pass(result):
     assert "Passes: undecided" in terminal.recorded(result.show).export_text()
     checks = result.summary["checks"]
     assert checks["effects_left_out"] == checks["passes_converged"] == checks["passes_rim"] == 0
-    assert result.summary["effects_after"]["plasticity"]["why"] == "simulated in the passes"
+    assert result.summary["effects_after"]["plasticity"]["why"] == "simulated"
 
 
 def test_the_files_hold_the_passes(result, tmp_path, monkeypatch):

@@ -81,9 +81,7 @@ def solved(made: simulation_plan.Plan) -> list[float]:
     ]
     x, y = (c.ravel() for c in np.meshgrid(np.linspace(-4, 4, 5), np.linspace(-4, 4, 5)))
     heights = np.full(len(x), made.contact.touch.z)
-    gap, normal = made.gap_contact.gap(RAIL)(
-        np.column_stack([x, y + made.contact.touch.y, heights])
-    )
+    gap, normal = made.contact.gap(RAIL)(np.column_stack([x, y + made.contact.touch.y, heights]))
     length = made.contact.dimension.length if flat else 0.0
     materials = model_setup.materials(made)
     hertz = hertz_contact(made.scene, made.contact)

@@ -43,9 +43,6 @@ def test_with_passes_the_bodies_are_pressed_elastically_and_nothing_else_changes
 def test_the_indicator_is_held_against_yield_and_shakedown():
     why = planning.make(LINE.replace(["rolling.passes=3"])).effects["passes"].why
     assert "p0/k = 4.74" in why and "first yield 3.11" in why and "shakedown limit 4" in why
-    assert "about 10 tell" in why
-    below = planning.make(LINE.replace(["rolling.passes=3", "load=800kN"])).effects["passes"].why
-    assert "about 3 tell" in below
     rolls = planning.make(LINE.replace(**ROLLS).replace(["rolling.passes=3"]))
     assert "shakedown limit 3.6" in rolls.effects["passes"].why
     hard = ["rolling.passes=3", "rail.hardening_modulus=6210", "rail.kinematic_fraction=1"]
@@ -54,7 +51,7 @@ def test_the_indicator_is_held_against_yield_and_shakedown():
     slips = planning.make(LINE.replace(hard).replace(
         ["friction.coefficient=0.5", "rolling.creepage_along=10%", "load=500kN"]
     ))  # fmt: skip
-    assert "shakedown limit 1.94 at Q/P = 0.5; about 10" in slips.effects["passes"].why
+    assert "shakedown limit 1.94 at Q/P = 0.5" in slips.effects["passes"].why
 
 
 def test_a_wheel_that_yields_too_is_left_out_by_its_name():

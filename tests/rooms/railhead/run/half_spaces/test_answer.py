@@ -246,7 +246,6 @@ def test_an_accuracy_that_half_spaces_miss_is_a_failed_check() -> None:
         ("uic54_thesis", ["budget=5s"], "whatever the budget"),
         ("uic54_thesis", ["effects.rail_section=on"], "finite_bodies is off"),
         ("hertz_ellipse", ["effects.deformable_wheel=off"], "half-spaces have it"),
-        ("uic54_thesis", ["effects.true_profile=off"], "half-spaces have it"),
         ("s1002_60e1", [*INCLINED, "rolling.force_across=-3100"], "would slide"),
     ],
 )
