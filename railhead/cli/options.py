@@ -147,10 +147,18 @@ takes_report = functools.partial(_with_options, options=_report_options)
 """Adds the options that `_report` takes, and --format."""
 
 
+def _first_values(lists: Sequence[str], over_file: Path | None) -> dict[str, object]:
+    """First value of each dotted key of --over (`lists`) and of --over-file."""
+    from railhead.sweeps.grid import parse_values, read_rows
+
+    row = {} if over_file is None else read_rows(over_file)[0]
+    return {**row, **{key: values[0] for key, values in parse_values(lists).items()}}
+
+
 def takes_scene(command: Callable[..., Any]) -> Any:
     """The command with the argument CASE and the options --set, --with, --without, --fast and
-    --only, which it gets as one argument `scene`. Raises SceneError for a wrong case, key, value,
-    effect or quantity.
+    --only, which it gets as one argument `scene`; keys of --over and --over-file have their first
+    value there. Raises SceneError for a wrong case, key, value, effect or quantity.
     """
 
     @functools.wraps(command)
@@ -170,7 +178,9 @@ def takes_scene(command: Callable[..., Any]) -> Any:
             raise SceneError(f"effects.{name}", "given with --with and --without; give one of them")
         switches = [f"effects.{name}=on" for name in switched_on]
         switches += [f"effects.{name}=off" for name in switched_off]
-        asked = {} if only is None else {"quantities": only}
+        asked: dict[str, object] = {} if only is None else {"quantities": only}
+        if values.get("lists") or values.get("over_file"):
+            asked |= _first_values(values["lists"], values.get("over_file"))
         scene = catalogue.find(case).replace([*assignments, *switches], **asked)
         return command(*arguments, scene=scene, **values)
 

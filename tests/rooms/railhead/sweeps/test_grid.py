@@ -26,6 +26,13 @@ def test_lists_and_ranges_multiply_the_last_fastest() -> None:
     assert values("wheelset.yaw=0:2:1mrad") == [(0,), (0.001,), (0.002,)]
 
 
+def test_keys_that_need_each_other_may_be_swept_together() -> None:
+    """Without a creepage the case could have no speed."""
+    over = "--over rolling.speed=10m/s,30m/s --over rolling.creepage_along=0.1%,1%"
+    given = "--fast --set friction.coefficient=0.3"
+    assert command.status("plan", "hertz_ellipse", *f"{over} {given}".split()) == 0
+
+
 @pytest.mark.parametrize(
     "over, said",
     [
