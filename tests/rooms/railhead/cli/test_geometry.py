@@ -212,8 +212,7 @@ def test_command_prints_json_and_writes_pictures(tmp_path, capsys) -> None:
     given = f"s1002_60e1 --shift 3mm --yaw 2mrad --json --out {folder}"
     assert command.status("locate", *given.split()) == 0
     printed = json.loads(capsys.readouterr().out)
-    written = json.loads((folder / "summary.json").read_text())
-    assert printed == {key: written[key] for key in printed}
+    assert printed.items() <= json.loads((folder / "summary.json").read_text()).items()
     assert printed["scene"]["wheelset"]["yaw"] == pytest.approx(2e-3)
     assert printed["rolling_radius_difference_mm"] == pytest.approx(0.958, abs=0.01)
     pictures = {path.name for path in folder.glob("*.png")}

@@ -120,9 +120,6 @@ def test_friction_is_in_the_table_too() -> None:
     assert rows["force along the rail"]["value"] == pytest.approx(1e4)
     assert rows["force along the rail"]["Carter"] == pytest.approx(1e4, rel=0.1)
     assert "frictionless FE" in rows["largest pressure"]
-    bound = {"accuracy": {**summary["accuracy"], "bound": {"creepage_along": 0.01}}}
-    table = quantity_rows.rows({**summary, **bound}, "friction")
-    assert [row["quantity"] for row in table if row["estimate"] == 0.01] == ["creepage along"]
 
 
 def test_rows_with_other_columns_make_one_table() -> None:
