@@ -185,15 +185,12 @@ def test_lines_fit_eighty_columns(arguments: list[str], capsys, here, monkeypatc
 
 
 def test_effects_that_have_no_part_in_a_scene_are_one_line(capsys) -> None:
-    """Their reasons stay in the JSON; one that a person chose is told."""
+    """One that a person chose is told."""
     command.status("plan", "hertz_ellipse")
     out = capsys.readouterr().out
-    assert "no part    plane_strain, axisymmetry, surface_shape," in out
-    assert "Poisson's ratio" not in out and "│ symmetry_x " in out
+    assert "no part    plane_strain, axisymmetry, surface_shape," in out and "│ symmetry_x " in out
     command.status("plan", "hertz_ellipse", "--without", "mean_dilatation")
     assert "│ mean_dilatation " in capsys.readouterr().out
-    command.status("plan", "hertz_ellipse", "--json")
-    assert "Poisson's ratio 0.3" in capsys.readouterr().out
 
 
 def test_what_a_person_switched_off_is_no_failing(capsys) -> None:
@@ -296,16 +293,13 @@ def test_passes_are_a_table(result, folder: Path) -> None:
     assert "groove, um" in table[0] and ">29<" in table[0] and "-0<" not in table[0]
 
 
-def test_report_and_pictures_are_left_out_when_asked(
-    result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_report_and_pictures_are_left_out_when_asked(result, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(gallery, "drawings", lambda *_: {"pressure.png": Path.touch})
-    result.save(tmp_path / "without", report=False)
-    result.save(tmp_path / "bare", pictures=False)
-    for name in ("without", "bare"):
-        assert not (tmp_path / name / html.NAME).exists()
-    assert (tmp_path / "without" / "pressure.png").exists()
-    assert not (tmp_path / "bare" / "pressure.png").exists()
+    asked = ("without", {"report": False}, {"pressure.png"}), ("bare", {"pictures": False}, set())
+    for name, keys, drawn in asked:
+        result.save(tmp_path / name, **keys)
+        files = {path.name for path in (tmp_path / name).iterdir()}
+        assert files & {"pressure.png", html.NAME} == drawn
 
 
 def test_the_verdict_is_of_what_holds(result, folder: Path) -> None:
