@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import platform
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
@@ -115,7 +115,6 @@ def render(
         friction=_table([*friction, *steel], units),
         files=[path.name for path in scene.files],
         left_out={name: each for name, each in effects.items() if not each["on"]},
-        check_rows=_checks(summary["checks"]),
         passes=terminal.passes_table(passes, units, 3 if brief else 10) if passes else None,
         passes_title=terminal.passes_title(summary["result"]) if passes else "",
         pictures=[
@@ -148,20 +147,6 @@ def check(name: str) -> str:
         bare = name.removeprefix(f"{SECOND}_").rsplit("_", 1)[0].replace("_", " ")
         return f"second method (half-spaces): {'pressure' if bare == 'max' else bare}"
     return CHECKS.get(name, name.replace("_", " "))
-
-
-def _checks(checks: Mapping[str, Any]) -> list[tuple[str, str, str, bool, str, str]]:
-    """Rows (check in words, value, limit, whether it passed, reason of the limit, advice), failed
-    ones first.
-    """
-    rows = []
-    for name, (limit, reason) in checks["limits"].items():
-        texts = f"{float(checks[name]):.3g}", f"{float(limit):.3g}"
-        if name == "converged":
-            texts = "yes" if checks[name] else "no", ""
-        holds, advice = name not in checks["failed"], checks["advice"].get(name, "")
-        rows.append((check(name), *texts, holds, reason, advice))
-    return sorted(rows, key=lambda row: row[3])
 
 
 def versions() -> dict[str, str]:
