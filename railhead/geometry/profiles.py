@@ -23,7 +23,6 @@ from railhead.theory.array_types import Array
 STANDARD_RAILS = ("54E1", "60E1")  # EN 13674-1
 
 FACES_UP = 0.999  # of the radius: as far from its centre an arc faces upwards
-STRAIGHT = 1e-9  # 1/mm, curvature of what counts as straight
 CONES = {"cylinder": 0.0, "cone20": 1 / 20, "cone40": 1 / 40}
 DENSE = 20  # places between two of `places_along`, over which the length is summed
 STEEP = 15.0  # deg: steeper parts with y < 0 are the gauge corner, or the flange

@@ -139,16 +139,6 @@ OTHER_CELLS = {
 CELLS = json.loads((Path(__file__).parent / "data" / "cells.json").read_text(encoding="utf-8"))
 
 
-def cost(cell: str, order: int, *, section: bool, half_space: bool) -> Cost:
-    """Cost per unknown of a meshed model: section or solid, half-spaces or bodies that end, cell
-    and order as mesh.cell and mesh.order of a scene. Only with quadratic tetrahedra do half-spaces
-    cost less than bodies; sections cost the same with any cell.
-    """
-    if section:
-        return SECTION
-    return OTHER_CELLS.get((cell, order), HALF_SPACES if half_space else PROFILES)
-
-
 def unknowns_per_cell(kind: str, cell: str, order: int) -> float:
     """Unknowns per predicted cell of a mesh (`Grading.predicted_cells` or `predicted_triangles`);
     kind is 'solid' or 'section', cell and order are as mesh.cell and mesh.order. Values were

@@ -479,14 +479,14 @@ class Plan:
     @property
     def cost_per_unknown(self) -> cost.Cost:
         """Seconds and bytes per unknown of a meshed model of this kind, elastic and frictionless,
-        on the machine of reference (`planning.cost`), without the correction for this machine.
+        on the machine of reference (`planning.cost`), without the correction for this machine. Only
+        with quadratic tetrahedra do half-spaces cost less than bodies; sections cost the same with
+        any cell.
         """
-        return cost.cost(
-            self.scene.mesh.cell,
-            self.order,
-            section=self.plane_model,
-            half_space=self.contact.half_space,
-        )
+        if self.plane_model:
+            return cost.SECTION
+        usual = cost.HALF_SPACES if self.contact.half_space else cost.PROFILES
+        return cost.OTHER_CELLS.get((self.scene.mesh.cell, self.order), usual)
 
     @property
     def memory(self) -> int:
@@ -542,13 +542,18 @@ class Plan:
             return None
         rows = []
         for accuracy in sorted({*PRICED_ACCURACIES, *([wanted] if wanted else [])}, reverse=True):
-            row = dict.fromkeys(("patch_size_mm", "unknowns", "seconds", "memory_MB"))
-            mesh_share = accuracy - self.omission_error
+            fine, mesh_share = None, accuracy - self.omission_error
             if self.profile_error < accuracy and family.reaches(mesh_share):
                 fine = self.at_resolution(family.finest(mesh_share))
-                values = (fine.patch_size, fine.unknowns, fine.seconds_of_two, fine.memory / 1e6)
-                row = dict(zip(row, values, strict=True))
-            rows.append({"accuracy": accuracy, **row})
+            rows.append(
+                {
+                    "accuracy": accuracy,
+                    "patch_size_mm": fine and fine.patch_size,
+                    "unknowns": fine and fine.unknowns,
+                    "seconds": fine and fine.seconds_of_two,
+                    "memory_MB": fine and fine.memory / 1e6,
+                }
+            )
         return rows
 
     def to_dict(self) -> dict[str, Any]:

@@ -9,7 +9,6 @@ from solved import planned
 from railhead.cases.s1002_60e1 import SCENE as MANCHESTER
 from railhead.planning import forecast
 from railhead.planning import simulation_plan as planning
-from railhead.planning.forecast import ridges
 from railhead.planning.references import boundary_elements
 from railhead.theory.elastic.hertz import Ellipse
 
@@ -71,14 +70,16 @@ def test_a_forecast_that_fails_says_why(half_spaces_fail) -> None:
 CROSSING = "rail.inclination=1:40"  # the contact point is 2.5 mm from the R300-R80 joint
 
 
-def test_the_joint_in_the_patch_is_a_ridge_as_long_as_the_patch_there() -> None:
+def test_the_mesh_is_finer_along_the_joint_in_the_patch_and_nowhere_else() -> None:
     plan = planned("uic54_22t5_axle", CROSSING)
-    (zone,), (line,) = plan.forecast.zones, ridges(plan.contact, plan.forecast.zones[0])
-    rail = plan.contact.profiles["rail"][0]
-    assert any(line.centre[1] == joint for joint in rail.joints)
-    assert line.centre[2] == rail.height(line.centre[1])
+    grading, rail = plan.grading(), plan.contact.profiles["rail"][0]
+    (zone,), (line,) = plan.forecast.zones, grading.also
+    assert line.centre[1] in rail.joints and line.centre[2] == rail.height(line.centre[1])
     across = (line.centre[1] - zone.centre[1]) / (zone.b * math.cos(zone.angle))
-    assert (line.a / zone.a) ** 2 + across**2 == pytest.approx(1)
+    assert (line.a / zone.a) ** 2 + across**2 == pytest.approx(1)  # as long as the patch there
+    assert line.size == forecast.RIDGE_SHARE * grading.size
+    assert grading.at(*line.centre[1:]) == pytest.approx(line.size)
+    assert grading.at(line.centre[1] + 3 * grading.size, line.centre[2]) == grading.size
 
 
 def test_the_width_of_the_profiles_bounds_the_elements_of_long_bodies() -> None:
@@ -91,15 +92,6 @@ def test_the_width_of_the_profiles_bounds_the_elements_of_long_bodies() -> None:
         planned("uic54_22t5_axle").sizing.coarsest
         == forecast.COARSEST * planned("uic54_22t5_axle").reach
     )
-
-
-def test_the_mesh_is_finer_along_it_and_nowhere_else() -> None:
-    plan = planned("uic54_22t5_axle", CROSSING)
-    grading = plan.grading()
-    (line,) = grading.also
-    assert line.size == forecast.RIDGE_SHARE * grading.size
-    assert grading.at(*line.centre[1:]) == pytest.approx(line.size)
-    assert grading.at(line.centre[1] + 3 * grading.size, line.centre[2]) == grading.size
 
 
 @pytest.mark.parametrize(
