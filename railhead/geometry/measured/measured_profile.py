@@ -92,44 +92,21 @@ class Measured:
         return np.asarray(self.smoothed.curve(np.arange(step / 2, self.smoothed.length, step)))
 
     @property
-    def sharpest(self) -> tuple[float, float]:
-        """Largest magnitude of the curvature before and after smoothing, 1/mm, without the
-        outermost 2 % of the width at each end.
-        """
-        smoothed, (start, end) = self.smoothed, inner(self.profile)
-        y = self.points[1:-1, 0]
-        within = (y > start) & (y < end)
-        after = smoothing.curvature(smoothed.curve, smoothed.s[1:-1][within])
-        before = smoothed.rough_curvature()[within]
-        return float(np.abs(before).max()), float(np.abs(after).max())
-
-    @property
-    def _across(self) -> Array:
-        """y (k,) in mm of the places at which wavelengths are given."""
-        return np.asarray(self.smoothed.curve(self.smoothed.places)[:, 0])
-
-    def wavelength(self, y: float) -> float:
-        """Smoothing wavelength, mm, at the place of the curve whose y is nearest to the given one
-        (mm).
-        """
-        return float(self.smoothed.wavelength[np.argmin(np.abs(self._across - y))])
-
-    @property
     def wavelengths(self) -> tuple[float, float]:
         """Shortest and longest smoothing wavelength of the profile, mm, without the outermost 2 %
         at each end.
         """
-        (start, end), across = inner(self.profile), self._across
+        start, end = inner(self.profile)
+        across = self.smoothed.curve(self.smoothed.places)[:, 0]
         within = self.smoothed.wavelength[(across > start) & (across < end)]
         return float(within.min()), float(within.max())
 
     def summary(self) -> dict[str, Any]:
         """Entries of summary.json: file, remarks ('read'), origin and sides, number of points,
         their median distance in mm, the last digit in mm of points that are taken as drawn (else
-        0), noise in mm, shortest and longest smoothing wavelength in mm (0 for points as drawn),
-        and largest curvature before and after smoothing in 1/mm.
+        0), noise in mm, and shortest and longest smoothing wavelength in mm (0 for points as
+        drawn).
         """
-        before, after = self.sharpest
         return {
             "file": self.path.name,
             "read": list(self.remarks),
@@ -140,8 +117,6 @@ class Measured:
             "rounded_to_mm": self.smoothed.rounding,
             "noise_mm": self.smoothed.noise,
             "smoothing_mm": list(self.wavelengths),
-            "largest_curvature_before_per_mm": before,
-            "largest_curvature_after_per_mm": after,
         }
 
 
@@ -282,13 +257,3 @@ def _refused(path: Path, table: Table, points: Array, error: PointError) -> Form
     """
     nearest = int(np.argmin(np.abs(points - error.place).max(axis=1)))
     return FormatError(path.name, table.lines[nearest], str(error))
-
-
-def smoothness(profile: Profile) -> dict[str, Any]:
-    """Curvature of a measured profile without the outermost 2 % at each end: 5, 50 and 95 %
-    quantiles ('curvatures', 1/mm, positive is convex), and the number of changes between convex and
-    concave ('waves'). A wavy curvature scatters the pressure.
-    """
-    curvature = profile.curvature(np.linspace(*inner(profile), 2001))
-    quantiles = tuple(map(float, np.quantile(curvature, (0.05, 0.5, 0.95))))
-    return {"curvatures": quantiles, "waves": int(np.sum(np.diff(np.sign(curvature)) != 0))}
