@@ -247,7 +247,7 @@ def _in_axes(
         raise _refused(path, table, listed, error) from None
     cut = [f"cut off {ordering.HEAD_DEPTH:g} mm below its top"] * (len(head) < len(listed))
     cut += [f"left out {len(head) - len(kept)} points beyond a gap"] * (len(kept) < len(head))
-    read = (f"{table.format}, {len(listed)} points", unit, *found.done, *cut, *table.remarks)
+    read = (f"{table.format}, {len(listed)} points", unit, *found.done, *cut)
     return table, found, kept, read
 
 
