@@ -161,7 +161,6 @@ def draw_profile(
         bend.set_ylim(min(1.3 * float(curvature.min()), -0.2 * span), 1.3 * span)
         bend.set_ylabel("curvature, 1/mm\n(convex is positive)")
         if worn:
-            bend.plot(*_curvature(worn), color=STANDARD, lw=1.2, label=worn.name)
             lost, loss = panels[3], subject.units.text(worn.largest_loss, "mm", 3)
             lost.plot(worn.y, worn.loss, color=LOST)
             at = worn.y[worn.worst], worn.largest_loss
@@ -171,16 +170,3 @@ def draw_profile(
             axes.legend(loc="best")
         panels[-1].set_xlabel("y across the track, mm (gauge side and flange on the left)")
     return figure
-
-
-def _curvature(worn: LaidStandard) -> tuple[Array, Array]:
-    """y (n,) in mm and curvature (n,) in 1/mm, convex positive, of those parts of a standard
-    profile that face upwards.
-    """
-    outline = worn.outline[::10]
-    first = np.gradient(outline, axis=0)
-    second = np.gradient(first, axis=0)
-    bend = first[:, 1] * second[:, 0] - first[:, 0] * second[:, 1]
-    bend = bend / np.linalg.norm(first, axis=1) ** 3
-    upwards = first[:, 0] > 0.1 * np.linalg.norm(first, axis=1)
-    return outline[upwards, 0], bend[upwards]

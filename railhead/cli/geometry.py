@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -19,7 +19,7 @@ from rich.table import Table
 
 from railhead.contact import solid
 from railhead.geometry.measured import BODY_BY_EXTENSION, standards
-from railhead.geometry.measured.measured_profile import Measured, smoothness
+from railhead.geometry.measured.measured_profile import Measured
 from railhead.geometry.measured.standards import LaidStandard
 from railhead.geometry.placement import PlacementError
 from railhead.geometry.wheelset import (
@@ -140,8 +140,7 @@ class Location(Examined):
         in the axes of their side. "rows" has an entry for each shift at which the wheelset can
         stand, "left_out" one for each other shift.
         """
-        placed, pair = self.placed, solid.solved_side(self.scene, self.placed).pair
-        radii = self.radii
+        placed = self.placed
         return {
             "case": self.scene.name,
             "scene": portable(self.scene),
@@ -151,11 +150,6 @@ class Location(Examined):
             "rolling_radius_difference_mm": placed.rolling_radius_difference,
             "right": _contacts(placed.right),
             "left": _contacts(placed.left),
-            "measured": {
-                key: smoothness(profile)
-                for key, profile in (("rail", pair.rail), ("wheel", pair.wheel))
-                if key in solid.measured_bodies(self.scene)
-            },
             "rows": [
                 {key: row[column] for key, (column, _, _) in COLUMNS.items()}
                 for row in self.positions()
@@ -165,7 +159,7 @@ class Location(Examined):
                 for shift, each in zip(self._shifts, self._found, strict=True)
                 if isinstance(each, PlacementError)
             ],
-            "jumps_mm": radii.jumps,
+            "jumps_mm": self.radii.jumps,
             "conicity": [
                 {"amplitude_mm": amplitude, "value": value}
                 for amplitude, value in self.level.conicities.items()
@@ -278,12 +272,6 @@ class Location(Examined):
             self._show_contacts(console, units, summary)
         else:
             _show_rows(console, units, summary)
-        for key, smooth in summary["measured"].items():
-            console.print(
-                f"{key} profile: radius {_radii(smooth['curvatures'], units)}; "
-                f"{smooth['waves']} changes between convex and concave",
-                highlight=False,
-            )
         jumps = ", ".join(f"{units.value(each, 'mm'):.4g}" for each in summary["jumps_mm"])
         text = f"at shifts of {jumps} {units.unit('mm')}" if jumps else "none"
         terminal.labelled(console, f"jumps      {text}")
@@ -412,11 +400,8 @@ class ExaminedProfile(Examined):
     worn: LaidStandard | None
 
     def summary(self) -> dict[str, Any]:
-        """Content of summary.json: lengths in mm, areas in mm2, curvatures in 1/mm, in the axes of
-        profiles.
-        """
+        """Content of summary.json: lengths in mm, areas in mm2, in the axes of profiles."""
         found, worn = self.measured, self.worn
-        low, middle, high = smoothness(found.profile)["curvatures"]
         wear = worn and {
             "largest_mm": worn.largest_loss,
             "largest_y_mm": float(worn.y[worn.worst]),
@@ -427,7 +412,6 @@ class ExaminedProfile(Examined):
             **found.summary(),
             "profile": {"origin": found.origin, "sides": found.oriented.sides},
             "domain_mm": list(found.profile.domain),
-            "curvatures_per_mm": {"5%": low, "50%": middle, "95%": high},
             "standard": worn and worn.name,
             "wear": wear,
         }
@@ -458,14 +442,9 @@ class ExaminedProfile(Examined):
         return {"profile.png": draw}
 
     def show(self, console: Console, units: Units = BASE_UNITS) -> None:
-        """Print reading and smoothing of the file, radii of curvature and wear. units: of the
-        numbers.
-        """
-        summary, worn = self.summary(), self.worn
-        lines = [
-            *terminal.profile_lines({self.measured.body: summary}, units),
-            f"radius     {_radii(summary['curvatures_per_mm'].values(), units)}",
-        ]
+        """Print reading and smoothing of the file, and wear. units: of the numbers."""
+        worn = self.worn
+        lines = [*terminal.profile_lines({self.measured.body: self.summary()}, units)]
         if worn:
             lines.append(
                 f"wear       against {worn.name}: at most {units.text(worn.largest_loss, 'mm', 3)} "
@@ -495,11 +474,3 @@ def profile(
     found = solid.from_file(scene, kind)
     worn = standards.nearest(found.resampled(standards.STEP), kind)
     return ExaminedProfile(scene, found, worn if worn.fits else None)
-
-
-def _radii(curvatures: Iterable[float], units: Units) -> str:
-    """Radii (negative where concave) as text for the curvatures (1/mm) below which 5, 50 and 95 %
-    of a profile lie.
-    """
-    radii = (f"{units.value(1 / value, 'mm'):.4g}" if value else "inf" for value in curvatures)
-    return f"{', '.join(radii)} {units.unit('mm')} at 5, 50, 95 % of the curvature"

@@ -245,19 +245,11 @@ class Plan:
 
     @property
     def profiles(self) -> dict[str, dict[str, Any]]:
-        """By body ('rail', 'wheel') whose profile comes from a file: remarks on reading, noise,
-        smoothing wavelengths and curvatures, as in summary.json, and the wavelength at the
-        contact, mm; empty for half-spaces.
+        """By body ('rail', 'wheel') whose profile comes from a file: remarks on reading, noise and
+        smoothing wavelengths, as in summary.json.
         """
-        if self.contact.half_space:
-            return {}
-        places = {"rail": self.contact.touch.y, "wheel": self.contact.touch.wheel_y}
-        found = {}
-        for body in solid.measured_bodies(self.scene):
-            each = solid.from_file(self.scene, body)
-            at_contact = each.wavelength(places[body])
-            found[body] = {**each.summary(), "smoothing_at_contact_mm": at_contact}
-        return found
+        bodies = solid.measured_bodies(self.scene)
+        return {body: solid.from_file(self.scene, body).summary() for body in bodies}
 
     @property
     def deformable(self) -> tuple[int, ...]:

@@ -75,11 +75,10 @@ class Table:
     """Points of a file, before they are turned into the axes of the project.
     points: (n, 2) of y, and z up or down, in the order and the unit of the file; of a Simpack file
         after the shifts and mirrors of its header.
-    unit: unit that the file states, a key of UNIT_NAMES; '' where it states none. With
-        `unit_is_given` also one of OTHER_UNITS, or two units joined by ' and '.
+    unit: unit that the file states, a key of UNIT_NAMES; '' where it states none, and of a table
+        where the user gives it.
     body: 'rail', 'wheel', or '' where the file does not say.
     format: 'MiniProf', 'Simpack', or 'table by ' and the name of the separator.
-    remarks: what was left out or computed while reading.
     lines: (n,) line number of each point.
     outward: 1 or -1 where the format defines z: the sign of the z that points out of the metal.
     field: 1 or -1 where the format defines y: the sign of the y that points to the field side.
@@ -92,7 +91,6 @@ class Table:
     unit: str
     body: str
     format: str
-    remarks: tuple[str, ...]
     lines: tuple[int, ...]
     outward: int | None = None
     field: int | None = None
@@ -154,37 +152,30 @@ def _numbers(line: str, separator: str, decimal: str) -> list[float] | None:
 
 def _rows(
     name: str, lines: Sequence[str], span: range, layout: tuple[str, str], comment: re.Pattern[str]
-) -> tuple[list[list[float]], tuple[int, ...], int]:
-    """Rows of numbers, one for each line of a span that is not empty or commented out, the line
-    number of each row (n,), and how many rows are commented out.
+) -> tuple[list[list[float]], tuple[int, ...]]:
+    """Rows of numbers, one for each line of a span that is not empty or commented out, and the line
+    number of each row (n,).
     name: file name, for messages.
     span: indices of the lines.
     layout: separator (regular expression) and decimal mark.
     comment: what begins a comment line.
     Raises FormatError for a line that is no row, and where there is none.
     """
-    rows, where, out = [], [], 0
+    rows, where = [], []
     for i in span:
         line = lines[i].strip()
-        mark = comment.match(line)
-        row = _numbers(line[mark.end() if mark else 0 :], *layout)
-        if mark:
-            out += row is not None
-        elif row:
-            rows.append(row)
-            where.append(i + 1)
-        elif line:
+        if not line or comment.match(line):
+            continue
+        row = _numbers(line, *layout)
+        if row is None:
             text = f"{line[:SHOWN]!r} is no point; give two numbers y, z, or begin a comment with "
             raise FormatError(name, i + 1, f"{text}{'#' if comment is COMMENT else '!'}")
+        rows.append(row)
+        where.append(i + 1)
     if not rows:
         text = "no points follow; give two numbers y, z a line"
         raise FormatError(name, max(min(span.start + 1, len(lines)), 1), text)
-    return rows, tuple(where), out
-
-
-def _commented_out(count: int) -> tuple[str, ...]:
-    """Remark on a number of rows that are commented out; () if there are none."""
-    return (f"{count} line{'s' * (count > 1)} commented out",) if count else ()
+    return rows, tuple(where)
 
 
 def _points(
@@ -222,21 +213,19 @@ def _miniprof(name: str, lines: Sequence[str], body: str) -> Table:
     point.
     """
     numeric = [_numbers(re.sub(r"^\s*[#%\"]", "", line), *INSTRUMENT_LAYOUT) for line in lines]
-    ends = [i for i, line in enumerate(lines) if line.startswith("[")] + [len(lines)]
-    parts = [(start, end) for start, end in zip([0, *ends], ends, strict=False) if start < end]
-    starts = [
-        (next((i for i in range(*part) if all(numeric[i : i + FOLLOWING])), part[1]), part[1])
-        for part in parts
-    ]
-    full = [each for each in starts if each[0] < each[1]]
-    if len(full) > 1:
-        raise FormatError(name, full[1][0] + 1, "begins another profile; give a file with one")
-    start, end = full[0] if full else (len(lines), len(lines))
+
+    def points_from(begin: int) -> int:
+        """Index of the first line of points at or behind a line; that of the end without one."""
+        behind = range(begin, len(lines))
+        return next((i for i in behind if all(numeric[i : i + FOLLOWING])), len(lines))
+
+    start = points_from(0)
+    end = next((i for i in range(start, len(lines)) if lines[i].startswith("[")), len(lines))
+    if points_from(end) < len(lines):
+        text = "begins another profile; give a file with one"
+        raise FormatError(name, points_from(end) + 1, text)
     header = dict(line.split("=", 1) for line in lines[:start] if "=" in line)
-    layout = INSTRUMENT_LAYOUT
-    rows, at_lines, out = _rows(name, lines, range(start, end), layout, COMMENTED_OUT)
-    promised = header.get("XYPoints", "").strip()
-    short = promised.isdecimal() and len(rows) + out < int(promised)
+    rows, at_lines = _rows(name, lines, range(start, end), INSTRUMENT_LAYOUT, COMMENTED_OUT)
     names = [column.strip().upper() for column in header.get("ColumnDef", "X,Y").split(",")]
     columns = [names.index(column) for column in ("X", "Y") if column in names]
     tape = header.get("WheelDiameterTaperline", "").strip()
@@ -246,7 +235,6 @@ def _miniprof(name: str, lines: Sequence[str], body: str) -> Table:
         unit="mm",
         body=body,
         format="MiniProf",
-        remarks=(*_commented_out(out), *(f"of {promised} by its header",) * short),
         lines=at_lines,
         outward=1 if body == "wheel" else None,
         field=1 if body == "wheel" else None,
@@ -287,7 +275,7 @@ def _simpack(name: str, lines: Sequence[str], body: str) -> Table:
         return value
 
     span = range(begin + 1, bare.index("point.end", begin))
-    rows, at_lines, out = _rows(name, lines, span, INSTRUMENT_LAYOUT, COMMENTED_OUT)
+    rows, at_lines = _rows(name, lines, span, INSTRUMENT_LAYOUT, COMMENTED_OUT)
     listed = _points(name, rows, at_lines, (0, 1))
     points = listed + [number("shift.y"), number("shift.z")]
     turn = number("rotate") / number("units.ang.f", 1.0)
@@ -305,14 +293,12 @@ def _simpack(name: str, lines: Sequence[str], body: str) -> Table:
     if not unit:
         text = f"units.len.f = {factor:g} is the factor of no unit; give 1000 for mm, 1 for m"
         raise FormatError(name, keys["units.len.f"][0], text)
-    changes = ("shift.y", "shift.z", "rotate", "mirror.y", "mirror.z")
     kind = {"0": "rail", "1": "wheel"}.get(keys.get("type", (0, ""))[1], body)
     return Table(
         points=points,
         unit=unit,
         body=kind,
         format="Simpack",
-        remarks=(*_commented_out(out), *(f"{key} done" for key in changes if number(key))),
         lines=at_lines,
         outward=-1 if kind == "rail" else 1,
         field=1,
@@ -335,7 +321,7 @@ def _table(name: str, lines: Sequence[str], unit_is_given: bool) -> Table:
     )
     start = next((i for i, line in data if _numbers(line, separator, decimal)), len(lines))
     span = range(start, len(lines))
-    rows, at_lines, _ = _rows(name, lines, span, (separator, decimal), COMMENT)
+    rows, at_lines = _rows(name, lines, span, (separator, decimal), COMMENT)
     header = [(i + 1, line) for i, line in full if i < start]
     count = max(map(len, rows))
     named = _columns(name, header, separator, count)
@@ -351,10 +337,9 @@ def _table(name: str, lines: Sequence[str], unit_is_given: bool) -> Table:
     points = _points(name, rows, at_lines, columns)
     return Table(
         points=points,
-        unit=" and ".join(units),
+        unit="" if unit_is_given else "".join(units),
         body="",
         format=f"table by {words}",
-        remarks=(f"columns {columns[0] + 1} and {columns[1] + 1} of {count}",) * (count > 2),
         lines=at_lines,
         resolution=_last_digit(points),
     )

@@ -26,7 +26,6 @@ SAMPLE, SHARP = 0.1, 0.02  # mm between the points of a profile's spline; of one
 LOOSE = 1.0  # mm beyond half a step between points, or two usual ones: no curve through them
 CUT = 2.5  # mm across that undercut sides take of the width of a sound profile, at most
 EDGE = 0.02  # share of the width at either end that reports leave out
-WAVE, STRIDE, BENT = 4.0, 0.1, 10.0  # mm, mm and deg: sound profiles bend to and fro by 2 to 4
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,7 +33,7 @@ class Measured:
     """A profile from a file.
     path: the file.
     body: 'rail' or 'wheel'.
-    remarks: how the file was read and turned, and warnings.
+    remarks: how the file was read and turned.
     oriented: how its points were brought to the axes of profiles, without the inclination.
     roll: (2, 2) rotation of points as rows by the inclination.
     smoothed: the smooth curve along its points, in the axes of profiles, turned by the inclination.
@@ -93,44 +92,21 @@ class Measured:
         return np.asarray(self.smoothed.curve(np.arange(step / 2, self.smoothed.length, step)))
 
     @property
-    def sharpest(self) -> tuple[float, float]:
-        """Largest magnitude of the curvature before and after smoothing, 1/mm, without the
-        outermost 2 % of the width at each end.
-        """
-        smoothed, (start, end) = self.smoothed, inner(self.profile)
-        y = self.points[1:-1, 0]
-        within = (y > start) & (y < end)
-        after = smoothing.curvature(smoothed.curve, smoothed.s[1:-1][within])
-        before = smoothed.rough_curvature()[within]
-        return float(np.abs(before).max()), float(np.abs(after).max())
-
-    @property
-    def _across(self) -> Array:
-        """y (k,) in mm of the places at which wavelengths are given."""
-        return np.asarray(self.smoothed.curve(self.smoothed.places)[:, 0])
-
-    def wavelength(self, y: float) -> float:
-        """Smoothing wavelength, mm, at the place of the curve whose y is nearest to the given one
-        (mm).
-        """
-        return float(self.smoothed.wavelength[np.argmin(np.abs(self._across - y))])
-
-    @property
     def wavelengths(self) -> tuple[float, float]:
         """Shortest and longest smoothing wavelength of the profile, mm, without the outermost 2 %
         at each end.
         """
-        (start, end), across = inner(self.profile), self._across
+        start, end = inner(self.profile)
+        across = self.smoothed.curve(self.smoothed.places)[:, 0]
         within = self.smoothed.wavelength[(across > start) & (across < end)]
         return float(within.min()), float(within.max())
 
     def summary(self) -> dict[str, Any]:
         """Entries of summary.json: file, remarks ('read'), origin and sides, number of points,
         their median distance in mm, the last digit in mm of points that are taken as drawn (else
-        0), noise in mm, shortest and longest smoothing wavelength in mm (0 for points as drawn),
-        and largest curvature before and after smoothing in 1/mm.
+        0), noise in mm, and shortest and longest smoothing wavelength in mm (0 for points as
+        drawn).
         """
-        before, after = self.sharpest
         return {
             "file": self.path.name,
             "read": list(self.remarks),
@@ -141,8 +117,6 @@ class Measured:
             "rounded_to_mm": self.smoothed.rounding,
             "noise_mm": self.smoothed.noise,
             "smoothing_mm": list(self.wavelengths),
-            "largest_curvature_before_per_mm": before,
-            "largest_curvature_after_per_mm": after,
         }
 
 
@@ -234,11 +208,6 @@ def _read(
         raise _refused(path, table, listed, error) from None
     except ValueError as error:
         raise ValueError(f"{path.name} {error}") from None
-    if found := wave(smoothed, *inner(profile)):
-        angle, place = found
-        text = f"WARNING: it bends by {angle:.0f} deg and back within {WAVE:g} mm at y = "
-        text += f"{place[0]:.1f}, line {_line(table, listed, place)}: taken for shape"
-        remarks = (*remarks, text)
     return Measured(
         path=path,
         body=body,
@@ -278,49 +247,13 @@ def _in_axes(
         raise _refused(path, table, listed, error) from None
     cut = [f"cut off {ordering.HEAD_DEPTH:g} mm below its top"] * (len(head) < len(listed))
     cut += [f"left out {len(head) - len(kept)} points beyond a gap"] * (len(kept) < len(head))
-    read = (f"{table.format}, {len(listed)} points", unit, *found.done, *cut, *table.remarks)
+    read = (f"{table.format}, {len(listed)} points", unit, *found.done, *cut)
     return table, found, kept, read
 
 
 def _refused(path: Path, table: Table, points: Array, error: PointError) -> FormatError:
-    """The error at a point as an error of the line of the file. points: (n, 2) of the table, in the
-    axes of the error's place.
+    """The error at a point as an error of the line of the file, that of the nearest of points (n,
+    2) of the table, in the axes of the error's place.
     """
-    return FormatError(path.name, _line(table, points, error.place), str(error))
-
-
-def _line(table: Table, points: Array, place: Array) -> int:
-    """Line number of the point nearest to a place (2,). points: (n, 2) of the table, in the axes of
-    the place.
-    """
-    return table.lines[int(np.argmin(np.abs(points - place).max(axis=1)))]
-
-
-def wave(smoothed: Smoothed, start: float, end: float) -> tuple[float, Array] | None:
-    """Largest angle (deg) by which the curve bends one way and back within 4 mm (WAVE) of its
-    length, and the middle (y, z) of these 4 mm, mm; None where none is above 10 deg (BENT). Of two
-    opposite bends the smaller one is the angle: range of the tangent's angle less its net change.
-    Of a drawn profile the straight lines between its points count, which turn one way at a corner.
-    start, end: smallest and largest y of the middle, mm.
-    """
-    curve = smoothed.curve(np.arange(0.0, smoothed.length, STRIDE))
-    if smoothed.rounding:
-        curve = ordering.resampled(smoothed.points, STRIDE)
-    dy, dz = np.gradient(curve, axis=0).T
-    angle = np.degrees(np.unwrap(np.arctan2(dz, dy)))
-    angles = np.lib.stride_tricks.sliding_window_view(angle, round(WAVE / STRIDE) + 1)
-    back = np.ptp(angles, axis=1) - np.abs(angles[:, -1] - angles[:, 0])
-    middle = curve[round(WAVE / STRIDE) // 2 :][: len(back)]
-    back = np.where((middle[:, 0] > start) & (middle[:, 0] < end), back, 0.0)
-    worst = int(np.argmax(back))
-    return (float(back[worst]), middle[worst]) if back[worst] > BENT else None
-
-
-def smoothness(profile: Profile) -> dict[str, Any]:
-    """Curvature of a measured profile without the outermost 2 % at each end: 5, 50 and 95 %
-    quantiles ('curvatures', 1/mm, positive is convex), and the number of changes between convex and
-    concave ('waves'). A wavy curvature scatters the pressure.
-    """
-    curvature = profile.curvature(np.linspace(*inner(profile), 2001))
-    quantiles = tuple(map(float, np.quantile(curvature, (0.05, 0.5, 0.95))))
-    return {"curvatures": quantiles, "waves": int(np.sum(np.diff(np.sign(curvature)) != 0))}
+    nearest = int(np.argmin(np.abs(points - error.place).max(axis=1)))
+    return FormatError(path.name, table.lines[nearest], str(error))

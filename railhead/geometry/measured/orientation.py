@@ -378,11 +378,7 @@ def in_mm(table: Table, body: str, given: str) -> tuple[Table, str]:
         text = f"is {width:.4g} wide, which is no usual width of a {body} in {', '.join(widths)}; "
         text += "give its profile_unit, or name it in a header, y before z"
         raise PointError(text, table.points[np.argmax(np.abs(y - np.median(y)))])
-    if given == "auto":
-        source = f" ({'as the file says' if stated else 'by its width'})"
-    else:
-        overruled = table.unit not in ("", unit)
-        source = f" as given (the file says {table.unit})" * overruled
+    source = "as given" if given != "auto" else "as the file says" if stated else "by its width"
     mm = MM_OF_UNIT[unit]
     scaled = replace(table, points=mm * table.points, resolution=mm * table.resolution)
-    return scaled, f"in {unit}{source}"
+    return scaled, f"in {unit} ({source})"

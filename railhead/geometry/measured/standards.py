@@ -149,32 +149,21 @@ def laid(name: str, points: Array) -> LaidStandard:
         inside = (index > 0) & (index < len(outline) - 1) & (normal[index, 1] > 0)
         return np.where(inside, below, np.nan)
 
-    def loss(move: Array) -> Array:
-        """Depth (n,) in mm, 0 where it is not known."""
-        return np.nan_to_num(depth(move))
-
-    def asymmetric(move: Array) -> Array:
-        """Residuals (n,) in which losses count less and parts outside count more."""
-        off = loss(move) / SOFT
+    def residuals(move: Array) -> Array:
+        """Residuals (n,): large losses count less, and parts outside more; 0 where the depth is not
+        known.
+        """
+        off = np.nan_to_num(depth(move)) / SOFT
         return np.where(off > 0, off * np.sqrt(2 / (1 + np.hypot(1, off))), OUTSIDE * off)
 
-    def distance(move: Array) -> float:
-        """Mean distance in mm of the moved points to the outline."""
-        return float(tree.query(_moved(points, move))[0].mean())
-
-    is_rail = name in profiles.STANDARD_RAILS
     up = outline[:, 1].max() - points[:, 1].max()
     starts = [[_middle(outline) - _middle(points), up, 0.0]]
-    if not is_rail:  # without turning, and by the tip of its flange too
+    if name not in profiles.STANDARD_RAILS:  # without turning, and by the tip of its flange too
         tips = outline[np.argmax(outline[:, 1]), 0] - points[np.argmax(points[:, 1]), 0]
         starts = [[starts[0][0], up], [tips, up]]
-    rough = [
-        least_squares(loss, start, loss="soft_l1", f_scale=SOFT, max_nfev=ITERATIONS).x
-        for start in starts
-    ]
-    move = min(rough, key=distance)
-    fit = least_squares(asymmetric, move, max_nfev=ITERATIONS).x
-    move = fit if distance(fit) < 2 * distance(move) + 1 else move  # it may slip off the points
+    fits = [least_squares(residuals, start, max_nfev=ITERATIONS) for start in starts]
+    best = min(fits, key=lambda fit: float(fit.cost))
+    move = best.x
     found = depth(move)
     known = points[np.isfinite(found), 0]
     compared = len(known) > 0 and np.ptp(known) > COMPARED
@@ -183,8 +172,8 @@ def laid(name: str, points: Array) -> LaidStandard:
         outline=(outline - move[:2]) @ _turn(move).T,
         y=points[:, 0],
         loss=found,
-        misfit=0.5 * float((asymmetric(move) ** 2).mean()) if compared else np.inf,
-        slope=float(move[2]) if is_rail else 0.0,
+        misfit=float(best.cost) / len(points) if compared else np.inf,
+        slope=float(move[2]) if len(move) > 2 else 0.0,
     )
 
 

@@ -162,17 +162,7 @@ def profile_lines(
         if digit := found.get("rounded_to_mm"):
             smoothing = f"taken as drawn (points {units.text(found['apart_mm'], 'mm', 2)} apart, "
             smoothing += f"rounded to {units.text(digit, 'mm', 1)})"
-        elif here := found.get("smoothing_at_contact_mm"):
-            smoothing += f", {units.value(here, 'mm'):.3g} at the contact"
-        before, after = (
-            units.text(found[f"largest_curvature_{when}_per_mm"], "1/mm", 3)
-            for when in ("before", "after")
-        )
-        noise = units.text(1e3 * found["noise_mm"], "um", 2)
-        yield (
-            f"           noise {noise}; {smoothing}; "
-            f"largest curvature {before} before, {after} after"
-        )
+        yield f"           noise {units.text(1e3 * found['noise_mm'], 'um', 2)}; {smoothing}"
 
 
 def _places(origin: Mapping[str, Any], units: Units) -> str:

@@ -110,16 +110,3 @@ def test_joints_of_s1002_are_tangent() -> None:
         )
         assert heights[0] == pytest.approx(heights[1], abs=2e-4)
         assert np.arctan(slopes[0]) == pytest.approx(np.arctan(slopes[1]), abs=5e-6)
-
-
-def test_smoothness_tells_a_wavy_profile_from_a_smooth_one() -> None:
-    y = np.linspace(-20, 20, 401)
-    arc = profiles.single_radius(300, 20).height(y)
-    smooth, wavy = (
-        measured.smoothness(measured.from_points("arc", np.column_stack([y, arc + wave]))[1])
-        for wave in (0.0, 0.02 * np.sin(2 * y))
-    )
-    assert 1 / np.array(smooth["curvatures"]) == pytest.approx(np.full(3, 300.0), rel=0.01)
-    assert smooth["waves"] == 0
-    assert wavy["waves"] == pytest.approx(4 * 20 * 0.96 * 2 / np.pi / 2, abs=2)
-    assert wavy["curvatures"][0] < 0 < wavy["curvatures"][2]

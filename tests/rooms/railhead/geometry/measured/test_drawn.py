@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from profile_points import even, wheel
 
 from railhead.geometry import profiles
 from railhead.geometry.measured import formats, smoothing
@@ -130,9 +129,6 @@ def by_chords(tolerance: float) -> np.ndarray:
 
 
 SPARSE = by_chords(0.002)
-CHAMFERED = np.concatenate(
-    [even(wheel(), 0.25), wheel()[-1] + np.outer(np.arange(0.25, 5.0, 0.25), [1.0, -1.0])]
-)
 TWICE = np.sort(np.concatenate([np.arange(-35.5, 35.6, 0.25), JOINTS, JOINTS + 1e-3]))
 AT_JOINTS = np.column_stack([TWICE, RAIL.height(TWICE)])
 
@@ -144,10 +140,3 @@ def test_points_of_any_distance_make_the_arcs(points: np.ndarray, decimals: int)
     middles = np.array([-30.0, -18.0, 0.0, 18.0, 30.0])
     np.testing.assert_allclose(profile.curvature(middles), 1 / RADII, rtol=0.05)
     np.testing.assert_allclose(profile.height(middles), RAIL.height(middles), atol=0.002)
-
-
-def test_a_drawn_corner_is_no_wave(tmp_path) -> None:
-    """The curve bends to and fro beside a chamfer of 45 deg, its points do not."""
-    file = tmp_path / "wheel.csv"
-    np.savetxt(file, CHAMFERED, "%.6f", ",")
-    assert not any("WARNING" in said for said in measured.read(file, "wheel").remarks)
