@@ -1,12 +1,10 @@
-"""The pictures of one result: what they show, the file that keeps it, and all that are drawn."""
+"""The pictures of one result: what they show, the file of its arrays, and all that are drawn."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from functools import partial
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,23 +15,12 @@ from railhead.theory.elastic.line import Hertz, LineContact
 if TYPE_CHECKING:
     import meshio
 
-    from railhead.postprocess.findings import Findings
+    from railhead.postprocess.findings import Array, Findings
     from railhead.postprocess.pass_rows import Passes
     from railhead.postprocess.pictures.diagrams import Drawing
     from railhead.postprocess.pictures.plastic_plots import Yielded
-    from railhead.postprocess.symmetry import Planes
     from railhead.theory.friction.solution import FrictionSolution
 
-MODULES = (
-    "postprocess.findings",
-    "postprocess.pass_rows",
-    "postprocess.pictures.gallery",
-    "postprocess.pictures.plastic_plots",
-    "theory.elastic.hertz",
-    "theory.elastic.line",
-    "theory.friction.solution",
-)
-"""Modules whose dataclasses a file of `save` may hold."""
 WITHOUT_STRESSES = "pressure.png", "patch.png"
 
 
@@ -46,8 +33,6 @@ class Shown:
     poisson: Poisson's ratio of the body of `found.axis`.
     axes: those along which the pressure of finite elements varies, 0 for x, 1 for s: both of a
         solid, one of a section.
-    cut: unit normals of the symmetry planes at which the cells of solution.vtu were cut; none where
-        that file holds the images.
     friction: tractions at contact points of the whole model; None without friction.
     yielded: what yield left; None where nothing yields.
     passes: passes over a rail that yields; None where there are none.
@@ -57,70 +42,33 @@ class Shown:
     exact: Hertz | None
     poisson: float
     axes: Sequence[int] = (0, 1)
-    cut: Planes = ()
     friction: FrictionSolution | None = None
     yielded: Yielded | None = None
     passes: Passes | None = None
 
 
 def save(shown: Shown, path: Path) -> None:
-    """Write what pictures show into a .npz file: its arrays by their place in `Shown`, as
-    "found.surface.pressure", and all else as JSON. OSError: it cannot be written.
+    """Write the arrays of what pictures show into a .npz file, by their place in `Shown`, as
+    "found.surface.pressure". OSError: it cannot be written.
     """
-    arrays: dict[str, Any] = {}
-    plain = json.dumps(_plain(shown, "", arrays), default=lambda value: value.item())  # of numpy
-    np.savez_compressed(path, **arrays, plain=plain)
+    np.savez_compressed(path, **dict(_arrays(shown, "")))
 
 
-def load(path: Path) -> Shown:
-    """Read what `save` wrote; tuples come back as lists. Raises ValueError (one line) for a
-    file that is missing, damaged, or of another version of the program.
+def _arrays(value: Any, place: str) -> Iterator[tuple[str, Array]]:
+    """Names and arrays in a value: an array itself, or those in a dataclass, a table or a sequence.
+    place: names and numbers that lead to the value, a point behind each.
     """
-    known = {
-        name: value
-        for module in MODULES
-        for name, value in vars(import_module(f"railhead.{module}")).items()
-        if is_dataclass(value)
-    }
-    try:
-        with np.load(path) as file:
-            shown = _restored(json.loads(str(file["plain"])), file, known)
-        if not isinstance(shown, Shown):
-            raise TypeError
-    except Exception:  # the kind of error depends on the damaged part
-        text = "is missing, damaged, or of another version; run the scene again for its pictures"
-        raise ValueError(f"{path.name} {text}") from None
-    return shown
-
-
-def _plain(value: Any, place: str, arrays: dict[str, Any]) -> Any:
-    """A value as JSON knows it: an array by its name in `arrays`, to which it is added, an object
-    of a dataclass as a table of its fields and its class. place: names and numbers that lead to the
-    value, a point behind each.
-    """
+    parts: Mapping[Any, Any] = {}
     if isinstance(value, np.ndarray):
-        arrays[place[:-1]] = value
-        return {"array": place[:-1]}
-    if is_dataclass(value):
-        table = {each.name: getattr(value, each.name) for each in fields(value)}
-        return {"class": type(value).__name__, **_plain(table, place, arrays)}
-    if isinstance(value, list | tuple):
-        return list(_plain(dict(enumerate(value)), place, arrays).values())
-    if isinstance(value, Mapping):
-        return {key: _plain(each, f"{place}{key}.", arrays) for key, each in value.items()}
-    return value
-
-
-def _restored(value: Any, arrays: Mapping[str, Any], known: Mapping[str, Any]) -> Any:
-    """The value that `_plain` made this of, with tuples as lists. known: classes by name."""
-    if isinstance(value, list):
-        return [_restored(each, arrays, known) for each in value]
-    if not isinstance(value, dict):
-        return value
-    if "array" in value:
-        return arrays[value["array"]]
-    held = {key: _restored(each, arrays, known) for key, each in value.items() if key != "class"}
-    return known[value["class"]](**held) if "class" in value else held
+        yield place[:-1], value
+    elif is_dataclass(value):
+        parts = {each.name: getattr(value, each.name) for each in fields(value)}
+    elif isinstance(value, list | tuple):
+        parts = dict(enumerate(value))
+    elif isinstance(value, Mapping):
+        parts = value
+    for name, part in parts.items():
+        yield from _arrays(part, f"{place}{name}.")
 
 
 def drawings(

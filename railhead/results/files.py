@@ -107,23 +107,6 @@ def drawings(solved: Solved, summary: Mapping[str, Any], units: Units) -> dict[s
     return gallery.drawings(shown, cells, _friction(summary))
 
 
-def kept_drawings(folder: Path, summary: Mapping[str, Any], units: Units) -> dict[str, Drawing]:
-    """The pictures of the result in a folder by name of their PNG file; titles keep the units of
-    the run. ValueError: the folder does not hold what they show, or nothing touches.
-    """
-    from meshio import vtu
-
-    from railhead.postprocess.pictures import gallery
-
-    if summary["result"] is None:
-        raise ValueError("there is nothing to draw: nothing touches")
-    shown = gallery.load(folder / SHOWN)
-    subject = replace(shown.found.subject, units=units)
-    shown = replace(shown, found=replace(shown.found, subject=subject))
-    cells = cache(lambda: symmetry.grid(vtu.read(folder / "solution.vtu"), shown.cut))
-    return gallery.drawings(shown, cells, _friction(summary))
-
-
 def nodal_stress(solved: Solved) -> Array | None:
     """Stresses at the nodes (n, 6), columns xx, yy, zz, xy, xz, yz, MPa. None where nothing
     touches, off rank 0, of half-spaces, and where stresses are left out.
@@ -223,7 +206,6 @@ def _shown(solved: Solved, units: Units) -> Shown | None:
         found=found,
         friction=shown.friction and symmetry.tractions(shown.friction, planes),
         axes=fields.kinematics.varying,
-        cut=planes,
         yielded=yielded,
     )
 
