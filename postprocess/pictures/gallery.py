@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from railhead.postprocess.findings import Array, Findings
     from railhead.postprocess.pass_rows import Passes
     from railhead.postprocess.pictures.diagrams import Drawing
-    from railhead.postprocess.pictures.plastic_plots import Yielded
     from railhead.theory.friction.solution import FrictionSolution
 
 WITHOUT_STRESSES = "pressure.png", "patch.png"
@@ -34,7 +33,7 @@ class Shown:
     axes: those along which the pressure of finite elements varies, 0 for x, 1 for s: both of a
         solid, one of a section.
     friction: tractions at contact points of the whole model; None without friction.
-    yielded: what yield left; None where nothing yields.
+    unloaded: whether bodies that yield were unloaded.
     passes: passes over a rail that yields; None where there are none.
     """
 
@@ -43,7 +42,7 @@ class Shown:
     poisson: float
     axes: Sequence[int] = (0, 1)
     friction: FrictionSolution | None = None
-    yielded: Yielded | None = None
+    unloaded: bool = False
     passes: Passes | None = None
 
 
@@ -77,18 +76,17 @@ def drawings(
     """The pictures of one result by name of their PNG file. Nothing is drawn here. Pictures of the
     patch from above are those of a solid and of half-spaces that are no line contact.
 
-    cells: returns the grid of the cells, with nodal stresses, images of what symmetry left out
-        included; called by the pictures that need it. friction: "friction" of the result in
+    cells: returns the grid of the cells, with nodal stresses and, if they were unloaded, the von
+        Mises stress that is left ("residual_von_mises"), images of what symmetry left out included;
+        called by the pictures that need it. friction: "friction" of the result in
         summary.json, empty without friction.
     """
-    from railhead.postprocess.pictures import diagrams, friction_plots, plastic_plots
+    from railhead.postprocess.pictures import diagrams, friction_plots, pass_plots
 
     found, exact = shown.found, shown.exact
     every: dict[str, Drawing]
     if found.subject.method != "half-spaces":
         every = _of_bodies(shown, cells)
-        if shown.yielded is not None:
-            every["plastic.png"] = partial(plastic_plots.draw, shown.yielded, found, exact)
         if "p0_over_k" in friction:
             every["shakedown.png"] = partial(
                 friction_plots.draw_shakedown, friction, shown.poisson, found.subject
@@ -98,10 +96,10 @@ def drawings(
     else:
         every = {"patch.png": partial(diagrams.patch, found, exact)}
     if shown.passes is not None:
-        every["passes.png"] = partial(plastic_plots.draw_passes, shown.passes, found)
+        every["passes.png"] = partial(pass_plots.draw_passes, shown.passes, found)
         if len(shown.passes.sections[-1].y) > 1:
             every["passes_section.png"] = partial(
-                plastic_plots.draw_passes_section, shown.passes, found
+                pass_plots.draw_passes_section, shown.passes, found
             )
     if not found.largest:  # stresses were left out
         every = {name: draw for name, draw in every.items() if name in WITHOUT_STRESSES}
@@ -114,26 +112,22 @@ def _of_bodies(shown: Shown, cells: Callable[[], meshio.Mesh]) -> dict[str, Draw
     """Pictures of pressure and stress in meshed bodies; arguments as of `drawings`."""
     from railhead.postprocess.pictures import diagrams, render
 
-    found, exact = shown.found, shown.exact
+    found, exact, axis = shown.found, shown.exact, shown.axes[-1]
 
-    def in_cells(draw: Callable[..., Any], *given: Any) -> Drawing:
-        """A picture of the cells: draw(cells, *given, target)."""
-        return lambda target: draw(cells(), *given, target)
+    def fringes(axis: int, shades: Sequence[render.Shade]) -> Drawing:
+        """A picture of fields in a cut along an axis."""
+        return lambda target: render.fringes(cells(), axis, shades, found, target)
 
     every: dict[str, Drawing] = {
         "pressure.png": partial(diagrams.pressure, found, exact),
         "depth.png": partial(diagrams.depth, found, exact, shown.poisson),
+        "wheel_rail.png": lambda target: render.bodies(cells(), axis, found, target),
+        "stress_cut.png": fringes(axis, render.STRESSES),
     }
-    if len(shown.axes) == 1:
-        (axis,) = shown.axes
-        return every | {
-            "wheel_rail.png": in_cells(render.section, axis, found),
-            "stress_cut.png": in_cells(render.stresses_of_section, axis, found),
-        }
-    if found.subject.rolls:
-        every["stress_cut_along.png"] = in_cells(render.stresses_of_solid, 0, found)
-    return every | {
-        "patch.png": partial(diagrams.patch, found, exact),
-        "wheel_rail.png": in_cells(render.wheel_rail, found),
-        "stress_cut.png": in_cells(render.stresses_of_solid, 1, found),
-    }
+    if shown.unloaded:
+        every["plastic.png"] = fringes(axis, render.YIELD)
+    if len(shown.axes) == 2:
+        every["patch.png"] = partial(diagrams.patch, found, exact)
+        if found.subject.rolls:
+            every["stress_cut_along.png"] = fringes(0, render.STRESSES)
+    return every

@@ -17,6 +17,7 @@ from railhead.results.subject import subject
 from railhead.run.half_spaces.answer import HalfSpaceSolution, Solved
 from railhead.run.mesh_solution import MeshSolution
 from railhead.scene.scene import Scene
+from railhead.theory.elastic.subsurface import von_mises
 
 if TYPE_CHECKING:
     import meshio
@@ -194,28 +195,28 @@ def _shown(solved: Solved, units: Units) -> Shown | None:
         return shown
     fields = solved.fields
     assert fields is not None
-    planes, residual, elastic = fields.mirrors, solved.unloaded_fields, solved.elastic_reference
+    planes = fields.mirrors
     found = replace(found, surface=symmetry.surface(found.surface, planes), opposite=None)
-    yielded = None
-    if residual is not None and elastic is not None and elastic.findings:
-        from railhead.postprocess.pictures import plastic_plots
-
-        yielded = plastic_plots.read(fields, residual, found, elastic.findings)
     return replace(
         shown,
         found=found,
         friction=shown.friction and symmetry.tractions(shown.friction, planes),
         axes=fields.kinematics.varying,
-        yielded=yielded,
+        unloaded=solved.unloaded_fields is not None,
     )
 
 
 def _cells(solved: Solved, stresses: Array | None) -> meshio.Mesh:
-    """Grid of the cells, images of what symmetry left out included. stresses: as of `nodal_stress`.
-    ValueError: there are none.
+    """Grid of the cells, images of what symmetry left out included, of bodies that were unloaded
+    with the von Mises stress that is left at nodes. stresses: as of `nodal_stress`. ValueError:
+    there are none.
     """
     from railhead.postprocess import vtu
+    from railhead.postprocess.stress import gauss_points
 
-    if stresses is None or solved.fields is None:
+    if stresses is None or not isinstance(solved, MeshSolution) or solved.fields is None:
         raise ValueError("there are no stresses at nodes")
-    return symmetry.grid(vtu.volume_grid(solved.fields, stresses), solved.fields.mirrors)
+    grid = vtu.volume_grid(solved.fields, stresses)
+    if (left := solved.unloaded_fields) is not None:
+        grid.point_data["residual_von_mises"] = von_mises(gauss_points.nodal_stress(left))
+    return symmetry.grid(grid, solved.fields.mirrors)

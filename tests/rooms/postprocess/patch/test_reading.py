@@ -283,7 +283,7 @@ def lopsided(case):
 
 def test_the_bar_of_the_patch_is_as_wide_as_the_patch(blocks) -> None:
     case = blocks()
-    close = render.wheel_rail(case.volume, lopsided(case)).axes[1]
+    close = render.bodies(case.volume, 1, lopsided(case)).axes[1]
     (bar,) = [line.get_xdata() for line in close.lines if line.get_color() == render.CONTACT]
     b = case.ellipse.b
     assert (bar.min(), bar.max()) == pytest.approx((-b, 0.5 * b), rel=1e-3)

@@ -12,14 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from railhead.postprocess.findings import AxisPressure, OnePatch, Subject, Units
-from railhead.postprocess.pictures import (
-    diagrams,
-    friction_plots,
-    plastic_plots,
-    render,
-    sweep_plots,
-)
-from railhead.postprocess.pictures.plastic_plots import Yielded
+from railhead.postprocess.pictures import diagrams, friction_plots, render, sweep_plots
 
 TITLE = "a case of many words: 110.3 kN, wheel R 420 mm, tread cone20, on rail 54E1, half-spaces"
 
@@ -82,8 +75,8 @@ def test_all_patches_are_in_every_picture(blocks, sheets: list[Figure], tmp_path
     case = blocks(cut=False)
     found = two_patches(case)
     volume = case.volume
-    render.wheel_rail(volume, found, tmp_path / "w.png")
-    render.stresses_of_solid(volume, 1, found, tmp_path / "s.png")
+    render.bodies(volume, 1, found, tmp_path / "w.png")
+    render.fringes(volume, 1, render.STRESSES, found, tmp_path / "s.png")
     diagrams.patch(found, None, tmp_path / "p.png")
     places = (1, 0, 0)  # of the panel
     for figure, place in zip(sheets, places, strict=True):
@@ -101,7 +94,7 @@ def test_a_cut_along_the_rail_says_where_it_is(blocks, sheets: list[Figure], tmp
     case = blocks(cut=False)
     found = two_patches(case)
     found = replace(found, along=replace(found.along, at=0.5))
-    render.stresses_of_solid(case.volume, 0, found, tmp_path / "s.png")
+    render.fringes(case.volume, 0, render.STRESSES, found, tmp_path / "s.png")
     (figure,) = sheets
     assert figure.axes[0].get_xlabel() == found.subject.label(0)
     edges = [line for line in figure.axes[0].lines if line.get_gid() == "contact patch"]
@@ -126,7 +119,7 @@ def test_long_labels_do_not_leave_the_sheet(blocks, sheets: list[Figure], tmp_pa
     }
     names = {"rail": "lower cylinder", "wheel": "upper cylinder"}
     found = replace(case.findings, largest=largest, subject=Subject(TITLE, names))
-    render.stresses_of_solid(case.volume, 1, found, tmp_path / "s.png")
+    render.fringes(case.volume, 1, render.STRESSES, found, tmp_path / "s.png")
     diagrams.depth(found, case.ellipse, 0.3, tmp_path / "d.png")
     for figure in sheets:
         assert not cut_off(figure)
@@ -219,50 +212,18 @@ def test_arrows_are_spread_evenly() -> None:
     assert np.abs(few - np.floor(few) - 0.5).max() < 0.4
 
 
-def shown(case: Any, **changes: Any) -> Yielded:
-    """What the picture of yield shows, with some of it changed."""
-    found = case.findings
-    none = np.zeros(0)
-    plain = Yielded(
-        points=np.zeros((0, 3)), body=np.zeros(0, dtype=int), strain=none, residual=none, rises={},
-        carrier="rail", elastic=found.across, axis=1, window=(0.0, case.ellipse.b),
-    )  # fmt: skip
-    return replace(plain, **changes)
-
-
-def test_no_yield_is_said_and_coloured_as_none(blocks) -> None:
+def test_what_yields_is_drawn_in_percent_and_nothing_as_none(blocks) -> None:
+    """The data of cells is drawn at nodes; a field of zeros has the lowest colour."""
     case = blocks(cut=False)
-    points = case.fields.points
-    zero, body = np.zeros(len(points)), np.where(points[:, 2] < 0, 1, 2)
-    window = plastic_plots._window(two_patches(case), points[:0], 1)
-    yielded = shown(case, points=points, body=body, strain=zero, residual=zero, window=window)
-    with diagrams.new_figure(None, 5, 5) as figure:
-        axes, other = figure.subplots(2)
-        plastic_plots._cuts((axes, other), two_patches(case), yielded)
-        assert axes.collections[0].get_clim()[0] == 0.0
-        assert axes.get_title() == "none here"
-        assert [each.get_text() for each in axes.texts] == ["rail", "wheel"]
-        assert axes.get_xlim()[0] < -1.5 * case.ellipse.b  # below the other patch too
-
-
-@pytest.mark.parametrize("yields", [1, 2])
-def test_the_surface_that_yields_is_drawn_whichever_it_is(blocks, yields: int) -> None:
-    """The other one, which came back but for rounding, is left out."""
-    case = blocks(cut=False)
-    fields = case.fields
-    top = np.flatnonzero(np.abs(fields.points[:, 2]) < 1e-9)
-    nodes = {body: np.intersect1d(top, fields.cells[fields.body == body]) for body in (1, 2)}
-    rises = {}
-    for body, name in ((1, "rail"), (2, "wheel")):
-        up = np.full(len(nodes[body]), 2.0 if body == yields else 1e-12)
-        rises[name] = np.column_stack([fields.points[nodes[body], :2], up])
-    with diagrams.new_figure(None, 5, 5) as figure:
-        axes = figure.add_subplot()
-        plastic_plots._heights(axes, shown(case, rises=rises), case.findings)
-    name = case.findings.subject.names["rail" if yields == 1 else "wheel"]
-    assert [line.get_label().split(",")[0] for line in axes.lines] == [name, name]
-    assert all(np.ptp(line.get_ydata()) < 1e-9 for line in axes.lines)
-    assert axes.lines[0].get_ydata()[0] == pytest.approx(2.0)
+    grid = case.volume
+    middles = grid.points[grid.cells[0].data].mean(axis=1)
+    grid.cell_data["equivalent_plastic_strain"] = [np.where(middles[:, 2] < 0, 0.02, 0.0)]
+    grid.point_data["residual_von_mises"] = np.zeros(len(grid.points))
+    strain, stress, *bars = render.fringes(grid, 1, render.YIELD, case.findings).axes
+    assert [axes.collections[0].get_clim()[0] for axes in (strain, stress)] == [0.0, 0.0]
+    assert [text.get_text() for text in strain.texts] == ["rail", "wheel"]
+    assert bars[0].get_xlabel() == "equivalent plastic strain, %"
+    assert bars[0].get_xlim()[1] == pytest.approx(2.0, rel=0.1)
 
 
 def test_sweeps_and_the_shakedown_map_say_what_they_are_of(sheets: list[Figure], tmp_path) -> None:
