@@ -132,9 +132,6 @@ def write_grids(solved: Solved, stresses: Array | None, folder: Path) -> None:
 
     for name, grid in paraview_grids(solved, stresses):
         vtu.write(grid, folder / f"{name}.vtu")
-    if stresses is not None and isinstance(solved, MeshSolution) and solved.unloaded_fields:
-        names = {0.0: "solution.vtu", 1.0: "residual.vtu"}
-        vtu.series(names, folder / "solution.pvd")
 
 
 def paraview_grids(solved: Solved, stresses: Array | None) -> Iterator[tuple[str, meshio.Mesh]]:

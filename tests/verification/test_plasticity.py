@@ -270,7 +270,6 @@ def test_files_and_picture_show_the_load_and_what_it_leaves(
     loaded, left = (
         meshio.read(tmp_path / "out" / f"{name}.vtu") for name in ("solution", "residual")
     )
-    assert "residual.vtu" in (tmp_path / "out" / "solution.pvd").read_text(encoding="utf-8")
     most = five.as_dict()["result"]["plastic"]["strain_max"]
     for grid in (loaded, left):
         assert 0.7 * most < grid.cell_data["equivalent_plastic_strain"][0].max() <= most

@@ -11,7 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from railhead.postprocess.findings import AxisPressure, OnePatch, Subject, Units
+from railhead.postprocess.findings import OnePatch, Subject, Units
 from railhead.postprocess.pictures import diagrams, friction_plots, render, sweep_plots
 
 TITLE = "a case of many words: 110.3 kN, wheel R 420 mm, tread cone20, on rail 54E1, half-spaces"
@@ -104,13 +104,6 @@ def test_a_cut_along_the_rail_says_where_it_is(blocks, sheets: list[Figure], tmp
     assert not cut_off(figure)
 
 
-def test_the_cut_says_whose_pressure_it_shows(blocks) -> None:
-    found = two_patches(blocks(cut=False))
-    label = diagrams.pressure(found, None).axes[0].get_legend_handles_labels()[1][0]
-    shown = found.along.pressure.max()
-    assert f"of this patch {shown:.4g} MPa" in label and "2000 MPa" in label
-
-
 def test_long_labels_do_not_leave_the_sheet(blocks, sheets: list[Figure], tmp_path) -> None:
     case = blocks(cut=False)
     largest = {
@@ -136,16 +129,6 @@ def test_bands_hold_zero_and_all_values_and_little_more(values, ends) -> None:
     levels = diagrams.levels(Units(), "MPa", np.array(values), 12)
     assert np.all(np.diff(levels) > 0) and np.abs(levels).min() < 1e-9
     assert (levels[0], levels[-1]) == pytest.approx(ends, abs=1e-9)
-
-
-def test_pressure_ends_at_the_edge_of_the_patch(blocks) -> None:
-    ellipse = blocks().ellipse
-    x = ellipse.a * np.linspace(-1.25, 1.25, 42)
-    t, p = diagrams.loaded(AxisPressure(x, np.asarray(ellipse.pressure(x, 0))))
-    assert p[0] == p[-1] == 0.0 and np.all(p[1:-1] > 0)
-    assert (t[0], t[-1]) == pytest.approx((-ellipse.a, ellipse.a), rel=0.01)
-    ends = AxisPressure(np.array([-5.0, 5.0]), np.array([7.0, 7.0]))
-    assert np.array_equal(diagrams.loaded(ends), [[-5.0, 5.0], [7.0, 7.0]])
 
 
 def test_the_cross_of_the_largest_shear_is_whole_and_explained(blocks) -> None:
