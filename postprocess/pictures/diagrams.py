@@ -159,7 +159,8 @@ def _pressure_line(axes: Axes, findings: Findings, hertz: Hertz | None, axis: in
     count, units = len(findings.patch.each), findings.subject.units
     shown = findings.patch.each[0] if count else findings.patch
     name = f"{findings.subject.method}, largest pressure {units.text(shown.max_pressure, 'MPa')}"
-    axes.plot(line.coordinate, line.pressure, "o-", color=FE, lw=0.8, ms=3.5, label=name)
+    look: dict[str, Any] = {"color": FE, "lw": 0.8, "ms": 3.5, "markevery": line.pressure > 0}
+    axes.plot(line.coordinate, line.pressure, "o-", label=name, **look)
     axes.set_xlabel(findings.subject.label(axis))
     if not findings.subject.revolved:
         half = (findings.patch.b, findings.patch.a)[axis]

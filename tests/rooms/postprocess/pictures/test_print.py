@@ -188,13 +188,6 @@ def test_tractions_are_where_they_act_and_have_a_scale(
     assert not cut_off(sheets[0])
 
 
-def test_arrows_are_spread_evenly() -> None:
-    points = np.random.default_rng(1).uniform(0, 10, (3000, 2))
-    few = points[friction_plots.thinned(points, 1.0)]
-    assert len(few) == 100
-    assert np.abs(few - np.floor(few) - 0.5).max() < 0.4
-
-
 def test_what_yields_is_drawn_in_percent_and_nothing_as_none(blocks) -> None:
     """The data of cells is drawn at nodes; a field of zeros has the lowest colour."""
     case = blocks(cut=False)
