@@ -39,7 +39,7 @@ class Recovery:
 
     def __init__(self, fields: Fields, cells: NDArray[np.int64]) -> None:
         """fields: the solution. cells (m,): numbers of all cells of the body."""
-        self.points, self.stress = stress_at_gauss_points(fields, cells)
+        self.points, self.stress, _ = stress_at_gauss_points(fields, cells)
         self._axes = fields.kinematics.axes  # a section has no more coordinates than these
         points = symmetry.vectors(self.points.reshape(-1, 3), fields.mirrors)
         self._samples = points @ self._axes.T
