@@ -169,7 +169,7 @@ def row(
     rolling: RollingBlock, each: RollingPass, section: RailState, patch: PatchSolution
 ) -> dict[str, Any]:
     """Row of a pass, an entry of "passes" in summary.json, whose keys end in the unit. "place_mm"
-    is None where nothing yields, "width_mm" of a line contact.
+    is None where nothing yields.
     rolling: the block. each: the pass. section: whole state after it. patch: its pressure.
     """
     profile = each.profile
@@ -178,10 +178,7 @@ def row(
     along, across = (section.stress[..., axis].ravel() for axis in (0, 1))
     weight = patch.pressure.sum()
     lean = float((patch.pressure.sum(axis=1) * patch.x).sum() / weight)
-    pressed = np.flatnonzero(patch.pressure.any(axis=1))
-    wide = np.flatnonzero(patch.pressure.any(axis=0))
-    dx, ds = patch.x[1] - patch.x[0], patch.s[1] - patch.s[0]
-    width = None if rolling.block.dim == 2 else float((wide[-1] - wide[0] + 1) * ds)
+    largest = patch.pressure.max() if rolling.block.dim == 2 else patch.max_pressure
     return {
         "strain_increment_max": float(each.growth.max()),
         "strain_increment_rim": each.rim,
@@ -191,10 +188,7 @@ def row(
         "forward_mm": float(profile.along[middle]),
         "groove_mm": max(float(-section.up.min()), 0.0) + 0.0,
         "ridge_mm": float(max(section.up.max(), 0.0)),
-        "pressure_max_MPa": float(patch.max_pressure) if width else float(patch.pressure.max()),
-        "lead_mm": float(patch.x[pressed[-1]] + dx / 2),
-        "trail_mm": float(patch.x[pressed[0]] - dx / 2),
-        "width_mm": width,
+        "pressure_max_MPa": float(largest),
         "lean_mm": lean,
         "residual_along_MPa": float(along[np.argmax(np.abs(along))]),
         "residual_across_MPa": float(across[np.argmax(np.abs(across))]),

@@ -118,7 +118,7 @@ def load(folder: str | Path) -> Result | Sweep:
     try:
         if (folder / store.REQUEST).is_file():
             return Sweep(folder)
-        found = Result(None, json.loads((folder / "summary.json").read_text("utf-8")), folder)
+        found = Result(None, json.loads((folder / "summary.json").read_text("utf-8")))
         terminal.recorded(found.show)  # reads every number once: what is broken shows here
     except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
         if isinstance(error, SceneError):

@@ -236,9 +236,6 @@ def _on_strips(friction: FrictionSolution, frame: Frame) -> FrictionSolution:
     along it, to which pressure and tractions of its points are interpolated. Points on one side of
     a symmetry plane have images, whose tractions are the other way round.
     """
-
-    from railhead.theory.friction.solution import GridTraction
-
     local, traction = frame.local(friction.points), friction.traction @ frame.axes.T
     axis = int(np.argmax(np.ptp(local[:, :2], axis=0)))
     t, known = local[:, axis], np.stack([friction.pressure, traction[:, axis]])

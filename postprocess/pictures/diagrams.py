@@ -41,9 +41,6 @@ UNTITLED = Subject()
 FE, HERTZ, GREY = "#1f4e79", "#c8502d", "#7a7a7a"
 DPI = 160  # of every PNG file
 BANDS = 10
-CENTRED = 0.01  # of a half length: that near to the first contact is at it
-OFF_AXIS = 0.01  # of the largest shear stress on the axis: one higher by that is named beside it
-SEEN = 0.98  # of the largest pressure: a cut that reaches it goes through the peak
 STYLE = {
     "font.size": 11,
     "axes.grid": True,
@@ -146,63 +143,32 @@ def pressure(findings: Findings, hertz: Hertz | None, target: Target = None) -> 
     count = 1 if findings.subject.revolved else 2  # along and across are the same
     with new_figure(target, 4 + 3 * count, 5.1, findings) as figure:
         panels = figure.subplots(1, count, sharey=True, squeeze=False)[0]
-        method, units = findings.subject.method, findings.subject.units
-        largest, cut = findings.patch.max_pressure, float(findings.along.pressure.max())
-        name = f"{method}, largest pressure {units.text(largest, 'MPa')}"
-        if len(findings.patch.each) > 1 and cut < SEEN * largest:
-            name = f"{method}, largest pressure of this patch {units.text(cut, 'MPa')}"
-            name += f" (of another {units.text(largest, 'MPa')})"
         for axis, axes in enumerate(panels):
-            pressure_line(axes, findings, hertz, axis, name)
+            _pressure_line(axes, findings, hertz, axis)
         panels[0].set(ylabel="contact pressure, MPa", ylim=(0, None))
         handles = panels[0].get_legend_handles_labels()
         figure.legend(*handles, loc="outside upper center", ncols=count)
     return figure
 
 
-def loaded(line: AxisPressure) -> tuple[Array, Array]:
-    """Coordinates (k,) in mm and pressures (k,) in MPa of those points of a line that carry
-    pressure, in ascending order. Each end of the pressure between two points is added as a point
-    with zero pressure: where p^2, extrapolated in a straight line from the last two points, is
-    zero. Where the pressure reaches an end of the line, no zero is added there.
-    """
-    t, p = line.coordinate, line.pressure
-    ends: list[tuple[float, float]] = []
-    for step in (1, -1):  # where the pressure ends going up, where it ends going down
-        for number in np.flatnonzero((p > 0) & (np.roll(p, -step) <= 0)):
-            before, after = number - step, number + step
-            if not (0 <= before < len(p) and 0 <= after < len(p)):
-                continue
-            fall = p[before] ** 2 - p[number] ** 2
-            rest = p[number] ** 2 / fall if fall > 0 else 1.0
-            share = min(max(rest, 0.0), 1.0)
-            ends.append((float(t[number] + share * (t[after] - t[number])), 0.0))
-    pressed = p > 0
-    zeros = np.array(ends, dtype=np.float64).reshape(-1, 2)
-    at, value = np.concatenate([np.column_stack([t, p])[pressed], zeros]).T
-    order = np.argsort(at)
-    return at[order], value[order]
-
-
-def pressure_line(
-    axes: Axes, findings: Findings, hertz: Hertz | None, axis: int, name: str
-) -> None:
+def _pressure_line(axes: Axes, findings: Findings, hertz: Hertz | None, axis: int) -> None:
     """Draw on `axes` the computed pressure along x (axis 0) or s (axis 1) through the most loaded
-    patch, called `name`, and that of exact Hertz (`hertz`) unless that is None.
+    patch, and that of exact Hertz (`hertz`) unless that is None.
     """
     line: AxisPressure = (findings.along, findings.across)[axis]
-    axes.plot(*loaded(line), "o-", color=FE, lw=0.8, ms=3.5, label=name)
+    count, units = len(findings.patch.each), findings.subject.units
+    shown = findings.patch.each[0] if count else findings.patch
+    name = f"{findings.subject.method}, largest pressure {units.text(shown.max_pressure, 'MPa')}"
+    look: dict[str, Any] = {"color": FE, "lw": 0.8, "ms": 3.5, "markevery": line.pressure > 0}
+    axes.plot(line.coordinate, line.pressure, "o-", label=name, **look)
     axes.set_xlabel(findings.subject.label(axis))
     if not findings.subject.revolved:
         half = (findings.patch.b, findings.patch.a)[axis]
-        units = findings.subject.units
         title = f"cut at {'sx'[axis]} = {rounded(units, line.at, half)} {units.unit('mm')}"
-        if (count := len(findings.patch.each)) > 1:
-            title += f", most loaded of {count} patches"
-        axes.set_title(title, fontsize=11)
+        axes.set_title(title + f", most loaded of {count} patches" * (count > 1), fontsize=11)
     if hertz is not None:
         half = (hertz.a, hertz.b)[axis]
-        label = f"exact Hertz, largest pressure {findings.subject.units.text(hertz.p0, 'MPa')}"
+        label = f"exact Hertz, largest pressure {units.text(hertz.p0, 'MPa')}"
         axes.plot(*exact_line(hertz, axis), color=HERTZ, label=label, zorder=3)
         axes.axvline(-half, color=HERTZ, lw=0.8, ls=":")
         axes.axvline(half, color=HERTZ, lw=0.8, ls=":")
@@ -225,8 +191,8 @@ def depth(
     """Principal stresses and largest shear stress (MPa) over the depth (mm) below the centre of the
     most loaded patch, in two panels; the body shown is that of `Findings.axis`.
 
-    hertz: exact Hertz contact, drawn beside the result, or None. poisson: Poisson's ratio of the
-        body shown, for the exact stresses.
+    hertz: exact Hertz contact, drawn beside the result below its own centre, or None. poisson:
+        Poisson's ratio of the body shown, for the exact stresses.
     """
     axis = findings.axis
     fine = np.linspace(0, float(axis.depth.max()), 301, dtype=np.float64)
@@ -234,6 +200,7 @@ def depth(
     with new_figure(target, 10, 6.6, findings) as figure:
         panels = tuple(figure.subplots(1, 2, sharey=True, width_ratios=(3, 2)))
         units = findings.subject.units
+        patch = "most loaded patch" if findings.also else "patch"
 
         def label(name: str, deep: float, largest: float) -> str:
             """Entry of the legend: name, largest shear stress (MPa) and its depth (mm)."""
@@ -242,12 +209,10 @@ def depth(
 
         peak = axis.peak(max_shear(axis.stress))
         name = label(f"{findings.subject.method}, {names[axis.body]}", *peak)
-        name += _elsewhere(findings)
         _stresses(panels, axis.depth, axis.stress, "o", FE, name, peak)
         if hertz is not None:
             name = f"exact Hertz, {hertz.shape}"
             name += ", no friction" if findings.subject.has_friction else ""
-            name += "" if _centred(findings) else ", below its own centre"
             normal = hertz.axis_stress(poisson, fine)
             exact = hertz.axis_extrema(poisson)
             peak = exact.tau_max_depth, exact.tau_max
@@ -256,7 +221,7 @@ def depth(
         _name_curves(panels[0], axis)
         panels[0].set(
             xlabel="principal stress, MPa",
-            ylabel=f"depth in the {names[axis.body]}{_below(findings)}, mm",
+            ylabel=f"depth in the {names[axis.body]}, below the middle of the {patch}, mm",
         )
         panels[1].set(
             xlabel="largest shear stress $\\tau$, MPa\n(+ its peak on this line)",
@@ -280,38 +245,6 @@ def rounded(units: Units, place: float, size: float) -> str:
     at most 1e-3 of a size (mm).
     """
     return minus(brief(units.value(place if abs(place) > 1e-3 * size else 0.0, "mm"), 3))
-
-
-def _centred(findings: Findings) -> bool:
-    """Whether the depth axis starts at the first contact, below which Hertz's patch lies: the
-    centre of the patch is less than 0.01 (CENTRED) half lengths away.
-    """
-    (x, s), patch = findings.patch.centre, findings.patch
-    return max(abs(x) / patch.a, abs(s) / patch.b) < CENTRED
-
-
-def _elsewhere(findings: Findings) -> str:
-    """Line of a legend with the body's largest shear stress where this exceeds the largest on the
-    depth axis by 1 % (OFF_AXIS) or more; otherwise empty.
-    """
-    axis = findings.axis
-    largest = findings.largest[axis.body].tau.value
-    if largest < (1 + OFF_AXIS) * axis.peak(max_shear(axis.stress))[1]:
-        return ""
-    return f"\n({findings.subject.units.text(largest, 'MPa')} elsewhere in it)"
-
-
-def _below(findings: Findings) -> str:
-    """Text that says below which point the depth axis lies: the most loaded patch of several, the
-    first contact, or a point x, s.
-    """
-    x, s = findings.patch.centre
-    if findings.also:
-        return ", below the most loaded patch"
-    if _centred(findings):
-        return ", below the first contact"
-    units, (a, b) = findings.subject.units, (findings.patch.a, findings.patch.b)
-    return f", below x = {rounded(units, x, a)}, s = {rounded(units, s, b)}"
 
 
 def _stresses(

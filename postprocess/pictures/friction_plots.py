@@ -86,9 +86,8 @@ def draw_tractions(
         axes.plot(x, values[:, line], color=FE, label=name)
         if not flat:
             axes.plot(x, values[:, 1], color=ACROSS, label=f"traction {subject.across}")
-        axes.set(xlabel=subject.label(line), ylabel="traction of the wheel on the rail, MPa")
-        if subject.names["rail"] != "rail":
-            axes.set_ylabel("traction of the upper on the lower body, MPa")
+        upper, lower = subject.names["wheel"], subject.names["rail"]
+        axes.set(xlabel=subject.label(line), ylabel=f"traction of the {upper} on the {lower}, MPa")
         handles = axes.get_legend_handles_labels()
         figure.legend(*handles, loc="outside upper right", ncols=1 + count)
     return figure
@@ -117,15 +116,15 @@ def _map(
     """
     from matplotlib.patches import Patch
 
-    units, (low, high) = findings.subject.units, findings.patch.box
+    units, (low, high), tree = findings.subject.units, findings.patch.box, cKDTree(local)
     x, s = (np.linspace(low[k], high[k], CELLS) for k in (0, 1))
-    at = np.stack(np.meshgrid(x, s), axis=-1)
-    zones = axes.contourf(
-        x, s, sticks[cKDTree(local).query(at)[1]], levels=[-0.5, 0.5, 1.5], colors=[SLIP, STICK]
-    )
+    near = tree.query(np.stack(np.meshgrid(x, s), axis=-1))[1]
+    zones = axes.contourf(x, s, sticks[near], levels=[-0.5, 0.5, 1.5], colors=[SLIP, STICK])
     over_patches(axes, zones, findings)
     cell = float(np.ptp(local, axis=0).max()) / ARROWS
-    few = thinned(local, cell)
+    places = np.meshgrid(*(np.arange(low[k] + cell / 2, high[k], cell) for k in (0, 1)))
+    few = np.unique(tree.query(np.stack(places, axis=-1), distance_upper_bound=cell / 2)[1])
+    few = few[few < len(local)]  # where a point is that near
     largest = float(np.hypot(*traction.T).max())
     longest = {"scale": largest / (LONG * cell), "scale_units": "xy", "angles": "xy"}
     arrows = axes.quiver(*local[few].T, *traction[few].T, color=FE, width=0.004, **longest)
@@ -134,17 +133,6 @@ def _map(
     axes.quiverkey(arrows, 0.72, 1.05, shown / units.value(1.0, "MPa"), text, labelpos="E")
     names = [Patch(color=STICK, label="sticks"), Patch(color=SLIP, label="slips")]
     axes.legend(handles=names, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
-
-
-def thinned(local: Array, cell: float) -> NDArray[np.int64]:
-    """Indices of a subset of points (n, 2), mm: in each square that holds points, of a grid with
-    side `cell` (mm) from the origin, the point nearest to the middle of the square.
-    """
-    square = np.floor(local / cell)
-    off = np.hypot(*(local - (square + 0.5) * cell).T)
-    order = np.argsort(off)
-    _, first = np.unique(square[order], axis=0, return_index=True)
-    return np.asarray(order[first], dtype=np.int64)
 
 
 def draw_shakedown(

@@ -1,12 +1,10 @@
-"""The pictures of one result: what they show, the file that keeps it, and all that are drawn."""
+"""The pictures of one result: what they show, the file of its arrays, and all that are drawn."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from functools import partial
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,23 +15,11 @@ from railhead.theory.elastic.line import Hertz, LineContact
 if TYPE_CHECKING:
     import meshio
 
-    from railhead.postprocess.findings import Findings
+    from railhead.postprocess.findings import Array, Findings
     from railhead.postprocess.pass_rows import Passes
     from railhead.postprocess.pictures.diagrams import Drawing
-    from railhead.postprocess.pictures.plastic_plots import Yielded
-    from railhead.postprocess.symmetry import Planes
     from railhead.theory.friction.solution import FrictionSolution
 
-MODULES = (
-    "postprocess.findings",
-    "postprocess.pass_rows",
-    "postprocess.pictures.gallery",
-    "postprocess.pictures.plastic_plots",
-    "theory.elastic.hertz",
-    "theory.elastic.line",
-    "theory.friction.solution",
-)
-"""Modules whose dataclasses a file of `save` may hold."""
 WITHOUT_STRESSES = "pressure.png", "patch.png"
 
 
@@ -46,10 +32,8 @@ class Shown:
     poisson: Poisson's ratio of the body of `found.axis`.
     axes: those along which the pressure of finite elements varies, 0 for x, 1 for s: both of a
         solid, one of a section.
-    cut: unit normals of the symmetry planes at which the cells of solution.vtu were cut; none where
-        that file holds the images.
     friction: tractions at contact points of the whole model; None without friction.
-    yielded: what yield left; None where nothing yields.
+    unloaded: whether bodies that yield were unloaded.
     passes: passes over a rail that yields; None where there are none.
     """
 
@@ -57,70 +41,33 @@ class Shown:
     exact: Hertz | None
     poisson: float
     axes: Sequence[int] = (0, 1)
-    cut: Planes = ()
     friction: FrictionSolution | None = None
-    yielded: Yielded | None = None
+    unloaded: bool = False
     passes: Passes | None = None
 
 
 def save(shown: Shown, path: Path) -> None:
-    """Write what pictures show into a .npz file: its arrays by their place in `Shown`, as
-    "found.surface.pressure", and all else as JSON. OSError: it cannot be written.
+    """Write the arrays of what pictures show into a .npz file, by their place in `Shown`, as
+    "found.surface.pressure". OSError: it cannot be written.
     """
-    arrays: dict[str, Any] = {}
-    plain = json.dumps(_plain(shown, "", arrays), default=lambda value: value.item())  # of numpy
-    np.savez_compressed(path, **arrays, plain=plain)
+    np.savez_compressed(path, **dict(_arrays(shown, "")))
 
 
-def load(path: Path) -> Shown:
-    """Read what `save` wrote; tuples come back as lists. Raises ValueError (one line) for a
-    file that is missing, damaged, or of another version of the program.
+def _arrays(value: Any, place: str) -> Iterator[tuple[str, Array]]:
+    """Names and arrays in a value: an array itself, or those in a dataclass, a table or a sequence.
+    place: names and numbers that lead to the value, a point behind each.
     """
-    known = {
-        name: value
-        for module in MODULES
-        for name, value in vars(import_module(f"railhead.{module}")).items()
-        if is_dataclass(value)
-    }
-    try:
-        with np.load(path) as file:
-            shown = _restored(json.loads(str(file["plain"])), file, known)
-        if not isinstance(shown, Shown):
-            raise TypeError
-    except Exception:  # the kind of error depends on the damaged part
-        text = "is missing, damaged, or of another version; run the scene again for its pictures"
-        raise ValueError(f"{path.name} {text}") from None
-    return shown
-
-
-def _plain(value: Any, place: str, arrays: dict[str, Any]) -> Any:
-    """A value as JSON knows it: an array by its name in `arrays`, to which it is added, an object
-    of a dataclass as a table of its fields and its class. place: names and numbers that lead to the
-    value, a point behind each.
-    """
+    parts: Mapping[Any, Any] = {}
     if isinstance(value, np.ndarray):
-        arrays[place[:-1]] = value
-        return {"array": place[:-1]}
-    if is_dataclass(value):
-        table = {each.name: getattr(value, each.name) for each in fields(value)}
-        return {"class": type(value).__name__, **_plain(table, place, arrays)}
-    if isinstance(value, list | tuple):
-        return list(_plain(dict(enumerate(value)), place, arrays).values())
-    if isinstance(value, Mapping):
-        return {key: _plain(each, f"{place}{key}.", arrays) for key, each in value.items()}
-    return value
-
-
-def _restored(value: Any, arrays: Mapping[str, Any], known: Mapping[str, Any]) -> Any:
-    """The value that `_plain` made this of, with tuples as lists. known: classes by name."""
-    if isinstance(value, list):
-        return [_restored(each, arrays, known) for each in value]
-    if not isinstance(value, dict):
-        return value
-    if "array" in value:
-        return arrays[value["array"]]
-    held = {key: _restored(each, arrays, known) for key, each in value.items() if key != "class"}
-    return known[value["class"]](**held) if "class" in value else held
+        yield place[:-1], value
+    elif is_dataclass(value):
+        parts = {each.name: getattr(value, each.name) for each in fields(value)}
+    elif isinstance(value, list | tuple):
+        parts = dict(enumerate(value))
+    elif isinstance(value, Mapping):
+        parts = value
+    for name, part in parts.items():
+        yield from _arrays(part, f"{place}{name}.")
 
 
 def drawings(
@@ -129,18 +76,17 @@ def drawings(
     """The pictures of one result by name of their PNG file. Nothing is drawn here. Pictures of the
     patch from above are those of a solid and of half-spaces that are no line contact.
 
-    cells: returns the grid of the cells, with nodal stresses, images of what symmetry left out
-        included; called by the pictures that need it. friction: "friction" of the result in
+    cells: returns the grid of the cells, with nodal stresses and, if they were unloaded, the von
+        Mises stress that is left ("residual_von_mises"), images of what symmetry left out included;
+        called by the pictures that need it. friction: "friction" of the result in
         summary.json, empty without friction.
     """
-    from railhead.postprocess.pictures import diagrams, friction_plots, plastic_plots
+    from railhead.postprocess.pictures import diagrams, friction_plots, pass_plots
 
     found, exact = shown.found, shown.exact
     every: dict[str, Drawing]
     if found.subject.method != "half-spaces":
         every = _of_bodies(shown, cells)
-        if shown.yielded is not None:
-            every["plastic.png"] = partial(plastic_plots.draw, shown.yielded, found, exact)
         if "p0_over_k" in friction:
             every["shakedown.png"] = partial(
                 friction_plots.draw_shakedown, friction, shown.poisson, found.subject
@@ -150,10 +96,10 @@ def drawings(
     else:
         every = {"patch.png": partial(diagrams.patch, found, exact)}
     if shown.passes is not None:
-        every["passes.png"] = partial(plastic_plots.draw_passes, shown.passes, found)
+        every["passes.png"] = partial(pass_plots.draw_passes, shown.passes, found)
         if len(shown.passes.sections[-1].y) > 1:
             every["passes_section.png"] = partial(
-                plastic_plots.draw_passes_section, shown.passes, found
+                pass_plots.draw_passes_section, shown.passes, found
             )
     if not found.largest:  # stresses were left out
         every = {name: draw for name, draw in every.items() if name in WITHOUT_STRESSES}
@@ -166,26 +112,22 @@ def _of_bodies(shown: Shown, cells: Callable[[], meshio.Mesh]) -> dict[str, Draw
     """Pictures of pressure and stress in meshed bodies; arguments as of `drawings`."""
     from railhead.postprocess.pictures import diagrams, render
 
-    found, exact = shown.found, shown.exact
+    found, exact, axis = shown.found, shown.exact, shown.axes[-1]
 
-    def in_cells(draw: Callable[..., Any], *given: Any) -> Drawing:
-        """A picture of the cells: draw(cells, *given, target)."""
-        return lambda target: draw(cells(), *given, target)
+    def fringes(axis: int, shades: Sequence[render.Shade]) -> Drawing:
+        """A picture of fields in a cut along an axis."""
+        return lambda target: render.fringes(cells(), axis, shades, found, target)
 
     every: dict[str, Drawing] = {
         "pressure.png": partial(diagrams.pressure, found, exact),
         "depth.png": partial(diagrams.depth, found, exact, shown.poisson),
+        "wheel_rail.png": lambda target: render.bodies(cells(), axis, found, target),
+        "stress_cut.png": fringes(axis, render.STRESSES),
     }
-    if len(shown.axes) == 1:
-        (axis,) = shown.axes
-        return every | {
-            "wheel_rail.png": in_cells(render.section, axis, found),
-            "stress_cut.png": in_cells(render.stresses_of_section, axis, found),
-        }
-    if found.subject.rolls:
-        every["stress_cut_along.png"] = in_cells(render.stresses_of_solid, 0, found)
-    return every | {
-        "patch.png": partial(diagrams.patch, found, exact),
-        "wheel_rail.png": in_cells(render.wheel_rail, found),
-        "stress_cut.png": in_cells(render.stresses_of_solid, 1, found),
-    }
+    if shown.unloaded:
+        every["plastic.png"] = fringes(axis, render.YIELD)
+    if len(shown.axes) == 2:
+        every["patch.png"] = partial(diagrams.patch, found, exact)
+        if found.subject.rolls:
+            every["stress_cut_along.png"] = fringes(0, render.STRESSES)
+    return every

@@ -140,11 +140,8 @@ class Solid:
         key = keys[:, 0]
         for column in range(1, min(keys.shape[1], 3)):  # three nodes tell a facet
             key = key * count + keys[:, column]
-        order = np.argsort(key)
-        ordered = key[order]
-        twin = np.zeros(len(key) + 1, dtype=bool)
-        twin[1:-1] = ordered[1:] == ordered[:-1]
-        single = order[~(twin[1:] | twin[:-1])]
+        _, first, number = np.unique(key, return_index=True, return_counts=True)
+        single = first[number == 1]
         on_cut = np.zeros(len(single), dtype=bool)
         for normal in fields.mirrors:
             height = fields.points @ np.array(normal)

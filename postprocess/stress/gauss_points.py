@@ -24,7 +24,7 @@ def stress_at_reference_point(
     """
     x, stress, size = stress_of_total_strain(fields, cells, reference)
     if fields.plastic_strain is not None:
-        points = reference_gauss_points(fields)
+        points, _ = _sample_rule(fields)
         corner, *rest = np.linalg.pinv(np.column_stack([np.ones(len(points)), points]))
         shares = corner + reference @ np.array(rest)
         strain = np.einsum("g,mgij->mij", shares, fields.plastic_strain.strain[cells])
@@ -32,23 +32,25 @@ def stress_at_reference_point(
     return x, stress, size
 
 
-def stress_at_gauss_points(fields: Fields, cells: NDArray[np.int64]) -> tuple[Array, Array]:
-    """Positions (m, g, 3), mm, and stresses (m, g, 6), MPa, at all g Gauss points of m cells;
-    components xx, yy, zz, xy, xz, yz in global axes.
+def stress_at_gauss_points(fields: Fields, cells: NDArray[np.int64]) -> tuple[Array, Array, Array]:
+    """Positions (m, g, 3), mm, stresses (m, g, 6), MPa, and volumes (m, g), mm3, at all g Gauss
+    points of m cells. Components are xx, yy, zz, xy, xz, yz in global axes. Volumes are of a plane
+    section times its thickness, of a meridian section of the whole turn.
     """
-    found = [
-        stress_of_total_strain(fields, cells, point)[:2] for point in reference_gauss_points(fields)
-    ]
-    points = np.stack([x for x, _ in found], axis=1)
-    stress = np.stack([s for _, s in found], axis=1)
-    if fields.plastic_strain is not None:
-        for g in range(stress.shape[1]):
-            stress[:, g] -= _relief(fields, cells, fields.plastic_strain.strain[cells, g])
-    return points, stress
+    points, stresses, volumes = [], [], []
+    for g, (reference, weight) in enumerate(zip(*_sample_rule(fields), strict=True)):
+        x, stress, size = stress_of_total_strain(fields, cells, reference)
+        if fields.plastic_strain is not None:
+            stress = stress - _relief(fields, cells, fields.plastic_strain.strain[cells, g])
+        points.append(x)
+        stresses.append(stress)
+        volumes.append(weight * size * fields.kinematics.measure(fields.kinematics.flatten(x)))
+    return np.stack(points, axis=1), np.stack(stresses, axis=1), np.stack(volumes, axis=1)
 
 
-def reference_gauss_points(fields: Fields) -> Array:
-    """Reference coordinates (g, d) of the points in a cell at which stresses are sampled.
+def _sample_rule(fields: Fields) -> tuple[Array, Array]:
+    """Reference coordinates (g, d) of the points in a cell at which stresses are sampled, and their
+    weights (g,).
 
     In elastic solutions they are the superconvergent points of the cells, in solutions with yield
     the quadrature points that carry plastic strains.
@@ -56,7 +58,8 @@ def reference_gauss_points(fields: Fields) -> Array:
     rule = 1 if fields.degree == 1 and fields.cell in ("tetrahedron", "triangle") else 2
     if fields.plastic_strain is not None:
         rule = quadrature_degree(fields.cell, fields.degree, fields.kinematics)
-    return np.asarray(basix.make_quadrature(getattr(basix.CellType, fields.cell), rule)[0])
+    points, weights = basix.make_quadrature(getattr(basix.CellType, fields.cell), rule)
+    return np.asarray(points), np.asarray(weights)
 
 
 def _relief(fields: Fields, cells: NDArray[np.int64], strain: Array) -> Array:

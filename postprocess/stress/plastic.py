@@ -6,17 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import basix
 import numpy as np
 
 from railhead.meshing.bodies import BODY_NAMES
-from railhead.postprocess.findings import Array, Frame, Place
-from railhead.postprocess.stress.gauss_points import (
-    reference_gauss_points,
-    stress_at_gauss_points,
-    stress_of_total_strain,
-)
-from railhead.solver.space.cells import quadrature_degree
+from railhead.postprocess.findings import Frame, Place
+from railhead.postprocess.stress.gauss_points import stress_at_gauss_points
 from railhead.solver.system.fields import Fields
 from railhead.solver.system.solution import PlasticSolution
 from railhead.theory.elastic.subsurface import von_mises
@@ -116,7 +110,7 @@ def plastic_zone(fields: Fields, frame: Frame) -> PlasticZone:
     fields: of a solution with plastic strain. frame: of the contact; depths are along its normal.
     """
     assert fields.plastic_strain is not None
-    points, weights = _samples(fields)
+    points, _, weights = stress_at_gauss_points(fields, np.arange(len(fields.cells)))
     strain = fields.plastic_strain.equivalent
     cell, point = np.unravel_index(int(np.argmax(strain)), strain.shape)
     yields = strain > TRACE
@@ -137,20 +131,5 @@ def largest_von_mises(fields: Fields) -> float:
 
     The yield condition holds at these points; a smooth field through them may exceed it.
     """
-    _, stress = stress_at_gauss_points(fields, np.arange(len(fields.cells)))
+    _, stress, _ = stress_at_gauss_points(fields, np.arange(len(fields.cells)))
     return float(von_mises(stress).max())
-
-
-def _samples(fields: Fields) -> tuple[Array, Array]:
-    """Positions (m, g, 3), mm, and volumes (m, g), mm3, of the g Gauss points of all m cells: of a
-    plane section times its thickness, of a meridian section of the whole turn.
-    """
-    every = np.arange(len(fields.cells))
-    degree = quadrature_degree(fields.cell, fields.degree, fields.kinematics)
-    _, shares = basix.make_quadrature(getattr(basix.CellType, fields.cell), degree)
-    places, weights = [], []
-    for point, share in zip(reference_gauss_points(fields), shares, strict=True):
-        x, _, size = stress_of_total_strain(fields, every, point)
-        places.append(x)
-        weights.append(share * size * fields.kinematics.measure(fields.kinematics.flatten(x)))
-    return np.stack(places, axis=1), np.stack(weights, axis=1)

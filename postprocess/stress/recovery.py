@@ -39,7 +39,7 @@ class Recovery:
 
     def __init__(self, fields: Fields, cells: NDArray[np.int64]) -> None:
         """fields: the solution. cells (m,): numbers of all cells of the body."""
-        self.points, self.stress = stress_at_gauss_points(fields, cells)
+        self.points, self.stress, _ = stress_at_gauss_points(fields, cells)
         self._axes = fields.kinematics.axes  # a section has no more coordinates than these
         points = symmetry.vectors(self.points.reshape(-1, 3), fields.mirrors)
         self._samples = points @ self._axes.T
@@ -142,18 +142,16 @@ def stress_at(fields: Fields, points: Array, body: str | None = None) -> Array:
     if turned is not None:  # into the meridian section
         radius = np.hypot(points[:, 0], points[:, 1])
         points = np.column_stack([radius, 0.0 * radius, points[:, 2]])
-    folded = points.copy()
-    for normal in np.array(fields.mirrors).reshape(-1, 3):
-        axis, middle = int(np.argmax(np.abs(normal))), fields.points.mean(axis=0)
-        folded[:, axis] = np.copysign(folded[:, axis], middle[axis])
     least = np.full(len(points), OUTSIDE)
     owner = np.zeros(len(points), dtype=int)
     axes = fields.kinematics.axes
     for tag in tags:
-        corners = fields.points[fields.cells[fields.body == tag]] @ axes.T
+        corners = fields.points[fields.cells[fields.body == tag]]
         centres = corners.mean(axis=1)
-        radii = np.linalg.norm(corners - centres[:, None], axis=2).max(axis=1)
-        distance, cell = cKDTree(centres).query(folded @ axes.T)
+        radii = np.linalg.norm((corners - centres[:, None]) @ axes.T, axis=2).max(axis=1)
+        radii = symmetry.repeated(radii, fields.mirrors)
+        centres = symmetry.vectors(centres, fields.mirrors) @ axes.T
+        distance, cell = cKDTree(centres).query(points @ axes.T)
         nearer = distance / radii[cell] < least
         least[nearer], owner[nearer] = (distance / radii[cell])[nearer], tag
     stress = np.full((len(points), 6), np.nan)

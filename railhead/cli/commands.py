@@ -355,25 +355,14 @@ def wear(
 @railhead.command()
 @click.argument("folder", type=click.Path(path_type=Path))
 @options.units
-@click.option("--pictures", is_flag=True, help="Draw the pictures again.")
-@options.picture_format
 @options.prints_json("the numbers as JSON")
-def show(folder: Path, units: Units, pictures: bool, as_json: bool) -> None:
+def show(folder: Path, units: Units, as_json: bool) -> None:
     """Print the result of a run or a sweep that lies in a folder; solve nothing."""
     from railhead import api
     from railhead.results.report import terminal
 
-    found, drawn = api.load(folder), list[str]()
-    if pictures:
-        try:
-            drawings = found.drawings(units)
-        except ValueError as error:
-            raise SceneError("--pictures", str(error)) from None
-        drawn = result_folder.redraw(drawings, folder)
+    found = api.load(folder)
     _print(found.as_dict(), partial(found.show, terminal.standard(), units), as_json=as_json)
-    if pictures and not as_json:
-        none = "nothing: all combinations of three or more keys have no pictures"
-        click.echo(f"drawn: {', '.join(drawn) or none}")
 
 
 @railhead.command()

@@ -17,6 +17,7 @@ from railhead.results.subject import subject
 from railhead.run.half_spaces.answer import HalfSpaceSolution, Solved
 from railhead.run.mesh_solution import MeshSolution
 from railhead.scene.scene import Scene
+from railhead.theory.elastic.subsurface import von_mises
 
 if TYPE_CHECKING:
     import meshio
@@ -107,23 +108,6 @@ def drawings(solved: Solved, summary: Mapping[str, Any], units: Units) -> dict[s
     return gallery.drawings(shown, cells, _friction(summary))
 
 
-def kept_drawings(folder: Path, summary: Mapping[str, Any], units: Units) -> dict[str, Drawing]:
-    """The pictures of the result in a folder by name of their PNG file; titles keep the units of
-    the run. ValueError: the folder does not hold what they show, or nothing touches.
-    """
-    from meshio import vtu
-
-    from railhead.postprocess.pictures import gallery
-
-    if summary["result"] is None:
-        raise ValueError("there is nothing to draw: nothing touches")
-    shown = gallery.load(folder / SHOWN)
-    subject = replace(shown.found.subject, units=units)
-    shown = replace(shown, found=replace(shown.found, subject=subject))
-    cells = cache(lambda: symmetry.grid(vtu.read(folder / "solution.vtu"), shown.cut))
-    return gallery.drawings(shown, cells, _friction(summary))
-
-
 def nodal_stress(solved: Solved) -> Array | None:
     """Stresses at the nodes (n, 6), columns xx, yy, zz, xy, xz, yz, MPa. None where nothing
     touches, off rank 0, of half-spaces, and where stresses are left out.
@@ -148,9 +132,6 @@ def write_grids(solved: Solved, stresses: Array | None, folder: Path) -> None:
 
     for name, grid in paraview_grids(solved, stresses):
         vtu.write(grid, folder / f"{name}.vtu")
-    if stresses is not None and isinstance(solved, MeshSolution) and solved.unloaded_fields:
-        names = {0.0: "solution.vtu", 1.0: "residual.vtu"}
-        vtu.series(names, folder / "solution.pvd")
 
 
 def paraview_grids(solved: Solved, stresses: Array | None) -> Iterator[tuple[str, meshio.Mesh]]:
@@ -211,29 +192,28 @@ def _shown(solved: Solved, units: Units) -> Shown | None:
         return shown
     fields = solved.fields
     assert fields is not None
-    planes, residual, elastic = fields.mirrors, solved.unloaded_fields, solved.elastic_reference
+    planes = fields.mirrors
     found = replace(found, surface=symmetry.surface(found.surface, planes), opposite=None)
-    yielded = None
-    if residual is not None and elastic is not None and elastic.findings:
-        from railhead.postprocess.pictures import plastic_plots
-
-        yielded = plastic_plots.read(fields, residual, found, elastic.findings)
     return replace(
         shown,
         found=found,
         friction=shown.friction and symmetry.tractions(shown.friction, planes),
         axes=fields.kinematics.varying,
-        cut=planes,
-        yielded=yielded,
+        unloaded=solved.unloaded_fields is not None,
     )
 
 
 def _cells(solved: Solved, stresses: Array | None) -> meshio.Mesh:
-    """Grid of the cells, images of what symmetry left out included. stresses: as of `nodal_stress`.
-    ValueError: there are none.
+    """Grid of the cells, images of what symmetry left out included, of bodies that were unloaded
+    with the von Mises stress that is left at nodes. stresses: as of `nodal_stress`. ValueError:
+    there are none.
     """
     from railhead.postprocess import vtu
+    from railhead.postprocess.stress import gauss_points
 
-    if stresses is None or solved.fields is None:
+    if stresses is None or not isinstance(solved, MeshSolution) or solved.fields is None:
         raise ValueError("there are no stresses at nodes")
-    return symmetry.grid(vtu.volume_grid(solved.fields, stresses), solved.fields.mirrors)
+    grid = vtu.volume_grid(solved.fields, stresses)
+    if (left := solved.unloaded_fields) is not None:
+        grid.point_data["residual_von_mises"] = von_mises(gauss_points.nodal_stress(left))
+    return symmetry.grid(grid, solved.fields.mirrors)

@@ -43,7 +43,6 @@ class Result(terminal.Drawn):
 
     solution: on the finest mesh, or by half-spaces; None of a result that was loaded.
     summary: content of summary.json.
-    folder: that the result was loaded from; None of one that was solved.
 
     The properties `patch`, `pressure`, `stress`, `friction`, `plastic`, `load` and `approach` hold
     numbers of that solution, `hertz` the same of exact Hertz, `estimate` bounds of relative errors.
@@ -55,7 +54,6 @@ class Result(terminal.Drawn):
 
     solution: Solved | None
     summary: dict[str, Any]
-    folder: Path | None = None
 
     def __repr__(self) -> str:
         """Scene, load, largest pressure, area and verdict in one line."""
@@ -352,13 +350,11 @@ class Result(terminal.Drawn):
             raise problem
 
     def drawings(self, units: Units = BASE_UNITS) -> dict[str, Drawing]:
-        """Functions that draw the pictures, by name of their PNG file. units: of their numbers;
-        titles of a loaded result keep those of the run. ValueError: as of `plot`.
+        """Functions that draw the pictures, by name of their PNG file. units: of their numbers.
+        ValueError: as of `plot`.
         """
         from railhead.results import files
 
-        if self.folder is not None:
-            return files.kept_drawings(self.folder, self.summary, units)
         return files.drawings(self.solved, self.summary, units)
 
     @property

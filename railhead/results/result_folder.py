@@ -245,28 +245,6 @@ def draw(drawings: Mapping[str, Callable[[Path], Any]], folder: Path, attempt: A
             drawing(folder / name)
 
 
-def redraw(drawings: Mapping[str, Callable[[Path], Any]], folder: Path) -> list[str]:
-    """Draw pictures into a folder that holds a result; returns the names of the files, which
-    belong to the result from now on. Raises OSError, with a line for each that could not be drawn,
-    after the others are.
-    """
-    failures: list[str] = []
-    folder = folder.resolve()
-    work = _temporary(folder)
-    try:
-        draw(drawings, work, lambda name: attempt(failures, folder / name, work))
-        stamp(work)
-        drawn = sorted(os.listdir(work))
-        _list(work, {*_listed(folder), *drawn})
-        for name in (MANIFEST, *drawn):
-            (work / name).replace(folder / name)
-    finally:
-        shutil.rmtree(work, ignore_errors=True)
-    if failures:
-        raise OSError("\n".join(failures))
-    return drawn
-
-
 @contextmanager
 def attempt(failures: list[str], path: Path, work: Path) -> Iterator[None]:
     """Catch an error of the block, remove the files that the block began in the folder `work`, and

@@ -26,8 +26,8 @@ NAME = "report.html"
 CAPTIONS = {
     "patch": "Contact pressure over the patch, seen from above.",
     "friction": "Where the patch sticks and slips, and the tractions.",
-    "passes": "Residual stress below the patch by pass, increments by pass, and the groove.",
-    "plastic": "What yields, what stays after the load, and the pressure with and without yield.",
+    "passes": "Residual stress and strain below the patch by pass, and increments by pass.",
+    "plastic": "What yields, and the stress that stays after the load.",
     "pressure": "Contact pressure along both axes; where each cut lies is said over it. "
     "Of finite elements, waves that are two elements long come from the mesh.",
     "stress_cut": "Stresses in a cut through the contact.",

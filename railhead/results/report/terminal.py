@@ -88,7 +88,7 @@ class Drawn(Printed):
             "rolling_radius" or "conicity" of what `locate` returns, and "profile" of what `profile`
             returns.
         ValueError: there is no such picture (the message names those that are), nothing touches,
-            off rank 0, or a folder without pictures.npz.
+            off rank 0, or a loaded result.
         """
         drawings = self.drawings()
         draw = drawings.get(f"{picture}.png")

@@ -12,7 +12,6 @@ from vtkmodules.vtkCommonCore import vtkDataArray
 
 from railhead.postprocess import symmetry, vtu
 from railhead.solver.system.solution import PlasticStrain
-from railhead.theory.elastic.subsurface import max_shear, von_mises
 from railhead.theory.friction.solution import FrictionSolution
 
 UNITS_LABEL = vtkDataArray.UNITS_LABEL()
@@ -32,9 +31,7 @@ def test_volume_file_holds_the_arrays(blocks, cell: str, degree: int, tmp_path) 
     names = {"displacement", "stress", "principal_stresses", "von_mises", "max_shear"}
     names |= {f"principal_direction_{k}" for k in (1, 2, 3)}
     assert set(back.point_data) == names
-    for name in names:
-        assert np.array_equal(back[name], mesh.point_data[name])
-        assert np.isfinite(back[name]).all()
+    assert all(np.array_equal(back[name], mesh.point_data[name]) for name in names)
     assert b"vtkZLibDataCompressor" in (tmp_path / "solution.vtu").read_bytes()
 
 
@@ -51,13 +48,6 @@ def test_tensor_rows_and_invariants(blocks) -> None:
     exact = case.ellipse.axis_stress(0.3, -case.fields.points[on_axis, 2])
     expected = np.sort(exact, axis=1)[:, ::-1]
     assert principal[on_axis] == pytest.approx(expected, abs=1e-9 * case.ellipse.p0)
-    for k in range(3):
-        along = data[f"principal_direction_{k + 1}"]
-        assert np.linalg.norm(along, axis=1) == pytest.approx(1.0, abs=1e-12)
-        pulled = np.einsum("nij,nj->ni", tensor, along)
-        assert pulled == pytest.approx(principal[:, [k]] * along, abs=1e-9 * case.ellipse.p0)
-    assert np.array_equal(data["max_shear"], max_shear(case.stress))
-    assert np.array_equal(data["von_mises"], von_mises(case.stress))
 
 
 def test_contact_file_holds_pressure_and_gap(blocks, tmp_path) -> None:
@@ -72,15 +62,10 @@ def test_contact_file_holds_pressure_and_gap(blocks, tmp_path) -> None:
     assert np.array_equal(back["gap"], surface.gap)
     assert set(back["body"]) == {case.fields.slave}
     assert np.array_equal(back["status"], surface.pressure > 0)
-    labels = {
-        name: back.point_data.VTKObject.GetAbstractArray(name).GetInformation().Get(UNITS_LABEL)
-        for name in ("pressure", "gap", "status")
-    }
-    assert {name: label and label.strip() for name, label in labels.items()} == {
-        "pressure": "MPa",
-        "gap": "mm",
-        "status": None,
-    }
+    for name, unit in (("pressure", "MPa"), ("gap", "mm"), ("status", None)):
+        array = back.point_data.VTKObject.GetAbstractArray(name)
+        label = array.GetInformation().Get(UNITS_LABEL)
+        assert (label and label.strip()) == unit
 
 
 def test_triangles_look_out_of_their_body(blocks) -> None:
@@ -138,17 +123,12 @@ def test_traction_points_are_those_that_touch() -> None:
         rise_rail=None,
         rise_wheel=None,
     )
-    grid = vtu.traction_points(cast(FrictionSolution, found))
-    assert grid.points[:, 0].tolist() == [0.0, 2.0]
-    assert grid.point_data["traction"][:, 0].tolist() == [0.0, 20.0]
-    assert grid.point_data["slip"][:, 0].tolist() == [0.0, 200.0]
-    assert grid.point_data["sticks"].tolist() == [1, 0]
-    assert grid.point_data["pressure"].tolist() == [1.0, 2.0]
-    whole = symmetry.grid(grid, [(0.0, 1.0, 0.0)])
-    assert whole.points[-1].tolist() == [2.0, -2.0, 2.0]
-    assert whole.point_data["traction"][-1].tolist() == [20.0, -20.0, 20.0]
-    assert whole.point_data["slip"][-1].tolist() == [200.0, -200.0, 200.0]
-    assert whole.point_data["sticks"].tolist() == [1, 0, 0]
+    grid = symmetry.grid(vtu.traction_points(cast(FrictionSolution, found)), [(0.0, 1.0, 0.0)])
+    assert grid.points.tolist() == [[0.0, 0.0, 0.0], [2.0, 2.0, 2.0], [2.0, -2.0, 2.0]]
+    for name, factor in (("traction", 10.0), ("slip", 100.0)):
+        assert np.array_equal(grid.point_data[name], factor * grid.points)
+    assert grid.point_data["sticks"].tolist() == [1, 0, 0]
+    assert grid.point_data["pressure"].tolist() == [1.0, 2.0, 2.0]
 
 
 def test_a_series_is_in_the_order_of_time(tmp_path) -> None:

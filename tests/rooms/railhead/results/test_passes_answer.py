@@ -15,7 +15,7 @@ import railhead as rh
 from railhead.planning import simulation_plan as planning
 from railhead.postprocess import vtu
 from railhead.postprocess.pass_rows import RailState
-from railhead.postprocess.pictures import plastic_plots
+from railhead.postprocess.pictures import pass_plots
 from railhead.results import pipeline, quantity_rows
 from railhead.results.report import terminal
 from railhead.run.half_spaces import passes_of_scene
@@ -149,7 +149,7 @@ def test_the_section_of_a_solid_is_drawn(result, tmp_path):
     assert tensor[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]] == pytest.approx(left.stress[1, 2])
     assert (tensor == tensor.T).all()
     passes = replace(result.solved.passes, sections=[left])
-    plastic_plots.draw_passes_section(passes, result.solved.findings, tmp_path / "section.png")
+    pass_plots.draw_passes_section(passes, result.solved.findings, tmp_path / "section.png")
     assert matplotlib.image.imread(tmp_path / "section.png").std() > 0.02
 
 
