@@ -300,7 +300,7 @@ def friction(scene: Scene, reference: str) -> CaseErrors:
         "carter": (
             "force_along_N",
             lambda: partial_slip.carter_share(
-                line.strip,  # type: ignore[union-attr]
+                line,  # type: ignore[arg-type]
                 float(given.at(0.0, scene.heat.bulk)),
                 creepage,
             ),

@@ -174,7 +174,7 @@ def traction(context: Context) -> float:
     if not isinstance(hertz, LineContact):
         return coefficient
     creepage = abs(wheelset_kinematics.creepage(context.contact).along)
-    return coefficient * carter_share(hertz.strip, coefficient, creepage)
+    return coefficient * carter_share(hertz, coefficient, creepage)
 
 
 def _indicator(context: Context) -> tuple[float, str]:

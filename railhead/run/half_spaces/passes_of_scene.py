@@ -312,18 +312,18 @@ def _of_scene(
     hertz = solved.ellipse if load is None else plan.hertz  # which is the same on any ranks
     keeps = plan.scene.rolling.pressure == "hertz"
     if isinstance(hertz, LineContact):
-        strip, share = hertz.strip, _share_of_full_slip(solved)
+        width, share = hertz.half_width, _share_of_full_slip(solved)
         contact = pass_contact.line_contact(
-            strip.b,
-            strip.load_per_length,
-            strip.curvature,
-            strip.contact_modulus,
+            width,
+            hertz.load_per_length,
+            hertz.curvature,
+            hertz.contact_modulus,
             keeps=keeps,
             slips=math.copysign(coefficient, share) if share else 0.0,
             sticks=math.sqrt(1 - abs(share)),
             width=hertz.length,
         )
-        return contact, (strip.b, strip.b), False, None
+        return contact, (width, width), False, None
     if plan.contact.half_space:
         contact = pass_contact.ellipse_contact(hertz, keeps=keeps)
         friction = _friction(solved)

@@ -128,7 +128,7 @@ def test_surface_traction_is_the_pressure(curvature_ratio: float) -> None:
 def test_line_limit_on_the_axis() -> None:
     contact = contact_of(1e-9)
     strip = line_contact(1e-3, 1.1e5, math.pi / 2 * contact.b * contact.p0)
-    depth = np.linspace(0, 10, 41) * strip.b
+    depth = np.linspace(0, 10, 41) * strip.half_width
     difference = contact.axis_stress(0.3, depth) - strip.axis_stress(0.3, depth)
     assert np.abs(difference).max() < 2 * contact.b / contact.a * contact.p0
 

@@ -27,18 +27,18 @@ class Carter:
         """Creepage mu w/R (1 - c/w) with the force's sign, R relative radius, w half width, c half
         width that sticks.
         """
-        full = self.friction * self.strip.b * self.strip.curvature
-        return math.copysign(full * self.stick_centre / self.strip.b, self.share)
+        full = self.friction * self.strip.half_width * self.strip.curvature
+        return math.copysign(full * self.stick_centre / self.strip.half_width, self.share)
 
     @property
     def stick_half_width(self) -> float:
         """Half width c that sticks, w sqrt(1 - |share|), mm."""
-        return self.strip.b * strip_stick_ratio(abs(self.share))
+        return self.strip.half_width * strip_stick_ratio(abs(self.share))
 
     @property
     def stick_centre(self) -> float:
         """x of the middle of the part that sticks, w - c, mm."""
-        return self.strip.b - self.stick_half_width
+        return self.strip.half_width - self.stick_half_width
 
     def traction(self, x):
         """Traction of the wheel on the rail mu p0 (sqrt(1 - x^2/w^2) - c/w sqrt(1 - (x - w +
@@ -46,6 +46,6 @@ class Carter:
         outside of the strip.
         """
         beyond = self.stick_half_width**2 - (np.asarray(x) - self.stick_centre) ** 2
-        stuck = self.strip.p0 / self.strip.b * np.sqrt(np.maximum(beyond, 0))
+        stuck = self.strip.p0 / self.strip.half_width * np.sqrt(np.maximum(beyond, 0))
         sign = math.copysign(self.friction, self.share)
-        return np.asarray(sign * (self.strip.pressure(x) - stuck))
+        return np.asarray(sign * (self.strip.pressure_across(x) - stuck))

@@ -136,16 +136,16 @@ def test_vanishing_creepage_gives_the_linear_coefficients(ratio: float) -> None:
 def test_the_middle_of_a_long_line_contact_is_carters(share: float) -> None:
     strip = line_contact(1 / 420, contact_modulus(207000, 0.3, 207000, 0.3), 110000 / 70)
     exact = Carter(strip, 0.3, share)
-    x = strip.b * ((2 * np.arange(64) + 1) / 64 - 1)
-    y = strip.b * 4 * (np.arange(15) - 7)
-    pressure = np.repeat(strip.pressure(x)[:, None], 15, axis=1)
+    x = strip.half_width * ((2 * np.arange(64) + 1) / 64 - 1)
+    y = strip.half_width * 4 * (np.arange(15) - 7)
+    pressure = np.repeat(strip.pressure_across(x)[:, None], 15, axis=1)
     body = HalfSpaceFriction(x, y, pressure, 0.3, STEEL, rolling=True)
     rolled = body.solve(Creepage(along=exact.creepage))
     used = rolled.traction[0, :, 7].sum() / rolled.bound[:, 7].sum()
     assert used == pytest.approx(share, abs=OWN)
     sticks = x[rolled.sticks[:, 7]]
-    assert sticks.min() / strip.b == pytest.approx(
-        (exact.stick_centre - exact.stick_half_width) / strip.b, abs=0.03
+    assert sticks.min() / strip.half_width == pytest.approx(
+        (exact.stick_centre - exact.stick_half_width) / strip.half_width, abs=0.03
     )
 
 
@@ -396,12 +396,14 @@ def test_a_strip_that_rolls_has_carter_s_creepage_and_stick(entry) -> None:
 def test_the_traction_adds_up_to_the_force(share: float) -> None:
     strip = line_contact(1 / 420, 1.1e5, 1500.0)
     rolled = Carter(strip, 0.3, share)
-    x = strip.b * np.sin(np.linspace(-np.pi / 2, np.pi / 2, 20001))
+    x = strip.half_width * np.sin(np.linspace(-np.pi / 2, np.pi / 2, 20001))
     q = rolled.traction(x)
     assert np.sum((q[1:] + q[:-1]) / 2 * np.diff(x)) == pytest.approx(share * 450.0, rel=1e-6)
     assert np.abs(q).max() <= 0.3 * strip.p0 * (1 + 1e-12)
     trailing = x < rolled.stick_centre - rolled.stick_half_width
-    np.testing.assert_allclose(q[trailing], np.sign(share) * 0.3 * strip.pressure(x[trailing]))
+    np.testing.assert_allclose(
+        q[trailing], np.sign(share) * 0.3 * strip.pressure_across(x[trailing])
+    )
     assert np.sign(rolled.creepage) == np.sign(share)
 
 
