@@ -1,9 +1,7 @@
-"""Carter's tractions of a strip that rolls (Johnson, Contact Mechanics, 8.3)."""
+"""Carter's strip that rolls (Johnson, Contact Mechanics, 8.3)."""
 
 import math
 from dataclasses import dataclass
-
-import numpy as np
 
 from railhead.theory.elastic.hertz import Strip
 from railhead.theory.friction.partial_slip import strip_stick_ratio
@@ -39,13 +37,3 @@ class Carter:
     def stick_centre(self) -> float:
         """x of the middle of the part that sticks, w - c, mm."""
         return self.strip.half_width - self.stick_half_width
-
-    def traction(self, x):
-        """Traction of the wheel on the rail mu p0 (sqrt(1 - x^2/w^2) - c/w sqrt(1 - (x - w +
-        c)^2/c^2)), MPa, at x (mm), with the force's sign; c is the half width that sticks. Zero
-        outside of the strip.
-        """
-        beyond = self.stick_half_width**2 - (np.asarray(x) - self.stick_centre) ** 2
-        stuck = self.strip.p0 / self.strip.half_width * np.sqrt(np.maximum(beyond, 0))
-        sign = math.copysign(self.friction, self.share)
-        return np.asarray(sign * (self.strip.pressure_across(x) - stuck))

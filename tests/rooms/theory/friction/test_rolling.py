@@ -392,21 +392,6 @@ def test_a_strip_that_rolls_has_carter_s_creepage_and_stick(entry) -> None:
     assert back == pytest.approx(entry["Q_over_muP"], rel=1e-9)
 
 
-@pytest.mark.parametrize("share", [-1.0, -0.5, 0.3, 0.96])
-def test_the_traction_adds_up_to_the_force(share: float) -> None:
-    strip = line_contact(1 / 420, 1.1e5, 1500.0)
-    rolled = Carter(strip, 0.3, share)
-    x = strip.half_width * np.sin(np.linspace(-np.pi / 2, np.pi / 2, 20001))
-    q = rolled.traction(x)
-    assert np.sum((q[1:] + q[:-1]) / 2 * np.diff(x)) == pytest.approx(share * 450.0, rel=1e-6)
-    assert np.abs(q).max() <= 0.3 * strip.p0 * (1 + 1e-12)
-    trailing = x < rolled.stick_centre - rolled.stick_half_width
-    np.testing.assert_allclose(
-        q[trailing], np.sign(share) * 0.3 * strip.pressure_across(x[trailing])
-    )
-    assert np.sign(rolled.creepage) == np.sign(share)
-
-
 def test_a_creepage_of_full_slip_makes_the_whole_limit() -> None:
     strip = line_contact(1 / 420, 1.1e5, 1500.0)
     assert partial_slip.carter_share(strip, 0.3, 1.0) == 1.0
