@@ -76,7 +76,7 @@ _DROPS = {
 FILE_KEYS = (
     *(f"rail.{key}" for key in ("profile", "stress_strain", "surface.file")),
     *(f"wheel.{key}" for key in ("profile", "stress_strain", "surface.file")),
-    *("wheelset.other_rail", "wheelset.other_wheel", "rolling.passes_from"),
+    *("wheelset.other_rail", "wheelset.other_wheel"),
     *("wear.positions", "wear.law"),
 )
 OTHER_NAMES = {"friction.tangential_load": "friction.force_along"}
