@@ -224,8 +224,6 @@ class Friction(Section):
         rest. The key tangential_load is another name of this one.
     force_across: N, tangential force of the wheel on the rail across it, along the common tangent
         to the field side.
-    cycle: whether the forces are applied, reversed and applied again; false: applied once. Needs a
-        force.
     """
 
     coefficient: Annotated[
@@ -240,7 +238,6 @@ class Friction(Section):
     layer_modulus: units.Stress | None = None
     force_along: units.SignedForce = 0.0
     force_across: units.SignedForce = 0.0
-    cycle: bool = False
 
     @model_validator(mode="before")
     @classmethod

@@ -79,7 +79,6 @@ class TangentialSolution:
     slip: of the wheel over the rail, (2, nx, ny); dimensionless in rolling, and half a cell ahead
         of the centres; mm of a shift. It is zero to the tolerance where cells stick, and zero
         outside of the patch.
-    steps: number of Newton's steps that found the tractions.
     rise: of the temperatures of the surfaces of rail and wheel above the bulk of each body, (2, nx,
         ny), K; None without heat.
     """
@@ -93,7 +92,6 @@ class TangentialSolution:
     creepage: Creepage
     traction: Array
     slip: Array
-    steps: int = 0
     rise: Array | None = None
 
     @property
@@ -294,7 +292,6 @@ class HalfSpaceFriction:
             creepage=creepage,
             traction=traction,
             slip=left,
-            steps=self._tractions.steps,
         )
         return replace(found, rise=self._interface.rise(self._x, traction, found.central_slip))
 
