@@ -371,8 +371,7 @@ def solve_dissimilar(
     modes: rigid slip (4, 2, nx, ny) of unit creepages, unit spin and the fixed mode; None: a plane.
     interface: as of `HalfSpaceFriction`.
     The load along its direction stays that of `patch`; the pressure found is that of the result.
-    The contact modulus is G/(1 - nu) of the pair. Where the pair has no mismatch the pressure
-    stays, too. ValueError: no convergence in 40 turns.
+    The contact modulus is G/(1 - nu) of the pair. ValueError: no convergence in 40 turns.
     """
     modulus = pair.shear_modulus / (1 - pair.poisson)
     influence = TractionInfluence(patch.x, patch.s, pair, rolling=False)
@@ -392,7 +391,7 @@ def solve_dissimilar(
         )
         found = shear(body)
         changed = np.linalg.norm(found.traction - before, axis=0).sum() * found.cell
-        if not pair.mismatch or changed <= TRACTION_CHANGE * found.limit:
+        if changed <= TRACTION_CHANGE * found.limit:
             return found
         gap, before = undeformed + influence.opening(found.traction), found.traction
         (now,) = equilibrium([patch], [gap], modulus, patch.load, None, PRESSED, None)

@@ -319,22 +319,6 @@ def pressed(materials: MaterialPair) -> pressure_solver.PatchSolution:
     return pressing.solve(ball, modulus, load=500.0, cells=32)
 
 
-def test_like_bodies_take_one_turn() -> None:
-    materials, creepage = pair(*HARD, *HARD), Creepage(1e-4, 1e-4)
-    patch = pressing.solve(ball, 207000 / 1.82, load=500.0, cells=32)
-    body = HalfSpaceFriction(patch.x, patch.s, patch.pressure, 0.3, materials, rolling=True)
-    found = rolling(HARD, HARD, creepage)
-    np.testing.assert_allclose(found.traction, body.solve(creepage).traction, rtol=1e-6, atol=1e-9)
-
-
-def test_exchanged_bodies_turn_the_tractions_round() -> None:
-    """A hard wheel is held back on a soft rail; the pressure is the same."""
-    hard, soft = rolling(HARD, SOFT, Creepage()), rolling(SOFT, HARD, Creepage())
-    np.testing.assert_allclose(hard.traction, -soft.traction, atol=1e-6 * hard.bound.max())
-    np.testing.assert_allclose(hard.bound, soft.bound, atol=1e-6 * hard.bound.max())
-    assert hard.forces[0] < -0.1 * hard.limit
-
-
 def test_the_gap_closes_under_pressure_and_tractions_together() -> None:
     """Where they touch, gap and displacements by both add up to one approach, to 0.5 % of it;
     without the part of the tractions they do not."""
