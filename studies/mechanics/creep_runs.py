@@ -221,7 +221,6 @@ STRIP, SLIDING = (0.1, 0.2, 0.3, 0.4, 0.5), (0.1, 0.3, 0.5)  # coefficients of s
 EXACT = tuple(float(mu) for mu in np.linspace(0, 0.6, 13))
 
 
-EXACTLY = {"below": sliding.peak_below_surface, "surface": sliding.peak_at_surface}
 JUDGED = {
     "pressure": ("pressure", "max_MPa"),
     "area": ("patch", "area_mm2"),
@@ -273,15 +272,14 @@ def slid(name: str, coefficients: Sequence[float], given: dict[str, Any]) -> Ite
         values = stress["von_mises_max_MPa"], stress["von_mises_max_depth_mm"]
         yield row(mu, "railhead", result.ellipse, *values)
     for mu in EXACT:
-        for by, find in EXACTLY.items():
-            place = find(result.ellipse, mu, POISSON)
+        for by, place in sliding.peaks(result.ellipse, mu, POISSON).items():
             yield row(mu, by, result.ellipse, place.von_mises, place.depth)
 
 
 def crossover(slid: Sequence[Slid]) -> float:
     """Coefficient of friction above which the exact largest von Mises stress lies at the surface,
     interpolated; the first or last coefficient where there is no change between them."""
-    below, surface = ([s for s in slid if s["by"] == by] for by in EXACTLY)
+    below, surface = ([s for s in slid if s["by"] == by] for by in ("below", "surface"))
     ahead = [t["von_mises"] - s["von_mises"] for s, t in zip(below, surface, strict=True)]
     return float(np.interp(0.0, ahead, [s["coefficient"] for s in below]))
 

@@ -42,11 +42,6 @@ class Ellipse(EllipsoidalPressure):
         return "circular" if math.isclose(self.a, self.b, rel_tol=1e-6) else "elliptic"
 
     @property
-    def largest_curvature(self) -> float:
-        """Largest relative curvature of the gap between the bodies, 1/mm."""
-        return max(self.curvature_x, self.curvature_y)
-
-    @property
     def outline(self) -> Array:
         """(181, 2) points (x, y) of the closed outline of the patch, mm."""
         angle = np.linspace(0, 2 * np.pi, 181)

@@ -59,11 +59,6 @@ class LineContact(Strip):
         return self.half_width, self.half_width
 
     @property
-    def largest_curvature(self) -> float:
-        """Relative curvature of the gap between the bodies, 1/mm."""
-        return self.curvature
-
-    @property
     def outline(self) -> Array:
         """(5, 2) corners (x, y) of the closed outline of the patch, mm."""
         return np.array([[1, 1], [-1, 1], [-1, -1], [1, -1], [1, 1]]) * (self.a, self.b)
