@@ -65,21 +65,6 @@ def test_a_tilted_plane_carries_the_normal_load() -> None:
     assert found.patches[0].plane == pytest.approx(tilt)
 
 
-def test_two_slopes_feel_each_other_by_the_cosine_between_their_normals() -> None:
-    """d cos t = Hertz(F/(2 cos t)) + F/(2 cos t) cos(2 t)/(pi E* D), up to (a/D)^2."""
-    steep, distance = 0.5, 40.0
-    one, other = paraboloid(1.0, s0=-distance / 2), paraboloid(1.0, s0=distance / 2)
-    found = both(
-        lambda x, s: np.minimum(one(x, s), other(x, s)), distance, at_angles(steep, distance)
-    )
-    normal = LOAD / math.cos(steep)
-    exact = point_contact(1 / RADIUS, 1 / RADIUS, MODULUS, normal)
-    between = normal * math.cos(2 * steep) / (math.pi * MODULUS * distance)
-    assert found.approach * math.cos(steep) == pytest.approx(exact.approach + between, rel=5e-4)
-    assert between > 0.02 * exact.approach
-    assert [patch.force for patch in found.patches] == pytest.approx([normal, normal], rel=1e-6)
-
-
 def test_conditions_of_contact_hold_across_a_bend() -> None:
     gap, angle = bumps(14.0), at_angles(0.3, 14.0)
     windows = [((0.0, side * 7.0), (6.0, 3.0)) for side in (-1, 1)]
@@ -93,23 +78,6 @@ def test_conditions_of_contact_hold_across_a_bend() -> None:
         assert np.abs(opened[touching]).max() < 3e-4 * u.max()
         assert opened[~touching].min() > -3e-4 * u.max()
     assert found.load == pytest.approx(2 * LOAD, rel=1e-9)
-
-
-def test_mirrored_surface_has_the_mirrored_patches() -> None:
-    gap = bumps(12.0, 0.005)
-
-    def bend(s: Array) -> Array:
-        return 0.2 + s / 40
-
-    found = both(gap, 12.0, bend)
-    mirrored = both(lambda x, s: gap(x, -s), 12.0, lambda s: -bend(-s))
-    assert mirrored.approach == pytest.approx(found.approach, rel=1e-6)
-    for patch, image in zip(found.patches, mirrored.patches, strict=True):
-        np.testing.assert_allclose(image.s[::-1], -patch.s, atol=1e-6)
-        np.testing.assert_allclose(
-            image.pressure[:, ::-1], patch.pressure, atol=1e-3 * found.max_pressure
-        )
-        assert image.plane == pytest.approx(-patch.plane, abs=1e-6)
 
 
 def test_windows_that_overlap_count_a_point_once() -> None:

@@ -141,26 +141,10 @@ def test_two_patches_roll_as_their_ellipses_nearly_do(two: planning.Plan, patche
         rolled = second_method.fastsim(patches, limit, two.context.tangential_pair, motion)
         for name in ("force_along_N", "force_across_N"):
             assert answer[name] == pytest.approx(rolled[name], abs=0.05 * limit)
+        assert answer["t_gamma_N"] == pytest.approx(rolled["t_gamma_N"], rel=0.05)
     shifted = planning.make(two.scene.replace(rolling={"spin": 0.0}))
     with pytest.raises(ValueError, match=SEVERAL[:20]):
         solve_by_boundary_elements(shifted, found, lambda cells: patches, (16, 32))
-
-
-def test_each_patch_dissipates_what_it_would_alone(two: planning.Plan, patches) -> None:
-    """A patch on another radius creeps differently, and its forces do work on that."""
-    pair, motion = two.context.tangential_pair, (1e-3, 5e-4, 1e-4)
-    normal = [each.pressed.force for each in patches]
-    alone = [
-        second_method.fastsim([each], MU * force, pair, motion)
-        for each, force in zip(patches, normal, strict=True)
-    ]
-    rolled = second_method.fastsim(patches, MU * sum(normal), pair, motion)
-    wear, forces = rolled["t_gamma_N"], list(rolled.values())[:3]
-    assert wear == pytest.approx(sum(each["t_gamma_N"] for each in alone), rel=1e-9)
-    assert wear != pytest.approx(np.dot(forces, motion), rel=0.1)
-    found = friction_found(MU * sum(normal), motion)
-    exactly = solve_by_boundary_elements(two, found, lambda cells: patches, (16, 32))["t_gamma_N"]
-    assert wear == pytest.approx(exactly, rel=0.02)
 
 
 @pytest.mark.parametrize("wheel", [math.inf, pytest.param(3000.0, marks=pytest.mark.slow)])
