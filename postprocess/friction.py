@@ -49,8 +49,7 @@ def at_cells(
     centred: bool = False,
 ) -> FrictionSolution:
     """Tractions of patches that share one rigid motion as a solution with vectors in space, at the
-    cells that are used; nothing is solved. Forces, moment, load steps, energy and numbers of
-    iterations are left zero or empty.
+    cells that are used; nothing is solved. Forces and moment are left zero.
 
     found: tractions of each patch on a grid.
     places (nx, ny, 3), tangents (nx, ny, 2, 3): of each patch, cell centres in space, mm, and unit
@@ -85,16 +84,12 @@ def at_cells(
         rigid_motion=(motion.along, motion.across, motion.spin),
         force=(0.0, 0.0),
         moment=0.0,
-        load_steps=np.zeros((0, 4)),
-        dissipated_energy=0.0,
-        coupling_iterations=0,
         rigid_slip=in_space(
             [
                 np.einsum("m,mdij->dij", motion.motion, each.modes) - own
                 for each, own in zip(found, less, strict=True)
             ]
         ),
-        newton_steps=0,
         rise_rail=hot[0],
         rise_wheel=hot[1],
     )
@@ -126,18 +121,17 @@ def quantities(
     rolling: bool,
     like: bool,
     speed: float | None,
-    cycle: bool,
     patches: Array | None = None,
 ) -> dict[str, Any]:
     """Entries of "friction" in summary.json, by name with the unit at the end of the name. Forces
     are those of the whole model.
 
     found: the solution. rolling: whether the wheel rolls. like: whether a pressure moves the
-        surfaces of both bodies alike, as with equal elastic constants. speed: m/s, or None. cycle:
-        whether loads form a cycle. patches (k, 3): centres of the patches in space, mm, or None.
+        surfaces of both bodies alike, as with equal elastic constants. speed: m/s, or None.
+        patches (k, 3): centres of the patches in space, mm, or None.
     Always: forces along and across and the moment of the wheel on the rail; the limit mu N, and
         over the normal force: the mean coefficient; the rigid motion of the wheel; the share of
-        the area that sticks; the largest traction; and numbers of iterations.
+        the area that sticks; and the largest traction.
     Rolling: T-gamma, the energy dissipated per rolled length, N. It is the integral of traction
         times rigid slip, of solids with the strain of their pressed surfaces. Of unlike bodies,
         which creep without a force, it is that of traction times slip.
@@ -147,7 +141,6 @@ def quantities(
     Rolling with a speed: the power, W. Rolling of like bodies with centres: the wear number, N.
         Rolling of like bodies with a solution without creepage: its numbers, and the resolution of
         each quantity.
-    Of a cycle: the energy that slip dissipates in it, N mm.
     With solutions on coarser grids each number is extrapolated (`_extrapolated`). "grid_error": by
         key the larger change, from the finest grid and from what both coarser ones give.
     Always "below_resolution": names of the quantities that mesh or grid do not resolve; without the
@@ -155,7 +148,7 @@ def quantities(
     """
     grids, grid = [], found
     while True:
-        grids.append(_values(grid, rolling=rolling, like=like, cycle=cycle, patches=patches))
+        grids.append(_values(grid, rolling=rolling, like=like, patches=patches))
         if grid.coarse is None:
             break
         grid = grid.coarse
@@ -169,10 +162,8 @@ def quantities(
         out["power_W"] = speed * out["t_gamma_N"]
         if errors:
             errors["power_W"] = speed * errors["t_gamma_N"]
-    out |= {"newton_steps": found.newton_steps, "passes": found.coupling_iterations}
     error = errors.get("stick_share", _border_error(found))
-    energy = WEAR if rolling and not like else ("energy_per_cycle_Nmm",) * cycle
-    below = _hidden_by_border(out["stick_share"], error, energy)
+    below = _hidden_by_border(out["stick_share"], error, WEAR if rolling and not like else ())
     unsure = errors.keys() & {LOADS[2], *WEAR}
     below |= {key for key in unsure if errors[key] > RESOLVED * abs(out[key])}
     below |= {*WEAR} if "t_gamma_N" in below else set()
@@ -239,7 +230,6 @@ def _values(
     *,
     rolling: bool,
     like: bool,
-    cycle: bool,
     patches: Array | None,
 ) -> dict[str, float]:
     """Numbers of "friction" in summary.json of one grid or mesh, by key; arguments as of
@@ -267,8 +257,6 @@ def _values(
     for key, rise in zip(RISE, (found.rise_rail, found.rise_wheel), strict=True):
         if rise is not None:
             out[key] = float(rise.max())
-    if cycle:
-        out["energy_per_cycle_Nmm"] = found.dissipated_energy
     if rolling:
         slip = found.rigid_slip if like else found.slip
         wear = float(found.weights @ np.einsum("nc,nc->n", found.traction, slip))
@@ -293,11 +281,11 @@ def _resolution(out: Mapping[str, Any], found: FrictionSolution) -> dict[str, An
     and of what is computed from them; what the border of stick hides (`_hidden_by_border`).
     """
     assert found.without_creepage is not None
-    still = _values(found.without_creepage, rolling=True, like=True, cycle=False, patches=None)
+    still = _values(found.without_creepage, rolling=True, like=True, patches=None)
     shown = (*LOADS, "traction_max_MPa", "t_gamma_N", "stick_share")
     still = {name: still[name] for name in shown}
     if found.misread is not None:
-        other = _values(found.misread, rolling=True, like=True, cycle=False, patches=None)
+        other = _values(found.misread, rolling=True, like=True, patches=None)
         limits = {name: abs(other[name] - out[name]) for name in still}
         # A mesh errs in no direction of its own: each has the size of both, about half an arm.
         size = math.hypot(limits[LOADS[0]], limits[LOADS[1]])

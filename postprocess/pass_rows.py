@@ -75,9 +75,6 @@ class Passes:
     verdict: what they come to, a word such as RATCHETS, see `verdict`.
     words: the verdict in a sentence.
     sections: state of the section after each pass.
-    state: what the last pass left, from which more go on; None where there are no passes.
-    axes: coordinates of the block's nodes along x, in a solid y, and z, one axis after the other,
-        mm.
     half_lengths: of the elastic patch, along and across, mm.
     profile: the rail's profile with the groove on it (n, 2), y and z as the file of rail.profile
         has them, mm; None of a half-space and of a section.
@@ -98,8 +95,6 @@ class Passes:
     verdict: str
     words: str = ""
     sections: list[RailState] = field(default_factory=list)
-    state: SectionState | None = None
-    axes: Array = field(default_factory=lambda: np.zeros(0))
     half_lengths: tuple[float, float] = (0.0, 0.0)
     profile: Array | None = None
     converged: bool = False

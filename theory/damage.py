@@ -152,10 +152,7 @@ def elastic_limit(friction: float, poisson: float) -> float:
     """Largest p0/k of a line contact in full slip that does not yield anywhere, by von Mises.
     friction: coefficient; poisson: Poisson's ratio.
     """
-    hardest = max(
-        find(STRIP, friction, poisson).von_mises
-        for find in (sliding.peak_below_surface, sliding.peak_at_surface)
-    )
+    hardest = max(each.von_mises for each in sliding.peaks(STRIP, friction, poisson).values())
     return math.sqrt(3) * STRIP.p0 / hardest
 
 

@@ -449,7 +449,7 @@ class TransverseSection(SectionContact):
             return None
         below = discs[RAIL], rail.young_modulus, rail.poisson_ratio
         above = discs[WHEEL], wheel.young_modulus, wheel.poisson_ratio
-        return sum(line.cylinder_approach(hertz.strip, *body) for body in (below, above))
+        return sum(line.cylinder_approach(hertz, *body) for body in (below, above))
 
     @property
     def lift(self) -> float:

@@ -16,7 +16,6 @@ from railhead.results import quantity_rows, result_folder
 from railhead.results.subject import subject
 from railhead.run.half_spaces.answer import HalfSpaceSolution, Solved
 from railhead.run.mesh_solution import MeshSolution
-from railhead.scene.scene import Scene
 from railhead.theory.elastic.subsurface import von_mises
 
 if TYPE_CHECKING:
@@ -25,7 +24,7 @@ if TYPE_CHECKING:
     from railhead.postprocess.pictures.diagrams import Drawing
     from railhead.postprocess.pictures.gallery import Shown
 
-TABLE, PASSES, STATE = "result.csv", "passes.csv", "passes.npz"
+TABLE, PASSES = "result.csv", "passes.csv"
 PROFILE, SHOWN = "rail_profile.csv", "pictures.npz"
 
 
@@ -54,7 +53,7 @@ def write(
     with result_folder.result(folder, "run", scene, summary, aside=aside) as (work, attempt):
         (work / TABLE).write_bytes(result_folder.encoded(quantity_rows.everything(summary)))
         if solved.passes is not None and solved.passes.rows:
-            _write_passes(solved.passes, solved.plan.scene, work)
+            _write_passes(solved.passes, work)
         stresses: Array | None = None
         with attempt("*.vtu"):
             stresses = nodal_stress(solved)
@@ -80,12 +79,9 @@ def write(
                 (work / html.NAME).write_text(text, encoding="utf-8")
 
 
-def _write_passes(passes: Passes, scene: Scene, work: Path) -> None:
-    """Write the table of passes, the state after them, and the rail's new profile."""
-    from railhead.run.half_spaces import passes_of_scene
-
+def _write_passes(passes: Passes, work: Path) -> None:
+    """Write the table of passes and the rail's new profile."""
     (work / PASSES).write_bytes(result_folder.encoded(result_folder.signed(passes.table())))
-    passes_of_scene.save(passes, scene, work / STATE)
     if passes.profile is not None:
         reach = passes.sections[-1].y[-1]
         holds = f"the groove is followed {reach:.3g} mm to each side of the patch"
@@ -186,7 +182,7 @@ def _shown(solved: Solved, units: Units) -> Shown | None:
         exact=solved.ellipse if len(found.patch.each) < 2 else None,
         poisson=next(iter(plan.poisson_ratios.values())),
         friction=answer.friction and replace(answer.friction, without_creepage=None, misread=None),
-        passes=passes and replace(passes, state=None),
+        passes=passes,
     )
     if isinstance(solved, HalfSpaceSolution):
         return shown

@@ -313,7 +313,6 @@ def read_friction(
         rolling=rolling.prescribed,
         like=not interface.unlike(plan.context),
         speed=rolling.speed,
-        cycle=plan.scene.friction.cycle,
         patches=np.array([each.centre for each in found.patch.each] or [found.frame.origin]),
     )
     given = plan.scene.friction.given

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import replace
@@ -27,9 +26,7 @@ from railhead.theory.array_types import Array, Mask
 from railhead.theory.elastic import halfspace
 
 GROWTH_STEPS = 8  # load steps in which the patch of bodies of different materials grows
-# shares of the tangential force: applied, reversed, applied again:
-FORCE_CYCLE = (0.0, 1.0, -1.0, 1.0)
-FORCE_STEPS = 4  # steps between two shares where bodies yield; 8 change the strain by 2 %
+FORCE_STEPS = 4  # of the tangential force where bodies yield; 8 change the strain by 2 %
 YIELD_REACH = 3.0  # size of the region in which yield is followed, over the patch
 
 
@@ -133,8 +130,7 @@ def friction_steps(plan: Plan) -> tuple[tuple[float, float], ...]:
     """Steps of (share of the load, share of the tangential forces). The patch of bodies of
     different materials grows in steps if nothing rolls: after step k of n its length is
     sin(pi k/2n) of the full one. What sticks in a step is what sticks in its middle, so the last
-    one is short. Then the force is applied, in a cycle also reversed and applied again, in equal
-    steps where bodies yield.
+    one is short. Then the force is applied, in equal steps where bodies yield.
     """
     scene, power = plan.scene, plan.contact.load_power
     grown: list[tuple[float, float]] = []
@@ -143,14 +139,8 @@ def friction_steps(plan: Plan) -> tuple[tuple[float, float], ...]:
         grown = [(float(share), 0.0) for share in np.sin(angles) ** power]
         if not any(scene.tangential_forces[1:]):
             return tuple(grown)
-    turns = FORCE_CYCLE if scene.friction.cycle else FORCE_CYCLE[:2]
     steps = FORCE_STEPS if plan.effects["plasticity"].on else 1
-    shares = [
-        start + (end - start) * step / steps
-        for start, end in itertools.pairwise(turns)
-        for step in range(1, steps + 1)
-    ]
-    return (*grown, *((1.0, share) for share in shares))
+    return (*grown, *((1.0, step / steps) for step in range(1, steps + 1)))
 
 
 def near_patches(zones: Sequence[Zone], points: Array) -> Mask:

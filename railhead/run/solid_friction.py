@@ -3,7 +3,7 @@
 The slip of the wheel over the rail at a traction q is
 
     rolling    slip = w - C' q - e0 - E q        C': minus the derivative of C along x
-    a shift    slip = w - C q + E q - (the slip at the end of the last load step)
+    a shift    slip = w - C q + E q
 
 with the rigid slip w and the influence C of half-spaces (`theory.friction`). The bodies' own
 response less that of half-spaces has a kernel that is smooth across the patch. So E q depends on
@@ -72,7 +72,6 @@ class GridPatch:
         where the surfaces end.
     smooth: smooth tractions. narrow: the same, narrower, for a second reading of fields.
     around: points of the surfaces on the normals through the cells of the smooth tractions.
-    rest: slip (2, nx, ny) up to the end of the last load step, mm; zero of bodies that roll.
     pressed: pressure (nx, ny), MPa; of the last `press`.
     """
 
@@ -118,7 +117,6 @@ class GridPatch:
         self.tangents = middles.spread(middles.tangents).reshape(*grid, 2, 3)
         self.places = middles.spread(middles.points).reshape(*grid, 3)
         self.friction = response.settings.coefficient(self.places.reshape(-1, 3)).reshape(grid)
-        self.rest = np.zeros_like(self.modes[0])
         self.smooth, self.narrow = (
             SmoothTractions(patch.centre, patch.half, largest, *width) for width in ((), (NARROW,))
         )
@@ -157,7 +155,6 @@ class SolidFriction:
     response: response of the pressed bodies to tractions.
     patches: grids over the patches.
     coarse: the same with half as many cells each way, and half of those, the coarsest first.
-    steps: largest number of Newton's steps on the tractions.
     """
 
     def __init__(
@@ -189,7 +186,6 @@ class SolidFriction:
         # As read, and what a second reading leaves of that: of e0, and of E.
         self._still, self._added = np.zeros((2, count, 20)), np.zeros((2, count, count, 20, 6))
         self._coefficients = np.zeros((count, 6))
-        self.steps = 0
 
     def unsuited(self) -> str:
         """Reason why smooth tractions do not represent what finite bodies add; empty if they do."""
@@ -283,7 +279,7 @@ class SolidFriction:
                     self.pair,
                     rolling=self.settings.rolling,
                     modes=modes * each.modes,
-                    drawn=each.rest + drawn[number],
+                    drawn=drawn[number],
                     added=each.smooth.response(response[number, number], each.x, each.y),
                     interface=self.settings.interface,
                 )
@@ -291,7 +287,6 @@ class SolidFriction:
             ]
             before, begins = found, found or start or None
             found = solve_for_forces(bodies, creepage, along=along, across=across, start=begins)
-            self.steps = max(self.steps, *(each.steps for each in found))
             for number, (each, solved) in enumerate(zip(patches, found, strict=True)):
                 moments = each.smooth.coefficients(each.x, each.y, solved.traction)
                 self._coefficients[number] = moments.ravel()
@@ -344,64 +339,37 @@ class SolidFriction:
                 each.press(each.patch.nearest(smooth))
 
     def solve(self, case: LoadCase) -> Solution:
-        """Solution after all load steps; the first one whose pressing does not converge ends them,
-        and the solution says so (collective). Its `reference` is the frictionless one. `sample`
-        must have been called: without it the bodies respond as half-spaces. Raises ValueError where
-        tractions are not found or do not balance with the pressure, and where patches merge.
+        """Solution with friction; a pressing that does not converge ends it, and the solution says
+        so (collective). Its `reference` is the frictionless one. `sample` must have been called:
+        without it the bodies respond as half-spaces. Raises ValueError where tractions are not
+        found or do not balance with the pressure, and where patches merge.
 
         case: load case of the frictionless solution, with its active points.
         """
         settings, solution = self.settings, self.pressed
-        motion = Creepage(*settings.creepage)
+        motion, given = Creepage(*settings.creepage), dict(settings.force_controlled)
+        forces = given.get(0), given.get(1)
         found: list[TangentialSolution] = []
-        others: list[list[TangentialSolution]] = [[] for _ in self.coarse]
         pressed_under: list[TangentialSolution] = []
-        steps: list[Array] = []
-        passes, energy, full = 0, np.zeros(len(CELLS)), False
-        for _, share in settings.load_steps:
-            given = {index: share * force for index, force in settings.force_controlled}
-            forces = given.get(0), given.get(1)
-            for _ in range(PRESSINGS):
-                self.stage("friction: tractions")
-                found = self.tractions(motion, forces, start=found)
-                passes += 1
-                if _change(found, pressed_under) <= PRESS_TOLERANCE:
-                    break
-                self.stage("friction: pressing under the tractions")
-                solution = self.press_again(replace(case, active=solution.pressure > 0), found)
-                pressed_under = found
-                if not solution.newton.converged:
-                    return replace(solution, reference=self.pressed)
-            else:
-                raise ValueError(f"no balance of tractions and pressure in {PRESSINGS} turns")
-            others = [
-                self.tractions(motion, forces, start=start, patches=patches)
-                for patches, start in zip(self.coarse, others, strict=True)
-            ]
-            grids = [*zip(self.coarse, others, strict=True), (self.patches, found)]
-            if not settings.rolling:
-                for each, solved in (pair for grid in grids for pair in zip(*grid, strict=True)):
-                    each.rest = each.rest + solved.slip
-                if full:
-                    energy += [
-                        sum(each.cell * (each.traction * each.slip).sum() for each in solved)
-                        for _, solved in grids
-                    ]
-            full = full or share == 1
-            described = self._friction_solution(*grids[-1])
-            steps.append(np.array([*described.force, *described.rigid_motion[:2]]))
+        for _ in range(PRESSINGS):
+            self.stage("friction: tractions")
+            found = self.tractions(motion, forces, start=found)
+            if _change(found, pressed_under) <= PRESS_TOLERANCE:
+                break
+            self.stage("friction: pressing under the tractions")
+            solution = self.press_again(replace(case, active=solution.pressure > 0), found)
+            pressed_under = found
+            if not solution.newton.converged:
+                return replace(solution, reference=self.pressed)
+        else:
+            raise ValueError(f"no balance of tractions and pressure in {PRESSINGS} turns")
+        grids = [
+            (patches, self.tractions(motion, forces, patches=patches)) for patches in self.coarse
+        ]
         coarser = None
-        for grid, work in zip(grids[:-1], energy, strict=False):
-            other = self._friction_solution(*grid)
-            coarser = replace(other, dissipated_energy=float(work), coarse=coarser)
-        described = replace(
-            described,
-            load_steps=np.array(steps),
-            dissipated_energy=float(energy[-1]),
-            coupling_iterations=passes,
-            newton_steps=self.steps,
-            coarse=coarser,
-        )
+        for patches, tractions in grids:
+            coarser = replace(self._friction_solution(patches, tractions), coarse=coarser)
+        described = replace(self._friction_solution(self.patches, found), coarse=coarser)
         if settings.rolling:
             misread = self.tractions(motion, forces, misread=True, start=found)
             still = self.tractions(Creepage(), modes=0.0)

@@ -89,7 +89,7 @@ def read_scene(path: str | Path) -> Scene:
     short = re.sub(r"[^\w.-]", "_", stem).encode()[:MAX_NAME_BYTES].decode(errors="ignore")
     data.setdefault("name", short)
     for table, key in file_entries(data):
-        if key in ("passes_from", "file") or table[key].lower().endswith(EXTENSIONS):
+        if key == "file" or table[key].lower().endswith(EXTENSIONS):
             table[key] = str(path.parent / table[key])
     return Scene.from_mapping(data)
 

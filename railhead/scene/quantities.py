@@ -309,11 +309,6 @@ class FrictionQuantities:
     traction_max: largest magnitude of the traction, MPa.
     t_gamma: energy dissipated per rolled length, N; None of a shift.
     power_W: t_gamma times the speed, W; None without `rolling.speed`.
-    energy_per_cycle_Nmm: energy dissipated in a cycle of the forces, N mm; None without a cycle.
-    newton_steps: largest number of Newton steps in which tractions were solved; 0 where half-spaces
-        answer.
-    passes: number of times that the tractions were solved, over all load steps; 0 where half-spaces
-        answer.
     without_creepage: of like bodies that roll, what they do without creepage, since unlike shapes
         are strained unlike by pressing; None of half-spaces, of a shift and of unlike materials.
     resolution: error by the mesh of each quantity, absolute. Of solids it comes from two readings
@@ -396,11 +391,6 @@ class FrictionQuantities:
         "t_gamma_N", "N", "T-gamma: energy per rolled length", column="T-gamma"
     )
     power_W: float | None = friction("power_W", "W", "power")  # noqa: N815
-    energy_per_cycle_Nmm: float | None = friction(  # noqa: N815
-        "energy_per_cycle_Nmm", "N mm", "energy per cycle"
-    )
-    newton_steps: int = friction("newton_steps")
-    passes: int = friction("passes")
     without_creepage: MainFriction | None = friction("without_creepage", record=MainFriction)
     resolution: MainFriction | None = friction("resolution", record=MainFriction)
     below_resolution: list[str] | None = friction("below_resolution")

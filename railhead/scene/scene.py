@@ -76,7 +76,7 @@ _DROPS = {
 FILE_KEYS = (
     *(f"rail.{key}" for key in ("profile", "stress_strain", "surface.file")),
     *(f"wheel.{key}" for key in ("profile", "stress_strain", "surface.file")),
-    *("wheelset.other_rail", "wheelset.other_wheel", "rolling.passes_from"),
+    *("wheelset.other_rail", "wheelset.other_wheel"),
     *("wear.positions", "wear.law"),
 )
 OTHER_NAMES = {"friction.tangential_load": "friction.force_along"}
@@ -276,7 +276,7 @@ class Scene(Section):
         patch size beside accuracy or budget; no force of [friction] beside rolling; no cycles
         beside passes; a load and friction for an axle without torque; a speed for a law of
         friction, its temperatures for one that depends on them; no such law and no layer beside
-        passes; a force of [friction] for friction.cycle; at least one body that deforms.
+        passes; at least one body that deforms.
         """
         friction, rolling = self.friction, self.rolling
         free = rolling.axle == "torque_free"
@@ -346,11 +346,6 @@ class Scene(Section):
                 rolling.passes is not None and friction.layer_thickness is not None,
                 "friction.layer_thickness",
                 "is not allowed beside rolling.passes; leave it out",
-            ),
-            (
-                friction.cycle and not shifted,
-                "friction.cycle",
-                "true is not allowed without a force of [friction]",
             ),
             (
                 all(math.isinf(body.young_modulus) for body in self.bodies.values()),

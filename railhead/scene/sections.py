@@ -4,7 +4,6 @@ Lengths are in mm, stresses in MPa, and wherever a number is expected a string w
 as well. A key that may be None leaves the choice to the plan.
 """
 
-import os
 from difflib import get_close_matches
 from functools import partial
 from itertools import pairwise
@@ -102,19 +101,6 @@ class Section(BaseModel):
                 return SceneError(key, f"{value} is not a table; give [{key}] and its keys")
             case _:  # string_unicode: half of a surrogate pair, in a key or in a value
                 return SceneError(key, f"{value} is not Unicode text; give whole characters")
-
-
-def _passes_file(value: object) -> str:
-    """The absolute path of the .npz file of a result's passes, given by its path or by the folder
-    of the result. Raises ValueError (one line) where there is none.
-    """
-    path = os.path.abspath(str(value))
-    if os.path.isdir(path):
-        path = os.path.join(path, "passes.npz")
-    if not path.endswith(".npz") or not files.readable(path):
-        text = "give the folder of a result with rolling.passes"
-        raise ValueError(f"{show(value)} has no readable passes.npz; {text}")
-    return path
 
 
 def _pairs(value: object, first: Range, least: int, allowed: str) -> tuple[files.Pair, ...]:
@@ -238,8 +224,6 @@ class Friction(Section):
         rest. The key tangential_load is another name of this one.
     force_across: N, tangential force of the wheel on the rail across it, along the common tangent
         to the field side.
-    cycle: whether the forces are applied, reversed and applied again; false: applied once. Needs a
-        force.
     """
 
     coefficient: Annotated[
@@ -254,7 +238,6 @@ class Friction(Section):
     layer_modulus: units.Stress | None = None
     force_along: units.SignedForce = 0.0
     force_across: units.SignedForce = 0.0
-    cycle: bool = False
 
     @model_validator(mode="before")
     @classmethod
@@ -361,8 +344,6 @@ class Rolling(Section):
     passes: how often the wheel rolls over a rail that yields, 1 to 1000; None: not simulated.
     pressure: beside passes, "contact": the pressure follows from the rail as the passes leave it;
         "hertz": the elastic pressure is kept.
-    passes_from: folder of a result whose passes these go on from; kept as the absolute path of its
-        passes.npz. None: the rail is new.
     """
 
     from_wheelset: bool = False
@@ -375,13 +356,12 @@ class Rolling(Section):
     speed: units.Speed | None = None
     passes: Annotated[int, Range(units.NUMBER, 1, 1000, whole=True)] | None = None
     pressure: Literal["contact", "hertz"] = "contact"
-    passes_from: Annotated[str, BeforeValidator(_passes_file)] | None = None
 
     @model_validator(mode="after")
     def _one_of_each(self) -> Self:
         """Raise SceneError for a creepage and a force in one direction, for a key that
         from_wheelset gives, for an axle without from_wheelset, for a force along on an axle without
-        torque, for a speed without rolling, and for a pressure or passes_from without passes.
+        torque, for a speed without rolling, and for a pressure without passes.
         """
         along = None not in (self.creepage_along, self.force_along)
         across = None not in (self.creepage_across, self.force_across)
@@ -412,11 +392,6 @@ class Rolling(Section):
                 self.pressure != "contact" and self.passes is None,
                 "pressure",
                 f"{self.pressure} is not allowed without passes",
-            ),
-            (
-                self.passes_from is not None and self.passes is None,
-                "passes_from",
-                "is not allowed without passes; give how many more",
             ),
         )
         return self

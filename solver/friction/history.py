@@ -49,11 +49,6 @@ class FrictionHistory:
         for the tractions before the last pressing.
     load_share: share of the load that acts, 0 to 1.
     was_active: (n,) points in contact after the last step that changed the load; none before it.
-    full_force_reached: whether a step with the full tangential force has ended.
-    dissipated_energy: work of friction in the steps after that one, N mm; 0 when rolling.
-    coupling_iterations: number of solves for the tractions so far.
-    step_results: force along and across (N) and rigid motion along and across, (4,) for each step.
-    newton_steps: largest number of steps of Newton's method in one solve for the tractions.
     tangential_state: tractions and slip of the last solve for them; missing before the first.
     Raises ValueError when rolling and a surface ends upstream of the patch.
     """
@@ -83,10 +78,6 @@ class FrictionHistory:
         self.tangential: Array = np.zeros(2)
         self.load_share = 1.0
         self.was_active: Mask = np.zeros(len(contact.points), dtype=bool)
-        self.full_force_reached = False
-        self.dissipated_energy, self.coupling_iterations = 0.0, 0
-        self.step_results: list[Array] = []
-        self.newton_steps = 0
 
     def solve(self) -> Solution:
         """Solution after all load steps, or after the first that does not converge; its field
@@ -118,8 +109,8 @@ class FrictionHistory:
         limit = system.setup.parts * system.comm.allreduce(carried)
         given = math.hypot(*(force for _, force in self.settings.force_controlled))
         for load, force in self.settings.load_steps:
-            if abs(force) * given > load * limit:
-                wanted = f"a force of {abs(force) * given:.6g} N"
+            if force * given > load * limit:
+                wanted = f"a force of {force * given:.6g} N"
                 return f"friction: {wanted} is above what it can carry, {load * limit:.6g} N"
         return ""
 
@@ -154,8 +145,6 @@ class FrictionHistory:
                     solution, newton=replace(solution.newton, reason=f"friction: {error}")
                 )
             self.motion[self.free_modes] = state.motion
-            self.coupling_iterations += 1
-            self.newton_steps = max(self.newton_steps, len(state.history))
             change = float(np.abs(state.nodal - self.nodal).max()) / self._coulomb().largest_bound
             if change <= COUPLING_TOLERANCE or not state.converged:
                 break
@@ -168,7 +157,8 @@ class FrictionHistory:
             return replace(solution, newton=replace(solution.newton, reason=reason))
         if held is not None:
             self.was_active = self.contact.active
-        self._end_step(force_share)
+        if self.rest is not None:
+            self.rest = self.rest + self.tangential_state.slip
         return solution
 
     def _coulomb(self) -> CoulombContact:
@@ -212,22 +202,6 @@ class FrictionHistory:
             return static, None
         lines = state.pressure, state.traction[:, 0], state.slip[:, 0]
         return interface.along_line(points[:, 0], static, *lines)
-
-    def _end_step(self, force_share: float) -> None:
-        """Close a step that converged: append its force and rigid motion to `step_results`. Unless
-        the wheel rolls, add its slip to `rest`, and its work of friction to `dissipated_energy`
-        where an earlier step has reached the full force.
-
-        force_share: share of the prescribed tangential forces at its end, -1 (reversed) to 1.
-        """
-        state = self.tangential_state
-        if self.rest is not None:
-            self.rest = self.rest + state.slip
-            if self.full_force_reached:
-                work = np.einsum("n,nk,nk->", self.contact.area, state.traction, state.slip)
-                self.dissipated_energy += float(work)
-        self.full_force_reached = self.full_force_reached or force_share == 1
-        self.step_results.append(np.concatenate([self._force(state), self.motion[:2]]))
 
     def _touching(self, before: Array) -> Array:
         """Tangential displacement (n, k) of the wheel relative to the rail, mm, at the moment at
@@ -317,11 +291,7 @@ class FrictionHistory:
             rigid_motion=(along, across, spin),
             force=force,
             moment=moment,
-            load_steps=np.array(self.step_results),
-            dissipated_energy=self.dissipated_energy,
-            coupling_iterations=self.coupling_iterations,
             rigid_slip=contact.in_space(np.einsum("m,mnk->nk", motion, self.rigid_slip)),
-            newton_steps=self.newton_steps,
             rise_rail=hot[0],
             rise_wheel=hot[1],
         )

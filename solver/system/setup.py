@@ -85,7 +85,7 @@ class FrictionSettings:
     force_controlled: (index, force) of each motion that follows from a prescribed force of the
         wheel on the rail, N; index 0 is along, 1 across.
     load_steps: (share of the load, share of the prescribed tangential forces) at the end of each
-        load step; the second is negative where the forces are reversed.
+        load step.
     far_field: (0 along or 1 across, body tag, points (n, 3) mm) -> displacement (n, 3) mm of the
         supported faces under a force of 1 N of the wheel on the rail; None: tangential forces do
         not move the supported faces.

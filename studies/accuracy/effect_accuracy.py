@@ -129,7 +129,7 @@ def exact_values(scene: Scene) -> dict[str, float]:
     if friction and isinstance(hertz, LineContact):
         creepage = float(scene.rolling.creepage_along or 0.0)
         exact["force"] = partial_slip.carter_share(
-            hertz.strip, float(scene.friction.at(0.0, scene.heat.bulk)), creepage
+            hertz, float(scene.friction.at(0.0, scene.heat.bulk)), creepage
         )
     return exact
 

@@ -20,7 +20,7 @@ from railhead.planning.references.allowance import allowance
 from railhead.planning.references.pressed_patches import CELLS
 from railhead.postprocess.patch import compare
 from railhead.results import pipeline
-from railhead.results.checks import ESTIMATE_FACTOR
+from railhead.results.checks import ESTIMATE_FACTOR, deviation
 from railhead.results.summary import summarise
 from railhead.run.half_spaces.second_method import twist_change
 from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
@@ -28,11 +28,11 @@ from railhead.run.progress import Progress
 from railhead.run.refinement import Ending
 from railhead.scene.quantities import numeric_values
 from railhead.scene.scene import Scene, SceneError
-from railhead.theory.elastic import indentation
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.friction import partial_slip
 from studies.hard.case import CaseErrors, Deviation
 from studies.hard.fuzz_scenes import Source, plans, runnable, scene
+from studies.mechanics.plasticity import yield_pressure
 
 Summary = Mapping[str, Any]
 PATCH = ("max_MPa", "area_mm2", "tau_max_MPa")
@@ -72,16 +72,6 @@ def resolved(scene: Scene, n: float) -> Scene:
     return scene.replace([f"mesh.patch_size={planning.make(scene).forecast.minor / n!r}"])
 
 
-def quantities(summary: Summary) -> dict[str, float]:
-    """Numbers of the "result" of a summary by name; empty where there is no result."""
-    return numeric_values(summary["result"] or {})
-
-
-def off(value: float, reference: float) -> float:
-    """Relative deviation of a value from a reference."""
-    return abs(value / reference - 1)
-
-
 def deviations(
     summary: Summary,
     reference: Mapping[str, float],
@@ -93,10 +83,10 @@ def deviations(
 
     unknown: relative error of the reference, by quantity.
     """
-    found, bound = quantities(summary), summary["accuracy"]["bound"]
+    found, bound = numeric_values(summary["result"] or {}), summary["accuracy"]["bound"]
     return {
         name: Deviation(
-            off(found.get(name, math.nan), reference[name]),
+            deviation(found.get(name, math.nan), reference[name]),
             (ESTIMATE_FACTOR * bound[name] if name in bound else limit)
             + (unknown or {}).get(name, 0.0),
         )
@@ -120,8 +110,8 @@ def against_boundary_elements(
 
 def against_fine_mesh(result: pipeline.Result, finer: Summary, limit: float) -> CaseErrors:
     """Errors of the patch of a result against a summary of the same scene on a finer mesh."""
-    bound = finer["accuracy"]["bound"]
-    return measure(result, deviations(result.summary, quantities(finer), PATCH, limit, bound))
+    fine, bound = numeric_values(finer["result"] or {}), finer["accuracy"]["bound"]
+    return measure(result, deviations(result.summary, fine, PATCH, limit, bound))
 
 
 def measure(
@@ -192,7 +182,7 @@ def positioned(scene: Scene) -> CaseErrors:
     one patch and for several."""
     result = pipeline.run(scene)
     second = half_space(scene, result.mesh_solution)
-    pressure = off(quantities(result.summary)["max_MPa"], second["pressure"]["max_MPa"])
+    pressure = deviation(result.pressure.max, second["pressure"]["max_MPa"])
     patches = len(second["patches"])
     allowed = Deviation(pressure, SINGLE if patches == 1 else SEVERAL)
     remark = f"{patches} patches, {result.mesh_solution.unknowns} unknowns"
@@ -217,7 +207,7 @@ def first_yield(scene: Scene) -> float:
     """Load in N at which a rigid sphere first yields a half-space (Johnson, Contact Mechanics,
     6.8)."""
     rail, radius = scene.rail, scene.wheel.rolling_radius
-    pressure = indentation.yield_pressure(rail.poisson_ratio) * float(rail.yield_stress or 0.0)
+    pressure = yield_pressure(rail.poisson_ratio) * float(rail.yield_stress or 0.0)
     modulus = rail.young_modulus / (1 - rail.poisson_ratio**2)
     return math.pi**3 * radius**2 * pressure**3 / (6 * modulus**2)
 
@@ -239,7 +229,7 @@ def plastic_measured(
         return CaseErrors(failed=("no plastic answer", *result.summary["checks"]["failed"]))
     return measure(
         result,
-        {k: Deviation(off(found[k], value), limits[k]) for k, value in reference().items()},
+        {k: Deviation(deviation(found[k], value), limits[k]) for k, value in reference().items()},
     )
 
 
@@ -300,7 +290,7 @@ def friction(scene: Scene, reference: str) -> CaseErrors:
         "carter": (
             "force_along_N",
             lambda: partial_slip.carter_share(
-                line.strip,  # type: ignore[union-attr]
+                line,  # type: ignore[arg-type]
                 float(given.at(0.0, scene.heat.bulk)),
                 creepage,
             ),

@@ -108,8 +108,9 @@ def sampled(plan: Plan) -> Sampled:
         plan, mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
     )
     built = time.process_time()
-    touching = plan.forecast.touching(model.interface.points)
-    case = LoadCase(load=plan.scene.load or 0.0, active=touching)
+    case = LoadCase(
+        load=plan.scene.load or 0.0, active=plan.forecast.touching(model.interface.points)
+    )
     solution = model.press(case)
     pressed = time.process_time()
     smooth = solid_friction.shared_patches(
@@ -117,9 +118,8 @@ def sampled(plan: Plan) -> Sampled:
     )
     friction = solid_friction.SolidFriction(model, solution, smooth, lambda name: None)
     friction.sample()
-    force = sum(each.force for each in smooth)
     clock = start, built, pressed, time.process_time()
-    return Sampled(friction, case, force, model.unknowns, clock)
+    return Sampled(friction, case, sum(each.force for each in smooth), model.unknowns, clock)
 
 
 def rolled(curve: CreepCurve) -> tuple[list[Point], Cost]:
@@ -183,9 +183,8 @@ def _others(plan: Plan, curve: CreepCurve) -> Iterator[Point]:
     scene, ellipse = plan.scene, plan.hertz
     assert isinstance(ellipse, Ellipse) and scene.load is not None
     pair = plan.context.tangential_pair
-    hertzian = plan.forecast.hertzian
     patches = pressed_patches.patches(
-        plan.contact, ellipse, hertzian=hertzian, load=scene.load, cells=CELLS
+        plan.contact, ellipse, hertzian=plan.forecast.hertzian, load=scene.load, cells=CELLS
     )
     limit = sum(each.limit for each in patches)
     for motion in curve.motions:
@@ -221,7 +220,6 @@ STRIP, SLIDING = (0.1, 0.2, 0.3, 0.4, 0.5), (0.1, 0.3, 0.5)  # coefficients of s
 EXACT = tuple(float(mu) for mu in np.linspace(0, 0.6, 13))
 
 
-EXACTLY = {"below": sliding.peak_below_surface, "surface": sliding.peak_at_surface}
 JUDGED = {
     "pressure": ("pressure", "max_MPa"),
     "area": ("patch", "area_mm2"),
@@ -270,18 +268,22 @@ def slid(name: str, coefficients: Sequence[float], given: dict[str, Any]) -> Ite
     for mu in coefficients:
         result = rh.solve(_rolling(name, mu, SLIDES).replace(**given), quiet=True)
         stress = result.as_dict()["result"]["stress"]
-        values = stress["von_mises_max_MPa"], stress["von_mises_max_depth_mm"]
-        yield row(mu, "railhead", result.ellipse, *values)
+        yield row(
+            mu,
+            "railhead",
+            result.ellipse,
+            stress["von_mises_max_MPa"],
+            stress["von_mises_max_depth_mm"],
+        )
     for mu in EXACT:
-        for by, find in EXACTLY.items():
-            place = find(result.ellipse, mu, POISSON)
+        for by, place in sliding.peaks(result.ellipse, mu, POISSON).items():
             yield row(mu, by, result.ellipse, place.von_mises, place.depth)
 
 
 def crossover(slid: Sequence[Slid]) -> float:
     """Coefficient of friction above which the exact largest von Mises stress lies at the surface,
     interpolated; the first or last coefficient where there is no change between them."""
-    below, surface = ([s for s in slid if s["by"] == by] for by in EXACTLY)
+    below, surface = ([s for s in slid if s["by"] == by] for by in ("below", "surface"))
     ahead = [t["von_mises"] - s["von_mises"] for s, t in zip(below, surface, strict=True)]
     return float(np.interp(0.0, ahead, [s["coefficient"] for s in below]))
 

@@ -78,13 +78,13 @@ def run_in(*keys: str, traction: str) -> tuple[list[Row], Row]:
         for number, each in enumerate(result["passes"], 1)
     ]
     assert found.solved is not None and found.solved.passes is not None
-    left = found.solved.passes.sections[-1].stress.reshape(-1, 6)
+    after = found.solved.passes.sections[-1].stress.reshape(-1, 6)
     told = {
         "what": f"{len(rows)} passes, {traction}",
         "pressure": rows[-1]["pressure"],
         "strain": rows[-1]["strain_max"],
         "groove": rows[-1]["groove"],
-        "von_mises": float(von_mises(left).max()),
+        "von_mises": float(von_mises(after).max()),
         "seconds": spent,
         "verdict": result["passes_verdict"],
         "words": result["passes_words"],
@@ -116,13 +116,17 @@ def mapped(traction: float, share: float, law: str) -> Row:
     traction: Q/P. share: p0 over that of the shakedown limit. law: of LAWS.
     """
     limit = damage.shakedown_limit(traction, POISSON)
-    material = Material(YOUNG, POISSON, LAWS[law])
     modulus, p0 = YOUNG / (1 - POISSON**2), share * limit * SHEAR
     contact = pass_contact.line_contact(
         1.0, math.pi * p0 / 2, 2 * p0 / modulus, modulus, keeps=True, slips=traction
     )
     block = passes_of_scene.rolling_block(
-        material, (1.0, 1.0), line=True, half=False, per_length=PER_LENGTH, reach=REACH
+        Material(YOUNG, POISSON, LAWS[law]),
+        (1.0, 1.0),
+        line=True,
+        half=False,
+        per_length=PER_LENGTH,
+        reach=REACH,
     )
     found = passes_of_scene.roll(block, contact, (1.0, 1.0), MAPPED)
     return {
@@ -167,7 +171,6 @@ def page(
     axle: Sequence[Row], after: Sequence[Row], others: Sequence[Row], points: Sequence[Row]
 ) -> str:
     """Text of the page: passes of the axle, what they and leaving them out cost, and the map."""
-    by_place = tables.groups(points, "traction", "share")
     return tables.render(
         "passes",
         axle=tables.cells(
@@ -191,7 +194,7 @@ def page(
                 f"{rows[0]['share']:.2f}",
                 *(f"{row['verdict']}, {row['forward_over_width']:.1e}" for row in rows),
             ]
-            for rows in by_place.values()
+            for rows in tables.groups(points, "traction", "share").values()
         ],
         laws=list(dict.fromkeys(row["law"] for row in points)),
         wrong=[
@@ -212,12 +215,10 @@ def draw(axle: Sequence[Row], points: Sequence[Row], path: Path) -> None:
             tables.groups(axle, "traction").items(), (FE, HERTZ), strict=True
         ):
             number = [row["pass"] for row in rows]
-            strain = [100 * row["strain"] for row in rows]
-            left.plot(number, strain, "o-", color=colour, label=f"strain, {traction}")
-            forward = [abs(row["forward"]) for row in rows]
-            left.plot(number, forward, "s--", color=colour, label=f"forward, {traction}")
-        left.set(yscale="log", xlabel="pass")
-        left.set_ylabel("of each pass: strain, %; forward, um (size)")
+            for name, factor, look in (("strain", 100, "o-"), ("forward", 1, "s--")):
+                size = [factor * abs(row[name]) for row in rows]
+                left.plot(number, size, look, color=colour, label=f"{name}, {traction}")
+        left.set(yscale="log", xlabel="pass", ylabel="of each pass: strain, %; forward, um (size)")
         left.xaxis.get_major_locator().set_params(integer=True)
         left.legend()
         traction = np.linspace(0.0, max(TRACTIONS), 13)
@@ -230,7 +231,7 @@ def draw(axle: Sequence[Row], points: Sequence[Row], path: Path) -> None:
         perfect = [row for row in points if row["law"] == "perfect"]
         for verdict, rows in tables.groups(perfect, "verdict").items():
             colour = FE if verdict in ("elastic", "shakes down") else HERTZ
-            places = [row["traction"] for row in rows], [row["ratio"] for row in rows]
-            right.plot(*places, MARKS[verdict], color=colour, label=verdict, ls="none")
+            x, y = ([row[key] for row in rows] for key in ("traction", "ratio"))
+            right.plot(x, y, MARKS[verdict], color=colour, label=verdict, ls="none")
         right.set(xlabel="Q/P, full slip", ylabel="p0/k, perfect plasticity")
         right.legend()

@@ -2,14 +2,15 @@
 
 import math
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
+
+from scipy.optimize import brentq
 
 import railhead as rh
 from railhead.postprocess.pictures.diagrams import FE, GREY, HERTZ, new_figure
 from railhead.scene import catalogue
-from railhead.theory.elastic import indentation
 from studies import tables
 
 LOADS = (5.0, 10.0, 25.0, 50.0, 100.0, 200.0)  # kN
@@ -101,8 +102,56 @@ def sphere(multiple: float) -> rh.Scene:
     return rh.Scene(load=multiple * first_yield()[0], rail=rail, wheel=wheel)
 
 
-def kogut_etsion(load: float, nu: float) -> indentation.Indentation:
-    """Approach, radius and mean pressure of an elastic-plastic sphere; Hertz's up to first yield.
+def indented_under(
+    load: float,
+    force: Callable[[float], float],
+    area: Callable[[float], float],
+    yield_pressure: float,
+) -> tuple[float, float, float]:
+    """Approach of a sphere under a load, radius of the patch, both over those at first yield, and
+    mean pressure over the yield stress. Load, force and area are over those of first yield.
+
+    force, area: by the approach over that of first yield.
+    yield_pressure: largest pressure at first yield over the yield stress.
+    """
+    w = float(brentq(lambda w: force(w) - load, 0.0, 10.0 + 2.0 * load))
+    return w, math.sqrt(area(w)), 2 / 3 * yield_pressure * load / area(w)
+
+
+def jackson_green(load: float, nu: float, strain: float) -> tuple[float, float, float]:
+    """As of `indented_under` of an elastic-plastic sphere; Hertz's up to an approach of 1.9 times
+    that of first yield.
+
+    load: over that of first yield; nu: Poisson's ratio; strain: yield stress over E/(1 - nu^2).
+
+    Jackson and Green, J. Tribology 127 (2005) 343, eqs. 3, 9, 10, 13 to 16.
+    """
+    c, b = yield_pressure(nu), 0.14 * math.exp(23 * strain)
+
+    def area(w: float) -> float:
+        """Area of the patch."""
+        return w * max(w / 1.9, 1.0) ** b
+
+    def force(w: float) -> float:
+        """Load."""
+        if w <= 1.9:
+            return w**1.5
+        a_over_r = math.pi * c * strain / 2 * math.sqrt(area(w))
+        hardness = 2.84 * (1 - math.exp(-0.82 * a_over_r**-0.7))
+        elastic = math.exp(-(w ** (5 / 12)) / 4) * w**1.5
+        return elastic + 4 * hardness / c * (1 - math.exp(-(w ** (5 / 9)) / 25)) * w
+
+    return indented_under(load, force, area, c)
+
+
+def yield_pressure(nu: float) -> float:
+    """Largest pressure of a sphere at first yield over the yield stress, a fit (Jackson and Green
+    2005, eq. 3). nu: Poisson's ratio."""
+    return 1.295 * math.exp(0.736 * nu)
+
+
+def kogut_etsion(load: float, nu: float) -> tuple[float, float, float]:
+    """As of `indented_under` of an elastic-plastic sphere; Hertz's up to first yield.
 
     load: over the load of first yield; nu: Poisson's ratio.
 
@@ -112,16 +161,16 @@ def kogut_etsion(load: float, nu: float) -> indentation.Indentation:
     """
 
     def force(w: float) -> float:
-        """Load over that of first yield, at an approach over that of first yield."""
+        """Load."""
         if w <= 1:
             return w**1.5
         return 1.03 * w**1.425 if w <= 6 else 1.40 * w**1.263
 
-    w = indentation.approach_under(force, load)
-    area = w if w <= 1 else 0.93 * w**1.136 if w <= 6 else 0.94 * w**1.146
-    return indentation.Indentation(
-        w, math.sqrt(area), 2 / 3 * 2.8 * (0.454 + 0.41 * nu) * load / area
-    )
+    def area(w: float) -> float:
+        """Area of the patch."""
+        return w if w <= 1 else 0.93 * w**1.136 if w <= 6 else 0.94 * w**1.146
+
+    return indented_under(load, force, area, 2.8 * (0.454 + 0.41 * nu))
 
 
 def residual_depth(approach: float) -> float:
@@ -151,18 +200,15 @@ def indented(multiple: float) -> list[Sphere]:
         )
     }
     if multiple > 1:
-        jackson = indentation.jackson_green(multiple, POISSON, YIELD / modulus)
         kogut = kogut_etsion(multiple, POISSON)
-        depth = residual_depth(kogut.approach)
-        said["Jackson, Green"] = jackson.approach, jackson.radius, jackson.pressure, None
-        said["Kogut, Etsion"] = kogut.approach, kogut.radius, kogut.pressure, depth
-    names, passed = ("approach", "radius", "pressure", "residual"), found["checks"]["passed"]
+        said["Jackson, Green"] = (*jackson_green(multiple, POISSON, YIELD / modulus), None)
+        said["Kogut, Etsion"] = (*kogut, residual_depth(kogut[0]))
     return [
         {
             "multiple": multiple,
             "by": by,
-            **dict(zip(names, values, strict=True)),
-            "passed": passed or by != "railhead",
+            **dict(zip(("approach", "radius", "pressure", "residual"), values, strict=True)),
+            "passed": found["checks"]["passed"] or by != "railhead",
         }
         for by, values in said.items()
     ]

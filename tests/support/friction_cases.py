@@ -30,11 +30,7 @@ def friction_found(
         rigid_motion=motion,
         force=force,
         moment=0.0,
-        load_steps=none,
-        dissipated_energy=0.0,
-        coupling_iterations=1,
         rigid_slip=none,
-        newton_steps=0,
     )
 
 

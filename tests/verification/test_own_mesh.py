@@ -201,7 +201,7 @@ def test_disc_free_to_slide_on_its_diametral_plane_gives_johnsons_approach() -> 
         _, low, right, _ = box
         return 30 if right < 1e-6 else 22 if low > radius - 1e-5 else 12
 
-    size = f"{strip.b / 8}+0.2*Max(0,Sqrt(x*x+y*y)-{1.5 * strip.b})"
+    size = f"{strip.half_width / 8}+0.2*Max(0,Sqrt(x*x+y*y)-{1.5 * strip.half_width})"
     model = model_of(
         meshed(lambda occ: [quarter(occ, radius, 0.0)], tag, size), rs.Body(1, steel),
         rs.Slide(30, normal=(1, 0)), rs.Contact(secondary=12, primary=rs.Plane((0, 0), (0, 1))),

@@ -91,7 +91,7 @@ def holds(mesh_solution: MeshSolution, truth: dict[str, float], within: float) -
 def test_the_layer_has_the_limits_of_a_half_plane_and_of_an_oedometer() -> None:
     thick = line_contact(1 / 420, YOUNG / (1 - POISSON**2), 1500.0)
     assert elastic_layer.strip(1500.0, 420.0, YOUNG, POISSON, 400.0) == pytest.approx(
-        (thick.b, thick.p0), rel=3e-5
+        (thick.half_width, thick.p0), rel=3e-5
     )
     thin = 1e-3
     oedometer = YOUNG * (1 - POISSON) / ((1 + POISSON) * (1 - 2 * POISSON))

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.optimize import brentq
-from solved import scene_of
 
 from railhead.run.half_spaces import pass_contact, passes_of_scene
 from railhead.solver.material import Hardening, Material
@@ -105,17 +104,6 @@ def test_without_yield_the_contact_is_the_elastic_one():
     patch = contact.patch(np.zeros_like(contact.gap), None)
     assert found.rows[0]["pressure_max_MPa"] == pytest.approx(patch.pressure.max(), rel=1e-8)
     assert found.rows[0]["pressure_max_MPa"] == pytest.approx(3.0 * SHEAR, rel=2e-3)
-
-
-def test_passes_over_another_block_are_refused(tmp_path):
-    passes_of_scene.save(
-        rolled(3.9, 0.0, 0.0, count=3), scene_of("long_roller"), tmp_path / "old.npz"
-    )
-    other = passes_of_scene.rolling_block(
-        rail(0.0), (1.0, 1.0), line=True, half=False, per_length=3
-    )
-    with pytest.raises(ValueError, match="another block"):
-        passes_of_scene.load(str(tmp_path / "old.npz"), other)
 
 
 def test_a_longer_block_changes_nothing():

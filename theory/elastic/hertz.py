@@ -42,11 +42,6 @@ class Ellipse(EllipsoidalPressure):
         return "circular" if math.isclose(self.a, self.b, rel_tol=1e-6) else "elliptic"
 
     @property
-    def largest_curvature(self) -> float:
-        """Largest relative curvature of the gap between the bodies, 1/mm."""
-        return max(self.curvature_x, self.curvature_y)
-
-    @property
     def outline(self) -> Array:
         """(181, 2) points (x, y) of the closed outline of the patch, mm."""
         angle = np.linspace(0, 2 * np.pi, 181)
@@ -87,14 +82,14 @@ class Strip:
     """Hertz line contact of two elastic bodies. y is the distance across the line from its middle,
     whichever way the line lies on the rail.
 
-    b: half width across the line, mm.
+    half_width: across the line, mm.
     p0: largest pressure, MPa.
     load_per_length: load per length of the line, N/mm.
     contact_modulus: E*, MPa; 1/E* is the sum of (1 - nu^2)/E of both bodies.
     curvature: relative curvature across the line, 1/mm.
     """
 
-    b: float
+    half_width: float
     p0: float
     load_per_length: float
     contact_modulus: float
@@ -102,8 +97,8 @@ class Strip:
 
     @property
     def p_mean(self) -> float:
-        """Mean pressure load_per_length / 2b in MPa."""
-        return self.load_per_length / (2 * self.b)
+        """Mean pressure, MPa: pi/4 of the largest."""
+        return self.load_per_length / (2 * self.half_width)
 
     def axis_stress(self, poisson: float, depth: ArrayLike) -> Array:
         """Normal stresses s_x, s_y, s_z (n, 3), MPa, at depths (n,), mm, below the middle of the
@@ -114,14 +109,16 @@ class Strip:
         cancellation). ValueError: a negative depth.
         """
         z = -on_axis(depth)[:, 2]
-        R = np.hypot(self.b, z)
-        s_y = -self.p0 * self.b**3 / (R * (R + z) ** 2)
-        s_z = -self.p0 * self.b / R
+        b = self.half_width
+        R = np.hypot(b, z)
+        s_y = -self.p0 * b**3 / (R * (R + z) ** 2)
+        s_z = -self.p0 * b / R
         return np.column_stack((poisson * (s_y + s_z), s_y, s_z))
 
-    def pressure(self, y: ArrayLike) -> Array:
-        """Contact pressure p0 sqrt(1 - (y/b)^2), MPa, zero outside; y in mm."""
-        return np.asarray(self.p0 * np.sqrt(np.maximum(1 - (np.asarray(y) / self.b) ** 2, 0)))
+    def pressure_across(self, y: ArrayLike) -> Array:
+        """Contact pressure p0 sqrt(1 - (y/b)^2), MPa, zero outside; y in mm, b the half width."""
+        inside = 1 - (np.asarray(y) / self.half_width) ** 2
+        return np.asarray(self.p0 * np.sqrt(np.maximum(inside, 0)))
 
 
 def contact_modulus(young_1: float, poisson_1: float, young_2: float, poisson_2: float) -> float:
@@ -201,7 +198,7 @@ def line_contact(curvature: float, contact_modulus: float, load_per_length: floa
     b = math.sqrt(4 * load_per_length / (math.pi * contact_modulus * curvature))
     p0 = 2 * load_per_length / (math.pi * b)
     return Strip(
-        b=b,
+        half_width=b,
         p0=p0,
         load_per_length=load_per_length,
         contact_modulus=contact_modulus,

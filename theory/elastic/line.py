@@ -22,11 +22,10 @@ from railhead.theory.elastic.subsurface import AxisExtrema, extrema
 
 
 @dataclass(frozen=True, kw_only=True)
-class LineContact:
-    """Hertz line contact over a finite length, with the attributes and methods of
-    `theory.elastic.hertz.Ellipse` but `gap`, `curvature_x` and `curvature_y`.
+class LineContact(Strip):
+    """Hertz line contact over a finite length: a strip with the attributes and methods of
+    `theory.elastic.hertz.Ellipse` but `gap`, `curvature_x` and `curvature_y`, and:
 
-    strip: half width, pressure and load per length.
     length: length of the contact line, mm.
     across: whether the width of the strip runs across the rail (y) instead of along the rail (x).
     datum: depth of the points between which the approach is measured, mm, in each body.
@@ -37,16 +36,10 @@ class LineContact:
 
     shape: ClassVar[str] = "line"
 
-    strip: Strip
     length: float
     across: bool
     datum: float
     approach: float
-
-    @property
-    def half_width(self) -> float:
-        """Half width of the strip, mm."""
-        return self.strip.b
 
     @property
     def a(self) -> float:
@@ -66,34 +59,14 @@ class LineContact:
         return self.half_width, self.half_width
 
     @property
-    def largest_curvature(self) -> float:
-        """Relative curvature of the gap between the bodies, 1/mm."""
-        return self.strip.curvature
-
-    @property
     def outline(self) -> Array:
         """(5, 2) corners (x, y) of the closed outline of the patch, mm."""
         return np.array([[1, 1], [-1, 1], [-1, -1], [1, -1], [1, 1]]) * (self.a, self.b)
 
     @property
-    def p0(self) -> float:
-        """Largest pressure, MPa."""
-        return self.strip.p0
-
-    @property
-    def p_mean(self) -> float:
-        """Mean pressure, MPa: pi/4 of the largest."""
-        return self.strip.p_mean
-
-    @property
     def load(self) -> float:
         """Normal force on the whole contact length, N."""
-        return self.strip.load_per_length * self.length
-
-    @property
-    def contact_modulus(self) -> float:
-        """Contact modulus E*, MPa: 1/E* is the sum of (1 - nu^2)/E of both bodies."""
-        return self.strip.contact_modulus
+        return self.load_per_length * self.length
 
     @property
     def area(self) -> float:
@@ -106,13 +79,13 @@ class LineContact:
         """
         across, along = (y, x) if self.across else (x, y)
         inside = np.abs(np.asarray(along)) <= self.length / 2
-        return np.asarray(self.strip.pressure(across) * inside)
+        return np.asarray(self.pressure_across(across) * inside)
 
     def axis_stress(self, poisson: float, depth: ArrayLike) -> Array:
         """Normal stresses along x (along the rail), y (across) and z, (n, 3), MPa, tension
         positive, at depths (n,), mm, below the middle of the strip. ValueError: a negative depth.
         """
-        found = self.strip.axis_stress(poisson, depth)
+        found = super().axis_stress(poisson, depth)
         return found if self.across else found[:, [1, 0, 2]]
 
     def axis_extrema(self, poisson: float) -> AxisExtrema:
@@ -134,7 +107,7 @@ class LineContact:
         line.
         """
         side = int(self.across)
-        flat = displacement(self.strip, points[:, side], -points[:, 2], young, poisson, self.datum)
+        flat = displacement(self, points[:, side], -points[:, 2], young, poisson, self.datum)
         moved = np.zeros_like(points)
         moved[:, side], moved[:, 2] = flat[:, 0], -flat[:, 1]
         return moved
@@ -180,7 +153,7 @@ def contact(
             float(displacement(strip, centre, centre, e, nu, datum)[0, 1])
             for e, nu in zip(moduli, poisson, strict=True)
         )
-        return LineContact(strip=strip, length=length, across=across, datum=datum, approach=sunk)
+        return LineContact(**vars(strip), length=length, across=across, datum=datum, approach=sunk)
 
     if load is not None:
         return under(load)
@@ -203,7 +176,7 @@ def displacement(
     """
     points = np.concatenate([np.ravel(t), [0.0]]), np.concatenate([np.ravel(depth), [datum]])
     zeta, root = _coordinates(strip, *points)
-    F = np.pi * strip.p0 * strip.b / (zeta + root)
+    F = np.pi * strip.p0 * strip.half_width / (zeta + root)
     log = strip.load_per_length * (
         zeta / (zeta + root) - 0.5 + np.log((zeta + root) / 2)
     )  # int p ln(zeta - t) dt
@@ -219,7 +192,7 @@ def _coordinates(strip: Strip, t: Array, depth: Array) -> tuple[Complex, Complex
     width of the strip. Arrays of complex numbers.
     """
     zeta = t + 1j * (np.maximum(depth, 0.0) + 0.0)
-    return zeta, np.sqrt(zeta - strip.b) * np.sqrt(zeta + strip.b)
+    return zeta, np.sqrt(zeta - strip.half_width) * np.sqrt(zeta + strip.half_width)
 
 
 def cylinder_approach(strip: Strip, radius: float, young: float, poisson: float) -> float:
@@ -231,7 +204,7 @@ def cylinder_approach(strip: Strip, radius: float, young: float, poisson: float)
         have 2/3 + 2 ln(2 R/b) in the bracket, 0.28 more.
     """
     scale = strip.load_per_length * (1 - poisson**2) / (math.pi * young)
-    return scale * (2 * math.log(4 * radius / strip.b) - 1)
+    return scale * (2 * math.log(4 * radius / strip.half_width) - 1)
 
 
 class Strips:

@@ -30,10 +30,7 @@ class CoulombSolver:
     patch; w: slip without tractions; C: influence.
 
     bound: g; a later solve may have another one.
-    steps: number of Newton's steps in the last solve.
     """
-
-    steps: int = 0
 
     def __init__(self, influence: TractionInfluence, bound: Array) -> None:
         """influence: C; bound: g (nx, ny), MPa, above 0 somewhere."""
@@ -57,7 +54,7 @@ class CoulombSolver:
         inside = np.where(self.bound > 0, 1.0, 0.0)
         q = self._newton(still, inside, inside * self._step * slip) if guess is None else guess
         before = still
-        for self.steps in range(STEPS):
+        for _ in range(STEPS):
             z = q + self._step * (slip - self._influence(q))
             ratio = self._ratio(z)
             projected = ratio * z

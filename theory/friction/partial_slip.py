@@ -25,7 +25,7 @@ def carter_share(strip: Strip, friction: float, creepage: float) -> float:
     that rolls at a creepage xi: 1 - (1 - |xi| R/(mu w))^2 with the sign of xi. Beyond the smallest
     creepage of full slip, mu w/R, it is 1 or -1. friction: coefficient mu.
     """
-    part = min(abs(creepage) / (friction * strip.b * strip.curvature), 1.0)
+    part = min(abs(creepage) / (friction * strip.half_width * strip.curvature), 1.0)
     return math.copysign(part * (2 - part), creepage)
 
 

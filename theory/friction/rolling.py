@@ -79,7 +79,6 @@ class TangentialSolution:
     slip: of the wheel over the rail, (2, nx, ny); dimensionless in rolling, and half a cell ahead
         of the centres; mm of a shift. It is zero to the tolerance where cells stick, and zero
         outside of the patch.
-    steps: number of Newton's steps that found the tractions.
     rise: of the temperatures of the surfaces of rail and wheel above the bulk of each body, (2, nx,
         ny), K; None without heat.
     """
@@ -93,7 +92,6 @@ class TangentialSolution:
     creepage: Creepage
     traction: Array
     slip: Array
-    steps: int = 0
     rise: Array | None = None
 
     @property
@@ -294,7 +292,6 @@ class HalfSpaceFriction:
             creepage=creepage,
             traction=traction,
             slip=left,
-            steps=self._tractions.steps,
         )
         return replace(found, rise=self._interface.rise(self._x, traction, found.central_slip))
 
@@ -374,8 +371,7 @@ def solve_dissimilar(
     modes: rigid slip (4, 2, nx, ny) of unit creepages, unit spin and the fixed mode; None: a plane.
     interface: as of `HalfSpaceFriction`.
     The load along its direction stays that of `patch`; the pressure found is that of the result.
-    The contact modulus is G/(1 - nu) of the pair. Where the pair has no mismatch the pressure
-    stays, too. ValueError: no convergence in 40 turns.
+    The contact modulus is G/(1 - nu) of the pair. ValueError: no convergence in 40 turns.
     """
     modulus = pair.shear_modulus / (1 - pair.poisson)
     influence = TractionInfluence(patch.x, patch.s, pair, rolling=False)
@@ -395,7 +391,7 @@ def solve_dissimilar(
         )
         found = shear(body)
         changed = np.linalg.norm(found.traction - before, axis=0).sum() * found.cell
-        if not pair.mismatch or changed <= TRACTION_CHANGE * found.limit:
+        if changed <= TRACTION_CHANGE * found.limit:
             return found
         gap, before = undeformed + influence.opening(found.traction), found.traction
         (now,) = equilibrium([patch], [gap], modulus, patch.load, None, PRESSED, None)

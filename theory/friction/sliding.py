@@ -82,21 +82,17 @@ def stress(contact: Hertz, friction: float, poisson: float, points: ArrayLike) -
     return np.asarray(total / (2 * math.pi * count))
 
 
-def peak_below_surface(contact: Hertz, friction: float, poisson: float) -> PeakStress:
-    """Largest von Mises stress, to 1e-4 (relative), in the plane along x through the middle of the
-    patch, between depths of 0.1 and 1.5 times the smaller half length; of a line contact its half
-    width. friction: coefficient mu.
+def peaks(contact: Hertz, friction: float, poisson: float) -> dict[str, PeakStress]:
+    """Largest von Mises stresses in the plane along x through the middle of the patch. friction:
+    coefficient mu.
+
+    below: between depths of 0.1 and 1.5 times the smaller half length, of a line contact its half
+        width, to 1e-4 (relative).
+    surface: on the surface, to 1e-3. With friction it lies at the trailing edge, x = -a.
     """
     depth = min(contact.half_lengths)
-    return _highest(contact, friction, poisson, (0.1 * depth, 1.5 * depth))
-
-
-def peak_at_surface(contact: Hertz, friction: float, poisson: float) -> PeakStress:
-    """Largest von Mises stress on the surface, to 1e-3 (relative), on the line along x through the
-    middle of the patch. With friction it lies at the trailing edge, x = -a. friction: coefficient
-    mu.
-    """
-    return _highest(contact, friction, poisson, (0.0, 0.0))
+    depths = {"below": (0.1 * depth, 1.5 * depth), "surface": (0.0, 0.0)}
+    return {name: _highest(contact, friction, poisson, ends) for name, ends in depths.items()}
 
 
 def _highest(

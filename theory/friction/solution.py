@@ -35,8 +35,7 @@ class FrictionSolution:
     The points are quadrature points of the slave or cells of a grid over the patches; of a model
     cut at symmetry planes those of the meshed part alone. Slip, motion and creepage are those of
     the wheel over the rail. A shift has slip in mm. Steady rolling has slip over rolled distance,
-    without dimension. Where half-spaces stand in the place of bodies, load_steps is empty, and
-    dissipated_energy, coupling_iterations and newton_steps are 0.
+    without dimension.
 
     points: position (n, 3), mm.
     weights: area of each point (n,) in the whole model, mm2.
@@ -50,15 +49,9 @@ class FrictionSolution:
     force: (along, across), force of the wheel on the rail, N, of the whole model.
     moment: moment of the tractions of the wheel on the rail about the normal at the origin of the
         friction settings, N mm; zero with symmetry planes.
-    load_steps: (l, 4) at the end of each of l load steps: force along and across (N), rigid motion
-        along and across.
-    dissipated_energy: work of friction after the full tangential force was reached for the first
-        time, N mm; zero for rolling.
-    coupling_iterations: number of times, over all load steps, that the tractions were solved.
     rigid_slip: slip (n, 3) of rigid bodies with the motion `rigid_motion`, in the unit of `slip`;
         for rolling the fourth motion of `FrictionSettings.rigid_slip` is included. Of solids whose
         tractions are those of half-spaces the strain of the pressed surfaces is included.
-    newton_steps: largest number of steps of Newton's method on the tractions.
     without_creepage: where the wheel rolls, the tractions at the same pressure without any rigid
         slip; otherwise None.
     misread: of rolling solids with half-spaces for their tractions, the same where what is read of
@@ -80,11 +73,7 @@ class FrictionSolution:
     rigid_motion: tuple[float, float, float]
     force: tuple[float, float]
     moment: float
-    load_steps: Array
-    dissipated_energy: float
-    coupling_iterations: int
     rigid_slip: Array
-    newton_steps: int
     without_creepage: FrictionSolution | None = None
     misread: FrictionSolution | None = None
     inside: Array | None = None

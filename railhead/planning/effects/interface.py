@@ -114,15 +114,11 @@ def _beyond_half_spaces(context: Context) -> str:
     scene = context.scene
     if context.decided["finite_bodies"].on or scene.rolling.prescribed:
         return ""
-    reasons = (
-        (grows(context), "half-spaces do not follow unlike bodies that slip while the patch grows"),
-        (scene.friction.cycle, "half-spaces do not follow a cycle of forces"),
-        (
-            not context.contact.solid_half_space,
-            "the shift of bodies that end, or of a line, depends on where they are held",
-        ),
-    )
-    return next((reason for applies, reason in reasons if applies), "")
+    if grows(context):
+        return "half-spaces do not follow unlike bodies that slip while the patch grows"
+    if context.contact.solid_half_space:
+        return ""
+    return "the shift of bodies that end, or of a line, depends on where they are held"
 
 
 def grows(context: Context) -> bool:

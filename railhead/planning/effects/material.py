@@ -174,9 +174,9 @@ def _slipping(context: Context) -> tuple[float, str]:
     """
     friction, parts = interface.friction_coefficient(context), _yielding(context).values()
     most = max(
-        hardest(context.hertz, friction, ratio).von_mises
-        for hardest in (sliding.peak_below_surface, sliding.peak_at_surface)
+        each.von_mises
         for ratio in {part.poisson_ratio for part in parts}
+        for each in sliding.peaks(context.hertz, friction, ratio).values()
     )
     weakest = min(part.first_yield for part in parts)
     return most / weakest, f"up to {most:.4g} MPa where all slips"

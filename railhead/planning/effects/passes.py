@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import math
-from typing import Any
 
 import numpy as np
 
 from railhead.contact import wheelset_kinematics
 from railhead.planning.context import Context, Effect
 from railhead.planning.effects import interface
-from railhead.scene.catalogue import portable
-from railhead.scene.scene import Rail, Scene, SceneError
+from railhead.scene.scene import Rail
 from railhead.scene.sections import refuse_first
 from railhead.theory import damage
 from railhead.theory.elastic.line import LineContact
@@ -29,11 +26,6 @@ BORNE = 1.1
 LARGEST_STRAIN = 0.03
 OFF = "rolling.passes is not given"
 KEY = "rolling.passes"
-ARRAYS = (
-    *("rows", "axes", "plastic", "back", "equivalent", "residual", "surface", "displacement"),
-    *("each_stress", "each_strain", "each_up"),
-)
-"""Names in a file of passes, beside the scene."""
 
 
 def decide_passes(context: Context) -> Effect:
@@ -60,7 +52,6 @@ def decide_passes(context: Context) -> Effect:
         return Effect(yields, True, why)
     given = f"{count} is not allowed: "
     _refuse_what_has_no_passes(context, given)
-    _refuse_other(scene)
     hardened = _flow_stress(scene.rail, LARGEST_STRAIN) / scene.rail.first_yield
     share = traction(context) if isinstance(context.hertz, LineContact) else 0.0
     bearable = BORNE / share if share else math.inf
@@ -101,49 +92,6 @@ def _refuse_what_has_no_passes(context: Context, given: str) -> None:
     refuse_first(*((broken, KEY, f"{given}{text}") for broken, text in rules))
 
 
-def alike(scene: Scene) -> dict[str, Any]:
-    """Values by dotted key that a scene must share with the one whose passes it goes on from:
-    bodies, load, and all that makes tractions, as the verdict needs passes of one kind. Files by
-    their content. Plain data as JSON gives it.
-    """
-    held: dict[str, Any] = {}
-    for table, values in portable(scene).items():
-        if table in ("rail", "wheel", "wheelset", "friction", "rolling"):
-            held |= {f"{table}.{key}": value for key, value in values.items()}
-    for key in ("rolling.passes", "rolling.passes_from", "rolling.speed"):
-        held.pop(key, None)
-    held |= {"load": scene.load, "approach": scene.approach}
-    held |= {"effects.friction": scene.effects.friction}
-    held |= {"mesh.patch_size": scene.mesh.patch_size}
-    return json.loads(json.dumps(held))
-
-
-def read(path: str) -> tuple[dict[str, Any], dict[str, Any]]:
-    """What a file of passes holds: `alike` of its scene, and its arrays by name. Raises SceneError
-    for a file without passes, and for a damaged one.
-    """
-    try:
-        with np.load(path) as file:
-            arrays = {name: file[name] for name in ("scene", *ARRAYS)}
-        held = dict(json.loads(str(arrays.pop("scene"))))
-    except Exception:  # the kind of error depends on the damaged part
-        text = f"{path!r} holds no passes, or is damaged; give the folder of a result with passes"
-        raise SceneError("rolling.passes_from", text) from None
-    return held, arrays
-
-
-def _refuse_other(scene: Scene) -> None:
-    """Raise SceneError where rolling.passes_from holds no passes of this scene."""
-    path, key = scene.rolling.passes_from, "rolling.passes_from"
-    if path is None:
-        return
-    held, own = read(path)[0], alike(scene)
-    other = [name for name in {**held, **own} if held.get(name) != own.get(name)]
-    if other:
-        text = f"{path!r} holds passes of another scene ({other[0]} differs); give one alike"
-        raise SceneError(key, text)
-
-
 def decide_plasticity_wheel(context: Context) -> Effect:
     """Yield of the wheel in passes, which know the rail's alone: called for where the largest
     elastic von Mises stress passes the wheel's yield stress.
@@ -174,7 +122,7 @@ def traction(context: Context) -> float:
     if not isinstance(hertz, LineContact):
         return coefficient
     creepage = abs(wheelset_kinematics.creepage(context.contact).along)
-    return coefficient * carter_share(hertz.strip, coefficient, creepage)
+    return coefficient * carter_share(hertz, coefficient, creepage)
 
 
 def _indicator(context: Context) -> tuple[float, str]:

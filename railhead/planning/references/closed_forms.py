@@ -127,7 +127,11 @@ def _smallest(scene: Scene, contact: Contact, found: Hertz) -> float:
         if math.isfinite(radius)
     ]
     rounding = ROUNDING * np.finfo(float).eps * max(radii, default=0.0)
-    return max(CONTINUUM, math.sqrt(rounding / found.largest_curvature))
+    if isinstance(found, LineContact):
+        curvature = found.curvature
+    else:
+        curvature = max(found.curvature_x, found.curvature_y)
+    return max(CONTINUUM, math.sqrt(rounding / curvature))
 
 
 def interface(scene: Scene) -> Interface:

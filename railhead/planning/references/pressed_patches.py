@@ -110,7 +110,7 @@ def patches(
     Raises ValueError where the patches are not known.
     """
     if isinstance(hertz, LineContact):
-        return [_strip(contact, hertz.strip, cells, like=like)]
+        return [_strip(contact, hertz, cells, like=like)]
     wider = 1.0 if like else WIDER
     if contact.half_space or (hertzian and not contact.touch.orientation):
         grid = grid_over((0.0, 0.0), (hertz.a, hertz.b), cells, wider)
@@ -153,9 +153,9 @@ def _strip(contact: Contact, line: Strip, cells: int, *, like: bool) -> PressedP
     These are so long that each is a strip; the load is the load per length times their length.
     Pressure and width of the grid follow from `like` as of `patches`.
     """
-    grid, gap = strip_grid(line.b, line.curvature, cells, 1.0 if like else WIDER)
-    exact = np.repeat(line.pressure(grid.x)[:, None], 2, axis=1)
-    found = on_grid(grid, exact, line.load_per_length * LENGTH * line.b)
+    grid, gap = strip_grid(line.half_width, line.curvature, cells, 1.0 if like else WIDER)
+    exact = np.repeat(line.pressure_across(grid.x)[:, None], 2, axis=1)
+    found = on_grid(grid, exact, line.load_per_length * LENGTH * line.half_width)
     if not like:
         (found,) = _pressed([found], lambda x, s: gap.ravel(), line.contact_modulus)
     scene, angle = contact.scene, np.full(grid.s.size, contact.touch.angle)

@@ -1,5 +1,4 @@
-"""Passes of the wheel of a solved scene over its rail, which yields; and the file from which a
-later run goes on.
+"""Passes of the wheel of a solved scene over its rail, which yields.
 
 Below the patch the rail is a block of quadratic cells, whose far faces are held
 (`solver.plasticity.block`); what rolls is in `run.half_spaces.pass_contact`. Lengths in mm, forces
@@ -8,20 +7,19 @@ in N, stresses in MPa; z points out of the rail.
 
 from __future__ import annotations
 
-import json
 import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicSpline, LinearNDInterpolator
 
 from railhead.planning.context import Context
 from railhead.planning.effects import interface
-from railhead.planning.effects.passes import alike, line_limit, read
+from railhead.planning.effects.passes import line_limit
 from railhead.planning.references import boundary_elements
 from railhead.planning.references.boundary_elements import Developed
 from railhead.postprocess.pass_rows import (
@@ -41,8 +39,7 @@ from railhead.run.half_spaces.pass_contact import RollingContact
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.model_setup import hardening
 from railhead.run.progress import Progress
-from railhead.scene.scene import Scene
-from railhead.solver.material import History, Material
+from railhead.solver.material import Material
 from railhead.solver.plasticity.block import Block, graded, mirrored
 from railhead.solver.plasticity.rolling_block import RollingBlock
 from railhead.theory.array_types import Array
@@ -63,14 +60,12 @@ DEEP, ASIDE = {True: 3.4, False: 2.6}, 2.2  # plastic strain is followed, over h
 INNER, BELOW = 1.5, {True: 2.2, False: 1.4}  # where the elements are small
 TOLD = 5e-4  # strain of the first pass from which its energy is compared
 SETTLED = 2e-3  # of the first plastic work: less is no longer compared with the resistance
-SAME = 1e-6  # of the largest coordinate: axes of one block
 COARSER = 0.75  # size of the block by which errors are estimated: elements and reach, relative
 
 
 def solve_passes(solved: Solved, progress: Progress) -> Passes:
     """Passes of the wheel of a solved scene over its rail; on this process alone. There are no rows
-    but a `reason` where half-spaces find no balance or several patches, and where the earlier
-    passes in the file `rolling.passes_from` have another block of elements.
+    but a `reason` where half-spaces find no balance or several patches.
     progress: shows the stages.
     """
     start, scene = time.perf_counter(), solved.plan.scene
@@ -87,17 +82,9 @@ def solve_passes(solved: Solved, progress: Progress) -> Passes:
             half=half,
             per_length=per_length,
         )
-        path, count, errors = scene.rolling.passes_from, scene.rolling.passes or 1, {}
-        rolling = below()
-        found = roll(
-            rolling,
-            contact,
-            half_lengths,
-            count,
-            before=None if path is None else load(path, rolling),
-            stage=progress.stage,
-        )
-        if scene.accuracy is not None and path is None:
+        count, errors = scene.rolling.passes or 1, {}
+        found = roll(below(), contact, half_lengths, count, stage=progress.stage)
+        if scene.accuracy is not None:
             progress.stage("passes on a coarser block")
             other = roll(below(coarser=COARSER), contact, half_lengths, count)
             pairs = {key: (found.rows[-1][key], other.rows[-1][key]) for key in PASS_ERRORS}
@@ -151,23 +138,22 @@ def roll(
     half_lengths: tuple[float, float],
     count: int,
     *,
-    before: Passes | None = None,
     stage: Callable[[str], None] = lambda name: None,
 ) -> Passes:
-    """Roll `count` times over a block, on from the passes `before`, which come first in what is
-    returned; None: the rail is new. half_lengths: as of `rolling_block`. stage: called with words
-    before each pass. A pass that does not converge ends nothing; `Passes.converged` is then False.
-    Raises ValueError where boundary elements find no balance.
+    """Roll `count` times over a block. half_lengths: as of `rolling_block`. stage: called with
+    words before each pass. A pass that does not converge ends nothing; `Passes.converged` is then
+    False. Raises ValueError where boundary elements find no balance.
     """
     pressing = pass_contact.Pressing(rolling, contact)
-    rows, sections = ([*before.rows], [*before.sections]) if before else ([], [])
-    state, last = (before and before.state) or rolling.start, len(rows) + count
+    rows: list[dict[str, Any]] = []
+    sections: list[RailState] = []
+    state = rolling.start
     stiff = 2 * rolling.block.material.lame[1]
     whole = contact.width * (2 if rolling.block.half else 1)
-    while len(rows) < last:
-        stage(f"pass {len(rows) + 1} of {last}")
+    for number in range(1, count + 1):
+        stage(f"pass {number} of {count}")
         if not contact.keeps:
-            pressing.patch = None  # else a run in two parts would differ in the last digits
+            pressing.patch = None  # the iterations of every pass start alike
         each = rolling.roll(state, pressing)
         assert pressing.patch is not None
         state = each.state
@@ -201,8 +187,6 @@ def roll(
         verdict=found,
         words=words(found, rows, rolling, tractions=contact.traction is not None),
         sections=sections,
-        state=state,
-        axes=np.concatenate(rolling.block.axes),
         half_lengths=half_lengths,
         converged=all(each["change"] < rolling.tolerance for each in rows),
         energy_error=max(errors, default=None),
@@ -253,52 +237,6 @@ def groove_on_profile(surface: Developed, centre: float, inclination: float) -> 
     return laid
 
 
-def save(passes: Passes, scene: Scene, path: Path) -> None:
-    """Write the passes of a scene into a .npz file. OSError: it cannot be written."""
-    state = passes.state
-    assert state is not None and state.displacement is not None
-    np.savez_compressed(
-        path,
-        scene=json.dumps(alike(scene)),
-        rows=json.dumps(passes.rows),
-        axes=passes.axes,
-        **vars(state.history),
-        residual=state.residual,
-        surface=np.stack([state.profile.along, state.profile.up]),
-        displacement=state.displacement,
-        each_stress=np.stack([each.stress for each in passes.sections]),
-        each_strain=np.stack([each.strain for each in passes.sections]),
-        each_up=np.stack([each.up for each in passes.sections]),
-    )
-
-
-def load(path: str, rolling: RollingBlock) -> Passes:
-    """Passes of a file, as far as more passes over a block need them; verdict and checks are not
-    there. Raises ValueError for those of another block.
-    """
-    held = read(path)[1]
-    axes, start = np.concatenate(rolling.block.axes), rolling.start
-    apart = np.inf
-    if held["axes"].shape == axes.shape:
-        apart = np.abs(held["axes"] - axes).max() / np.abs(axes).max()
-    if apart > SAME or held["plastic"].shape != start.history.plastic.shape:
-        raise ValueError(f"the passes in {path} are those of another block")
-    rows = json.loads(str(held["rows"]))
-    along, up = held["surface"]
-    state = replace(
-        start,
-        history=History(held["plastic"], held["back"], held["equivalent"]),
-        residual=held["residual"],
-        profile=replace(start.profile, along=along, up=up),
-        displacement=held["displacement"],
-        count=len(rows),
-    )
-    empty = rail_state(rolling, state)
-    each = zip(held["each_stress"], held["each_strain"], held["each_up"], strict=True)
-    sections = [replace(empty, stress=s, strain=strain, up=u) for s, strain, u in each]
-    return Passes(rows=rows, verdict="", sections=sections, state=state)
-
-
 def _of_scene(
     solved: Solved,
 ) -> tuple[RollingContact, tuple[float, float], bool, Laid | None]:
@@ -312,18 +250,18 @@ def _of_scene(
     hertz = solved.ellipse if load is None else plan.hertz  # which is the same on any ranks
     keeps = plan.scene.rolling.pressure == "hertz"
     if isinstance(hertz, LineContact):
-        strip, share = hertz.strip, _share_of_full_slip(solved)
+        width, share = hertz.half_width, _share_of_full_slip(solved)
         contact = pass_contact.line_contact(
-            strip.b,
-            strip.load_per_length,
-            strip.curvature,
-            strip.contact_modulus,
+            width,
+            hertz.load_per_length,
+            hertz.curvature,
+            hertz.contact_modulus,
             keeps=keeps,
             slips=math.copysign(coefficient, share) if share else 0.0,
             sticks=math.sqrt(1 - abs(share)),
             width=hertz.length,
         )
-        return contact, (strip.b, strip.b), False, None
+        return contact, (width, width), False, None
     if plan.contact.half_space:
         contact = pass_contact.ellipse_contact(hertz, keeps=keeps)
         friction = _friction(solved)

@@ -195,7 +195,7 @@ def _strip(
     if line.across:
         return {}
     coefficient = interface.friction_coefficient(plan.context)
-    share = partial_slip.carter_share(line.strip, coefficient, found.rigid_motion[0])
+    share = partial_slip.carter_share(line, coefficient, found.rigid_motion[0])
     stick, force = partial_slip.strip_stick_ratio(abs(share)), share * found.friction_limit
     wear = force * found.rigid_motion[0]
     return {"Carter": {"force_along_N": force, "stick_share": stick, "t_gamma_N": wear}}

@@ -41,7 +41,6 @@ def test_a_strip_that_rolls_is_carter_s(entry) -> None:
     answer = friction(passed(roller(rolling={"creepage_along": creepage, "speed": "72 km/h"})))
     assert answer["force_along_N"] / answer["limit_N"] == pytest.approx(share, abs=0.012)
     assert answer["stick_share"] == pytest.approx(entry["stick_half_width_over_a"], abs=0.03)
-    assert answer["newton_steps"] <= 20
     assert answer["t_gamma_N"] == pytest.approx(creepage * answer["force_along_N"])
     assert answer["power_W"] == pytest.approx(20 * answer["t_gamma_N"])
 
@@ -71,35 +70,16 @@ def test_a_strip_that_is_shifted_is_cattaneo_s(share: float) -> None:
     assert friction(found)["stick_share"] == pytest.approx(stick, abs=0.03)
 
 
-def test_a_strip_that_is_shifted_there_and_back_dissipates_what_slips() -> None:
-    """What the first load slips, s' = 2 mu p0/(E* a) sqrt(x^2 - c^2) outside of the zone c that
-    sticks, slips twice over on the way back and again on the way there, against mu p."""
-    found = passed(roller(friction={"force_along": 0.5 * MU * 110e3, "cycle": True}))
-    a, modulus = found.plan.hertz.half_width, 207e3 / (2 * (1 - 0.3**2))
-    p0, c = 2 * 110e3 / 70 / (math.pi * a), a * math.sqrt(0.5)
-    x, width = (np.arange(2000) + 0.5) / 2000 * (a - c) + c, (a - c) / 2000
-    slip = 2 * MU * p0 / (modulus * a) * np.cumsum(np.sqrt(x**2 - c**2)) * width
-    energy = 70 * 8 * float(MU * p0 * np.sqrt(1 - (x / a) ** 2) @ slip) * width
-    assert friction(found)["energy_per_cycle_Nmm"] == pytest.approx(energy, rel=0.02)
-
-
-def test_a_patch_that_is_shifted_there_and_back_is_mindlin_s() -> None:
+def test_a_patch_that_is_shifted_is_mindlin_s() -> None:
     """With the far field of Cerruti the displacement is that of half-spaces."""
     force = 0.5 * MU * 25e3
-    scene = ellipse(friction={"force_along": force, "cycle": True})
-    found = passed(scene)
+    found = passed(ellipse(friction={"force_along": force}))
     along, _ = partial_slip.initial_compliance(found.ellipse.a, found.ellipse.b, 207e3 / 2.6, 0.3)
     exact = partial_slip.CattaneoMindlin(MU * found.ellipse.load, along)
     answer, checks = friction(found), found.as_dict()["checks"]
     assert checks["second_opinion_shift"] < 0.02
     assert answer["shift_along_mm"] == pytest.approx(exact.approach(force), rel=0.001)
     assert math.sqrt(answer["stick_share"]) == pytest.approx(exact.stick_ratio(force), abs=0.005)
-    rest = 1 - force / exact.limit  # Johnson, Contact Mechanics, 7.57
-    loop = 1 - rest ** (5 / 3) - 5 / 6 * (1 - rest) * (1 + rest ** (2 / 3))
-    energy = 7.2 * exact.compliance * exact.limit**2 * loop
-    assert answer["energy_per_cycle_Nmm"] == pytest.approx(energy, rel=0.005)
-    there, back, again = found.mesh_solution.solution.friction.load_steps[:, 2]
-    assert -back == pytest.approx(there, rel=1e-3) and again == pytest.approx(there, rel=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -138,7 +118,6 @@ def test_a_shift_makes_bodies_yield_further(yielded) -> None:
     _, found = yielded
     assert found.newton.converged
     rubbing, plain = found.friction, found.reference
-    assert rubbing.coupling_iterations > 4
     assert rubbing.force[0] == pytest.approx(60e3, rel=1e-3)
     assert np.all(np.linalg.norm(rubbing.traction, axis=1) <= MU * rubbing.pressure * (1 + 1e-9))
     shear = found.plastic_strain.equivalent.max() / plain.plastic_strain.equivalent.max()
@@ -246,7 +225,6 @@ def test_unlike_bodies_dissipate_what_slips() -> None:
         ({"rolling": {"creepage_along": 2}}, "rolling.creepage_along: 2 is not allowed"),
         ({"friction": {"force_along": 1e3}, "rolling": {"spin": 1e-4}}, "rolling: is not allowed"),
         ({"rolling": {"creepage_along": 1e-3}, "mesh": {"order": 1}}, "mesh.order: 1 is not"),
-        ({"friction": {"cycle": True}}, "friction.cycle: true is not allowed without a force"),
         (
             {
                 "rolling": {"creepage_along": 1e-3},

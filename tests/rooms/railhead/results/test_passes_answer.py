@@ -7,18 +7,15 @@ import matplotlib.image
 import meshio
 import numpy as np
 import pytest
-from command import refused
 from csv_rows import rows
 from solved import draw_only, scene_of, solved
 
 import railhead as rh
-from railhead.planning import simulation_plan as planning
 from railhead.postprocess import vtu
 from railhead.postprocess.pass_rows import RailState
 from railhead.postprocess.pictures import pass_plots
 from railhead.results import pipeline, quantity_rows
 from railhead.results.report import terminal
-from railhead.run.half_spaces import passes_of_scene
 
 KEYS = [
     "load=1150kN",
@@ -74,59 +71,6 @@ def test_the_files_hold_the_passes(result, tmp_path, monkeypatch):
         after["strain"][int(np.argmax(after["strain"]))]
     )
     assert not (tmp_path / "out" / "rail_profile.csv").exists()  # half-spaces have none
-
-
-def test_passes_go_on_from_a_result(result, tmp_path, monkeypatch):
-    """Two passes, then one more, are three; what is written goes on in the same way."""
-    result.save(tmp_path / "two", report=False, pictures=False)
-    more = [*KEYS, "rolling.passes=1", f"rolling.passes_from={tmp_path / 'two'}"]
-    found = pipeline.run(scene_of("long_roller", *more))
-    whole = pipeline.run(scene_of("long_roller", *KEYS, "rolling.passes=3"))
-    key = "passes", "passes_verdict", "passes_words"
-    assert [found.summary["result"][name] for name in key] == [
-        whole.summary["result"][name] for name in key
-    ]
-    left = [each.summary["result"]["passes_after"] | {"seconds": 0} for each in (found, whole)]
-    assert left[0] == left[1]
-    assert found.summary["checks"]["passes_energy"] == whole.summary["checks"]["passes_energy"]
-    found.save(tmp_path / "three", report=False, pictures=False)
-    again = rh.find(tmp_path / "three" / "scene.toml")
-    assert again.rolling.passes_from == str(next((tmp_path / "three" / "input").glob("*/*.npz")))
-    planning.make(again)
-    braked = scene_of("long_roller", *more, "friction.coefficient=0.1", "rolling.creepage_along=1%")
-    with pytest.raises(
-        rh.SceneError, match="passes of another scene .friction.coefficient differs"
-    ):
-        planning.make(braked)
-    with pytest.raises(rh.SceneError, match="rolling.passes_from: .*another scene .load differs"):
-        planning.make(again.replace(load="1160 kN"))
-
-
-def test_a_folder_that_is_gone_on_from_is_not_set_aside(result, here, capsys):
-    result.save("results/long_roller", report=False, pictures=False)
-    keys = [*KEYS, "rolling.passes=1", "rolling.passes_from=results/long_roller"]
-    said = refused(capsys, "run", "long_roller", *(word for key in keys for word in ("--set", key)))
-    assert "--out: 'results/long_roller' holds passes.npz, which the scene reads; give" in said
-    assert [each.name for each in (here / "results").iterdir()] == ["long_roller"]
-
-
-@pytest.mark.parametrize("kind", ["empty", "no archive", "of others", "truncated", "damaged"])
-def test_what_holds_no_passes_is_refused_in_one_line(kind, result, tmp_path):
-    path, content = tmp_path / "passes.npz", kind.replace("empty", "").encode()
-    passes_of_scene.save(result.solved.passes, result.plan.scene, path)
-    kept = path.read_bytes()
-    if kind == "truncated":
-        content = kept[:-2000]
-    if kind == "damaged":
-        middle = len(kept) // 2
-        content = kept[:middle] + bytes(255 - each for each in kept[middle:][:20])
-        content += kept[middle + 20 :]
-    path.write_bytes(content)
-    if kind == "of others":
-        np.savez(path, other=np.zeros(2))
-    scene = scene_of("long_roller", *KEYS, "rolling.passes=1", f"rolling.passes_from={tmp_path}")
-    with pytest.raises(rh.SceneError, match="rolling.passes_from: .*holds no passes, or is dama"):
-        planning.make(scene)
 
 
 def test_the_section_of_a_solid_is_drawn(result, tmp_path):

@@ -34,7 +34,7 @@ def test_the_outline_is_the_rectangle_of_the_patch(contact) -> None:
 def test_surface_carries_the_pressure_and_nothing_else(contact) -> None:
     t = np.array([-1.7, -0.8, 0.0, 0.3, 0.99, 1.4]) * contact.half_width
     found = stress(contact, t, 0 * t)
-    np.testing.assert_allclose(found[:, 1], -contact.strip.pressure(t), atol=1e-9 * contact.p0)
+    np.testing.assert_allclose(found[:, 1], -contact.pressure_across(t), atol=1e-9 * contact.p0)
     np.testing.assert_allclose(found[:, 2], 0.0, atol=1e-9 * contact.p0)
     np.testing.assert_allclose(found[:, 0], found[:, 1], atol=1e-9 * contact.p0)
 
@@ -58,9 +58,7 @@ def test_stress_is_hookes_law_of_the_displacement(contact, t: float, depth: floa
     mu = YOUNG / (2 * (1 + POISSON))
 
     def at(dt: float, dd: float) -> np.ndarray:
-        return line.displacement(
-            contact.strip, [t + dt], [depth + dd], YOUNG, POISSON, contact.datum
-        )[0]
+        return line.displacement(contact, [t + dt], [depth + dd], YOUNG, POISSON, contact.datum)[0]
 
     by_t, by_d = (at(*e) - at(*(-np.array(e))) for e in ((step, 0.0), (0.0, step)))
     strain = np.array([by_t[0], by_d[1], (by_t[1] + by_d[0]) / 2]) / (2 * step)
@@ -75,7 +73,7 @@ def test_surfaces_meet_inside_and_part_outside(contact) -> None:
     """w(0) - w(t) of both bodies is t^2 / 2R inside the strip and less outside."""
     t = np.array([0.25, 0.7, 1.0, 1.3]) * contact.half_width
     at = np.concatenate([[0.0], t])
-    down = line.displacement(contact.strip, at, 0 * at, YOUNG, POISSON, contact.datum)[:, 1]
+    down = line.displacement(contact, at, 0 * at, YOUNG, POISSON, contact.datum)[:, 1]
     closed, parabola = 2 * (down[0] - down[1:]), t**2 / (2 * RADIUS)
     np.testing.assert_allclose(closed[:3], parabola[:3], rtol=1e-9)
     assert closed[3] < 0.9 * parabola[3]
@@ -83,7 +81,7 @@ def test_surfaces_meet_inside_and_part_outside(contact) -> None:
 
 def test_approach_is_johnsons_for_a_deep_datum(contact) -> None:
     """2 F'(1 - nu^2)/(pi E) (2 ln(2d/w) - nu/(1 - nu)) (Johnson 5.57) for d >> w."""
-    scale = contact.strip.load_per_length * (1 - POISSON**2) / (math.pi * YOUNG)
+    scale = contact.load_per_length * (1 - POISSON**2) / (math.pi * YOUNG)
     bracket = 2 * math.log(2 * contact.datum / contact.half_width) - POISSON / (1 - POISSON)
     assert contact.approach == pytest.approx(2 * scale * bracket, rel=1e-5)
 
@@ -112,7 +110,9 @@ def test_largest_shear_is_0300_p0_at_0786(contact) -> None:
 def test_published_numbers_of_two_cylinders() -> None:
     """VM191: half width 1.1997 mm, p0 1698.06 MPa; Roark's approach 0.4174 is 4 % more."""
     strip = line_contact(1 / 10 + 1 / 13, 1 / (0.9375 / 30000 + 0.91 / 29120), 3200.0)
-    assert (strip.b, strip.p0) == pytest.approx((1.1997142442938187, 1698.0570842312509), rel=1e-9)
+    assert (strip.half_width, strip.p0) == pytest.approx(
+        (1.1997142442938187, 1698.0570842312509), rel=1e-9
+    )
     johnson = line.cylinder_approach(strip, 10, 30000, 0.25)
     johnson += line.cylinder_approach(strip, 13, 29120, 0.3)
     assert johnson == pytest.approx(0.39954, rel=1e-4)

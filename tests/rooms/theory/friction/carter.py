@@ -1,9 +1,7 @@
-"""Carter's tractions of a strip that rolls (Johnson, Contact Mechanics, 8.3)."""
+"""Carter's strip that rolls (Johnson, Contact Mechanics, 8.3)."""
 
 import math
 from dataclasses import dataclass
-
-import numpy as np
 
 from railhead.theory.elastic.hertz import Strip
 from railhead.theory.friction.partial_slip import strip_stick_ratio
@@ -27,25 +25,15 @@ class Carter:
         """Creepage mu w/R (1 - c/w) with the force's sign, R relative radius, w half width, c half
         width that sticks.
         """
-        full = self.friction * self.strip.b * self.strip.curvature
-        return math.copysign(full * self.stick_centre / self.strip.b, self.share)
+        full = self.friction * self.strip.half_width * self.strip.curvature
+        return math.copysign(full * self.stick_centre / self.strip.half_width, self.share)
 
     @property
     def stick_half_width(self) -> float:
         """Half width c that sticks, w sqrt(1 - |share|), mm."""
-        return self.strip.b * strip_stick_ratio(abs(self.share))
+        return self.strip.half_width * strip_stick_ratio(abs(self.share))
 
     @property
     def stick_centre(self) -> float:
         """x of the middle of the part that sticks, w - c, mm."""
-        return self.strip.b - self.stick_half_width
-
-    def traction(self, x):
-        """Traction of the wheel on the rail mu p0 (sqrt(1 - x^2/w^2) - c/w sqrt(1 - (x - w +
-        c)^2/c^2)), MPa, at x (mm), with the force's sign; c is the half width that sticks. Zero
-        outside of the strip.
-        """
-        beyond = self.stick_half_width**2 - (np.asarray(x) - self.stick_centre) ** 2
-        stuck = self.strip.p0 / self.strip.b * np.sqrt(np.maximum(beyond, 0))
-        sign = math.copysign(self.friction, self.share)
-        return np.asarray(sign * (self.strip.pressure(x) - stuck))
+        return self.strip.half_width - self.stick_half_width

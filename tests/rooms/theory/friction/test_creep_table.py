@@ -290,26 +290,6 @@ def test_fastsim_has_the_forces_of_another_fastsim(entry, thesis_linear: Coeffic
     )
 
 
-@pytest.mark.parametrize(
-    "creepage", [Creepage(along=1e-8), Creepage(across=1e-8), Creepage(spin=1e-9)]
-)
-def test_fastsim_begins_as_the_linear_theory(
-    creepage: Creepage, thesis_linear: Coefficients
-) -> None:
-    """To 2 % with 80 strips: its steps are of first order."""
-    forces = fastsim(4.336, 3.465, 7500.0, 79615.0, thesis_linear, creepage)[:2]
-    expected = thesis_linear.forces(4.336, 3.465, 79615.0, creepage)[:2]
-    np.testing.assert_allclose(forces, expected, rtol=0.02, atol=1e-12)
-
-
-def test_fastsim_ends_at_the_limit(thesis_linear: Coefficients) -> None:
-    """Along the rigid slip over the flexibilities, which leans from the slip itself."""
-    forces = fastsim(4.336, 3.465, 7500.0, 79615.0, thesis_linear, Creepage(0.3, -0.4, 0.0))
-    way = np.array([0.3 * thesis_linear.c11, -0.4 * thesis_linear.c22])
-    np.testing.assert_allclose(forces[:2], 7500.0 * way / np.linalg.norm(way), rtol=1e-3)
-    assert forces.stick_share == 0
-
-
 def test_fastsim_slips_from_the_trailing_edge_on(thesis_linear: Coefficients) -> None:
     """A traction that grows linearly passes the bound's parabola one length from the trailing edge,
     the same on all strips; to the size of a step, 2 %."""

@@ -30,8 +30,7 @@ def test_the_hardest_places_under_sliding_are_those_of_the_references(
 ) -> None:
     """Within the entries' own 0.1 % below and 1 % at the surface; places to 1 % of a half width."""
     contact = SPHERE if entry["shape"].startswith("sphere") else THESIS
-    below = sliding.peak_below_surface(contact, entry["mu"], entry["nu"])
-    surface = sliding.peak_at_surface(contact, entry["mu"], entry["nu"])
+    below, surface = sliding.peaks(contact, entry["mu"], entry["nu"]).values()
     p0 = contact.p0
     assert below.von_mises / p0 == pytest.approx(entry["subsurface_mises_over_p0"], rel=1e-3)
     assert (below.depth / contact.b, below.x / contact.a) == pytest.approx(
@@ -47,9 +46,7 @@ def test_above_a_coefficient_the_surface_is_hardest() -> None:
     """The surface's stress grows by 1.5 p0 per 1 of the coefficient, so that 1 % of it is 0.005."""
     entry = next(each for name, each in ENTRIES.items() if "crossover" in name)
     for change in (-0.006, 0.006):
-        mu = entry["mu"] + change
-        surface = sliding.peak_at_surface(SPHERE, mu, entry["nu"])
-        below = sliding.peak_below_surface(SPHERE, mu, entry["nu"])
+        below, surface = sliding.peaks(SPHERE, entry["mu"] + change, entry["nu"]).values()
         assert (surface.von_mises > below.von_mises) == (change > 0)
 
 
@@ -103,7 +100,7 @@ def test_a_strip_that_slides_has_johnson_s_stresses(across: bool) -> None:
     outside = np.sign(t) * np.sqrt(np.maximum(t**2 - 1, 0))
     pulled = 0 * t if across else -2 * 0.4 * found.p0 * (t - outside)
     np.testing.assert_allclose(dragged[:5, 0], pulled, atol=1e-6 * found.p0)
-    np.testing.assert_allclose(dragged[:5, 4], 0.4 * found.strip.pressure(t * w), atol=1e-6)
+    np.testing.assert_allclose(dragged[:5, 4], 0.4 * found.pressure_across(t * w), atol=1e-6)
 
 
 def test_points_that_are_not_in_the_body_are_refused() -> None:

@@ -5,8 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from railhead.theory.friction.partial_slip import initial_compliance
-from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction
 from railhead.theory.friction.tangential import MaterialPair, TractionInfluence, pair
 
 X, Y = 0.3 * np.arange(12), 0.2 * np.arange(9)
@@ -63,25 +61,6 @@ def test_tractions_open_the_gap_as_pressure_draws_the_surfaces() -> None:
     work = np.sum(pressure * influence.opening(traction))
     assert work == pytest.approx(np.sum(traction * influence.of_pressure(pressure)), rel=1e-10)
     assert abs(work) > 0
-
-
-@pytest.mark.parametrize("axes", [(4.336, 3.465), (2.0, 6.0)])
-def test_bodies_that_stick_shift_as_mindlin_says(axes: tuple[float, float]) -> None:
-    """With a coefficient that forbids slip, along and across; the traction's edge is singular, so
-    that the error is of first order: from two grids to 0.5 %."""
-    a, b = axes
-    exact = initial_compliance(a, b, STEEL.shear_modulus, STEEL.poisson)
-    found = []
-    for n in (24, 48):
-        ticks = (2 * np.arange(n) + 1) / n - 1
-        p = np.sqrt(np.maximum(1 - ticks[:, None] ** 2 - ticks**2, 0))
-        shifted = HalfSpaceFriction(a * ticks, b * ticks, p, 1e6, STEEL, rolling=False)
-        found.append([
-            1e-3 / shifted.solve(Creepage(along=1e-3)).forces[0],
-            1e-3 / shifted.solve(Creepage(across=1e-3)).forces[1],
-        ])  # fmt: skip
-    extrapolated = 2 * np.array(found[1]) - found[0]
-    np.testing.assert_allclose(extrapolated, exact, rtol=5e-3)
 
 
 def test_the_pressure_of_a_strip_draws_by_itself_alone() -> None:

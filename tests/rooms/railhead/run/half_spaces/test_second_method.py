@@ -100,23 +100,6 @@ def test_unlike_bodies_are_extrapolated_and_say_how_far() -> None:
     assert "shift_along_mm" not in coarse
 
 
-def test_patches_share_one_motion(two: planning.Plan, patches) -> None:
-    """Spin drags the far patch back by its distance; slip across lies in each tangent plane; what
-    turns about the tangents spins the far patch, and is faster where the radius is smaller."""
-    corner, tread = sorted(patches, key=lambda each: abs(each.pressed.plane - 0.2998))
-    assert len(patches) == 2 and corner.spin[2:] == pytest.approx([1.0, 0.0], abs=1e-4)
-    (x, s), t = tread.pressed.centroid, two.contact.touch.angle
-    place = boundary_elements.develop(two.contact).points(np.array([x]), np.array([s]))[0]
-    away = (place - two.contact.origin) @ [0.0, math.cos(t), math.sin(t)]
-    assert away == pytest.approx(11.0, abs=0.2)
-    assert tread.mean_modes[2, 0] == pytest.approx(-away, rel=0.01)
-    assert tread.mean_modes[1, 1] == pytest.approx(math.cos(0.2998 - 0.1273), abs=1e-3)
-    turn = math.cos(0.2998) / 460
-    assert tread.spin[3] == pytest.approx(turn * math.sin(0.2998 - 0.1273), rel=0.01)
-    height = (place - two.contact.origin) @ [0.0, -math.sin(t), math.cos(t)]
-    assert tread.mean_modes[3, 0] == pytest.approx(turn * height, rel=0.02)
-
-
 def test_forces_of_patches_add_up_in_space(two: planning.Plan, patches) -> None:
     pair, motion = two.context.tangential_pair, Creepage(1e-3, 5e-4, 1e-4)
     t = two.contact.touch.angle
@@ -158,26 +141,10 @@ def test_two_patches_roll_as_their_ellipses_nearly_do(two: planning.Plan, patche
         rolled = second_method.fastsim(patches, limit, two.context.tangential_pair, motion)
         for name in ("force_along_N", "force_across_N"):
             assert answer[name] == pytest.approx(rolled[name], abs=0.05 * limit)
+        assert answer["t_gamma_N"] == pytest.approx(rolled["t_gamma_N"], rel=0.05)
     shifted = planning.make(two.scene.replace(rolling={"spin": 0.0}))
     with pytest.raises(ValueError, match=SEVERAL[:20]):
         solve_by_boundary_elements(shifted, found, lambda cells: patches, (16, 32))
-
-
-def test_each_patch_dissipates_what_it_would_alone(two: planning.Plan, patches) -> None:
-    """A patch on another radius creeps differently, and its forces do work on that."""
-    pair, motion = two.context.tangential_pair, (1e-3, 5e-4, 1e-4)
-    normal = [each.pressed.force for each in patches]
-    alone = [
-        second_method.fastsim([each], MU * force, pair, motion)
-        for each, force in zip(patches, normal, strict=True)
-    ]
-    rolled = second_method.fastsim(patches, MU * sum(normal), pair, motion)
-    wear, forces = rolled["t_gamma_N"], list(rolled.values())[:3]
-    assert wear == pytest.approx(sum(each["t_gamma_N"] for each in alone), rel=1e-9)
-    assert wear != pytest.approx(np.dot(forces, motion), rel=0.1)
-    found = friction_found(MU * sum(normal), motion)
-    exactly = solve_by_boundary_elements(two, found, lambda cells: patches, (16, 32))["t_gamma_N"]
-    assert wear == pytest.approx(exactly, rel=0.02)
 
 
 @pytest.mark.parametrize("wheel", [math.inf, pytest.param(3000.0, marks=pytest.mark.slow)])
