@@ -183,7 +183,7 @@ def solve(
             contact = problem.contact_force(pressure)
             largest = max(largest, contact)
             scale = max(contact, LEAST_FORCE * problem.reference_force)
-            apart = not contact and problem.stiffness.border is None
+            apart = not contact
             if apart:  # bodies may rest without contact
                 scale = problem.force.norm() or largest or residual.norm() or 1.0
             norm = residual.norm() / scale if scale else float("inf")

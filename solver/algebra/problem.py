@@ -261,7 +261,7 @@ class ContactProblem:
         self._tangents[:] = [each for each in self._tangents if each[0]() is not None]
         context, stiffness = self.tangent_context(self, active), self.stiffness
         self._tangents.append((weakref.ref(context), context.rows))
-        matrix = PETSc.Mat().createPython(stiffness.sizes, context, comm=stiffness.comm)
+        matrix = PETSc.Mat().createPython(stiffness.blocks.getSizes(), context, comm=stiffness.comm)
         matrix.setUp()
         return matrix
 

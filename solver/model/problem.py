@@ -1,5 +1,5 @@
-"""The equations of a model, stiffness with hubs, contact with yield and friction; and its state
-between two solutions.
+"""The equations of a model, contact with yield and friction; and its state between two
+solutions.
 
 Along tangents t the secondary surface carries the traction (Chouly 2014, theta = 0)
 
@@ -20,13 +20,13 @@ from petsc4py import PETSc
 
 from railhead.solver.algebra.newton import NewtonResult, NewtonStep
 from railhead.solver.algebra.problem import Tangent
-from railhead.solver.algebra.reduced_stiffness import DIFFERENT, Stiffness
+from railhead.solver.algebra.reduced_stiffness import DIFFERENT
 from railhead.solver.friction.coulomb import projected
 from railhead.solver.material import History
 from railhead.solver.plasticity.plastic_problem import PlasticProblem, PlasticTangent
 from railhead.solver.space.contact_interface import Interface
-from railhead.solver.space.operators import add_transposed, petsc_matrix, weighted_product
-from railhead.solver.space.supports import Hub, Reduction
+from railhead.solver.space.operators import add_transposed, petsc_matrix
+from railhead.solver.space.supports import Hub
 from railhead.theory.array_types import Array, Mask
 
 HubLoads = Mapping[Hub, Array]
@@ -61,33 +61,6 @@ class State:
     traction: Array
     result: NewtonResult
     history: tuple[NewtonStep, ...] = ()
-
-
-class AssembledStiffness(Stiffness):
-    """Stiffness of the free unknowns as one matrix: the motions of any number of hubs fit into it,
-    which do not fit into blocks.
-    """
-
-    @classmethod
-    def reduced(cls, full: PETSc.Mat, reduction: Reduction) -> AssembledStiffness:
-        """P^T K P with the map P of the reduction; full: stiffness K on all dofs, which stays as it
-        is. Places without an unknown have a typical diagonal (collective).
-        """
-        matrix = full.convert("aij", PETSc.Mat()).ptap(reduction.matrix)
-        holds = reduction.free.copy()
-        holds[[place for place in reduction.places if place >= 0]] = True
-        diagonal = matrix.getDiagonal()
-        diagonal.array[:] = np.where(holds, 0.0, diagonal.sum() / max(reduction.unknowns, 1))
-        empty = PETSc.Mat().createAIJ(matrix.getSizes(), nnz=1, comm=matrix.comm)
-        empty.setDiagonal(diagonal)
-        empty.assemble()
-        matrix.axpy(1.0, empty, DIFFERENT)
-        matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-        return cls(matrix, None, -1)
-
-    def add(self, rows: PETSc.Mat, weights: Array) -> None:
-        """Add rows^T diag(weights) rows to the stiffness, in place (collective)."""
-        self.blocks.axpy(1.0, weighted_product(rows, weights, rows), DIFFERENT)
 
 
 class _FrictionalTangent(PlasticTangent):

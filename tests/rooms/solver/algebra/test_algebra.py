@@ -93,7 +93,7 @@ def test_what_is_added_to_the_stiffness_may_couple_to_the_approach() -> None:
     problem = contact_model().problem
     start, columns, values = problem.stress.getValuesCSR()
     table = sp.csr_matrix((values, columns, start), problem.stress.getSize()).tolil()
-    table[:, problem.stiffness.approach] = np.linspace(-1.0, 2.0, table.shape[0])[:, None]
+    table[:, problem.stiffness.columns[0]] = np.linspace(-1.0, 2.0, table.shape[0])[:, None]
     rows = petsc_matrix(table.tocsr(), table.shape[1], MPI.COMM_SELF)
     y, changed = problem.force.duplicate(), problem.stiffness.copy()
     y.setRandom()
