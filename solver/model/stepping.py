@@ -66,7 +66,10 @@ def _step(model: Assembly, before: State, loads: HubLoads, share: float) -> Stat
     """
     pairing, y = before.pairing, None
     if before.outdated:
-        pairing = model.surfaces.pair(model.gathered(before.displacement))
+        try:
+            pairing = model.surfaces.pair(model.gathered(before.displacement))
+        except ValueError as error:  # the surfaces have left each other
+            return replace(before, result=replace(before.result, reason=str(error), history=[]))
     done: list[newton.NewtonStep] = []
     outdated = False
     for _ in range(MOST_PAIRINGS):
