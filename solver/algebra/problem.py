@@ -23,6 +23,7 @@ from railhead.solver.algebra.reduced_stiffness import Stiffness
 from railhead.solver.space.contact_interface import ContactLaw, Interface
 from railhead.solver.space.operators import (
     add_transposed,
+    local_rows,
     petsc_matrix,
     select_rows,
     vector,
@@ -280,7 +281,9 @@ class ContactProblem:
         """Entrywise product of `test_operator` and `normal_operator`, MPa2/mm2; its weighted column
         sums are the diagonal of the contact term.
         """
-        return _products(self.test_operator, self.normal_operator)
+        test, normal = local_rows(self.test_operator), local_rows(self.normal_operator)
+        local, comm = self.gap.getLocalSize()[1], self.gap.comm.tompi4py()
+        return petsc_matrix(test.multiply(normal).tocsr(), local, comm)
 
     def assembled_tangent(self, active: Mask) -> PETSc.Mat:
         """Tangent at an active set (n,) as an assembled matrix, N/mm, for a factorisation or
@@ -300,21 +303,6 @@ class ContactProblem:
         add_transposed(self.test_operator, -self.weight * active * self.offset, rhs)
         self.add_consistency_forces(-self.start_stress, rhs)
         return rhs
-
-
-def _products(left: PETSc.Mat, right: PETSc.Mat) -> PETSc.Mat:
-    """Distributed matrix of the entrywise products of two matrices with the same rows and columns
-    on each rank.
-    """
-    tables = []
-    for matrix in (left, right):
-        indptr, indices, values = matrix.getValuesCSR()
-        tables.append(
-            sp.csr_matrix((values, indices, indptr), shape=(len(indptr) - 1, matrix.getSize()[1]))
-        )
-    return petsc_matrix(
-        tables[0].multiply(tables[1]).tocsr(), left.getLocalSize()[1], left.comm.tompi4py()
-    )
 
 
 def reduce_problem(

@@ -19,7 +19,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from railhead.solver.space.operators import add_transposed, select_rows
+from railhead.solver.space.operators import add_transposed, local_rows, select_rows
 from railhead.solver.space.supports import Reduction
 from railhead.theory.array_types import Array
 
@@ -95,8 +95,7 @@ class Stiffness:
         rows: matrix with k rows on this rank, each with entries at the unknowns of one cell's nodes
             and at the motions of hubs. weights: (k,); the sum is in N/mm.
         """
-        start, indices, values = rows.getValuesCSR()
-        table = sp.csr_matrix((values, indices, start), shape=(len(weights), rows.getSize()[1]))
+        table = local_rows(rows)
         forces = [self.vector() for _ in self.columns]
         for column, force in zip(self.columns, forces, strict=True):
             add_transposed(rows, weights * table[:, column].toarray().ravel(), force)

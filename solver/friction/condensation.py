@@ -97,6 +97,12 @@ class ContactCompliance:
         """
         return np.asarray(np.einsum("nk,nkc->nc", values, self.tangents))
 
+    def largest_bound(self, coefficient: Array) -> float:
+        """Largest limit of the traction, mu p, at the active points, MPa; coefficient: of friction,
+        mu (n,).
+        """
+        return float((coefficient * self.pressure)[self.active].max())
+
     def force(self, axis: Array) -> Array:
         """Derivatives (m,) of the resultant of the tractions by each nodal traction, N/MPa, in the
         whole model; axis: unit vector in space (3,) along which the resultant counts. Points that

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import scipy.sparse as sp
@@ -25,7 +25,7 @@ from railhead.solver.friction.coulomb import projected
 from railhead.solver.material import History
 from railhead.solver.plasticity.plastic_problem import PlasticProblem, PlasticTangent
 from railhead.solver.space.contact_interface import Interface
-from railhead.solver.space.operators import add_transposed, petsc_matrix
+from railhead.solver.space.operators import add_transposed, local_rows, petsc_matrix
 from railhead.solver.space.supports import Hub
 from railhead.theory.array_types import Array, Mask
 
@@ -155,8 +155,8 @@ class FrictionalProblem(PlasticProblem):
         blocks = sp.bsr_matrix((self.projection(active), every[:-1], every), shape=shape)
         pull = (self.pull * active[:, None])[..., None]
         pulls = sp.bsr_matrix((pull, every[:-1], every), shape=(count * size, count))
-        change = blocks.tocsr() @ _local(self.trial_operator)
-        change = change - pulls.tocsr() @ _local(self.normal_operator)
+        change = blocks.tocsr() @ local_rows(self.trial_operator)
+        change = change - pulls.tocsr() @ local_rows(self.normal_operator)
         rows = petsc_matrix(
             sp.csr_matrix(change), self.slip.getLocalSize()[1], self.slip.comm.tompi4py()
         )
@@ -186,9 +186,3 @@ class FrictionalProblem(PlasticProblem):
         rubs = self.area * active * (self.coefficient > 0)
         add_transposed(self.slip, rubs[:, None] * start, rhs)
         return rhs
-
-
-def _local(matrix: PETSc.Mat) -> Any:
-    """Rows of this rank, with the columns of all ranks."""
-    start, indices, values = matrix.getValuesCSR()
-    return sp.csr_matrix((values, indices, start), shape=(len(start) - 1, matrix.getSize()[1]))

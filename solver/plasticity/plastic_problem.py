@@ -12,7 +12,7 @@ no matrix is assembled again.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
@@ -74,13 +74,13 @@ class YieldPoints:
         prescribed displacement, and the reduction of the tangent by yield. The history stays.
         """
         strain = self.strains(y) + self.prescribed_strain
-        state = History(*(getattr(self.history, each.name).copy() for each in fields(History)))
+        state = self.history.at(np.arange(len(strain)))
         reductions = [TangentReduction.none(strain.shape[1])]
         for members, hardening in self.groups:
-            before = History(*(getattr(state, each.name)[members] for each in fields(History)))
-            after, reduction = radial_return(strain[members], self.mu[members], before, hardening)
-            for each in fields(History):
-                getattr(state, each.name)[members] = getattr(after, each.name)
+            before, mu = self.history.at(members), self.mu[members]
+            after, reduction = radial_return(strain[members], mu, before, hardening)
+            state.plastic[members], state.back[members] = after.plastic, after.back
+            state.equivalent[members] = after.equivalent
             reductions.append(reduction.renumbered(members))
         return state, TangentReduction.joined(reductions)
 

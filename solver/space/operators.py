@@ -29,6 +29,12 @@ def petsc_matrix(table: sp.csr_matrix, local_columns: int, comm: MPI.Intracomm) 
     )
 
 
+def local_rows(matrix: PETSc.Mat) -> sp.csr_matrix:
+    """Rows of this rank of a distributed matrix, with the columns of all ranks."""
+    starts, columns, values = matrix.getValuesCSR()
+    return sp.csr_matrix((values, columns, starts), shape=(len(starts) - 1, matrix.getSize()[1]))
+
+
 def assemble_rows(
     blocks: list[tuple[Index, Array]], count: int, local: int, total: int, comm: MPI.Intracomm
 ) -> PETSc.Mat:

@@ -24,7 +24,7 @@ from petsc4py import PETSc
 
 from railhead.solver import compat
 from railhead.solver.space.kinematics import SOLID, Kinematics
-from railhead.solver.space.operators import petsc_matrix, vector
+from railhead.solver.space.operators import local_rows, petsc_matrix, vector
 from railhead.theory.array_types import Array, Index, Mask
 
 Direction = Sequence[float]
@@ -189,13 +189,10 @@ class Reduction:
         """Squared norms of the columns of the map P from free unknowns to dofs, as a distributed
         vector: the diagonal of P^T P.
         """
-        indptr, indices, values = self.matrix.getValuesCSR()
-        squared = self.matrix.duplicate()
-        squared.setValuesCSR(indptr, indices, values**2)
-        squared.assemble()
-        ones, out = squared.createVecLeft(), squared.createVecRight()
-        ones.set(1.0)
-        squared.multTranspose(ones, out)
+        table, local = local_rows(self.matrix), self.matrix.getLocalSize()[1]
+        squared = petsc_matrix(table.power(2), local, self.matrix.comm.tompi4py())
+        out = squared.createVecRight()
+        squared.multTranspose(vector(squared, np.ones(table.shape[0])), out)
         return out
 
     def restricted(self, displacement: PETSc.Vec) -> PETSc.Vec:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -226,13 +225,3 @@ class Setup:
         mesh.
         """
         return self.kinematics.flatten(np.array(self.direction))
-
-
-def __getattr__(name: str) -> Any:
-    """`ContactBody` for its former name `Side`, with a DeprecationWarning. Raises AttributeError
-    for any other missing name.
-    """
-    if name != "Side":
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    warnings.warn("Side is now called ContactBody", DeprecationWarning, stacklevel=2)
-    return ContactBody
