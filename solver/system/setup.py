@@ -50,17 +50,13 @@ class ContactBody:
 class LoadPath:
     """Load history of bodies that may yield.
 
-    steps: number of equal load steps from first yield up to the load; further cycles end their
-        steps at the same shares of the load.
-    cycles: number of times that the load is applied, at least 1; between two of them it is lowered
-        but not removed.
+    steps: number of equal load steps from first yield up to the load.
     unload: whether the load is removed at the end, so that the residual state is computed.
     near: centroids of cells in space (n, 3) mm -> (n,) whether plastic strain is followed in the
         cell. It is followed at all contact points of a slave that may yield.
     """
 
     steps: int
-    cycles: int
     unload: bool
     near: Callable[[Array], NDArray[np.bool_]]
 

@@ -282,7 +282,7 @@ def test_a_set_up_is_given_back_before_the_next_one() -> None:
         (lambda setup: {"linear": "foo"}, "linear 'foo' is unknown"),
         (lambda setup: {"slave": 7}, "slave 7 is no body that deforms"),
         (
-            lambda setup: {"load_path": LoadPath(steps=2, cycles=1, unload=False, near=len)},
+            lambda setup: {"load_path": LoadPath(steps=2, unload=False, near=len)},
             "load_path needs a body",
         ),
         (lambda setup: {"moving": replace(setup.moving, support=97)}, "no support facet carries"),
