@@ -26,6 +26,7 @@ from railhead.solver.space.operators import (
     local_rows,
     petsc_matrix,
     select_rows,
+    transposed,
     vector,
     weighted_product,
 )
@@ -205,20 +206,14 @@ class ContactProblem:
 
     def slope(self, y: PETSc.Vec, step: PETSc.Vec) -> Callable[[float], float]:
         """Function t -> R(y + t step) . step, N mm, with the residual R. It is the slope of the
-        energy of a symmetric method, which is convex and piecewise quadratic, so that the slope
-        grows with t.
+        energy of a symmetric method along a step, which is convex, so that the slope grows with t.
         """
-        k_step = self.stiffness * step
-        start, rate = k_step.dot(y) - self.force.dot(step), k_step.dot(step)
-        b, db = -self.indicator(y), (self.normal_operator * step).array
-        ds, comm = (self.stress * step).array, step.comm.tompi4py()
-        b0 = -self.consistency * float(np.sum(self.weight * ds * self.start_stress))
 
         def value(t: float) -> float:
-            """Slope of the energy at a step length t, N mm (collective)."""
-            pressure = np.maximum(-(b + t * db), 0.0)
-            local = b0 - float(np.sum(self.weight * db * pressure))
-            return float(start + t * rate + comm.allreduce(local))
+            """Product R(y + t step) . step at a step length t, N mm."""
+            at = y.copy()
+            at.axpy(t, step)
+            return float(self.residual(at, self.pressure(at)).dot(step))
 
         return value
 
@@ -226,10 +221,7 @@ class ContactProblem:
         """Norm of the vector of nodal forces of the contact pressure in the free unknowns, N, which
         is not their resultant; pressure: (n,), MPa.
         """
-        force = self.gap.createVecRight()
-        force.set(0.0)
-        add_transposed(self.test_operator, self.weight * pressure, force)
-        return float(force.norm())
+        return float(transposed(self.test_operator, self.weight * pressure).norm())
 
     def active_set_residual(self, active: Mask, indicator: Array) -> Callable[[PETSc.Vec], float]:
         """Function x -> norm, N, of the part of the residual at y + x that a step x makes by
@@ -244,9 +236,8 @@ class ContactProblem:
             the active set, N.
             """
             q = indicator - (self.normal_operator * x).array
-            out = self.stiffness.vector()
-            add_transposed(self.test_operator, self.weight * (np.maximum(q, 0.0) - active * q), out)
-            return float(out.norm())
+            change = self.weight * (np.maximum(q, 0.0) - active * q)
+            return float(transposed(self.test_operator, change).norm())
 
         return left
 

@@ -19,7 +19,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from railhead.solver.space.operators import add_transposed, local_rows, select_rows
+from railhead.solver.space.operators import local_rows, select_rows, transposed
 from railhead.solver.space.supports import Reduction
 from railhead.theory.array_types import Array
 
@@ -50,13 +50,10 @@ class Stiffness:
         (collective).
         """
         p, columns = reduction.matrix, reduction.columns
-        forces = []
-        for place in reduction.places:
-            force = p.createVecRight()
-            p.multTranspose(full * (p * unit_vector(force, place)), force)
-            forces.append(force)
         free = p.createVecRight()
         free.array[:] = reduction.free
+        moved = [p * unit_vector(free, place) for place in reduction.places]
+        forces = [transposed(p, (full * each).array) for each in moved]
         blocks = full if reduction.aligned else _rotated(full, p, free)
         blocks.diagonalScale(L=free, R=free)
         diagonal = blocks.getDiagonal()
@@ -96,10 +93,8 @@ class Stiffness:
             and at the motions of hubs. weights: (k,); the sum is in N/mm.
         """
         table = local_rows(rows)
-        forces = [self.vector() for _ in self.columns]
-        for column, force in zip(self.columns, forces, strict=True):
-            add_transposed(rows, weights * table[:, column].toarray().ravel(), force)
-        self._couple(forces)
+        moved = [table[:, column].toarray().ravel() for column in self.columns]
+        self._couple([transposed(rows, weights * each) for each in moved])
         table.data[np.isin(table.indices, self.columns)] = 0.0
         table.eliminate_zeros()
         size = self.blocks.getBlockSize()
@@ -221,10 +216,7 @@ class SupportReactions:
         """Forces on all dofs, N, that hold a displacement (mm, on all dofs) which is zero off the
         supported nodes: the stiffness times that displacement.
         """
-        held, out = self.matrix.createVecLeft(), prescribed.duplicate()
-        held.array[:] = prescribed.array[self.rows]
-        self.matrix.multTranspose(held, out)
-        return out
+        return transposed(self.matrix, prescribed.array[self.rows])
 
     def at(self, displacement: PETSc.Vec) -> NDArray[np.float64]:
         """Elastic forces at the k supported dofs of this rank, N: the stiffness times a

@@ -23,7 +23,7 @@ from petsc4py import PETSc
 
 from railhead.solver.algebra import linear
 from railhead.solver.space.facets import pair
-from railhead.solver.space.operators import vector
+from railhead.solver.space.operators import transposed, vector
 from railhead.solver.system.contact_system import ContactSystem
 from railhead.solver.system.setup import FrictionSettings
 from railhead.solver.system.solution import Solution
@@ -145,10 +145,7 @@ class SurfacePoints:
         tangents of the wheel on the rail, N, of the whole patch (collective).
         """
         first, last = self.jump.getOwnershipRange()
-        out = self.jump.createVecRight()
-        own = -forces[self.met].ravel()[first:last] / self.images
-        self.jump.multTranspose(vector(self.jump, own), out)
-        return out
+        return transposed(self.jump, -forces[self.met].ravel()[first:last] / self.images)
 
 
 class SurfaceResponse(PressedSurfaces):
@@ -207,8 +204,8 @@ class SurfaceResponse(PressedSurfaces):
         out = self.far_displacement(self.settings.axes[:2] @ points.resultant(forces))
         load = points.loads(forces)
         load.axpy(-1.0, system.reactions.forces(out))
-        rhs, y = problem.stiffness.vector(), problem.stiffness.vector()
-        system.reduction.matrix.multTranspose(load, rhs)
+        p, y = system.reduction.matrix, problem.force.duplicate()
+        rhs = transposed(p, load.array)
         linear.solve(problem, system.preconditioner, self.active, rhs, y, TOLERANCE)
-        system.reduction.matrix.multAdd(y, out, out)
+        p.multAdd(y, out, out)
         return out

@@ -25,7 +25,7 @@ from railhead.solver.algebra.reduced_stiffness import Stiffness
 from railhead.solver.material import Material, assemble
 from railhead.solver.plasticity.plastic_problem import YieldPoints, bulk_points
 from railhead.solver.space.kinematics import SOLID, Kinematics
-from railhead.solver.space.operators import petsc_matrix
+from railhead.solver.space.operators import petsc_matrix, transposed
 from railhead.solver.space.supports import Held, Reduction, reduce
 from railhead.theory.array_types import Array, Index
 
@@ -225,9 +225,8 @@ class Block:
             values = start.array.reshape(-1, self.dim)
             values[self.outflow, 0] = prescribed
             load.axpy(-1.0, self.stiffness * start)
-        rhs, y = map_.createVecRight(), map_.createVecRight()
-        map_.multTranspose(load, rhs)
-        ksp.solve(rhs, y)
+        y = map_.createVecRight()
+        ksp.solve(transposed(map_, load.array), y)
         map_.multAdd(y, start, start)
         compat.collect(MPI.COMM_SELF)
         return np.array(start.array)
@@ -247,9 +246,6 @@ class Block:
 
     def plastic_force(self, plastic: Array) -> PETSc.Vec:
         """Forces on all dofs of plastic strains (k, m) without trace at the Gauss points, N."""
-        out, points = self.force(), self.points
+        points = self.points
         stress = 2 * points.mu[:, None] * plastic * points.weights[:, None]
-        vector = points.full_strain_matrix.createVecLeft()
-        vector.array[:] = stress.ravel()
-        points.full_strain_matrix.multTranspose(vector, out)
-        return out
+        return transposed(points.full_strain_matrix, stress)

@@ -182,19 +182,6 @@ class PlasticProblem(ContactProblem):
         self.add_consistency_forces(-self.plastic_normal_stress(self._surface[0].plastic), r)
         return r
 
-    def slope(self, y: PETSc.Vec, step: PETSc.Vec) -> Callable[[float], float]:
-        """Function t -> R(y + t step) . step, N mm, with the residual R: the slope of the energy
-        along a step. Each call replaces the plastic state that `indicator` keeps.
-        """
-
-        def value(t: float) -> float:
-            """Product R(y + t step) . step at a step length t, N mm."""
-            at = y.copy()
-            at.axpy(t, step)
-            return float(self.residual(at, self.pressure(at)).dot(step))
-
-        return value
-
     def set_prescribed_strain(self, prescribed: PETSc.Vec) -> None:
         """Set the prescribed strains of all points to those of a displacement on all dofs, mm."""
         self.bulk.set_prescribed_strain(prescribed)

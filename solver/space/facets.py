@@ -13,7 +13,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from railhead.solver.space.cells import Bulk, CellSet, cell_data, lagrange_element, tabulate
+from railhead.solver.space.cells import Bulk, CellSet, lagrange_element, tabulate
 from railhead.theory.array_types import Array, Index
 
 
@@ -77,7 +77,7 @@ class FacetSet(CellSet):
             int(np.flatnonzero(cell_facets.links(c) == f)[0])
             for f, c in zip(facets, cells, strict=True)
         ]
-        return cls(**cell_data(bulk, cells), local_facet=np.array(local, dtype=np.int64))
+        return cls.of(bulk, cells, local_facet=np.array(local, dtype=np.int64))
 
     def gathered(self, comm: MPI.Intracomm) -> FacetSet:
         """Set of the facets of all ranks, on every rank (collective). It is small, because a

@@ -93,6 +93,13 @@ def add_transposed(matrix: PETSc.Mat, values: Array, out: PETSc.Vec) -> None:
     matrix.multTransposeAdd(vector(matrix, values), out, out)
 
 
+def transposed(matrix: PETSc.Mat, values: Array) -> PETSc.Vec:
+    """Product matrix^T values as a new vector; values: as of `add_transposed` (collective)."""
+    out = matrix.createVecRight()
+    matrix.multTranspose(vector(matrix, values), out)
+    return out
+
+
 def weighted_product(left: PETSc.Mat, weights: Array, right: PETSc.Mat) -> PETSc.Mat:
     """Distributed matrix left^T diag(weights) right; weights: one for each of this rank's rows
     (collective).

@@ -24,7 +24,7 @@ from petsc4py import PETSc
 
 from railhead.solver import compat
 from railhead.solver.space.kinematics import SOLID, Kinematics
-from railhead.solver.space.operators import local_rows, petsc_matrix, vector
+from railhead.solver.space.operators import local_rows, petsc_matrix, transposed, vector
 from railhead.theory.array_types import Array, Index, Mask
 
 Direction = Sequence[float]
@@ -191,16 +191,13 @@ class Reduction:
         """
         table, local = local_rows(self.matrix), self.matrix.getLocalSize()[1]
         squared = petsc_matrix(table.power(2), local, self.matrix.comm.tompi4py())
-        out = squared.createVecRight()
-        squared.multTranspose(vector(squared, np.ones(table.shape[0])), out)
-        return out
+        return transposed(squared, np.ones(table.shape[0]))
 
     def restricted(self, displacement: PETSc.Vec) -> PETSc.Vec:
         """Free unknowns (P^T P)^-1 P^T u whose displacement is nearest to u; displacement: u on all
         dofs.
         """
-        out = self.matrix.createVecRight()
-        self.matrix.multTranspose(displacement, out)
+        out = transposed(self.matrix, displacement.array)
         out.pointwiseDivide(out, self._divisors)
         return out
 

@@ -200,19 +200,6 @@ def test_a_preconditioner_follows_the_active_set() -> None:
     assert model.preconditioner.update_if_outdated(radius < 5.0)
 
 
-@pytest.mark.parametrize("law", [LAWS[0], LAWS[3]], ids=[IDS[0], IDS[3]])
-def test_slope_along_a_line_is_residual_times_step(law) -> None:
-    problem, solution = loaded(contact_model(law=law))
-    step = solution.newton.y.duplicate()
-    step.array[:] = np.random.default_rng(4).standard_normal(step.local_size) * 1e-3
-    slope = problem.slope(solution.newton.y, step)
-    for t in (0.0, 0.4, 1.0):
-        state = solution.newton.y.copy()
-        state.axpy(t, step)
-        expected = problem.residual(state, problem.pressure(state)).dot(step)
-        assert slope(t) == pytest.approx(expected, rel=1e-8)
-
-
 def test_line_search_stops_an_overshoot_and_lets_good_steps_pass() -> None:
     problem, solution = loaded(contact_model())
     start = solution.newton.y.copy()
