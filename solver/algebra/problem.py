@@ -35,8 +35,8 @@ from railhead.theory.array_types import Array, Mask
 
 
 class Tangent:
-    """PETSc shell context of the tangent y -> K y - theta S^T w S y + Bt^T w A B y. The letters are
-    those of `ContactProblem`, with B and Bt its `normal_operator` and `test_operator`.
+    """PETSc shell context of the tangent of a problem at an active set. B and Bt are its
+    `normal_operator` and `test_operator`.
 
     problem: the contact problem, by a weak reference, because PETSc leaks what is freed while it
         frees a shell.
@@ -54,10 +54,7 @@ class Tangent:
 
     def mult(self, _: PETSc.Mat, x: PETSc.Vec, y: PETSc.Vec) -> None:
         """Product of the tangent with x, written into y; called by PETSc."""
-        problem = self.problem
-        problem.stiffness.mult(x, y)
-        normal, test = self.rows
-        add_transposed(test, problem.weight[self.active] * (normal * x).array, y)
+        self.problem.apply_tangent(self.active, self.rows, x, y)
 
     def getDiagonal(self, _: PETSc.Mat, out: PETSc.Vec) -> None:  # noqa: N802 (PETSc's name)
         """Diagonal of the tangent, written into `out`, N/mm; called by PETSc."""
@@ -83,7 +80,6 @@ class ContactProblem:
     reference_force: force that the residual may be divided by where nothing, or hardly anything,
         touches, N: of an earlier state.
     tangent_depends_on_state: whether the tangent changes while the active set stays.
-    tangent_context: class of the PETSc shell context that computes the products of the tangent.
     """
 
     law: ContactLaw
@@ -98,7 +94,6 @@ class ContactProblem:
     reference_force: float = 0.0
     _tangents: list[Any] = field(init=False, repr=False, default_factory=list)
     tangent_depends_on_state: ClassVar[bool] = False
-    tangent_context: ClassVar[type[Tangent]] = Tangent
 
     def shared(self) -> dict[str, Any]:
         """Fields by name, for another problem with the same matrices and a force vector of its own,
@@ -251,11 +246,23 @@ class ContactProblem:
         """
         # Rows of a tangent are freed after it, see `Tangent.problem`.
         self._tangents[:] = [each for each in self._tangents if each[0]() is not None]
-        context, stiffness = self.tangent_context(self, active), self.stiffness
+        context, stiffness = Tangent(self, active), self.stiffness
         self._tangents.append((weakref.ref(context), context.rows))
         matrix = PETSc.Mat().createPython(stiffness.blocks.getSizes(), context, comm=stiffness.comm)
         matrix.setUp()
         return matrix
+
+    def apply_tangent(
+        self, active: Mask, rows: tuple[PETSc.Mat, PETSc.Mat], x: PETSc.Vec, out: PETSc.Vec
+    ) -> None:
+        """Write the product K x - theta S^T w S x + Bt^T w A B x of the tangent into `out`, N.
+
+        active: active set A (n,). rows: the rows of B and Bt of its points. x: step of the free
+            unknowns.
+        """
+        normal, test = rows
+        self.stiffness.mult(x, out)
+        add_transposed(test, self.weight[active] * (normal * x).array, out)
 
     def diagonal(self, active: Mask, out: PETSc.Vec) -> None:
         """Write the diagonal of the tangent at an active set (n,) into the vector `out`, N/mm."""

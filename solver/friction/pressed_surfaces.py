@@ -67,7 +67,10 @@ class PressedSurfaces:
         """Mean distance of the other corners from the first corner of the facets that touch, of all
         ranks, mm (collective).
         """
-        return self.system.interface.slave.mean_edge(self.touched, self.system.comm)
+        corners = self.system.interface.slave.vertices[self.touched]
+        edges = np.linalg.norm(corners[:, 1:] - corners[:, :1], axis=2)
+        total, count = self.system.comm.allreduce(np.array([edges.sum(), edges.size]))
+        return float(total / count)
 
     def far_displacement(self, force: Array) -> PETSc.Vec:
         """Displacement of the supported faces, on all dofs, mm, under a force (2,) of the wheel on

@@ -12,18 +12,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 import scipy.sparse as sp
 from petsc4py import PETSc
 
 from railhead.solver.algebra.newton import NewtonResult, NewtonStep
-from railhead.solver.algebra.problem import Tangent
 from railhead.solver.algebra.reduced_stiffness import DIFFERENT
 from railhead.solver.friction.coulomb import projected
 from railhead.solver.material import History
-from railhead.solver.plasticity.plastic_problem import PlasticProblem, PlasticTangent
+from railhead.solver.plasticity.plastic_problem import PlasticProblem
 from railhead.solver.space.contact_interface import Interface
 from railhead.solver.space.operators import add_transposed, local_rows, petsc_matrix
 from railhead.solver.space.supports import Hub
@@ -63,20 +61,6 @@ class State:
     history: tuple[NewtonStep, ...] = ()
 
 
-class _FrictionalTangent(PlasticTangent):
-    """PETSc shell context of the tangent with the derivative of the tangential tractions."""
-
-    def mult(self, mat: PETSc.Mat, x: PETSc.Vec, y: PETSc.Vec) -> None:
-        """Product of the tangent with x, written into y; called by PETSc."""
-        super().mult(mat, x, y)
-        problem = self.problem
-        normal = -np.where(self.active, (problem.normal_operator * x).array, 0.0)
-        along = (problem.trial_operator * x).array.reshape(problem.start_slip.shape)
-        change = np.einsum("nij,nj->ni", problem.projection(self.active), along)
-        change += problem.pull * normal[:, None]
-        add_transposed(problem.slip, -problem.area[:, None] * change, y)
-
-
 @dataclass(kw_only=True)
 class FrictionalProblem(PlasticProblem):
     """Contact problem with friction and yield, in one load step. n points have k tangents.
@@ -94,7 +78,6 @@ class FrictionalProblem(PlasticProblem):
     start_slip: Array
     start_shear: Array
     shear_dyads: Array
-    tangent_context: ClassVar[type[Tangent]] = _FrictionalTangent
 
     def __post_init__(self) -> None:
         """Start with all points sticking."""
@@ -139,6 +122,19 @@ class FrictionalProblem(PlasticProblem):
         """
         rubs = active & (self.coefficient > 0)
         return np.asarray(rubs[:, None, None] * self.derivative)
+
+    def apply_tangent(
+        self, active: Mask, rows: tuple[PETSc.Mat, PETSc.Mat], x: PETSc.Vec, out: PETSc.Vec
+    ) -> None:
+        """Write the product of the tangent with x into `out`, with the derivative of the tangential
+        tractions; arguments as of `ContactProblem.apply_tangent`.
+        """
+        super().apply_tangent(active, rows, x, out)
+        normal = -np.where(active, (self.normal_operator * x).array, 0.0)
+        along = (self.trial_operator * x).array.reshape(self.start_slip.shape)
+        change = np.einsum("nij,nj->ni", self.projection(active), along)
+        change += self.pull * normal[:, None]
+        add_transposed(self.slip, -self.area[:, None] * change, out)
 
     def residual(self, y: PETSc.Vec, pressure: Array) -> PETSc.Vec:
         """Residual of equilibrium in the free unknowns; pressure: at y (n,), computed last."""

@@ -142,15 +142,6 @@ class FacetSet(CellSet):
         phi = phi.reshape(*corners.shape[:2], phi.shape[1])
         return np.einsum("fvk,fkd->fvd", phi, self.nodes[:, : phi.shape[2]])
 
-    def mean_edge(self, chosen: Index, comm: MPI.Intracomm) -> float:
-        """Mean distance, mm, of the other corners from the first corner of each chosen facet of
-        every rank; chosen: numbers of facets of this rank (collective).
-        """
-        corners = self.vertices[chosen]
-        edges = np.linalg.norm(corners[:, 1:] - corners[:, :1], axis=2)
-        total, count = (comm.allreduce(value) for value in (edges.sum(), edges.size))
-        return float(total / count)
-
     def reference(self, index: Index, xi: Array) -> Array:
         """Reference coordinates (n, c) in the cells of points with coordinates xi (n, c - 1) in the
         reference facet, on the facets with these numbers (n,).

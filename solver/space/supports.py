@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -198,16 +197,8 @@ class Reduction:
         dofs.
         """
         out = transposed(self.matrix, displacement.array)
-        out.pointwiseDivide(out, self._divisors)
-        return out
-
-    @cached_property
-    def _divisors(self) -> PETSc.Vec:
-        """Diagonal of P^T P by which `restricted` divides, with 1 in the place of zero where a
-        column of P is zero.
-        """
-        out = self.squared_norms()
-        out.array[:] = np.where(out.array > 0, out.array, 1.0)
+        squares = self.squared_norms().array
+        out.array[:] /= np.where(squares > 0, squares, 1.0)
         return out
 
 
