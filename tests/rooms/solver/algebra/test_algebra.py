@@ -325,17 +325,6 @@ def test_products_diagonal_and_assembled_matrix_are_those_of_the_triple_product(
     assert reduction.unknowns == holds.sum() + reduction.rigid_approach
 
 
-def test_a_pin_holds_the_approach_alone() -> None:
-    model = contact_model()
-    free, here = model.problem.stiffness, model.reduction.approach
-    x = free.vector()
-    x.setRandom()
-    change = free.pinned(free.typical) * x - free * x
-    assert change.array[here] == pytest.approx(free.typical * x.array[here], rel=1e-9)
-    change.array[here] = 0.0
-    assert change.norm() < 1e-12 * free.typical
-
-
 def test_the_coarse_tangent_knows_the_pin() -> None:
     """Of a problem with a spring on its approach the P1 level has the same spring."""
     model = contact_model()
