@@ -93,17 +93,20 @@ class History:
         """
         return cls(np.zeros((count, size)), np.zeros((count, size)), np.zeros(count))
 
+    def at(self, points: Index) -> History:
+        """State of the points with the given numbers (k,), a copy."""
+        return History(self.plastic[points], self.back[points], self.equivalent[points])
+
     def extrapolated(self, earlier: History, factor: float, points: Index) -> History:
         """This state, moved on by `factor` times its change since an earlier one at the points with
         the given numbers (k,).
         """
-        values = []
-        for each in fields(self):
-            now, before = getattr(self, each.name), getattr(earlier, each.name)
-            value = now.copy()
-            value[points] += factor * (now[points] - before[points])
-            values.append(value)
-        return History(*values)
+        out = self.at(np.arange(len(self.plastic)))
+        now, before = self.at(points), earlier.at(points)
+        out.plastic[points] += factor * (now.plastic - before.plastic)
+        out.back[points] += factor * (now.back - before.back)
+        out.equivalent[points] += factor * (now.equivalent - before.equivalent)
+        return out
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -94,7 +94,7 @@ def residual_state(
     return ResidualState(
         zone=plastic_zone(fields, frame),
         load_over_first_yield=yielding.load_over_first_yield,
-        load_steps=yielding.first_loading_steps,
+        load_steps=yielding.loading_steps,
         unloaded=unloaded,
         largest_von_mises=None if unloaded is None else largest_von_mises(unloaded),
         indentation={}

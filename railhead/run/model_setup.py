@@ -46,7 +46,6 @@ def setup(plan: Plan) -> Setup:
     made = materials(plan)
     path = LoadPath(
         steps=plan.load_steps,
-        cycles=scene.cycles,
         unload=scene.unload,
         near=partial(near_patches, plan.forecast.zones),
     )

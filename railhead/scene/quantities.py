@@ -433,8 +433,8 @@ class PlasticQuantities:
 
     load_over_first_yield: load over the load of first yield, above 1; from the largest von Mises
         stresses of elastic solutions.
-    load_steps: number of load steps from first yield until the load is reached for the first time,
-        halved ones and those that failed counted.
+    load_steps: number of load steps from first yield until the load is reached, halved ones and
+        those that failed counted.
     strain_max: largest equivalent plastic strain.
     body: "rail" or "wheel", where it lies.
     place: its place (x, y, z) in space, mm, as the places of `StressQuantities`.

@@ -234,8 +234,6 @@ class Scene(Section):
     budget: s of computing time for the best possible accuracy; None: not given. With neither one
         mesh is solved.
     unload: whether bodies that yield are unloaded after the load; no effect where nothing yields.
-    cycles: how often bodies that yield are loaded at the same place, 1 to 100; no effect where
-        nothing yields.
     quantities: what is computed, some of `GROUPS`, as a list or a text "patch,forces". Without
         "forces" the contact is frictionless.
     rail: the rail, a `Rail`.
@@ -257,7 +255,6 @@ class Scene(Section):
     accuracy: units.Accuracy | None = None
     budget: units.Duration | None = None
     unload: bool = True
-    cycles: Annotated[int, Range(units.NUMBER, 1, 100, whole=True)] = 1
     quantities: Annotated[tuple[str, ...], BeforeValidator(_quantities)] = tuple(GROUPS)
     rail: Rail = Rail()
     wheel: Wheel = Wheel()
@@ -273,10 +270,10 @@ class Scene(Section):
     @model_validator(mode="after")
     def _keys_of_several_tables(self) -> Self:
         """Raise SceneError for the first rule that is broken: exactly one of load and approach; no
-        patch size beside accuracy or budget; no force of [friction] beside rolling; no cycles
-        beside passes; a load and friction for an axle without torque; a speed for a law of
-        friction, its temperatures for one that depends on them; no such law and no layer beside
-        passes; at least one body that deforms.
+        patch size beside accuracy or budget; no force of [friction] beside rolling; a load and
+        friction for an axle without torque; a speed for a law of friction, its temperatures for one
+        that depends on them; no such law and no layer beside passes; at least one body that
+        deforms.
         """
         friction, rolling = self.friction, self.rolling
         free = rolling.axle == "torque_free"
@@ -306,11 +303,6 @@ class Scene(Section):
                     f"is not allowed beside {body}.surface, over which nothing rolls steadily",
                 )
                 for body, part in self.bodies.items()
-            ),
-            (
-                rolling.passes is not None and self.cycles > 1,
-                "cycles",
-                f"{self.cycles} is not allowed beside rolling.passes; give one",
             ),
             (
                 free and self.load is None,

@@ -22,8 +22,6 @@ LARGEST_RESIDUAL = {"nitsche": 0.1, "penalty": 1e-3}  # of the right-hand side, 
 # solve may leave. The tangent of a penalty is stiffer: with a larger one Newton's method wanders
 # from one active set to the next (linear tetrahedra, 142 000 unknowns: 15 Newton steps and 329
 # Krylov iterations with a tenth, 5 and 137 with a thousandth).
-SLOWDOWN = 2  # growth of the iterations per decade after which the preconditioner is set up again
-EPSILON = np.finfo(float).eps  # of the right-hand side: a residual below it is rounding
 NOT_ALLOCATED = -5, -7, -13, -19  # INFOG(1) of MUMPS where memory is missing
 
 
@@ -45,13 +43,11 @@ class Preconditioner(ABC):
     problem: the contact problem.
     pc: the PETSc preconditioner; None before it is set up.
     operator: matrix that it was made for; None before that.
-    active: active set (n,) that it was made for; None: it is set up anew at the next use.
+    active: active set (n,) that it was made for; None before that.
     state: state of the contact points that it was made for (`ContactProblem.branches`).
     flexible: whether it contains a Krylov method, so that it changes between iterations.
     outdated_share: area whose state has changed since the set-up, over the active area, beyond
         which it is set up again.
-    iterations_per_decade: Krylov iterations per factor of ten in the residual, right after the set-
-        up, at least one.
     """
 
     state: Mask
@@ -59,7 +55,6 @@ class Preconditioner(ABC):
     operator: PETSc.Mat | None = None
     flexible: bool = False
     outdated_share: float = 0.1
-    iterations_per_decade: float = np.inf
 
     def __init__(self, problem: ContactProblem) -> None:
         self.problem = problem
@@ -204,8 +199,7 @@ def solve(
     Krylov iterations (collective).
 
     problem: contact problem whose tangent is used.
-    preconditioner: set up again where it is outdated or where the solve does not converge; marked
-        as outdated where it has become slow.
+    preconditioner: set up again where it is outdated or where the solve does not converge.
     rhs: right-hand side in the free unknowns, N.
     out: vector that the solution is written into; the iterations start from zero.
     rtol: tolerance of the residual, relative to the norm of the right-hand side.
@@ -235,23 +229,9 @@ def solve(
             raise StalledError(iterations, "the tangent is not positive definite")
         if reason > 0:
             break
-        if reason == PETSc.KSP.ConvergedReason.DIVERGED_INDEFINITE_PC:
-            # A smoother underestimated its largest eigenvalue: flexible GMRES needs no definite
-            # preconditioner.
-            ksp.setType("fgmres")
-            ksp.setConvergenceTest(None)
-            ksp.setPCSide(PETSc.PC.Side.RIGHT)
-            continue
         if fresh:
             raise StalledError(iterations, "the linear solver stalls")
         preconditioner.rebuild(active)
         fresh = True
-    taken = int(ksp.getIterationNumber())  # with the last set-up
-    decades = -np.log10(max(ksp.getResidualNorm() / norm, EPSILON)) if taken else np.inf
-    per_decade = max(1.0, taken / decades)
-    if fresh:
-        preconditioner.iterations_per_decade = per_decade
-    elif per_decade > SLOWDOWN * preconditioner.iterations_per_decade:
-        preconditioner.active = None
     compat.collect(problem.stiffness.comm.tompi4py())
     return iterations

@@ -61,12 +61,11 @@ class Hierarchy:
         materials: dict[int, Material],
         reduction: Reduction,
         reduce: Callable[[Any], Reduction],
-        stiffness: Callable[[PETSc.Mat, Reduction], Stiffness],
     ) -> Hierarchy:
         """Level of linear cells on the mesh of quadratic ones (collective).
 
         fine, cell_tags, materials, reduction: space of the problem, with its supports. reduce: from
-            a space to the supports there. stiffness: from that on all dofs to the free unknowns.
+            a space to the supports there.
         """
         mesh, kinematics = fine.space.mesh, fine.kinematics
         rule = quadrature_degree(compat.cell_type(mesh), fine.degree, kinematics)
@@ -75,7 +74,7 @@ class Hierarchy:
         full = compat.interpolation(coarse.space, fine.space)
         return cls(
             reduced_prolongation(full, reduction, reduced),
-            stiffness(matrix, reduced),
+            Stiffness.reduced(matrix, reduced),
             rigid_modes(compat.dof_points(coarse.space), reduced, kinematics),
         )
 

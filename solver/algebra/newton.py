@@ -183,10 +183,10 @@ def solve(
             contact = problem.contact_force(pressure)
             largest = max(largest, contact)
             scale = max(contact, LEAST_FORCE * problem.reference_force)
-            apart = not contact and problem.stiffness.border is None
+            apart = not contact
             if apart:  # bodies may rest without contact
                 scale = problem.force.norm() or largest or residual.norm() or 1.0
-            norm = residual.norm() / scale if scale else float("inf")
+            norm = residual.norm() / scale
             rounding = min(ROUNDING * (diagonal * y).norm(), MOST_ROUNDING * largest)
             active = pressure > 0.0
             failure = ""
@@ -200,7 +200,7 @@ def solve(
                     failure = "the bodies do not touch"
                 before = norm
             elif not np.isfinite(norm):
-                failure = "the residual is not a number" if scale else "the bodies do not touch"
+                failure = "the residual is not a number"
             result.history.append(
                 NewtonStep(
                     residual=None if failure else norm,
@@ -214,7 +214,7 @@ def solve(
             progress(step, norm)
             if failure:
                 result.reason = failure
-                if scale and not apart:
+                if not apart:
                     _clear(result)
                 return result
             if norm <= max(rtol, rounding / scale):

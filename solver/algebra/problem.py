@@ -23,8 +23,10 @@ from railhead.solver.algebra.reduced_stiffness import Stiffness
 from railhead.solver.space.contact_interface import ContactLaw, Interface
 from railhead.solver.space.operators import (
     add_transposed,
+    local_rows,
     petsc_matrix,
     select_rows,
+    transposed,
     vector,
     weighted_product,
 )
@@ -33,8 +35,8 @@ from railhead.theory.array_types import Array, Mask
 
 
 class Tangent:
-    """PETSc shell context of the tangent y -> K y - theta S^T w S y + Bt^T w A B y. The letters are
-    those of `ContactProblem`, with B and Bt its `normal_operator` and `test_operator`.
+    """PETSc shell context of the tangent of a problem at an active set. B and Bt are its
+    `normal_operator` and `test_operator`.
 
     problem: the contact problem, by a weak reference, because PETSc leaks what is freed while it
         frees a shell.
@@ -52,10 +54,7 @@ class Tangent:
 
     def mult(self, _: PETSc.Mat, x: PETSc.Vec, y: PETSc.Vec) -> None:
         """Product of the tangent with x, written into y; called by PETSc."""
-        problem = self.problem
-        problem.stiffness.mult(x, y)
-        normal, test = self.rows
-        add_transposed(test, problem.weight[self.active] * (normal * x).array, y)
+        self.problem.apply_tangent(self.active, self.rows, x, y)
 
     def getDiagonal(self, _: PETSc.Mat, out: PETSc.Vec) -> None:  # noqa: N802 (PETSc's name)
         """Diagonal of the tangent, written into `out`, N/mm; called by PETSc."""
@@ -81,7 +80,6 @@ class ContactProblem:
     reference_force: force that the residual may be divided by where nothing, or hardly anything,
         touches, N: of an earlier state.
     tangent_depends_on_state: whether the tangent changes while the active set stays.
-    tangent_context: class of the PETSc shell context that computes the products of the tangent.
     """
 
     law: ContactLaw
@@ -96,7 +94,6 @@ class ContactProblem:
     reference_force: float = 0.0
     _tangents: list[Any] = field(init=False, repr=False, default_factory=list)
     tangent_depends_on_state: ClassVar[bool] = False
-    tangent_context: ClassVar[type[Tangent]] = Tangent
 
     def shared(self) -> dict[str, Any]:
         """Fields by name, for another problem with the same matrices and a force vector of its own,
@@ -204,20 +201,14 @@ class ContactProblem:
 
     def slope(self, y: PETSc.Vec, step: PETSc.Vec) -> Callable[[float], float]:
         """Function t -> R(y + t step) . step, N mm, with the residual R. It is the slope of the
-        energy of a symmetric method, which is convex and piecewise quadratic, so that the slope
-        grows with t.
+        energy of a symmetric method along a step, which is convex, so that the slope grows with t.
         """
-        k_step = self.stiffness * step
-        start, rate = k_step.dot(y) - self.force.dot(step), k_step.dot(step)
-        b, db = -self.indicator(y), (self.normal_operator * step).array
-        ds, comm = (self.stress * step).array, step.comm.tompi4py()
-        b0 = -self.consistency * float(np.sum(self.weight * ds * self.start_stress))
 
         def value(t: float) -> float:
-            """Slope of the energy at a step length t, N mm (collective)."""
-            pressure = np.maximum(-(b + t * db), 0.0)
-            local = b0 - float(np.sum(self.weight * db * pressure))
-            return float(start + t * rate + comm.allreduce(local))
+            """Product R(y + t step) . step at a step length t, N mm."""
+            at = y.copy()
+            at.axpy(t, step)
+            return float(self.residual(at, self.pressure(at)).dot(step))
 
         return value
 
@@ -225,10 +216,7 @@ class ContactProblem:
         """Norm of the vector of nodal forces of the contact pressure in the free unknowns, N, which
         is not their resultant; pressure: (n,), MPa.
         """
-        force = self.gap.createVecRight()
-        force.set(0.0)
-        add_transposed(self.test_operator, self.weight * pressure, force)
-        return float(force.norm())
+        return float(transposed(self.test_operator, self.weight * pressure).norm())
 
     def active_set_residual(self, active: Mask, indicator: Array) -> Callable[[PETSc.Vec], float]:
         """Function x -> norm, N, of the part of the residual at y + x that a step x makes by
@@ -243,9 +231,8 @@ class ContactProblem:
             the active set, N.
             """
             q = indicator - (self.normal_operator * x).array
-            out = self.stiffness.vector()
-            add_transposed(self.test_operator, self.weight * (np.maximum(q, 0.0) - active * q), out)
-            return float(out.norm())
+            change = self.weight * (np.maximum(q, 0.0) - active * q)
+            return float(transposed(self.test_operator, change).norm())
 
         return left
 
@@ -259,11 +246,23 @@ class ContactProblem:
         """
         # Rows of a tangent are freed after it, see `Tangent.problem`.
         self._tangents[:] = [each for each in self._tangents if each[0]() is not None]
-        context, stiffness = self.tangent_context(self, active), self.stiffness
+        context, stiffness = Tangent(self, active), self.stiffness
         self._tangents.append((weakref.ref(context), context.rows))
-        matrix = PETSc.Mat().createPython(stiffness.sizes, context, comm=stiffness.comm)
+        matrix = PETSc.Mat().createPython(stiffness.blocks.getSizes(), context, comm=stiffness.comm)
         matrix.setUp()
         return matrix
+
+    def apply_tangent(
+        self, active: Mask, rows: tuple[PETSc.Mat, PETSc.Mat], x: PETSc.Vec, out: PETSc.Vec
+    ) -> None:
+        """Write the product K x - theta S^T w S x + Bt^T w A B x of the tangent into `out`, N.
+
+        active: active set A (n,). rows: the rows of B and Bt of its points. x: step of the free
+            unknowns.
+        """
+        normal, test = rows
+        self.stiffness.mult(x, out)
+        add_transposed(test, self.weight[active] * (normal * x).array, out)
 
     def diagonal(self, active: Mask, out: PETSc.Vec) -> None:
         """Write the diagonal of the tangent at an active set (n,) into the vector `out`, N/mm."""
@@ -280,7 +279,9 @@ class ContactProblem:
         """Entrywise product of `test_operator` and `normal_operator`, MPa2/mm2; its weighted column
         sums are the diagonal of the contact term.
         """
-        return _products(self.test_operator, self.normal_operator)
+        test, normal = local_rows(self.test_operator), local_rows(self.normal_operator)
+        local, comm = self.gap.getLocalSize()[1], self.gap.comm.tompi4py()
+        return petsc_matrix(test.multiply(normal).tocsr(), local, comm)
 
     def assembled_tangent(self, active: Mask) -> PETSc.Mat:
         """Tangent at an active set (n,) as an assembled matrix, N/mm, for a factorisation or
@@ -300,21 +301,6 @@ class ContactProblem:
         add_transposed(self.test_operator, -self.weight * active * self.offset, rhs)
         self.add_consistency_forces(-self.start_stress, rhs)
         return rhs
-
-
-def _products(left: PETSc.Mat, right: PETSc.Mat) -> PETSc.Mat:
-    """Distributed matrix of the entrywise products of two matrices with the same rows and columns
-    on each rank.
-    """
-    tables = []
-    for matrix in (left, right):
-        indptr, indices, values = matrix.getValuesCSR()
-        tables.append(
-            sp.csr_matrix((values, indices, indptr), shape=(len(indptr) - 1, matrix.getSize()[1]))
-        )
-    return petsc_matrix(
-        tables[0].multiply(tables[1]).tocsr(), left.getLocalSize()[1], left.comm.tompi4py()
-    )
 
 
 def reduce_problem(

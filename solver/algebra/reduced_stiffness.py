@@ -1,8 +1,8 @@
 """Stiffness P^T K P of the free unknowns, and reactions at the supports.
 
 Blocks of the upper half are stored. A product with them costs two thirds to three quarters of one
-with all blocks, and that two thirds of one with single entries. The approach couples all nodes
-beside the hub. That fits into no block and is kept as a vector.
+with all blocks, and that two thirds of one with single entries. The motion of a hub couples all
+nodes beside it. That fits into no block, and is a matrix of its own, with few entries.
 
 Of the unreduced stiffness K only the rows K_s at the supported dofs s are kept:
 
@@ -19,7 +19,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from railhead.solver.space.operators import add_transposed, select_rows
+from railhead.solver.space.operators import local_rows, select_rows, transposed
 from railhead.solver.space.supports import Reduction
 from railhead.theory.array_types import Array
 
@@ -28,24 +28,19 @@ DIFFERENT = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
 
 @dataclass(frozen=True)
 class Stiffness:
-    """Stiffness P^T K P of the free unknowns, stored as blocks and a border:
-
-        P^T K P x = blocks x + e (border . x) + border (e . x)
-
-    P is the map from free unknowns to dofs, K the stiffness on all dofs, e the unit vector of the
-    approach.
+    """Stiffness P^T K P = blocks + hubs of the free unknowns. P is the map from free unknowns to
+    dofs, K the stiffness on all dofs.
 
     blocks: stiffness of the nodes' unknowns, N/mm, a symmetric matrix of blocks (SBAIJ); places
         without an unknown have a typical diagonal.
-    border: force on all unknowns per unit approach, but half of it on the approach itself, N/mm;
-        None where the approach is prescribed.
-    approach: local place of the approach; -1: on another rank, or the approach is prescribed.
-    spring: stiffness on the approach that the border contains beside K, N/mm.
+    hubs: rows and columns of the motions of hubs, N/mm, single entries.
+    columns: numbers of these motions among the free unknowns of all ranks.
+    spring: stiffness on the motion of the first hub that `hubs` contains beside K, N/mm.
     """
 
     blocks: PETSc.Mat
-    border: PETSc.Vec | None
-    approach: int
+    hubs: PETSc.Mat
+    columns: list[int]
     spring: float = 0.0
 
     @classmethod
@@ -54,51 +49,53 @@ class Stiffness:
         K on all dofs, N/mm, whose storage is reused, so that it must not be used afterwards
         (collective).
         """
-        p, border = reduction.matrix, None
-        if reduction.columns:
-            moved, pushed, border = p.createVecLeft(), p.createVecLeft(), p.createVecRight()
-            unit = unit_vector(border, reduction.approach)
-            p.mult(unit, moved)
-            full.mult(moved, pushed)
-            p.multTranspose(pushed, border)
-            if reduction.approach >= 0:
-                border.array[reduction.approach] /= 2
+        p, columns = reduction.matrix, reduction.columns
         free = p.createVecRight()
         free.array[:] = reduction.free
+        moved = [p * unit_vector(free, place) for place in reduction.places]
+        forces = [transposed(p, (full * each).array) for each in moved]
         blocks = full if reduction.aligned else _rotated(full, p, free)
         blocks.diagonalScale(L=free, R=free)
         diagonal = blocks.getDiagonal()
         typical = diagonal.sum() / free.sum()
         empty = ~reduction.free
-        if reduction.approach >= 0:
-            empty[reduction.approach] = False
+        empty[[place for place in reduction.places if place >= 0]] = False
         diagonal.array[empty] = typical
         blocks.setDiagonal(diagonal)
         blocks.assemble()
         blocks.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-        return cls(blocks.convert("sbaij", PETSc.Mat()), border, reduction.approach)
+        hubs = PETSc.Mat().createAIJ(p.getSizes(), nnz=1, comm=p.comm)
+        hubs.setOption(PETSc.Mat.Option.NEW_NONZERO_ALLOCATION_ERR, False)
+        out = cls(blocks.convert("sbaij", PETSc.Mat()), hubs, columns)
+        out._couple(forces)
+        return out
+
+    def _couple(self, forces: list[PETSc.Vec]) -> None:
+        """Add the force on all unknowns per unit motion of each hub, N/mm, as rows and columns; a
+        column leaves out the motions of hubs, which have rows of their own (collective).
+        """
+        for column, force in zip(self.columns, forces, strict=True):
+            near = np.flatnonzero(force.array)
+            values, places = force.array[near], (near + force.owner_range[0]).astype(PETSc.IntType)
+            nodal = ~np.isin(places, self.columns)
+            self.hubs.setValues([column], places, values, addv=True)
+            self.hubs.setValues(places[nodal], [column], values[nodal], addv=True)
+        self.hubs.assemble()
 
     def copy(self) -> Stiffness:
         """The same stiffness, stored anew (collective)."""
-        border = None if self.border is None else self.border.copy()
-        return replace(self, blocks=self.blocks.copy(), border=border)
+        return replace(self, blocks=self.blocks.copy(), hubs=self.hubs.copy())
 
     def add(self, rows: PETSc.Mat, weights: Array) -> None:
         """Add rows^T diag(weights) rows to the stiffness, in place (collective).
 
         rows: matrix with k rows on this rank, each with entries at the unknowns of one cell's nodes
-            and at the approach. weights: (k,); the sum is in N/mm.
+            and at the motions of hubs. weights: (k,); the sum is in N/mm.
         """
-        start, indices, values = rows.getValuesCSR()
-        table = sp.csr_matrix((values, indices, start), shape=(len(weights), rows.getSize()[1]))
-        if self.border is not None:
-            place, force = self._place, self.border.duplicate()
-            force.set(0.0)
-            add_transposed(rows, weights * table[:, place].toarray().ravel(), force)
-            if self.approach >= 0:
-                force.array[self.approach] /= 2
-            self.border.axpy(1.0, force)
-            table.data[table.indices == place] = 0.0
+        table = local_rows(rows)
+        moved = [table[:, column].toarray().ravel() for column in self.columns]
+        self._couple([transposed(rows, weights * each) for each in moved])
+        table.data[np.isin(table.indices, self.columns)] = 0.0
         table.eliminate_zeros()
         size = self.blocks.getBlockSize()
         added = (table.T @ sp.diags(weights) @ table).tobsr((size, size))
@@ -110,23 +107,9 @@ class Stiffness:
         self.blocks.assemble()
 
     @property
-    def _place(self) -> int:
-        """Global number of the approach among the free unknowns, on all ranks (collective)."""
-        local = self.blocks.getOwnershipRange()[0] + self.approach if self.approach >= 0 else 0
-        return int(self.comm.tompi4py().allreduce(local))
-
-    @property
     def comm(self) -> PETSc.Comm:
         """PETSc communicator of the ranks that hold the stiffness."""
         return self.blocks.comm
-
-    @property
-    def sizes(self) -> tuple[tuple[int, int], tuple[int, int]]:
-        """((local, global) number of rows, (local, global) number of columns) of the stiffness of
-        the free unknowns.
-        """
-        sizes: tuple[tuple[int, int], tuple[int, int]] = self.blocks.getSizes()
-        return sizes
 
     def vector(self) -> PETSc.Vec:
         """Zero vector of the free unknowns, distributed as the matrix is."""
@@ -139,14 +122,7 @@ class Stiffness:
         (collective).
         """
         self.blocks.mult(x, out)
-        if self.border is None:
-            return
-        here = self.approach >= 0
-        local = [self.border.array @ x.array_r, x.array_r[self.approach] if here else 0.0]
-        force, moved = self.comm.tompi4py().allreduce(np.array(local))
-        out.axpy(moved, self.border)
-        if here:
-            out.array[self.approach] += force
+        self.hubs.multAdd(x, out, out)
 
     def __mul__(self, x: PETSc.Vec) -> PETSc.Vec:
         """Product of the stiffness of the free unknowns with x, as a new vector (collective)."""
@@ -155,29 +131,27 @@ class Stiffness:
         return out
 
     def diagonal(self) -> PETSc.Vec:
-        """Diagonal of the stiffness of the free unknowns as a new vector, N/mm; the approach is
+        """Diagonal of the stiffness of the free unknowns as a new vector, N/mm; motions of hubs are
         included.
         """
-        out = self.blocks.getDiagonal()
-        if self.border is not None and self.approach >= 0:
-            out.array[self.approach] += 2 * self.border.array[self.approach]
-        return out
+        return self.blocks.getDiagonal() + self.hubs.getDiagonal()
 
     @property
     def typical(self) -> float:
         """Mean of the diagonal of the blocks over all rows of all ranks, N/mm (collective)."""
-        return float(self.blocks.getDiagonal().sum() / self.sizes[0][1])
+        return float(self.blocks.getDiagonal().sum() / self.blocks.getSize()[0])
 
     def pinned(self, spring: float) -> Stiffness:
-        """The same stiffness with a spring (N/mm) on the approach; unchanged where the approach is
-        prescribed.
+        """The same stiffness with a spring (N/mm) on the motion of the first hub; unchanged where
+        no hub is free (collective).
         """
-        if self.border is None or not spring:
+        if not self.columns or not spring:
             return self
-        border = self.border.copy()
-        if self.approach >= 0:
-            border.array[self.approach] += spring / 2
-        return replace(self, border=border, spring=spring)
+        hubs, column = self.hubs.copy(), self.columns[0]
+        if self.comm.rank == 0:
+            hubs.setValue(column, column, spring, addv=True)
+        hubs.assemble()
+        return replace(self, hubs=hubs, spring=spring)
 
     def assembled(self) -> PETSc.Mat:
         """Stiffness of the free unknowns as one assembled matrix, N/mm, for a factorisation or
@@ -185,17 +159,7 @@ class Stiffness:
         """
         out = self.blocks.convert("aij", PETSc.Mat())
         out.setBlockSize(self.blocks.getBlockSize())
-        if self.border is None:
-            return out
-        place, (start, _) = self._place, self.border.owner_range
-        near = np.flatnonzero(self.border.array)
-        coupled = PETSc.Mat().createAIJ(self.sizes, nnz=1, comm=self.comm)
-        coupled.setOption(PETSc.Mat.Option.NEW_NONZERO_ALLOCATION_ERR, False)
-        places, values = (near + start).astype(PETSc.IntType), self.border.array[near]
-        coupled.setValues([place], places, values, addv=True)
-        coupled.setValues(places, [place], values, addv=True)
-        coupled.assemble()
-        out.axpy(1.0, coupled, DIFFERENT)
+        out.axpy(1.0, self.hubs, DIFFERENT)
         return out
 
 
@@ -252,10 +216,7 @@ class SupportReactions:
         """Forces on all dofs, N, that hold a displacement (mm, on all dofs) which is zero off the
         supported nodes: the stiffness times that displacement.
         """
-        held, out = self.matrix.createVecLeft(), prescribed.duplicate()
-        held.array[:] = prescribed.array[self.rows]
-        self.matrix.multTranspose(held, out)
-        return out
+        return transposed(self.matrix, prescribed.array[self.rows])
 
     def at(self, displacement: PETSc.Vec) -> NDArray[np.float64]:
         """Elastic forces at the k supported dofs of this rank, N: the stiffness times a

@@ -36,7 +36,7 @@ from railhead.solver.algebra.reduced_stiffness import DIFFERENT
 from railhead.solver.friction.pressed_surfaces import PressedSurfaces, surface_tangents
 from railhead.solver.plasticity.load_stepping import Response
 from railhead.solver.space.facets import pair
-from railhead.solver.space.operators import select_rows, vector
+from railhead.solver.space.operators import select_rows, transposed, vector
 from railhead.solver.system.contact_system import ContactSystem
 from railhead.solver.system.setup import FrictionSettings
 from railhead.solver.system.solution import Solution
@@ -96,6 +96,12 @@ class ContactCompliance:
         k).
         """
         return np.asarray(np.einsum("nk,nkc->nc", values, self.tangents))
+
+    def largest_bound(self, coefficient: Array) -> float:
+        """Largest limit of the traction, mu p, at the active points, MPa; coefficient: of friction,
+        mu (n,).
+        """
+        return float((coefficient * self.pressure)[self.active].max())
 
     def force(self, axis: Array) -> Array:
         """Derivatives (m,) of the resultant of the tractions by each nodal traction, N/MPa, in the
@@ -279,10 +285,9 @@ class StaticCondensation(PressedSurfaces):
         mm/N: on all dofs, and the part of the free unknowns alone.
         """
         u, p = field.copy(), self.system.reduction.matrix
-        force, y = self.tangent.createVecRight(), self.tangent.createVecRight()
-        p.multTranspose(self.system.reactions.forces(u), force)
-        force.scale(-1.0)
-        self.pc.apply(force, y)
+        force = transposed(p, self.system.reactions.forces(u).array)
+        y = force.duplicate()
+        self.pc.apply(-force, y)
         u.axpy(1.0, p * y)
         return u, y
 
@@ -294,10 +299,7 @@ class StaticCondensation(PressedSurfaces):
         contact: compliance that holds the shape functions.
         """
         weights = np.repeat(self.face.weights, self.size)
-        force = self.jump.createVecRight()
-        pull = vector(self.jump, -weights * (contact.shape_functions[self.rows] @ nodal))
-        self.jump.multTranspose(pull, force)
-        return force
+        return transposed(self.jump, -weights * (contact.shape_functions[self.rows] @ nodal))
 
     def _relative_change(self) -> PETSc.Mat:
         """Matrix G on all dofs: the tangential jump J or, when rolling, its upstream difference of

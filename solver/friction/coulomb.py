@@ -91,92 +91,20 @@ class TangentialState:
 
 
 class CoulombContact:
-    """A condensed contact with friction. n points have k tangents; m is the number of components of
-    nodal tractions.
+    """A condensed contact with friction, under a prescribed rigid slip and prescribed forces. n
+    points have k tangents. The equations for m components c of nodal tractions and j motions,
+    together x (m + j,), are
+
+        mass c - projection lambda(q, p) = 0,    force_rows c = forces
+        q = trial_traction + trial_matrix x,     p = p0 + pressure_matrix x
+
+    lambda is q projected on the disc of radius mu p; zero at points that do not touch.
 
     contact: compliance of the contact points; it holds the shape functions F and the areas W.
     coefficient: coefficient of friction mu at the points, (n,), also from one number.
     projection: F^T W (m, n k), mm2; mass^-1 projection is the L2 projection of
         tractions at the points on the nodes.
     mass: F^T W F (m, m), mm2.
-    Raises ValueError for coefficients that are not all positive and finite.
-    """
-
-    def __init__(self, contact: ContactCompliance, coefficient: Array | float) -> None:
-        if not (np.greater(coefficient, 0) & np.less(coefficient, np.inf)).all():
-            raise ValueError(f"friction must be positive and finite, got {coefficient}")
-        self.contact = contact
-        self.coefficient = np.broadcast_to(coefficient, len(contact.area))
-        weights = sp.diags(np.repeat(contact.area, contact.trial_traction.shape[1]))
-        self.projection = (contact.shape_functions.T @ weights).tocsr()
-        self.mass = (self.projection @ contact.shape_functions).toarray()
-
-    @property
-    def largest_bound(self) -> float:
-        """Largest limit of the traction, mu p, at the active points of the contact without
-        tractions, MPa.
-        """
-        return float((self.coefficient * self.contact.pressure)[self.contact.active].max())
-
-    def solve(
-        self,
-        slip: Array,
-        modes: Array,
-        forces: Array,
-        *,
-        rest: Array | None = None,
-        start: TangentialState | None = None,
-    ) -> TangentialState:
-        """Tractions under a prescribed rigid slip and prescribed forces.
-
-        slip: rigid slip of the wheel over the rail (n, k), mm or, when rolling, over rolled
-            distance.
-        modes: further modes of rigid slip (j, n, k), whose factors follow from the forces.
-        forces: (j, 4) rows, one for each mode: unit vector in space (3), and component along it of
-            the force of the wheel on the rail, of the whole model, N.
-        rest: for a shift, tangential displacement (n, k) of the wheel relative to the rail, rigid
-            slip included, at which the surfaces were at rest, mm; None: zero.
-        start: solution of a similar problem to begin with; None: all points stick at first.
-        If Newton's method does not converge from `start`, it is begun from sticking points, then
-        with a stiffness on the free motions. The state that is returned may not have converged.
-        """
-        contact, (n, k) = self.contact, slip.shape
-        base = contact.trial_traction + contact.tau[:, None] * (contact.step * slip)
-        if rest is not None:
-            base -= contact.tau[:, None] * rest
-        of_modes = contact.tau[:, None] * (contact.step * modes)
-        trial = np.hstack([contact.trial_compliance, of_modes.reshape(-1, n * k).T])
-        equations = CoulombEquations(
-            friction=self,
-            trial_traction=base,
-            trial_matrix=trial.reshape(n, k, -1),
-            pressure_matrix=np.hstack([contact.pressure_compliance, np.zeros((n, len(modes)))]),
-            force_rows=np.array([contact.force(axis) for axis in forces[:, :3]]).reshape(
-                -1, len(self.mass)
-            ),
-            forces=forces[:, 3],
-        )
-        sticking = contact.step * float(contact.area @ contact.tau)
-        begun = [(start, 0.0)] if start is not None else []
-        freed = [(None, MOTION_STIFFNESS * sticking)] if len(modes) else []
-        for begin, stiffness in (*begun, (None, 0.0), *freed):
-            state = equations.solve(begin, stiffness)
-            if state.converged:
-                break
-        return state
-
-
-@dataclass(frozen=True, kw_only=True)
-class CoulombEquations:
-    """Nonlinear equations for m components c of nodal tractions and j motions, together x (m + j,):
-
-        mass c - projection lambda(q, p) = 0,    force_rows c = forces
-        q = trial_traction + trial_matrix x,     p = p0 + pressure_matrix x
-
-    lambda is q projected on the disc of radius mu p, at n points with k tangents; zero at points
-    that do not touch.
-
-    friction: condensed contact with mu, mass, projection and p0.
     trial_traction: (n, k), MPa, prescribed slip included.
     trial_matrix: (n, k, m + j), trial traction per unknown.
     pressure_matrix: (n, m + j), pressure per unknown.
@@ -184,14 +112,59 @@ class CoulombEquations:
     forces: prescribed forces (j,) of the wheel on the rail, whole model, N.
     """
 
-    friction: CoulombContact
-    trial_traction: Array
-    trial_matrix: Array
-    pressure_matrix: Array
-    force_rows: Array
-    forces: Array
+    def __init__(
+        self,
+        contact: ContactCompliance,
+        coefficient: Array | float,
+        slip: Array,
+        modes: Array,
+        forces: Array,
+        rest: Array | None = None,
+    ) -> None:
+        """slip: rigid slip of the wheel over the rail (n, k), mm or, when rolling, over rolled
+            distance.
+        modes: further modes of rigid slip (j, n, k), whose factors follow from the forces.
+        forces: (j, 4) rows, one for each mode: unit vector in space (3), and component along it of
+            the force of the wheel on the rail, of the whole model, N.
+        rest: for a shift, tangential displacement (n, k) of the wheel relative to the rail, rigid
+            slip included, at which the surfaces were at rest, mm; None: zero.
+        Raises ValueError for coefficients that are not all positive and finite.
+        """
+        if not (np.greater(coefficient, 0) & np.less(coefficient, np.inf)).all():
+            raise ValueError(f"friction must be positive and finite, got {coefficient}")
+        n, k = slip.shape
+        self.contact = contact
+        self.coefficient = np.broadcast_to(coefficient, n)
+        weights = sp.diags(np.repeat(contact.area, k))
+        self.projection = (contact.shape_functions.T @ weights).tocsr()
+        self.mass = (self.projection @ contact.shape_functions).toarray()
+        self.trial_traction = contact.trial_traction + contact.tau[:, None] * (contact.step * slip)
+        if rest is not None:
+            self.trial_traction -= contact.tau[:, None] * rest
+        moved = (contact.tau[:, None] * (contact.step * modes)).reshape(-1, n * k).T
+        self.trial_matrix = np.hstack([contact.trial_compliance, moved]).reshape(n, k, -1)
+        still = np.zeros((n, len(modes)))
+        self.pressure_matrix = np.hstack([contact.pressure_compliance, still])
+        rows = [contact.force(axis) for axis in forces[:, :3]]
+        self.force_rows = np.reshape(rows, (-1, len(self.mass)))
+        self.forces = forces[:, 3]
 
-    def solve(self, begin: TangentialState | None, motion_stiffness: float) -> TangentialState:
+    def solve(self, start: TangentialState | None = None) -> TangentialState:
+        """Tractions and slip. start: solution of a similar problem to begin with; None: all points
+        stick at first. If Newton's method does not converge from `start`, it is begun from sticking
+        points, then with a stiffness on the free motions. The state that is returned may not have
+        converged.
+        """
+        sticking = self.contact.step * float(self.contact.area @ self.contact.tau)
+        begun = [(start, 0.0)] if start is not None else []
+        freed = [(None, MOTION_STIFFNESS * sticking)] if len(self.forces) else []
+        for begin, stiffness in (*begun, (None, 0.0), *freed):
+            state = self.newton(begin, stiffness)
+            if state.converged:
+                break
+        return state
+
+    def newton(self, begin: TangentialState | None, motion_stiffness: float) -> TangentialState:
         """Solve the equations by semismooth Newton's method; the state that is returned may not
         have converged.
 
@@ -199,10 +172,11 @@ class CoulombEquations:
         motion_stiffness: stiffness that is added to the tangent of the motions, N over a unit of
             motion.
         """
-        contact, coefficient = self.friction.contact, self.friction.coefficient
+        contact, coefficient = self.contact, self.coefficient
         n, k, unknowns = self.trial_matrix.shape
-        m, active = len(self.friction.mass), contact.active
+        m, active = len(self.mass), contact.active
         limit = float(contact.area[active] @ (coefficient * contact.pressure)[active])
+        largest = contact.largest_bound(coefficient)
         x: Array = np.zeros(unknowns)
         slips: NDArray[np.bool_] = np.zeros(n, dtype=bool)
         direction: Array = np.zeros((n, k))
@@ -230,7 +204,7 @@ class CoulombEquations:
                     step *= min(STEP_LENGTHS, key=lambda t: self._squared_residual(x + t * step))
                 x = x + step
             missing = float(np.abs(self.force_rows @ x[:m] - self.forces).max(initial=0.0)) / limit
-            remaining = max(float(np.abs(step[:m]).max()) / self.friction.largest_bound, missing)
+            remaining = max(float(np.abs(step[:m]).max()) / largest, missing)
             same = not first and np.array_equal(now, slips)
             history.append(remaining if same else max(remaining, 2 * TOLERANCE))
             slips, direction, first = now, unit, False
@@ -259,7 +233,7 @@ class CoulombEquations:
         direction of their slip. The function finds the point whose change of direction makes the
         tractions reach the prescribed force.
         """
-        contact, m = self.friction.contact, len(self.friction.mass)
+        contact, m = self.contact, len(self.mass)
         residual, tangent = self.linearised(x, slips)
         step = np.append(scipy.linalg.solve(tangent[:m, :m], -residual[:m]), 0.0)
         x = x + step
@@ -281,21 +255,20 @@ class CoulombEquations:
             lambda(x + dx) = lambda + (mu p / |q|) (1 - n x n) dq + mu n dp    slip, n = q / |q|
             lambda(x + dx) = q + dq                                            stick
         """
-        contact, coefficient = self.friction.contact, self.friction.coefficient
-        mass, projection = self.friction.mass, self.friction.projection
+        mass, active = self.mass, self.contact.active
         n, k, unknowns = self.trial_matrix.shape
-        m, active = len(mass), contact.active
+        m = len(mass)
         q, bound, *_ = self._trial_state(x)
         value, change, unit, _ = projected(q, bound, slips)
         value, change = value * active[:, None], change * active[:, None, None]
-        along = coefficient[:, None] * unit
+        along = self.coefficient[:, None] * unit
         moved = change @ self.trial_matrix + along[:, :, None] * self.pressure_matrix[:, None, :]
         tangent = np.zeros((unknowns, unknowns))
-        tangent[:m] = -(projection @ moved.reshape(n * k, -1))
+        tangent[:m] = -(self.projection @ moved.reshape(n * k, -1))
         tangent[:m, :m] += mass
         tangent[m:, :m] = self.force_rows
         residual = [
-            mass @ x[:m] - projection @ value.ravel(),
+            mass @ x[:m] - self.projection @ value.ravel(),
             self.force_rows @ x[:m] - self.forces,
         ]
         return np.concatenate(residual), tangent
@@ -304,11 +277,10 @@ class CoulombEquations:
         """Trial traction q (n, k) in MPa, limit mu p (n,) in MPa, length of q (n,) in MPa and
         direction of q (n, k), at the unknowns x.
         """
-        contact = self.friction.contact
         q = self.trial_traction + self.trial_matrix @ x
-        pressure = np.maximum(contact.pressure + self.pressure_matrix @ x, 0.0)
+        pressure = np.maximum(self.contact.pressure + self.pressure_matrix @ x, 0.0)
         size = np.maximum(np.linalg.norm(q, axis=1), TINY)
-        return q, self.friction.coefficient * pressure, size, q / size[:, None]
+        return q, self.coefficient * pressure, size, q / size[:, None]
 
     def _squared_residual(self, x: Array) -> float:
         """Sum of the squared residuals of the tractions at the unknowns x, each over its diagonal
@@ -316,7 +288,7 @@ class CoulombEquations:
         ones; missing forces do not count.
         """
         q, bound, *_ = self._trial_state(x)
-        value = projected(q, bound)[0] * self.friction.contact.active[:, None]
-        mass, m = self.friction.mass, len(self.friction.mass)
-        residual = mass @ x[:m] - self.friction.projection @ value.ravel()
+        value = projected(q, bound)[0] * self.contact.active[:, None]
+        mass, m = self.mass, len(self.mass)
+        residual = mass @ x[:m] - self.projection @ value.ravel()
         return float(residual @ (residual / mass.diagonal()))

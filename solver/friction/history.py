@@ -145,7 +145,8 @@ class FrictionHistory:
                     solution, newton=replace(solution.newton, reason=f"friction: {error}")
                 )
             self.motion[self.free_modes] = state.motion
-            change = float(np.abs(state.nodal - self.nodal).max()) / self._coulomb().largest_bound
+            largest = self.contact.largest_bound(self.coefficient)
+            change = float(np.abs(state.nodal - self.nodal).max()) / largest
             if change <= COUPLING_TOLERANCE or not state.converged:
                 break
             self.nodal, self.tangential = mixing.next(self.nodal, state.nodal), self._force(state)
@@ -161,26 +162,18 @@ class FrictionHistory:
             self.rest = self.rest + self.tangential_state.slip
         return solution
 
-    def _coulomb(self) -> CoulombContact:
-        """The condensed contact, as it is now, with the coefficient of friction at its points."""
-        return CoulombContact(self.contact, self.coefficient)
-
     def _tractions(self, forces: Array, start: TangentialState | None) -> TangentialState:
         """Tractions and slip of the condensed contact, and with a law of friction `coefficient` as
-        it is at that slip. forces (j, 4): as of `CoulombContact.solve`; start: a similar state.
+        it is at that slip. forces (j, 4): as of `CoulombContact`; start: a similar state.
         ValueError: a law does not settle, or has several steady states.
         """
 
         def solve(coefficient: Array, near: TangentialState | None) -> TangentialState:
             """Tractions under a coefficient."""
-            self.coefficient = coefficient
-            return self._coulomb().solve(
-                self.prescribed_slip,
-                self.rigid_slip[self.free_modes],
-                forces.reshape(-1, 4),
-                rest=self.rest,
-                start=near or start,
-            )
+            self.coefficient, modes = coefficient, self.rigid_slip[self.free_modes]
+            slip, given = self.prescribed_slip, forces.reshape(-1, 4)
+            friction = CoulombContact(self.contact, coefficient, slip, modes, given, self.rest)
+            return friction.solve(near or start)
 
         interface = self.settings.interface
         if interface is None or interface.law is None:
@@ -264,11 +257,9 @@ class FrictionHistory:
         solution = self._described(self.tangential_state, self.motion)
         if not self.settings.rolling:
             return solution
-        friction = self._coulomb()
-        state = friction.solve(
-            np.zeros_like(self.prescribed_slip), self.rigid_slip[:0], np.zeros((0, 4))
-        )
-        without = self._described(state, np.zeros_like(self.motion))
+        slip, forces = np.zeros_like(self.prescribed_slip), np.zeros((0, 4))
+        still = CoulombContact(self.contact, self.coefficient, slip, self.rigid_slip[:0], forces)
+        without = self._described(still.solve(), np.zeros_like(self.motion))
         return replace(solution, without_creepage=without)
 
     def _described(self, state: TangentialState, motion: Array) -> FrictionSolution:

@@ -23,7 +23,7 @@ from petsc4py import PETSc
 
 from railhead.solver.algebra import linear
 from railhead.solver.space.facets import pair
-from railhead.solver.space.operators import vector
+from railhead.solver.space.operators import transposed, vector
 from railhead.solver.system.contact_system import ContactSystem
 from railhead.solver.system.setup import FrictionSettings
 from railhead.solver.system.solution import Solution
@@ -67,7 +67,10 @@ class PressedSurfaces:
         """Mean distance of the other corners from the first corner of the facets that touch, of all
         ranks, mm (collective).
         """
-        return self.system.interface.slave.mean_edge(self.touched, self.system.comm)
+        corners = self.system.interface.slave.vertices[self.touched]
+        edges = np.linalg.norm(corners[:, 1:] - corners[:, :1], axis=2)
+        total, count = self.system.comm.allreduce(np.array([edges.sum(), edges.size]))
+        return float(total / count)
 
     def far_displacement(self, force: Array) -> PETSc.Vec:
         """Displacement of the supported faces, on all dofs, mm, under a force (2,) of the wheel on
@@ -145,10 +148,7 @@ class SurfacePoints:
         tangents of the wheel on the rail, N, of the whole patch (collective).
         """
         first, last = self.jump.getOwnershipRange()
-        out = self.jump.createVecRight()
-        own = -forces[self.met].ravel()[first:last] / self.images
-        self.jump.multTranspose(vector(self.jump, own), out)
-        return out
+        return transposed(self.jump, -forces[self.met].ravel()[first:last] / self.images)
 
 
 class SurfaceResponse(PressedSurfaces):
@@ -207,8 +207,8 @@ class SurfaceResponse(PressedSurfaces):
         out = self.far_displacement(self.settings.axes[:2] @ points.resultant(forces))
         load = points.loads(forces)
         load.axpy(-1.0, system.reactions.forces(out))
-        rhs, y = problem.stiffness.vector(), problem.stiffness.vector()
-        system.reduction.matrix.multTranspose(load, rhs)
+        p, y = system.reduction.matrix, problem.force.duplicate()
+        rhs = transposed(p, load.array)
         linear.solve(problem, system.preconditioner, self.active, rhs, y, TOLERANCE)
-        system.reduction.matrix.multAdd(y, out, out)
+        p.multAdd(y, out, out)
         return out

@@ -17,9 +17,10 @@ from railhead.solver.algebra.linear import Direct, Preconditioner
 from railhead.solver.algebra.multigrid import Hierarchy, PMultigrid
 from railhead.solver.algebra.newton import CONVERGED, NewtonResult
 from railhead.solver.algebra.problem import ContactProblem
+from railhead.solver.algebra.reduced_stiffness import Stiffness
 from railhead.solver.material import History, assemble
 from railhead.solver.model.parts import Body, Contact, Part
-from railhead.solver.model.problem import AssembledStiffness, HubLoads, State
+from railhead.solver.model.problem import HubLoads, State
 from railhead.solver.plasticity.plastic_problem import YieldPoints, bulk_points
 from railhead.solver.space.contact_interface import ContactLaw, Interface
 from railhead.solver.space.kinematics import SOLID, Kinematics
@@ -81,8 +82,9 @@ class Assembly:
             must_exist("cell", cell_tags, body.tag, self.comm)
         for tag in [each.tag for each in supports] + [tag for c in contacts for tag in c.tags]:
             must_exist("facet", facet_tags, tag, self.comm)
-        self.bulk, stiffness = assemble(mesh, cell_tags, self.materials, degree, self.kinematics)
-        self.stiffness = stiffness.convert("aij", PETSc.Mat())
+        self.bulk, self.stiffness = assemble(
+            mesh, cell_tags, self.materials, degree, self.kinematics
+        )
         self.masks = masks(self.bulk.space, facet_tags, supports)
         self.body_force = self._body_force()
         on = [self._bodies_at(each.secondary) for each in contacts]
@@ -257,7 +259,7 @@ class Unknowns:
     def __init__(self, model: Assembly, hubs: tuple[Hub, ...]) -> None:
         self._model, self.hubs = model, hubs
         self.reduction = model.reduce(model.bulk.space, hubs)
-        self.stiffness = AssembledStiffness.reduced(model.stiffness, self.reduction)
+        self.stiffness = Stiffness.reduced(model.stiffness.copy(), self.reduction)
 
     @cached_property
     def hierarchy(self) -> Hierarchy:
@@ -269,7 +271,6 @@ class Unknowns:
             model.materials,
             self.reduction,
             lambda space: model.reduce(space, self.hubs),
-            AssembledStiffness.reduced,
         )
 
     @cached_property

@@ -1,5 +1,5 @@
-"""The equations of a model, stiffness with hubs, contact with yield and friction; and its state
-between two solutions.
+"""The equations of a model, contact with yield and friction; and its state between two
+solutions.
 
 Along tangents t the secondary surface carries the traction (Chouly 2014, theta = 0)
 
@@ -12,21 +12,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
 
 import numpy as np
 import scipy.sparse as sp
 from petsc4py import PETSc
 
 from railhead.solver.algebra.newton import NewtonResult, NewtonStep
-from railhead.solver.algebra.problem import Tangent
-from railhead.solver.algebra.reduced_stiffness import DIFFERENT, Stiffness
+from railhead.solver.algebra.reduced_stiffness import DIFFERENT
 from railhead.solver.friction.coulomb import projected
 from railhead.solver.material import History
-from railhead.solver.plasticity.plastic_problem import PlasticProblem, PlasticTangent
+from railhead.solver.plasticity.plastic_problem import PlasticProblem
 from railhead.solver.space.contact_interface import Interface
-from railhead.solver.space.operators import add_transposed, petsc_matrix, weighted_product
-from railhead.solver.space.supports import Hub, Reduction
+from railhead.solver.space.operators import add_transposed, local_rows, petsc_matrix
+from railhead.solver.space.supports import Hub
 from railhead.theory.array_types import Array, Mask
 
 HubLoads = Mapping[Hub, Array]
@@ -63,47 +61,6 @@ class State:
     history: tuple[NewtonStep, ...] = ()
 
 
-class AssembledStiffness(Stiffness):
-    """Stiffness of the free unknowns as one matrix: the motions of any number of hubs fit into it,
-    which do not fit into blocks.
-    """
-
-    @classmethod
-    def reduced(cls, full: PETSc.Mat, reduction: Reduction) -> AssembledStiffness:
-        """P^T K P with the map P of the reduction; full: stiffness K on all dofs, which stays as it
-        is. Places without an unknown have a typical diagonal (collective).
-        """
-        matrix = full.convert("aij", PETSc.Mat()).ptap(reduction.matrix)
-        holds = reduction.free.copy()
-        holds[[place for place in reduction.places if place >= 0]] = True
-        diagonal = matrix.getDiagonal()
-        diagonal.array[:] = np.where(holds, 0.0, diagonal.sum() / max(reduction.unknowns, 1))
-        empty = PETSc.Mat().createAIJ(matrix.getSizes(), nnz=1, comm=matrix.comm)
-        empty.setDiagonal(diagonal)
-        empty.assemble()
-        matrix.axpy(1.0, empty, DIFFERENT)
-        matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-        return cls(matrix, None, -1)
-
-    def add(self, rows: PETSc.Mat, weights: Array) -> None:
-        """Add rows^T diag(weights) rows to the stiffness, in place (collective)."""
-        self.blocks.axpy(1.0, weighted_product(rows, weights, rows), DIFFERENT)
-
-
-class _FrictionalTangent(PlasticTangent):
-    """PETSc shell context of the tangent with the derivative of the tangential tractions."""
-
-    def mult(self, mat: PETSc.Mat, x: PETSc.Vec, y: PETSc.Vec) -> None:
-        """Product of the tangent with x, written into y; called by PETSc."""
-        super().mult(mat, x, y)
-        problem = self.problem
-        normal = -np.where(self.active, (problem.normal_operator * x).array, 0.0)
-        along = (problem.trial_operator * x).array.reshape(problem.start_slip.shape)
-        change = np.einsum("nij,nj->ni", problem.projection(self.active), along)
-        change += problem.pull * normal[:, None]
-        add_transposed(problem.slip, -problem.area[:, None] * change, y)
-
-
 @dataclass(kw_only=True)
 class FrictionalProblem(PlasticProblem):
     """Contact problem with friction and yield, in one load step. n points have k tangents.
@@ -121,7 +78,6 @@ class FrictionalProblem(PlasticProblem):
     start_slip: Array
     start_shear: Array
     shear_dyads: Array
-    tangent_context: ClassVar[type[Tangent]] = _FrictionalTangent
 
     def __post_init__(self) -> None:
         """Start with all points sticking."""
@@ -167,6 +123,19 @@ class FrictionalProblem(PlasticProblem):
         rubs = active & (self.coefficient > 0)
         return np.asarray(rubs[:, None, None] * self.derivative)
 
+    def apply_tangent(
+        self, active: Mask, rows: tuple[PETSc.Mat, PETSc.Mat], x: PETSc.Vec, out: PETSc.Vec
+    ) -> None:
+        """Write the product of the tangent with x into `out`, with the derivative of the tangential
+        tractions; arguments as of `ContactProblem.apply_tangent`.
+        """
+        super().apply_tangent(active, rows, x, out)
+        normal = -np.where(active, (self.normal_operator * x).array, 0.0)
+        along = (self.trial_operator * x).array.reshape(self.start_slip.shape)
+        change = np.einsum("nij,nj->ni", self.projection(active), along)
+        change += self.pull * normal[:, None]
+        add_transposed(self.slip, -self.area[:, None] * change, out)
+
     def residual(self, y: PETSc.Vec, pressure: Array) -> PETSc.Vec:
         """Residual of equilibrium in the free unknowns; pressure: at y (n,), computed last."""
         r = super().residual(y, pressure)
@@ -182,8 +151,8 @@ class FrictionalProblem(PlasticProblem):
         blocks = sp.bsr_matrix((self.projection(active), every[:-1], every), shape=shape)
         pull = (self.pull * active[:, None])[..., None]
         pulls = sp.bsr_matrix((pull, every[:-1], every), shape=(count * size, count))
-        change = blocks.tocsr() @ _local(self.trial_operator)
-        change = change - pulls.tocsr() @ _local(self.normal_operator)
+        change = blocks.tocsr() @ local_rows(self.trial_operator)
+        change = change - pulls.tocsr() @ local_rows(self.normal_operator)
         rows = petsc_matrix(
             sp.csr_matrix(change), self.slip.getLocalSize()[1], self.slip.comm.tompi4py()
         )
@@ -213,9 +182,3 @@ class FrictionalProblem(PlasticProblem):
         rubs = self.area * active * (self.coefficient > 0)
         add_transposed(self.slip, rubs[:, None] * start, rhs)
         return rhs
-
-
-def _local(matrix: PETSc.Mat) -> Any:
-    """Rows of this rank, with the columns of all ranks."""
-    start, indices, values = matrix.getValuesCSR()
-    return sp.csr_matrix((values, indices, start), shape=(len(start) - 1, matrix.getSize()[1]))

@@ -16,7 +16,7 @@ from railhead.solver.model.assembly import Assembly
 from railhead.solver.model.problem import FrictionalProblem, HubLoads, State
 from railhead.solver.plasticity.plastic_problem import surface_points
 from railhead.solver.space.contact_interface import Interface
-from railhead.solver.space.operators import add_transposed
+from railhead.solver.space.operators import add_transposed, transposed
 from railhead.solver.space.supports import Hub, unit
 from railhead.theory.array_types import Array
 
@@ -66,7 +66,10 @@ def _step(model: Assembly, before: State, loads: HubLoads, share: float) -> Stat
     """
     pairing, y = before.pairing, None
     if before.outdated:
-        pairing = model.surfaces.pair(model.gathered(before.displacement))
+        try:
+            pairing = model.surfaces.pair(model.gathered(before.displacement))
+        except ValueError as error:  # the surfaces have left each other
+            return replace(before, result=replace(before.result, reason=str(error), history=[]))
     done: list[newton.NewtonStep] = []
     outdated = False
     for _ in range(MOST_PAIRINGS):
@@ -126,8 +129,7 @@ def _problem(
     force = model.stiffness * prescribed
     force.scale(-1.0)
     force.axpy(share, model.body_force)
-    reduced = p.createVecRight()
-    p.multTranspose(force, reduced)
+    reduced = transposed(p, force.array)
     for hub, place in zip(unknowns.hubs, unknowns.reduction.places, strict=True):
         if place >= 0:
             reduced.array[place] += loads[hub][0]

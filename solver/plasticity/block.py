@@ -25,7 +25,7 @@ from railhead.solver.algebra.reduced_stiffness import Stiffness
 from railhead.solver.material import Material, assemble
 from railhead.solver.plasticity.plastic_problem import YieldPoints, bulk_points
 from railhead.solver.space.kinematics import SOLID, Kinematics
-from railhead.solver.space.operators import petsc_matrix
+from railhead.solver.space.operators import petsc_matrix, transposed, vector
 from railhead.solver.space.supports import Held, Reduction, reduce
 from railhead.theory.array_types import Array, Index
 
@@ -184,7 +184,7 @@ class Block:
         return self._assembled[1]
 
     @cached_property
-    def _solver(self) -> tuple[PETSc.Mat, PETSc.KSP]:
+    def _solver(self) -> tuple[PETSc.Mat, PETSc.PC]:
         """Map from unknowns to dofs, and the factorised stiffness of the unknowns."""
         if self.tied:
             map_, matrix = self._tied_stiffness()
@@ -192,12 +192,10 @@ class Block:
             map_ = self.reduction.matrix
             matrix = Stiffness.reduced(self.stiffness.copy(), self.reduction).assembled()
         matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-        ksp = PETSc.KSP().create(MPI.COMM_SELF)
-        ksp.setOperators(matrix)
-        ksp.setType("preonly")
-        linear.factorise(ksp.getPC(), symmetric=True)
-        ksp.setUp()
-        return map_, ksp
+        factors = PETSc.PC().create(MPI.COMM_SELF)
+        factors.setOperators(matrix)
+        linear.factorise(factors, symmetric=True)
+        return map_, factors
 
     def _tied_stiffness(self) -> tuple[PETSc.Mat, PETSc.Mat]:
         """Map from the unknowns of one plane to all dofs, and the stiffness of these unknowns."""
@@ -217,7 +215,7 @@ class Block:
         """Displacement on all dofs (n c,), mm, under forces on all dofs, N, and a prescribed u_x
         (k,) of the k nodes of the outflow, mm; None: zero.
         """
-        map_, ksp = self._solver
+        map_, factors = self._solver
         start = self.stiffness.createVecRight()
         start.set(0.0)
         load = force.copy()
@@ -225,9 +223,8 @@ class Block:
             values = start.array.reshape(-1, self.dim)
             values[self.outflow, 0] = prescribed
             load.axpy(-1.0, self.stiffness * start)
-        rhs, y = map_.createVecRight(), map_.createVecRight()
-        map_.multTranspose(load, rhs)
-        ksp.solve(rhs, y)
+        y = map_.createVecRight()
+        factors.apply(transposed(map_, load.array), y)
         map_.multAdd(y, start, start)
         compat.collect(MPI.COMM_SELF)
         return np.array(start.array)
@@ -240,16 +237,11 @@ class Block:
 
     def strains(self, displacement: Array) -> Array:
         """Strain (k, m) at the Gauss points of a displacement on all dofs (n c,), mm."""
-        vector = self.force()
-        vector.array[:] = displacement
-        strain = (self.points.full_strain_matrix * vector).array
+        strain = (self.points.full_strain_matrix * vector(self.stiffness, displacement)).array
         return np.array(strain).reshape(len(self.points.weights), -1)
 
     def plastic_force(self, plastic: Array) -> PETSc.Vec:
         """Forces on all dofs of plastic strains (k, m) without trace at the Gauss points, N."""
-        out, points = self.force(), self.points
+        points = self.points
         stress = 2 * points.mu[:, None] * plastic * points.weights[:, None]
-        vector = points.full_strain_matrix.createVecLeft()
-        vector.array[:] = stress.ravel()
-        points.full_strain_matrix.multTranspose(vector, out)
-        return out
+        return transposed(points.full_strain_matrix, stress)

@@ -33,7 +33,6 @@ from railhead.theory.array_types import Array, Index, Mask
 # 0.1 % of the largest stress.
 UNLOADING = (0.95, 0.85)
 UNLOADED_AT_ONCE = 10.0
-LOWERING = (*UNLOADING, 0.4, 0.05)  # shares of the load before a further cycle
 PREDICTOR_TOLERANCE = 1e-2  # of the linear solve that predicts the state under the next load
 REPORTED_SHARES = (1.0, 0.0)  # shares of the load whose solution is reported
 START_TOLERANCE = 1e-2  # Newton's at the elastic solution from which the first step starts
@@ -278,9 +277,8 @@ class Response:
 
         The elastic von Mises stress grows with a power of the load. It is Hertz's where a second
         elastic solution, at the first step, has it too, else that between the two solutions.
-        With several cycles the load is lowered to the shares `LOWERING` before it is applied
-        again. The elastic solution is the field `reference` of the one returned. It is returned
-        itself, without a field `plasticity`, where nothing yields or it does not converge.
+        The elastic solution is the field `reference` of the one returned. It is returned itself,
+        without a field `plasticity`, where nothing yields or it does not converge.
         """
         elastic = self.system.press(case)
         problem, path = self.problem, self.path
@@ -306,14 +304,11 @@ class Response:
         self.stepping = stepping = LoadStepping(
             self.system, problem, case, first_yield, start, up[0]
         )
-        loaded = stepping.solve_load_steps(up)
-        loading_steps = len(stepping.results)
-        if loaded.converged:
-            stepping.solve_load_steps([*LOWERING, *up] * (path.cycles - 1))
+        stepping.solve_load_steps(up)
         plasticity = PlasticSolution(
             load_over_first_yield=over,
             newton_results=tuple(stepping.results),
-            first_loading_steps=loading_steps,
+            loading_steps=len(stepping.results),
             indentation_depth={},
         )
         return replace(stepping.solution, reference=elastic, plasticity=plasticity)

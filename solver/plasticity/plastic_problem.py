@@ -12,14 +12,14 @@ no matrix is assembled again.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from railhead.solver.algebra.problem import ContactProblem, Tangent
+from railhead.solver.algebra.problem import ContactProblem
 from railhead.solver.material import Hardening, History, Material, TangentReduction, radial_return
 from railhead.solver.space.cells import Bulk, CellSet, quadrature_degree
 from railhead.solver.space.contact_interface import Interface
@@ -74,13 +74,13 @@ class YieldPoints:
         prescribed displacement, and the reduction of the tangent by yield. The history stays.
         """
         strain = self.strains(y) + self.prescribed_strain
-        state = History(*(getattr(self.history, each.name).copy() for each in fields(History)))
+        state = self.history.at(np.arange(len(strain)))
         reductions = [TangentReduction.none(strain.shape[1])]
         for members, hardening in self.groups:
-            before = History(*(getattr(state, each.name)[members] for each in fields(History)))
-            after, reduction = radial_return(strain[members], self.mu[members], before, hardening)
-            for each in fields(History):
-                getattr(state, each.name)[members] = getattr(after, each.name)
+            before, mu = self.history.at(members), self.mu[members]
+            after, reduction = radial_return(strain[members], mu, before, hardening)
+            state.plastic[members], state.back[members] = after.plastic, after.back
+            state.equivalent[members] = after.equivalent
             reductions.append(reduction.renumbered(members))
         return state, TangentReduction.joined(reductions)
 
@@ -99,28 +99,6 @@ class YieldPoints:
         add_transposed(self.strain_matrix, self.weights[:, None] * stress, out)
 
 
-class PlasticTangent(Tangent):
-    """PETSc shell context of the tangent y -> K y - E^T w (C - C_ep) E y - theta S^T w S_ep y +
-    Bt^T w A B_ep y.
-
-    The letters are those of `ContactProblem` and of the head of this module. C_ep is the consistent
-    tangent. S_ep and B_ep are S and B less the normal stress that yield takes.
-
-    problem: the contact problem, by a weak reference.
-    active: active set A (n,).
-    """
-
-    def mult(self, mat: PETSc.Mat, x: PETSc.Vec, y: PETSc.Vec) -> None:
-        """Product of the tangent with x, written into y; called by PETSc."""
-        super().mult(mat, x, y)
-        problem = self.problem
-        loss = problem.apply_tangent_loss(x, y)
-        if not problem.symmetric:  # contact points yield, on any rank
-            contact = -problem.law.sigma * problem.weight * self.active * loss
-            add_transposed(problem.test_operator, contact, y)
-            problem.add_consistency_forces(-loss, y)
-
-
 @dataclass(kw_only=True)
 class PlasticProblem(ContactProblem):
     """Contact problem of bodies that yield, at one load step. The other fields are those of
@@ -136,7 +114,6 @@ class PlasticProblem(ContactProblem):
     surface: YieldPoints
     normal_dyads: Array
     tangent_depends_on_state: ClassVar[bool] = True
-    tangent_context: ClassVar[type[Tangent]] = PlasticTangent
 
     def __post_init__(self) -> None:
         """Start with the histories of the points as their states, and without operators of yielding
@@ -181,19 +158,6 @@ class PlasticProblem(ContactProblem):
         self.bulk.add_forces(-2 * self.bulk.mu[:, None] * plastic, r)
         self.add_consistency_forces(-self.plastic_normal_stress(self._surface[0].plastic), r)
         return r
-
-    def slope(self, y: PETSc.Vec, step: PETSc.Vec) -> Callable[[float], float]:
-        """Function t -> R(y + t step) . step, N mm, with the residual R: the slope of the energy
-        along a step. Each call replaces the plastic state that `indicator` keeps.
-        """
-
-        def value(t: float) -> float:
-            """Product R(y + t step) . step at a step length t, N mm."""
-            at = y.copy()
-            at.axpy(t, step)
-            return float(self.residual(at, self.pressure(at)).dot(step))
-
-        return value
 
     def set_prescribed_strain(self, prescribed: PETSc.Vec) -> None:
         """Set the prescribed strains of all points to those of a displacement on all dofs, mm."""
@@ -240,24 +204,29 @@ class PlasticProblem(ContactProblem):
             )
         return self._yielding_operators
 
-    def apply_tangent_loss(self, x: PETSc.Vec, out: PETSc.Vec) -> Array:
-        """Subtract from `out`, N, the forces by which yield reduces the product of the tangent with
-        x: E^T w (C - C_ep) E x, with the strain matrix E, the weights w and the elastic and
-        consistent tangents C and C_ep.
+    def apply_tangent(
+        self, active: Mask, rows: tuple[PETSc.Mat, PETSc.Mat], x: PETSc.Vec, out: PETSc.Vec
+    ) -> None:
+        """Write the product K x - E^T w (C - C_ep) E x - theta S^T w S_ep x + Bt^T w A B_ep x of
+        the tangent into `out`, N; arguments as of `ContactProblem.apply_tangent`.
 
-        x: step of the free unknowns. Returns n . (C - C_ep) E x . n (n,) at the contact points,
-            MPa: the part by which yield reduces the change of their normal stress.
+        C_ep is the consistent tangent. S_ep and B_ep are S and B less the normal stress that yield
+        takes, n . (C - C_ep) E x . n at the contact points.
         """
+        super().apply_tangent(active, rows, x, out)
         reductions = self._bulk[1], self._surface[1]
         bulk, surface = (
-            reduction.stress((rows * x).array.reshape(reduction.normal.shape))
-            for rows, reduction in zip(self.yielding_operators, reductions, strict=True)
+            reduction.stress((strains * x).array.reshape(reduction.normal.shape))
+            for strains, reduction in zip(self.yielding_operators, reductions, strict=True)
         )
         weights = self.bulk.weights[reductions[0].points, None]
         add_transposed(self.yielding_operators[0], -weights * bulk, out)
-        points, normal = reductions[1].points, np.zeros(len(self.area))
-        normal[points] = np.einsum("nm,nm->n", self.normal_dyads[points], surface)
-        return normal
+        if self.symmetric:  # no contact point yields, on any rank
+            return
+        points, loss = reductions[1].points, np.zeros(len(self.area))
+        loss[points] = np.einsum("nm,nm->n", self.normal_dyads[points], surface)
+        add_transposed(self.test_operator, -self.law.sigma * self.weight * active * loss, out)
+        self.add_consistency_forces(-loss, out)
 
 
 def bulk_points(

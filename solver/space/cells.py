@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import Any, Self
 
 import basix
 import numpy as np
@@ -119,9 +119,22 @@ class CellSet:
     kinematics: Kinematics
 
     @classmethod
-    def of(cls, bulk: Bulk, cells: Index) -> CellSet:
-        """Set of the local cells of this rank with the given numbers (m,)."""
-        return cls(**cell_data(bulk, cells))
+    def of(cls, bulk: Bulk, cells: Index, **own: Any) -> Self:
+        """Set of the local cells of this rank with the given numbers (m,); own: further fields."""
+        mesh = bulk.space.mesh
+        block_dofs = compat.cell_dofs(bulk.space)[cells]
+        to_global = bulk.space.dofmap.index_map.local_to_global
+        dofs = to_global(block_dofs.reshape(-1).astype(np.int32)).reshape(block_dofs.shape)
+        return cls(
+            cell=compat.cell_type(mesh),
+            geometry_degree=compat.geometry_degree(mesh),
+            degree=bulk.degree,
+            nodes=compat.node_points(mesh)[compat.cell_nodes(mesh)[cells]],
+            dofs=dofs.astype(np.int64),
+            lame=bulk.lame[cells],
+            kinematics=bulk.kinematics,
+            **own,
+        )
 
     def __len__(self) -> int:
         """Number m of cells."""
@@ -210,22 +223,3 @@ class CellSet:
         points = np.asarray(lagrange_element(self.cell, self.degree, variant).points)
         phi = tabulate(self.cell, self.geometry_degree, points, geometry=True)[0]
         return np.asarray(np.einsum("dk,fkc->fdc", phi, self.nodes))
-
-
-def cell_data(bulk: Bulk, cells: Index) -> dict[str, Any]:
-    """Fields of a `CellSet`, by name, for the local cells of this rank with the given numbers
-    (m,).
-    """
-    mesh = bulk.space.mesh
-    block_dofs = compat.cell_dofs(bulk.space)[cells]
-    to_global = bulk.space.dofmap.index_map.local_to_global
-    dofs = to_global(block_dofs.reshape(-1).astype(np.int32)).reshape(block_dofs.shape)
-    return {
-        "cell": compat.cell_type(mesh),
-        "geometry_degree": compat.geometry_degree(mesh),
-        "degree": bulk.degree,
-        "nodes": compat.node_points(mesh)[compat.cell_nodes(mesh)[cells]],
-        "dofs": dofs.astype(np.int64),
-        "lame": bulk.lame[cells],
-        "kinematics": bulk.kinematics,
-    }

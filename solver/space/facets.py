@@ -13,7 +13,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from railhead.solver.space.cells import Bulk, CellSet, cell_data, lagrange_element, tabulate
+from railhead.solver.space.cells import Bulk, CellSet, lagrange_element, tabulate
 from railhead.theory.array_types import Array, Index
 
 
@@ -77,7 +77,7 @@ class FacetSet(CellSet):
             int(np.flatnonzero(cell_facets.links(c) == f)[0])
             for f, c in zip(facets, cells, strict=True)
         ]
-        return cls(**cell_data(bulk, cells), local_facet=np.array(local, dtype=np.int64))
+        return cls.of(bulk, cells, local_facet=np.array(local, dtype=np.int64))
 
     def gathered(self, comm: MPI.Intracomm) -> FacetSet:
         """Set of the facets of all ranks, on every rank (collective). It is small, because a
@@ -141,15 +141,6 @@ class FacetSet(CellSet):
         phi = tabulate(self.cell, 1, corners.reshape(-1, corners.shape[2]), geometry=True)[0]
         phi = phi.reshape(*corners.shape[:2], phi.shape[1])
         return np.einsum("fvk,fkd->fvd", phi, self.nodes[:, : phi.shape[2]])
-
-    def mean_edge(self, chosen: Index, comm: MPI.Intracomm) -> float:
-        """Mean distance, mm, of the other corners from the first corner of each chosen facet of
-        every rank; chosen: numbers of facets of this rank (collective).
-        """
-        corners = self.vertices[chosen]
-        edges = np.linalg.norm(corners[:, 1:] - corners[:, :1], axis=2)
-        total, count = (comm.allreduce(value) for value in (edges.sum(), edges.size))
-        return float(total / count)
 
     def reference(self, index: Index, xi: Array) -> Array:
         """Reference coordinates (n, c) in the cells of points with coordinates xi (n, c - 1) in the

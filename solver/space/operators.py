@@ -29,6 +29,12 @@ def petsc_matrix(table: sp.csr_matrix, local_columns: int, comm: MPI.Intracomm) 
     )
 
 
+def local_rows(matrix: PETSc.Mat) -> sp.csr_matrix:
+    """Rows of this rank of a distributed matrix, with the columns of all ranks."""
+    starts, columns, values = matrix.getValuesCSR()
+    return sp.csr_matrix((values, columns, starts), shape=(len(starts) - 1, matrix.getSize()[1]))
+
+
 def assemble_rows(
     blocks: list[tuple[Index, Array]], count: int, local: int, total: int, comm: MPI.Intracomm
 ) -> PETSc.Mat:
@@ -85,6 +91,13 @@ def add_transposed(matrix: PETSc.Mat, values: Array, out: PETSc.Vec) -> None:
     shape (collective).
     """
     matrix.multTransposeAdd(vector(matrix, values), out, out)
+
+
+def transposed(matrix: PETSc.Mat, values: Array) -> PETSc.Vec:
+    """Product matrix^T values as a new vector; values: as of `add_transposed` (collective)."""
+    out = matrix.createVecRight()
+    matrix.multTranspose(vector(matrix, values), out)
+    return out
 
 
 def weighted_product(left: PETSc.Mat, weights: Array, right: PETSc.Mat) -> PETSc.Mat:

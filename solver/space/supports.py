@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -24,7 +23,7 @@ from petsc4py import PETSc
 
 from railhead.solver import compat
 from railhead.solver.space.kinematics import SOLID, Kinematics
-from railhead.solver.space.operators import petsc_matrix, vector
+from railhead.solver.space.operators import local_rows, petsc_matrix, transposed, vector
 from railhead.theory.array_types import Array, Index, Mask
 
 Direction = Sequence[float]
@@ -189,31 +188,17 @@ class Reduction:
         """Squared norms of the columns of the map P from free unknowns to dofs, as a distributed
         vector: the diagonal of P^T P.
         """
-        indptr, indices, values = self.matrix.getValuesCSR()
-        squared = self.matrix.duplicate()
-        squared.setValuesCSR(indptr, indices, values**2)
-        squared.assemble()
-        ones, out = squared.createVecLeft(), squared.createVecRight()
-        ones.set(1.0)
-        squared.multTranspose(ones, out)
-        return out
+        table, local = local_rows(self.matrix), self.matrix.getLocalSize()[1]
+        squared = petsc_matrix(table.power(2), local, self.matrix.comm.tompi4py())
+        return transposed(squared, np.ones(table.shape[0]))
 
     def restricted(self, displacement: PETSc.Vec) -> PETSc.Vec:
         """Free unknowns (P^T P)^-1 P^T u whose displacement is nearest to u; displacement: u on all
         dofs.
         """
-        out = self.matrix.createVecRight()
-        self.matrix.multTranspose(displacement, out)
-        out.pointwiseDivide(out, self._divisors)
-        return out
-
-    @cached_property
-    def _divisors(self) -> PETSc.Vec:
-        """Diagonal of P^T P by which `restricted` divides, with 1 in the place of zero where a
-        column of P is zero.
-        """
-        out = self.squared_norms()
-        out.array[:] = np.where(out.array > 0, out.array, 1.0)
+        out = transposed(self.matrix, displacement.array)
+        squares = self.squared_norms().array
+        out.array[:] /= np.where(squares > 0, squares, 1.0)
         return out
 
 

@@ -16,7 +16,7 @@ from railhead.solver.algebra import linear, newton
 from railhead.solver.algebra.linear import Preconditioner
 from railhead.solver.algebra.multigrid import Hierarchy, PMultigrid
 from railhead.solver.algebra.problem import ContactProblem, reduce_problem
-from railhead.solver.algebra.reduced_stiffness import Stiffness, SupportReactions, unit_vector
+from railhead.solver.algebra.reduced_stiffness import SupportReactions, unit_vector
 from railhead.solver.material import assemble
 from railhead.solver.space.cells import Bulk
 from railhead.solver.space.contact_interface import Interface
@@ -406,5 +406,4 @@ class ContactSystem:
             self.materials,
             self.reduction,
             lambda space: reduce(self.supports(space), self.comm),
-            Stiffness.reduced,
         )

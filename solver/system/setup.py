@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -51,17 +50,13 @@ class ContactBody:
 class LoadPath:
     """Load history of bodies that may yield.
 
-    steps: number of equal load steps from first yield up to the load; further cycles end their
-        steps at the same shares of the load.
-    cycles: number of times that the load is applied, at least 1; between two of them it is lowered
-        but not removed.
+    steps: number of equal load steps from first yield up to the load.
     unload: whether the load is removed at the end, so that the residual state is computed.
     near: centroids of cells in space (n, 3) mm -> (n,) whether plastic strain is followed in the
         cell. It is followed at all contact points of a slave that may yield.
     """
 
     steps: int
-    cycles: int
     unload: bool
     near: Callable[[Array], NDArray[np.bool_]]
 
@@ -226,13 +221,3 @@ class Setup:
         mesh.
         """
         return self.kinematics.flatten(np.array(self.direction))
-
-
-def __getattr__(name: str) -> Any:
-    """`ContactBody` for its former name `Side`, with a DeprecationWarning. Raises AttributeError
-    for any other missing name.
-    """
-    if name != "Side":
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    warnings.warn("Side is now called ContactBody", DeprecationWarning, stacklevel=2)
-    return ContactBody

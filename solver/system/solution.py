@@ -36,8 +36,8 @@ class PlasticSolution:
     newton_results: results of Newton's method in all load steps, in order, failed ones and the
         halves of a halved step included. Where the load is removed those of friction and of
         unloading are included, else neither.
-    first_loading_steps: number of results that lead up to the full load for the first time; these
-        come first in `newton_results`.
+    loading_steps: number of results that lead up to the full load; these come first in
+        `newton_results`.
     residual_state: solution after unloading, with the bodies apart, converged or not; where
         lowering the load fails, that of the failed step, in contact. None where the load is not
         removed.
@@ -47,7 +47,7 @@ class PlasticSolution:
 
     load_over_first_yield: float
     newton_results: tuple[NewtonResult, ...]
-    first_loading_steps: int
+    loading_steps: int
     residual_state: Solution | None = None
     indentation_depth: Mapping[int, float]
 

@@ -251,13 +251,12 @@ def finer_plastic(scene: Scene, multiple: float = 0.0) -> CaseErrors:
 
 
 @refusable
-def same_plastic(scene: Scene, multiple: float, cycles: int = 1, length: float = 1.0) -> CaseErrors:
-    """A sphere that yields, pressed `cycles` times or made `length` times smaller, against itself;
-    multiple: load over that of first yield."""
+def same_plastic(scene: Scene, multiple: float, length: float) -> CaseErrors:
+    """A sphere that yields, made `length` times smaller, against itself; multiple: load over that
+    of first yield."""
     scene = scene.replace(load=multiple * first_yield(scene))
     other = scene.replace(
         load=float(scene.load or 0.0) / length**2,
-        cycles=cycles,
         rail={"crown_radius": float(scene.rail.crown_radius or 0.0) / length},
         wheel={"rolling_radius": scene.wheel.rolling_radius / length},
     )

@@ -114,7 +114,7 @@ def test_first_yield_of_flat_blocks_grows_with_the_load() -> None:
     """Stresses of blocks that lie flat grow with the load itself, not with its square root: twice
     the load is twice as far over first yield, which is where it was told to be."""
     steel = replace(SOFT, hardening=Hardening.linear(3.0, 100.0))
-    path = LoadPath(steps=4, cycles=1, unload=False, near=lambda x: np.ones(len(x), bool))
+    path = LoadPath(steps=4, unload=False, near=lambda x: np.ones(len(x), bool))
     made, setup = two_half_blocks(materials=(SOFT, steel), load_path=path)
     over = []
     for load in (400.0, 800.0):

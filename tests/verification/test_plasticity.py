@@ -24,7 +24,7 @@ from railhead.postprocess.stress.plastic import largest_von_mises
 from railhead.run import estimates, mesh_solution
 from railhead.run.progress import Progress
 from railhead.scene import quantities
-from railhead.solver.algebra import linear, newton
+from railhead.solver.algebra import linear
 from railhead.solver.plasticity import load_stepping
 from railhead.solver.system.contact_system import LoadCase
 
@@ -119,33 +119,6 @@ def test_a_surface_that_bulges_everywhere_has_a_negative_depth(monkeypatch, norm
     moved = SimpleNamespace(displacement=SimpleNamespace(array=np.array([0, 1e-3, 0, 3e-3])))
     found = load_stepping.indentation_depth(system, moved, np.ones(1))
     assert found == {RAIL: pytest.approx(depth)}
-
-
-def test_cycles_press_the_spot_as_often_as_asked() -> None:
-    """Two steps up and one apart; in between four down and two up."""
-    found = [
-        rh.solve(coarse(2.0, cycles=cycles), quiet=True).mesh_solution.solution.plasticity
-        for cycles in (1, 3)
-    ]
-    assert [len(each.newton_results) for each in found] == [3, 15]
-
-
-def test_no_cycle_follows_a_lowering_that_failed(monkeypatch) -> None:
-    """Ten steps down fail, more than one lowering tries. A third cycle would then converge, and two
-    would be shown as three."""
-    step, failed = load_stepping.LoadStepping._step, []
-
-    def fails_at_first(stepping: load_stepping.LoadStepping, share: float) -> newton.NewtonResult:
-        if share > stepping.share or len(failed) == 10:
-            return step(stepping, share)
-        failed.append(share)
-        none = replace(stepping.solution.newton, reason="none")
-        stepping.solution = replace(stepping.solution, newton=none)
-        return none
-
-    monkeypatch.setattr(load_stepping.LoadStepping, "_step", fails_at_first)
-    found = rh.solve(coarse(2.0, cycles=3), quiet=True)
-    assert 1 < len(failed) < 10 and "converged" in found.failed
 
 
 @pytest.mark.parametrize("share, yields", [(0.97, False), (1.03, True)])

@@ -64,7 +64,7 @@ def unloaded(solution: MeshSolution, reason: str) -> MeshSolution:
     plasticity = PlasticSolution(
         load_over_first_yield=2.0,
         newton_results=(newton, replace(newton, reason=reason)),
-        first_loading_steps=1,
+        loading_steps=1,
         residual_state=solution.solution,
         indentation_depth={},
     )

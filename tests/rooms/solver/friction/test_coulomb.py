@@ -7,7 +7,7 @@ import pytest
 import scipy.sparse as sp
 
 from railhead.solver.friction.condensation import ContactCompliance
-from railhead.solver.friction.coulomb import CoulombContact, CoulombEquations
+from railhead.solver.friction.coulomb import CoulombContact
 
 N, M, MU = 12, 8, 0.3  # points, unknown tractions
 
@@ -38,13 +38,13 @@ def test_motions_are_held_where_there_are_any(free: int, tries: int, monkeypatch
     """What does not converge is tried with held motions, but where none is free nothing is."""
     asked = []
 
-    def lost(problem: CoulombEquations, begin: object, held: float) -> SimpleNamespace:
+    def lost(problem: CoulombContact, begin: object, held: float) -> SimpleNamespace:
         asked.append(held)
         return SimpleNamespace(converged=False)
 
-    monkeypatch.setattr(CoulombEquations, "solve", lost)
-    friction, modes = CoulombContact(contact(np.random.default_rng(1)), MU), np.ones((free, N, 2))
-    friction.solve(np.zeros((N, 2)), modes, np.ones((free, 4)))
+    monkeypatch.setattr(CoulombContact, "newton", lost)
+    made, modes = contact(np.random.default_rng(1)), np.ones((free, N, 2))
+    CoulombContact(made, MU, np.zeros((N, 2)), modes, np.ones((free, 4))).solve()
     assert len(asked) == tries and asked[0] == 0.0 and all(held > 0 for held in asked[1:])
 
 
@@ -77,7 +77,7 @@ def test_where_all_would_slip_the_force_decides_the_motion() -> None:
     choose how far they move."""
     axis, modes = np.array([[1.0, 0.0, 0.0, 0.0]]), np.ones((1, 12, 1))
     found = [
-        CoulombContact(pushed_apart(push), MU).solve(np.zeros((12, 1)), modes, axis)
+        CoulombContact(pushed_apart(push), MU, np.zeros((12, 1)), modes, axis).solve()
         for push in (500.0, 500.0 * (1 + 1e-9))
     ]
     for each in found:
@@ -93,26 +93,15 @@ def test_a_force_beyond_friction_is_not_converged() -> None:
     limit = MU * float(contact.area @ contact.pressure)
     for share, reached in ((0.99, True), (1.01, False)):
         axis = np.array([[1.0, 0.0, 0.0, share * limit]])
-        found = CoulombContact(contact, MU).solve(np.zeros((12, 1)), np.ones((1, 12, 1)), axis)
-        assert found.converged == reached
+        sliding = CoulombContact(contact, MU, np.zeros((12, 1)), np.ones((1, 12, 1)), axis)
+        assert sliding.solve().converged == reached
 
 
 def test_the_tangent_is_the_derivative_of_the_residual() -> None:
     """Of points that stick, slip and do not touch, with a motion that follows from a force."""
     rng = np.random.default_rng(1)
-    friction = CoulombContact(contact(rng), MU)
-    pressed = friction.contact
-    pull = np.hstack([pressed.trial_compliance, rng.normal(size=(2 * N, 1))]).reshape(N, 2, -1)
-    closing = np.hstack([pressed.pressure_compliance, np.zeros((N, 1))])
-    rows = rng.normal(size=(1, M))
-    problem = CoulombEquations(
-        friction=friction,
-        trial_traction=pressed.trial_traction,
-        trial_matrix=pull,
-        pressure_matrix=closing,
-        force_rows=rows,
-        forces=np.array([3.0]),
-    )
+    pressed, force = contact(rng), np.array([[0.6, 0.8, 0.0, 3.0]])
+    problem = CoulombContact(pressed, MU, np.zeros((N, 2)), rng.normal(size=(1, N, 2)), force)
     x, way = rng.normal(size=M + 1), rng.normal(size=M + 1)
     slips = pressed.active & (rng.random(N) < 0.5)
     assert 0 < slips.sum() < pressed.active.sum()

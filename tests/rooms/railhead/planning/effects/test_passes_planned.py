@@ -76,7 +76,6 @@ def test_a_wheel_that_yields_too_is_left_out_by_its_name():
         (["rail.young_modulus=inf"], "rolling.passes: 3 .*the rail is rigid"),
         (["friction.coefficient=0.3", "friction.force_along=9kN"],
          "rolling.passes: 3 .*a force of .friction. shifts a wheel that rests"),
-        (["cycles=2"], "cycles: 2 is not allowed beside rolling.passes"),
         (["rolling.passes=0"], "rolling.passes: 0 .*from 1 to 1000"),
         (["effects.plasticity=on"], "effects.plasticity: 'on' .*simulated in the passes"),
         (["wheel.rolling_radius=inf", "wheel.profile=arc", "wheel.transverse_radius=300",
