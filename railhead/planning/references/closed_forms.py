@@ -86,9 +86,8 @@ def hertz_if_valid(scene: Scene, contact: Contact) -> Hertz:
     least, most = _smallest(scene, contact, found), min(scene.wheel.rolling_radius, LARGEST)
     if found.p0 > 0 and math.isfinite(found.load) and least <= minor and major < most:
         return found
-    size = f"{value:g} makes a patch of {found.a:.3g} x {found.b:.3g} mm; give one that makes half"
-    why = "what is smaller is lost in atoms or in rounding, a wheel's radius is the largest"
-    raise SceneError(key, f"{size} lengths from {least:.3g} to {most:.3g} mm: {why}")
+    size = f"{value:g} makes a patch of {found.a:.3g} x {found.b:.3g} mm"
+    raise SceneError(key, f"{size}; give one with half lengths from {least:.3g} to {most:.3g} mm")
 
 
 def gap_is_quadratic(contact: Contact, ellipse: Hertz) -> bool:

@@ -46,7 +46,7 @@ def test_arguments_are_not_left_to_libraries(monkeypatch, capsys) -> None:
         commands.main()
     assert ended.value.code == 2
     assert sys.argv == ["railhead"]
-    assert "no such file" in capsys.readouterr().err
+    assert "is no file" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("rank", ["0", "1"])
