@@ -48,9 +48,10 @@ RANKS = {
         [RUBS, "mesh.patch_size=0.5", "friction.force_along=9900", "wheel.young_modulus=inf"],
         SAME,
     ),
-    # Smooth tractions are solved to 1e-3.
+    # The linear systems of smooth tractions are solved to 1e-3, and bodies add some per cent to
+    # the slip: 3e-5 of the tractions.
     "solids that roll": (
-        2, "hertz_ellipse", [RUBS, "mesh.patch_size=1.2", "rolling.creepage_along=0.05%"], 1e-5
+        2, "hertz_ellipse", [RUBS, "mesh.patch_size=1.2", "rolling.creepage_along=0.05%"], 3e-5
     ),
     # Passes are solved on one rank, from the load that the scene gives.
     "passes": (
