@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.interpolate import PPoly
 from scipy.optimize import brentq
 
 from railhead.geometry.placement import (
@@ -380,15 +381,10 @@ def equivalent_conicity(amplitude: float, shifts: Array, right: Array, left: Arr
     right, left: (n,) rolling radii at these shifts, mm, straight in between.
     """
     difference, steps = right - left, np.diff(shifts)
-    areas = (difference[1:] + difference[:-1]) / 2 * steps
-    sums = np.concatenate([[0.0], np.cumsum(areas)])
-    slopes = np.diff(difference) / np.where(steps > 0, steps, np.inf)
-
-    def integral(y: Array | float) -> Array:
-        """Integral of the difference from the first shift to y, mm2."""
-        at = np.clip(np.searchsorted(shifts, y, "right") - 1, 0, len(steps) - 1)
-        past = y - shifts[at]
-        return np.asarray(sums[at] + past * (difference[at] + past * slopes[at] / 2))
+    wide = steps > 0
+    slopes, starts = np.diff(difference)[wide] / steps[wide], difference[:-1][wide]
+    lines = PPoly(np.array([slopes, starts]), np.append(shifts[:-1][wide], shifts[-1]))
+    integral = lines.antiderivative()  # of the difference from the first shift, mm2
 
     def left_over(middle: float) -> float:
         """Integral of the difference over a swing about a middle (mm), mm2."""

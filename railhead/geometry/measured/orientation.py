@@ -258,10 +258,8 @@ def flanged_way(way: Array, given: Orientation = FROM_SHAPE) -> tuple[float, flo
     None where none do. Of several those that change least. given: what the user says of mirror and
     flip.
     """
-    mirrors, flips = (
-        {"on": (-1.0,), "off": (1.0,)}.get(key, (1.0, -1.0)) for key in (given.mirror, given.flip)
-    )
-    ways = ((side, up) for up in flips for side in mirrors)
+    mirror, flip = _sign(given.mirror, None), _sign(given.flip, None)
+    ways = ((mirror or side, flip or up) for up in (1.0, -1.0) for side in (1.0, -1.0))
     return next((signs for signs in ways if flange(_even(way * signs))), None)
 
 

@@ -167,15 +167,6 @@ def test_wrong_files_are_one_line_status_2_and_nothing_written(
     assert os.listdir(here) == [name]
 
 
-def test_a_profile_that_is_refused_is_refused_by_a_plan(worn: Scene, here, capsys) -> None:
-    points = np.loadtxt(worn.rail.profile, delimiter=",")
-    np.savetxt(here / "gap.csv", np.delete(points, slice(150, 200), axis=0), delimiter=",")
-    printed = command.refused(capsys, "profile", "gap.csv")
-    planned = refusal(lambda: api.plan(worn.replace([f"rail.profile={here / 'gap.csv'}"])))
-    assert printed == f"railhead: {planned}" and "has a gap" in printed
-    assert os.listdir(here) == ["gap.csv"]
-
-
 def test_a_profile_whose_sides_are_open_is_examined_and_not_solved(
     worn: Scene, here, capsys
 ) -> None:

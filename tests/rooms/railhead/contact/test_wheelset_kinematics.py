@@ -45,10 +45,6 @@ def simple(rail: float = 300.0, wheel: str = "cone20", **wheelset: float) -> rh.
     )
 
 
-def stands(of: rh.Scene) -> dict:
-    return planning.make(of).summary()["wheelset"]
-
-
 def passing(contact: Contact, radius: float, points: np.ndarray) -> np.ndarray:
     """Slip (n, 3) of the wheel's particles at points (n, 3) mm, by central differences of where
     they are when the wheelset has moved along the track and turned about its axle."""

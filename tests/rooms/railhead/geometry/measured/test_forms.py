@@ -161,15 +161,12 @@ def test_an_origin_beside_the_crown_is_asked_about_where_no_gauge_places_the_whe
     assert any("its top is at y = " in each and "z = 1.5" in each for each in high.remarks)
 
 
-def test_the_tape_circle_of_a_header_counts_and_is_a_length_of_wheels(tmp_path) -> None:
+@pytest.mark.parametrize("given", [920.0, 2.75, -70.0])
+def test_a_tape_circle_of_a_header_is_a_length_of_wheels(given: float, tmp_path) -> None:
     path = tmp_path / "w.whl"
-    for given, allowed in ((66.5, True), (920.0, False), (2.75, False), (-70.0, False)):
-        path.write_text(f"{CAD}WheelDiameterTaperline={given}\n{text(wheel())}")
-        if allowed:
-            assert measured.read(path, "wheel").origin["tape_circle_mm"] == pytest.approx(given)
-            continue
-        with pytest.raises(ValueError, match=f"tape circle {given:g} mm .* 30 to 120 are allowed"):
-            measured.read(path, "wheel")
+    path.write_text(f"{CAD}WheelDiameterTaperline={given}\n{text(wheel())}")
+    with pytest.raises(ValueError, match=f"tape circle {given:g} mm .* 30 to 120 are allowed"):
+        measured.read(path, "wheel")
 
 
 def test_a_table_from_its_flange_back_has_its_tread_at_the_rolling_radius(tmp_path) -> None:
@@ -185,11 +182,18 @@ def test_a_table_from_its_flange_back_has_its_tread_at_the_rolling_radius(tmp_pa
         measured.read(path, "wheel")
 
 
-@pytest.mark.parametrize("given", [70.0, 80.0])
-def test_a_tape_circle_that_is_given_is_measured_from_the_flange_back(given, tmp_path) -> None:
-    (tmp_path / "w.whl").write_text(WHEELS["2020.whl"])
-    found = rh.profile(tmp_path / "w.whl", "wheel", [f"wheel.tape_circle={given}"]).measured
-    assert found.origin["tape_circle_mm"] == pytest.approx(given)
+@pytest.mark.parametrize(
+    ("header", "keys", "tape"),
+    [("", ["wheel.tape_circle=70"], 70.0), ("", ["wheel.tape_circle=80"], 80.0),
+     ("WheelDiameterTaperline=66.5\n", [], 66.5)],
+)  # fmt: skip
+def test_a_tape_circle_that_is_given_is_measured_from_the_flange_back(
+    header: str, keys: list[str], tape: float, tmp_path
+) -> None:
+    """By a key, or by the header."""
+    (tmp_path / "w.whl").write_text(CAD + header + text(wheel()))
+    found = rh.profile(tmp_path / "w.whl", "wheel", keys).measured
+    assert found.origin["tape_circle_mm"] == pytest.approx(tape)
     assert found.origin["flange_back_mm"] == pytest.approx(0.0)
 
 
