@@ -14,7 +14,6 @@ from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.planning.references import closed_forms
 from railhead.postprocess.findings import Findings
 from railhead.scene import bodies
-from railhead.scene.scene import SceneError
 from railhead.scene.sections import refuse_first
 
 OMITTED = "not simulated: roughness, dynamics (docs/limits.md)"
@@ -54,13 +53,15 @@ def decide_friction(context: Context) -> Effect:
         ),
     )
     called, why = _slips(context, force, coefficient * normal)
-    meshed = context.decided["finite_bodies"].on
-    if called and meshed and scene.mesh.linear and scene.effects.friction != "off":
-        raise SceneError(
+    locks = scene.mesh.linear and context.decided["finite_bodies"].on
+    refuse_first(
+        (
+            called and locks and scene.effects.friction != "off",
             "mesh.order",
             "1 is not allowed with friction: on linear tetrahedra and triangles forces are 0.03 to "
             "0.14 mu N off; give 2",
         )
+    )
     if not coefficient:
         return Effect(called, called, why, {"on": "friction.coefficient is 0"})
     if called and (missing := _beyond_half_spaces(context)):
@@ -213,8 +214,8 @@ def decide_falling_friction(context: Context) -> Effect:
     friction, law = scene.friction, closed_forms.law(scene)
     if law is None or not context.decided["friction"].on:
         return Effect.absent("nothing slips" if law else "friction.law is coulomb")
-    if friction.law == "temperature" and not _known(context):
-        raise SceneError("friction.law", f"temperature is not allowed: {UNKNOWN}")
+    unknown = friction.law == "temperature" and not _known(context)
+    refuse_first((unknown, "friction.law", f"temperature is not allowed: {UNKNOWN}"))
     _refuse_beyond_grids(context, "falling_friction", "friction.law", friction.law)
     why = f"friction.law is {friction.law}: the coefficient goes to {law.kinetic:g}"
     static = friction_coefficient(context)
@@ -239,7 +240,6 @@ def _refuse_beyond_grids(context: Context, effect: str, key: str, value: str) ->
     effect is switched off.
     """
     missing = beyond_grids(context, layer=effect == "layer")
-    if missing and context.scene.effects.state(effect) != "off":
-        flat = "" if context.contact.plane else "effects.finite_bodies=off or "
-        text = f"{value} is not allowed with {missing}"
-        raise SceneError(key, f"{text}; give {flat}effects.{effect}=off")
+    flat = "" if context.contact.plane else "effects.finite_bodies=off or "
+    text = f"{value} is not allowed with {missing}; give {flat}effects.{effect}=off"
+    refuse_first((missing and context.scene.effects.state(effect) != "off", key, text))

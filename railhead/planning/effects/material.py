@@ -13,7 +13,8 @@ from railhead.planning.context import STIFFEST, Context, Effect, PostSolveVerdic
 from railhead.planning.effects import interface
 from railhead.postprocess.findings import Findings
 from railhead.scene import bodies
-from railhead.scene.scene import Rail, SceneError, Wheel
+from railhead.scene.scene import Rail, Wheel
+from railhead.scene.sections import refuse_first
 from railhead.theory.friction import sliding
 
 SHARE = 0.1  # share of the accuracy: compliance of a body that is taken as rigid
@@ -77,22 +78,26 @@ def decide_plasticity(context: Context) -> Effect:
     cannot be simulated (`_elastic_only`). SceneError: linear cells where a body yields and
     plasticity is not 'off', and a load far beyond that of first yield.
     """
-    scene, meshed = context.scene, context.decided["finite_bodies"].on
+    scene = context.scene
     ratio, why, _ = _over_yield(context, _stresses(context))
-    yields = ratio > 1
-    if yields and meshed and scene.mesh.linear and scene.effects.plasticity != "off":
-        raise SceneError(
+    yields, refused, over = ratio > 1, _elastic_only(context), overload(context)
+    locks = scene.mesh.linear and context.decided["finite_bodies"].on
+    refuse_first(
+        (
+            yields and locks and scene.effects.plasticity != "off",
             "mesh.order",
             "1 is not allowed where a body yields: linear tetrahedra and triangles lock; give 2",
-        )
-    refused = _elastic_only(context)
+        ),
+        (
+            yields and not refused and over > LARGEST_OVERLOAD,
+            "load",
+            f"{over:.3g} times the load of first yield is not allowed; give a load, or an "
+            f"approach, of at most {LARGEST_OVERLOAD:g} times",
+        ),
+    )
     if refused:
         return Effect(yields, False, f"{why}; {refused}" if yields else why, {"on": refused})
     if yields:
-        over = overload(context)
-        if over > LARGEST_OVERLOAD:
-            text = f"{over:.3g} times the load of first yield is not allowed; give a load, or an"
-            raise SceneError("load", f"{text} approach, of at most {LARGEST_OVERLOAD:g} times")
         why += f", {over:.3g} times the load of first yield; {steps(context)} load steps"
     return Effect(yields, yields, why)
 

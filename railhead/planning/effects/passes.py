@@ -37,14 +37,13 @@ def decide_passes(context: Context) -> Effect:
     """
     scene = context.scene
     yields, count = context.decided["plasticity"].called_for, scene.rolling.passes
-    accepted = scene.effects.plasticity == "off"  # that yield is left out
     if count is None and not scene.rolling.prescribed:
         return Effect(False, False, "nothing rolls", {"on": OFF})
     why, ratio = "the rail has no yield stress", 0.0
     if scene.rail.yields:
         ratio, why = _indicator(context)
     if count is None:
-        called = yields and scene.rail.yields and not accepted
+        called = yields and scene.rail.yields and scene.effects.plasticity != "off"
         if called:
             why += "; give rolling.passes"
         return Effect(called, False, why, {"on": OFF})
@@ -101,10 +100,9 @@ def decide_plasticity_wheel(context: Context) -> Effect:
     if not context.decided["passes"].on or "wheel" not in context.stressed or not wheel.yields:
         return Effect(False, False, "no passes, or a wheel without a yield stress", refused)
     stress, limit = context.von_mises(wheel.poisson_ratio), wheel.first_yield
-    called = stress > limit
-    verb = "passes" if called else "stays below"
+    verb = "passes" if stress > limit else "stays below"
     why = f"von Mises {stress:.4g} MPa {verb} the yield {limit:.4g} MPa of the wheel"
-    return Effect(called, False, f"{why}, which passes take as elastic", refused)
+    return Effect(stress > limit, False, f"{why}, which passes take as elastic", refused)
 
 
 def traction(context: Context) -> float:

@@ -22,7 +22,6 @@ from railhead.scene.scene import (
     Scene,
     SceneError,
     Wheel,
-    unit,
     unit_questions,
 )
 
@@ -179,13 +178,6 @@ def test_what_a_message_gives_as_an_example_is_read() -> None:
                 assert math.isfinite(units.to_base(example.strip('"'), quantity.kind)), example
                 read += 1
     assert read > 50
-
-
-def test_keys_have_the_units_of_their_quantities() -> None:
-    known = {"load": "N", "rail.smoothing": "mm", "wheelset.yaw": "rad", "rail.profile": "",
-             "rail.yield_stress": "MPa", "rail.inclination": "", "rolling.spin": "1/mm",
-             "friction.tangential_load": "N", "no.key": ""}  # fmt: skip
-    assert {key: unit(key) for key in known} == known
 
 
 # Questions about units that were probably mixed up.

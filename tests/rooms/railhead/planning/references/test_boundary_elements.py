@@ -54,7 +54,6 @@ def test_a_patch_seen_from_two_planes_is_counted_once() -> None:
 def test_tread_and_gauge_corner_are_listed_with_their_own_planes() -> None:
     found = second_opinion(MANCHESTER.replace(["wheelset.shift=5"]))
     tread, corner = found["patches"]
-    assert tread["contact_angle_rad"] == pytest.approx(0.127, abs=0.005)
     assert corner["contact_angle_rad"] == pytest.approx(0.300, abs=0.005)
     assert corner["max_MPa"] == found["pressure"]["max_MPa"] > 2 * tread["max_MPa"]
     assert (found["patch"]["a_mm"], found["patch"]["b_mm"]) == (tread["a_mm"], tread["b_mm"])
