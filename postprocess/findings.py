@@ -440,8 +440,6 @@ class Findings:
         exact Hertz.
     misfit: largest relative difference of smooth and element stresses around the places of the
         largest ones.
-    opposite: fields on the contact surface of the other body; None where that is rigid or no facet
-        of it faces the slave, and for half-spaces.
     dissipated: energy dissipated by friction per rolled length, N; NaN where nothing rolls, and
         until friction is read.
     surface_error: relative error of the largest stresses, by key of summary.json, by the grid of
@@ -464,7 +462,6 @@ class Findings:
     elements_across: tuple[float, float] = (math.nan, math.nan)
     edge_distance: float = math.nan
     misfit: float = math.nan
-    opposite: Surface | None = None
     dissipated: float = math.nan
     surface_error: Mapping[str, float] = field(default_factory=dict)
 

@@ -114,30 +114,26 @@ def series(files: Mapping[float, str], path: Path) -> None:
     ElementTree.ElementTree(root).write(path, encoding="utf-8", xml_declaration=True)
 
 
-def contact_grid(surfaces: Mapping[int, Surface]) -> meshio.Mesh:
-    """Triangles of contact surfaces, undeformed, wound so that their normals point out of the body;
-    of a section lines. As much as `surfaces` hold: the modelled part, or all.
+def contact_grid(surface: Surface, tag: int) -> meshio.Mesh:
+    """Triangles of the contact surface of the body with that tag, undeformed, wound so that their
+    normals point out of the body; of a section lines. As much as `surface` holds: the modelled
+    part, or all.
 
-    surfaces: by tag of their body. Point data: displacement (n, 3) mm; smooth pressure (n,) MPa;
-        gap (n,) mm between the deformed surfaces; status (n,), 1 where that pressure is positive, 0
-        elsewhere. Cell data: body, 1 the rail, 2 the wheel.
+    Point data: displacement (n, 3) mm; smooth pressure (n,) MPa; gap (n,) mm between the deformed
+        surfaces; status (n,), 1 where that pressure is positive, 0 elsewhere. Cell data: body, 1
+        the rail, 2 the wheel.
     """
-    each = list(surfaces.values())
-    first = np.cumsum([0, *(len(one.points) for one in each)])
-    pieces = [_outwards(one, tag) for tag, one in surfaces.items()]
-    cells = np.concatenate([one + at for one, at in zip(pieces, first, strict=False)])
-    pressure = np.concatenate([one.pressure for one in each])
-    body = np.repeat(list(surfaces), [len(one.triangles) for one in each])
+    cells = _outwards(surface, tag)
     return meshio.Mesh(
-        np.concatenate([one.points for one in each]),
+        surface.points,
         [("triangle" if cells.shape[1] == 3 else "line", cells)],
         point_data={
-            "displacement": np.concatenate([one.displacement for one in each]),
-            "pressure": pressure,
-            "gap": np.concatenate([one.gap for one in each]),
-            "status": (pressure > 0).astype(np.int32),
+            "displacement": surface.displacement,
+            "pressure": surface.pressure,
+            "gap": surface.gap,
+            "status": (surface.pressure > 0).astype(np.int32),
         },
-        cell_data={"body": [body.astype(np.int32)]},
+        cell_data={"body": [np.full(len(cells), tag, np.int32)]},
     )
 
 

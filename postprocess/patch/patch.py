@@ -38,7 +38,7 @@ from railhead.postprocess.patch.reconstruct import (
     zero_squared_pressure,
 )
 from railhead.postprocess.patch.separate_patches import SeparatePatch, separate_patches
-from railhead.postprocess.patch.surface import recover_surfaces
+from railhead.postprocess.patch.surface import recover_surface
 from railhead.solver.space.kinematics import Kinematics
 from railhead.solver.system.fields import Fields
 
@@ -281,13 +281,11 @@ def read(
         scatter=scatter,
         unbalance=max(each.unbalance for each in readings),
     )
-    surface, opposite = recover_surfaces(fields, frame, partial(_pressure, readings))
     along, across = _lines(readings, frame, patch, fields.kinematics, hertzian=found.hertzian)
     return Findings(
         frame=frame,
         patch=patch,
-        surface=surface,
-        opposite=opposite,
+        surface=recover_surface(fields, frame, partial(_pressure, readings)),
         along=along,
         across=across,
         shape_error=found.shape_error,

@@ -46,10 +46,6 @@ _TRIANGLES = {
 }
 
 
-Surfaces = tuple[Surface, Surface | None]
-"""Of the slave and of the master; None where the master is rigid or none of it faces the slave."""
-
-
 def facing_facets(fields: Fields) -> NDArray[np.int64]:
     """(f, k) nodes of the slave's contact facets that face the other body wholly, as in
     `ContactFields.facet_nodes`.
@@ -91,29 +87,18 @@ def project(fields: Fields, values: Array) -> Array:
     return np.asarray(splu((weighted @ basis).tocsc()).solve(weighted @ values[members]))
 
 
-def recover_surfaces(fields: Fields, frame: Frame, pressure: Callable[[Array], Array]) -> Surfaces:
-    """Points, pressure, gap and displacement on the contact surfaces of slave and master.
+def recover_surface(fields: Fields, frame: Frame, pressure: Callable[[Array], Array]) -> Surface:
+    """Points, pressure, gap and displacement on the slave's contact surface.
 
-    pressure: function that gives the smooth pressure (n,), MPa, at points (n, 3) in space, mm; it
-        holds for both surfaces. The second entry is None where the master is rigid, or no
-        facet of it faces the slave.
+    pressure: function that gives the smooth pressure (n,), MPa, at points (n, 3) in space, mm.
     """
-
-    def surface(facets: NDArray[np.int64], gap: Array) -> Surface:
-        """Fields on one surface. facets (f, k): nodes. gap (n,): at these nodes, mm."""
-        nodes, triangles = triangulated(fields, facets)
-        points = fields.points[nodes]
-        return Surface(
-            points=points,
-            local=frame.local(points)[:, :2],
-            triangles=triangles,
-            pressure=pressure(points),
-            gap=gap,
-            displacement=fields.displacement[nodes],
-        )
-
-    own = surface(facing_facets(fields), project(fields, fields.contact.gap))
-    other = fields.master_surface
-    if other is None or not len(other.facet_nodes):
-        return own, None
-    return own, surface(other.facet_nodes, other.gap)
+    nodes, triangles = triangulated(fields, facing_facets(fields))
+    points = fields.points[nodes]
+    return Surface(
+        points=points,
+        local=frame.local(points)[:, :2],
+        triangles=triangles,
+        pressure=pressure(points),
+        gap=project(fields, fields.contact.gap),
+        displacement=fields.displacement[nodes],
+    )

@@ -8,7 +8,6 @@ from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from railhead.meshing.bodies import other
 from railhead.postprocess import symmetry
 from railhead.postprocess.findings import BASE_UNITS, Array, Units
 from railhead.postprocess.pass_rows import Passes
@@ -132,9 +131,9 @@ def write_grids(solved: Solved, stresses: Array | None, folder: Path) -> None:
 
 def paraview_grids(solved: Solved, stresses: Array | None) -> Iterator[tuple[str, meshio.Mesh]]:
     """Names and grids of the files for ParaView: with passes "passes_section"; with stresses
-    "contact" (contact surfaces), "solution" (cells), where steel yields "residual" (cells after the
-    load), and with friction "traction" (contact points). Cells are those that were meshed, the
-    others have the images of what symmetry left out.
+    "contact" (the slave's contact surface), "solution" (cells), where steel yields "residual"
+    (cells after the load), and with friction "traction" (contact points). Cells are those that
+    were meshed, the others have the images of what symmetry left out.
 
     stresses (n, 6): as of `nodal_stress`.
     """
@@ -147,9 +146,7 @@ def paraview_grids(solved: Solved, stresses: Array | None) -> Iterator[tuple[str
         return
     assert isinstance(solved, MeshSolution) and solved.fields and solved.findings
     fields, found = solved.fields, solved.findings
-    both = {fields.slave: found.surface, other(fields.slave): found.opposite}
-    surfaces = {tag: each for tag, each in both.items() if each is not None}
-    yield "contact", symmetry.grid(vtu.contact_grid(surfaces), fields.mirrors)
+    yield "contact", symmetry.grid(vtu.contact_grid(found.surface, fields.slave), fields.mirrors)
     yield "solution", vtu.volume_grid(fields, stresses)
     if (left := solved.unloaded_fields) is not None:
         yield "residual", vtu.volume_grid(left, gauss_points.nodal_stress(left))
@@ -189,7 +186,7 @@ def _shown(solved: Solved, units: Units) -> Shown | None:
     fields = solved.fields
     assert fields is not None
     planes = fields.mirrors
-    found = replace(found, surface=symmetry.surface(found.surface, planes), opposite=None)
+    found = replace(found, surface=symmetry.surface(found.surface, planes))
     return replace(
         shown,
         found=found,

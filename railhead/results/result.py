@@ -287,7 +287,7 @@ class Result(terminal.Drawn):
 
     def to_pyvista(self) -> Any:
         """The grids of the .vtu files (docs/files.md) as a pyvista.MultiBlock, in mm and MPa: the
-        blocks "solution" (cells), "contact" (contact surfaces), with friction "traction" (contact
+        blocks "solution" (cells), "contact" (contact surface), with friction "traction" (contact
         points), where steel yields "residual" (cells after the load), with passes "passes_section".
 
         Cells are those that were meshed; the others have the mirror images of what symmetry left

@@ -324,7 +324,7 @@ class SolidFriction:
         far = self.response.far_displacement(self.settings.axes[:2] @ total)
         solution = self.model.press(replace(case, force=force, support_displacement=far))
         if solution.newton.converged:
-            fields = gather(self.model, solution, facing=False)
+            fields = gather(self.model, solution)
             smooth = shared_patches(self.model, fields, parabolic=self._parabolic)
             if len(smooth) < len(self.patches):
                 raise ValueError("two patches have become one under the tractions")
@@ -452,7 +452,7 @@ def solve_by_suited_method(
     """
     if model.setup.kinematics.dim == 2:
         return condensed_friction(model, response, case, pressed)
-    fields = gather(model, pressed, facing=False)
+    fields = gather(model, pressed)
     if model.comm.bcast(fields is not None and misplaced(fields)):
         return pressed
     if model.setup.load_path is not None:

@@ -13,10 +13,9 @@ import weakref
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
-import scipy.sparse as sp
 from petsc4py import PETSc
 
 from railhead.solver.algebra.reduced_stiffness import Stiffness
@@ -30,7 +29,6 @@ from railhead.solver.space.operators import (
     vector,
     weighted_product,
 )
-from railhead.solver.space.supports import Reduction
 from railhead.theory.array_types import Array, Mask
 
 
@@ -94,6 +92,29 @@ class ContactProblem:
     reference_force: float = 0.0
     _tangents: list[Any] = field(init=False, repr=False, default_factory=list)
     tangent_depends_on_state: ClassVar[bool] = False
+
+    @classmethod
+    def reduced(
+        cls, law: ContactLaw, stiffness: Stiffness, face: Interface, p: PETSc.Mat, **more: Any
+    ) -> Self:
+        """Contact problem in the free unknowns, from the matrices of an interface on all dofs
+        (collective).
+
+        stiffness: P^T K P of the free unknowns, N/mm, to which the part is added that all active
+            sets share. p: map P from free unknowns to dofs. more: the other fields.
+        """
+        made = cls(
+            law=law,
+            stiffness=stiffness,
+            gap=face.gap.matMult(p),
+            stress=face.stress.matMult(p),
+            area=face.weights,
+            bound=face.stiffness_bound(law),
+            **more,
+        )
+        if made.consistency:  # normal stress depends on the nodes of one cell, as blocks do
+            stiffness.add(made.stress, -made.consistency * made.weight)
+        return made
 
     def shared(self) -> dict[str, Any]:
         """Fields by name, for another problem with the same matrices and a force vector of its own,
@@ -301,45 +322,3 @@ class ContactProblem:
         add_transposed(self.test_operator, -self.weight * active * self.offset, rhs)
         self.add_consistency_forces(-self.start_stress, rhs)
         return rhs
-
-
-def reduce_problem(
-    stiffness: PETSc.Mat,
-    interface: Interface,
-    reduction: Reduction,
-    law: ContactLaw,
-    gap_per_approach: Array,
-) -> ContactProblem:
-    """Contact problem in the free unknowns, with zero load and start stress (collective).
-
-    stiffness: stiffness on all dofs, N/mm; its storage is reused, so that it must not be used
-        afterwards.
-    interface: contact points with the matrices of gap and normal stress on all dofs.
-    reduction: map from free unknowns to dofs.
-    law: contact law.
-    gap_per_approach: (n,) change of the gap per unit approach of a rigid moving body; without
-        effect where that is meshed.
-    """
-    p = reduction.matrix
-    gap = interface.gap.matMult(p)
-    if reduction.rigid_approach:
-        count = len(gap_per_approach)
-        places = np.arange(count), np.full(count, reduction.columns[0])
-        table = sp.csr_matrix((gap_per_approach, places), shape=(count, p.getSize()[1]))
-        extra = petsc_matrix(table, p.getLocalSize()[1], p.comm.tompi4py())
-        gap.axpy(1.0, extra, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
-    reduced = Stiffness.reduced(stiffness, reduction)
-    problem = ContactProblem(
-        law=law,
-        stiffness=reduced,
-        gap=gap,
-        stress=interface.stress.matMult(p),
-        area=interface.weights,
-        bound=interface.stiffness_bound(law),
-        force=reduced.vector(),
-        start_gap=interface.initial_gap,
-        start_stress=np.zeros_like(gap_per_approach),
-    )
-    if problem.consistency:  # normal stress depends on the nodes of one cell, as blocks do
-        reduced.add(problem.stress, -problem.consistency * problem.weight)
-    return problem

@@ -133,25 +133,17 @@ def _problem(
     for hub, place in zip(unknowns.hubs, unknowns.reduction.places, strict=True):
         if place >= 0:
             reduced.array[place] += loads[hub][0]
-    stiffness = unknowns.stiffness.copy()
-    values = {
-        "law": law,
-        "stiffness": stiffness,
-        "gap": pairing.gap.matMult(p),
-        "stress": pairing.stress.matMult(p),
-        "area": pairing.weights,
-        "bound": pairing.stiffness_bound(law),
+    more: dict[str, Any] = {
         "force": reduced,
         "start_gap": pairing.initial_gap + (pairing.gap * prescribed).array,
         "start_stress": (pairing.stress * prescribed).array.copy(),
     }
-    problem: ContactProblem
+    given = law, unknowns.stiffness.copy(), pairing, p
     if not model.remembers:
-        problem = ContactProblem(**values)
-    else:
-        problem = _with_history(model, before, pairing, loads, prescribed, values)
-    if problem.consistency:
-        stiffness.add(problem.stress, -problem.consistency * problem.weight)
+        return ContactProblem.reduced(*given, **more), prescribed
+    more |= _with_history(model, before, pairing, loads, prescribed)
+    problem = FrictionalProblem.reduced(*given, **more)
+    problem.set_prescribed_strain(prescribed)
     return problem, prescribed
 
 
@@ -161,9 +153,8 @@ def _with_history(
     pairing: Interface,
     loads: HubLoads,
     prescribed: PETSc.Vec,
-    values: dict[str, Any],
-) -> FrictionalProblem:
-    """Equations with yield and friction, from those without them."""
+) -> dict[str, Any]:
+    """Fields of the equations with yield and friction that those without them do not have."""
     unknowns, shape = model.unknowns(loads), pairing.tangents.shape[:2]
     p, bulk = unknowns.reduction.matrix, unknowns.points
     surface = surface_points(pairing, None, model.bulk, unknowns.reduction, model.comm)
@@ -184,20 +175,17 @@ def _with_history(
     sheared = (dyads(along + normals) - dyads(along) - dyads(normals)) / 2
     slipped = prescribed - before.displacement
     friction = np.array([each.friction for each in model.surfaces.contacts])
-    problem = FrictionalProblem(
-        **values,
-        bulk=bulk,
-        surface=surface,
-        normal_dyads=dyads(pairing.normals),
-        coefficient=friction[pairing.contact],
-        slip=pairing.slip.matMult(p),
-        shear=pairing.shear.matMult(p),
-        start_slip=(pairing.slip * slipped).array.reshape(shape).copy(),
-        start_shear=(pairing.shear * prescribed).array.reshape(shape).copy(),
-        shear_dyads=sheared.reshape(*shape, sheared.shape[1]),
-    )
-    problem.set_prescribed_strain(prescribed)
-    return problem
+    return {
+        "bulk": bulk,
+        "surface": surface,
+        "normal_dyads": dyads(pairing.normals),
+        "coefficient": friction[pairing.contact],
+        "slip": pairing.slip.matMult(p),
+        "shear": pairing.shear.matMult(p),
+        "start_slip": (pairing.slip * slipped).array.reshape(shape).copy(),
+        "start_shear": (pairing.shear * prescribed).array.reshape(shape).copy(),
+        "shear_dyads": sheared.reshape(*shape, sheared.shape[1]),
+    }
 
 
 def _state(

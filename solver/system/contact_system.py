@@ -8,6 +8,7 @@ from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 from mpi4py import MPI
 from petsc4py import PETSc
 
@@ -15,12 +16,17 @@ from railhead.solver import compat
 from railhead.solver.algebra import linear, newton
 from railhead.solver.algebra.linear import Preconditioner
 from railhead.solver.algebra.multigrid import Hierarchy, PMultigrid
-from railhead.solver.algebra.problem import ContactProblem, reduce_problem
-from railhead.solver.algebra.reduced_stiffness import SupportReactions, unit_vector
+from railhead.solver.algebra.problem import ContactProblem
+from railhead.solver.algebra.reduced_stiffness import (
+    DIFFERENT,
+    Stiffness,
+    SupportReactions,
+    unit_vector,
+)
 from railhead.solver.material import assemble
 from railhead.solver.space.cells import Bulk
 from railhead.solver.space.contact_interface import Interface
-from railhead.solver.space.operators import add_transposed, vector
+from railhead.solver.space.operators import add_transposed, petsc_matrix, vector
 from railhead.solver.space.supports import (
     Clamp,
     Held,
@@ -144,10 +150,23 @@ class ContactSystem:
         material = self.materials[setup.slave]
         self.law = setup.law.suited(material.young_modulus, material.lame)
         self.gap_per_approach: Array = self.interface.normals @ setup.push
-        self.problem: ContactProblem = reduce_problem(
-            stiffness, self.interface, self.reduction, self.law, self.gap_per_approach
-        )
+        reduced, p = Stiffness.reduced(stiffness, self.reduction), self.reduction.matrix
         del stiffness
+        self.problem: ContactProblem = ContactProblem.reduced(
+            self.law,
+            reduced,
+            self.interface,
+            p,
+            force=reduced.vector(),
+            start_gap=self.interface.initial_gap,
+            start_stress=np.zeros_like(self.gap_per_approach),
+        )
+        if self.reduction.rigid_approach:
+            count = len(self.gap_per_approach)
+            places = np.arange(count), np.full(count, self.reduction.columns[0])
+            table = sp.csr_matrix((self.gap_per_approach, places), shape=(count, p.getSize()[1]))
+            moved = petsc_matrix(table, p.getLocalSize()[1], self.comm)
+            self.problem.gap.axpy(1.0, moved, DIFFERENT)
         compat.collect(self.comm)
 
     def release(self) -> None:

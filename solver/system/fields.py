@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhead.solver import compat
-from railhead.solver.space.contact_interface import Gap
-from railhead.solver.space.facets import FacetSet, facet_closure, pair
+from railhead.solver.space.facets import FacetSet, facet_closure
 from railhead.solver.space.kinematics import SOLID, Kinematics
 from railhead.solver.system.contact_system import ContactSystem
 from railhead.solver.system.solution import PlasticStrain, Solution
@@ -70,8 +69,6 @@ class Fields:
     plastic_strain: plastic strain in all m cells, zero where it is not followed; None where no body
         yields.
     rubs: whether unlike materials rub: they slip under pressure, and tractions change it.
-    master_surface: gap at the nodes of the other contact surface that face the slave; None where
-        that body is rigid, and where `gather` leaves it out.
     """
 
     points: Array
@@ -87,7 +84,6 @@ class Fields:
     kinematics: Kinematics = SOLID
     plastic_strain: PlasticStrain | None = None
     rubs: bool = False
-    master_surface: MasterSurface | None = None
 
     @property
     def copies(self) -> int:
@@ -95,9 +91,9 @@ class Fields:
         return self.kinematics.copies(len(self.mirrors))
 
 
-def gather(model: ContactSystem, solution: Solution, *, facing: bool = True) -> Fields | None:
+def gather(model: ContactSystem, solution: Solution) -> Fields | None:
     """Collect the fields of a solution from all ranks on rank 0; returns None on the other ranks
-    (collective). facing: whether `master_surface` is computed.
+    (collective).
     """
     comm, space = model.comm, model.bulk.space
     topology = space.mesh.topology
@@ -142,13 +138,6 @@ def gather(model: ContactSystem, solution: Solution, *, facing: bool = True) -> 
     plastic = solution.plastic_strain
     if plastic is not None:
         plastic = PlasticStrain(**collected(strain=plastic.strain, equivalent=plastic.equivalent))
-    surface = None
-    if facing and interface.master is not None:
-        slave, master = interface.slave.gathered(comm), interface.master
-        if comm.rank == 0:
-            surface = master_surface(
-                slave, master, model.setup.gap, nodal["points"], nodal["displacement"]
-            )
     if comm.rank:
         return None
     return Fields(
@@ -161,72 +150,10 @@ def gather(model: ContactSystem, solution: Solution, *, facing: bool = True) -> 
         kinematics=kinematics,
         plastic_strain=plastic,
         rubs=solution.friction is not None and not model.setup.material_pair.like,
-        master_surface=surface,
     )
-
-
-ITERATIONS = 4  # of the search for the normal that ends at a node
-MISS_PER_GAP, MISS_PER_FACET = 0.1, 0.02  # by which that normal may miss, of gap and facet length
-
-
-@dataclass(frozen=True)
-class MasterSurface:
-    """Gap at n nodes of the master's contact surface: those of the f facets at each of whose nodes
-    a normal of the slave ends. Without such facets n is 0.
-
-    facet_nodes: (f, k) nodes of these facets as row numbers of `Fields.points`, corners first,
-        basix order.
-    nodes: (n,) all nodes of these facets, as row numbers of `Fields.points`.
-    gap: gap between the deformed surfaces along the slave's normal (n,), mm, negative where they
-        overlap.
-    """
-
-    facet_nodes: NDArray[np.int64]
-    nodes: NDArray[np.int64]
-    gap: Array
 
 
 def facet_dofs(facets: FacetSet) -> NDArray[np.int64]:
     """Global block dofs (m, k) that lie on each of m facets, corners first, basix order."""
     closure = facet_closure(facets.cell, facets.degree)
     return np.take_along_axis(facets.dofs, closure[facets.local_facet], axis=1)
-
-
-def master_surface(
-    slave: FacetSet, master: FacetSet, exact: Gap, points: Array, displacement: Array
-) -> MasterSurface:
-    """Gap g0 + n . (u_master - u_slave) at the nodes of the master that face the slave; n is the
-    slave's normal.
-
-    The point of the slave that faces a node is searched by following the normal that the slave has
-    at the last guess, four times (ITERATIONS). Nodes for which the normal still misses, or where
-    the exact gap is not finite, are left out, and so are facets with such a node.
-
-    slave, master: contact facets of all ranks.
-    exact: exact initial gap and the slave's outward normals.
-    points: position of all nodes of the mesh in space (n, 3), mm.
-    displacement: displacement of these nodes in space (n, 3), mm.
-    """
-    faces = facet_dofs(master)
-    nodes = np.unique(faces)
-    kinematics = slave.kinematics
-    placed = kinematics.flatten(points[nodes] - np.array(kinematics.offset))
-    gap, normals = exact(points[nodes])
-    for _ in range(ITERATIONS):
-        partner, xi = pair(placed, kinematics.flatten(normals), slave)
-        seen = np.isfinite(gap) & (partner >= 0)
-        nodes, placed, partner, xi = nodes[seen], placed[seen], partner[seen], xi[seen]
-        below = slave.tangents(partner, xi)[0]
-        gap, normals = exact(kinematics.lift(below))
-    gap = np.where(np.isfinite(gap), gap, np.nan)
-    missed = placed - below - gap[:, None] * kinematics.flatten(normals)
-    size = np.linalg.norm(slave.vertices[partner, 1] - slave.vertices[partner, 0], axis=1)
-    seen = np.linalg.norm(missed, axis=1) < MISS_PER_GAP * gap + MISS_PER_FACET * size
-    nodes, gap, normals = nodes[seen], gap[seen], normals[seen]
-    partner, xi = partner[seen], xi[seen]
-    phi, _ = slave.basis(partner, slave.reference(partner, xi))
-    other = np.einsum("nd,ndc->nc", phi, displacement[slave.dofs[partner]])
-    moved = np.einsum("nc,nc->n", normals, displacement[nodes] - other)
-    faces = faces[np.isin(faces, nodes).all(axis=1)]
-    used = np.isin(nodes, faces)
-    return MasterSurface(faces, nodes[used], (gap + moved)[used])

@@ -53,7 +53,7 @@ def test_tensor_rows_and_invariants(blocks) -> None:
 def test_contact_file_holds_pressure_and_gap(blocks, tmp_path) -> None:
     case = blocks()
     surface = replace(case.findings.surface, gap=np.arange(len(case.findings.surface.gap)) / 7)
-    vtu.write(vtu.contact_grid({1: surface}), tmp_path / "contact.vtu")
+    vtu.write(vtu.contact_grid(surface, case.fields.slave), tmp_path / "contact.vtu")
     back = pv.read(tmp_path / "contact.vtu")
     assert np.array_equal(back.points, surface.points)
     found = np.sort(back.cells.reshape(-1, 4)[:, 1:], axis=1)
@@ -73,11 +73,10 @@ def test_triangles_look_out_of_their_body(blocks) -> None:
     surface = blocks().findings.surface
     mixed = surface.triangles.copy()
     mixed[::2] = mixed[::2, ::-1]
-    grid = vtu.contact_grid({1: surface, 2: replace(surface, triangles=mixed)})
-    a, b, c = grid.points[grid.cells[0].data].transpose(1, 0, 2)
-    up = np.cross(b - a, c - a)[:, 2]
-    body = grid.cell_data["body"][0]
-    assert np.all(up[body == 1] > 0) and np.all(up[body == 2] < 0)
+    for tag, sense in ((1, 1), (2, -1)):
+        grid = vtu.contact_grid(replace(surface, triangles=mixed), tag)
+        a, b, c = grid.points[grid.cells[0].data].transpose(1, 0, 2)
+        assert np.all(sense * np.cross(b - a, c - a)[:, 2] > 0)
 
 
 def with_a_hole(stress):
