@@ -3,6 +3,7 @@ or the section alone."""
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -80,39 +81,25 @@ def _session() -> Iterator[Any]:
         gmsh.finalize()
 
 
-ModelSnapshot = tuple[list[tuple[Any, ...]], list[tuple[int, int, str, Array]]]
-"""Mesh of each entity, and the physical groups."""
-
-
-def snapshot_model() -> ModelSnapshot:
-    """Nodes, elements and physical groups of the current gmsh model, as data that can be sent to
-    another process.
-
-    Returns a list with (entity, nodes, elements) of each entity and a list with (dimension, tag,
-    name, entities) of each physical group.
+def to_bytes() -> bytes:
+    """Nodes, elements and physical groups of the current gmsh model, as a binary .msh file has
+    them. OSError: no temporary file can be made.
     """
-    model, mesh = gmsh.model, gmsh.model.mesh
-    entities = [(at, mesh.getNodes(*at)[:2], mesh.getElements(*at)) for at in model.getEntities()]
-    groups = [
-        (*at, model.getPhysicalName(*at), model.getEntitiesForPhysicalGroup(*at))
-        for at in model.getPhysicalGroups()
-    ]
-    return entities, groups
+    with tempfile.NamedTemporaryFile(suffix=".msh") as file:
+        gmsh.option.setNumber("Mesh.Binary", 1)
+        gmsh.write(file.name)
+        return file.read()
 
 
 @contextmanager
-def restore_model(found: ModelSnapshot) -> Iterator[Any]:
-    """Context that yields a new gmsh model with the mesh and the physical groups of a result of
-    `snapshot_model`; gmsh is closed when the context ends.
+def from_bytes(content: bytes) -> Iterator[Any]:
+    """Context that yields the gmsh model that `to_bytes` made of another one; gmsh is closed when
+    the context ends. OSError: no temporary file can be written.
     """
-    entities, groups = found
-    with _session() as gmsh_model:
-        for at, nodes, elements in entities:
-            gmsh_model.addDiscreteEntity(*at)
-            gmsh_model.mesh.addNodes(*at, *nodes)
-            gmsh_model.mesh.addElements(*at, *elements)
-        for dim, tag, name, members in groups:
-            gmsh_model.addPhysicalGroup(dim, members, tag, name)
+    with tempfile.NamedTemporaryFile(suffix=".msh") as file, _session() as gmsh_model:
+        file.write(content)
+        file.flush()
+        gmsh.merge(file.name)
         yield gmsh_model
 
 
@@ -261,20 +248,22 @@ def _mesh(bodies: list[Body], grading: Grading, options: Options) -> None:
     field = gmsh.model.mesh.field.add("MathEval")
     gmsh.model.mesh.field.setString(field, "F", expression)
     gmsh.model.mesh.field.setAsBackgroundMesh(field)
+    settings = {
+        "MeshSizeExtendFromBoundary": 0,
+        "MeshSizeFromPoints": 0,
+        "MeshSizeFromCurvature": 0 if hexahedra else options.per_turn,
+        "MeshSizeMin": 0.2 * grading.size,
+        "MeshSizeMax": grading.coarsest,
+        "Algorithm3D": 10,  # HXT: faster, better shaped than Delaunay; not used by sweeps in layers
+    }
     if options.plane:  # sizes along a curve add up to this, instead of 1e-9 in three times as long
-        gmsh.option.setNumber("Mesh.LcIntegrationPrecision", 1e-6)
-    gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
-    gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 0)
-    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 0 if hexahedra else options.per_turn)
-    gmsh.option.setNumber("Mesh.MeshSizeMin", 0.2 * grading.size)
-    gmsh.option.setNumber("Mesh.MeshSizeMax", grading.coarsest)
+        settings["LcIntegrationPrecision"] = 1e-6
     if hexahedra:
-        gmsh.option.setNumber("Mesh.RecombineAll", 1)
-        gmsh.option.setNumber("Mesh.RecombinationAlgorithm", 3)
+        settings |= {"RecombineAll": 1, "RecombinationAlgorithm": 3}
         for _, curve in gmsh.model.getEntities(1):
             _at_least_two_elements(curve, grading, options)
-    else:
-        gmsh.option.setNumber("Mesh.Algorithm3D", 10)  # HXT: faster, better shaped than Delaunay
+    for name, value in settings.items():
+        gmsh.option.setNumber(f"Mesh.{name}", value)
     gmsh.model.mesh.generate(options.dim)
     if options.geometry_degree > 1:
         gmsh.model.mesh.setOrder(options.geometry_degree)

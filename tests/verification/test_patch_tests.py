@@ -18,7 +18,7 @@ from railhead.meshing.grading import Grading
 from railhead.postprocess.stress import gauss_points
 from railhead.solver import compat
 from railhead.solver.contact import ContactModel
-from railhead.solver.material import Hardening, Material, assemble
+from railhead.solver.material import Hardening, Material
 from railhead.solver.space.contact_interface import ContactLaw
 from railhead.solver.space.kinematics import SOLID, Kinematics
 from railhead.solver.system.fields import gather
@@ -54,17 +54,6 @@ def test_contact_patch_test_of_nitsche_on_non_matching_meshes(
     weights = model.interface.weights
     assert weights @ solution.pressure / weights.sum() == pytest.approx(expected, rel=1e-4)
     np.testing.assert_allclose(solution.pressure, expected, rtol=tolerance)
-
-
-def test_contact_patch_test_of_penalty_is_off_by_its_own_compliance() -> None:
-    """Mean pressure 0.4 % low from the springs; locally it wavers by a third on P1."""
-    model = contact_model(degree=1, law=ContactLaw("penalty"), **FLAT)
-    solution = press(model, radius=1e9, approach=0.2)
-    weights = model.interface.weights
-    mean = weights @ solution.pressure / weights.sum()
-    assert mean < 10.0
-    assert mean == pytest.approx(10.0, rel=0.03)
-    np.testing.assert_allclose(solution.pressure, mean, rtol=0.4)
 
 
 # Sections, the solver alone: patch tests, balance, and the linear solvers.
@@ -131,35 +120,24 @@ GRADIENT = np.array([[1e-3, 2e-4, 0], [2e-4, -5e-4, 1e-4], [0, 1e-4, 7e-4]])
 
 
 @pytest.mark.parametrize(
-    "blocks, wide, cell, degree, kinematics",
+    "blocks, cell, degree, kinematics",
     [
-        (two_blocks, 10, "tetrahedron", 1, SOLID),
-        (two_blocks, 10, "tetrahedron", 2, SOLID),
-        (two_blocks, 10, "hexahedron", 1, SOLID),
-        (two_half_blocks, 8.9, "tetrahedron", 1, PLANE),
-        (two_half_blocks, 8.9, "hexahedron", 2, PLANE),
-        (two_half_blocks, 8.9, "tetrahedron", 2, RING),
-        (two_half_blocks, 8.9, "hexahedron", 1, RING),
+        (two_blocks, "tetrahedron", 1, SOLID),
+        (two_blocks, "tetrahedron", 2, SOLID),
+        (two_blocks, "hexahedron", 1, SOLID),
+        (two_half_blocks, "tetrahedron", 1, PLANE),
+        (two_half_blocks, "hexahedron", 2, PLANE),
+        (two_half_blocks, "tetrahedron", 2, RING),
+        (two_half_blocks, "hexahedron", 1, RING),
     ],
 )
-def test_bulk_constant_stress(blocks, wide, cell, degree, kinematics) -> None:
-    """K u of a linear displacement vanishes at inner nodes and gives its constant stress, out of
-    the plane of a section too; a ring takes u_r = e r, u_z = f z."""
+def test_constant_stress_is_read_of_a_linear_displacement(blocks, cell, degree, kinematics) -> None:
+    """Out of the plane of a section too; a ring takes u_r = e r, u_z = f z."""
     made, setup = blocks(cell=cell, materials=(STEEL, STEEL), degree=degree, kinematics=kinematics)
     model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
     axes, dim = kinematics.axes, kinematics.dim
     points = model.bulk.space.tabulate_dof_coordinates()[:, :dim]
     gradient = np.diag([1e-3, 7e-4]) if kinematics.revolved else GRADIENT[:dim, :dim]
-    both = dict.fromkeys((RAIL, WHEEL), STEEL)
-    _, stiffness = assemble(made.mesh, made.cell_tags, both, degree, kinematics)
-    u = stiffness.createVecRight()
-    u.array[:] = (points @ gradient).ravel()
-    force = (stiffness * u).array.reshape(-1, dim)
-    inner = ((points[:, :-1] > 1e-9) & (points[:, :-1] < wide - 1e-9)).all(axis=1)
-    inner &= (np.abs(points[:, -1]) > 1e-9) & (np.abs(points[:, -1]) < 10 - 1e-9)
-    assert inner.sum() > 5
-    assert np.abs(force[inner]).max() < 1e-9 * np.abs(force).max()
-
     solution = model.solve(load=1000.0, active=np.ones(len(model.interface.points), bool))
     fields = replace(gather(model, solution), displacement=points @ gradient @ axes)
     strain = axes.T @ gradient @ axes + np.diag([0.0, 1e-3 if kinematics.revolved else 0.0, 0.0])
@@ -216,18 +194,6 @@ def test_action_equals_reaction_between_the_bodies() -> None:
     }
     np.testing.assert_allclose(4 * share[WHEEL], [0, 0, 3000.0], atol=1e-4)
     np.testing.assert_allclose(share[RAIL], -share[WHEEL], atol=1e-9)
-
-
-@pytest.mark.parametrize("wheel", [207000.0, math.inf])
-def test_approach_control_and_load_control_meet(wheel: float) -> None:
-    materials = (STEEL, Material(wheel, 0.3))
-    by_load = press(contact_model(materials=materials))
-    given = contact_model(materials=materials, load_control=False)
-    by_approach = press(given, approach=by_load.approach)
-    assert by_approach.load == pytest.approx(3000.0, rel=1e-7)
-    np.testing.assert_allclose(
-        by_approach.pressure, by_load.pressure, atol=1e-6 * by_load.pressure.max()
-    )
 
 
 @pytest.mark.parametrize("how", block_cases.TRANSFORMS)
