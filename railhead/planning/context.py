@@ -104,8 +104,11 @@ class Context:
     @property
     def deformable(self) -> dict[str, Rail | Wheel]:
         """Tables of the scene of the bodies that deform, by 'rail' and 'wheel'."""
-        bodies = self.scene.bodies.items()
-        return {name: part for name, part in bodies if self.decided[f"deformable_{name}"].on}
+        return {
+            name: part
+            for name, part in self.scene.bodies.items()
+            if self.decided[f"deformable_{name}"].on
+        }
 
     @property
     def stressed(self) -> dict[str, Rail | Wheel]:

@@ -325,9 +325,10 @@ class Plan:
         elements per full turn of a fillet.
         """
         curved = self.order > 1 and not self.contact.half_space
-        cell = self.scene.mesh.cell
         per_turn = SECTION_PER_TURN if self.with_foot else ELEMENTS_PER_TURN
-        return Options(cell, 2 if curved else 1, self.half_x, self.contact.plane, per_turn)
+        return Options(
+            self.scene.mesh.cell, 2 if curved else 1, self.half_x, self.contact.plane, per_turn
+        )
 
     def parts(self) -> list[Body]:
         """Sections and sweeps of the deformable bodies, rail first; of a model cut at y = 0, or of

@@ -391,16 +391,14 @@ class Scene(Section):
         """Whether a group of `GROUPS` is computed: it is asked for, or needed by one that
         is.
         """
-        asked = any(name in (each, *GROUPS[each]) for each in self.quantities)
-        return asked or name == "patch"
+        return name == "patch" or any(name in (each, *GROUPS[each]) for each in self.quantities)
 
     @property
     def rubs(self) -> bool:
         """Whether friction may act: there is a coefficient, and neither the effect is off nor are
         forces left out.
         """
-        on = self.effects.friction != "off" and self.asks("forces")
-        return self.friction.acts and on
+        return self.friction.acts and self.effects.friction != "off" and self.asks("forces")
 
     @property
     def tangential_forces(self) -> tuple[str, float, float]:
