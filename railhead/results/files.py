@@ -108,10 +108,10 @@ def drawings(solved: Solved, summary: Mapping[str, Any], units: Units) -> dict[s
 
 def grids(solved: Solved) -> dict[str, meshio.Mesh]:
     """Grids of the files for ParaView by their names: with passes "passes_section"; with stresses
-    "contact" (the slave's contact surface), "solution" (cells), where steel yields "residual" (cells after the
-    load), and with friction "traction" (contact points). Cells are those that were meshed, the
-    others have the images of what symmetry left out. Of half-spaces, where nothing touches, and off
-    rank 0 there are none but the first.
+    "contact" (the slave's contact surface), "solution" (cells), where steel yields "residual"
+    (cells after the load), and with friction "traction" (contact points). Cells are those that were
+    meshed, the others have the images of what symmetry left out. Of half-spaces, where nothing
+    touches, and off rank 0 there are none but the first.
     """
     fields, found, passes = solved.fields, solved.findings, solved.passes
     with_stresses = fields is not None and found is not None and found.largest
