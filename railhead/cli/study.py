@@ -10,6 +10,7 @@ import sys
 from importlib import import_module
 from pathlib import Path
 
+from railhead.run import process
 from railhead.scene.scene import SceneError
 
 PAGE = "page.md"
@@ -34,7 +35,7 @@ def run(name: str, folder: Path | None, *, quick: bool) -> tuple[Path, str]:
     name: name of the study, with - or _.
     folder: target folder; None for results/<study>.
     quick: whether only a small part of the study is done.
-    Raises SceneError for an unknown name, a folder that holds other files, and several MPI ranks.
+    Raises SceneError for an unknown name, a folder that holds other files, and under mpirun.
     """
     name, known = name.replace("-", "_"), modules()
     if name not in known:
@@ -46,10 +47,7 @@ def run(name: str, folder: Path | None, *, quick: bool) -> tuple[Path, str]:
     from railhead.results import result_folder
 
     result_folder.check_folder(folder, getattr(study, "KEEPS", ()))
-
-    from mpi4py import MPI
-
-    if MPI.COMM_WORLD.size > 1:
+    if process.under_mpi():
         raise SceneError("study", f"{name} measures one process; start it without mpirun")
     with result_folder.claimed(folder), result_folder.replacing(folder) as work:
         study.main(work, quick=quick)

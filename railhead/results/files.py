@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from railhead.postprocess import symmetry
-from railhead.postprocess.findings import BASE_UNITS, Array, Units
+from railhead.postprocess.findings import BASE_UNITS, Units
 from railhead.postprocess.pass_rows import Passes
 from railhead.results import quantity_rows, result_folder
 from railhead.results.subject import subject
 from railhead.run.half_spaces.answer import HalfSpaceSolution, Solved
 from railhead.run.mesh_solution import MeshSolution
-from railhead.theory.elastic.subsurface import von_mises
 
 if TYPE_CHECKING:
     import meshio
@@ -53,12 +52,15 @@ def write(
         (work / TABLE).write_bytes(result_folder.encoded(quantity_rows.everything(summary)))
         if solved.passes is not None and solved.passes.rows:
             _write_passes(solved.passes, work)
-        stresses: Array | None = None
+        made: dict[str, meshio.Mesh] = {}
         with attempt("*.vtu"):
-            stresses = nodal_stress(solved)
-            write_grids(solved, stresses, work)
+            made = grids(solved)
+            if made:
+                from railhead.postprocess import vtu
+
+                for name, grid in made.items():
+                    vtu.write(grid, work / f"{name}.vtu")
         shown: Shown | None = None
-        cells = cache(partial(_cells, solved, stresses))
         with attempt(SHOWN):
             if solved.plan.scene.asks("pictures"):
                 shown = _shown(solved, units)
@@ -67,6 +69,7 @@ def write(
 
                 gallery.save(shown, work / SHOWN)
         if pictures and shown is not None:
+            cells = cache(partial(_cells, solved, made))
             result_folder.draw(gallery.drawings(shown, cells, _friction(summary)), work, attempt)
         if report:
             with attempt("report.html"):
@@ -99,59 +102,38 @@ def drawings(solved: Solved, summary: Mapping[str, Any], units: Units) -> dict[s
     shown = _shown(solved, units)
     if shown is None:
         raise ValueError("there is nothing to draw: nothing touches, or this is not rank 0")
-    cells = cache(lambda: _cells(solved, nodal_stress(solved)))
+    cells = cache(lambda: _cells(solved, grids(solved)))
     return gallery.drawings(shown, cells, _friction(summary))
 
 
-def nodal_stress(solved: Solved) -> Array | None:
-    """Stresses at the nodes (n, 6), columns xx, yy, zz, xy, xz, yz, MPa. None where nothing
-    touches, off rank 0, of half-spaces, and where stresses are left out.
-    """
-    if not isinstance(solved, MeshSolution) or solved.fields is None:
-        return None
-    if solved.findings is None or not solved.findings.largest:
-        return None
-    from railhead.postprocess.stress import gauss_points
-
-    return gauss_points.nodal_stress(solved.fields)
-
-
-def write_grids(solved: Solved, stresses: Array | None, folder: Path) -> None:
-    """Write the files for ParaView into a folder; without stresses none but the section of passes.
-
-    stresses (n, 6): as of `nodal_stress`.
-    """
-    if stresses is None and solved.passes is None:
-        return
-    from railhead.postprocess import vtu
-
-    for name, grid in paraview_grids(solved, stresses):
-        vtu.write(grid, folder / f"{name}.vtu")
-
-
-def paraview_grids(solved: Solved, stresses: Array | None) -> Iterator[tuple[str, meshio.Mesh]]:
-    """Names and grids of the files for ParaView: with passes "passes_section"; with stresses
+def grids(solved: Solved) -> dict[str, meshio.Mesh]:
+    """Grids of the files for ParaView by their names: with passes "passes_section"; with stresses
     "contact" (the slave's contact surface), "solution" (cells), where steel yields "residual"
-    (cells after the load), and with friction "traction" (contact points). Cells are those that
-    were meshed, the others have the images of what symmetry left out.
-
-    stresses (n, 6): as of `nodal_stress`.
+    (cells after the load), and with friction "traction" (contact points). Cells are those that were
+    meshed, the others have the images of what symmetry left out. Of half-spaces, where nothing
+    touches, and off rank 0 there are none but the first.
     """
+    fields, found, passes = solved.fields, solved.findings, solved.passes
+    with_stresses = fields is not None and found is not None and found.largest
+    if not with_stresses and not (passes and passes.rows):
+        return {}
     from railhead.postprocess import vtu
     from railhead.postprocess.stress import gauss_points
 
-    if solved.passes is not None and solved.passes.rows:
-        yield "passes_section", vtu.section_grid(solved.passes.sections[-1])
-    if stresses is None:
-        return
-    assert isinstance(solved, MeshSolution) and solved.fields and solved.findings
-    fields, found = solved.fields, solved.findings
-    yield "contact", symmetry.grid(vtu.contact_grid(found.surface, fields.slave), fields.mirrors)
-    yield "solution", vtu.volume_grid(fields, stresses)
+    made: dict[str, meshio.Mesh] = {}
+    if passes and passes.rows:
+        made["passes_section"] = vtu.section_grid(passes.sections[-1])
+    if not with_stresses:
+        return made
+    assert isinstance(solved, MeshSolution) and fields and found
+    contact = vtu.contact_grid(found.surface, fields.slave)
+    made["contact"] = symmetry.grid(contact, fields.mirrors)
+    made["solution"] = vtu.volume_grid(fields, gauss_points.nodal_stress(fields))
     if (left := solved.unloaded_fields) is not None:
-        yield "residual", vtu.volume_grid(left, gauss_points.nodal_stress(left))
+        made["residual"] = vtu.volume_grid(left, gauss_points.nodal_stress(left))
     if (friction := solved.solution.friction) is not None:
-        yield "traction", symmetry.grid(vtu.traction_points(friction), fields.mirrors)
+        made["traction"] = symmetry.grid(vtu.traction_points(friction), fields.mirrors)
+    return made
 
 
 def _friction(summary: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -196,17 +178,14 @@ def _shown(solved: Solved, units: Units) -> Shown | None:
     )
 
 
-def _cells(solved: Solved, stresses: Array | None) -> meshio.Mesh:
+def _cells(solved: Solved, made: Mapping[str, meshio.Mesh]) -> meshio.Mesh:
     """Grid of the cells, images of what symmetry left out included, of bodies that were unloaded
-    with the von Mises stress that is left at nodes. stresses: as of `nodal_stress`. ValueError:
-    there are none.
+    with the von Mises stress that is left at nodes. made: `grids`. ValueError: there are no cells.
     """
-    from railhead.postprocess import vtu
-    from railhead.postprocess.stress import gauss_points
-
-    if stresses is None or not isinstance(solved, MeshSolution) or solved.fields is None:
+    if solved.fields is None or "solution" not in made:
         raise ValueError("there are no stresses at nodes")
-    grid = vtu.volume_grid(solved.fields, stresses)
-    if (left := solved.unloaded_fields) is not None:
-        grid.point_data["residual_von_mises"] = von_mises(gauss_points.nodal_stress(left))
-    return symmetry.grid(grid, solved.fields.mirrors)
+    whole = symmetry.grid(made["solution"], solved.fields.mirrors)
+    if "residual" in made:
+        left = symmetry.grid(made["residual"], solved.fields.mirrors)
+        whole.point_data["residual_von_mises"] = left.point_data["von_mises"]
+    return whole

@@ -20,7 +20,6 @@ ROUNDING = 1e-9  # of friction times load: a force below it is 0
 FIRST = ("quantity", "unit")
 MADE = ("program", "date")
 ANSWERS = ("FE", "half-spaces")
-REFERENCES = ("elastic", "frictionless")
 RELATIVE = (
     "estimate",
     *(f"{name} - Hertz" for name in ANSWERS),
@@ -29,13 +28,6 @@ RELATIVE = (
     "B - A",
 )
 """Columns of relative numbers."""
-
-
-def reference_name(summary: Mapping[str, Any]) -> str:
-    """Key in summary.json of the solution without yield or friction: "elastic", "frictionless", or
-    empty where the result has neither effect.
-    """
-    return next((each for each in REFERENCES if each in summary), "")
 
 
 def rows(summary: Mapping[str, Any], table: str) -> list[Row]:
@@ -50,7 +42,7 @@ def rows(summary: Mapping[str, Any], table: str) -> list[Row]:
     result = summary["result"]
     if result is None:
         return []
-    answer = ANSWERS[summary.get("method") == ANSWERS[1]]
+    answer = "half-spaces" if summary.get("method") == "half-spaces" else "FE"
     friction = result.get("friction") or {}
     within = summary["accuracy"]["bound"] | dict.fromkeys(friction.get("given", ()), "given")
     within |= dict.fromkeys(friction.get("below_resolution", ()), "below resolution")
@@ -58,7 +50,7 @@ def rows(summary: Mapping[str, Any], table: str) -> list[Row]:
     others: dict[str, Any] = {}
     if table == "contact":
         others = {"half-space": summary.get("half_space"), "Hertz": summary["hertz"]}
-        if answer != ANSWERS[0]:
+        if answer == "half-spaces":
             del others["half-space"]
     elif table == "friction":
         methods = summary.get("half_space_friction") or {}
@@ -89,7 +81,7 @@ def rows(summary: Mapping[str, Any], table: str) -> list[Row]:
         }
         if table == "contact":
             row[f"{answer} - Hertz"] = _relative(row[answer], row["Hertz"])
-            if name := reference_name(summary):
+            for name in summary.keys() & {"elastic", "frictionless"}:
                 row[f"{name} {answer}"] = _cell(each.value(summary[name]), least)
         found.append(row)
     return found

@@ -296,8 +296,7 @@ class Result(terminal.Drawn):
         from railhead.postprocess.pictures.render import load_pyvista
         from railhead.results import files
 
-        pv, stresses = load_pyvista(), files.nodal_stress(self.solved)
-        grids = dict(files.paraview_grids(self.solved, stresses))
+        pv, grids = load_pyvista(), files.grids(self.solved)
         if not grids:
             raise ValueError("no grids: half-spaces answered, nothing touches, or not rank 0")
         return pv.MultiBlock({name: pv.from_meshio(grid) for name, grid in grids.items()})

@@ -43,23 +43,9 @@ def foreign(folder: Path) -> list[str]:
     """Sorted names of the files and folders in a folder that are not in the list of its result's
     files (MANIFEST); all where there is no list.
     """
-    return sorted(set(os.listdir(folder)) - {MANIFEST, *_listed(folder)})
-
-
-def _listed(folder: Path) -> list[str]:
-    """Names in the list of a result's files in its folder (MANIFEST), of which some may not be
-    there; empty without a list.
-    """
     path = folder / MANIFEST
-    return path.read_text("utf-8", errors="replace").splitlines() if path.is_file() else []
-
-
-def _list(folder: Path, names: Collection[str]) -> None:
-    """Write the list of a result's files into its folder (MANIFEST). OSError: it cannot be
-    written.
-    """
-    text = "".join(f"{name}\n" for name in sorted(names))
-    (folder / MANIFEST).write_text(text, encoding="utf-8")
+    listed = path.read_text("utf-8", errors="replace").splitlines() if path.is_file() else []
+    return sorted(set(os.listdir(folder)) - {MANIFEST, *listed})
 
 
 def check_folder(folder: Path, keeps: Collection[str] = ()) -> None:
@@ -278,7 +264,8 @@ def replacing(
     work = _temporary(folder)
     try:
         yield work
-        _list(work, {*os.listdir(work), *later})
+        names = sorted({*os.listdir(work), *later})
+        (work / MANIFEST).write_text("".join(f"{name}\n" for name in names), encoding="utf-8")
         work.chmod(0o755)
         with _locked(folder.parent):
             _settle(folder)
