@@ -373,9 +373,6 @@ class Subject:
     """Words for titles, axis labels and legends of pictures.
 
     title: case, load and pair of profiles; stands above every picture.
-    names: name in pictures of each body, by its name in the results ('rail' or 'wheel').
-    along: where x runs, for example 'along the rail'.
-    across: where s runs, for example 'across the rail'.
     gauge: whether negative s is the gauge side and positive s the field side.
     rolls: whether the wheel rolls, towards positive x.
     has_friction: whether the solution has friction.
@@ -385,20 +382,12 @@ class Subject:
     """
 
     title: str = ""
-    names: Mapping[str, str] = field(default_factory=lambda: {"rail": "rail", "wheel": "wheel"})
-    along: str = "along the rail"
-    across: str = "across the rail"
     gauge: bool = False
     rolls: bool = False
     has_friction: bool = False
     revolved: bool = False
     method: str = "finite elements"
     units: Units = BASE_UNITS
-
-    @property
-    def y(self) -> str:
-        """Label of the scene's axis y, on which s is projected, in mm whatever `units` is."""
-        return "y, mm" if self.revolved else f"y, {self.across}, mm"
 
     def label(self, axis: int) -> str:
         """Label, with its unit and direction, of the picture's axis for x (axis 0) or s (axis 1);
@@ -407,8 +396,8 @@ class Subject:
         if self.revolved:
             return "r, from the axis, mm"
         if axis == 0:
-            return f"x, {self.along}, mm" + (" (rolls towards +x)" if self.rolls else "")
-        return f"s, {self.across}, mm" + ("\n(gauge side < 0 < field side)" if self.gauge else "")
+            return "x, along the rail, mm" + (" (rolls towards +x)" if self.rolls else "")
+        return "s, across the rail, mm" + ("\n(gauge side < 0 < field side)" if self.gauge else "")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -196,7 +196,6 @@ def depth(
     """
     axis = findings.axis
     fine = np.linspace(0, float(axis.depth.max()), 301, dtype=np.float64)
-    names = findings.subject.names
     with new_figure(target, 10, 6.6, findings) as figure:
         panels = tuple(figure.subplots(1, 2, sharey=True, width_ratios=(3, 2)))
         units = findings.subject.units
@@ -208,7 +207,7 @@ def depth(
             return f"{name}\n$\\tau$ up to {units.text(largest, 'MPa')}, {depth} deep"
 
         peak = axis.peak(max_shear(axis.stress))
-        name = label(f"{findings.subject.method}, {names[axis.body]}", *peak)
+        name = label(f"{findings.subject.method}, {axis.body}", *peak)
         _stresses(panels, axis.depth, axis.stress, "o", FE, name, peak)
         if hertz is not None:
             name = f"exact Hertz, {hertz.shape}"
@@ -221,7 +220,7 @@ def depth(
         _name_curves(panels[0], axis)
         panels[0].set(
             xlabel="principal stress, MPa",
-            ylabel=f"depth in the {names[axis.body]}, below the middle of the {patch}, mm",
+            ylabel=f"depth in the {axis.body}, below the middle of the {patch}, mm",
         )
         panels[1].set(
             xlabel="largest shear stress $\\tau$, MPa\n(+ its peak on this line)",

@@ -82,12 +82,11 @@ def draw_tractions(
         name = r"friction times pressure, $\pm\mu p$"
         axes.plot(x, values[:, 2], color=HERTZ, lw=1.2, label=name)
         axes.plot(x, -values[:, 2], color=HERTZ, lw=1.2)
-        name = f"traction {(subject.along, subject.across)[line]}"
-        axes.plot(x, values[:, line], color=FE, label=name)
-        if not flat:
-            axes.plot(x, values[:, 1], color=ACROSS, label=f"traction {subject.across}")
-        upper, lower = subject.names["wheel"], subject.names["rail"]
-        axes.set(xlabel=subject.label(line), ylabel=f"traction of the {upper} on the {lower}, MPa")
+        ways = ("along", FE), ("across", ACROSS)
+        for axis in [line] if flat else (0, 1):
+            way, colour = ways[axis]
+            axes.plot(x, values[:, axis], color=colour, label=f"traction {way} the rail")
+        axes.set(xlabel=subject.label(line), ylabel="traction of the wheel on the rail, MPa")
         handles = axes.get_legend_handles_labels()
         figure.legend(*handles, loc="outside upper right", ncols=1 + count)
     return figure
@@ -97,8 +96,7 @@ def _rise(axes: Axes, local: Array, rise: Array, findings: Findings) -> None:
     """Draw the rise (n,) of the rail's surface temperature, K, at x and s (n, 2), mm."""
     drawn = axes.tripcolor(*local.T, rise, shading="gouraud", cmap="inferno")
     over_patches(axes, drawn, findings)
-    name = findings.subject.names["rail"]
-    axes.figure.colorbar(drawn, ax=axes, label=f"temperature rise, {name}, K")
+    axes.figure.colorbar(drawn, ax=axes, label="temperature rise, rail, K")
 
 
 def _map(

@@ -117,7 +117,7 @@ def bodies(grid: meshio.Mesh, axis: int, findings: Findings, target: Target = No
         right.set(xlabel=subject.label(axis).split("\n")[0], ylabel="height over the contact, mm")
         right.set_xlim((low + high) / 2 + 0.7 * (high - low) * np.array([-1.0, 1.0]))
         right.set_ylim(low - high, high - low)
-        _legend(figure, right, subject.names, skins)
+        _legend(figure, right, skins)
     return figure
 
 
@@ -173,15 +173,15 @@ def _draw_faces(axes: Axes, skins: Mapping[str, Any], view: Array, origin: Array
     axes.autoscale_view()
 
 
-def _legend(figure: Figure, axes: Axes, names: Mapping[str, str], drawn: Iterable[str]) -> None:
+def _legend(figure: Figure, axes: Axes, drawn: Iterable[str]) -> None:
     """Draw the legend of the bodies that are drawn and of the patch, and say on the axes which body
-    is not meshed. names: in pictures, by body name.
+    is not meshed.
     """
-    swatches = [Swatch(fc=COLOURS[name], ec=EDGE, label=names[name]) for name in drawn]
+    swatches = [Swatch(fc=COLOURS[name], ec=EDGE, label=name) for name in drawn]
     swatches.append(Swatch(fc=CONTACT, label="contact patch"))
     figure.legend(handles=swatches, loc="outside upper center", ncols=3)
     for name in set(BODY_NAMES.values()).difference(drawn):
-        text, side = f"{names[name]}: not meshed", 0.25 if name == "rail" else 0.75
+        text, side = f"{name}: not meshed", 0.25 if name == "rail" else 0.75
         axes.text(0.5, side, text, transform=axes.transAxes, ha="center")
 
 
@@ -285,7 +285,7 @@ def _draw_bands(
     axes.grid(False)
     for body in BODY_NAMES.values():
         height, side = (0.03, "bottom") if body == "rail" else (0.97, "top")
-        text = subject.names[body] + ("" if body in sections else ": not meshed")
+        text = body if body in sections else f"{body}: not meshed"
         axes.text(0.02, height, text, transform=axes.transAxes, va=side, fontsize=13)
 
 
@@ -303,6 +303,6 @@ def _mark_largest(axes: Axes, findings: Findings, axis: int) -> None:
             subject.units.text(peak.value, "MPa"),
             subject.units.text(peak.depth, "mm", 3),
         )
-        label = rf"$\tau_{{max}}$ in the {subject.names[body]}: {value}, {depth} deep"
+        label = rf"$\tau_{{max}}$ in the {body}: {value}, {depth} deep"
         look: dict[str, Any] = {"ms": 10, "mfc": "white", "mec": "black", "ls": "none"}
         axes.plot(local[axis], local[2], "v" if body == "rail" else "^", label=label, **look)

@@ -78,17 +78,11 @@ def test_triangles_look_out_of_their_body(blocks) -> None:
         assert np.all(sense * np.cross(b - a, c - a)[:, 2] > 0)
 
 
-def with_a_hole(stress):
-    holed = stress.copy()
-    holed[3, 2] = np.nan
-    return holed
-
-
 @pytest.mark.parametrize(
     ("call", "words"),
     [
         (lambda case: vtu.volume_grid(case.fields, case.stress[1:]), "stress must be"),
-        (lambda case: vtu.volume_grid(case.fields, with_a_hole(case.stress)), "finite"),
+        (lambda case: vtu.volume_grid(case.fields, np.where(case.stress > 0, np.nan, 0)), "finite"),
         (lambda case: vtu.volume_grid(replace(case.fields, degree=3), case.stress), "degree 3"),
     ],
 )
