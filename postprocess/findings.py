@@ -66,12 +66,6 @@ class Frame:
         px, py, pz = np.array(self.origin) + np.array([x, s, height]) @ self.axes
         return float(px), float(py), float(pz)
 
-    def below(self, x: float, s: float, body: str, depth: float) -> Place:
-        """Point (x, y, z) in space, mm, at a depth (mm) from the tangent plane at x, s (mm) into
-        the body 'rail' or 'wheel'.
-        """
-        return self.place(x, s, -depth if body == "rail" else depth)
-
     def local(self, points: Array) -> Array:
         """Coordinates (n, 3) in the contact frame, mm: x, s and height over the tangent plane, of
         points (n, 3) in space, mm.

@@ -93,20 +93,15 @@ def surface(part: Surface, planes: Planes) -> Surface:
 
 def tractions(part: FrictionSolution, planes: Planes) -> FrictionSolution:
     """Friction at n contact points joined with its images: all its arrays (n,) and vectors (n, 3).
-    Weights sum up to the same area; forces and motions stay.
+    Weights sum up to the same area; forces and motions stay. Other solutions in it are left out.
     """
     values: dict[str, Any] = {
         name: vectors(value, planes) if value.ndim > 1 else repeated(value, planes)
         for name, value in vars(part).items()
-        if isinstance(value, np.ndarray) and name != "load_steps"
+        if isinstance(value, np.ndarray)
     }
     values["weights"] /= 2 ** len(planes)
-    return replace(
-        part,
-        **values,
-        without_creepage=part.without_creepage and tractions(part.without_creepage, planes),
-        misread=part.misread and tractions(part.misread, planes),
-    )
+    return replace(part, **values, without_creepage=None, misread=None, coarse=None)
 
 
 def grid(part: meshio.Mesh, planes: Planes) -> meshio.Mesh:

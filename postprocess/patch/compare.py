@@ -254,9 +254,9 @@ def exact_largest(
     """Largest shear and von Mises stress of an exact Hertz contact, on the axis in the body with
     this name and Poisson's ratio. frame: axes at the centre of the patch, for places in space.
     """
-    found = contact.axis_extrema(poisson)
+    found, up = contact.axis_extrema(poisson), -1.0 if body == "rail" else 1.0
     tau, mises = (
-        Peak(value, depth, frame.below(0.0, 0.0, body, depth))
+        Peak(value, depth, frame.place(0.0, 0.0, up * depth))
         for value, depth in (
             (found.tau_max, found.tau_max_depth),
             (found.von_mises_max, found.von_mises_max_depth),

@@ -58,9 +58,9 @@ MEASURES = ("a", "b", "area", "max_pressure")
 AXIS_REACH, AXIS_POINTS = 1.25, 121  # pressure along x and s: in half lengths, either way
 CENTRED = 0.02  # of a half length: a peak nearer to the centre is taken to be at the centre
 Pair = tuple[float, float]
-Elliptic = tuple[Pair, Pair, float, Pair, dict[str, float]]
-"""Centre (x, s) and semi-axes (a, b), mm, largest pressure, MPa, alpha and beta of `ellipsoid`,
-relative errors by MEASURES."""
+Elliptic = Callable[[SquaredPressure], tuple[SquaredPressure, dict[str, float]]]
+"""Gives, with the box and knots of a p^2, that of a nearly elliptic patch, and its relative errors
+by MEASURES."""
 ROUGHNESS_VARIATION = 100.0  # factor and divisor of the roughness: their change is the scatter
 # The same where bodies yield: on 3 to 8 elements the area of the thesis's pair at 80 kN is within
 # 0.4 %; a factor 100 moves it by 3.7 to 0.7 %.
@@ -317,7 +317,7 @@ def _smooth(
     kinematics, found = fields.kinematics, moments(fields, frame)
     given, axes = samples(fields, frame, sizes), kinematics.varying
 
-    def elliptic() -> Elliptic:
+    def elliptic(like: SquaredPressure) -> tuple[SquaredPressure, dict[str, float]]:
         """The nearly elliptic patch by moments; of a section only its second semi-axis counts."""
         peak = largest_pressure(fields, frame, found)
         factors = NEARLY_ELLIPTIC[len(axes), kinematics.revolved]
@@ -331,7 +331,7 @@ def _smooth(
         off = abs(found.force / (peak * volume) - 1)
         largest = max(off, error[axes[0]])
         errors = dict(zip(MEASURES, (*error, error.sum(), largest), strict=True))
-        return centre, (a, b), peak, bulge, errors
+        return ellipsoid(like, centre, (a, b), peak, bulge), errors
 
     measure = outline_shape
     if given.section:
@@ -347,7 +347,7 @@ def _smooth(
         half=((x1 - x0) / 2, (s1 - s0) / 2),
         scatter=scatter,
         force=found.force,
-        unbalance=given.unbalance(shape.force),
+        unbalance=abs(shape.force / float(given.force.sum()) - 1),
         mirrors=tuple(np.array(plane) for plane in fields.mirrors),
         varying=tuple(axes),
     )
@@ -356,7 +356,7 @@ def _smooth(
 def smooth_square(
     given: Samples,
     shape_error: float,
-    elliptic: Callable[[], Elliptic],
+    elliptic: Elliptic,
     measure: Callable[[SquaredPressure], PatchShape],
     *,
     doubt: bool,
@@ -370,7 +370,7 @@ def smooth_square(
     the reconstructed one: yield lowers it before the moments show it. At 1.6 times the load of
     first yield an ellipsoid's is 0.8 % too high. Where unlike materials rub it is `sharp_peak`.
     given: contact points with pressure. shape_error: relative deviation of the moments from those
-    of Hertz's pressure. elliptic: function that gives the nearly elliptic patch. measure: function
+    of Hertz's pressure. elliptic: gives the nearly elliptic patch. measure: function
     that measures the extents of a p^2. doubt: whether uncertainties are wanted, which takes three
     reconstructions.
     """
@@ -385,8 +385,8 @@ def smooth_square(
             peak, off = sharp_peak(given, square, min(shape.a, shape.b))
             shape, scatter = replace(shape, max_pressure=peak), scatter | {"max_pressure": off}
         return square, shape, scatter
-    centre, semi, peak, bulge, errors = elliptic()
-    mixed = blend(square, ellipsoid(square, centre, semi, peak, bulge), share)
+    ellipse, errors = elliptic(square)
+    mixed = blend(square, ellipse, share)
     shape = measure(mixed)
     if share > 0:
         errors = {key: share * scatter[key] + (1 - share) * errors[key] for key in MEASURES}

@@ -95,10 +95,6 @@ class Samples:
         """Highest power of x in the polynomial for p^2; higher of an uneven one, 0 of a section."""
         return 0 if self.section else UNEVEN_DEGREE if self.uneven else DEGREE
 
-    def unbalance(self, force: float) -> float:
-        """Relative difference of a force (N) from that of all points."""
-        return abs(force / float(self.force.sum()) - 1)
-
     def measure(self, s: Array) -> Array:
         """Weight at s (n,) by which an integral over (x, s) becomes one over the contact area: 1
         for bodies in space. Of a section it is the length of the contact at s, mm: the

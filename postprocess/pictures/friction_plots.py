@@ -82,10 +82,10 @@ def draw_tractions(
         name = r"friction times pressure, $\pm\mu p$"
         axes.plot(x, values[:, 2], color=HERTZ, lw=1.2, label=name)
         axes.plot(x, -values[:, 2], color=HERTZ, lw=1.2)
-        name = ("along", "across")[line]
-        axes.plot(x, values[:, line], color=FE, label=f"traction {name} the rail")
-        if not flat:
-            axes.plot(x, values[:, 1], color=ACROSS, label="traction across the rail")
+        ways = ("along", FE), ("across", ACROSS)
+        for axis in [line] if flat else (0, 1):
+            way, colour = ways[axis]
+            axes.plot(x, values[:, axis], color=colour, label=f"traction {way} the rail")
         axes.set(xlabel=subject.label(line), ylabel="traction of the wheel on the rail, MPa")
         handles = axes.get_legend_handles_labels()
         figure.legend(*handles, loc="outside upper right", ncols=1 + count)

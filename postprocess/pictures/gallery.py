@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from railhead.postprocess.pictures.diagrams import Drawing
     from railhead.theory.friction.solution import FrictionSolution
 
-WITHOUT_STRESSES = "pressure.png", "patch.png"
-
 
 @dataclass(frozen=True, kw_only=True)
 class Shown:
@@ -83,51 +81,48 @@ def drawings(
     """
     from railhead.postprocess.pictures import diagrams, friction_plots, pass_plots
 
-    found, exact = shown.found, shown.exact
-    every: dict[str, Drawing]
-    if found.subject.method != "half-spaces":
-        every = _of_bodies(shown, cells)
-        if "p0_over_k" in friction:
-            every["shakedown.png"] = partial(
-                friction_plots.draw_shakedown, friction, shown.poisson, found.subject
-            )
-    elif isinstance(exact, LineContact):
-        every = {"pressure.png": partial(diagrams.pressure, found, exact)}
-    else:
-        every = {"patch.png": partial(diagrams.patch, found, exact)}
-    if shown.passes is not None:
-        every["passes.png"] = partial(pass_plots.draw_passes, shown.passes, found)
-        if len(shown.passes.sections[-1].y) > 1:
-            every["passes_section.png"] = partial(
-                pass_plots.draw_passes_section, shown.passes, found
-            )
-    if not found.largest:  # stresses were left out
-        every = {name: draw for name, draw in every.items() if name in WITHOUT_STRESSES}
+    found, exact, passes = shown.found, shown.exact, shown.passes
+    meshed = found.subject.method != "half-spaces"
+    line = isinstance(exact, LineContact) and not meshed
+    every: dict[str, Drawing] = {}
+    if meshed or line:
+        every["pressure.png"] = partial(diagrams.pressure, found, exact)
+    if len(shown.axes) == 2 and not line:
+        every["patch.png"] = partial(diagrams.patch, found, exact)
+    if meshed and found.largest:
+        every |= _of_stresses(shown, cells, friction)
+    if passes is not None and found.largest:
+        every["passes.png"] = partial(pass_plots.draw_passes, passes, found)
+        if len(passes.sections[-1].y) > 1:
+            every["passes_section.png"] = partial(pass_plots.draw_passes_section, passes, found)
     if shown.friction is not None:
         every["friction.png"] = partial(friction_plots.draw_tractions, shown.friction, found)
     return every
 
 
-def _of_bodies(shown: Shown, cells: Callable[[], meshio.Mesh]) -> dict[str, Drawing]:
-    """Pictures of pressure and stress in meshed bodies; arguments as of `drawings`."""
-    from railhead.postprocess.pictures import diagrams, render
+def _of_stresses(
+    shown: Shown, cells: Callable[[], meshio.Mesh], friction: Mapping[str, Any]
+) -> dict[str, Drawing]:
+    """Pictures of meshed bodies and of the stresses in them; arguments as of `drawings`."""
+    from railhead.postprocess.pictures import diagrams, friction_plots, render
 
-    found, exact, axis = shown.found, shown.exact, shown.axes[-1]
+    found, axis = shown.found, shown.axes[-1]
 
     def fringes(axis: int, shades: Sequence[render.Shade]) -> Drawing:
         """A picture of fields in a cut along an axis."""
         return lambda target: render.fringes(cells(), axis, shades, found, target)
 
     every: dict[str, Drawing] = {
-        "pressure.png": partial(diagrams.pressure, found, exact),
-        "depth.png": partial(diagrams.depth, found, exact, shown.poisson),
+        "depth.png": partial(diagrams.depth, found, shown.exact, shown.poisson),
         "wheel_rail.png": lambda target: render.bodies(cells(), axis, found, target),
         "stress_cut.png": fringes(axis, render.STRESSES),
     }
     if shown.unloaded:
         every["plastic.png"] = fringes(axis, render.YIELD)
-    if len(shown.axes) == 2:
-        every["patch.png"] = partial(diagrams.patch, found, exact)
-        if found.subject.rolls:
-            every["stress_cut_along.png"] = fringes(0, render.STRESSES)
+    if found.subject.rolls and len(shown.axes) == 2:
+        every["stress_cut_along.png"] = fringes(0, render.STRESSES)
+    if "p0_over_k" in friction:
+        every["shakedown.png"] = partial(
+            friction_plots.draw_shakedown, friction, shown.poisson, found.subject
+        )
     return every

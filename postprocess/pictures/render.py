@@ -285,7 +285,7 @@ def _draw_bands(
     axes.grid(False)
     for body in BODY_NAMES.values():
         height, side = (0.03, "bottom") if body == "rail" else (0.97, "top")
-        text = body + ("" if body in sections else ": not meshed")
+        text = body if body in sections else f"{body}: not meshed"
         axes.text(0.02, height, text, transform=axes.transAxes, va=side, fontsize=13)
 
 

@@ -154,28 +154,22 @@ def _shown(solved: Solved, units: Units) -> Shown | None:
     needed = tuple(f"{name.replace('_', ' ')}: {each.why}" for name, each in after if each.needed)
     found = replace(found, notes=needed, subject=subject(plan, solved.load, units))
     passes = solved.passes if solved.passes is not None and solved.passes.rows else None
+    fields = solved.fields if isinstance(solved, MeshSolution) else None
     answer = solved if isinstance(solved, HalfSpaceSolution) else solved.solution
+    planes = () if fields is None else fields.mirrors
     shown = gallery.Shown(
         found=found,
         # Hertz's ellipse lies at the first contact, which need not be the most loaded of several.
         exact=solved.ellipse if len(found.patch.each) < 2 else None,
         poisson=next(iter(plan.poisson_ratios.values())),
-        friction=answer.friction and replace(answer.friction, without_creepage=None, misread=None),
+        friction=answer.friction and symmetry.tractions(answer.friction, planes),
         passes=passes,
     )
-    if isinstance(solved, HalfSpaceSolution):
+    if fields is None or isinstance(solved, HalfSpaceSolution):
         return shown
-    fields = solved.fields
-    assert fields is not None
-    planes = fields.mirrors
     found = replace(found, surface=symmetry.surface(found.surface, planes))
-    return replace(
-        shown,
-        found=found,
-        friction=shown.friction and symmetry.tractions(shown.friction, planes),
-        axes=fields.kinematics.varying,
-        unloaded=solved.unloaded_fields is not None,
-    )
+    unloaded = solved.unloaded_fields is not None
+    return replace(shown, found=found, axes=fields.kinematics.varying, unloaded=unloaded)
 
 
 def _cells(solved: Solved, made: Mapping[str, meshio.Mesh]) -> meshio.Mesh:

@@ -78,23 +78,10 @@ def test_triangles_look_out_of_their_body(blocks) -> None:
         assert np.all(sense * np.cross(b - a, c - a)[:, 2] > 0)
 
 
-def with_a_hole(stress):
-    holed = stress.copy()
-    holed[3, 2] = np.nan
-    return holed
-
-
-@pytest.mark.parametrize(
-    ("call", "words"),
-    [
-        (lambda case: vtu.volume_grid(case.fields, case.stress[1:]), "stress must be"),
-        (lambda case: vtu.volume_grid(case.fields, with_a_hole(case.stress)), "finite"),
-        (lambda case: vtu.volume_grid(replace(case.fields, degree=3), case.stress), "degree 3"),
-    ],
-)
-def test_fields_that_do_not_fit_their_mesh_are_refused(blocks, call, words: str) -> None:
-    with pytest.raises(ValueError, match=words):
-        call(blocks())
+def test_cells_that_vtk_does_not_know_are_refused(blocks) -> None:
+    case = blocks()
+    with pytest.raises(ValueError, match="degree 3"):
+        vtu.volume_grid(replace(case.fields, degree=3), case.stress)
 
 
 def test_cells_hold_the_mean_of_their_plastic_strains(blocks) -> None:

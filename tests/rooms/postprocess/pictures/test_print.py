@@ -106,7 +106,7 @@ def test_a_cut_along_the_rail_says_where_it_is(blocks, sheets: list[Figure], tmp
 
 def test_long_labels_do_not_leave_the_sheet(blocks, sheets: list[Figure], tmp_path) -> None:
     case = blocks(cut=False)
-    found = replace(case.findings, subject=Subject(TITLE))
+    found = replace(case.findings, subject=Subject(TITLE, gauge=True))
     render.fringes(case.volume, 1, render.STRESSES, found, tmp_path / "s.png")
     diagrams.depth(found, case.ellipse, 0.3, tmp_path / "d.png")
     assert not any(map(cut_off, sheets))

@@ -28,7 +28,7 @@ def test_a_solid_is_opened_at_the_contact(blocks, origin: float, opened: float) 
         assert np.ptp(surface.points[front], axis=0)[1:] == pytest.approx(
             np.ptp(surface.points, axis=0)[1:]
         )
-    with diagrams.new_figure(None, 5, 5) as figure:
+    with diagrams.new_figure(None, 5, 5, found) as figure:
         axes = figure.add_subplot()
         render._draw_faces(axes, skins, render.view_from(np.array([1.0, 0.0, 0.0])), np.zeros(3))
     (drawn,) = axes.collections

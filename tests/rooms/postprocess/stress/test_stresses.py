@@ -104,23 +104,19 @@ def test_linear_stress_is_recovered_exactly(blocks, cell: str, cut: bool) -> Non
         assert around(point[None])[0] == pytest.approx(expected, abs=1e-9 * np.abs(exact).max())
 
 
-def test_on_the_axis_of_a_sphere_they_are_those_of_a_half_space() -> None:
-    """sigma_zz = -p0/(1 + z^2/a^2) (K. L. Johnson, Contact Mechanics, 1985, eq. 3.45)."""
-    result = solved("sphere_on_plane")
-    a, p0 = result.hertz.patch.a, result.hertz.pressure.max
-    z = a * np.array([0.3, 0.5, 1.0, 2.0])
-    found = result.stress_at(np.column_stack([0 * z, 0 * z, z]))
-    assert found[:, 2] == pytest.approx(-p0 / (1 + (z / a) ** 2), rel=1e-3)
-    assert found[:, 0] == pytest.approx(found[:, 1], abs=1e-3 * p0)
-
-
-def test_below_a_line_they_are_those_of_a_half_plane() -> None:
-    """sigma_zz = -p0/sqrt(1 + z^2/a^2) (the same, eq. 4.46), on a head of finite depth."""
-    result = solved("long_roller")
-    a, p0 = result.hertz.patch.a, result.hertz.pressure.max
-    z = a * np.array([0.2, 0.5, 1.0])
-    found = result.stress_at(np.column_stack([0 * z, 0 * z, -z]), body="rail")
-    assert found[:, 2] == pytest.approx(-p0 / np.sqrt(1 + (z / a) ** 2), rel=0.02)
+@pytest.mark.parametrize(
+    ("case", "power", "limit"), [("sphere_on_plane", 1.0, 1e-3), ("long_roller", 0.5, 0.02)]
+)
+def test_below_the_middle_they_are_those_of_a_half_space(case, power, limit) -> None:
+    """sigma_zz = -p0/(1 + z^2/a^2) of a sphere, of a line the root of it, on a head of finite depth
+    (K. L. Johnson, Contact Mechanics, 1985, eq. 3.45 and 4.46).
+    """
+    result = solved(case)
+    a, p0, body = result.hertz.patch.a, result.hertz.pressure.max, result.findings.axis.body
+    z = a * np.array([0.3, 0.5, 1.0])
+    found = result.stress_at(np.outer(z, [0.0, 0.0, -1.0 if body == "rail" else 1.0]), body=body)
+    assert found[:, 2] == pytest.approx(-p0 / (1 + (z / a) ** 2) ** power, rel=limit)
+    assert power < 1.0 or found[:, 0] == pytest.approx(found[:, 1], abs=1e-3 * p0)
 
 
 def test_a_meridian_section_is_turned() -> None:
