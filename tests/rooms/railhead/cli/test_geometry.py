@@ -187,15 +187,6 @@ def located(*assignments: str) -> dict:
     return geometry.locate(SCENE.replace(assignments)).summary()
 
 
-def test_manchester_case_touches_left_and_right_alike() -> None:
-    summary = located()
-    right, left = summary["right"][0], summary["left"][0]
-    assert right == left
-    assert right["top_y_mm"] == pytest.approx(-7.28, abs=0.05)
-    assert right["angle_rad"] == pytest.approx(0.0244, abs=1e-3)
-    assert len(summary["right"]) == 2  # the second one hangs 8 um above the rail
-
-
 def test_command_prints_json_and_writes_pictures(tmp_path, capsys) -> None:
     folder = tmp_path / "located"
     given = f"s1002_60e1 --shift 3mm --yaw 2mrad --json --out {folder}"

@@ -33,18 +33,6 @@ def scene(shift: float = 0.0, yaw: float = 0.0, **more: object) -> rh.Scene:
     ).replace(**more)
 
 
-def simple(rail: float = 300.0, wheel: str = "cone20", **wheelset: float) -> rh.Scene:
-    """A cone or cylinder on a round rail."""
-    return rh.Scene(
-        load=25e3,
-        rail=rh.Rail(profile="arc", crown_radius=rail),
-        wheel=rh.Wheel(profile=wheel, rolling_radius=420),
-        wheelset=rh.Wheelset(**wheelset),
-        friction={"coefficient": 0.3},
-        rolling={"from_wheelset": True},
-    )
-
-
 def passing(contact: Contact, radius: float, points: np.ndarray) -> np.ndarray:
     """Slip (n, 3) of the wheel's particles at points (n, 3) mm, by central differences of where
     they are when the wheelset has moved along the track and turned about its axle."""
@@ -205,7 +193,7 @@ def test_the_plan_says_the_numbers_and_the_axle() -> None:
         by_hand = np.sin(angle - numbers["roll_rad"]) / radius
         assert numbers["spin_per_mm"] == pytest.approx(-by_hand, rel=1e-4)
         assert numbers["creepage_along"] == pytest.approx(1 - ratio, abs=3e-3**2)
-    assert "wheelset" not in rh.plan(simple().replace(rolling={"from_wheelset": False})).as_dict()
+    assert "wheelset" not in rh.plan(scene(rolling={"from_wheelset": False})).as_dict()
 
 
 GIVES = "is not allowed beside from_wheelset, which gives it"

@@ -27,6 +27,8 @@ def test_manchester_geometry_puts_the_rail_at_760_53_mm() -> None:
     assert TRACK.crown(PAIR) + crest == pytest.approx(760.531, abs=0.005)
     placed = alike(PAIR, TRACK).place()
     assert placed.right.touches[0].y - crest == pytest.approx(-7.28, abs=0.05)
+    assert placed.right.touches[0].angle == pytest.approx(0.0244, abs=1e-3)
+    assert placed.right.touches == placed.left.touches
     assert placed.roll == 0.0
     assert placed.rolling_radius_difference == 0.0
 

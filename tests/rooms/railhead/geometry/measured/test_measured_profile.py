@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from profile_points import read, refused, wheel
+from profile_points import crown, even, read, refused, wheel
 
 from railhead.geometry import profiles
 from railhead.geometry.measured import measured_profile as measured
@@ -24,11 +24,8 @@ def noisy(points: np.ndarray, sigma: float, seed: int) -> np.ndarray:
 
 
 def rail(name: str = "60E1", spacing: float = 0.25) -> np.ndarray:
-    profile = profiles.rail_head(name)
-    y = np.linspace(*profile.domain, 40001)[10:-10]
-    s = np.hypot(np.diff(y), np.diff(profile.height(y))).cumsum()
-    y = np.interp(np.arange(0, s[-1], spacing), s, y[1:])
-    return np.column_stack([y, profile.height(y)])
+    y = np.linspace(*profiles.rail_head(name).domain, 40001)
+    return even(crown(y[10:-10], name), spacing)
 
 
 @pytest.mark.parametrize("sigma", [0.002, 0.02])
