@@ -33,9 +33,7 @@ import numpy as np
 
 from railhead.theory.array_types import Array, Mask
 
-CONDUCTIVITY = 50.0  # W/(m K), steel; this and the next two: Ertz and Knothe, Wear 253 (2002) 498
-SPECIFIC_HEAT = 450.0  # J/(kg K)
-DENSITY = 7850.0  # kg/m3
+DENSITY = 7850.0  # kg/m3, steel
 
 TURNS, SETTLED = 60, 1e-7  # between tractions and coefficient; change of the bound, relative
 SLOWEST = 0.02  # least part of a change of the coefficient that is taken
@@ -48,6 +46,7 @@ Solved = TypeVar("Solved")
 @dataclass(frozen=True, kw_only=True)
 class Heat:
     """Two bodies of one material that roll, their warmth, and how they divide the heat of friction.
+    The constants are steel's (Ertz and Knothe, Wear 253, 2002).
 
     speed: V of rolling, m/s.
     bulk_rail, bulk_wheel: temperatures far from the patch, deg C.
@@ -61,9 +60,9 @@ class Heat:
     speed: float
     bulk_rail: float = 0.0
     bulk_wheel: float = 0.0
-    conductivity: float = CONDUCTIVITY
+    conductivity: float = 50.0
     density: float = DENSITY
-    specific_heat: float = SPECIFIC_HEAT
+    specific_heat: float = 450.0
     share: float = 0.5
 
     @property

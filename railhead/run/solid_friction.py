@@ -41,6 +41,7 @@ from railhead.theory.friction.rolling import (
     HalfSpaceFriction,
     TangentialSolution,
     cells_over,
+    change,
     solve_for_forces,
 )
 from railhead.theory.friction.smooth_tractions import NARROW, SmoothTractions
@@ -60,7 +61,7 @@ class GridPatch:
     """Grid over one patch in its tangent plane, and the smooth tractions around it.
 
     patch: frame, symmetry planes and smooth pressure of the patch.
-    x, y: cell centres (nx,), (ny,) along x and s of the patch's frame, mm.
+    x, y: cell centres (nx,), (ny,) along x and s of the patch's frame, mm. cell: area, mm2.
     points: points of the surfaces on the normals of the plane through the parts of the cells.
     divided: number of parts of a cell each way.
     modes: rigid slip (4, 2, nx, ny) along the tangents at the cells, in the four motions and units
@@ -110,6 +111,7 @@ class GridPatch:
         self.divided = max(1, int(np.ceil(widest / largest)))
         self.points = on_surfaces(*axes(self.divided))
         self.x, self.y = axes(1)
+        self.cell = float((self.x[1] - self.x[0]) * (self.y[1] - self.y[0]))
         middles, grid = on_surfaces(self.x, self.y), (self.x.size, self.y.size)
         slip = response.settings.rigid_slip(middles.points)
         modes = np.nan_to_num(np.einsum("mnc,nkc->nmk", slip, middles.tangents))
@@ -121,11 +123,6 @@ class GridPatch:
             SmoothTractions(patch.centre, patch.half, largest, *width) for width in ((), (NARROW,))
         )
         self.around = on_surfaces(self.smooth.x, self.smooth.y)
-
-    @property
-    def cell(self) -> float:
-        """Area of a cell, mm2."""
-        return float((self.x[1] - self.x[0]) * (self.y[1] - self.y[0]))
 
     def press(self, patch: SmoothPatch) -> None:
         """Make `pressed` that of a state of the patch, scaled to the normal force of that state;
@@ -290,7 +287,7 @@ class SolidFriction:
             for number, (each, solved) in enumerate(zip(patches, found, strict=True)):
                 moments = each.smooth.coefficients(each.x, each.y, solved.traction)
                 self._coefficients[number] = moments.ravel()
-            if len(bodies) == 1 or _change(found, before) <= TURN_TOLERANCE:
+            if len(bodies) == 1 or change(found, before) <= TURN_TOLERANCE:
                 return found
         raise ValueError("tractions of several patches do not settle")
 
@@ -354,7 +351,7 @@ class SolidFriction:
         for _ in range(PRESSINGS):
             self.stage("friction: tractions")
             found = self.tractions(motion, forces, start=found)
-            if _change(found, pressed_under) <= PRESS_TOLERANCE:
+            if change(found, pressed_under) <= PRESS_TOLERANCE:
                 break
             self.stage("friction: pressing under the tractions")
             solution = self.press_again(replace(case, active=solution.pressure > 0), found)
@@ -492,20 +489,6 @@ def shared_patches(
     found = None if fields is None else smooth_patches(fields, parabolic=parabolic)
     shared: list[SmoothPatch] = model.comm.bcast(found)
     return shared
-
-
-def _change(found: list[TangentialSolution], before: list[TangentialSolution]) -> float:
-    """Change of the tractions of all patches from one turn to the next, relative: sum over the
-    cells of the change, in N, over mu times the normal force. found, before: one for each patch.
-    Infinite where there were none before.
-    """
-    if not before:
-        return np.inf
-    changed = sum(
-        one.cell * float(np.linalg.norm(one.traction - other.traction, axis=0).sum())
-        for one, other in zip(found, before, strict=True)
-    )
-    return changed / sum(each.limit for each in found)
 
 
 def _symmetric(power: int, way: int, mirrors: tuple[Array, ...]) -> bool:

@@ -68,10 +68,9 @@ class TangentialState:
     slips: (n,) points that were taken to slip in Newton's last step.
     direction: unit vectors (n, k) of the trial traction at the start of Newton's last step, the
         direction of slip; zero where there is none.
-    history: for each of Newton's steps, the larger of two: the change of the tractions over the
-        largest mu p, and the missing part of prescribed forces over mu times normal force. At
-        least 2e-8 (twice TOLERANCE) while the set of points that slip changes, infinite where the
-        tangent is singular.
+    converged: whether in Newton's last step the set of points that slip stayed, and two numbers
+        were below 1e-8 (TOLERANCE): the change of the tractions over the largest mu p, and the
+        missing part of prescribed forces over mu times normal force.
     """
 
     traction: Array
@@ -82,12 +81,7 @@ class TangentialState:
     motion: Array
     slips: NDArray[np.bool_]
     direction: Array
-    history: tuple[float, ...]
-
-    @property
-    def converged(self) -> bool:
-        """Whether the tractions no longer change and the prescribed forces are met."""
-        return self.history[-1] <= TOLERANCE
+    converged: bool
 
 
 class CoulombContact:
@@ -184,8 +178,8 @@ class CoulombContact:
             x = np.concatenate([begin.nodal, begin.motion])
             slips, direction = begin.slips, begin.direction
         first = begin is None
-        history: list[float] = []
-        while len(history) < NEWTON_STEPS:
+        converged = False
+        for number in range(NEWTON_STEPS):
             _, bound, size, unit = self._trial_state(x)
             now = active & (size > bound) & (not first)
             now &= ~(slips & (np.einsum("nk,nk->n", unit, direction) < 0))
@@ -198,17 +192,16 @@ class CoulombContact:
                 try:
                     step = scipy.linalg.solve(tangent, -residual, check_finite=False)
                 except scipy.linalg.LinAlgError:  # all slips the way of the prescribed forces
-                    history.append(np.inf)
                     break
-                if len(history) % 2 == 0:
+                if number % 2 == 0:
                     step *= min(STEP_LENGTHS, key=lambda t: self._squared_residual(x + t * step))
                 x = x + step
             missing = float(np.abs(self.force_rows @ x[:m] - self.forces).max(initial=0.0)) / limit
             remaining = max(float(np.abs(step[:m]).max()) / largest, missing)
             same = not first and np.array_equal(now, slips)
-            history.append(remaining if same else max(remaining, 2 * TOLERANCE))
+            converged = same and remaining <= TOLERANCE
             slips, direction, first = now, unit, False
-            if history[-1] <= TOLERANCE:
+            if converged:
                 break
         q, bound, *_ = self._trial_state(x)
         traction, _, _, slides = projected(q, bound)
@@ -222,7 +215,7 @@ class CoulombContact:
             motion=x[m:],
             slips=slips,
             direction=direction,
-            history=tuple(history),
+            converged=converged,
         )
 
     def _slide(self, x: Array, slips: NDArray[np.bool_]) -> tuple[Array, Array]:

@@ -352,6 +352,20 @@ def plane_modes(x: Array, y: Array) -> Array:
     return np.array([[still + 1, still], [still, still + 1], turned, [still, still]])
 
 
+def change(found: Sequence[TangentialSolution], before: Sequence[TangentialSolution]) -> float:
+    """Change of the tractions of all patches from one turn to the next, relative: sum over the
+    cells of the change, in N, over mu times the normal force. found, before: one for each patch.
+    Infinite where there were none before.
+    """
+    if not before:
+        return math.inf
+    changed = sum(
+        one.cell * float(np.linalg.norm(one.traction - other.traction, axis=0).sum())
+        for one, other in zip(found, before, strict=True)
+    )
+    return changed / sum(each.limit for each in found)
+
+
 def solve_dissimilar(
     patch: PatchSolution,
     pair: MaterialPair,
@@ -377,7 +391,8 @@ def solve_dissimilar(
     influence = TractionInfluence(patch.x, patch.s, pair, rolling=False)
     pressed = Influence([patch], modulus)(patch.pressure.ravel()).reshape(patch.pressure.shape)
     undeformed = patch.gap - pressed + patch.approach * patch.normals[0]
-    now, before = patch, np.zeros((2, *patch.pressure.shape))
+    now = patch
+    before: list[TangentialSolution] = []
     for _ in range(TURNS):
         body = HalfSpaceFriction(
             now.x,
@@ -390,10 +405,9 @@ def solve_dissimilar(
             interface=interface,
         )
         found = shear(body)
-        changed = np.linalg.norm(found.traction - before, axis=0).sum() * found.cell
-        if changed <= TRACTION_CHANGE * found.limit:
+        if change([found], before) <= TRACTION_CHANGE:
             return found
-        gap, before = undeformed + influence.opening(found.traction), found.traction
+        gap, before = undeformed + influence.opening(found.traction), [found]
         (now,) = equilibrium([patch], [gap], modulus, patch.load, None, PRESSED, None)
     raise ValueError(f"pressure and tractions still change after {TURNS} turns")
 

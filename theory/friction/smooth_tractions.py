@@ -34,7 +34,7 @@ class SmoothTractions:
 
     centre: (x, y) of the patch, mm.
     half: half lengths (a, b) of the patch, mm.
-    x, y: cell centres (nx,), (ny,), an even number along each axis, mm.
+    x, y: cell centres (nx,), (ny,), an even number along each axis, mm. cell: area, mm2.
     fields: P beta at the cells (3, nx, ny), without dimension.
     """
 
@@ -51,6 +51,7 @@ class SmoothTractions:
             middle + WIDTH * each * _centres(2 * math.ceil(WIDTH * each / largest))
             for middle, each in zip(centre, half, strict=True)
         )
+        self.cell = float((self.x[1] - self.x[0]) * (self.y[1] - self.y[0]))
         basis = self._basis(self.x, self.y)
         u, v = basis[1:LINEAR]
         inside = np.maximum(1 - (u**2 + v**2) / width**2, 0.0)
@@ -60,11 +61,6 @@ class SmoothTractions:
         slopes = -4 * u / width**2 * inside * basis + rates * inside**2
         self._slopes = slopes / half[0]
         self._gram = self.cell * np.einsum("iab,jab->ij", self._tests, basis)
-
-    @property
-    def cell(self) -> float:
-        """Area of a cell, mm2."""
-        return float((self.x[1] - self.x[0]) * (self.y[1] - self.y[0]))
 
     def _basis(self, x: Array, y: Array) -> Array:
         """The ten powers Q (10, nx, ny) at x (nx,) and y (ny,), mm; the first three are P."""

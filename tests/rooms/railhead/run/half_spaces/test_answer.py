@@ -180,6 +180,9 @@ def test_tractions_on_an_inclined_contact_carry_a_part_of_the_load() -> None:
     total = found.weights @ found.traction
     assert total @ tangent == pytest.approx(found.force[1], rel=1e-3)
     assert total[0] == pytest.approx(found.force[0], abs=1e-3 * found.friction_limit)
+    turning = np.cross(found.points - result.plan.contact.origin, found.traction)
+    moment = found.weights @ turning @ [0.0, -math.sin(angle), math.cos(angle)]
+    assert moment == pytest.approx(found.moment, rel=1e-3)
 
 
 def test_unlike_half_spaces_that_roll_are_within_their_estimate() -> None:

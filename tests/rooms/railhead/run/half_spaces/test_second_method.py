@@ -12,7 +12,7 @@ from friction_cases import MU, friction_found
 import railhead as rh
 from railhead.meshing.bodies import RAIL, WHEEL
 from railhead.planning import simulation_plan as planning
-from railhead.planning.references import boundary_elements, pressed_patches
+from railhead.planning.references import pressed_patches
 from railhead.postprocess.patch import body_motion
 from railhead.results import checks
 from railhead.results.report import terminal
@@ -23,7 +23,7 @@ from railhead.run.half_spaces.second_method import (
 )
 from railhead.theory.friction import kalker, partial_slip
 from railhead.theory.friction.kalker import fastsim
-from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction
+from railhead.theory.friction.rolling import Creepage
 
 
 def ellipse(*keys: str) -> planning.Plan:
@@ -98,26 +98,6 @@ def test_unlike_bodies_are_extrapolated_and_say_how_far() -> None:
     assert 0.005 < coarse["grid_error"] < 0.05
     assert abs(coarse["force_along_N"] / 7500 - 0.228) < coarse["grid_error"]
     assert "shift_along_mm" not in coarse
-
-
-def test_forces_of_patches_add_up_in_space(two: planning.Plan, patches) -> None:
-    pair, motion = two.context.tangential_pair, Creepage(1e-3, 5e-4, 1e-4)
-    t = two.contact.touch.angle
-    axes = np.array([[1, 0, 0], [0, math.cos(t), math.sin(t)], [0, -math.sin(t), math.cos(t)]])
-    for patch in patches:
-        pressed = patch.pressed
-        rolled = HalfSpaceFriction(
-            pressed.x, pressed.s, pressed.pressure, MU, pair, rolling=True, modes=patch.modes
-        ).solve(motion)
-        slope = np.broadcast_to(pressed.angle, pressed.pressure.shape)
-        along, across = rolled.cell * rolled.traction
-        force = np.array([along, across * np.cos(slope), across * np.sin(slope)])
-        x, s = np.meshgrid(pressed.x, pressed.s, indexing="ij")
-        points = boundary_elements.develop(two.contact).points(x.ravel(), s.ravel())
-        arm = np.nan_to_num(points - np.array(two.contact.origin))
-        total, flat = axes @ force.sum(axis=(1, 2)), force.reshape(3, -1).T
-        moment = np.cross(arm, flat).sum(axis=0) @ axes[2]
-        np.testing.assert_allclose(rolled.forces, [*total[:2], moment], rtol=1e-9)
 
 
 def test_the_ellipse_of_an_ellipse_is_itself() -> None:
