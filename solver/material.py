@@ -11,7 +11,7 @@ plastic strain q, and backward Euler over a load step (Simo and Hughes, Computat
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
 
@@ -135,12 +135,6 @@ class TangentReduction:
         empty = np.zeros(0)
         points, normal = np.zeros(0, dtype=np.int64), np.zeros((0, size))
         return cls(points=points, shear=empty, along=empty, normal=normal, mu=empty)
-
-    def renumbered(self, members: Index) -> TangentReduction:
-        """The same reduction with point numbers members[points]; members: for each point of a
-        subset, its number among all points.
-        """
-        return replace(self, points=members[self.points])
 
     @classmethod
     def joined(cls, reductions: Sequence[TangentReduction]) -> TangentReduction:

@@ -66,8 +66,7 @@ class Preconditioner(ABC):
         """
         state, area = self.problem.branches(active), self.problem.area
         if self.active is not None:
-            parts = len(state) // max(len(area), 1)
-            differs = (state != self.state).reshape(parts, len(area)).any(axis=0)
+            differs = (state != self.state).any(axis=0)
             local = np.array([area[differs].sum(), area[active].sum()])
             changed, touching = self.problem.stiffness.comm.tompi4py().allreduce(local)
             if not touching or changed <= self.outdated_share * touching:

@@ -258,8 +258,10 @@ class ContactProblem:
         return left
 
     def branches(self, active: Mask) -> Mask:
-        """State of the contact points that the tangent depends on: the active set itself (n,)."""
-        return active
+        """State of the contact points that the tangent depends on, as rows: the active set itself
+        (1, n).
+        """
+        return active[None]
 
     def tangent(self, active: Mask) -> PETSc.Mat:
         """Tangent at an active set (n,), as a PETSc operator known by its products and its

@@ -149,7 +149,8 @@ class FrictionHistory:
             change = float(np.abs(state.nodal - self.nodal).max()) / largest
             if change <= COUPLING_TOLERANCE or not state.converged:
                 break
-            self.nodal, self.tangential = mixing.next(self.nodal, state.nodal), self._force(state)
+            self.nodal = mixing.next(self.nodal, state.nodal)
+            self.tangential = np.array(self._resultants(state)[0])
             solution = self._press_again(solution)
             if not solution.newton.converged:
                 return solution
@@ -245,10 +246,6 @@ class FrictionHistory:
         contact, planes = self.contact, self.system.setup.planes
         traction = contact.in_space(state.traction)
         return self.settings.resultants(contact.points, contact.area, traction, planes)
-
-    def _force(self, state: TangentialState) -> Array:
-        """Force of the wheel on the rail along and across (2,), N, of the whole model."""
-        return np.array(self._resultants(state)[0])
 
     def _friction_solution(self) -> FrictionSolution:
         """Tractions and slip at the last load step; when rolling, its field `without_creepage` is

@@ -96,8 +96,8 @@ class FrictionalProblem(PlasticProblem):
         self.pull, self.traction = np.zeros((count, size)), np.zeros((count, size))
 
     def branches(self, active: Mask) -> Mask:
-        """State of the points that the tangent depends on (2 n,): which touch, and which slide."""
-        return np.concatenate([active, active & self.slides])
+        """State of the points that the tangent depends on (2, n): which touch, and which slide."""
+        return np.stack([active, active & self.slides])
 
     def all_slides(self, active: Mask) -> bool:
         """Whether all points of all ranks that touch, (n,), with friction slide (collective)."""

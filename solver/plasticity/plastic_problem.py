@@ -12,7 +12,7 @@ no matrix is assembled again.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -81,7 +81,7 @@ class YieldPoints:
             after, reduction = radial_return(strain[members], mu, before, hardening)
             state.plastic[members], state.back[members] = after.plastic, after.back
             state.equivalent[members] = after.equivalent
-            reductions.append(reduction.renumbered(members))
+            reductions.append(replace(reduction, points=members[reduction.points]))
         return state, TangentReduction.joined(reductions)
 
     def strain_rows(self, points: Index) -> PETSc.Mat:

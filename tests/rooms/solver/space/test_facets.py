@@ -28,14 +28,6 @@ def surface(model, tag: int) -> FacetSet:
     return FacetSet.on(model.bulk, model.facet_tags.find(CONTACT + tag))
 
 
-def test_quadrature_covers_the_face_and_lies_in_it(model) -> None:
-    facets = surface(model, RAIL)
-    at, weights = facets.quadrature(3)
-    assert weights.sum() == pytest.approx(100.0, rel=1e-12)
-    for each in facets.tangents(*at):  # points, and tangents
-        assert np.abs(each[:, 2]).max() < 1e-12
-
-
 def test_closure_lists_the_dofs_on_the_facet(model) -> None:
     cell, degree = model.interface.slave.cell, 2
     facets = surface(model, RAIL)
@@ -87,18 +79,6 @@ def test_trace_bound_is_the_warburton_hesthaven_constant(degree) -> None:
     constant = (k + 1) * (k + 3) / 3 * weights / volumes * (lam + 2 * mu)
     _, cell, count = np.unique(facets.dofs, axis=0, return_inverse=True, return_counts=True)
     np.testing.assert_allclose(bound, constant * count[cell], rtol=1e-9)
-
-
-def test_gap_operator_annihilates_common_rigid_motions(model) -> None:
-    """N u = 0 when both bodies move together, S u = 0 for any rigid motion."""
-    points = model.bulk.space.tabulate_dof_coordinates()[: model.owned]
-    vec = model.interface.gap.createVecRight()
-    scale = abs(model.interface.stress.norm())
-    for field in (*np.eye(3), *(np.cross(axis, points) for axis in np.eye(3))):
-        vec.array[:] = np.broadcast_to(field, points.shape).ravel()
-        if np.ndim(field) == 1:
-            assert abs((model.interface.gap * vec).array).max() < 1e-12
-        assert abs((model.interface.stress * vec).array).max() < 1e-12 * scale
 
 
 def test_a_pull_and_a_wrong_start_are_refused(model) -> None:
