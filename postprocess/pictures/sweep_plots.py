@@ -37,16 +37,17 @@ SHAPE = {
 
 def drawings(columns: Sequence[str], rows: Rows, subject: Subject) -> dict[str, Drawing]:
     """The picture of a sweep by name of its PNG file; arguments as of `curves`, with any number of
-    columns. Rows that are not all combinations of the values of their
-    columns are numbered. Empty without rows or columns, and where rows are all combinations of
+    columns. Rows are numbered where they are not all combinations of the values of their columns,
+    or no column has numbers. Empty without rows or columns, and where rows are all combinations of
     three or more columns.
     """
-    if len(columns) > 1 and math.prod(len(_values(name, rows)) for name in columns) != len(rows):
+    if not rows or not columns:
+        return {}
+    whole = math.prod(len(_values(name, rows)) for name in columns) == len(rows)
+    if not whole or not any(_numbers(name, rows) for name in columns):
         columns = ["combination"]
         rows = [{**row, "combination": number} for number, row in enumerate(rows, 1)]
-    if not rows or not 1 <= len(columns) <= 2:
-        return {}
-    return {"sweep.png": partial(curves, columns, rows, subject)}
+    return {"sweep.png": partial(curves, columns, rows, subject)} if len(columns) < 3 else {}
 
 
 def panels(rows: Rows) -> dict[str, str]:
@@ -63,17 +64,19 @@ def panels(rows: Rows) -> dict[str, str]:
 
 
 def curves(columns: Sequence[str], rows: Rows, subject: Subject, target: Target = None) -> Figure:
-    """A panel of each of `panels` over the varied column with the most values; bars are error
-    estimates. What mesh or grid do not resolve is crossed.
+    """A panel of each of `panels` over the varied column of numbers with the most values; bars are
+    error estimates. What mesh or grid do not resolve is crossed.
 
-    columns: headers of the one or two columns that are varied. rows: of sweep.csv, cells by column
-        header. subject: title and units. There is a line for each value
+    columns: headers of the one or two columns that are varied, of which one has numbers. rows: of
+        sweep.csv, cells by column header. subject: title and units. There is a line for each value
         of the other column. Rows whose checks did not pass are ringed; quantities that a row lacks
         are not drawn.
     """
-    over, *others = _most_varied_first(columns, rows)
+    over, *others = sorted(
+        columns, key=lambda name: (not _numbers(name, rows), -len(_values(name, rows)))
+    )
     lines = _values(others[0], rows) if others else [None]
-    numbers, units = _numbers(over, rows), subject.units
+    units = subject.units
     with new_figure(target, 11, 3.8 * math.ceil(len(panels(rows)) / 2), subject) as figure:
         import matplotlib
 
@@ -86,8 +89,8 @@ def curves(columns: Sequence[str], rows: Rows, subject: Subject, target: Target 
         for axes, (name, label) in zip(grid.ravel(), shown.items(), strict=False):
             for value, colour in zip(lines, colours, strict=True):
                 own = [row for row in rows if not others or row[others[0]] == value]
-                x = np.array([row[over] if numbers else _word(row, over, units) for row in own])
-                short, order = name.partition(" [")[0], np.argsort(x) if numbers else slice(None)
+                x, short = _cells(own, over), name.partition(" [")[0]
+                order = np.argsort(x)
                 found = _cells(own, name)
                 of = _cells(own, "mu N [N]") if name in FRICTION else found
                 error = np.abs(of * _cells(own, f"{short} estimate"))
@@ -102,7 +105,7 @@ def curves(columns: Sequence[str], rows: Rows, subject: Subject, target: Target 
             axes.set_ylabel(label)
             if name not in (PLACE, AHEAD, *FRICTION):
                 axes.set_ylim(0, 1.05 * axes.get_ylim()[1])  # room for a ring
-            axes.set_xlabel(over if numbers else units.unit(over))  # words are in units already
+            axes.set_xlabel(over)
             axes.tick_params(labelbottom=True)
         estimates = [f"{name.partition(' [')[0]} estimate" for name in shown]
         known = any(row.get(name) is not None for row in rows for name in estimates)
@@ -123,11 +126,6 @@ def curves(columns: Sequence[str], rows: Rows, subject: Subject, target: Target 
 def _cells(rows: Rows, column: str) -> Array:
     """Numbers (n,) of a column, NaN where a row has none."""
     return np.array([row.get(column) for row in rows], dtype=float)
-
-
-def _most_varied_first(columns: Sequence[str], rows: Rows) -> list[str]:
-    """Names of columns by how many different values each has in the rows, most first."""
-    return sorted(columns, key=lambda name: -len(_values(name, rows)))
 
 
 def _values(column: str, rows: Rows) -> list[Any]:
