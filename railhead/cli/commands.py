@@ -26,7 +26,6 @@ from railhead.results import result_folder
 from railhead.run import process
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene, SceneError, unit_questions
-from railhead.scene.sections import refuse_first
 
 if TYPE_CHECKING:
     from railhead.cli.geometry import ExaminedProfile, Location
@@ -215,7 +214,6 @@ def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: b
 @options.over_file
 @options.out("results/<case>_sweep")
 @options.force
-@click.option("--vtu", is_flag=True, help="Write .vtu files of each combination, for ParaView.")
 @click.option("--fields", is_flag=True, help="Write pressure and tractions of all into fields.npz.")
 @options.no_pictures
 @options.picture_format
@@ -228,7 +226,6 @@ def sweep(
     over_file: Path | None,
     out: Path | None,
     force: bool,
-    vtu: bool,
     fields: bool,
     no_pictures: bool,
     units: Units,
@@ -237,19 +234,12 @@ def sweep(
 ) -> int:
     """Solve a case for every combination of values, side by side."""
     grid = _grid(scene, lists, over_file)
-    if vtu:
-        flat = any(each.effects.finite_bodies == "off" for each in grid.scenes)
-        lean = not all(each.asks("stresses") for each in grid.scenes)
-        refuse_first(
-            (flat, "--vtu", "half-spaces have no bodies to write; leave out --vtu or --fast"),
-            (lean, "--vtu", ".vtu files need stresses; leave out --vtu or add stresses to --only"),
-        )
     folder = out if out is not None else Path("results") / f"{scene.name}_sweep"
     result_folder.check_folder(folder)
 
     from railhead.sweeps import parallel, store, sweep_table
 
-    task = parallel.ParallelSweep(grid=grid, folder=folder, vtu=vtu, fields=fields, units=units)
+    task = parallel.ParallelSweep(grid=grid, folder=folder, fields=fields, units=units)
     other: store.Other = "replace" if force else "move" if out is None else "refuse"
     quiet = quiet or as_json
     with process.told_at_a_signal(KEPT.format(folder)):

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from railhead.planning.simulation_plan import NoMemoryError, Plan
+from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.findings import BASE_UNITS, Units
-from railhead.results import files, result_folder
+from railhead.results import result_folder
 from railhead.results.result import Result
 from railhead.run import process
 from railhead.run.progress import Progress, Tell, show_progress
@@ -28,17 +28,15 @@ from railhead.sweeps import runner, store, sweep_table, worker_pool
 from railhead.sweeps.grid import ParameterGrid
 from railhead.sweeps.sweep_table import Sweep
 
-TABLE, VTU, FIELDS = "sweep.csv", "vtu", "fields.npz"
-SERIES = ("solution", "contact")  # names of the .vtu files of a scene
+TABLE, FIELDS = "sweep.csv", "fields.npz"
 DRAWN = (
     sweep_table.REPORT,
     *(f"sweep.{kind}" for kind in ("png", "svg", "pdf")),
 )
-LATER = (TABLE, VTU, FIELDS, *(f"{name}.pvd" for name in SERIES), *DRAWN)
+LATER = (TABLE, FIELDS, *DRAWN)
 """Names of what is written into the folder of a sweep."""
 POLL = 0.5  # s between two looks at the finished jobs
 LOST_RECORD = "its record is gone: something else has written into the folder"
-AGAIN = "again"  # key of the record of a scene that is to be tried again
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,18 +45,13 @@ class ParallelSweep:
 
     grid: the scenes.
     folder: folder of records, table and pictures.
-    vtu: whether files for ParaView are written for each scene; not for half-spaces.
     fields: whether the arrays of `Result.contact_points` are written, of all scenes into one file.
-    keep_results: whether results of scenes that are solved now have their fields; those that had a
-        record are not solved again.
     units: of pictures and report.
     """
 
     grid: ParameterGrid
     folder: Path
-    vtu: bool = False
     fields: bool = False
-    keep_results: bool = False
     units: Units = BASE_UNITS
 
     @cached_property
@@ -78,8 +71,8 @@ class ParallelSweep:
     @property
     def request(self) -> dict[str, Any]:
         """Everything that determines the records: "railhead" (version), "scene", "over" (values by
-        key), "vtu" and "fields". Files are named by their places in the folder, which hold the
-        first digits of their SHA-256. Raises OSError where a file cannot be read.
+        key) and "fields". Files are named by their places in the folder, which hold the first
+        digits of their SHA-256. Raises OSError where a file cannot be read.
         """
         rows = [self.values(number) for number in range(len(self.grid.scenes))]
         over = {key: [row[key] for row in rows] for key in self.grid.keys}
@@ -89,7 +82,6 @@ class ParallelSweep:
             "railhead": result_folder.VERSION,
             "scene": portable(self.grid.base),
             "over": over,
-            **({"vtu": True} if self.vtu else {}),
             **({"fields": True} if self.fields else {}),
         }
 
@@ -122,8 +114,8 @@ def run(
             store.begin(sweep.folder, sweep.request, other, LATER)
             copy_files(map(Path, sweep.files), sweep.folder)
             _check_records(sweep)
-            results = _solve_all(sweep, plans, submit, progress)
-            return Sweep(sweep.folder, results)
+            _solve_all(sweep, plans, submit, progress)
+            return Sweep(sweep.folder)
 
         jobs = worker_pool.JOBS_PER_PROCESS if meshed else 0
         found = worker_pool.on_first(MPI.COMM_WORLD, solve, jobs)
@@ -133,12 +125,12 @@ def run(
 
 
 def _check_records(sweep: ParallelSweep) -> None:
-    """Remove the records of scenes that are to be tried again. Raises SceneError for the first
-    other one that cannot be read or does not belong to its scene.
+    """Remove the records of scenes that have no result: they are tried again. Raises SceneError for
+    the first other one that cannot be read or does not belong to its scene.
     """
     for number, (record, _) in sweep_table.records(sweep.folder).items():
         path = store.record_path(sweep.folder, number)
-        if record.get(AGAIN):
+        if record["fault"]:
             path.unlink()
         elif number >= len(sweep.grid.scenes) or record["over"] != json.loads(
             result_folder.to_json(sweep.values(number))
@@ -148,23 +140,21 @@ def _check_records(sweep: ParallelSweep) -> None:
 
 def _solve_all(
     sweep: ParallelSweep, plans: Sequence[Plan], submit: worker_pool.Submit, progress: Progress
-) -> dict[int, Result]:
-    """Let other processes solve the scenes that have no record, and wait; returns results by number
-    (with `ParallelSweep.keep_results`). A crash takes the rest of its group with it: each of these
-    is tried again alone. A scene that still has no record gets one with the reason.
+) -> None:
+    """Let other processes solve the scenes that have no record, and wait. A crash takes the rest of
+    its group with it: each of these is tried again alone. A scene that still has no record gets one
+    with the reason.
 
     plans: of all scenes. submit: starts a job. OSError: a reason cannot be written.
     """
     folder, names = sweep.folder, sweep.grid.names
     done = store.done(folder)
-    results: dict[int, Result] = {}
-    faults: dict[int, str] = {}
 
     def start(group: Sequence[int], part: Sequence[int]) -> worker_pool.Job:
         """The job that solves a part of a group."""
         over = {number: (sweep.values(number), names[number]) for number in part}
         planned = {number: plans[number] for number in group}
-        return submit(_solve, folder, over, planned, sweep.vtu, sweep.fields, sweep.keep_results)
+        return submit(_solve, folder, over, planned, sweep.fields)
 
     progress.jobs(len(done), len(plans))
     groups = runner.group_by_mesh(plans)
@@ -176,23 +166,16 @@ def _solve_all(
         for part in split_among_workers(wanted, busy, workers)
     }
     while jobs:
-        ended = wait(jobs, POLL, FIRST_COMPLETED).done
-        done = store.done(folder)
-        for job in ended:
+        for job in wait(jobs, POLL, FIRST_COMPLETED).done:
             group, part = jobs.pop(job)
-            attempt = worker_pool.outcome(job)
-            solved, short = attempt.value or ({}, dict.fromkeys(part, attempt.fault))
-            results |= solved
-            for number in (number for number in part if number not in done):
+            fault = worker_pool.outcome(job).fault or LOST_RECORD
+            for number in sorted(set(part) - store.done(folder)):
                 if len(group) > 1:
                     jobs[start([number], [number])] = [number], [number]
                 else:
-                    faults[number] = short.get(number, LOST_RECORD)
-        progress.jobs(len(done) + len(faults), len(plans))
-    for number, fault in faults.items():
-        record = sweep_table.record(sweep.values(number), names[number], RuntimeError(fault))
-        store.write(folder, number, record | {AGAIN: True})
-    return results
+                    over = sweep.values(number), names[number]
+                    store.write(folder, number, sweep_table.record(*over, RuntimeError(fault)))
+        progress.jobs(len(store.done(folder)), len(plans))
 
 
 def split_among_workers(numbers: Sequence[int], groups: int, workers: int) -> list[Sequence[int]]:
@@ -208,61 +191,36 @@ def _solve(
     folder: Path,
     over: Mapping[int, tuple[Mapping[str, object], Mapping[str, str]]],
     group: Mapping[int, Plan],
-    vtu: bool,
     fields: bool,
-    keep_results: bool,
-) -> tuple[dict[int, Result], dict[int, str]]:
-    """Solve scenes of a group in this process, and write for each its .vtu files (with `vtu`), its
-    arrays (with `fields`) and then its record.
+) -> None:
+    """Solve scenes of a group in this process, and write for each its arrays (with `fields`) and
+    then its record.
 
     over: of the scenes that are solved, values of the changing keys and names of files, by number.
-    group: plans by number. Returns results by number (with `keep_results`), and reasons by number
-        for scenes without a record: not enough free memory now.
+    group: plans by number.
     """
-    results: dict[int, Result] = {}
-    faults: dict[int, str] = {}
     solved = runner.solve_group(group, over, Progress(quiet=True), MPI.COMM_SELF)
     for number, result in solved:
-        if isinstance(result, NoMemoryError):  # another time it may fit
-            faults[number] = str(result)
-            continue
-        arrays = None
-        if not isinstance(result, Exception):
-            if vtu:
-                grids = folder / VTU / f"{number:05d}"
-                grids.mkdir(parents=True, exist_ok=True)
-                files.write_grids(result.solved, files.nodal_stress(result.solved), grids)
-                result_folder.stamp(grids)
-            if fields and result.summary["result"]:
-                arrays = result.contact_points
-            if keep_results:
-                results[number] = result
+        pressed = isinstance(result, Result) and result.summary["result"]
+        arrays = result.contact_points if fields and pressed else None
         store.write(folder, number, sweep_table.record(*over[number], result), arrays)
     process.release_memory()
-    return results, faults
 
 
 def _write(sweep: ParallelSweep, found: Sweep, *, pictures: bool) -> None:
     """Write the table beside the records. With `pictures` write report.html, and PNG files where at
-    most two keys are set or the scenes are rows of a table. With `sweep.vtu` write .pvd files, for
-    ParaView, of the scenes that passed. Older pictures and reports are deleted in any case.
+    most two keys are set or the scenes are rows of a table. Older pictures and reports are deleted
+    in any case.
 
     found: rows of all scenes; its failures are added to.
     """
-    folder, rows = sweep.folder, found.rows()
+    folder = sweep.folder
 
     def attempt(name: str) -> AbstractContextManager[None]:
         """Context in which a file is written; it keeps an error as a line."""
         return result_folder.attempt(found.failures, folder / name, folder)
 
-    store.write_whole(folder, folder / TABLE, result_folder.encoded(rows))
-    if sweep.vtu:
-        from railhead.postprocess import vtu
-
-        passed = [n for n, row in enumerate(rows) if row[sweep_table.CHECKS] == sweep_table.PASSED]
-        for name in SERIES:
-            steps = {float(n): f"{VTU}/{n:05d}/{name}.vtu" for n in passed}
-            vtu.series(steps, folder / f"{name}.pvd")
+    store.write_whole(folder, folder / TABLE, result_folder.encoded(found.rows()))
     for name in DRAWN:
         (folder / name).unlink(missing_ok=True)
     if pictures:
@@ -315,10 +273,10 @@ def sweep(
     quiet: whether no progress is shown on standard error.
     progress: as of `railhead.solve`, e.g. (8.1, "3 of 50 done, 0:02:10 left").
     values: lists of values by key: ``load=["25 kN", "50 kN"]``.
-    Results that this call solved have arrays, but no dolfinx mesh; those that were in the folder
-    have numbers. Under MPI, call this on all ranks. Raises SceneError for a wrong scene or folder,
-    before any scene is solved, OSError where files cannot be written, after the others are. A
-    combination that cannot be meshed or does not fit into the memory has the reason in its row.
+    Results have numbers, no arrays. Under MPI, call this on all ranks. Raises SceneError for a
+    wrong scene or folder, before any scene is solved, OSError where files cannot be written, after
+    the others are. A combination that cannot be meshed or does not fit into the memory has the
+    reason in its row.
     """
     grid = ParameterGrid.combine(scene, _lists(over, values))
     warn_of_units(*grid.scenes)
@@ -326,7 +284,7 @@ def sweep(
     with tempfile.TemporaryDirectory() as temporary:
         folder = as_path(comm.bcast(temporary) if out is None else out, "out")
         result_folder.check_folder(folder)
-        task = ParallelSweep(grid=grid, folder=folder, keep_results=True)
+        task = ParallelSweep(grid=grid, folder=folder)
         own = run(task, pictures=out is not None, quiet=quiet, tell=progress)
     found: Sweep = comm.bcast(own)
     if own is not None and own.failures:

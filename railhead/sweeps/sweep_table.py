@@ -35,7 +35,6 @@ COLUMNS = [each for each in quantities.QUANTITIES if each.column]
 CHECKS, PASSED, WARNINGS, BELOW = "checks", "passed", "warnings", "below resolution"
 REPORT = "report.html"
 NOTE = re.compile(rf"(?:^|; )({'|'.join(EFFECTS)}): ")  # begin of a warning in a cell
-FEW = 0.05  # an estimate beyond is counted in the verdict
 
 
 def record(
@@ -48,25 +47,11 @@ def record(
     names: of the files among them, by key (`ParameterGrid.names`).
     fault: reason why there is no result, in one line; empty where there is one.
     summary: content of summary.json.
-    wheelset: only with rail.gauge, columns of both wheels' first contacts and their values.
     """
     table: dict[str, Any] = {"over": over, "names": names, "fault": ""}
     if isinstance(result, Exception):
         return table | {"fault": " ".join(str(result).split())}
-    table["summary"] = result.summary
-    placed = result.plan.contact.placed if result.plan.scene.rail.gauge else None
-    if placed is not None:
-        here, there = placed.right.touches[0], placed.left.touches[0]
-        name = "left"
-        if result.plan.scene.wheelset.side == "left":
-            here, there, name = there, here, "right"
-        table["wheelset"] = {
-            "rolling radius [mm]": here.radius,
-            f"{name} rolling radius [mm]": there.radius,
-            f"{name} contact angle [deg]": math.degrees(there.angle),
-            f"{name} patch y [mm]": there.y,
-        }
-    return table
+    return table | {"summary": result.summary}
 
 
 def records(folder: Path) -> dict[int, tuple[dict[str, Any], Row]]:
@@ -112,7 +97,6 @@ def row(record: Mapping[str, Any]) -> Row:
     share = {"load share": patches[0]["load_share"]} if "surface_shape" in result else {}
     return cells | {
         "contact angle [deg]": math.degrees(angle),
-        **record.get("wheelset", {}),
         **{f"patch {axis} [mm]": result["contact_point_mm"][n] for n, axis in enumerate("xyz")},
         "patches": max(1, len(patches)),
         "unknowns": summary["cost"]["dofs"],
@@ -142,9 +126,7 @@ def verdict(rows: Sequence[Mapping[str, Any]], units: Units = BASE_UNITS) -> lis
         known = [row["p_max estimate"] for row in solved if row["p_max estimate"] is not None]
         text = f"largest pressure {min(pressures):.5g} to {max(pressures):.5g} {units.unit('MPa')}"
         if known:
-            large = sum(each > FEW for each in known)
             text += f", estimated within {_share(min(known))} to {_share(max(known))}"
-            text += f" ({large} of them beyond {FEW:.0%})" if large else ""
         missing = len(solved) - len(known)
         lines.append(text + (f"; {missing} without an estimate" if missing else ""))
     hidden = Counter(name for row in rows for name in _hidden(row))
@@ -215,22 +197,18 @@ class Sweep(terminal.Drawn, list[Result]):
     failures: a line for each file that could not be drawn or stamped.
     """
 
-    def __init__(self, folder: Path, solved: Mapping[int, Result] | None = None) -> None:
-        """folder: of the sweep. solved: results by number of the combination, in the place of those
-        of the records, which have numbers only; None: none. Nothing is solved. Raises SceneError
-        for a broken file, and for records of another sweep, wear or a creep table.
+    def __init__(self, folder: Path) -> None:
+        """folder: of the sweep. Nothing is solved. Raises SceneError for a broken file, and for
+        records of another sweep, wear or a creep table.
         """
         request = store.load(folder / store.REQUEST)
         if "over" not in request:
             text = f"{str(folder)!r} holds no run and no sweep"
             raise SceneError("load", f"{text}; give the folder of one")
         known = records(folder)
-        found = {
-            number: Result(None, record["summary"])
-            for number, (record, _) in known.items()
-            if not record["fault"]
-        }
-        super().__init__((found | dict(solved or {})).values())
+        super().__init__(
+            Result(None, record["summary"]) for record, _ in known.values() if not record["fault"]
+        )
         try:
             name, self.keys = str(request["scene"]["name"]), list(request["over"])
         except (LookupError, TypeError):

@@ -79,21 +79,6 @@ def test_files_of_one_name_are_told_apart_by_their_folders(tmp_path, in_this_pro
     assert [names["rail.profile"] for names in grid.names] == ["rail.csv", "worn.csv", "60E1"]
 
 
-@pytest.mark.parametrize(
-    ("more", "text"),
-    [
-        (("--only", "patch"), ".vtu files need stresses"),
-        (("--fast",), "half-spaces have no bodies"),
-    ],
-)
-def test_files_for_paraview_need_bodies_and_stresses(more, text, capsys, tmp_path) -> None:
-    """Else solution.pvd named files that were not written."""
-    words = "hertz_ellipse", "--over", "load=1kN,2kN", "--vtu", "--out", str(tmp_path / "out")
-    line = command.refused(capsys, "sweep", *words, *more)
-    assert line.startswith(f"railhead: --vtu: {text}")
-    assert not (tmp_path / "out").exists()
-
-
 def test_a_folder_with_other_files_takes_no_sweep(capsys, tmp_path) -> None:
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "notes").write_text("kept")
