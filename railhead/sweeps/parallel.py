@@ -201,8 +201,9 @@ def _solve(
     """
     solved = runner.solve_group(group, over, Progress(quiet=True), MPI.COMM_SELF)
     for number, result in solved:
-        pressed = isinstance(result, Result) and result.summary["result"]
-        arrays = result.contact_points if fields and pressed else None
+        arrays = None
+        if fields and isinstance(result, Result) and result.summary["result"]:
+            arrays = result.contact_points
         store.write(folder, number, sweep_table.record(*over[number], result), arrays)
     process.release_memory()
 
