@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import ExitStack
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -25,28 +24,17 @@ from railhead.sweeps.wear.wear_result import Row, WearResult
 from railhead.sweeps.wear.wear_run import Route, Run
 from railhead.theory.array_types import Array
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from railhead.postprocess.pictures.diagrams import Target
-
 SUMMARY, HISTORY, REPORT = "wear.json", "history.csv", "report.html"
 LINES, DAMAGE = "wear.csv", "damage.csv"  # over y: worn depth; all else
 PLACE, DEPTH = ("body", "y [mm]"), ("depth [mm]", "depth [mm] estimate")
 LIMITS = tuple(f"wear.{name}_limit" for name in ("depth", "flange", "conicity"))
 PROFILES = {body: f"{body}_profile.csv" for body in BODIES}
-PICTURES = ("depth", "history")
+PICTURE = "depth.png"
 LATER = (
     *(INPUT, result_folder.SCENE, SUMMARY, LINES, DAMAGE, HISTORY, REPORT, *PROFILES.values()),
-    *(f"{name}.{kind}" for name in PICTURES for kind in ("png", "svg", "pdf")),
+    *(f"depth.{kind}" for kind in ("png", "svg", "pdf")),
 )
 COLOURS = {"rail": "#555555", "wheel": "#1f4e79"}
-PANELS = {
-    "largest pressure, MPa": ("pressure_max_MPa",),
-    "largest depth, mm": ("depth_rail_mm", "depth_wheel_mm"),
-    "equivalent conicity at 3 mm": ("conicity",),
-}
-"""Keys of the rows that each panel of the history draws, by its label."""
 DECIMALS = 7  # of profiles, mm
 AS_WRITTEN = {"profile_mirror": "off", "profile_flip": "off", "profile_origin": "file"}
 """Keys with which the files of worn profiles are read back."""
@@ -66,7 +54,7 @@ def wear(
 
     out: the folder, into which the files of the result are written.
     force: whether another result in the folder is replaced.
-    pictures: whether PNG files and report.html are written, too.
+    pictures: whether depth.png and report.html are written, too.
     quiet: whether no progress is shown. progress: as of `Progress`.
     Raises SceneError for a scene, a route or a folder that cannot be used, for wear that is more
     than profiles have, and under mpirun; OSError where nothing can be written.
@@ -171,20 +159,15 @@ def _save(found: WearResult, folder: Path, *, pictures: bool) -> None:
     from railhead.results.report import html
 
     title, failures = f"wear of {scene.name}", list[str]()
-    drawings = {
-        "depth.png": partial(_draw_depth, lines, found.route.worn, Subject(title)),
-        "history.png": partial(_draw_history, found.rows, Subject(title)),
-    }
-    result_folder.draw(
-        drawings, folder, lambda name: result_folder.attempt(failures, folder / name, folder)
-    )
+    with result_folder.attempt(failures, folder / PICTURE, folder):
+        _draw_depth(lines, found.route.worn, Subject(title), folder / PICTURE)
     if failures:
         raise OSError("\n".join(failures))
     text = html.template("wear.html.j2").render(
         title=title,
         summary=found.summary,
         verdict=found.words(),
-        pictures=[html.picture((folder / name).read_bytes()) for name in drawings],
+        pictures=[html.picture((folder / PICTURE).read_bytes())],
         scene=html.scene_rows(scene),
         date=result_folder.now(),
         versions=html.versions(),
@@ -210,16 +193,14 @@ def _profile(places: Places, depth: Array, slope: float) -> str:
     return "\n".join([note, "y [mm],z [mm]", *lines, ""])
 
 
-def _draw_depth(
-    rows: Sequence[Row], worn: Sequence[str], subject: Subject, target: Target = None
-) -> Figure:
+def _draw_depth(rows: Sequence[Row], worn: Sequence[str], subject: Subject, file: Path) -> None:
     """Worn depth over y of each body that is worn, with its error as a band.
 
-    rows: of wear.csv. worn: 'rail', 'wheel' or both. subject: title. target: as of `new_figure`.
+    rows: of wear.csv. worn: 'rail', 'wheel' or both. subject: title. file: that is written (PNG).
     """
     from railhead.postprocess.pictures.diagrams import new_figure
 
-    with new_figure(target, 5.5 * len(worn), 3.6, subject) as figure:
+    with new_figure(file, 5.5 * len(worn), 3.6, subject) as figure:
         panels = figure.subplots(1, len(worn), squeeze=False)[0]
         for ax, body in zip(panels, worn, strict=True):
             own = [row for row in rows if row["body"] == body]
@@ -233,24 +214,3 @@ def _draw_depth(
             )
             ax.set(title=body, xlabel="y to the field side, mm", ylabel="worn depth, mm")
             ax.invert_yaxis()
-    return figure
-
-
-def _draw_history(rows: Sequence[Row], subject: Subject, target: Target = None) -> Figure:
-    """Largest pressure, largest depths and conicity over the share of the wear.
-
-    rows: of history.csv. subject: title. target: as of `new_figure`.
-    """
-    from railhead.postprocess.pictures.diagrams import new_figure
-
-    with new_figure(target, 5.0 * len(PANELS), 3.6, subject) as figure:
-        done = [100 * row["done"] for row in rows]
-        for ax, (label, keys) in zip(figure.subplots(1, len(PANELS)), PANELS.items(), strict=True):
-            for key in keys:
-                name = key.removeprefix("depth_").removesuffix("_mm")
-                values = np.array([row[key] for row in rows], dtype=float)
-                ax.plot(done, values, "o-", label=name, color=COLOURS.get(name, "#c8502d"))
-            if len(keys) > 1:
-                ax.legend()
-            ax.set(xlabel="share of the wear, %", ylabel=label)
-    return figure

@@ -116,18 +116,16 @@ class WearResult:
         """Largest pressure, and mean area and T-gamma by share of the passages, of the contacts of
         all positions; None where one has none. end: of the names of these numbers.
         """
-        columns: dict[str, list[Any]] = {
-            name: [each.get(f"{name}{end}") for each in contacts] or [None]
-            for name in ("pressure_max_MPa", "area_mm2", "t_gamma_N")
-        }
-        return {
-            f"{name}{end}": None
-            if None in values
-            else max(values)
-            if name == "pressure_max_MPa"
-            else math.fsum(np.multiply(self.route.shares, values))
-            for name, values in columns.items()
-        }
+        row: Row = {}
+        for name in ("pressure_max_MPa", "area_mm2", "t_gamma_N"):
+            values = [each.get(f"{name}{end}") for each in contacts]
+            if None in values or not values:
+                row[f"{name}{end}"] = None
+            elif name == "pressure_max_MPa":
+                row[f"{name}{end}"] = max(values)
+            else:
+                row[f"{name}{end}"] = math.fsum(np.multiply(self.route.shares, values))
+        return row
 
     @cached_property
     def _every(self) -> dict[str, list[Row]]:
