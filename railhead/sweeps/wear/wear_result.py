@@ -118,7 +118,7 @@ class WearResult:
         """
         row: Row = {}
         for name in ("pressure_max_MPa", "area_mm2", "t_gamma_N"):
-            values = [each.get(f"{name}{end}") for each in contacts]
+            values: list[Any] = [each.get(f"{name}{end}") for each in contacts]
             if None in values or not values:
                 row[f"{name}{end}"] = None
             elif name == "pressure_max_MPa":
