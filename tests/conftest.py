@@ -10,7 +10,6 @@ import os
 import pickle
 from pathlib import Path
 
-import numpy as np
 import pytest
 from hypothesis import settings
 from matplotlib.layout_engine import ConstrainedLayoutEngine
@@ -26,18 +25,7 @@ settings.register_profile("default", max_examples=20)
 settings.register_profile("thorough", max_examples=200)
 settings.load_profile("default")
 LONG = {"verification", "studies"}
-MESHED, LAY_OUT, CROSS = mesh._meshed, ConstrainedLayoutEngine.execute, np.cross
-
-
-@pytest.fixture(autouse=True, scope="session")
-def _cross_products_in_space() -> None:
-    """numpy 2.5 has none of vectors with two components."""
-
-    def cross(a, b):
-        assert np.shape(a)[-1] == np.shape(b)[-1] == 3
-        return CROSS(a, b)
-
-    np.cross = cross
+MESHED, LAY_OUT = mesh._meshed, ConstrainedLayoutEngine.execute
 
 
 @pytest.fixture(autouse=True, scope="session")

@@ -155,13 +155,6 @@ def test_what_holds_no_result_and_what_is_no_path_is_one_line(tmp_path) -> None:
             call(3)
 
 
-def test_sweeps_can_be_pickled(in_this_process) -> None:
-    table = rh.sweep(rh.find("sphere_on_plane"), {"effects.finite_bodies": ["off"]}, quiet=True)
-    again = pickle.loads(pickle.dumps(table))
-    assert again.rows() == table.rows() and again.keys == table.keys
-    assert again[0].pressure == table[0].pressure
-
-
 def test_grids_are_those_of_the_files(tmp_path) -> None:
     result = solved("sphere_on_plane", "wheel.yield_stress=20", "mesh.patch_size=0.2")
     grids = result.to_pyvista()

@@ -6,7 +6,7 @@ import pytest
 from studies.accuracy import calibrate, error_bounds
 from studies.cost import accuracy_cost
 from studies.cost import ranks as ranks_study
-from studies.tables import front, power_law, wrapped
+from studies.tables import front, wrapped
 
 
 def run(method: str, element: str, n: float, seconds: float, error: float, **changes: object):
@@ -33,12 +33,6 @@ def run(method: str, element: str, n: float, seconds: float, error: float, **cha
     return {**row, **changes}
 
 
-@pytest.mark.parametrize("x, y", [([1.0, 1.0], [1.0, 2.0]), ([1.0, 2.0], [0.0, 1.0])])
-def test_no_power_law_without_two_points_or_with_zero(x, y) -> None:
-    with pytest.raises(ValueError, match="no power law"):
-        power_law(x, y)
-
-
 def test_pareto_front_keeps_what_no_other_beats() -> None:
     points = ((1, 9), (2, 5), (3, 6), (4, 1), (1, 8))
     rows = [{"seconds": seconds, "error": error} for seconds, error in points]
@@ -60,17 +54,6 @@ def test_factor_ten_rival_and_orders_are_read_from_the_runs() -> None:
         3.32, abs=0.01
     )
     assert "Nothing: every run converged." in text
-
-
-def test_failed_runs_are_named_and_kept_out_of_the_fits() -> None:
-    rows = [
-        run("nitsche", "tetrahedron 2", 2, 1.0, 1e-1),
-        run("nitsche", "tetrahedron 2", 4, 1.0, 5.0, converged=False, failure="too many steps"),
-    ]
-    text = accuracy_cost.page(rows, 1000)
-    assert "- `made_up`, nitsche, tetrahedron 2, b/4: too many steps" in text
-    assert accuracy_cost.orders(rows) == {}
-    assert "fewer than two runs" in text
 
 
 def test_an_envelope_lies_above_all_errors_and_falls_as_they_do() -> None:
@@ -166,9 +149,5 @@ def test_prose_is_broken_and_stays_what_it_was() -> None:
     assert broken.split() == page.split() and broken.endswith(kept)
     prose = broken.removesuffix(kept).splitlines()
     assert max(map(len, prose)) <= 120
-    assert [line for line in prose if line.startswith("- ")] == [
-        line for line in prose if line.startswith("- a word")
-    ]
-    assert sum(line.startswith("- ") for line in prose) == 2
-    assert not [line for line in prose if line.lstrip().startswith("1.")]
+    assert sum(line.startswith(("- ", "1.")) for line in prose) == 2
     assert "short\nlines\n" in broken and wrapped(broken) == broken

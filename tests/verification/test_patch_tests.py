@@ -56,17 +56,6 @@ def test_contact_patch_test_of_nitsche_on_non_matching_meshes(
     np.testing.assert_allclose(solution.pressure, expected, rtol=tolerance)
 
 
-def test_contact_patch_test_of_penalty_is_off_by_its_own_compliance() -> None:
-    """Mean pressure 0.4 % low from the springs; locally it wavers by a third on P1."""
-    model = contact_model(degree=1, law=ContactLaw("penalty"), **FLAT)
-    solution = press(model, radius=1e9, approach=0.2)
-    weights = model.interface.weights
-    mean = weights @ solution.pressure / weights.sum()
-    assert mean < 10.0
-    assert mean == pytest.approx(10.0, rel=0.03)
-    np.testing.assert_allclose(solution.pressure, mean, rtol=0.4)
-
-
 # Sections, the solver alone: patch tests, balance, and the linear solvers.
 
 XZ = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
@@ -216,18 +205,6 @@ def test_action_equals_reaction_between_the_bodies() -> None:
     }
     np.testing.assert_allclose(4 * share[WHEEL], [0, 0, 3000.0], atol=1e-4)
     np.testing.assert_allclose(share[RAIL], -share[WHEEL], atol=1e-9)
-
-
-@pytest.mark.parametrize("wheel", [207000.0, math.inf])
-def test_approach_control_and_load_control_meet(wheel: float) -> None:
-    materials = (STEEL, Material(wheel, 0.3))
-    by_load = press(contact_model(materials=materials))
-    given = contact_model(materials=materials, load_control=False)
-    by_approach = press(given, approach=by_load.approach)
-    assert by_approach.load == pytest.approx(3000.0, rel=1e-7)
-    np.testing.assert_allclose(
-        by_approach.pressure, by_load.pressure, atol=1e-6 * by_load.pressure.max()
-    )
 
 
 @pytest.mark.parametrize("how", block_cases.TRANSFORMS)

@@ -4,7 +4,6 @@ import json
 import math
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import matplotlib.image
 import meshio
@@ -98,29 +97,6 @@ def test_a_load_step_whose_start_stalls_begins_from_the_last_one(monkeypatch) ->
     assert found.pressure.max == pytest.approx(usual.pressure.max, rel=1e-4)
 
 
-@pytest.mark.parametrize("normal, depth", [(-1.0, 3e-3), (1.0, -1e-3)])
-def test_a_surface_that_bulges_everywhere_has_a_negative_depth(monkeypatch, normal, depth) -> None:
-    """A depth cut off at zero says that nothing is left."""
-    rail = SimpleNamespace(tag=RAIL, rigid=False, contact=0)
-    setup = SimpleNamespace(
-        fixed=rail,
-        moving=SimpleNamespace(rigid=True),
-        slave=RAIL,
-        kinematics=SimpleNamespace(dim=2),
-    )
-    system = SimpleNamespace(
-        comm=MPI.COMM_SELF,
-        setup=setup,
-        interface=SimpleNamespace(weights=np.ones(1), normals=np.array([[0.0, normal]])),
-        bulk=SimpleNamespace(space=None),
-        facet_tags=None,
-    )
-    monkeypatch.setattr(load_stepping, "on_facets", lambda *_: np.arange(2))
-    moved = SimpleNamespace(displacement=SimpleNamespace(array=np.array([0, 1e-3, 0, 3e-3])))
-    found = load_stepping.indentation_depth(system, moved, np.ones(1))
-    assert found == {RAIL: pytest.approx(depth)}
-
-
 @pytest.mark.parametrize("share, yields", [(0.97, False), (1.03, True)])
 def test_it_yields_from_the_exact_load_on(share: float, yields: bool) -> None:
     scene = pressed(share, unload=False)
@@ -187,16 +163,6 @@ def test_what_is_left_carries_no_force(five: rh.Result) -> None:
     assert state.largest_von_mises > 0.2 * Y
     residual = replace(state.unloaded, contact=five.fields.contact)  # where the wheel had touched
     assert np.abs(contact_force(residual, RAIL)).max() < 0.02 * five.load
-
-
-def test_a_load_that_could_not_be_taken_away_leaves_nothing_to_tell(five: rh.Result) -> None:
-    solution = five.mesh_solution.solution
-    *before, last = solution.plasticity.newton_results
-    failed = (*before, replace(last, reason="stalled"))
-    solution = replace(solution, plasticity=replace(solution.plasticity, newton_results=failed))
-    state = mesh_solution._read_residual_state(None, solution, five.fields, five.findings.frame)
-    assert state.zone.strain > 0
-    assert (state.unloaded, state.largest_von_mises, state.indentation) == (None, None, {})
 
 
 def test_an_accuracy_covers_mesh_and_load_steps() -> None:

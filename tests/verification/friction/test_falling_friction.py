@@ -14,7 +14,6 @@ import railhead as rh
 from railhead.planning import simulation_plan
 from railhead.run.half_spaces.worn_contact import Fineness
 from railhead.sweeps.wear import wear, wear_run
-from railhead.theory.friction.kalker import coefficients
 from railhead.theory.friction.rolling import (
     Creepage,
     HalfSpaceFriction,
@@ -199,19 +198,6 @@ def test_a_soft_layer_is_kalkers_simplified_theory() -> None:
     assert force == pytest.approx(exact, rel=0.01)
     across = ellipse(0.3, Interface(layer=layer), cells=64).solve(Creepage(0, creepage))
     assert across.forces[1] == pytest.approx(fine.forces[0], rel=0.003)
-
-
-def test_a_layer_flattens_the_slope_of_the_creep_curve() -> None:
-    """Kalker's linear theory without a layer, both flexibilities about in series with one, and the
-    same limit of the force."""
-    linear = coefficients(A / B, 0.28).forces(A, B, 82000.0, Creepage(1e-6))[0]
-    for layer in (0.0, 2e-5, 1e-3):
-        body = ellipse(0.3, Interface(layer=layer), cells=64)
-        slope = body.solve(Creepage(1e-6)).forces[0]
-        brush = 1e-6 * 8 * A**2 * B / (3 * layer) if layer else math.inf
-        assert slope == pytest.approx(1 / (1 / linear + 1 / brush), rel=0.06)
-        slid = body.solve(Creepage(0.5)).forces[0]
-        assert slid == pytest.approx(0.3 * LOAD, rel=0.01)
 
 
 FAST = "effects.finite_bodies=off"

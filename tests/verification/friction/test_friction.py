@@ -45,14 +45,6 @@ def test_a_strip_that_rolls_is_carter_s(entry) -> None:
     assert answer["power_W"] == pytest.approx(20 * answer["t_gamma_N"])
 
 
-@pytest.mark.parametrize("entry", CARTER[1:2], ids=lambda entry: entry["id"])
-def test_a_given_force_needs_carter_s_creepage(entry) -> None:
-    force = entry["Q_over_muP"] * MU * entry["load_N"]
-    found = passed(roller(rolling={"force_along": force}))
-    assert friction(found)["force_along_N"] == pytest.approx(force, rel=1e-6)
-    assert friction(found)["creepage_along"] == pytest.approx(entry["creepage_xi"], rel=0.03)
-
-
 def test_blocks_are_half_planes_also_for_friction() -> None:
     """The creepage of a force is Carter's: mu a/R (1 - sqrt(1 - Q/mu P)); blocks of eight half
     widths were 1.3 % off on any mesh, three times what an accuracy of 5 % said."""
@@ -306,15 +298,3 @@ def test_pairs_of_one_coefficient_are_that_number(kind: str) -> None:
     one, other = (friction(slides(kind, each)) for each in (0.3, [[-3, 0.3], [2, 0.3]]))
     for name in ("force_along_N", "limit_N", "traction_max_MPa"):
         assert other[name] == pytest.approx(one[name], rel=1e-12)
-
-
-def test_level_bodies_have_the_coefficient_of_no_angle() -> None:
-    """Half-spaces, and a section along the rail."""
-    for case, size in (("hertz_ellipse", None), ("long_roller", "0.5 mm")):
-        scene = rh.find(case).replace(rolling={"creepage_along": 1e-3}, mesh={"patch_size": size})
-        scene = scene.replace(effects={"finite_bodies": "auto" if size else "off"})
-        one, other = (
-            friction(solved(scene.replace(friction={"coefficient": each})))
-            for each in (0.3, [[-10, 0.2], [10, 0.4]])
-        )
-        assert other["force_along_N"] == pytest.approx(one["force_along_N"], rel=1e-9)

@@ -231,12 +231,6 @@ def test_what_makes_no_contact_is_refused_before_anything_runs(capsys, tmp_path)
     assert "wheelset.shift [mm] = 30.0" in line
 
 
-def test_loads_share_a_mesh(swept) -> None:
-    """One for each radius."""
-    unknowns = [row["unknowns"] for row in rows(swept)]
-    assert unknowns[0::2] == unknowns[:1] * 3 and unknowns[1::2] == unknowns[1:2] * 3
-
-
 def test_the_mesh_of_several_loads_is_no_coarser_than_their_own(in_this_process) -> None:
     """So numbers differ from those of single runs by what the meshes differ: within the estimates
     of both."""

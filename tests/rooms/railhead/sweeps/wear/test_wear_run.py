@@ -1,6 +1,5 @@
 """Wear over a route: files, errors, checks, going on, and what is refused."""
 
-import csv
 import json
 import math
 import shutil
@@ -10,6 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from csv_rows import rows
 
 from railhead.cli.commands import main
 from railhead.contact import solid
@@ -55,10 +55,6 @@ def worn(tmp_path_factory: pytest.TempPathFactory) -> tuple[sweep.WearResult, Pa
         patch.setattr(wear_run, "RUNS", COARSE)
         found = sweep.wear(crown(depth_limit=0.02), folder)
     return found, folder
-
-
-def rows(path: Path) -> list[dict[str, str]]:
-    return list(csv.DictReader(path.read_text(encoding="utf-8-sig").splitlines()))
 
 
 def test_own_steps_give_pressure_and_depth_of_the_prototype_within_their_errors(worn):
