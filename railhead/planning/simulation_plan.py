@@ -43,10 +43,6 @@ MOST_UNKNOWNS = 1e9  # of a mesh that is planned: a thousand times the largest t
 MEMORY_SHARE = 0.8  # largest predicted memory over the free memory
 
 
-class NoMemoryError(SceneError):
-    """The mesh of a scene that is solved once does not fit into the memory that is free now."""
-
-
 @dataclass(frozen=True, kw_only=True)
 class Plan:
     """Decisions for one scene.
@@ -499,13 +495,13 @@ class Plan:
 
     def check_memory(self, free: int) -> None:
         """Refuse a scene that is solved on one mesh where this mesh does not fit into the free
-        memory (bytes): NoMemoryError.
+        memory (bytes): SceneError.
         Nothing is refused where the scene has several meshes: the first is coarse, and a finer one
         that does not fit is left out.
         """
         if self.scene.one_mesh and not self.fits(free):
             needed = self.memory / MEMORY_SHARE / 1e9
-            raise NoMemoryError(
+            raise SceneError(
                 "mesh.patch_size",
                 f"{self.patch_size:.3g} mm makes about {self.unknowns:.2g} unknowns, which need "
                 f"{needed:.3g} GB of {free / 1e9:.3g} GB free; give a larger one",

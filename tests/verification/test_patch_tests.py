@@ -18,7 +18,7 @@ from railhead.meshing.grading import Grading
 from railhead.postprocess.stress import gauss_points
 from railhead.solver import compat
 from railhead.solver.contact import ContactModel
-from railhead.solver.material import Hardening, Material, assemble
+from railhead.solver.material import Hardening, Material
 from railhead.solver.space.contact_interface import ContactLaw
 from railhead.solver.space.kinematics import SOLID, Kinematics
 from railhead.solver.system.fields import gather
@@ -120,35 +120,24 @@ GRADIENT = np.array([[1e-3, 2e-4, 0], [2e-4, -5e-4, 1e-4], [0, 1e-4, 7e-4]])
 
 
 @pytest.mark.parametrize(
-    "blocks, wide, cell, degree, kinematics",
+    "blocks, cell, degree, kinematics",
     [
-        (two_blocks, 10, "tetrahedron", 1, SOLID),
-        (two_blocks, 10, "tetrahedron", 2, SOLID),
-        (two_blocks, 10, "hexahedron", 1, SOLID),
-        (two_half_blocks, 8.9, "tetrahedron", 1, PLANE),
-        (two_half_blocks, 8.9, "hexahedron", 2, PLANE),
-        (two_half_blocks, 8.9, "tetrahedron", 2, RING),
-        (two_half_blocks, 8.9, "hexahedron", 1, RING),
+        (two_blocks, "tetrahedron", 1, SOLID),
+        (two_blocks, "tetrahedron", 2, SOLID),
+        (two_blocks, "hexahedron", 1, SOLID),
+        (two_half_blocks, "tetrahedron", 1, PLANE),
+        (two_half_blocks, "hexahedron", 2, PLANE),
+        (two_half_blocks, "tetrahedron", 2, RING),
+        (two_half_blocks, "hexahedron", 1, RING),
     ],
 )
-def test_bulk_constant_stress(blocks, wide, cell, degree, kinematics) -> None:
-    """K u of a linear displacement vanishes at inner nodes and gives its constant stress, out of
-    the plane of a section too; a ring takes u_r = e r, u_z = f z."""
+def test_constant_stress_is_read_of_a_linear_displacement(blocks, cell, degree, kinematics) -> None:
+    """Out of the plane of a section too; a ring takes u_r = e r, u_z = f z."""
     made, setup = blocks(cell=cell, materials=(STEEL, STEEL), degree=degree, kinematics=kinematics)
     model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
     axes, dim = kinematics.axes, kinematics.dim
     points = model.bulk.space.tabulate_dof_coordinates()[:, :dim]
     gradient = np.diag([1e-3, 7e-4]) if kinematics.revolved else GRADIENT[:dim, :dim]
-    both = dict.fromkeys((RAIL, WHEEL), STEEL)
-    _, stiffness = assemble(made.mesh, made.cell_tags, both, degree, kinematics)
-    u = stiffness.createVecRight()
-    u.array[:] = (points @ gradient).ravel()
-    force = (stiffness * u).array.reshape(-1, dim)
-    inner = ((points[:, :-1] > 1e-9) & (points[:, :-1] < wide - 1e-9)).all(axis=1)
-    inner &= (np.abs(points[:, -1]) > 1e-9) & (np.abs(points[:, -1]) < 10 - 1e-9)
-    assert inner.sum() > 5
-    assert np.abs(force[inner]).max() < 1e-9 * np.abs(force).max()
-
     solution = model.solve(load=1000.0, active=np.ones(len(model.interface.points), bool))
     fields = replace(gather(model, solution), displacement=points @ gradient @ axes)
     strain = axes.T @ gradient @ axes + np.diag([0.0, 1e-3 if kinematics.revolved else 0.0, 0.0])

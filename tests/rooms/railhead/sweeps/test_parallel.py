@@ -201,16 +201,6 @@ def test_a_kill_loses_only_what_was_running(tmp_path: Path, in_this_process) -> 
     assert not list((out / "records").glob(".*"))
 
 
-def test_the_manchester_positions_are_one_command() -> None:
-    """All scenes make a plan, each with a mesh of its own."""
-    over = parse_values(["wheelset.shift=0:10:5mm"])
-    scenes = ParameterGrid.combine(rh.find("s1002_60e1"), over).scenes
-    assert [scene.wheelset.shift for scene in scenes] == [0, 5, 10]
-    plans = [planning.make(scene) for scene in scenes]
-    assert runner.group_by_mesh(plans) == [[0], [1], [2]]
-    assert len({round(plan.contact.touch.y, 3) for plan in plans}) == 3
-
-
 def test_a_sweep_has_one_datum_of_the_approach() -> None:
     """The whole rail is called for at 1 and 2 mm alone."""
     given = rh.find("s1002_60e1").replace(["load=40kN", "effects.plasticity=off"])

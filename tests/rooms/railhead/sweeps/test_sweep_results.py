@@ -31,14 +31,6 @@ from railhead.sweeps import parallel, store, sweep_table
 FAST = rh.find("hertz_ellipse").replace(["effects.finite_bodies=off"])
 
 
-def test_the_public_sweep_gives_the_same(swept, in_this_process) -> None:
-    scene = rh.find("long_roller").replace(["mesh.patch_size=0.4"])
-    table = rh.sweep(scene, {"load": ["50kN", "80kN", "110kN"]}, quiet=True)
-    for row, result in zip(rows(swept)[::2], table, strict=True):
-        assert row.keys() - {"wheel.rolling_radius [mm]"} == table.rows()[0].keys()
-        assert float(row["p_max [MPa]"]) == pytest.approx(result.pressure.max, rel=1e-9)
-
-
 def test_what_cannot_be_solved_is_a_row(monkeypatch, in_this_process) -> None:
     def failing(plan, *_):
         raise MeshError("gmsh: no")
@@ -366,21 +358,6 @@ def test_a_folder_in_use_is_left_alone(copied: Path, capsys) -> None:
     (line,) = capsys.readouterr().err.splitlines()
     assert "--out: " in line and "in use by another command; wait for it" in line
     assert before == {path: path.stat().st_mtime_ns for path in copied.rglob("*")}
-
-
-def test_a_record_appears_whole_or_not_at_all(tmp_path: Path, monkeypatch) -> None:
-    """The disk is full after half of it."""
-    store.begin(tmp_path / "sweep", {"case": "a"})
-    whole = Path.write_bytes
-
-    def half(path: Path, content: bytes) -> int:
-        whole(path, content[: len(content) // 2])
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(Path, "write_bytes", half)
-    with pytest.raises(OSError, match="No space"):
-        store.write(tmp_path / "sweep", 3, {"fault": "", "summary": {}})
-    assert store.done(tmp_path / "sweep") == set()
 
 
 def test_a_sweep_goes_on_with_its_own_folder_and_leaves_others(tmp_path: Path, capsys) -> None:
