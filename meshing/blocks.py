@@ -248,20 +248,22 @@ def _mesh(bodies: list[Body], grading: Grading, options: Options) -> None:
     field = gmsh.model.mesh.field.add("MathEval")
     gmsh.model.mesh.field.setString(field, "F", expression)
     gmsh.model.mesh.field.setAsBackgroundMesh(field)
+    settings = {
+        "MeshSizeExtendFromBoundary": 0,
+        "MeshSizeFromPoints": 0,
+        "MeshSizeFromCurvature": 0 if hexahedra else options.per_turn,
+        "MeshSizeMin": 0.2 * grading.size,
+        "MeshSizeMax": grading.coarsest,
+        "Algorithm3D": 10,  # HXT: faster, better shaped than Delaunay; not used by sweeps in layers
+    }
     if options.plane:  # sizes along a curve add up to this, instead of 1e-9 in three times as long
-        gmsh.option.setNumber("Mesh.LcIntegrationPrecision", 1e-6)
-    gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
-    gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 0)
-    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 0 if hexahedra else options.per_turn)
-    gmsh.option.setNumber("Mesh.MeshSizeMin", 0.2 * grading.size)
-    gmsh.option.setNumber("Mesh.MeshSizeMax", grading.coarsest)
+        settings["LcIntegrationPrecision"] = 1e-6
     if hexahedra:
-        gmsh.option.setNumber("Mesh.RecombineAll", 1)
-        gmsh.option.setNumber("Mesh.RecombinationAlgorithm", 3)
+        settings |= {"RecombineAll": 1, "RecombinationAlgorithm": 3}
         for _, curve in gmsh.model.getEntities(1):
             _at_least_two_elements(curve, grading, options)
-    else:
-        gmsh.option.setNumber("Mesh.Algorithm3D", 10)  # HXT: faster, better shaped than Delaunay
+    for name, value in settings.items():
+        gmsh.option.setNumber(f"Mesh.{name}", value)
     gmsh.model.mesh.generate(options.dim)
     if options.geometry_degree > 1:
         gmsh.model.mesh.setOrder(options.geometry_degree)

@@ -76,14 +76,14 @@ def curves(columns: Sequence[str], rows: Rows, subject: Subject, target: Target 
         columns, key=lambda name: (not _numbers(name, rows), -len(_values(name, rows)))
     )
     lines = _values(others[0], rows) if others else [None]
-    units = subject.units
-    with new_figure(target, 11, 3.8 * math.ceil(len(panels(rows)) / 2), subject) as figure:
+    units, shown = subject.units, panels(rows)
+    panel_rows = math.ceil(len(shown) / 2)
+    with new_figure(target, 11, 3.8 * panel_rows, subject) as figure:
         import matplotlib
 
         shades = matplotlib.colormaps["viridis"](np.linspace(0, 0.85, len(lines)))
         colours = [FE] if len(lines) == 1 else list(shades)
-        shown = panels(rows)
-        grid = figure.subplots(math.ceil(len(shown) / 2), 2, sharex=True, squeeze=False)
+        grid = figure.subplots(panel_rows, 2, sharex=True, squeeze=False)
         for axes in grid.ravel()[len(shown) :]:
             axes.set_axis_off()
         for axes, (name, label) in zip(grid.ravel(), shown.items(), strict=False):
