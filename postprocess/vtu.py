@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from pathlib import Path
-from xml.etree import ElementTree
 
 import meshio
 import numpy as np
@@ -99,19 +98,6 @@ def _plastic(fields: Fields) -> dict[str, list[Array]]:
         "equivalent_plastic_strain": [fields.plastic_strain.equivalent.mean(axis=1)],
         "plastic_strain": [strain],
     }
-
-
-def series(files: Mapping[float, str], path: Path) -> None:
-    """Write a .pvd file with which ParaView steps through .vtu files.
-
-    files: path of each .vtu file by its time; paths are relative to the folder of the .pvd file.
-    OSError: the .pvd file cannot be written.
-    """
-    root = ElementTree.Element("VTKFile", type="Collection", version="0.1")
-    collection = ElementTree.SubElement(root, "Collection")
-    for time, file in sorted(files.items()):
-        ElementTree.SubElement(collection, "DataSet", timestep=repr(time), part="0", file=file)
-    ElementTree.ElementTree(root).write(path, encoding="utf-8", xml_declaration=True)
 
 
 def contact_grid(surfaces: Mapping[int, Surface]) -> meshio.Mesh:

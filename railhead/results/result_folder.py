@@ -211,7 +211,7 @@ def signed(rows: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def stamp(folder: Path) -> None:
-    """Write version, date and units into the .png, .svg, .vtu, .pvd and .npz files of a folder, as
+    """Write version, date and units into the .png, .svg, .vtu and .npz files of a folder, as
     text that viewers skip. OSError: a file cannot be written; it is unchanged then.
     """
     note, part = f"railhead {VERSION}, {now()}; {UNITS}".encode(), folder / ".stamp"
@@ -221,7 +221,7 @@ def stamp(folder: Path) -> None:
             size, check = len(chunk) - 4, zlib.crc32(chunk)
             added = size.to_bytes(4, "big") + chunk + check.to_bytes(4, "big")
             part.write_bytes(data[:33] + added + data[33:])
-        elif path.suffix in (".vtu", ".pvd", ".svg"):
+        elif path.suffix in (".vtu", ".svg"):
             head, end, rest = path.read_bytes().partition(b"?>")
             part.write_bytes(head + end + b"\n<!-- " + note + b" -->" + rest)
         elif path.suffix == ".npz":

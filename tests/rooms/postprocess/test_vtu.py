@@ -1,6 +1,5 @@
 """The files open in pyvista and hold what was put in, on the real cells."""
 
-import re
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import cast
@@ -129,13 +128,3 @@ def test_traction_points_are_those_that_touch() -> None:
         assert np.array_equal(grid.point_data[name], factor * grid.points)
     assert grid.point_data["sticks"].tolist() == [1, 0, 0]
     assert grid.point_data["pressure"].tolist() == [1.0, 2.0, 2.0]
-
-
-def test_a_series_is_in_the_order_of_time(tmp_path) -> None:
-    vtu.series({2.0: "c.vtu", 0.0: "a.vtu", 1.0: "b.vtu"}, tmp_path / "all.pvd")
-    text = (tmp_path / "all.pvd").read_text()
-    assert re.findall(r'timestep="([^"]+)".*?file="([^"]+)"', text) == [
-        ("0.0", "a.vtu"),
-        ("1.0", "b.vtu"),
-        ("2.0", "c.vtu"),
-    ]
