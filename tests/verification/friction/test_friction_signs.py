@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 from friction_cases import plane
 from solved import friction, solved
