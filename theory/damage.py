@@ -119,30 +119,20 @@ def _least_shear_yield(stress: Array, kinematic: bool) -> float:
     """
     xx, yy, zz, _, xz, _ = stress.T / STRIP.p0
 
-    def parts(v: Array) -> tuple[Array, Array, Array]:
-        """d/2, e - d/2 and xz, each (n,), with the residual stresses v[0] and v[1] and the shift
-        v[2], over p0.
+    def room(v: Array) -> Array:
+        """k^2 - J_2 (n,), over p0^2, with the residual stresses v[0] and v[1] and the shift v[2],
+        over p0, and k^2 = v[3].
         """
         half = (xx - zz + v[0]) / 2
-        return half, yy - zz + v[1] - half, xz + kinematic * v[2]
-
-    def room(v: Array) -> Array:
-        """k^2 - J_2 (n,), over p0^2, with k^2 = v[3]; v[:3] as of `parts`."""
-        half, other, shear = parts(v)
+        other = yy - zz + v[1] - half
+        shear = xz + kinematic * v[2]
         return np.asarray(v[3] - half**2 - other**2 / 3 - shear**2)
-
-    def slope(v: Array) -> Array:
-        """Derivatives (n, 4) of `room` by the components of v."""
-        half, other, shear = parts(v)
-        one = np.ones_like(xz)
-        return np.column_stack((other / 3 - half, -2 * other / 3, -2 * kinematic * shear, one))
 
     found = minimize(
         lambda v: v[3],
         [0.0, 0.0, 0.0, 10.0],
-        jac=lambda v: [0.0, 0.0, 0.0, 1.0],
         method="SLSQP",
-        constraints={"type": "ineq", "fun": room, "jac": slope},
+        constraints={"type": "ineq", "fun": room},
         options={"ftol": 1e-10},
     )
     return float(STRIP.p0 * math.sqrt(-room(np.append(found.x[:3], 0.0)).min()))
