@@ -142,21 +142,22 @@ def test_an_origin_beside_the_crown_is_asked_about_where_no_gauge_places_the_whe
     tmp_path,
 ) -> None:
     """A table 8 mm aside, whose top is 8 mm from its origin; one 1.5 mm too high says so."""
-    for name, moved in (("aside.csv", [8.0, 0.0]), ("high.csv", [0.0, 1.5])):
-        (tmp_path / name).write_text("y [mm],z [mm]\n" + text(rail() + moved, ","))
-    case, keys = rh.find("cone20_uninclined_uic54"), ["", "rail.profile_mirror=off"]
-    keys[0] = f"rail.profile={tmp_path / 'aside.csv'}"
+    for name, moved in (("aside", [8.0, 0.0]), ("high", [0.0, 1.5]), ("plain", [0.0, 0.0])):
+        (tmp_path / f"{name}.csv").write_text("y [mm],z [mm]\n" + text(rail() + moved, ","))
+
+    def wheel_y(name: str, *keys: str) -> float:
+        """y of the first contact on the right wheel, mm."""
+        keys = f"rail.profile={tmp_path / name}", "rail.profile_mirror=off", *keys
+        found = rh.locate(rh.find("cone20_uninclined_uic54").replace(keys))
+        return found.placed.right.touches[0].wheel_y
+
     with pytest.raises(ValueError, match=r"rail\.profile_origin: .* top is 8\.\d mm beside it"):
-        rh.locate(case.replace(keys))
-    answers = ("rail.profile_origin=file", "rail.profile_shift=[-8, 0]", "rail.gauge=1435")
-    placed = [rh.locate(case.replace([*keys, answer])).summary() for answer in answers]
-    at = [each["right"][0]["wheel_y_mm"] for each in placed]
-    assert at[0] == pytest.approx(at[1] + 8.0, abs=0.01)  # the rail stands 8 mm aside
-    plain = tmp_path / "plain.csv"
-    plain.write_text("y [mm],z [mm]\n" + text(rail(), ","))
-    keys[0] = f"rail.profile={plain}"
-    true = rh.locate(case.replace(keys)).summary()["right"][0]["wheel_y_mm"]
-    assert at[1] == pytest.approx(true, abs=1e-3)
+        wheel_y("aside.csv")
+    aside = wheel_y("aside.csv", "rail.profile_origin=file")
+    moved = wheel_y("aside.csv", "rail.profile_shift=[-8, 0]")
+    wheel_y("aside.csv", "rail.gauge=1435")
+    assert aside == pytest.approx(moved + 8.0, abs=0.01)  # the rail stands 8 mm aside
+    assert moved == pytest.approx(wheel_y("plain.csv"), abs=1e-3)
     high = measured.read(tmp_path / "high.csv", "rail")
     assert any("its top is at y = " in each and "z = 1.5" in each for each in high.remarks)
 
