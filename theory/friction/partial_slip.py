@@ -13,7 +13,6 @@ and 7.4). Forces are in N, lengths in mm.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from scipy.special import elliprd, elliprf
 
@@ -48,36 +47,20 @@ def initial_compliance(
     return float(along), float(across)
 
 
-@dataclass(frozen=True)
-class CattaneoMindlin:
-    """A Hertz ellipse under a tangential force without rolling: an inner ellipse sticks, the rest
-    slips.
-
-    limit: largest tangential force, friction coefficient times normal force, N.
-    compliance: tangential approach over force where the whole patch sticks, mm/N.
+def ellipse_stick_ratio(share: float) -> float:
+    """Axes of the inner ellipse that sticks over those of the patch, (1 - share)^(1/3), of a shift
+    (Mindlin). share: Q/mu N, tangential force over its limit. ValueError: outside 0..1.
     """
+    return math.cbrt(_rest(share))
 
-    limit: float
-    compliance: float
 
-    def stick_ratio(self, force: float) -> float:
-        """Axes of the ellipse that sticks over those of the patch, (1 - Q/mu N)^(1/3), under a
-        force Q (N). ValueError: a force outside 0..mu N.
-        """
-        return math.cbrt(self._rest(force))
+def ellipse_shift(compliance: float, limit: float, share: float) -> float:
+    """Tangential approach, mm, under a force that increased from 0 (Johnson, 7.42).
 
-    def approach(self, force: float) -> float:
-        """Tangential approach, mm, under a force (N) that increased from 0 (Johnson, 7.42).
-        ValueError: a force outside 0..mu N.
-        """
-        full_slip = 1.5 * self.compliance * self.limit
-        return full_slip * (1 - self._rest(force) ** (2 / 3))
-
-    def _rest(self, force: float) -> float:
-        """1 - Q/mu N for a force Q (N). ValueError: a force outside 0..mu N."""
-        if not 0 <= force <= self.limit:
-            raise ValueError(f"force must be within 0..mu N = {self.limit} N, got {force}")
-        return 1 - force / self.limit
+    compliance: tangential approach over force where the whole patch sticks, mm/N. limit: mu N, N.
+    share: force over the limit. ValueError: outside 0..1.
+    """
+    return 1.5 * compliance * limit * (1 - _rest(share) ** (2 / 3))
 
 
 def strip_stick_ratio(share: float) -> float:
@@ -85,6 +68,11 @@ def strip_stick_ratio(share: float) -> float:
     tangential force, P normal force), of a shift (Cattaneo) and of rolling (Carter). ValueError:
     the share is outside 0..1.
     """
+    return math.sqrt(_rest(share))
+
+
+def _rest(share: float) -> float:
+    """1 - share. ValueError: the share is outside 0..1."""
     if not 0 <= share <= 1:
-        raise ValueError(f"the share of mu P must be within 0..1, got {share}")
-    return math.sqrt(1 - share)
+        raise ValueError(f"the share of mu N must be within 0..1, got {share}")
+    return 1 - share

@@ -218,11 +218,13 @@ def _mindlin(plan: Plan, found: FrictionSolution, ellipse: Ellipse) -> dict[str,
     compliances = partial_slip.initial_compliance(
         ellipse.a, ellipse.b, pair.shear_modulus, pair.poisson
     )
-    ways = [partial_slip.CattaneoMindlin(found.friction_limit, each) for each in compliances]
-    out = {"stick_share": ways[0].stick_ratio(force) ** 2}
+    share = force / found.friction_limit
+    out = {"stick_share": partial_slip.ellipse_stick_ratio(share) ** 2}
     if plan.contact.solid_half_space and force:
-        for way, part, known in zip(("along", "across"), found.force, ways, strict=True):
-            out[f"shift_{way}_mm"] = known.approach(force) * part / force
+        ways = zip(("along", "across"), found.force, compliances, strict=True)
+        for way, part, compliance in ways:
+            shift = partial_slip.ellipse_shift(compliance, found.friction_limit, share)
+            out[f"shift_{way}_mm"] = shift * part / force
     return out
 
 
