@@ -234,21 +234,19 @@ def pair(
         return facet, xi
     tree = cKDTree(master.vertices.mean(axis=1))
     missing = np.arange(len(points))
-    for count in CANDIDATES if known is None else (1, *CANDIDATES):
-        if known is None:
-            count = min(count, len(master))
-            _, near = tree.query(points[missing], k=count)
-            near = np.asarray(near).reshape(len(missing), count)
-        else:
-            near = known[:, None]
-        repeated = np.repeat(missing, count)
+    for count in CANDIDATES if known is None else (0, *CANDIDATES):
+        if count:
+            ranks = np.arange(1, min(count, len(master)) + 1)
+            near, border = tree.query(points[missing], k=ranks)[1], OUTSIDE
+        else:  # the facets that are known
+            near, border = np.asarray(known)[:, None], ON_BORDER
+        repeated = np.repeat(missing, near.shape[1])
         guess = project_on_corners(points[repeated], normals[repeated], master, near.ravel())
         outside = _outside(guess, master).reshape(near.shape)
         outside[near < 0] = np.inf
         best = outside.argmin(axis=1)
         each = np.arange(len(missing))
-        found = outside[each, best] < (OUTSIDE if known is None else ON_BORDER)
-        known = None
+        found = outside[each, best] < border
         facet[missing[found]] = near[each, best][found]
         xi[missing[found]] = guess.reshape(*near.shape, inner)[each, best][found]
         missing = missing[~found]
