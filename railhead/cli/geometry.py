@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from rich.console import Console
-from rich.table import Table
 
 from railhead.contact import solid
 from railhead.geometry.measured import BODY_BY_EXTENSION, standards
@@ -247,11 +246,7 @@ class Location(Examined):
 
         scene, swept, radii = self.scene, self.swept, self.radii
         wheel, rail = Path(scene.wheel.profile).name, Path(scene.rail.profile).name
-        words = f"{scene.name}: wheelset with wheels {wheel} on rails {rail}"
-        if scene.wheelset.unlike:
-            there = scene.opposite
-            other = Path(there.wheel.profile).name, Path(there.rail.profile).name
-            words += f" ({there.wheelset.side}: {' on '.join(other)})"
+        words = f"{scene.name}: {scene.wheelset.side} wheel {wheel} on rail {rail}"
         yaw = f", yaw {1e3 * scene.wheelset.yaw:g} mrad"
         shifted = f", shifted by {units.text(scene.wheelset.shift, 'mm')} to the right"
         here, over = (Subject(words + more + yaw, units=units) for more in (shifted, ""))
@@ -289,24 +284,19 @@ class Location(Examined):
     def _show_contacts(self, console: Console, units: Units, summary: dict[str, Any]) -> None:
         """Print a table with a column for each contact, below it the values of the wheelset."""
         scene = self.scene
-        table = Table(title=f"contacts of {scene.name}", title_justify="left")
-        table.add_column("quantity")
-        table.add_column("unit")
-        columns = [
-            (f"{side} {number}", contact)
+        contacts = {
+            f"{side} {number}": contact
             for side in ("left", "right")
             for number, contact in enumerate(summary[side], 1)
-        ]
-        for name, _ in columns:
-            table.add_column(name, justify="right")
+        }
+        rows = []
         for label, unit, key in CONTACT_ROWS:
             factor = math.degrees(1) if unit == "deg" else 1.0
-            values = (factor * contact[key] for _, contact in columns)
-            exact = (each if abs(each) > NOTHING else 0.0 for each in values)
-            table.add_row(
-                label, units.unit(unit), *(f"{units.value(each, unit):.6g}" for each in exact)
-            )
-        console.print(table)
+            values = (_exact(factor * contact[key]) for contact in contacts.values())
+            cells = (f"{units.value(each, unit):.6g}" for each in values)
+            rows.append([label, units.unit(unit), *cells])
+        header = "quantity", "unit", *contacts
+        console.print(terminal.number_table(f"contacts of {scene.name}", header, rows, 2))
         console.print(
             f"shift {units.text(scene.wheelset.shift, 'mm')}, "
             f"yaw {1e3 * scene.wheelset.yaw:g} mrad: "
@@ -318,23 +308,25 @@ class Location(Examined):
         )
 
 
+def _exact(value: float) -> float:
+    """A number of a table, 0 where it is but rounding."""
+    return value if abs(value) > NOTHING else 0.0
+
+
 def _show_rows(console: Console, units: Units, summary: dict[str, Any]) -> None:
     """Print a table with a row for each shift, below it those that are left out."""
-    table = Table(
-        title=f"contacts of {summary['case']}", title_justify="left", box=None, padding=(0, 0, 0, 1)
-    )
+    header, columns = [], COLUMNS.items()
     for column, head, _ in COLUMNS.values():
         unit = column.partition("[")[2].removesuffix("]")
-        table.add_column(f"{head}\n{units.unit(unit)}", justify="right")
-    for row in summary["rows"]:
-        exact = {key: value if abs(value) > NOTHING else 0.0 for key, value in row.items()}
-        table.add_row(
-            *(
-                f"{units.value(exact[key], column):.{digits}g}"
-                for key, (column, _, digits) in COLUMNS.items()
-            )
-        )
-    console.print(table)
+        header.append(f"{head}\n{units.unit(unit)}")
+    rows = [
+        [
+            f"{units.value(_exact(row[key]), column):.{digits}g}"
+            for key, (column, _, digits) in columns
+        ]
+        for row in summary["rows"]
+    ]
+    console.print(terminal.number_table(f"contacts of {summary['case']}", header, rows))
     for each in summary["left_out"]:
         shift = units.text(each["shift_mm"], "mm")
         terminal.labelled(console, f"left out   {shift}: {each['why']}")

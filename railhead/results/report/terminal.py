@@ -216,16 +216,15 @@ def _show_prices(prices: Sequence[Mapping[str, Any]] | None, console: Console) -
             "price      unknown: no calibrated family; an accuracy takes three meshes or more"
         )
         return
-    table = Table(title="price on this machine", title_justify="left")
-    for column in ("accuracy", "patch size, mm", "unknowns", "seconds", "memory, MB"):
-        table.add_column(column, justify="right")
+    header = "accuracy", "patch size, mm", "unknowns", "seconds", "memory, MB"
+    rows = []
     for row in prices:
-        accuracy, cells = f"{row['accuracy']:.3g}", ["out of reach"] * 4
+        cells = ["out of reach"] * 4
         if row["unknowns"] is not None:
             cells = [f"{row['patch_size_mm']:.3g}", f"{row['unknowns']}"]
             cells += [f"{row['seconds']:.1f}", f"{row['memory_MB']:.0f}"]
-        table.add_row(accuracy, *cells)
-    console.print(table)
+        rows.append([f"{row['accuracy']:.3g}", *cells])
+    console.print(number_table("price on this machine", header, rows))
 
 
 def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_UNITS) -> None:
@@ -261,7 +260,7 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
             )
         if passes := summary["result"].get("passes"):
             header, *cells = passes_table(passes, units)
-            console.print(_table(passes_title(summary["result"]), header, cells))
+            console.print(number_table(passes_title(summary["result"]), header, cells))
             words = f"Passes: {summary['result']['passes_words']}."
             console.print(words, markup=False, highlight=False)
         missing = summary["checks"]["not_made"]
@@ -385,7 +384,7 @@ def _show_rows(title: str, rows: Sequence[Row], console: Console, units: Units) 
         filled = [row for row in rows if any(row[name] is not None for name in names)]
         cells = quantity_rows.texts(filled, names, units)
         lines = [[label, unit, *numbers] for label, unit, numbers in cells]
-        return _table(above, [*quantity_rows.FIRST, *names], lines, len(quantity_rows.FIRST))
+        return number_table(above, [*quantity_rows.FIRST, *names], lines, len(quantity_rows.FIRST))
 
     while left:
         count = len(left)
@@ -397,7 +396,7 @@ def _show_rows(title: str, rows: Sequence[Row], console: Console, units: Units) 
         left, above = left[count:], ""
 
 
-def _table(
+def number_table(
     title: str, header: Sequence[str], rows: Sequence[Sequence[str]], words: int = 0
 ) -> Table:
     """Table of rows of text: `words` columns of words on the left, the others of numbers. Beside
