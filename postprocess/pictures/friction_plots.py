@@ -63,15 +63,14 @@ def draw_tractions(
         if hot is not None:
             _rise(maps.pop(0), local, hot, findings)
         values: Array = np.column_stack([traction, bound, sticks])
-        order = np.argsort(local[:, line])
-        x, values = local[order, line], values[order]
-        for left in maps:
-            _map(left, local, traction, sticks, findings)
-            (middle, s), ends = patch.centre, 1.5 * patch.a
-            x = x[np.abs(x - middle) < ends]
-            x = np.linspace(x[0], x[-1], CELLS)
-            at = np.column_stack([x, np.full_like(x, s)])
-            values = LinearNDInterpolator(local[order], values)(at)
+        if flat:
+            order = np.argsort(local[:, line])
+            x, values = local[order, line], values[order]
+        else:
+            _map(maps[0], local, traction, sticks, findings)
+            middle, s = patch.centre
+            x = np.linspace(middle - patch.a, middle + patch.a, CELLS)
+            values = LinearNDInterpolator(local, values)(x, s)
             place = rounded(subject.units, s, 0.1 * patch.b)
             axes.set_title(f"cut at s = {place} {subject.units.unit('mm')}", fontsize=11)
         slides = values[:, 3] < 0.5

@@ -223,7 +223,7 @@ def _plastic(solved: Solved) -> dict[str, Any]:
     """Entry "plastic" of "result" in summary.json: yield and the state after unloading."""
     scene, residual, elastic = solved.plan.scene, solved.residual_state, solved.elastic_reference
     assert residual is not None and elastic is not None and elastic.result is not None
-    part = scene.rail if residual.zone.body == "rail" else scene.wheel
+    part = scene.rail if residual.body == "rail" else scene.wheel
     shear = part.first_yield / math.sqrt(3)
     return residual.summary(elastic.result["pressure"]["max_MPa"], shear)
 
