@@ -15,10 +15,13 @@ from railhead.contact import plane_section
 from railhead.contact.solid import Contact
 from railhead.geometry.outlines import head_depth
 from railhead.geometry.profiles import STANDARD_RAILS
+from railhead.meshing.bodies import BODY_NAMES
 from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.planning.references import boundary_elements
+from railhead.planning.references.allowance import Allowance, allowance
 from railhead.postprocess.findings import Findings
 from railhead.scene.sections import refuse_first
+from railhead.theory.elastic.line import LineContact
 
 SECTION = "half-spaces know no section of bodies that end"
 APPROACH = "the approach of bodies that end depends on where they are held; with a load they answer"
@@ -102,6 +105,18 @@ def decide_finite_bodies(context: Context) -> Effect:
     elif scene.load is None and not contact.half_space:
         refused = APPROACH
     return Effect(True, True, why, {"off": refused} if refused else {})
+
+
+def half_space_errors(context: Context) -> dict[str, Allowance]:
+    """Differences between half-spaces and finite bodies by "max_MPa" and "area_mm2", relative,
+    before anything is meshed: of exact Hertz where it gives the patch, else of boundary elements.
+    For solids that end only. Raises ValueError where boundary elements find no closed patch, also
+    after the twist of the rail.
+    """
+    tags = [tag for tag, name in BODY_NAMES.items() if context.decided[f"deformable_{name}"].on]
+    solved = context.hertz if context.hertzian else context.boundary_elements
+    assert not isinstance(solved, LineContact)
+    return allowance(context.contact, tags, solved, context.twist_change)
 
 
 def decide_rail_section(context: Context) -> Effect:

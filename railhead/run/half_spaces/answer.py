@@ -20,7 +20,7 @@ from railhead.planning import effects
 from railhead.planning.context import PostSolveVerdict
 from railhead.planning.effects import interface, shape
 from railhead.planning.references import boundary_elements, closed_forms, pressed_patches
-from railhead.planning.references.allowance import Allowance, added_stress, allowance
+from railhead.planning.references.allowance import added_stress
 from railhead.planning.references.pressed_patches import PressedPatch
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess import friction
@@ -36,7 +36,7 @@ from railhead.theory.array_types import Array
 from railhead.theory.bem import pressure_solver
 from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
-from railhead.theory.elastic.line import Hertz, LineContact
+from railhead.theory.elastic.line import Hertz
 from railhead.theory.friction.rolling import CELLS, TangentialSolution
 from railhead.theory.friction.solution import FrictionSolution
 
@@ -242,12 +242,8 @@ def _error_parts(
         exact = numeric_values(result)
         exact.pop(plan.contact.prescribed_length or "", None)
         return {key: {"exact": 0.0} for key in exact}
-    ends, context = not plan.contact.half_space, plan.context
-    expected: dict[str, Allowance] = {}
-    if ends:  # Hertz's ellipse, or the patches that the plan was made with
-        solved = context.hertz if context.hertzian else context.boundary_elements
-        assert not isinstance(solved, LineContact)
-        expected = allowance(plan.contact, plan.deformable, solved, context.twist_change)
+    ends = not plan.contact.half_space
+    expected = shape.half_space_errors(plan.context) if ends else {}
     like = dict.fromkeys(STRESSES if "stress" in result else (), "max_MPa")
     like |= {"max_MPa": "max_MPa", "area_mm2": "area_mm2"}
     if hertzian:
