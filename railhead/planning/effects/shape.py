@@ -92,19 +92,26 @@ def decide_far_field(context: Context) -> Effect:
 
 
 def decide_finite_bodies(context: Context) -> Effect:
-    """Finite bodies are always called for and on; a person may switch them off.
+    """Finite bodies are always called for and on; a person may switch them off. The reason says by
+    how much half-spaces would be off.
 
     'off' is refused for sections of bodies that end, for a given approach of bodies that end, and
     with a budget.
     """
     scene, contact = context.scene, context.contact
-    why = "the bodies are half-spaces" if contact.half_space else "the bodies end"
-    refused = "" if scene.budget is None else BUDGET
-    if contact.plane and not contact.half_space:
-        refused = SECTION
-    elif scene.load is None and not contact.half_space:
-        refused = APPROACH
-    return Effect(True, True, why, {"off": refused} if refused else {})
+    refused = {} if scene.budget is None else {"off": BUDGET}
+    if contact.half_space:
+        return Effect(True, True, "the bodies are half-spaces: half-spaces would miss nothing", refused)
+    if contact.plane:
+        return Effect(True, True, SECTION, {"off": SECTION})
+    if scene.load is None:
+        refused = {"off": APPROACH}
+    try:
+        pressure, area = (100 * each["total"] for each in half_space_errors(context).values())
+        why = f"half-spaces would be {pressure:.2g} % off in pressure, {area:.2g} % in area"
+    except ValueError as error:
+        why = f"by how much half-spaces would be off is not known ({error})"
+    return Effect(True, True, why, refused)
 
 
 def half_space_errors(context: Context) -> dict[str, Allowance]:
