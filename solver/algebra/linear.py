@@ -43,14 +43,14 @@ class Preconditioner(ABC):
     problem: the contact problem.
     pc: the PETSc preconditioner; None before it is set up.
     operator: matrix that it was made for; None before that.
-    active: active set (n,) that it was made for; None before that.
-    state: state of the contact points that it was made for (`ContactProblem.branches`).
+    state: state of the contact points that it was made for (`ContactProblem.branches`); None before
+        that.
     flexible: whether it contains a Krylov method, so that it changes between iterations.
     outdated_share: area whose state has changed since the set-up, over the active area, beyond
         which it is set up again.
     """
 
-    state: Mask
+    state: Mask | None = None
     pc: PETSc.PC | None = None
     operator: PETSc.Mat | None = None
     flexible: bool = False
@@ -58,14 +58,13 @@ class Preconditioner(ABC):
 
     def __init__(self, problem: ContactProblem) -> None:
         self.problem = problem
-        self.active: Mask | None = None
 
     def update_if_outdated(self, active: Mask) -> bool:
         """Set up for these active points (n,), unless the last set-up was for almost the same area;
         returns whether it was set up (collective).
         """
         state, area = self.problem.branches(active), self.problem.area
-        if self.active is not None:
+        if self.state is not None:
             differs = (state != self.state).any(axis=0)
             local = np.array([area[differs].sum(), area[active].sum()])
             changed, touching = self.problem.stiffness.comm.tompi4py().allreduce(local)
@@ -81,7 +80,7 @@ class Preconditioner(ABC):
         self.pc = self.operator = None
         compat.collect(self.problem.stiffness.comm.tompi4py())
         self.set_up(active)
-        self.active, self.state = active, self.problem.branches(active)
+        self.state = self.problem.branches(active)
 
     def start(self, operator: PETSc.Mat) -> PETSc.PC:
         """New PETSc preconditioner of a matrix; both become the fields `pc` and `operator`."""
