@@ -101,7 +101,9 @@ def decide_finite_bodies(context: Context) -> Effect:
     scene, contact = context.scene, context.contact
     refused = {} if scene.budget is None else {"off": BUDGET}
     if contact.half_space:
-        return Effect(True, True, "the bodies are half-spaces: half-spaces would miss nothing", refused)
+        return Effect(
+            True, True, "the bodies are half-spaces: half-spaces would miss nothing", refused
+        )
     if contact.plane:
         return Effect(True, True, SECTION, {"off": SECTION})
     if scene.load is None:
