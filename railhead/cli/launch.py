@@ -12,7 +12,7 @@ from typing import NoReturn
 import psutil
 
 from railhead.planning.simulation_plan import Plan
-from railhead.scene.scene import SceneError
+from railhead.scene.sections import refuse_first
 
 # Two processes take 0.86 of the time of one with 143 000 unknowns, 0.77 with 285 000 and 0.67 with
 # a million (docs/ranks.md).
@@ -62,13 +62,12 @@ def restart(ranks: int, arguments: Sequence[str]) -> NoReturn:
     """
     processors, needed = psutil.cpu_count() or 1, f"{TEMPORARY_BYTES / 1e6:.0f} MB"
     place = f"{tempfile.gettempdir()}; free some, or name another folder by TMPDIR"
-    for wrong, why in (
-        (ranks > processors, f"; give at most {processors}"),
-        (shutil.which("mpirun") is None, " without mpirun, which was not found"),
-        (not _has_space(), f" with less than {needed} free in {place}"),
-    ):
-        if wrong:
-            raise SceneError("--ranks", f"{ranks} is not allowed{why}")
+    said = f"{ranks} is not allowed"
+    refuse_first(
+        (ranks > processors, "--ranks", f"{said}; give at most {processors}"),
+        (not shutil.which("mpirun"), "--ranks", f"{said} without mpirun, which was not found"),
+        (not _has_space(), "--ranks", f"{said} with less than {needed} free in {place}"),
+    )
     launcher, environment = under_mpirun(ranks, os.environ)
     environment["TMPDIR"] = tempfile.gettempdir()
     environment.setdefault("TTY_COMPATIBLE", str(int(sys.stdout.isatty())))

@@ -18,7 +18,7 @@ from railhead.run.half_spaces.answer import Solved
 from railhead.run.mesh_solution import MeshSolution
 from railhead.scene import quantities
 from railhead.scene.catalogue import as_path
-from railhead.scene.scene import SceneError
+from railhead.scene.sections import refuse_first
 
 if TYPE_CHECKING:
     from railhead.postprocess.pictures.diagrams import Drawing
@@ -324,10 +324,11 @@ class Result(terminal.Drawn):
         """
         from railhead.results import files, result_folder
 
-        if report not in (True, False, "brief"):
-            raise SceneError("report", f"{report!r} is not allowed; give True, False or 'brief'")
-        if not isinstance(units, Units | None):
-            raise SceneError("units", f"{units!r} is no `Units`; give output_units.parse of a text")
+        known, named = report in (True, False, "brief"), isinstance(units, Units | None)
+        refuse_first(
+            (not known, "report", f"{report!r} is not allowed; give True, False or 'brief'"),
+            (not named, "units", f"{units!r} is no `Units`; give output_units.parse of a text"),
+        )
         problem: Exception | None = None
         comm, out = self.comm, as_path(folder, "folder")
         pictures = pictures and self.plan.scene.asks("pictures")

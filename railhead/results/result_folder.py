@@ -30,6 +30,7 @@ import tomli_w
 from railhead.run import process
 from railhead.scene.catalogue import copy_files, portable
 from railhead.scene.scene import Scene, SceneError
+from railhead.scene.sections import refuse_first
 
 SUMMARY, SCENE = "summary.json", "scene.toml"
 VERSION = version("railhead-contact")
@@ -55,44 +56,31 @@ def check_folder(folder: Path, keeps: Collection[str] = ()) -> None:
     A result replaces an earlier one as a whole. The folder must be new, empty, or hold only files
     of a result and those named in `keeps`. A link to a folder is followed.
     """
+    name, end = repr(str(folder)), "; give another folder"
     try:
-        problem = _obstacle(folder, keeps)
+        with suppress(FileNotFoundError, NotADirectoryError):
+            (folder.parent / (_prefix(folder) + 16 * "x")).lstat()  # raises if the name is too long
+        to_nothing = folder.is_symlink() and not folder.exists()
+        refuse_first(
+            (to_nothing, "--out", f"{name} is a link to nothing{end}"),
+            (folder.exists() and not folder.is_dir(), "--out", f"{name} is a file{end}"),
+        )
+        target = folder.resolve()
+        parent = next(each for each in target.parents if each.exists())
+        writable = parent.is_dir() and os.access(parent, os.W_OK)
+        refuse_first((not writable, "--out", f"{str(parent)!r} cannot be written to{end}"))
+        if target.parent.is_dir() and process.rank() == 0:
+            settle(target)
+        if folder.is_dir():
+            other = next((each for each in foreign(folder) if each not in keeps), "")
+            kept, mount = "which cannot be replaced", os.path.ismount(folder)
+            refuse_first(
+                (mount, "--out", f"{name} is a mount point, {kept}{end}"),
+                (target == Path.cwd(), "--out", f"{name} is the working directory, {kept}{end}"),
+                (other, "--out", f"{name} holds {other!r}, which is no result{end}"),
+            )
     except OSError as error:
-        problem = f"{str(folder)!r}: {error.strerror}"
-    except ValueError as error:  # a null character
-        problem = f"{str(folder)!r}: {error}"
-    if problem:
-        raise SceneError("--out", f"{problem}; give another folder")
-
-
-def _obstacle(folder: Path, keeps: Collection[str]) -> str:
-    """Reason why results cannot be written to a folder; empty if they can. An exchange of folders
-    that a killed process left there is finished first (`settle`). keeps: names of files that are
-    allowed there. OSError: the name is too long, or a folder cannot be changed. ValueError: a null
-    character in the name.
-    """
-    name = repr(str(folder))
-    with suppress(FileNotFoundError, NotADirectoryError):
-        (folder.parent / (_prefix(folder) + 16 * "x")).lstat()  # raises if the name is too long
-    if folder.is_symlink() and not folder.exists():
-        return f"{name} is a link to nothing"
-    if folder.exists() and not folder.is_dir():
-        return f"{name} is a file"
-    target = folder.resolve()
-    parent = target.parent
-    while not parent.exists():
-        parent = parent.parent
-    if not parent.is_dir() or not os.access(parent, os.W_OK):
-        return f"{str(parent)!r} cannot be written to"
-    if target.parent.is_dir() and process.rank() == 0:
-        settle(target)
-    if folder.is_dir():
-        if folder.samefile(os.curdir) or os.path.ismount(folder):
-            kind = "a mount point" if os.path.ismount(folder) else "the working directory"
-            return f"{name} is {kind}, which cannot be replaced"
-        if others := [other for other in foreign(folder) if other not in keeps]:
-            return f"{name} holds {others[0]!r}, which is no result"
-    return ""
+        raise SceneError("--out", f"{name}: {error.strerror}{end}") from None
 
 
 def other_result(folder: Path, command: str, scene: Scene) -> str:
@@ -104,9 +92,9 @@ def other_result(folder: Path, command: str, scene: Scene) -> str:
     """
     if not folder.is_dir() or not os.listdir(folder):
         return ""
-    if not (folder / SCENE).is_file():
-        return "another kind of result"
-    first, _, text = (folder / SCENE).read_text(encoding="utf-8", errors="replace").partition("\n")
+    file = folder / SCENE
+    known = file.read_text(encoding="utf-8", errors="replace") if file.is_file() else ""
+    first, _, text = known.partition("\n")
     if f" {command} " not in first:
         return "another kind of result"
     same = text == scene_toml(command, scene).partition("\n")[2]
