@@ -39,7 +39,9 @@ def subject(plan: Plan, load: float, units: Units = BASE_UNITS) -> Subject:
 
 
 def _profile(profile: str, radius: float | None, units: Units) -> str:
-    """Name of a profile, of a file without its folder; of an arc its radius, None: straight."""
+    """Name of a profile, of a file without its folder; of an arc its radius, or "flat"."""
     if profile != "arc":
         return Path(profile).name
-    return f"R {units.text(math.inf if radius is None else radius, 'mm', 6)}"
+    if radius is None or math.isinf(radius):
+        return "flat"
+    return f"R {units.text(radius, 'mm', 6)}"

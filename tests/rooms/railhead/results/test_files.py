@@ -94,7 +94,7 @@ TITLES = {
     "a file": ("s1002_60e1", (f"rail.profile={BAN}", "rail.inclination=0"),
                "tread S1002, on rail MBench_UIC60_v3.ban"),
     "arcs": ("sphere_on_plane", (),
-             "wheel R 8 mm, tread R 8 mm, on rail R inf mm, as half-spaces"),
+             "wheel R 8 mm, tread R 8 mm, on rail flat, as half-spaces"),
 }  # fmt: skip
 
 
