@@ -2,12 +2,13 @@
 through the contact, as bands: stresses under the load, and what yield leaves.
 
 The grids are those of `vtu`, of whole bodies with the images of what symmetry left out; nothing is
-deformed. A grid is of a solid, or of a section in two dimensions. pyvista cuts it, matplotlib
-draws it.
+deformed. A grid is of a solid, or of a section in two dimensions. pyvista cuts it and renders it in
+space, off screen; matplotlib draws the cuts.
 """
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -16,10 +17,10 @@ import meshio
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
-from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch as Swatch
+from numpy.typing import NDArray
 
 from railhead.meshing import isolated_process
 from railhead.meshing.bodies import BODY_NAMES
@@ -29,7 +30,9 @@ from railhead.postprocess.pictures.diagrams import BANDS, Target, levels, new_fi
 COLOURS = {"rail": "#b4c3d3", "wheel": "#dcc9a3"}
 EDGE, CONTACT = "#5a6570", "#b2182b"
 GRAPHICS_BYTES = 1_200_000_000  # address space that VTK maps; with less it crashes
-AMBIENT, DIFFUSE = 0.45, 0.6  # light on a face, and by how much more on one that looks to the eye
+PIXELS = 1400, 1300  # of the image in space, before its empty margins are cut off
+MESH = {"show_edges": True, "edge_color": EDGE, "edge_opacity": 0.6, "line_width": 0.8}
+SHADE = {"ambient": 0.45, "diffuse": 0.6}  # of the colour: everywhere, and by the light
 TOWARDS = 1.0, 0.5, 0.35  # the eye, from the bodies
 CORNERS = {"triangle": 3, "quad": 4, "tetra": 4, "hexahedron": 8}
 NEAR = 0.1  # of the patch's half length: a contact so near to x = 0 is cut there, between cells
@@ -65,11 +68,13 @@ YIELD = (
 
 
 def load_pyvista() -> Any:
-    """The pyvista module, imported at first use because the import is slow. MemoryError: too little
-    address space is left for it.
+    """The pyvista module, imported at first use because the import is slow. Without a DISPLAY it
+    renders through EGL. MemoryError: too little address space is left for it.
     """
     if "pyvista" not in sys.modules and isolated_process.address_space() < GRAPHICS_BYTES:
         raise MemoryError("the graphics libraries need 1.2 GB of address space")
+    if not os.environ.get("DISPLAY"):
+        os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
     import pyvista
 
     return pyvista
@@ -102,7 +107,7 @@ def bodies(grid: meshio.Mesh, axis: int, findings: Findings, target: Target = No
         plane = frame.axes[[axis, 2, 1 - axis]]
         _draw_faces(right, skins, plane, np.array(frame.origin))
         if grid.cells[0].dim == 3:
-            _draw_faces(left, skins, view_from(np.array(TOWARDS)), np.zeros(3))
+            left.imshow(image(skins))
             left.set_axis_off()
             left.set_title("cut open at the contact")
             right.set_title("the same cut, close" + (", gauge side left" if subject.gauge else ""))
@@ -141,33 +146,40 @@ def skin(part: Any, findings: Findings) -> Any:
     return part.extract_surface(algorithm="dataset_surface")
 
 
-def view_from(towards: Array) -> Array:
-    """Unit vectors (3, 3) of a view: to the right, upwards, and towards the eye, which is in the
-    direction `towards` (3,). The axis z points upwards in the view.
+def image(skins: Mapping[str, Any]) -> NDArray[np.uint8]:
+    """RGB image (h, w, 3) of pyvista surfaces by body name, in parallel projection as seen from
+    `TOWARDS`, without empty margins.
     """
-    eye = towards / np.linalg.norm(towards)
-    right = np.cross([0.0, 0.0, 1.0], eye)
-    right /= np.linalg.norm(right)
-    return np.array([right, np.cross(eye, right), eye])
+    pv = load_pyvista()
+    plotter = pv.Plotter(off_screen=True, window_size=PIXELS, lighting="none")
+    plotter.add_light(pv.Light(light_type="headlight"))
+    plotter.set_background("white")
+    for name, surface in skins.items():
+        plotter.add_mesh(surface, color=COLOURS[name], **MESH, **SHADE)
+    plotter.enable_parallel_projection()
+    plotter.view_vector(TOWARDS, viewup=(0, 0, 1))
+    shown = np.asarray(plotter.screenshot(return_img=True))
+    plotter.close()
+    rows, columns = (np.flatnonzero((shown < 255).any(axis=(2, across))) for across in (1, 0))
+    return shown[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
 
 
-def _draw_faces(axes: Axes, skins: Mapping[str, Any], view: Array, origin: Array) -> None:
-    """Draw the faces of surfaces by body name in parallel projection, the nearest last, with light
-    from the eye.
+def _draw_faces(axes: Axes, skins: Mapping[str, Any], plane: Array, origin: Array) -> None:
+    """Draw the faces of surfaces by body name in parallel projection, the nearest last.
 
-    view (3, 3): as of `view_from`. origin (3,): point in space that is at zero, mm.
+    plane (3, 3): unit vectors to the right, upwards and towards the eye. origin (3,): point in
+        space that is at zero, mm.
     """
     faces: list[Array] = []
-    colours = []
+    colours: list[str] = []
     for name, surface in skins.items():
-        points = (surface.points - origin) @ view.T
+        points = (surface.points - origin) @ plane.T
         faces += [points[face] for face in surface.irregular_faces]
-        light = AMBIENT + DIFFUSE * np.abs(surface.face_normals @ view[2])
-        colours.append(np.minimum(light, 1.0)[:, None] * to_rgb(COLOURS[name]))
+        colours += [COLOURS[name]] * surface.n_cells
     order = np.argsort([face[:, 2].mean() for face in faces])
-    shown = [faces[number][:, :2] for number in order]
-    look: dict[str, Any] = {"facecolors": np.concatenate(colours)[order], "edgecolors": EDGE + "99"}
-    axes.add_collection(PolyCollection(shown, linewidths=0.3, **look))
+    shown, filled = zip(*((faces[number][:, :2], colours[number]) for number in order), strict=True)
+    look: dict[str, Any] = {"facecolors": filled, "edgecolors": EDGE + "99", "linewidths": 0.3}
+    axes.add_collection(PolyCollection(shown, **look))
     axes.set_aspect("equal")
     axes.grid(False)
     axes.autoscale_view()
