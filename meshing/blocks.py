@@ -3,7 +3,6 @@ or the section alone."""
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -81,25 +80,39 @@ def _session() -> Iterator[Any]:
         gmsh.finalize()
 
 
-def to_bytes() -> bytes:
-    """Nodes, elements and physical groups of the current gmsh model, as a binary .msh file has
-    them. OSError: no temporary file can be made.
+ModelSnapshot = tuple[list[tuple[Any, ...]], list[tuple[int, int, str, Array]]]
+"""Mesh of each entity, and the physical groups."""
+
+
+def snapshot_model() -> ModelSnapshot:
+    """Nodes, elements and physical groups of the current gmsh model, as data that can be sent to
+    another process.
+
+    Returns a list with (entity, nodes, elements) of each entity and a list with (dimension, tag,
+    name, entities) of each physical group.
     """
-    with tempfile.NamedTemporaryFile(suffix=".msh") as file:
-        gmsh.option.setNumber("Mesh.Binary", 1)
-        gmsh.write(file.name)
-        return file.read()
+    model, mesh = gmsh.model, gmsh.model.mesh
+    entities = [(at, mesh.getNodes(*at)[:2], mesh.getElements(*at)) for at in model.getEntities()]
+    groups = [
+        (*at, model.getPhysicalName(*at), model.getEntitiesForPhysicalGroup(*at))
+        for at in model.getPhysicalGroups()
+    ]
+    return entities, groups
 
 
 @contextmanager
-def from_bytes(content: bytes) -> Iterator[Any]:
-    """Context that yields the gmsh model that `to_bytes` made of another one; gmsh is closed when
-    the context ends. OSError: no temporary file can be written.
+def restore_model(found: ModelSnapshot) -> Iterator[Any]:
+    """Context that yields a new gmsh model with the mesh and the physical groups of a result of
+    `snapshot_model`; gmsh is closed when the context ends.
     """
-    with tempfile.NamedTemporaryFile(suffix=".msh") as file, _session() as gmsh_model:
-        file.write(content)
-        file.flush()
-        gmsh.merge(file.name)
+    entities, groups = found
+    with _session() as gmsh_model:
+        for at, nodes, elements in entities:
+            gmsh_model.addDiscreteEntity(*at)
+            gmsh_model.mesh.addNodes(*at, *nodes)
+            gmsh_model.mesh.addElements(*at, *elements)
+        for dim, tag, name, members in groups:
+            gmsh_model.addPhysicalGroup(dim, members, tag, name)
         yield gmsh_model
 
 

@@ -93,12 +93,14 @@ def generate(
         raise MeshError(problem)
     from railhead.solver import compat
 
-    with blocks.from_bytes(found) if found else nullcontext() as model:
+    with blocks.restore_model(found) if found else nullcontext() as model:
         return ContactMesh(*compat.model_to_mesh(model, comm, options.dim), quality, count, share)
 
 
-def _meshed(bodies: list[Body], grading: Grading, options: Options) -> tuple[bytes, np.ndarray]:
-    """Mesh the bodies with gmsh in this process; returns the mesh as bytes of a .msh file and the
+def _meshed(
+    bodies: list[Body], grading: Grading, options: Options
+) -> tuple[blocks.ModelSnapshot, np.ndarray]:
+    """Mesh the bodies with gmsh in this process; returns a snapshot of the gmsh model and the
     quality (m,) of its cells.
 
     The quality is that of the stretched mesh, before its elements get their true length.
@@ -106,7 +108,7 @@ def _meshed(bodies: list[Body], grading: Grading, options: Options) -> tuple[byt
     with blocks.model(bodies, grading, options):
         shapes = blocks.qualities(options.dim)
         blocks.undo_stretch(bodies, grading)
-        return blocks.to_bytes(), shapes
+        return blocks.snapshot_model(), shapes
 
 
 def _bad_elements(shapes: np.ndarray) -> str:

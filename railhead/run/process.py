@@ -11,7 +11,8 @@ import os
 import signal
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from typing import Any
 
 MPI_VARIABLES = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK")  # set by launchers of MPI
 ENDING = signal.SIGINT, signal.SIGTERM  # signals by which people end a process
@@ -30,14 +31,19 @@ def end_at_once() -> None:
 def prepare() -> None:
     """Set up a process that only runs a command, before numpy and MPI are loaded: streams that can
     be written to, environment variables, and freed memory kept for the next arrays. Characters that
-    standard output does not know are escaped, as on standard error. There is one BLAS thread,
-    unless OMP_NUM_THREADS is set. Under MPI the process is killed when its launcher ends.
+    a stream does not know are escaped, and what standard error does not take is left out. There is
+    one BLAS thread, unless OMP_NUM_THREADS is set. Under MPI the process is killed when its
+    launcher ends.
     """
     for name in ("stdout", "stderr"):
-        if getattr(sys, name) is None:  # closed by who started it: libraries write to it
+        stream, own = getattr(sys, name), getattr(sys, f"__{name}__")
+        if stream is None:  # closed by who started it: libraries write to it
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
-    if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(errors="backslashreplace")
+        elif stream is own and name == "stdout":
+            stream.reconfigure(errors="backslashreplace")
+        elif stream is own:
+            raw = io.BufferedWriter(_Errors(2, "w", closefd=False))
+            sys.stderr = io.TextIOWrapper(raw, stream.encoding, "backslashreplace", None, True)
     # Small dense blocks only: more BLAS threads cost more than they bring. Before numpy loads.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     # Alone (not under mpirun) Open MPI would start a daemon first, for processes that join later.
@@ -57,6 +63,16 @@ def prepare() -> None:
     if hasattr(libc, "mallopt"):
         libc.mallopt(-1, 2**31 - 1)
         libc.mallopt(-3, 2**30)
+
+
+class _Errors(io.FileIO):
+    """Standard error that leaves out what cannot be written, as on a full disk."""
+
+    def write(self, content: Any, /) -> int:
+        """Write bytes; returns their number."""
+        with suppress(OSError):
+            super().write(content)
+        return len(content)
 
 
 @contextmanager

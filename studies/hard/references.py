@@ -42,7 +42,7 @@ SINGLE, SEVERAL = 0.015, 0.03  # of the largest pressure, by number of patches
 FORCES = ("force_along_N", "force_across_N")
 # Within these an independent program's spheres are met (tests/verification/test_plasticity.py).
 PLASTIC = {"approach_mm": 0.012, "area_mm2": 0.03, "max_MPa": 0.04, "strain_max": 0.08}
-REPEATED = 0.01  # the same yielding scene in other units, or pressed again
+REPEATED = 0.01  # the same yielding scene in other units
 FINE = 1.6  # times the elements per semi-axis, and twice the load steps
 # Shares of mu N within which closed forms are met (tests/verification/friction/test_friction.py).
 FORCE, STICK, SOLID = 0.012, 0.03, 0.02

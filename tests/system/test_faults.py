@@ -204,6 +204,15 @@ def test_mumps_that_cannot_allocate_is_no_linear_solver_that_stalls(monkeypatch)
         linear.factorise(pc, symmetric=True)
 
 
+def test_standard_error_that_is_full_leaves_the_status(tmp_path) -> None:
+    with open("/dev/full", "w") as full:
+        for case, status in (("hertz_ellipse", 0), ("nothing", 2)):
+            arguments = ["run", case, "--fast", "--no-pictures", f"--out={tmp_path / 'out'}"]
+            done = subprocess.run([*command.START, *arguments], stderr=full, check=False)
+            assert done.returncode == status
+    assert (tmp_path / "out" / "summary.json").is_file()
+
+
 def test_names_that_the_output_does_not_know_are_escaped(tmp_path) -> None:
     keys = 'load = 1000\n[rail]\nextent = "half-space"\nprofile = "arc"\ncrown_radius = 300\n'
     (tmp_path / "輪.toml").write_text(keys, encoding="utf-8")

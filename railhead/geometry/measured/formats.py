@@ -226,6 +226,10 @@ def _miniprof(name: str, lines: Sequence[str], body: str) -> Table:
         raise FormatError(name, points_from(end) + 1, text)
     header = dict(line.split("=", 1) for line in lines[:start] if "=" in line)
     rows, at_lines = _rows(name, lines, range(start, end), INSTRUMENT_LAYOUT, COMMENTED_OUT)
+    found, promised = len([*filter(None, numeric[start:end])]), header.get("XYPoints", "").strip()
+    if promised.isdecimal() and found < int(promised):
+        text = f"ends after {found} of the {promised} points of its header; give the whole file"
+        raise FormatError(name, end, text)
     names = [column.strip().upper() for column in header.get("ColumnDef", "X,Y").split(",")]
     columns = [names.index(column) for column in ("X", "Y") if column in names]
     tape = header.get("WheelDiameterTaperline", "").strip()

@@ -41,6 +41,11 @@ class EffectRules:
     in_half_spaces: bool = False
 
 
+def check_left_out(_: Context, effect: Effect, __: Findings) -> PostSolveVerdict | None:
+    """Verdict that an effect is called for and not simulated; None where this is not so."""
+    return PostSolveVerdict(True, effect.why) if effect.called_for and not effect.on else None
+
+
 EFFECTS = {
     "plane_strain": EffectRules(
         words="line contact, solved in a section", decide=shape.decide_plane_strain
@@ -78,6 +83,7 @@ EFFECTS = {
     "rail_section": EffectRules(
         words="whole rail with web and foot",
         decide=shape.decide_rail_section,
+        check=check_left_out,
         of_bodies=True,
     ),
     "far_field": EffectRules(
@@ -97,6 +103,7 @@ EFFECTS = {
     "friction": EffectRules(
         words="friction, traction and creepage",
         decide=interface.decide_friction,
+        check=check_left_out,
         absent_in_half_spaces=True,
     ),
     "plasticity": EffectRules(

@@ -359,7 +359,7 @@ def test_broken_miniprof_files_are_refused(text: str, words: str, tmp_path) -> N
 HEADERS = {
     "1994": "MINIPROF 101 148 1994 3 24\nwheel.prd\n 32.0 28.0 10.0  (Sd/Sh/qR)\n\n",
     "2020": '#MINIWHEELPROF\nMINIPROF 2020\nStock.......:\n" 32.00 28.00 10.00\n(Sd/Sh/qR)\n',
-    "Windows": "[FileInfo]\nDate=18/09/2022\n\n[Profile1Info]\nXYPoints=16\n\n[Profile1Points]\n",
+    "Windows": "[FileInfo]\nDate=18/09/2022\n\n[Profile1Info]\nXYPoints=15\n\n[Profile1Points]\n",
     "none": "",
 }
 
@@ -377,6 +377,15 @@ def test_miniprof_headers_order_the_columns(tmp_path) -> None:
     rows[3] = f'"{rows[3]}'
     found = read(tmp_path, "ColumnDef=Y,*,X\nXYPoints=12\n\n" + "\n".join(rows), "rail.ban")
     np.testing.assert_allclose(found.points, np.delete(points, 3, axis=0), atol=1e-3)
+
+
+def test_a_file_that_was_cut_off_is_refused(tmp_path) -> None:
+    """By the number of points in its header."""
+    cut = tmp_path / "cut.ban"
+    cut.write_text("\n".join(BAN.read_text().splitlines()[:-150]))
+    assert "of the 495 points of its header" in refusal(
+        lambda: measured.read(cut, "rail"), FormatError
+    )
 
 
 @pytest.mark.parametrize("file", [BAN, PRW], ids=lambda file: file.name)

@@ -22,8 +22,10 @@ def after(case: str, *assignments: str) -> dict:
 
 
 def test_needed_effects_are_named_in_table_summary_and_pictures(here, monkeypatch, capsys) -> None:
-    """Loaded past yield."""
-    choice = ["--set=mesh.patch_size=1.7", "--without=plasticity"]
+    """Loaded past yield, with friction called for, on a rail that twists."""
+    keys = "mesh.patch_size=1.7 rail.inclination=1:40 friction.coefficient=0.3"
+    choice = [f"--set={key}" for key in f"{keys} friction.tangential_load=9kN".split()]
+    choice += [f"--without={name}" for name in ("plasticity", "friction", "rail_section")]
     draw_only(monkeypatch, "pressure")
     # A warning is no failure.
     assert command.status("run", "uic54_22t5_axle", *choice) == 0
@@ -31,12 +33,14 @@ def test_needed_effects_are_named_in_table_summary_and_pictures(here, monkeypatc
     folder = here / "results" / "uic54_22t5_axle"
     summary = json.loads((folder / "summary.json").read_text())
     found = summary["effects_after"]
-    assert {name for name, each in found.items() if each["needed"]} == {"plasticity"}
-    assert f"plasticity: {found['plasticity']['why'][:20]}" in printed
+    needed = {name for name, each in found.items() if each["needed"]}
+    assert needed == {"plasticity", "friction", "rail_section"}
+    for name in needed:
+        assert f"{name}: {found[name]['why'][:20]}" in printed
     assert "overstates the pressure" in found["plasticity"]["why"]
     assert summary["plan"]["effects"]["plasticity"]["override"] is True
     picture = matplotlib.image.imread(folder / "pressure.png")
-    assert picture.shape[0] > 4.1 * diagrams.DPI  # a line more
+    assert picture.shape[0] > 4.5 * diagrams.DPI  # three lines more
 
 
 @pytest.fixture(scope="module")
