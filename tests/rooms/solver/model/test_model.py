@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from boxes import LOWER, UPPER, two_boxes
 from curved import meshed
+from dolfinx.mesh import meshtags
 
 import railhead.solver as rs
 from railhead.solver.space.contact_interface import tangents_of
@@ -45,7 +46,8 @@ def turned() -> rs.Model:
 def on_both_bodies() -> rs.Model:
     """The facets 11 and 12 of both boxes have the tag 12."""
     mesh, cells, facets = boxes()
-    facets.values[facets.values == 11] = 12
+    tags = np.where(facets.values == 11, 12, facets.values)
+    facets = meshtags(mesh, facets.dim, facets.indices, tags)
     made = rs.Model(mesh, cells, facets, section="plane strain")
     made.add(rs.Body(LOWER, SOFT), rs.Body(UPPER, SOFT), rs.Clamp(21))
     made.add(rs.Contact(12, rs.Plane((0, 0), (0, 1))))
