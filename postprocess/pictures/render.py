@@ -31,8 +31,14 @@ COLOURS = {"rail": "#b4c3d3", "wheel": "#dcc9a3"}
 EDGE, CONTACT = "#5a6570", "#b2182b"
 GRAPHICS_BYTES = 1_200_000_000  # address space that VTK maps; with less it crashes
 PIXELS = 1400, 1300  # of the image in space, before its empty margins are cut off
-MESH = {"show_edges": True, "edge_color": EDGE, "edge_opacity": 0.6, "line_width": 0.8}
-SHADE = {"ambient": 0.45, "diffuse": 0.6}  # of the colour: everywhere, and by the light
+MESH = {
+    "show_edges": True,
+    "edge_color": EDGE,
+    "edge_opacity": 0.6,
+    "line_width": 0.8,
+    "ambient": 0.45,  # of the colour everywhere, and more by the light
+    "diffuse": 0.6,
+}
 TOWARDS = 1.0, 0.5, 0.35  # the eye, from the bodies
 CORNERS = {"triangle": 3, "quad": 4, "tetra": 4, "hexahedron": 8}
 NEAR = 0.1  # of the patch's half length: a contact so near to x = 0 is cut there, between cells
@@ -155,7 +161,7 @@ def image(skins: Mapping[str, Any]) -> NDArray[np.uint8]:
     plotter.add_light(pv.Light(light_type="headlight"))
     plotter.set_background("white")
     for name, surface in skins.items():
-        plotter.add_mesh(surface, color=COLOURS[name], **MESH, **SHADE)
+        plotter.add_mesh(surface, color=COLOURS[name], **MESH)
     plotter.enable_parallel_projection()
     plotter.view_vector(TOWARDS, viewup=(0, 0, 1))
     shown = np.asarray(plotter.screenshot(return_img=True))

@@ -10,7 +10,7 @@ import shutil
 import sys
 import textwrap
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import redirect_stdout
 from functools import partial
 from pathlib import Path
@@ -51,16 +51,17 @@ def railhead(context: click.Context) -> None:
         context.with_resource(redirect_stdout(io.StringIO()))
 
 
-def _grid(scene: Scene, lists: Sequence[str], over_file: Path | None) -> ParameterGrid:
+def _grid(
+    scene: Scene, lists: Mapping[str, list[object]], rows: Sequence[dict[str, object]]
+) -> ParameterGrid:
     """The combinations of --over and of the rows of --over-file, of which `unit_questions` are
     printed. Raises SceneError for wrong ones, and where neither is given.
     """
-    from railhead.sweeps.grid import ParameterGrid, parse_values, read_rows
+    from railhead.sweeps.grid import ParameterGrid
 
-    if not lists and over_file is None:
+    if not (lists or rows):
         raise SceneError("--over", "is missing; give it, or --over-file")
-    rows = [] if over_file is None else read_rows(over_file)
-    grid = ParameterGrid.combine(scene, parse_values(lists), rows)
+    grid = ParameterGrid.combine(scene, lists, rows)
     _ask(*grid.scenes)
     return grid
 
@@ -82,8 +83,8 @@ def list_cases() -> None:
 def plan(
     scene: Scene,
     accuracy: str | None,
-    lists: Sequence[str],
-    over_file: Path | None,
+    lists: Mapping[str, list[object]],
+    rows: Sequence[dict[str, object]],
     as_json: bool,
 ) -> None:
     """Say what would be simulated and what it costs, of a sweep in all; solve nothing."""
@@ -92,7 +93,7 @@ def plan(
     from railhead.results.report import terminal
 
     scene = api.with_accuracy(scene, accuracy, None)
-    if not (lists or over_file):
+    if not (lists or rows):
         _ask(scene)
         planned = api.Planned(planning.make(scene))
         _print(planned.plan.to_dict(), partial(planned.show, terminal.standard()), as_json=as_json)
@@ -101,7 +102,7 @@ def plan(
     from railhead.run.progress import show_progress
     from railhead.sweeps import runner, worker_pool
 
-    grid = _grid(scene, lists, over_file)
+    grid = _grid(scene, lists, rows)
     with show_progress(quiet=as_json) as progress:
         found = runner.forecast(grid, worker_pool.workers(1), progress)
     _print(found, partial(click.echo, "\n".join(runner.words(found))), as_json=as_json)
@@ -222,8 +223,8 @@ def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: b
 @options.prints_json("the rows")
 def sweep(
     scene: Scene,
-    lists: Sequence[str],
-    over_file: Path | None,
+    lists: Mapping[str, list[object]],
+    rows: Sequence[dict[str, object]],
     out: Path | None,
     force: bool,
     fields: bool,
@@ -233,7 +234,7 @@ def sweep(
     as_json: bool,
 ) -> int:
     """Solve a case for every combination of values, side by side."""
-    grid = _grid(scene, lists, over_file)
+    grid = _grid(scene, lists, rows)
     folder = out if out is not None else Path("results") / f"{scene.name}_sweep"
     result_folder.check_folder(folder)
 
@@ -393,7 +394,7 @@ def locate(
     assignments: Sequence[str],
     shift: str | None,
     yaw: str | None,
-    lists: Sequence[str],
+    lists: Mapping[str, list[object]],
     **options: Any,
 ) -> None:
     """Find where both wheels of a wheelset touch their rails; solve nothing."""
@@ -402,10 +403,8 @@ def locate(
     scene = catalogue.find(case).replace([*assignments, *given])
 
     from railhead.cli.geometry import locate
-    from railhead.sweeps.grid import parse_values
 
-    over = parse_values(lists) or None
-    _report(locate(scene, over), scene.name, "locate", **options)
+    _report(locate(scene, lists or None), scene.name, "locate", **options)
 
 
 @railhead.command()

@@ -36,16 +36,37 @@ def _keys() -> list[str]:
     return [f"{key}=" for key, _ in dotted(Scene(load=1.0).model_dump())]
 
 
+def _lists(_: click.Context, __: click.Parameter, texts: Sequence[str]) -> dict[str, list[object]]:
+    """Lists of values of --over by dotted key. Raises SceneError for wrong ones."""
+    if not texts:
+        return {}
+    from railhead.sweeps.grid import parse_values
+
+    return parse_values(texts)
+
+
+def _rows(_: click.Context, __: click.Parameter, file: Path | None) -> list[dict[str, object]]:
+    """Rows of values of --over-file by dotted key. Raises SceneError for a file without any."""
+    if file is None:
+        return []
+    from railhead.sweeps.grid import read_rows
+
+    return read_rows(file)
+
+
 over = click.option(
     "--over",
     "lists",
     multiple=True,
+    callback=_lists,
     shell_complete=_completing(_keys),
     metavar="KEY=VALUES",
     help="Values of a key: 25kN,50kN or first:last:step, 0:10:0.5mm.",
 )
 over_file = click.option(
     "--over-file",
+    "rows",
+    callback=_rows,
     type=click.Path(path_type=Path),
     help="Rows of values: a .csv file, its first line keys.",
 )
@@ -147,14 +168,6 @@ takes_report = functools.partial(_with_options, options=_report_options)
 """Adds the options that `_report` takes, and --format."""
 
 
-def _first_values(lists: Sequence[str], over_file: Path | None) -> dict[str, object]:
-    """First value of each dotted key of --over (`lists`) and of --over-file."""
-    from railhead.sweeps.grid import parse_values, read_rows
-
-    row = {} if over_file is None else read_rows(over_file)[0]
-    return {**row, **{key: values[0] for key, values in parse_values(lists).items()}}
-
-
 def takes_scene(command: Callable[..., Any]) -> Any:
     """The command with the argument CASE and the options --set, --with, --without, --fast and
     --only, which it gets as one argument `scene`; keys of --over and --over-file have their first
@@ -179,8 +192,9 @@ def takes_scene(command: Callable[..., Any]) -> Any:
         switches = [f"effects.{name}=on" for name in switched_on]
         switches += [f"effects.{name}=off" for name in switched_off]
         asked: dict[str, object] = {} if only is None else {"quantities": only}
-        if values.get("lists") or values.get("over_file"):
-            asked |= _first_values(values["lists"], values.get("over_file"))
+        for row in values.get("rows", [])[:1]:
+            asked |= row
+        asked |= {key: each[0] for key, each in values.get("lists", {}).items()}
         scene = catalogue.find(case).replace([*assignments, *switches], **asked)
         return command(*arguments, scene=scene, **values)
 
