@@ -11,9 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from railhead.contact import closed_forms
 from railhead.contact.plane_section import Dimension
 from railhead.contact.solid import Contact
-from railhead.planning.references import allowance, boundary_elements, closed_forms
+from railhead.half_spaces import allowance, pressing
 from railhead.scene.scene import Rail, Scene, SceneError, Wheel
 from railhead.theory.bem import grid_stress
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
@@ -151,7 +152,7 @@ class Context:
         its load or, without one, at its approach. Solved at the first call.
         Raises ValueError where there is no closed patch, and for half-spaces.
         """
-        return boundary_elements.solve(self.contact, self.hertz, self.scene.load)
+        return pressing.solve(self.contact, self.hertz, self.scene.load)
 
     @cached_property
     def twist_change(self) -> float:

@@ -21,10 +21,10 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from railhead.contact.solid import Contact
+from railhead.half_spaces import pressing
+from railhead.half_spaces.pressing import Developed
 from railhead.meshing.grading import Grading, suited_stretch
 from railhead.planning.context import Context
-from railhead.planning.references import boundary_elements
-from railhead.planning.references.boundary_elements import Developed
 from railhead.postprocess.findings import Frame
 from railhead.theory.array_types import Array, Mask
 from railhead.theory.bem.grid_patch import PatchSolution
@@ -122,7 +122,7 @@ def forecast(context: Context) -> Forecast:
     if isinstance(found, str):  # where nothing else is known the finite elements will tell
         reason = f"boundary elements: {found}" if found else ""
         return replace(_hertz(contact, context.hertz), reason=reason)
-    surface, points, forces = boundary_elements.develop(contact), [], []
+    surface, points, forces = pressing.develop(contact), [], []
     for window in found.windows:
         places = (each.ravel() for each in np.meshgrid(window.x, window.s, indexing="ij"))
         points.append(surface.points(*places))

@@ -10,9 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from railhead.contact import placed_bodies, plane_section, solid, wheelset_kinematics
+from railhead.contact import closed_forms, placed_bodies, plane_section, solid, wheelset_kinematics
 from railhead.contact.plane_section import SectionContact
 from railhead.contact.solid import Contact
+from railhead.half_spaces import torque_free
 from railhead.meshing.bodies import (
     BODY_NAMES,
     ELEMENTS_PER_TURN,
@@ -29,7 +30,6 @@ from railhead.planning.context import Context, Effect
 from railhead.planning.effects import interface, material
 from railhead.planning.error_envelopes import Family
 from railhead.planning.forecast import Forecast, Sizing, body_reach, forecast
-from railhead.planning.references import closed_forms, torque_free
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.elastic.line import Hertz
 

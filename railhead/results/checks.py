@@ -16,12 +16,12 @@ from typing import Any
 
 import numpy as np
 
+from railhead.contact import closed_forms
+from railhead.half_spaces.shearing import CELLS
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.planning import effects
 from railhead.planning.error_envelopes import RANGE
 from railhead.planning.forecast import LINEAR_REFINEMENT
-from railhead.planning.references import closed_forms
-from railhead.planning.references.pressed_patches import CELLS
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.findings import Frame
 from railhead.run.estimates import (

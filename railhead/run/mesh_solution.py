@@ -13,6 +13,7 @@ import numpy as np
 from mpi4py import MPI
 from scipy.spatial import cKDTree
 
+from railhead.contact import closed_forms
 from railhead.geometry.surfaces import ExactGap
 from railhead.meshing import mesh
 from railhead.meshing.grading import Grading
@@ -22,7 +23,6 @@ from railhead.planning.context import PostSolveVerdict
 from railhead.planning.effects import interface
 from railhead.planning.error_envelopes import Family
 from railhead.planning.forecast import Forecast, Zone, touches_nearby
-from railhead.planning.references import closed_forms
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess import friction
 from railhead.postprocess.findings import Findings, Frame

@@ -9,12 +9,11 @@ from functools import partial
 
 import numpy as np
 
-from railhead.contact import wheelset_kinematics
+from railhead.contact import closed_forms, wheelset_kinematics
 from railhead.contact.solid import Contact
 from railhead.meshing.bodies import BODY_NAMES, CONTACT, RAIL, SUPPORT, WHEEL
 from railhead.planning.effects import interface
 from railhead.planning.forecast import Zone
-from railhead.planning.references import closed_forms
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.findings import Frame
 from railhead.scene.bodies import BodySection

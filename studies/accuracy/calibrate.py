@@ -23,10 +23,10 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
+from railhead.half_spaces.allowance import lever
 from railhead.planning import cost
 from railhead.planning import simulation_plan as planning
 from railhead.planning.error_envelopes import PLACES, TURNED, ErrorEnvelope
-from railhead.planning.references.allowance import lever
 from railhead.run import estimates, mesh_solution
 from railhead.run.mesh_solution import MeshSolution
 from railhead.scene import catalogue

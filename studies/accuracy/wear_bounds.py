@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 import railhead as rh
-from railhead.run.half_spaces.worn_contact import BODIES, Fineness
+from railhead.half_spaces.worn_contact import BODIES, Fineness
 from railhead.run.progress import Progress
 from railhead.sweeps.wear import wear_run
 from railhead.sweeps.wear.wear_result import WearResult

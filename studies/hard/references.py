@@ -13,11 +13,11 @@ from typing import Any
 from mpi4py import MPI
 
 from railhead.contact.solid import Contact
+from railhead.half_spaces import pressing
+from railhead.half_spaces.allowance import allowance
+from railhead.half_spaces.shearing import CELLS
 from railhead.meshing.mesh import MeshError
 from railhead.planning import simulation_plan as planning
-from railhead.planning.references import boundary_elements
-from railhead.planning.references.allowance import allowance
-from railhead.planning.references.pressed_patches import CELLS
 from railhead.postprocess.patch import compare
 from railhead.results import pipeline
 from railhead.results.checks import ESTIMATE_FACTOR, deviation
@@ -144,8 +144,8 @@ def half_space(scene: Scene, solution: MeshSolution) -> Summary:
     plan = planning.make(scene)
     contact = plan.contact
     assert isinstance(contact, Contact) and isinstance(plan.hertz, Ellipse)
-    found = boundary_elements.solve(contact, plan.hertz, scene.load, 2 * CELLS)
-    points, plane = boundary_elements.develop(contact).points, contact.touch.angle
+    found = pressing.solve(contact, plan.hertz, scene.load, 2 * CELLS)
+    points, plane = pressing.develop(contact).points, contact.touch.angle
     other = compare.from_half_space(found, points, plane)
     return {
         **other,

@@ -12,8 +12,9 @@ import numpy as np
 from mpi4py import MPI
 
 import railhead as rh
+from railhead.contact import closed_forms
+from railhead.half_spaces import shearing
 from railhead.planning import simulation_plan as planning
-from railhead.planning.references import closed_forms, pressed_patches
 from railhead.planning.simulation_plan import Plan
 from railhead.run import mesh_solution, solid_friction
 from railhead.run.half_spaces import second_method
@@ -183,13 +184,13 @@ def _others(plan: Plan, curve: CreepCurve) -> Iterator[Point]:
     scene, ellipse = plan.scene, plan.hertz
     assert isinstance(ellipse, Ellipse) and scene.load is not None
     pair = plan.context.tangential_pair
-    patches = pressed_patches.patches(
+    patches = shearing.patches(
         plan.contact, ellipse, hertzian=plan.forecast.hertzian, load=scene.load, cells=CELLS
     )
     limit = sum(each.limit for each in patches)
     for motion in curve.motions:
         given = motion.along, motion.across, motion.spin
-        sheared = pressed_patches.shear(patches, pair, motion, (None, None), rolling=True)
+        sheared = shearing.shear(patches, pair, motion, (None, None), rolling=True)
         exactly = np.sum([each.forces for each in sheared], axis=0)
         sticks, touches = np.sum([each.areas for each in sheared], axis=0)
         quick = second_method.fastsim(patches, limit, pair, given)
@@ -337,14 +338,14 @@ def half_spaces(speed: float, creepages: tuple[float, ...]) -> list[Row]:
     """Rows of half-spaces, upwards and then downwards, each from the one before."""
     of = _falling_plan(speed)
     assert of.scene.load is not None
-    patches = pressed_patches.patches(
+    patches = shearing.patches(
         of.contact, of.hertz, hertzian=True, load=of.scene.load, cells=SPEED_CELLS
     )
     found: list[TangentialSolution] | None = None
     rows = []
     for way, values in (("upwards", creepages), ("downwards", creepages[::-1])):
         for value in values:
-            found = pressed_patches.shear(
+            found = shearing.shear(
                 patches,
                 of.context.tangential_pair,
                 Creepage(value),

@@ -13,9 +13,9 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from mpi4py import MPI
 
+from railhead.contact import closed_forms
 from railhead.meshing.grading import Grading
 from railhead.planning import simulation_plan as planning
-from railhead.planning.references import closed_forms
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess import read
 from railhead.postprocess.findings import Array, Frame

@@ -16,11 +16,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize_scalar
 
-from railhead.contact import solid
+from railhead.contact import closed_forms, solid
 from railhead.geometry import profiles
 from railhead.geometry.placement import ProfilePair
 from railhead.geometry.wheelset import WheelsetOnTrack
-from railhead.planning.references import closed_forms
 from railhead.scene.scene import Scene
 from railhead.theory.bem import pressure_solver
 from railhead.theory.elastic import subsurface

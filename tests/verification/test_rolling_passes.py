@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from railhead.run.half_spaces import pass_contact, passes_of_scene
+from railhead.half_spaces import pass_contact
+from railhead.run.half_spaces import passes_of_scene
 from railhead.solver.material import Hardening, Material
 from railhead.theory.elastic import hertz
 

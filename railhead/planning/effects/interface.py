@@ -8,10 +8,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from railhead.contact import wheelset_kinematics
+from railhead.contact import closed_forms, wheelset_kinematics
 from railhead.planning import cost
 from railhead.planning.context import Context, Effect, PostSolveVerdict
-from railhead.planning.references import closed_forms
 from railhead.postprocess.findings import Findings
 from railhead.scene import bodies
 from railhead.scene.sections import refuse_first

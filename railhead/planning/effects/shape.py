@@ -15,10 +15,10 @@ from railhead.contact import plane_section
 from railhead.contact.solid import Contact
 from railhead.geometry.outlines import head_depth
 from railhead.geometry.profiles import STANDARD_RAILS
+from railhead.half_spaces import pressing
+from railhead.half_spaces.allowance import Allowance, allowance
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.planning.context import Context, Effect, PostSolveVerdict
-from railhead.planning.references import boundary_elements
-from railhead.planning.references.allowance import Allowance, allowance
 from railhead.postprocess.findings import Findings
 from railhead.scene.sections import refuse_first
 from railhead.theory.elastic.line import LineContact
@@ -195,7 +195,7 @@ def decide_surface_shape(context: Context) -> Effect:
     if shape is None or pair is None:
         return Effect.absent(SMOOTH)
     rigid = hertz.approach / math.cos(contact.touch.angle)
-    surface, plain = boundary_elements.develop(contact), boundary_elements.develop(contact.smooth)
+    surface, plain = pressing.develop(contact), pressing.develop(contact.smooth)
     x, s, above = (each.ravel() for each in surface.locus(rigid))
     near = above - above.min() < rigid
     near |= plain.gap(x, s) < rigid

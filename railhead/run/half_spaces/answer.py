@@ -15,13 +15,13 @@ from typing import Any, ClassVar
 import numpy as np
 from scipy.ndimage import zoom
 
-from railhead.contact import wheelset_kinematics
+from railhead.contact import closed_forms, wheelset_kinematics
+from railhead.half_spaces import pressing, shearing
+from railhead.half_spaces.allowance import added_stress
+from railhead.half_spaces.shearing import PressedPatch
 from railhead.planning import effects
 from railhead.planning.context import PostSolveVerdict
 from railhead.planning.effects import interface, shape
-from railhead.planning.references import boundary_elements, closed_forms, pressed_patches
-from railhead.planning.references.allowance import added_stress
-from railhead.planning.references.pressed_patches import PressedPatch
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess import friction
 from railhead.postprocess.findings import Findings
@@ -167,7 +167,7 @@ def _pressed(plan: Plan, load: float | None) -> BoundaryElementSolution | None:
     if plan.contact.half_space:
         return None
     known = plan.context.boundary_elements if load == plan.scene.load else None
-    return boundary_elements.solve(plan.contact, plan.hertz, load, pressed_patches.CELLS, known)
+    return pressing.solve(plan.contact, plan.hertz, load, shearing.CELLS, known)
 
 
 def _again(
@@ -180,7 +180,7 @@ def _again(
         return _pressed(plan, load)
     if abs(load / profiles.load - 1) < BALANCE / 10:
         return profiles
-    return pressure_solver.under_load(profiles, load, boundary_elements.TOLERANCE)
+    return pressure_solver.under_load(profiles, load, pressing.TOLERANCE)
 
 
 def _read(
@@ -198,7 +198,7 @@ def _read(
         found = half_space.of_hertz(hertz, contact.frame, poisson, section=plan.plane_model)
         pressed, approach = hertz.load * cosine, hertz.approach / cosine
     else:
-        points = pressed_patches.surface(contact)
+        points = shearing.surface(contact)
         values = compare.from_half_space(profiles, points, contact.touch.angle)
         found = half_space.of_boundary_elements(profiles, values, points, contact.frame, poisson)
         found = replace(found, edge_distance=_edge_distance(plan, found))
@@ -272,7 +272,7 @@ def _with_friction(plain: HalfSpaceSolution, sheared: PatchTractions) -> HalfSpa
     plan, scene = plain.plan, plain.plan.scene
     assert plain.findings is not None and plain.result is not None
     found, result = plain.findings, plain.result
-    points = pressed_patches.surface(plan.contact)
+    points = shearing.surface(plan.contact)
     solution = _at_cells(plan, sheared, points)
     rolls, unlike = scene.rolling.prescribed, interface.unlike(plan.context)
     assert sheared.coarse is not None
@@ -388,7 +388,7 @@ def _tractions(
         """Tractions on a grid of `cells` cells along each axis; start: from which the iterations
         begin, if these are as many patches; None: from none.
         """
-        patches = pressed_patches.patches(
+        patches = shearing.patches(
             contact,
             plan.hertz,
             hertzian=False,
@@ -402,7 +402,7 @@ def _tractions(
             None if force is None else longer * force
             for force in (table.force_along, table.force_across)
         )
-        sheared = pressed_patches.shear(
+        sheared = shearing.shear(
             patches,
             pair,
             wheelset_kinematics.creepage(plan.contact),

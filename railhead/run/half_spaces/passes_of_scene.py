@@ -1,7 +1,7 @@
 """Passes of the wheel of a solved scene over its rail, which yields.
 
 Below the patch the rail is a block of quadratic cells, whose far faces are held
-(`solver.plasticity.block`); what rolls is in `run.half_spaces.pass_contact`. Lengths in mm, forces
+(`solver.plasticity.block`); what rolls is in `half_spaces.pass_contact`. Lengths in mm, forces
 in N, stresses in MPa; z points out of the rail.
 """
 
@@ -17,11 +17,12 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicSpline, LinearNDInterpolator
 
+from railhead.half_spaces import pass_contact, pressing
+from railhead.half_spaces.pass_contact import RollingContact
+from railhead.half_spaces.pressing import Developed
 from railhead.planning.context import Context
 from railhead.planning.effects import interface
 from railhead.planning.effects.passes import line_limit
-from railhead.planning.references import boundary_elements
-from railhead.planning.references.boundary_elements import Developed
 from railhead.postprocess.pass_rows import (
     PASS_ERRORS,
     SHAKES_DOWN,
@@ -33,9 +34,7 @@ from railhead.postprocess.pass_rows import (
     verdict,
     words,
 )
-from railhead.run.half_spaces import pass_contact
 from railhead.run.half_spaces.answer import Solved
-from railhead.run.half_spaces.pass_contact import RollingContact
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.model_setup import hardening
 from railhead.run.progress import Progress
@@ -270,8 +269,8 @@ def _of_scene(
             bound = coefficient * contact.pressure
             contact = _with_tractions(solved, contact, bound, x, y, friction.traction[:, :2])
         return contact, (hertz.a, hertz.b), not plan.scene.asymmetric_friction[1], None
-    surface = boundary_elements.develop(plan.contact)
-    found = boundary_elements.solve(plan.contact, hertz, load or solved.load)
+    surface = pressing.develop(plan.contact)
+    found = pressing.solve(plan.contact, hertz, load or solved.load)
     if len(found.patches) > 1:
         raise ValueError("there are several patches; passes know one")
     patch = found.patches[0]

@@ -13,15 +13,11 @@ from typing import Any
 
 import numpy as np
 
+from railhead.contact import closed_forms
+from railhead.half_spaces import allowance, pressing, shearing
+from railhead.half_spaces.shearing import SEVERAL, PressedPatch, shear
 from railhead.meshing.bodies import RAIL
 from railhead.planning.effects import interface
-from railhead.planning.references import (
-    allowance,
-    boundary_elements,
-    closed_forms,
-    pressed_patches,
-)
-from railhead.planning.references.pressed_patches import SEVERAL, PressedPatch, shear
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.patch import body_motion, compare
 from railhead.run.mesh_solution import MeshSolution
@@ -65,9 +61,7 @@ def solve(solved: MeshSolution) -> BoundaryElementSolution | str | None:
     if contact.half_space or contact.line or solved.findings is None:
         return None
     try:
-        return boundary_elements.solve(
-            contact, solved.ellipse, solved.solution.load, pressed_patches.CELLS
-        )
+        return pressing.solve(contact, solved.ellipse, solved.solution.load, shearing.CELLS)
     except ValueError as error:
         return f"boundary elements: {error}"
 
@@ -84,7 +78,7 @@ def half_space(
         return None
     if isinstance(solution, str):
         return {"reason": solution}
-    points, plane = boundary_elements.develop(contact).points, contact.touch.angle
+    points, plane = pressing.develop(contact).points, contact.touch.angle
     quantities = compare.from_half_space(solution, points, plane)
     try:
         twist = twist_change(solved)
@@ -144,7 +138,7 @@ def half_space_friction(
 
     def patches(cells: int) -> Sequence[PressedPatch]:
         """The patches on a grid of `cells` cells along each axis."""
-        return pressed_patches.patches(
+        return shearing.patches(
             plan.contact,
             solved.ellipse,
             hertzian=findings.hertzian,

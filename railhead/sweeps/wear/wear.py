@@ -11,10 +11,10 @@ import numpy as np
 from mpi4py import MPI
 
 from railhead.geometry.profiles import Places
+from railhead.half_spaces.worn_contact import BODIES
 from railhead.meshing.mesh import MeshError
 from railhead.postprocess.findings import Subject
 from railhead.results import pipeline, result_folder
-from railhead.run.half_spaces.worn_contact import BODIES
 from railhead.run.progress import Progress, Tell
 from railhead.scene.catalogue import INPUT, copy_files, portable
 from railhead.scene.scene import Scene, SceneError

@@ -16,10 +16,10 @@ from railhead.contact import solid
 from railhead.geometry import profiles
 from railhead.geometry.placement import PlacementError
 from railhead.geometry.wheelset import rolling_radii
+from railhead.half_spaces import worn_contact
+from railhead.half_spaces.worn_contact import BODIES, Fields
 from railhead.results import checks
 from railhead.results.checks import Check
-from railhead.run.half_spaces import worn_contact
-from railhead.run.half_spaces.worn_contact import BODIES, Fields
 from railhead.scene.catalogue import portable
 from railhead.scene.scene import SceneError
 from railhead.sweeps.wear.wear_run import RUNS, SETTLES, Route, Run

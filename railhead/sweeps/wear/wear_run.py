@@ -21,9 +21,8 @@ from pathlib import Path
 import numpy as np
 
 from railhead.geometry.profiles import Places
-from railhead.planning import simulation_plan as planning
-from railhead.run.half_spaces import worn_contact
-from railhead.run.half_spaces.worn_contact import (
+from railhead.half_spaces import worn_contact
+from railhead.half_spaces.worn_contact import (
     BODIES,
     Fields,
     Fineness,
@@ -31,6 +30,7 @@ from railhead.run.half_spaces.worn_contact import (
     Position,
     Seen,
 )
+from railhead.planning import simulation_plan as planning
 from railhead.run.progress import Progress
 from railhead.scene.files import wear_pairs
 from railhead.scene.quantities import GROUPS

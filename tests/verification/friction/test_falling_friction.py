@@ -11,8 +11,8 @@ from scipy.integrate import quad
 from solved import friction, passed, solved
 
 import railhead as rh
+from railhead.half_spaces.worn_contact import Fineness
 from railhead.planning import simulation_plan
-from railhead.run.half_spaces.worn_contact import Fineness
 from railhead.sweeps.wear import wear, wear_run
 from railhead.theory.friction.rolling import (
     Creepage,

@@ -9,7 +9,7 @@ from one_line import refusal
 from solved import friction, passed
 
 import railhead as rh
-from railhead.planning.references import torque_free
+from railhead.half_spaces import torque_free
 
 HERE = Path(__file__).parent
 PROFILES = HERE.parents[1] / "rooms" / "railhead" / "geometry" / "data"

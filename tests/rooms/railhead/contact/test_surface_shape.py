@@ -9,8 +9,8 @@ from one_line import refusal
 from scipy.optimize import minimize_scalar
 
 from railhead.contact import solid
+from railhead.half_spaces.pressing import develop
 from railhead.planning import simulation_plan
-from railhead.planning.references.boundary_elements import develop
 from railhead.scene.scene import Scene, SceneError
 
 BASE = Scene(

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import railhead as rh
-from railhead.planning.references import pressed_patches
+from railhead.half_spaces import shearing
 from railhead.postprocess import read
 from railhead.postprocess.patch import half_space
 from railhead.run.half_spaces import second_method
@@ -59,7 +59,7 @@ def test_forces_alone_are_the_same_forces(monkeypatch) -> None:
 
 
 def test_stresses_alone_are_frictionless(monkeypatch) -> None:
-    forbid(monkeypatch, (pressed_patches, "shear"))
+    forbid(monkeypatch, (shearing, "shear"))
     some = answer("hertz_ellipse", *ROLLS, quantities=["stresses"])
     assert "friction" not in some["result"] and "frictionless" not in some
     assert some["result"]["stress"] == answer("hertz_ellipse", *ROLLS[:1])["result"]["stress"]

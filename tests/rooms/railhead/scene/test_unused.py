@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from railhead.contact import plane_section
+from railhead.contact.closed_forms import hertz_contact
 from railhead.contact.plane_section import SectionContact
 from railhead.meshing.bodies import RAIL
 from railhead.planning import simulation_plan
-from railhead.planning.references.closed_forms import hertz_contact
 from railhead.run import model_setup
 from railhead.scene import catalogue
 from railhead.scene import scene as scenes

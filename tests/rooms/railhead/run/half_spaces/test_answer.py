@@ -12,7 +12,7 @@ from csv_rows import rows
 from solved import planned
 
 import railhead as rh
-from railhead.planning.references import boundary_elements
+from railhead.half_spaces import pressing
 from railhead.run import mesh_solution
 from railhead.scene import quantities
 from railhead.theory.bem import grid_stress, pressure_solver
@@ -289,7 +289,7 @@ def test_what_a_position_solves(monkeypatch) -> None:
     """The load was once never met, as each pressing found other grids."""
     calls = Counter()
     for module, name in (
-        (boundary_elements, "solve"), (coulomb_solver.CoulombSolver, "solve"),
+        (pressing, "solve"), (coulomb_solver.CoulombSolver, "solve"),
         (pressure_solver, "_sample"), (pressure_solver, "equilibrium"), (grid_stress, "stress"),
         (coulomb_solver, "gmres"), (tangential.TractionInfluence, "__call__"),
     ):  # fmt: skip

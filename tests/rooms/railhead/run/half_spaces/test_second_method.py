@@ -10,9 +10,9 @@ import pytest
 from friction_cases import MU, friction_found
 
 import railhead as rh
+from railhead.half_spaces import shearing
 from railhead.meshing.bodies import RAIL, WHEEL
 from railhead.planning import simulation_plan as planning
-from railhead.planning.references import pressed_patches
 from railhead.postprocess.patch import body_motion
 from railhead.results import checks
 from railhead.results.report import terminal
@@ -32,7 +32,7 @@ def ellipse(*keys: str) -> planning.Plan:
 
 def hertz(plan: planning.Plan, cells: int):
     like = plan.context.tangential_pair.like
-    return pressed_patches.patches(
+    return shearing.patches(
         plan.contact, plan.hertz, hertzian=True, load=25e3, cells=cells, like=like
     )
 
@@ -49,7 +49,7 @@ def two() -> planning.Plan:
 
 @pytest.fixture(scope="module")
 def patches(two: planning.Plan):
-    return pressed_patches.patches(two.contact, two.hertz, hertzian=False, load=1e4, cells=32)
+    return shearing.patches(two.contact, two.hertz, hertzian=False, load=1e4, cells=32)
 
 
 def test_boundary_elements_shift_as_mindlin() -> None:
@@ -75,7 +75,7 @@ def test_what_sticks_in_any_patch_is_the_patch_of_the_force_that_is_left() -> No
     scene = rh.find("s1002_60e1").replace(effects={"plasticity": "off"})
     plan = planning.make(scene.replace(friction={"coefficient": MU}))
     whole, half = (
-        pressed_patches.patches(plan.contact, plan.hertz, hertzian=False, load=load, cells=48)
+        shearing.patches(plan.contact, plan.hertz, hertzian=False, load=load, cells=48)
         for load in (1e4, 5e3)
     )
     limit = MU * whole[0].pressed.force

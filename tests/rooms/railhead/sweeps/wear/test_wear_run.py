@@ -13,8 +13,8 @@ from csv_rows import rows
 
 from railhead.cli.commands import main
 from railhead.contact import solid
-from railhead.run.half_spaces import worn_contact
-from railhead.run.half_spaces.worn_contact import Fineness
+from railhead.half_spaces import worn_contact
+from railhead.half_spaces.worn_contact import Fineness
 from railhead.scene.scene import Effects, Friction, Rail, Rolling, Scene, SceneError, Wear, Wheel
 from railhead.sweeps.wear import wear as sweep
 from railhead.sweeps.wear import wear_run

@@ -25,12 +25,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from railhead.contact import placed_bodies
+from railhead.contact import closed_forms, placed_bodies
 from railhead.contact.solid import Contact
 from railhead.geometry import profiles
+from railhead.half_spaces import pressing
+from railhead.half_spaces.pressing import Developed
 from railhead.meshing.bodies import BODY_NAMES, RAIL
-from railhead.planning.references import boundary_elements, closed_forms
-from railhead.planning.references.boundary_elements import Developed
 from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.theory.array_types import Array
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
@@ -38,9 +38,7 @@ from railhead.theory.elastic import halfspace
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.line import Hertz
 
-MEASURED = json.loads(
-    (Path(__file__).parents[1] / "data" / "twist.json").read_text(encoding="utf-8")
-)
+MEASURED = json.loads((Path(__file__).parent / "data" / "twist.json").read_text(encoding="utf-8"))
 COMPLIANCE: dict[str, float] = MEASURED["compliance"]  # twist times E over the moment, 1/mm3
 CENTRE: float = MEASURED["centre_mm"]  # depth of the centre of twist below the crown (67 to 76 mm)
 Allowance = dict[str, float]
@@ -55,7 +53,7 @@ def added_stress(
     H^2) of a face held at the depth H, half of that of an edge at the distance H, as
     Boussinesq's stresses fall. The face that adds most counts. Arguments: as in `allowance`.
     """
-    surface = boundary_elements.develop(contact)
+    surface = pressing.develop(contact)
     around = _bodies(contact, deformable, surface)
     return max(
         patch.force / (2 * math.pi * square)
@@ -130,7 +128,7 @@ def allowance(
     twist: relative change of pressure and area by the rotation and the movement of the bodies,
         which is taken over as a part.
     """
-    surface = boundary_elements.develop(contact)
+    surface = pressing.develop(contact)
     patches = _patches(surface, solved)
     around = _bodies(contact, deformable, surface)
     size = max(_size(patch, around) for patch in patches)
@@ -271,6 +269,6 @@ def change(contact: Contact, before: BoundaryElementSolution, angle: float, asid
     other = twisted(contact, angle, aside)
     load = contact.scene.load or before.load
     hertz = closed_forms.ellipse(contact.scene, other, load)
-    after = boundary_elements.solve(other, hertz, load)
+    after = pressing.solve(other, hertz, load)
     pressure, area = after.max_pressure / before.max_pressure, after.area / before.area
     return max(abs(pressure - 1), abs(area - 1))

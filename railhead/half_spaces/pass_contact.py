@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from railhead.planning.references.pressed_patches import LENGTH, strip_grid
+from railhead.half_spaces.shearing import LENGTH, strip_grid
 from railhead.theory.array_types import Array
 from railhead.theory.bem.grid_patch import Grid, PatchSolution
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution, equilibrium

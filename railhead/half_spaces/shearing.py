@@ -14,7 +14,7 @@ import numpy as np
 
 from railhead.contact import wheelset_kinematics
 from railhead.contact.solid import Contact
-from railhead.planning.references import boundary_elements
+from railhead.half_spaces import pressing
 from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.theory.array_types import Array
 from railhead.theory.bem import pressure_solver
@@ -119,8 +119,8 @@ def patches(
         return [PressedPatch(found, *_on_surface(contact, found))]
     if isinstance(profiles, str):
         raise ValueError(profiles)
-    solved = profiles or boundary_elements.solve(contact, hertz, load, CELLS)
-    surface, known = boundary_elements.develop(contact), []
+    solved = profiles or pressing.solve(contact, hertz, load, CELLS)
+    surface, known = pressing.develop(contact), []
     for each in solved.windows:
         if each.force > SMALLEST * solved.force:
             grid = grid_over(*each.middle_and_half_extents, cells, wider)
@@ -182,7 +182,7 @@ def surface(contact: Contact) -> Callable[[Array, Array], Array]:
     """
     if contact.half_space:
         return lambda x, s: np.column_stack([x, s, np.zeros_like(x)])
-    return boundary_elements.develop(contact).points
+    return pressing.develop(contact).points
 
 
 def _on_surface(contact: Contact, window: PatchSolution) -> tuple[Array, Array]:
@@ -191,7 +191,7 @@ def _on_surface(contact: Contact, window: PatchSolution) -> tuple[Array, Array]:
     """
     if contact.half_space:
         return plane_modes(window.x, window.s), contact.friction_coefficient(window.s)
-    surface = boundary_elements.develop(contact)
+    surface = pressing.develop(contact)
     return surface.slip(window.x, window.s), surface.friction_coefficient(window.s)
 
 

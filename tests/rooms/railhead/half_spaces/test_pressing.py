@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from railhead.cases.s1002_60e1 import SCENE as MANCHESTER
-from railhead.contact import solid
-from railhead.planning.references import boundary_elements, closed_forms
+from railhead.contact import closed_forms, solid
+from railhead.half_spaces import pressing
 from railhead.postprocess.patch import compare
 from railhead.run.half_spaces.second_method import half_space, solve
 from railhead.run.mesh_solution import MeshSolution
@@ -29,13 +29,13 @@ def located(scene):
 
 
 def solved(scene, cells: int = 64):
-    return boundary_elements.solve(*located(scene), scene.load, cells)
+    return pressing.solve(*located(scene), scene.load, cells)
 
 
 def second_opinion(scene) -> dict[str, Any]:
     contact, ellipse = located(scene)
-    solution = boundary_elements.solve(contact, ellipse, scene.load, 128)
-    points = boundary_elements.develop(contact).points
+    solution = pressing.solve(contact, ellipse, scene.load, 128)
+    points = pressing.develop(contact).points
     return compare.from_half_space(solution, points, contact.touch.angle)
 
 
@@ -68,7 +68,7 @@ def test_one_ellipse_is_hertz() -> None:
     """A wheel on a crown of one radius, on a slope: the load's normal part and Hertz's ellipse."""
     scene = thesis("rail.profile=arc", "rail.crown_radius=80", "rail.inclination=1:20")
     contact, ellipse = located(scene)
-    found = boundary_elements.solve(contact, ellipse, scene.load, 128)
+    found = pressing.solve(contact, ellipse, scene.load, 128)
     assert found.max_pressure == pytest.approx(ellipse.p0, rel=2e-3)
     assert found.area == pytest.approx(ellipse.area, rel=3e-3)
     assert found.approach * math.cos(contact.touch.angle) == pytest.approx(
@@ -97,7 +97,7 @@ def test_a_patch_that_was_not_looked_for_is_found(monkeypatch: pytest.MonkeyPatc
     """The search starts at the first contact alone; the gauge corner then lies in the rail."""
     scene = MANCHESTER.replace(["wheelset.shift=5"])
     expected = solved(scene)
-    monkeypatch.setattr(boundary_elements, "FIRST_REACH", 1e-3)
+    monkeypatch.setattr(pressing, "FIRST_REACH", 1e-3)
     found = solved(scene)
     assert len(found.patches) == len(expected.patches) == 2
     assert found.max_pressure == pytest.approx(expected.max_pressure, rel=1e-3)
@@ -116,14 +116,14 @@ def test_second_opinion_does_not_hang_on_its_grid(assignments: tuple[str, ...], 
     """Tread, gauge corner and flange: 128 cells against two and four times as many, within 1 %."""
     contact, ellipse = located(MANCHESTER.replace(assignments))
     load = contact.scene.load
-    found, fine = (boundary_elements.solve(contact, ellipse, load, cells) for cells in (128, finer))
+    found, fine = (pressing.solve(contact, ellipse, load, cells) for cells in (128, finer))
     assert found.max_pressure == pytest.approx(fine.max_pressure, rel=0.01)
     assert found.area == pytest.approx(fine.area, rel=0.01)
 
 
 def test_developed_rail_keeps_lengths_and_normals() -> None:
     scene = thesis("rail.profile=arc", "rail.crown_radius=80", "wheelset.shift=3")
-    surface = boundary_elements.develop(solid.locate(scene))
+    surface = pressing.develop(solid.locate(scene))
     s = np.linspace(-20, 20, 41)
     points, angle = surface.points(0 * s, s), surface.angle(s)
     turn = np.arcsin(points[:, 1] / 80)

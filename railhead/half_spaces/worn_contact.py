@@ -14,16 +14,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from railhead.contact import solid, wheelset_kinematics
+from railhead.contact import closed_forms, solid, wheelset_kinematics
 from railhead.geometry import profiles
 from railhead.geometry.placement import ProfilePair
 from railhead.geometry.profiles import Places
-from railhead.planning.references import (
-    boundary_elements,
-    closed_forms,
-    pressed_patches,
-    torque_free,
-)
+from railhead.half_spaces import pressing, shearing, torque_free
 from railhead.scene.scene import Scene
 from railhead.theory import wear
 from railhead.theory.array_types import Array
@@ -151,7 +146,7 @@ class WornContact:
         self._position, self._cells = position, fineness.cells
         placed = solid.place(scene, both=pairs(scene, along, depths))
         self._contact = torque_free.balanced(solid.on_side(scene, placed, line=True))
-        self._surface = boundary_elements.develop(self._contact)
+        self._surface = pressing.develop(self._contact)
         self._steps = {body: along[body].step for body in BODIES}
         worn = zip(along.items(), depths, strict=True)
         self._across = {body: each.worn(depth)[:, 0] for (body, each), depth in worn}
@@ -182,7 +177,7 @@ class WornContact:
 
     def _press(self, lines: Lines | None) -> BoundaryElementSolution:
         """The pressure on the present profiles, with a compliance of the lines or without."""
-        return boundary_elements.solve(
+        return pressing.solve(
             self._contact,
             self._position.hertz,
             self._load,
@@ -227,7 +222,7 @@ class WornContact:
         """Tractions under the pressure, and what is read from both."""
         scene, contact = self._position.scene, self._contact
         pair, rolling = closed_forms.tangential_pair(scene), scene.rolling
-        patches = pressed_patches.patches(
+        patches = shearing.patches(
             contact,
             self._position.hertz,
             hertzian=False,
@@ -236,7 +231,7 @@ class WornContact:
             like=pair.like,
             profiles=self._pressed,
         )
-        found = pressed_patches.shear(
+        found = shearing.shear(
             patches,
             pair,
             wheelset_kinematics.creepage(contact),

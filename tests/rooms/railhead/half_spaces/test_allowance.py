@@ -4,9 +4,9 @@ import pytest
 from solved import planned
 
 from railhead.cases.s1002_60e1 import SCENE as MANCHESTER
+from railhead.half_spaces import pressing
+from railhead.half_spaces.allowance import Allowance, allowance
 from railhead.planning import simulation_plan as planning
-from railhead.planning.references import boundary_elements
-from railhead.planning.references.allowance import Allowance, allowance
 from railhead.results import pipeline
 from railhead.scene import catalogue
 from railhead.theory.elastic.hertz import Ellipse
@@ -14,7 +14,7 @@ from railhead.theory.elastic.hertz import Ellipse
 
 def allowed(scene, twist: float = 0.0) -> dict[str, Allowance]:
     plan = planned(scene)
-    found = boundary_elements.solve(plan.contact, plan.hertz, scene.load, 64)
+    found = pressing.solve(plan.contact, plan.hertz, scene.load, 64)
     return allowance(plan.contact, plan.deformable, found, twist)
 
 

@@ -18,9 +18,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import brentq
 
-from railhead.contact import solid, wheelset_kinematics
+from railhead.contact import closed_forms, solid, wheelset_kinematics
 from railhead.contact.solid import Contact, FreeAxle
-from railhead.planning.references import boundary_elements, closed_forms, pressed_patches
+from railhead.half_spaces import pressing, shearing
 from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction, TangentialSolution
 
 CELLS = 32  # of a patch each way; with 64 the radius is 2e-3 mm off at most (S1002 on 60E1)
@@ -57,10 +57,10 @@ class _PressedWheel:
         """
         scene, self._load = contact.scene, load
         hertz = closed_forms.hertz_contact(scene, contact, load)
-        pressed = boundary_elements.solve(contact, hertz, load, CELLS)
+        pressed = pressing.solve(contact, hertz, load, CELLS)
         known = wheelset_kinematics.wheelset_creepage(contact)
         self._patches = []
-        for each in pressed_patches.patches(
+        for each in shearing.patches(
             contact, hertz, hertzian=False, load=load, cells=CELLS, profiles=pressed
         ):
             along, window = each.modes[0], each.pressed

@@ -2,7 +2,7 @@
 
 import pytest
 
-from railhead.planning.references import boundary_elements
+from railhead.half_spaces import pressing
 
 
 @pytest.fixture
@@ -12,4 +12,4 @@ def half_spaces_fail(monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(*_: object) -> None:
         raise ValueError("no bounded contact found")
 
-    monkeypatch.setattr(boundary_elements, "solve", fail)
+    monkeypatch.setattr(pressing, "solve", fail)

@@ -1,1 +1,0 @@
-"""Hertz, boundary elements and the twist of a rail for a scene, before it is meshed."""
