@@ -318,6 +318,9 @@ def kinematics(mesh: Any, section: str | None, mean: bool) -> Kinematics:
     dim = mesh.geometry.dim
     if dim != (3 if section is None else 2):
         raise ValueError(f"section {section!r} does not fit a mesh with {dim} coordinates")
+    if dim != mesh.topology.dim:
+        cells = mesh.topology.dim
+        raise ValueError(f"cells of dimension {cells} need {cells} coordinates each, not {dim}")
     if section is None:
         return replace(SOLID, mean_dilatation=mean)
     revolved = section == "axisymmetric"

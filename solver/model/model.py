@@ -62,11 +62,16 @@ class Model:
         degree: int = 2,
         mean_dilatation: bool = False,
     ) -> None:
+        dim = getattr(getattr(mesh, "topology", None), "dim", None)
+        if dim is None:
+            raise TypeError(f"mesh must be a dolfinx Mesh, not {mesh!r}")
         dims = [getattr(each, "dim", None) for each in (cell_tags, facet_tags)]
-        if dims != [mesh.topology.dim, mesh.topology.dim - 1]:
+        if dims != [dim, dim - 1]:
             raise ValueError("cell_tags and facet_tags must be MeshTags of cells and of facets")
-        if degree not in (1, 2):
+        if type(degree) is not int or degree not in (1, 2):
             raise ValueError(f"degree {degree!r} is not there: give 1 or 2")
+        if not isinstance(mean_dilatation, bool):
+            raise ValueError(f"mean_dilatation must be True or False, not {mean_dilatation!r}")
         self.kinematics = kinematics(mesh, section, mean_dilatation)
         self._mesh = mesh, cell_tags, facet_tags, section, degree, self.kinematics
         self.parts: list[Part] = []
@@ -91,8 +96,8 @@ class Model:
                     if getattr(owner, name, None) is not None:
                         finite(owner, name, getattr(owner, name), dim)
             tags = each.tags if isinstance(each, Contact) else [each.tag]
-            if not all(isinstance(tag, int | np.integer) for tag in tags):
-                raise ValueError(f"{each}: a tag must be a whole number")
+            if not all(isinstance(tag, int | np.integer) and abs(tag) < 2**31 for tag in tags):
+                raise ValueError(f"{each}: a tag must be a whole number of 32 bits")
         self.parts += parts
         return parts[0] if len(parts) == 1 else parts
 
@@ -105,7 +110,8 @@ class Model:
         """
         if self._assembly is None:
             self._assembly = Assembly(*self._mesh, self.parts)
-        return Solution(self._assembly, self._assembly.rest()).then(loads or {}, steps=steps)
+        start = Solution(self._assembly, self._assembly.rest())
+        return start.then({} if loads is None else loads, steps=steps)
 
 
 class Solution:
@@ -147,6 +153,8 @@ class Solution:
         pushes that way; a vector (c,) of a hub without one, a clamp, a slide. In plane sections per
         unit of depth, in axisymmetric ones of the whole turn.
         """
+        if not isinstance(part, Clamp | Slide | Hub) or part not in self._forces:
+            raise ValueError(f"{part!r} is no support of the model")
         total, free = np.asarray(self._forces[part]), getattr(part, "free", None)
         if isinstance(part, Slide):
             normal = unit("normal", part.normal)
@@ -155,6 +163,8 @@ class Solution:
 
     def motion(self, hub: Hub) -> Any:
         """Motion of a hub from rest: along its free direction, or a vector (c,) without one."""
+        if not isinstance(hub, Hub) or hub not in self._state.motions:
+            raise ValueError(f"{hub!r} is no hub of the model")
         moved = self._state.motions[hub]
         return moved if hub.free is None else float(moved @ unit("free", hub.free))
 
@@ -166,6 +176,8 @@ class Solution:
         if not self.converged:
             raise ValueError(f"there is no state to go on from: {self.reason}")
         count = STEPS[model.remembers] if steps is None else steps
+        if not isinstance(loads, Mapping):
+            raise TypeError(f"loads must be a dict of hubs and their loads, not {loads!r}")
         if type(count) is not int or count < 1:
             raise ValueError(f"steps must be a whole number from 1 on, not {steps!r}")
         target = {**state.loads, **{hub: _checked(model, hub, load) for hub, load in loads.items()}}
@@ -214,7 +226,8 @@ def _checked(model: Assembly, hub: Hub, load: Load) -> Array:
         raise TypeError(f"{load!r} is no load of a hub: give Force or Move")
     dim = model.kinematics.dim
     given = load.move if isinstance(load, Force) else load.vector
-    motion = finite(load, "motion", [0.0] * dim if given is None else given, dim)
+    still = isinstance(load, Force) and given is None
+    motion = finite(load, "motion", [0.0] * dim if still else given, dim)
     free = None if hub.free is None else unit("free", hub.free)
     across = motion if free is None else motion - (motion @ free) * free
     if hub.slides and np.linalg.norm(across) > ALONG * np.linalg.norm(motion):

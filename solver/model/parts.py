@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 from railhead.solver.material import Hardening, Material
-from railhead.solver.space.supports import Clamp, Direction, Hub, Slide
+from railhead.solver.space.supports import Clamp, Direction, Hub, Slide, finite
 from railhead.solver.system.surfaces import Contact
 
 
@@ -18,10 +17,12 @@ class Elastic:
     poisson_ratio: float
 
     def __post_init__(self) -> None:
-        """Raises ValueError for a modulus that is not positive and finite, and for a ratio outside
-        [0, 0.5).
+        """Raises ValueError for what is no finite number, a modulus that is not positive, and a
+        ratio outside [0, 0.5).
         """
-        if not 0 < self.young_modulus < math.inf:
+        for each in fields(self):
+            finite(type(self).__name__, each.name, getattr(self, each.name))
+        if self.young_modulus <= 0:
             raise ValueError(f"young_modulus must be positive, not {self.young_modulus!r}")
         if not 0 <= self.poisson_ratio < 0.5:
             raise ValueError(f"poisson_ratio must lie in [0, 0.5), not {self.poisson_ratio!r}")
@@ -46,11 +47,11 @@ class Plastic(Elastic):
     hardening: float = 0.0
 
     def __post_init__(self) -> None:
-        """Raises ValueError as `Elastic`, for a yield stress that is not positive and finite, and
-        for a negative hardening.
+        """Raises ValueError as `Elastic`, for a yield stress that is not positive, and for a
+        negative hardening.
         """
         super().__post_init__()
-        if not (0 < self.yield_stress < math.inf and 0 <= self.hardening < math.inf):
+        if self.yield_stress <= 0 or self.hardening < 0:
             raise ValueError("yield_stress must be positive, and hardening not negative")
 
     def material(self, section: str | None) -> Material:

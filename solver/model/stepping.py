@@ -6,6 +6,7 @@ from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
+from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.spatial import cKDTree
 
@@ -21,8 +22,10 @@ from railhead.solver.space.supports import Hub, unit
 from railhead.theory.array_types import Array
 
 TOLERANCE = 1e-8  # of Newton's method
+DRIFT = 0.1  # of a facet, by which a point may slide before pairs are made anew
 MOST_PAIRINGS = 6  # in one step
-MISMATCH = 0.01  # of the largest pressure, that the gap of a pairing may be off by
+MISMATCH = 0.01  # of the largest pressure, that the gap of a pairing may be off by; and of the
+# force, that points may carry which have nothing opposite any more
 STEPS = 50  # Newton's, at most
 
 
@@ -66,10 +69,7 @@ def _step(model: Assembly, before: State, loads: HubLoads, share: float) -> Stat
     """
     pairing, y = before.pairing, None
     if before.outdated:
-        try:
-            pairing = model.surfaces.pair(model.gathered(before.displacement))
-        except ValueError as error:  # the surfaces have left each other
-            return replace(before, result=replace(before.result, reason=str(error), history=[]))
+        pairing = model.surfaces.pair(model.gathered(before.displacement))
     done: list[newton.NewtonStep] = []
     outdated = False
     for _ in range(MOST_PAIRINGS):
@@ -90,17 +90,23 @@ def _step(model: Assembly, before: State, loads: HubLoads, share: float) -> Stat
                 result.reason = "everything slides: a force is above what friction carries"
             break
         every = model.gathered(u)
-        outdated, change = model.surfaces.outdated(pairing, every, gap, result.pressure > 0)
+        drift, change, lost = model.surfaces.outdated(pairing, every, gap, result.pressure)
+        outdated = drift > DRIFT
         stiff = problem.tau * (result.pressure > 0), result.pressure
         local = [float(np.max(each, initial=0.0)) for each in stiff]
         stiffness, largest = np.max(model.comm.allgather(local), axis=0)
-        if stiffness * change <= MISMATCH * largest:
+        fits = stiffness * change <= MISMATCH * largest and lost <= MISMATCH
+        if fits and np.isfinite(drift):
             break
         paired = pairing
         try:
             pairing, y = model.surfaces.pair(every), result.y
         except ValueError as error:
             result.reason = str(error)
+            break
+        overlaps = bool((pairing.initial_gap + (pairing.gap * u).array < 0).any())
+        if fits and not model.comm.allreduce(overlaps, op=MPI.LOR):  # open, and stays so
+            pairing = paired
             break
     else:
         pairing, result.reason = paired, "the pairs of points do not settle"

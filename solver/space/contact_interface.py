@@ -189,6 +189,8 @@ class Interface:
                 np.concatenate(self.comm.allgather(each)) for each in (gaps, self.weights[own])
             )
             order = np.argsort(every)[: np.isfinite(every).sum()]
+            if not len(order):
+                continue
             count = max(NEAREST, touching(number, every[order], area[order]))
             out[own] = gaps <= every[order][min(count, len(order)) - 1]
         return out

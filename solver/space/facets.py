@@ -297,17 +297,17 @@ def _step(points: Array, normals: Array, x: Array, tangent: Array) -> Array:
     by Cramer's rule.
 
     points, normals: (n, c). x: position on the facet (n, c). tangent: its derivatives by xi (n, c,
-        c - 1), mm. The step is zero where the normal lies in the facet.
+        c - 1), mm. The step is zero where the normal lies in the facet, to 1e-14 of its size.
     """
-    rhs = points - x
+    rhs, size = points - x, np.linalg.norm(tangent, axis=1).prod(axis=1)
     if tangent.shape[2] == 1:
         turned = normals[:, ::-1] * [1, -1]  # normal to the normals
         det = np.einsum("nd,nd->n", tangent[..., 0], turned)
-        det = np.where(np.abs(det) > 1e-14, det, np.inf)
+        det = np.where(np.abs(det) > size * 1e-14, det, np.inf)
         return np.asarray(np.einsum("nd,nd->n", rhs, turned) / det)[:, None]
     a, b = tangent[..., 0], tangent[..., 1]
     det = np.einsum("nd,nd->n", np.cross(a, b), normals)
-    det = np.where(np.abs(det) > 1e-14, det, np.inf)
+    det = np.where(np.abs(det) > size * 1e-14, det, np.inf)
     first = np.einsum("nd,nd->n", np.cross(rhs, b), normals) / det
     second = np.einsum("nd,nd->n", np.cross(a, rhs), normals) / det
     return np.column_stack([first, second])

@@ -57,7 +57,11 @@ class Hub:
     slides: bool = False
 
     def __post_init__(self) -> None:
-        """Raises ValueError for facets that slide on a face without a free direction."""
+        """Raises ValueError for `slides` other than True and False, and for facets that slide on a
+        face without a free direction.
+        """
+        if not isinstance(self.slides, bool):
+            raise ValueError(f"slides must be True or False, not {self.slides!r}")
         if self.slides and self.free is None:
             raise ValueError(f"Hub({self.tag}, slides=True) needs a free direction")
 

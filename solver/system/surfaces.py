@@ -8,7 +8,6 @@ their material points until the next pairing, so that
 
 from __future__ import annotations
 
-import math
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -21,15 +20,15 @@ from railhead.solver.space import contact_interface, pieces
 from railhead.solver.space.cells import Bulk
 from railhead.solver.space.contact_interface import Interface, tangents_of
 from railhead.solver.space.facets import FacetSet, pair
-from railhead.solver.space.supports import Direction, unit
-from railhead.theory.array_types import Array, Index, Mask
+from railhead.solver.space.supports import Direction, finite, unit
+from railhead.theory.array_types import Array, Index
 
 SECTION_QUADRATURE = 15  # degree of the contact quadrature in a section, where points are cheap:
 # it follows the edge of the patch, and the pressure's error falls tenfold
 BENT = 1e-3  # 1 - cosine between facets of degree 1 that stand for a curved surface
 FACING = -0.1  # largest product of the normals of surfaces that face each other
 OUTWARD = 0.5  # product, at least in the mean, of normals given with a gap and those of facets
-DRIFT = 0.1  # of a facet, by which a point may slide before pairs are made anew
+ROUNDING = 1e-13  # of the largest coordinate, by which no gap is known
 GapFunction = Callable[[Array], tuple[Array, Array]]
 """Points (n, c) of the secondary surface -> gap (n,) along its outward normals, infinite where
 they miss the primary surface, and these unit normals (n, c or 3)."""
@@ -58,7 +57,7 @@ class Sphere:
 
     def __post_init__(self) -> None:
         """Raises ValueError for a radius that is not positive and finite."""
-        if not 0 < self.radius < math.inf:
+        if finite("Sphere", "radius", self.radius) <= 0:
             raise ValueError(f"radius must be positive, not {self.radius!r}")
 
     def distance(self, points: Array, normals: Array) -> Array:
@@ -87,21 +86,25 @@ class Contact:
     gap: GapFunction | None = None
 
     def __post_init__(self) -> None:
-        """Raises ValueError for a negative coefficient, for a surface on itself, and where neither
-        a primary surface nor a gap is given.
+        """Raises ValueError for a coefficient that is no number or negative, for a surface on
+        itself, and where the primary surface is given neither by a tag, a shape nor a gap, or by
+        a shape and a gap.
         """
-        if not 0 <= self.friction < math.inf:
+        if finite("Contact", "friction", self.friction) < 0:
             raise ValueError(f"friction must not be negative, not {self.friction!r}")
         if self.primary == self.secondary:
             raise ValueError(f"surface {self.secondary} on itself: self-contact is not there")
         if self.primary is None and self.gap is None:
             raise ValueError("Contact needs a primary surface, or a gap")
+        if isinstance(self.primary, Plane | Sphere) and self.gap is not None:
+            raise ValueError(f"gap says where {self.primary} is: give one of them")
 
     @property
     def tags(self) -> list[int]:
         """Tags of the facets of its surfaces."""
-        every = (self.secondary, self.primary)
-        return [each for each in every if not isinstance(each, Plane | Sphere | None)]
+        if isinstance(self.primary, Plane | Sphere | None):
+            return [self.secondary]
+        return [self.secondary, self.primary]
 
 
 class Surfaces:
@@ -170,7 +173,8 @@ class Surfaces:
 
     def pair(self, displacement: Array) -> Interface:
         """Contact points and the points opposite at a displacement (dofs, c) of all block dofs
-        (collective). Raises ValueError where a contact has no point opposite.
+        (collective). A contact whose surfaces have left each other has no points. Raises ValueError
+        where a contact has nothing opposite at rest, or overlaps by more than a facet.
         """
         found, missed, slaves, others = [], [], 0, 0
         for number, contact in enumerate(self.contacts):
@@ -187,10 +191,11 @@ class Surfaces:
             normals, now, change, foot = self.opposite(number, at, displacement, known)
             keep, gap = np.isfinite(now), now - change
             whole, met = self.comm.allreduce(np.array([whole, weights[keep].sum()]))
-            if not met:
+            deep = self.comm.allreduce(int(np.isneginf(now).sum()))
+            if not met and (deep or not self.comm.allreduce(int(displacement.any()))):
                 raise ValueError(
-                    f"surface {contact.secondary} has nothing opposite its points: their "
-                    "normals miss, or the overlap is above a facet's length"
+                    f"surface {contact.secondary} has nothing opposite its points: "
+                    + ("the overlap is above a facet's length" if deep else "their normals miss")
                 )
             missed.append(1 - met / whole)
             facet, partner = at[0][keep] + slaves, foot[0][keep]
@@ -229,8 +234,9 @@ class Surfaces:
 
         number: of the contact. at: facets (n,) and coordinates (n, c - 1) of the points.
         displacement: (dofs, c) of all block dofs. known: see `pair`.
-        Returns the normals (n, c), the gap now (n,), infinite where nothing is opposite, the part
-        of it that the displacement makes (n,), and facet (n,) and coordinates (n, c - 1) opposite.
+        Returns the normals (n, c), the gap now (n,), infinite where nothing is opposite and -inf
+        where surfaces overlap by more than a facet, the part of it that the displacement makes
+        (n,), and facet (n,) and coordinates (n, c - 1) opposite.
         """
         contact, slave, other = self.contacts[number], self.secondary[number], self.primary[number]
         x, tangent = slave.tangents(*at)
@@ -256,40 +262,47 @@ class Surfaces:
         now = np.einsum("nc,nc->n", normals, moved.tangents(*at)[0] - x - own)
         reach = np.linalg.norm(moved.vertices[:, 1] - moved.vertices[:, 0], axis=1)[at[0]]
         facing = np.einsum("nc,nc->n", normals, moved.flat_normals[at[0]]) < FACING
-        met = (partner >= 0) & facing & (now > -reach)
-        return normals, np.where(met, now, np.inf), change, foot
+        now = np.where((partner >= 0) & facing, now, np.inf)
+        return normals, np.where(now > -reach, now, -np.inf), change, foot
 
     def outdated(
-        self, face: Interface, displacement: Array, gap: Array, active: Mask
-    ) -> tuple[bool, float]:
-        """Whether some points that touch have slid by more than a tenth (DRIFT) of a facet since
-        they were paired, and the largest change of the gap that pairing anew makes there
-        (collective).
+        self, face: Interface, displacement: Array, gap: Array, pressure: Array
+    ) -> tuple[float, float, float]:
+        """By how much of a facet points that touch have slid since they were paired, infinite where
+        no point of a contact touches; the largest change of the gap that pairing anew makes there;
+        and the share of the force at points that have nothing opposite any more (collective).
 
-        displacement: (dofs, c) of all block dofs. gap: now, at the points of `face` (n,). active:
-            (n,) points that touch.
+        displacement: (dofs, c) of all block dofs. gap, pressure: now, at the points of `face` (n,).
         """
-        drift = change = 0.0
+        drift = change = lost = 0.0
+        force = pressure * face.weights
         starts = np.cumsum([0, *(len(each) for each in self.secondary)])
         begins = np.cumsum([0, *(len(each) for each in self.primary)])
         for number, (contact, other) in enumerate(zip(self.contacts, self.primary, strict=True)):
-            on = np.flatnonzero((face.contact == number) & active)
-            if contact.gap is not None or not len(on):
+            on = np.flatnonzero((face.contact == number) & (pressure > 0))
+            if contact.gap is not None:
+                continue
+            if not self.comm.allreduce(len(on)):
+                drift = np.inf
+            if not len(on):
                 continue
             at = face.facet[on] - starts[number], face.xi[on]
             old = face.partner[on] - begins[number], face.eta[on]
             _, now, _, new = self.opposite(number, at, displacement, old[0])
             met = np.isfinite(now)
-            change = max(change, float(np.max(np.abs(now - gap[on])[met], initial=0.0)))
+            moved = np.abs(now - gap[on]) - ROUNDING * np.abs(face.points[on]).max()
+            change = max(change, float(np.max(moved[met], initial=0.0)))
             drift = max(drift, float(not met.all()))
+            lost += float(force[on][~met].sum())
             if len(other):
-                moved = other.moved(displacement)
-                here, there = (moved.tangents(np.maximum(f, 0), e)[0] for f, e in (new, old))
-                size = np.linalg.norm(moved.vertices[:, 1] - moved.vertices[:, 0], axis=1)[old[0]]
-                slid = np.linalg.norm(here - there, axis=1) / size
+                there = other.moved(displacement)
+                ends = [there.tangents(np.maximum(f, 0), e)[0] for f, e in (new, old)]
+                size = np.linalg.norm(there.vertices[:, 1] - there.vertices[:, 0], axis=1)[old[0]]
+                slid = np.linalg.norm(ends[0] - ends[1], axis=1) / size
                 drift = max(drift, float(np.max(slid[met], initial=0.0)))
         drift, change = (self.comm.allreduce(each, op=MPI.MAX) for each in (drift, change))
-        return drift > DRIFT, change
+        lost, total = self.comm.allreduce(np.array([lost, force.sum()]))
+        return drift, change, lost / total if lost else 0.0
 
 
 def _fits(gap: GapFunction, surface: FacetSet) -> bool:
