@@ -10,13 +10,14 @@ at a corner is the mixed difference of the pressures around it. Lengths are in m
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
+from scipy.fft import irfft2, rfft2
 from scipy.optimize import minimize
 
-from railhead.theory.array_types import Array, Index
+from railhead.theory.array_types import Array
 from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.elastic import subsurface
 
@@ -25,6 +26,10 @@ DEPTHS = 16  # depths there, from half a cell to the smaller half length of the 
 SURFACE = 1e-3  # depth, over a cell, at which stresses of the surface are taken
 Invariant = Callable[[Array], Array]
 Moved = Callable[[Array], Array]
+Sum = Callable[[Array], Array]
+AT_ONCE = 2**15  # distances of points from corners that are summed at a time
+EXCHANGED = slice(None), [1, 0, 3, 2, 5, 4, 7, 6, 9, 8, 10]
+"""Order of the sums of tractions along x, and along y with x and y exchanged."""
 
 
 def stress(
@@ -35,70 +40,81 @@ def stress(
 
     traction: (2, nx, ns), MPa, along x and s, that acts on the half-space; None: none.
     """
-    total = _below_pressure(patch, poisson, points)
-    if traction is not None:
-        along = replace(patch, pressure=traction[0])
-        across = replace(patch, x=patch.s, s=patch.x, pressure=traction[1].T)
-        total += _below_traction(along, poisson, points)
-        turned = _below_traction(across, poisson, points[:, [1, 0, 2]])
-        total += turned[:, [1, 0, 2, 3, 5, 4]]
-    return total
+    return below(patch, poisson, traction)(points)
 
 
-def _corners(patch: PatchSolution, points: Array) -> tuple[Array, Array, Array, Array, Array]:
-    """Distances X, Y (n, m), z (n, 1) and R = |(X, Y, z)| (n, m) of points (n, 3) from the m
-    corners of cells, mm, and the pressure differences (m,) at the corners, MPa. The derivatives of
-    the potentials are sums over the corners, weighted by these.
+def below(patch: PatchSolution, poisson: float, traction: Array | None) -> Callable[[Array], Array]:
+    """Function from points (n, 3) to the stress there; all as of `stress`."""
+    jumps = _jumps(patch, traction)
+    i, j = np.nonzero(jumps.any(axis=0))
+    strength, (along, across) = jumps[:, i, j].T, patch.edges
+
+    def at(points: Array) -> Array:
+        """Stress (n, 6), MPa."""
+        X, Y = points[:, :1] - along[i], points[:, 1:2] - across[j]
+        return _stress(X, Y, -points[:, 2:], poisson, lambda kernel: kernel @ strength)
+
+    def in_parts(points: Array) -> Array:
+        """The same, of some points at a time, whose distances stay near the processor."""
+        parts = math.ceil(len(points) * i.size / AT_ONCE)
+        return np.concatenate([at(part) for part in np.array_split(points, parts)])
+
+    return in_parts
+
+
+def _jumps(patch: PatchSolution, traction: Array | None) -> Array:
+    """Mixed differences (k, nx + 1, ns + 1), MPa, at the corners of cells, of the pressure and of
+    the tractions along x and s: k is 1 or 3.
     """
-    jumps = np.diff(np.diff(np.pad(patch.pressure, 1), axis=0), axis=1)
-    i, j = np.nonzero(jumps)
-    along, across = patch.edges
-    X, Y = points[:, :1] - along[i], points[:, 1:2] - across[j]
-    z = -points[:, 2:]
-    return X, Y, z, np.sqrt(X**2 + Y**2 + z**2), jumps[i, j]
+    loads = patch.pressure[None] if traction is None else np.stack([patch.pressure, *traction])
+    return np.diff(np.diff(np.pad(loads, ((0, 0), (1, 1), (1, 1))), axis=1), axis=2)
 
 
-def _below_pressure(patch: PatchSolution, poisson: float, points: Array) -> Array:
-    """Stress (n, 6) at points (n, 3) by the pressure of a patch, as in `stress`."""
-    X, Y, z, R, strength = _corners(patch, points)
-    over_y = _inverse_sum(R, Y, X**2 + z**2) / R  # 1 / (R (R + Y))
-    over_x = _inverse_sum(R, X, Y**2 + z**2) / R
-    xx, yy = (z * X * over_y) @ strength, (z * Y * over_x) @ strength
-    shears = (z / R, z**2 * over_y, z**2 * over_x)
+def _stress(X: Array, Y: Array, z: Array | float, poisson: float, summed: Sum) -> Array:
+    """Stress (n, 6) at points, as of `stress`, from distances X, Y (mm) from the corners of cells
+    and the depth z, mm. summed: maps values at these distances to sums (n, k) over all corners,
+    weighted by the k jumps (`_jumps`).
+
+    With F = int q ln(rho + z) dA and F1 = int q (z ln(rho + z) - rho) dA, the displacement of
+    tractions q along x is (2 F_z + 2 nu F1_xx - z F_xx, 2 nu F1_xy - z F_xy, (1 - 2 nu) F_x - z
+    F_xz)/(4 pi G) (Johnson, Contact Mechanics, 3.2); F and F1 are harmonic.
+    """
+    R = np.sqrt(X**2 + Y**2 + z**2)
+    over_y, over_x = _inverse_sum(R, Y, X**2 + z**2), _inverse_sum(R, X, Y**2 + z**2)
+    ratio = z / R
+    turn, slant = summed(np.arctan(X * Y / (z * R))), summed(ratio)
+    xx, yy, xz, yz = (
+        summed(ratio * each) for each in (X * over_y, Y * over_x, z * over_y, z * over_x)
+    )
     logs = (
         np.arctan2(Y * (R - z) * X, X * X * R + z * Y * Y),
         np.arctan2(X * (R - z) * Y, Y * Y * R + z * X * X),
         np.log(R + z),
     )
-    return subsurface.love(
-        -np.arctan(X * Y / (z * R)) @ strength,
-        [xx, yy, -xx - yy, *(each @ strength for each in shears)],
-        [each @ strength for each in logs],
+    total = subsurface.love(
+        -turn[:, 0],
+        [each[:, 0] for each in (xx, yy, -xx - yy, slant, xz, yz)],
+        [summed(each)[:, 0] for each in logs],
         poisson,
     )
-
-
-def _below_traction(patch: PatchSolution, poisson: float, points: Array) -> Array:
-    """Stress (n, 6) at points (n, 3) by tractions q along x, which stand in the place of the
-    pressure of a patch, as in `stress`.
-
-    With F = int q ln(rho + z) dA and F1 = int q (z ln(rho + z) - rho) dA, z the depth, the
-    displacement is (2 F_z + 2 nu F1_xx - z F_xx, 2 nu F1_xy - z F_xy, (1 - 2 nu) F_x - z F_xz)/(4
-    pi G) (Johnson, Contact Mechanics, 3.2); F and F1 are harmonic.
-    """
-    X, Y, z, R, strength = _corners(patch, points)
-    beside, over_y = 1 / (R + z), _inverse_sum(R, Y, X**2 + z**2)
-    F_xz, F_yz = -np.log(over_y), -np.log(_inverse_sum(R, X, Y**2 + z**2))
-    F_xyy, F_xzz = Y * beside / R, z * over_y / R
-    columns = (
-        2 * F_xz + 2 * poisson * Y * beside + z * (F_xyy + F_xzz),
-        2 * poisson * (F_xz - Y * beside) - z * F_xyy,
-        -z * F_xzz,
-        F_yz - (2 * poisson + z / R) * X * beside,
-        np.arctan(X * Y / (z * R)) + X * F_xzz,  # the shears on horizontal planes change sign
-        z / R,
-    )
-    return np.column_stack([each @ (strength / (2 * np.pi)) for each in columns])
+    if slant.shape[1] == 1:
+        return total
+    aside, across = Y / (R + z), X / (R + z)
+    kernels = -np.log(over_y), -np.log(over_x), aside, across, ratio * aside, ratio * across
+    sums = np.stack([*map(summed, kernels), xz, yz, turn + xx, turn + yy, slant])
+    for load, order in enumerate(EXCHANGED, 1):  # along x, then along y with x in the place of y
+        F_xz, F_yz, y, x, zy, zx, F_xzz, _, shear, _, other = sums[order, :, load]
+        columns = (
+            2 * F_xz + 2 * poisson * y + zy + F_xzz,
+            2 * poisson * (F_xz - y) - zy,
+            -F_xzz,
+            F_yz - 2 * poisson * x - zx,
+            shear,  # the shears on horizontal planes change sign
+            other,
+        )
+        found = np.column_stack(columns) / (2 * np.pi)
+        total += found if load == 1 else found[:, [1, 0, 2, 3, 5, 4]]
+    return total
 
 
 def largest_von_mises(patch: PatchSolution, poisson: float) -> float:
@@ -137,26 +153,28 @@ def lattice(patch: PatchSolution) -> Array:
 
 def at_surface(patch: PatchSolution, poisson: float, traction: Array) -> list[tuple[Array, float]]:
     """Places (3,), mm, and values (MPa) of the largest shear and of the largest von Mises stress,
-    in this order, just below the surface in the middle of cells; arguments are those of `stress`.
-    Looked for at every fourth cell of every fourth line, then at all cells beside the highest.
+    in this order, just below the surface in the middle of pressed cells; arguments are those of
+    `stress`. Fast Fourier transforms sum over the corners of all cells at once.
     """
-    pressed, depth = patch.pressure > 0, -SURFACE * (patch.x[1] - patch.x[0])
+    (nx, ns), depth = patch.pressure.shape, SURFACE * (patch.x[1] - patch.x[0])
+    size = 2 * nx, 2 * ns
+    jumps = rfft2(_jumps(patch, traction), size)
 
-    def below(cells: Index) -> tuple[Array, Array]:
-        """Places (n, 3) below the pressed ones of `cells` (2, m), and stresses there (n, 6)."""
-        i, j = cells[:, pressed[tuple(cells)]]
-        places = np.column_stack([patch.x[i], patch.s[j], np.full(i.size, depth)])
-        return places, stress(patch, poisson, places, traction)
+    def summed(kernel: Array) -> Array:
+        """Sums (nx ns, 3) at all cells of values (2 nx, 2 ns) at all distances from corners."""
+        sums = irfft2(rfft2(kernel) * jumps, size)[:, nx:, ns:]
+        return np.asarray(sums.reshape(3, -1).T)
 
-    places, known = below(np.indices(pressed.shape)[:, ::4, ::4].reshape(2, -1))
+    X, Y = (
+        (axis[1] - axis[0]) * (np.arange(2 * axis.size) - axis.size + 0.5)
+        for axis in (patch.x, patch.s)
+    )
+    known = _stress(X[:, None], Y, depth, poisson, summed)
     found = []
     for invariant in (subsurface.max_shear, subsurface.von_mises):
-        x, s, _ = places[np.argmax(invariant(known))]
-        near = np.abs(patch.x[:, None] - x) < 4 * (patch.x[1] - patch.x[0])
-        near = near & (np.abs(patch.s - s) < 4 * (patch.s[1] - patch.s[0]))
-        around, more = below(np.array(np.nonzero(near)))
-        most = int(np.argmax(invariant(more)))
-        found.append((around[most], float(invariant(more[most : most + 1])[0])))
+        values = np.where(patch.pressure.ravel() > 0, invariant(known), -np.inf)
+        i, j = np.unravel_index(int(np.argmax(values)), (nx, ns))
+        found.append((np.array([patch.x[i], patch.s[j], -depth]), float(values.max())))
     return found
 
 
@@ -171,7 +189,8 @@ def peaks(
     is that of single cells, which are read in their middle, with tractions by `at_surface`.
     """
     places, least = lattice(patch), (patch.x[1] - patch.x[0]) / 2
-    known = stress(patch, poisson, places, traction)
+    stress_at = below(patch, poisson, traction)
+    known = stress_at(places)
     low, high = places[:, :2].min(axis=0), places[:, :2].max(axis=0)
     steps = np.append((high - low) / (4 * PLACES), 0.1)
     above = None if traction is None else at_surface(patch, poisson, traction)
@@ -189,7 +208,7 @@ def peaks(
 
         def lower(way: Array, invariant: Invariant = invariant, moved: Moved = moved) -> float:
             """Minus the invariant (MPa) at the point `moved(way)`."""
-            return -float(invariant(stress(patch, poisson, moved(way)[None], traction))[0])
+            return -float(invariant(stress_at(moved(way)[None]))[0])
 
         if -start[2] >= least:
             simplex = np.vstack([np.zeros(3), np.eye(3)])
