@@ -306,7 +306,8 @@ def over_patches(axes: Axes, drawn: Any, findings: Findings) -> None:
 
 def patch(findings: Findings, hertz: Hertz | None, target: Target = None) -> Figure:
     """Pressure in bands over all patches, with axes x and s in the tangent plane, and their
-    outlines; above, length and width of the most loaded one; not of a section.
+    outlines; above, length and width, of several patches share of the load and largest pressure of
+    each; not of a section.
 
     findings: with the whole contact surface, images included. hertz: exact Hertz contact, whose
         outline is drawn too, or None.
@@ -328,8 +329,12 @@ def patch(findings: Findings, hertz: Hertz | None, target: Target = None) -> Fig
         if hertz is not None:
             axes.plot(*hertz.outline.T, "--", color="black", lw=1.2, label="exact Hertz")
         long, wide = (units.text(2 * half, "mm") for half in (patch.a, patch.b))
-        most = ", most loaded patch" if len(patch.each) > 1 else ""
-        axes.set_title(f"2a = {long}, 2b = {wide}{most}", fontsize=11)
+        if len(patch.each) < 2:
+            axes.set_title(f"2a = {long}, 2b = {wide}", fontsize=11)
+        for one in patch.each if len(patch.each) > 1 else ():
+            x, s, _ = findings.frame.local(np.array([one.centre]))[0]
+            text = f"{one.share:.0%} of the load, {units.text(one.max_pressure, 'MPa')}"
+            axes.annotate(text, (x, s + one.b), (0, 6), textcoords="offset points", ha="center")
         axes.set_xlim(low[0] - margin, high[0] + margin, auto=True)
         axes.set_ylim(low[1] - margin, high[1] + margin, auto=True)
         figure.colorbar(bands, ax=axes, label="contact pressure, MPa", ticks=limits)

@@ -65,7 +65,8 @@ def panels(rows: Rows) -> dict[str, str]:
 
 def curves(columns: Sequence[str], rows: Rows, subject: Subject, target: Target = None) -> Figure:
     """A panel of each of `panels` over the varied column of numbers with the most values; bars are
-    error estimates. What mesh or grid do not resolve is crossed.
+    error estimates. What mesh or grid do not resolve is crossed; where the steel would yield, the
+    elastic answer is hollow.
 
     columns: headers of the one or two columns that are varied, of which one has numbers. rows: of
         sweep.csv, cells by column header. subject: title and units. There is a line for each value
@@ -97,6 +98,8 @@ def curves(columns: Sequence[str], rows: Rows, subject: Subject, target: Target 
                 name_of = _word(own[0], others[0], units) if others else ""
                 look: dict[str, Any] = {"color": colour, "label": name_of, "capsize": 3}
                 axes.errorbar(x[order], found[order], error[order], fmt="o-", **look)
+                yields = np.array([bool(row.get("steel")) for row in own])
+                axes.plot(x[yields], found[yields], "o", mfc="white", mec=colour, zorder=3)
                 bad = np.array([row["checks"] != "passed" for row in own])
                 axes.plot(x[bad], found[bad], "o", ms=10, mfc="none", mec=HERTZ, zorder=3)
                 names = [str(row.get("below resolution") or "").split("; ") for row in own]
@@ -110,6 +113,8 @@ def curves(columns: Sequence[str], rows: Rows, subject: Subject, target: Target 
         estimates = [f"{name.partition(' [')[0]} estimate" for name in shown]
         known = any(row.get(name) is not None for row in rows for name in estimates)
         notes = ["bars: estimated errors"] * known
+        if any(row.get("steel") for row in rows):
+            notes += ["hollow: elastic answer, the steel would yield"]
         if any(row.get("below resolution") for row in rows):
             notes += ["crossed: below resolution"]
         if any(row["checks"] != "passed" for row in rows):

@@ -278,11 +278,13 @@ def left_out(solved: Solved) -> Check:
     missing = effects.left_out(solved.plan.effects, solved.after)
     why = "; ".join(f"{name}: {reason}" for name, reason in missing.items())
     overrule = " ".join(f"--without {name}" for name in missing)
+    chosen = ", ".join(effects.overruled(solved.plan.effects))
+    none = f"none but what a person overruled: {chosen}" if chosen else "none that is called for"
     return Check(
         name="effects_left_out",
         value=float(len(missing)),
         limit=0.0,
-        source=why or "none that is called for",
+        source=why or none,
         advice=f"{overrule} accepts the answer without",
     )
 

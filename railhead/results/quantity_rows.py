@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
-from railhead.postprocess.findings import NO_DEPTH, Units
+from railhead.postprocess.findings import NO_DEPTH, Units, brief
 from railhead.postprocess.pass_rows import PASS_COLUMNS
 from railhead.scene import quantities
 from railhead.scene.scene import dotted
@@ -20,6 +21,20 @@ ROUNDING = 1e-9  # of friction times load: a force below it is 0
 FIRST = ("quantity", "unit")
 MADE = ("program", "date")
 ANSWERS = ("FE", "half-spaces")
+OF_ONE = ("a_mm", "b_mm")  # of several patches they are in the table of patches
+PATCHES: tuple[tuple[str, str, Callable[[Mapping[str, Any]], float]], ...] = (
+    ("share", "%", lambda each: 100 * each["load_share"]),
+    ("x", "mm", lambda each: each["centre_mm"][0]),
+    ("y", "mm", lambda each: each["centre_mm"][1]),
+    ("angle", "deg", lambda each: math.degrees(each["contact_angle_rad"])),
+    ("a", "mm", lambda each: each["a_mm"]),
+    ("b", "mm", lambda each: each["b_mm"]),
+    ("area", "mm2", lambda each: each["area_mm2"]),
+    ("p_max", "MPa", lambda each: each["max_MPa"]),
+)
+"""Name, unit and value of the columns of the table of patches: share of the load, place of the
+centre of pressure, contact angle, half lengths along and across, area, largest pressure."""
+TINY = 1e-9  # mm, a place that is rounding
 RELATIVE = (
     "estimate",
     *(f"{name} - Hertz" for name in ANSWERS),
@@ -35,9 +50,10 @@ def rows(summary: Mapping[str, Any], table: str) -> list[Row]:
     has; empty where nothing touches.
 
     table: "contact": beside the answer stand estimates, half-spaces, exact Hertz and the solution
-        without yield or friction; half-spaces only beside finite elements. "load". "yield": under
-        the load and after it. "friction": forces of the wheel on the rail, motion and stick share,
-        beside other methods. "steel": effects of pressure and tractions on the steel.
+        without yield or friction; half-spaces only beside finite elements. Of several patches there
+        are neither Hertz, who has one, nor half lengths, which `patches` has. "load". "yield":
+        under the load and after it. "friction": forces of the wheel on the rail, motion and stick
+        share, beside other methods. "steel": effects of pressure and tractions on the steel.
     """
     result = summary["result"]
     if result is None:
@@ -47,9 +63,12 @@ def rows(summary: Mapping[str, Any], table: str) -> list[Row]:
     within = summary["accuracy"]["bound"] | dict.fromkeys(friction.get("given", ()), "given")
     within |= dict.fromkeys(friction.get("below_resolution", ()), "below resolution")
     limit = friction.get("limit_N", 0.0)
+    several = len(result.get("patches", ())) > 1
     others: dict[str, Any] = {}
     if table == "contact":
         others = {"half-space": summary.get("half_space"), "Hertz": summary["hertz"]}
+        if several:
+            del others["Hertz"]
         if answer == "half-spaces":
             del others["half-space"]
     elif table == "friction":
@@ -58,7 +77,7 @@ def rows(summary: Mapping[str, Any], table: str) -> list[Row]:
         others = {name: {"friction": of} for name, of in flat.items() if "reason" not in of}
     found = []
     for each in quantities.rows(table):
-        if each.value(result) is None:
+        if each.value(result) is None or (several and each.key in OF_ONE):
             continue
         least = 0.0  # up to which a number is rounding
         if table == "yield" or each.key.endswith("depth_mm"):
@@ -80,11 +99,31 @@ def rows(summary: Mapping[str, Any], table: str) -> list[Row]:
             **{name: _cell(each.value(of), least) for name, of in others.items()},
         }
         if table == "contact":
-            row[f"{answer} - Hertz"] = _relative(row[answer], row["Hertz"])
+            if not several:
+                row[f"{answer} - Hertz"] = _relative(row[answer], row["Hertz"])
             for name in summary.keys() & {"elastic", "frictionless"}:
                 row[f"{name} {answer}"] = _cell(each.value(summary[name]), least)
         found.append(row)
     return found
+
+
+def patches(summary: Mapping[str, Any], units: Units) -> tuple[str, list[list[str]]]:
+    """Title and cells of the table of separate patches, its header first and the most loaded patch
+    next; no cells for a single one.
+    """
+    each = (summary["result"] or {}).get("patches", ())
+    if len(each) < 2:
+        return "", []
+    bound = summary["accuracy"]["bound"]
+    known = [f"{key[0]} within {bound[key]:.2%}" for key in OF_ONE if key in bound]
+    names = (f"{name}, {units.unit(unit)}" for name, unit, _ in PATCHES)
+    table = [["patch", *names]]
+    for number, of in enumerate(each, 1):
+        values = ((read(of), unit) for _, unit, read in PATCHES)
+        rounded = ((value if abs(value) > TINY else 0.0, unit) for value, unit in values)
+        table.append([str(number), *(brief(units.value(*each)) for each in rounded)])
+    title = f"{len(each)} separate patches"
+    return title + f" ({', '.join(known)} of the first)" * bool(known), table
 
 
 def filled(rows: Sequence[Row]) -> list[str]:

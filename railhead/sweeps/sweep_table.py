@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 Row = dict[str, Any]
 COLUMNS = [each for each in quantities.QUANTITIES if each.column]
 CHECKS, PASSED, WARNINGS, BELOW = "checks", "passed", "warnings", "below resolution"
+STEEL = "steel"  # column: whether a steel that was solved as elastic would yield
 REPORT = "report.html"
 NOTE = re.compile(rf"(?:^|; )({'|'.join(EFFECTS)}): ")  # begin of a warning in a cell
 
@@ -83,6 +84,8 @@ def row(record: Mapping[str, Any]) -> Row:
     summary = record["summary"]
     after = summary["effects_after"].items()
     told = [f"{name}: {each['why']}" for name, each in after if each["needed"] or each["notable"]]
+    if summary["effects_after"].get("plasticity", {}).get("needed"):
+        cells[STEEL] = "would yield"
     cells[WARNINGS] = "; ".join(told)
     if not summary["checks"]["converged"]:
         return cells
@@ -119,6 +122,8 @@ def verdict(rows: Sequence[Mapping[str, Any]], units: Units = BASE_UNITS) -> lis
     warned = sum(bool(row.get(WARNINGS)) for row in rows)
     lines = [f"{len(rows)} combinations, {f'{failed} not passed' if failed else 'all passed'}"]
     lines[0] += f", {warned} with warnings" if warned else ""
+    if yields := sum(bool(row.get(STEEL)) for row in rows):
+        lines[0] += f"; the steel would yield in {yields}, whose answers are elastic"
     same = Counter(row[CHECKS] for row in rows if row[CHECKS] != PASSED)
     lines += [f"{text} (in {count})" for text, count in same.items() if count > 1]
     if solved := [row for row in rows if row.get("p_max [MPa]") is not None]:
@@ -145,7 +150,8 @@ def short(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """Columns of short tables, behind those of the values."""
     from railhead.postprocess.pictures.sweep_plots import panels
 
-    return [CHECKS, *panels(rows)]
+    steel = [STEEL] if any(row.get(STEEL) for row in rows) else []
+    return [CHECKS, *steel, *panels(rows)]
 
 
 def _hidden(row: Mapping[str, Any]) -> list[str]:
@@ -239,7 +245,12 @@ class Sweep(terminal.Drawn, list[Result]):
         """Functions that draw the pictures, by name of their PNG file. units: of their numbers."""
         from railhead.postprocess.pictures import sweep_plots as plots
 
-        subject = Subject(self._title, units=units)
+        said = [each.summary for each in self]
+        loads = sorted({each["scene"].get("load") for each in said} - {None})
+        ends = (units.text(load, "N", 5) for load in dict.fromkeys(loads[:1] + loads[-1:]))
+        methods = sorted({each["method"] for each in said})
+        title = ", ".join([self._title, *[" to ".join(ends)] * bool(loads), *methods])
+        subject = Subject(title, units=units)
         return plots.drawings(self._columns, self._rows, subject)
 
     def write_report(self, folder: Path, scenes: Sequence[Scene], units: Units) -> None:

@@ -31,6 +31,9 @@ LARGEST_OVERLOAD = 1000.0  # load over that of first yield: nine times what is s
 LINE_STEPS = 16  # the same for a line, where four steps make the strain 20 % too large
 HALF_SPACES = "half-spaces are solved elastically; effects.plasticity=off accepts that"
 IN_PASSES = "it is simulated in the passes of rolling.passes, before them the bodies are elastic"
+WOULD_YIELD = (
+    "the steel would yield; this is the elastic answer, which overstates pressure and stresses"
+)
 DEFAULT_STEEL = "R260"  # rail steel whose yield a scene without a steel is compared with
 
 
@@ -135,8 +138,7 @@ def check_plasticity(context: Context, effect: Effect, found: Findings) -> PostS
     if effect.on or context.decided["passes"].on:
         return PostSolveVerdict(False, "simulated")
     if ratio > 1:
-        overstates = "the elastic answer overstates the pressure and all stresses"
-        return PostSolveVerdict(True, f"{why}: {overstates}")
+        return PostSolveVerdict(True, f"{WOULD_YIELD}: {why}")
     if largest or not context.decided["friction"].on:
         return PostSolveVerdict(False, why)
     most, text = _slipping(context)

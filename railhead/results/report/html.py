@@ -102,6 +102,7 @@ def render(
     effects = summary["plan"]["effects"]
     names = "contact", "yield", "friction", "steel"
     contact, plastic, friction, steel = (quantity_rows.rows(summary, name) for name in names)
+    patches_title, patches = quantity_rows.patches(summary, units)
     return template("report.html.j2").render(
         summary=summary,
         units=units,
@@ -114,6 +115,9 @@ def render(
         plastic=_table(plastic, units),
         friction=_table([*friction, *steel], units),
         files=[path.name for path in scene.files],
+        left_out_after=terminal.left_out(summary),
+        patches=patches,
+        patches_title=patches_title,
         left_out={name: each for name, each in effects.items() if not each["on"]},
         passes=terminal.passes_table(passes, units, 3 if brief else 10) if passes else None,
         passes_title=terminal.passes_title(summary["result"]) if passes else "",

@@ -14,6 +14,7 @@ from rich.console import Console
 from rich.table import Table
 
 from railhead.planning.context import Effect
+from railhead.planning.effects import in_words
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.findings import BASE_UNITS, Units, brief
 from railhead.postprocess.pass_rows import PASS_COLUMNS, PASS_ERRORS
@@ -232,6 +233,8 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
     and cost; failed checks are left to `show_failure`.
     """
     if summary["result"] is not None:
+        for why in left_out(summary):
+            console.print(f"{why}.", style="bold", markup=False, highlight=False)
         load = units.value(summary["result"]["load_N"], "N")
         title = f"{summary['case']}: {load:.6g} {units.unit('N')}"
         both = ("yield", "plastic"), ("friction", "friction")
@@ -239,13 +242,9 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
             title += f", with {' and '.join(named)}"
         _show_rows(title, quantity_rows.rows(summary, "contact"), console, units)
         console.print(f"Approach of {places_of_approach(summary['plan'], units)}.", highlight=False)
-        if len(patches := summary["result"]["patches"]) > 1:
-            most = 100 * max(patch["load_share"] for patch in patches)
-            console.print(
-                f"{len(patches)} separate patches: a and b are those of the most loaded one "
-                f"({most:.3g} % of the load), area and stresses of all.",
-                highlight=False,
-            )
+        title, cells = quantity_rows.patches(summary, units)
+        if cells:
+            console.print(number_table(title, cells[0], cells[1:]))
         if varies := summary["result"].get("surface_shape"):
             ahead, height = (units.text(round(value, 4), "mm") for value in varies.values())
             text = f"They touch {ahead} ahead of the smooth ones; heights there vary by {height}."
@@ -267,7 +266,8 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
         for reason in dict.fromkeys(missing.values()):
             names = ", ".join(name for name in missing if missing[name] == reason)
             console.print(f"Not checked: {names} ({reason}).", markup=False, highlight=False)
-        if summary["checks"]["passed"] and not summary["checks"]["hertzian"]:
+        one = len(summary["result"]["patches"]) < 2
+        if summary["checks"]["passed"] and one and not summary["checks"]["hertzian"]:
             console.print(
                 "The patch is no Hertz ellipse "
                 f"(moments off by {summary['checks']['shape_error']:.1%}): "
@@ -293,7 +293,7 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
     if summary["scene"].get("budget"):
         console.print(f"Budget: {summary['accuracy']['reason']}.", highlight=False)
     for name, after in summary["effects_after"].items():
-        if after["needed"] or after["notable"]:
+        if after["notable"]:
             console.print(f"{name}: {after['why']}", markup=False, highlight=False)
     checks, cost = summary["checks"], summary["cost"]
     if summary.get("method") == "half-spaces":
@@ -311,6 +311,18 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
         f"force balance {checks['force_balance']:.1e}",
         highlight=False,
     )
+
+
+def left_out(summary: Mapping[str, Any]) -> list[str]:
+    """Sentences, without a full stop, on the effects that the solution needs and does not have;
+    yield first.
+    """
+    after = sorted(summary["effects_after"].items(), key=lambda each: each[0] != "plasticity")
+    return [
+        f"{each['why'][:1].upper()}{each['why'][1:]} ({in_words(name)}: left out)"
+        for name, each in after
+        if each["needed"]
+    ]
 
 
 def places_of_approach(plan: Mapping[str, Any], units: Units = BASE_UNITS) -> str:

@@ -267,3 +267,9 @@ def test_sections_begin_with_the_words_of_the_report() -> None:
     assert CHECKS.keys() == {name for name in sections if not name.startswith(checks.SECOND)}
     for name in CHECKS:
         assert sections[name].casefold() == CHECKS[name].casefold(), name
+
+
+def test_what_a_person_overruled_is_named_by_the_check_that_holds() -> None:
+    summary = solved("uic54_22t5_axle", "effects.finite_bodies=off", "effects.plasticity=off")
+    limit, reason = summary.summary["checks"]["limits"]["effects_left_out"]
+    assert limit == 0 and reason == "none but what a person overruled: plasticity"

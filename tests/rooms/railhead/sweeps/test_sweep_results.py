@@ -377,3 +377,22 @@ def test_a_sweep_goes_on_with_its_own_folder_and_leaves_others(tmp_path: Path, c
     (folder / "sweep.json").unlink()
     with pytest.raises(SceneError, match="holds another kind of result"):
         store.begin(folder, mine)
+
+
+def test_elastic_answers_of_steel_that_would_yield_are_marked_in_all_that_a_sweep_shows(
+    tmp_path, in_this_process
+) -> None:
+    """Of 20 and 110 kN on a rail of R260 the second is beyond first yield (22 kN)."""
+    scene = rh.find("uic54_22t5_axle").replace(
+        ["effects.finite_bodies=off", "effects.plasticity=off"]
+    )
+    table = rh.sweep(scene, {"load": [2e4, 1.1e5]}, out=tmp_path / "out", quiet=True)
+    assert [row.get("steel") for row in table.rows()] == [None, "would yield"]
+    assert "the steel would yield in 1, whose answers" in " ".join(table._repr_html_().split())
+    sheet = table.plot("sweep")
+    texts = [each.get_text() for part in sheet.subfigs for each in part.texts]
+    assert any("20000 N to 110000 N, half-spaces" in text for text in texts)
+    notes = [part.get_suptitle() for part in sheet.subfigs]
+    assert any("hollow: elastic answer, the steel would yield" in note for note in notes)
+    report = (tmp_path / "out" / "report.html").read_text()
+    assert "whose answers are elastic" in report and "<th>steel</th>" in report

@@ -10,7 +10,7 @@ from solved import draw_only, solved
 
 from railhead.planning import effects
 from railhead.planning import simulation_plan as planning
-from railhead.planning.effects import interface
+from railhead.planning.effects import in_words, interface
 from railhead.postprocess.pictures import diagrams
 from railhead.results.report import terminal
 from railhead.scene import catalogue
@@ -36,8 +36,10 @@ def test_needed_effects_are_named_in_table_summary_and_pictures(here, monkeypatc
     needed = {name for name, each in found.items() if each["needed"]}
     assert needed == {"plasticity", "friction", "rail_section"}
     for name in needed:
-        assert f"{name}: {found[name]['why'][:20]}" in printed
-    assert "overstates the pressure" in found["plasticity"]["why"]
+        assert f"{found[name]['why'][1:20]}" in " ".join(printed.split())
+        assert f"({in_words(name)}: left out)" in " ".join(printed.split())
+    assert printed.startswith("The steel would yield; this is the elastic answer")
+    assert "overstates pressure" in found["plasticity"]["why"]
     assert summary["plan"]["effects"]["plasticity"]["override"] is True
     picture = matplotlib.image.imread(folder / "pressure.png")
     assert picture.shape[0] > 4.5 * diagrams.DPI  # three lines more
@@ -98,7 +100,7 @@ def test_what_is_called_for_and_left_out_fails_first_unless_a_person_overrules_i
     checks = result.summary["checks"]
     assert checks["failed"][0] == "effects_left_out" and checks["effects_left_out"] == 2
     limit, reason = checks["limits"]["effects_left_out"]
-    assert limit == 0 and "plasticity: von Mises" in reason
+    assert limit == 0 and "plasticity: the steel would yield" in reason
     assert "give rolling.passes" in reason
     advice = "--without plasticity --without passes"
     assert checks["advice"]["effects_left_out"].startswith(advice)

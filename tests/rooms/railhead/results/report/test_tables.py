@@ -76,10 +76,15 @@ def test_tables_and_sentences_are_in_the_readers_units(full: dict) -> None:
     stress = {**full["result"]["stress"], "at_edges": [edge]}
     result = {**full["result"], "plastic": plastic, "stress": stress}
     assert "separate patches" not in "\n".join(printed(full, 400))
-    result["patches"] = [{"load_share": 0.75}, {"load_share": 0.25}]
+    one = {
+        "centre_mm": [1e-13, -25.4, 0.0], "contact_angle_rad": 0.1, "a_mm": 2.54, "b_mm": 1.27,
+        "area_mm2": 10.0, "max_MPa": 68.94757293, "load_share": 0.75,
+    }  # fmt: skip
+    result["patches"] = [one, {**one, "max_MPa": 689.4757293, "load_share": 0.25}]
     lines = printed({**full, "result": result}, 400, output_units.parse("in,ksi"))
     text = " ".join(" ".join(lines).split())
-    assert "2 separate patches: a and b are those of the most loaded one (75 % of the load)" in text
+    assert "1 75 0 -1 5.73 0.1 0.05 0.0155 10 2 25 0 -1 5.73 0.1 0.05 0.0155 100" in text
+    assert "semi-axis" not in text and "Hertz" not in text and "elastic FE" in text
     assert "volume that yields in3 1 no law" in text and "its largest depth in 0.2 no" in text
     assert "left in the rail in 0.001 no law" in text and "left in the wheel in 0 " in text
     assert "von Mises stress left ksi 10 no law" in text
@@ -306,21 +311,27 @@ def test_the_verdict_is_of_what_holds(result, folder: Path) -> None:
     """One patch or two; that a patch is no ellipse only where the mesh can tell."""
     summary = result.summary
     no_ellipse = {**summary["checks"], "hertzian": False, "passed": True}
-    two = {**summary["result"], "patches": [{"load_share": 0.5}] * 2}
+    one = {
+        "centre_mm": [0.0, 1.0, 2.0], "contact_angle_rad": 0.1, "a_mm": 1.0, "b_mm": 2.0,
+        "area_mm2": 3.0, "max_MPa": 4.0, "load_share": 0.5,
+    }  # fmt: skip
+    two = {**summary["result"], "patches": [one, one]}
 
     def said(**changed) -> str:
         shown = {**summary, **changed}
         return html.render(result.solved, shown, Units(), folder, "a title")
 
-    after = {"plasticity": {"needed": True, "why": "it yields <b>here</b>"}}
-    told = f"What was left out matters: {in_words('plasticity')}.</b> it yields &lt;b&gt;here"
+    after = {"plasticity": {"needed": True, "notable": False, "why": "it yields <b>here</b>"}}
+    told = f'warn">\n<b>It yields &lt;b&gt;here&lt;/b&gt; ({in_words("plasticity")}: left out).</b>'
     assert told in said(effects_after=after)
-    assert "matters" not in said()
+    assert "left out)" not in said()
 
     assert "The patch is no ellipse" in said(checks=no_ellipse)
     assert "The patch is no ellipse" not in said(checks={**no_ellipse, "passed": False})
     assert re.search(r"The contact patch\s+is", said())
-    assert "touch in 2 patches; the most loaded one" in said(result=two)
+    several = said(result=two)
+    assert "touch in 2 patches, each with a row below" in several and 'id="patches"' in several
+    assert "The contact patch" not in several and "<th>Hertz" not in several
 
 
 @pytest.mark.parametrize(
