@@ -44,6 +44,25 @@ def test_noise_of_heights_is_less_across_a_steep_face() -> None:
     assert sigma[0] < 0.5 * 0.01  # cos 75 degrees is 0.26
 
 
+@pytest.mark.parametrize("spacing, width", [(0.1, 3), (0.25, 3), (0.5, 2)])
+def test_noise_that_a_gauge_has_filtered_is_no_shape(spacing: float, width: int) -> None:
+    """Means of so many neighbours hold as much of long waves as the noise before: the crown of R300
+    is as round as with that noise, where it had seemed to be wavy."""
+    random, points = np.random.default_rng(8), rail(spacing=spacing)
+    noise = random.normal(0, 0.01, (2, len(points) + width - 1))
+    for own in noise:
+        own = np.convolve(own, np.ones(width) / width, "valid")
+        _, profile = measured.from_points("rail", points + np.column_stack([0 * own, own]))
+        crown = profile.curvature(np.linspace(-8, 8, 401))
+        assert crown.min() > 0 and crown.max() < 1 / 150
+
+
+@pytest.mark.parametrize("spacing", [0.1, 0.25, 0.5])
+def test_independent_noise_is_not_taken_for_filtered(spacing: float) -> None:
+    for seed in range(5):
+        assert smoothing.filtered(noisy(rail(spacing=spacing), 0.01, seed)) == 1
+
+
 @pytest.mark.parametrize("wavelength", [6.0, 15.0])
 def test_waves_of_the_smoothing_length_keep_half_of_their_height(wavelength: float) -> None:
     x = np.arange(0, 120, 0.1)
