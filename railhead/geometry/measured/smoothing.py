@@ -112,7 +112,8 @@ def filtered(points: Array) -> float:
     differences from point to point (`noise`) show. points: (n, 2) along the curve, mm.
     Means of k points have 1/sqrt(k) of the noise if it is independent, and more if it is not: the
     largest ratio counts, for means of 2, 4, ... points that are at most 1.2 mm (MEANS) long. It
-    is 1 below 1.5 (CHANCE): independent noise reached 1.33 in 160 draws, filtered one had at least 1.89.
+    is 1 below 1.5 (CHANCE): in 160 draws independent noise had 1.33 at most, filtered one 1.89 at
+    least.
     """
     apart, alone = float(np.median(np.diff(chord_lengths(points)))), np.median(_scatter(points, 1))
     most = min(MEANS / apart, len(points) / (2 * (DIFFERENCE + 1)))
