@@ -1,16 +1,19 @@
 """Rigid motion of a wheel over its rail.
 
 The axle moves along the track (x) and turns; everything is per rolled length. With the angular
-velocity W of the wheel and the first contact P1, the rail's undeformed surface at P sees the wheel
-pass with
+velocity W of the wheel and the first contact P1, a particle of the wheel at P passes the rail with
 
     xi_1 + W x (P - P1)
 
-of which the components in the rail's tangent plane are the rigid slip. W about the normal at P1 is
-the spin. A wheelset turns about its axle e by 2 pi in 2 pi R: W = e/R, xi_1 = e_x + W x (P1 - C)
-with C on the axle, in the pose where it stands. An R of `wheel.rolling_radius` needs a torque on
-the axle; with the mean of both wheels' rolling radii there is nearly none on an axle that stands in
-the middle. That of no torque is in `planning.references.torque_free`.
+of which the components along tangents of the surfaces are the rigid slip. W about the normal at P1
+is the spin. A particle on a circle of radius r runs with (r/R) (1 + e), where e is the hoop strain
+of pressing. Finite elements have all of e in the strain of the pressed surfaces, so P is on the
+undeformed wheel. In half-spaces e = du_x/dx + u/R, with u outwards, so P is on the pressed wheel.
+
+A wheelset turns about its axle e by 2 pi in 2 pi R: W = e/R, xi_1 = e_x + W x (P1 - C) with C on
+the axle, in the pose where it stands. An R of `wheel.rolling_radius` needs a torque on the axle;
+with the mean of both wheels' rolling radii there is nearly none on an axle that stands in the
+middle. That of no torque is in `planning.references.torque_free`.
 """
 
 from __future__ import annotations
@@ -131,7 +134,7 @@ def _angular_velocity(contact: Contact) -> Array:
 
 @dataclass(frozen=True)
 class RigidSlip:
-    """Rigid slip of a wheel over its rail for four modes of motion.
+    """Velocity of a wheel over its rail for four modes of motion.
 
     The modes are unit creepage along and across the rail, unit spin, and the actual angular
     velocity about axes in the tangent plane at the first contact.
@@ -142,32 +145,53 @@ class RigidSlip:
         third. In the fourth it is the wheel's angular velocity without its component along that
         normal.
     rail: undeformed surface of the rail; None is a plane.
+    y, rise: (n,), mm: places across the rail, ascending, and heights over the rail there of the
+        wheel's surface, where it is lowest along x. Empty for a plane.
     """
 
     frame: Frame
     angular: Array
     rail: RailSurface | None
+    y: Array
+    rise: Array
 
     def __call__(self, points: Array) -> Array:
-        """Slip (4, n, 3) of the wheel over the rail in each mode, per rolled length, at points (n,
-        3) near the contact. Points (mm) and slip are in the axes of space; the slip lies in the
-        tangent planes at the places of the rail close to the points. The slip of unit spin (1/mm)
+        """Velocity (4, n, 3) of the wheel relative to the rail in each mode, per rolled length, at
+        the `places` of points (n, 3) near the contact. Its components along the tangents there are
+        the rigid slip. Points (mm) and velocity are in the axes of space; that of unit spin (1/mm)
         is in mm, that of the other modes is dimensionless. NaN beyond the profile of the rail.
         """
-        normals = self.frame.axes[2]
-        if self.rail is not None:
-            points, normals = nearest(self.rail, points)
-        velocity = np.cross(self.angular[:, None], points - np.array(self.frame.origin))
+        arms = self.places(points) - np.array(self.frame.origin)
+        velocity = np.cross(self.angular[:, None], arms)
         velocity[:2] += self.frame.axes[:2, None]
-        return np.asarray(velocity - (velocity * normals).sum(axis=2, keepdims=True) * normals)
+        return velocity
+
+    def places(self, points: Array) -> Array:
+        """Places (n, 3) in mm of the particles of the wheel that run over the places of the rail
+        close to points (n, 3), `rise` above them along the rail's normals.
+        """
+        if self.rail is None:
+            return points
+        points, normals = nearest(self.rail, points)
+        rise = np.interp(points[:, 1], self.y, self.rise) * normals[:, 2]
+        return np.asarray(points + rise[:, None] * normals)
 
 
-def rigid_slip(contact: Contact) -> RigidSlip:
+def rigid_slip(contact: Contact, share: float = 0.0) -> RigidSlip:
     """Rigid slip of the wheel of a contact; its rail is a plane in half-spaces and sections.
     Without rolling the fourth mode is zero.
+
+    share: of the gap that the wheel's own displacement closes; 0 where the strain of the wheel is
+        added to the slip.
     """
     turns, normal = _angular_velocity(contact), contact.frame.axes[2]
     angular = np.zeros((4, 3))
     angular[2:] = normal, turns - (turns @ normal) * normal
-    rail = contact.surfaces()[0] if contact.curved_solid else None
-    return RigidSlip(contact.frame, angular, rail)
+    if not contact.curved_solid:
+        return RigidSlip(contact.frame, angular, None, *np.zeros((2, 0)))
+    assert contact.pair is not None and contact.pose is not None
+    points = contact.pair.outline(contact.pose, contact.pair.samples[0]).points
+    rise = points[:, 2] - contact.pair.rail.height(points[:, 1])
+    over = np.isfinite(rise)
+    y, rise = points[over, 1], (1 - share) * rise[over]
+    return RigidSlip(contact.frame, angular, contact.surfaces()[0], y, rise)

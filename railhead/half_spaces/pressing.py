@@ -17,6 +17,8 @@ from scipy.ndimage import find_objects, label
 from railhead.contact import wheelset_kinematics
 from railhead.contact.solid import Contact
 from railhead.geometry.surfaces import along
+from railhead.meshing.bodies import WHEEL
+from railhead.planning.references import closed_forms
 from railhead.theory.array_types import Array
 from railhead.theory.bem import pressure_solver
 from railhead.theory.bem.influence import Lines
@@ -62,15 +64,20 @@ class Developed:
         return np.column_stack([x, y, self.contact.profiles["rail"][0].height(y)])
 
     def slip(self, x: Array, s: Array) -> Array:
-        """Modes of rigid slip (4, 2, nx, ns) along the rail and along its profile at x (nx,), s
-        (ns,) in mm (`wheelset_kinematics.RigidSlip`); 0 beyond the profile.
+        """Modes of rigid slip (4, 2, nx, ns) along the rail and along the profile of the pressed
+        surfaces at x (nx,), s (ns,) in mm (`wheelset_kinematics.RigidSlip`); 0 beyond the profile.
+        Of the gap between the bodies the wheel's displacement closes its share of the compliance.
         """
-        x, s = np.meshgrid(x, s, indexing="ij")
-        slip = wheelset_kinematics.rigid_slip(self.contact)(self.points(x.ravel(), s.ravel()))
-        slope = self.angle(s.ravel())
-        across = np.cos(slope) * slip[..., 1] + np.sin(slope) * slip[..., 2]
-        modes = np.nan_to_num(np.stack([slip[..., 0], across], axis=1))
-        return np.asarray(modes.reshape(4, 2, *x.shape))
+        scene = self.contact.scene
+        modulus = closed_forms.contact_modulus(scene)
+        share = modulus / closed_forms.plane_strain_modulus(scene, WHEEL)
+        slip = wheelset_kinematics.rigid_slip(self.contact, share)
+        _, y, z = slip.places(self.points(0 * s, s)).T
+        slope = np.arctan2(np.gradient(z), np.gradient(y))
+        grid = (each.ravel() for each in np.meshgrid(x, s, indexing="ij"))
+        velocity = slip(self.points(*grid)).reshape(4, x.size, s.size, 3)
+        aside = np.cos(slope) * velocity[..., 1] + np.sin(slope) * velocity[..., 2]
+        return np.nan_to_num(np.stack([velocity[..., 0], aside], axis=1))
 
     def gap(self, x: Array, s: Array) -> Array:
         """Undeformed gap (n,) along the rail's normals at x, s (n,), in mm; infinite where a normal

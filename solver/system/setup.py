@@ -70,11 +70,11 @@ class FrictionSettings:
     rolling: True: steady rolling along +x; False: the wheel is shifted.
     axes: (3, 3) rows: unit vectors along the rail, across it and out of it at the origin.
     origin: (x, y, z) of the point that moments refer to, mm.
-    rigid_slip: points (n, 3) mm -> slip vectors in space (4, n, 3) of the rigid wheel over the
-        rigid rail under four motions: unit creepage along, unit creepage across, spin of 1/mm, and
-        the wheel's own rotation per rolled length without its part about the normal. The fourth is
-        no unit motion and has the factor 1; it is zero in a shift, whose units are 1 mm, 1 mm and
-        1 rad.
+    rigid_slip: points (n, 3) mm -> velocity in space (4, n, 3) of the undeformed wheel over the
+        rail, of which components along tangents are used, under four motions: unit creepage along,
+        unit creepage across, spin of 1/mm, and the wheel's own rotation per rolled length without
+        its part about the normal. The fourth is no unit motion and has the factor 1; it is zero in
+        a shift, whose units are 1 mm, 1 mm and 1 rad.
     creepage: prescribed creepage along and across, and spin in 1/mm; for a shift mm, mm and rad.
         Zero where a force is prescribed instead.
     force_controlled: (index, force) of each motion that follows from a prescribed force of the
