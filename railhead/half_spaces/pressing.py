@@ -14,11 +14,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.ndimage import find_objects, label
 
-from railhead.contact import wheelset_kinematics
+from railhead.contact import closed_forms, wheelset_kinematics
 from railhead.contact.solid import Contact
 from railhead.geometry.surfaces import along
 from railhead.meshing.bodies import WHEEL
-from railhead.planning.references import closed_forms
 from railhead.theory.array_types import Array
 from railhead.theory.bem import pressure_solver
 from railhead.theory.bem.influence import Lines
