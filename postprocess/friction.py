@@ -351,7 +351,8 @@ def wear_and_shakedown(
     Without "stress" in the result none of what follows from it. Else always: the largest von Mises
         stress, its depth, and whether its place is at the 'surface' or
         'below', that is deeper than 0.1 (AT_SURFACE) of the smaller half length.
-    Rolling: T-gamma, the energy dissipated per rolled length, over the area, with its wear regime;
+    Rolling: T-gamma, the energy dissipated per rolled length, over the area, with its wear regime
+        at a coefficient of 0.2 (DRY) or more, that is of dry surfaces;
         traction_coefficient, tangential over normal force; first_yield_p0_over_k, the largest
         pressure p0 over k at which this patch begins to yield; shakedown_limit_p0_over_k. The limit
         is the smaller of two: that of a line that rolls with this traction coefficient and the
@@ -380,9 +381,10 @@ def wear_and_shakedown(
     density = forces["t_gamma_N"] / patch["area_mm2"]
     out |= {
         "t_gamma_over_area_MPa": density,
-        "wear_regime": damage.wear_regime(density, damage.TWIN_DISC),
         "traction_coefficient": used,
     }
+    if coefficient >= damage.DRY:
+        out["wear_regime"] = damage.wear_regime(density, damage.TWIN_DISC)
     if not stress:
         return out
     first, local = math.sqrt(3) * pressure / hardest, forces["traction_max_MPa"] / pressure

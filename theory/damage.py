@@ -30,6 +30,7 @@ DEPTHS, PLACES = 81, 161  # where the shear stress of a strip is looked for
 #: 900A, twin discs. Lewis and Dwyer-Joyce, Proc. IMechE J 218 (2004), as in src/usfd of
 #: github.com/thiernodms/KPFASTSIMUSFD.
 TWIN_DISC = (10.4, 77.2)
+DRY = 0.2  # coefficient of friction below which these limits, of dry discs, say nothing: a choice
 REGIMES = ("mild", "severe", "catastrophic")
 
 

@@ -24,6 +24,8 @@ from railhead.theory.friction.tangential import MaterialPair
 
 STIFFEST = 1e5  # largest ratio of both moduli in a mesh; balance of forces failed at 7e6
 DEFAULT_ACCURACY = 0.01  # accuracy of a scene that prescribes none
+YIELD_FOUND = 3e-3  # relative error of the load of first yield at which its search ends
+MOST_LOADS = 5  # of that search
 MARGIN = 1.1  # factor on the patch in which radii are compared
 STRAIGHT = 1e-9  # 1/mm, change of a curvature by rounding
 
@@ -214,6 +216,35 @@ class Context:
                 )
             )
         return self._largest[poisson]
+
+    @cached_property
+    def overload(self) -> float:
+        """Load over that of first yield of elastic half-spaces without friction; 1 where no body
+        has a yield stress. Hertz's stresses grow as the cube root of the load, in a line contact as
+        the square root. Where the patch is not Hertz's, the load of first yield is found by
+        boundary elements, to 0.3 % (YIELD_FOUND).
+        """
+        power, load = 1 / self.contact.load_power, self.scene.load
+        over, share = math.log(self.over_yield), 0.0
+        for _ in range(MOST_LOADS * (not isinstance(self.elastic, str) and load is not None)):
+            if abs(over) < power * YIELD_FOUND:
+                break
+            last, share = (share, over), share - over / power
+            less = float(load or 0.0) * math.exp(share)
+            scene = self.scene.replace([f"load={less}"])
+            hertz = closed_forms.hertz_contact(scene, self.contact)
+            over = math.log(replace(self, scene=scene, hertz=hertz).over_yield)
+            power = (last[1] - over) / (last[0] - share)
+        return math.exp(over / power - share)
+
+    @property
+    def over_yield(self) -> float:
+        """Largest ratio of von Mises stress, as of `von_mises`, to the yield stress of a body; 1
+        where no body has one.
+        """
+        yields = (part for part in self.stressed.values() if part.yields)
+        ratios = [self.von_mises(part.poisson_ratio) / part.first_yield for part in yields]
+        return max(ratios, default=1.0)
 
     @cached_property
     def _largest(self) -> dict[float, float]:

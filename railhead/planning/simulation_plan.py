@@ -123,7 +123,7 @@ class Plan:
             "ellipse": self.forecast.hertzian,
             "axis_ratio": max(self.zone) / min(self.zone),
             "stiffness": 0.0 if math.isinf(max(moduli)) else min(moduli) / max(moduli),
-            "overload": material.overload(self.context) if self.effects["plasticity"].on else 0.0,
+            "overload": self.context.overload if self.effects["plasticity"].on else 0.0,
         }
 
     @property

@@ -459,6 +459,8 @@ def half_spaces(solved: HalfSpaceSolution, bound: dict[str, float]) -> Iterator[
         )
     if solved.findings is None or solved.plan.contact.half_space:
         return
+    flats = (part.surface for part in solved.plan.scene.bodies.values() if part.surface is not None)
+    sharp = any(each.kind == "flat" and each.depth is None for each in flats)
     yield Check(
         name="edge_distance",
         value=solved.findings.edge_distance,
@@ -472,7 +474,7 @@ def half_spaces(solved: HalfSpaceSolution, bound: dict[str, float]) -> Iterator[
         value=largest_bound({key: solved.error_parts[key].get("grid", 0.0) for key in bound}),
         limit=DEFAULT_TOLERANCE,
         source="the change from a grid of half as many cells each way",
-        advice=BODIES,
+        advice=solved.after["surface_shape"].why if sharp else BODIES,
     )
 
 

@@ -62,7 +62,8 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
         half_space_friction=rubbed,
         accuracy={
             "asked": plan.scene.accuracy,
-            "bound": {name: each.total for name, each in known.items() if name not in unresolved},
+            "bound": {name: each.total for name, each in known.items() if name not in unresolved}
+            | _first_yield_error(solved),
             "reached": reached,
             "reason": ending.reason,
             "would_cost": cost and {"unknowns": cost[0], "seconds": cost[1]},
@@ -197,6 +198,8 @@ def _more(solved: Solved) -> dict[str, Any]:
     summary.json; those that do not apply are missing.
     """
     out: dict[str, Any] = {} if solved.residual_state is None else {"plastic": _plastic(solved)}
+    if solved.result is not None and not solved.plan.contact.half_space:
+        out["side_force_N"] = _side_force(solved, solved.result)
     height = solved.findings and shape.height_in_patch(solved.plan.contact, solved.findings)
     if solved.result is not None and height is not None:
         ahead = solved.result["contact_point_mm"][0]
@@ -217,6 +220,31 @@ def _more(solved: Solved) -> dict[str, Any]:
     if solved.passes is not None and solved.passes.rows:
         out |= solved.passes.summary()
     return out
+
+
+def _first_yield_error(solved: MeshSolution) -> dict[str, float]:
+    """Relative error, by its key, of the load over that of first yield: what the largest stresses
+    of the elastic solution would make of it, and their misfit. Empty where nothing yields.
+    """
+    reference, context = solved.elastic_reference, solved.plan.context
+    found = reference and reference.findings
+    if solved.residual_state is None or not found or not found.largest:
+        return {}
+    power = context.contact.load_power
+    parts = ((found.largest[name], part) for name, part in context.stressed.items() if part.yields)
+    ratio = max(each.von_mises.value / part.first_yield for each, part in parts)
+    change = abs((ratio / context.over_yield) ** power - 1)
+    return {"load_over_first_yield": change + power * found.misfit}
+
+
+def _side_force(solved: Solved, result: Mapping[str, Any]) -> float:
+    """Force of the contact pressure on the rail across the track, N, positive to the field side,
+    from the angles of the patches; 0 where y = 0 is a plane of symmetry.
+    """
+    first = {"contact_angle_rad": solved.plan.contact.touch.angle, "load_share": 1.0}
+    patches = [] if solved.plan.half_y else result["patches"] or [first]
+    sines = sum(each["load_share"] * math.sin(each["contact_angle_rad"]) for each in patches)
+    return float(sines * result["pressure"]["mean_MPa"] * result["patch"]["area_mm2"])
 
 
 def _plastic(solved: Solved) -> dict[str, Any]:

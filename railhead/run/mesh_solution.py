@@ -270,6 +270,8 @@ def _solve_unread(
     if elastic is not solution:
         reference = replace(solved, solution=elastic, fields=gather(model, elastic))
         state = _read_residual_state(model, solution, fields, plan.contact.frame)
+        if state is not None:
+            state = replace(state, load_over_first_yield=plan.context.overload)
         solved = replace(solved, elastic_reference=reference, residual_state=state)
     return solved, better
 

@@ -496,6 +496,8 @@ class Answer:
         of exact Hertz where no formula is known.
     load: vertical component of the force between the bodies, friction included, of the whole model,
         N. At a contact angle the normal force is larger.
+    side_force: force of the contact pressure on the rail across the track, without friction, N,
+        positive to the field side; None of half-spaces and exact Hertz.
     contact_point: centre of pressure (x, y, z) of the most loaded patch in space, on its tangent
         plane, mm. Of exact Hertz it is the first contact.
     stress: largest stresses.
@@ -510,6 +512,9 @@ class Answer:
         "approach_mm", "mm", "approach", column="found approach", estimated=True, compared=True
     )
     load: float = quantity("load_N", "N", "load", table="load", column="found load")
+    side_force: float | None = quantity(
+        "side_force_N", "N", "side force on the rail", table="load", column="side force"
+    )
     contact_point: list[float] | None = quantity("contact_point_mm")
     stress: StressQuantities = quantity("stress", record=StressQuantities)
     friction: FrictionQuantities | None = quantity("friction", record=FrictionQuantities)

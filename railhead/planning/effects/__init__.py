@@ -56,7 +56,9 @@ EFFECTS = {
         numerical_only=True,
     ),
     "surface_shape": EffectRules(
-        words="surfaces that vary along the rail", decide=shape.decide_surface_shape
+        words="surfaces that vary along the rail",
+        decide=shape.decide_surface_shape,
+        check=shape.check_surface_shape,
     ),
     "symmetry_x": EffectRules(
         words="symmetry along the rail (half is solved)",
@@ -192,7 +194,8 @@ def _without_bodies(name: str, effect: Effect) -> Effect:
 
 def in_words(name: str) -> str:
     """The effect or the assumption of this name as a report calls it."""
-    return EFFECTS[name].words if name in EFFECTS else "patch away from the edges (after)"
+    assumptions = {AT_EDGES: "patch away from the edges (after)"}
+    return EFFECTS[name].words if name in EFFECTS else assumptions.get(name, "jump of contact")
 
 
 def overruled(effects: Mapping[str, Effect]) -> list[str]:
@@ -240,4 +243,5 @@ def check(context: Context, findings: Findings | None) -> dict[str, PostSolveVer
     decided = context.decided
     after = {name: each.check(context, decided[name], findings) for name, each in EFFECTS.items()}
     after[AT_EDGES] = shape.inside_the_bodies(context, findings)
+    after["beside_a_jump"] = shape.beside_a_jump(context)
     return {name: each for name, each in after.items() if each is not None}

@@ -83,7 +83,8 @@ def decide_plasticity(context: Context) -> Effect:
     """
     scene = context.scene
     ratio, why, _ = _over_yield(context, _stresses(context))
-    yields, refused, over = ratio > 1, _elastic_only(context), overload(context)
+    yields, refused = ratio > 1, _elastic_only(context)
+    over = context.overload if yields and not refused else 0.0
     locks = scene.mesh.linear and context.decided["finite_bodies"].on
     refuse_first(
         (
@@ -92,7 +93,7 @@ def decide_plasticity(context: Context) -> Effect:
             "1 is not allowed where a body yields: linear tetrahedra and triangles lock; give 2",
         ),
         (
-            yields and not refused and over > LARGEST_OVERLOAD,
+            over > LARGEST_OVERLOAD,
             "load",
             f"{over:.3g} times the load of first yield is not allowed; give a load, or an "
             f"approach, of at most {LARGEST_OVERLOAD:g} times",
@@ -167,14 +168,6 @@ def _yielding(context: Context) -> dict[str, Rail | Wheel]:
     return {name: part for name, part in context.stressed.items() if part.yields}
 
 
-def overload(context: Context) -> float:
-    """Load over that of first yield; 1 where no body has a yield stress. Hertz's
-    stresses grow as the cube root of the load, in a line contact as the square root.
-    """
-    ratio, *_ = _over_yield(context, _stresses(context))
-    return (ratio or 1.0) ** context.contact.load_power
-
-
 def _slipping(context: Context) -> tuple[float, str]:
     """Largest von Mises stress under Hertz's pressure and tractions where the whole patch slips,
     over the yield stress of the weaker body, and a text with that stress, MPa.
@@ -197,7 +190,7 @@ def steps(context: Context) -> int:
     if context.contact.line:
         return LINE_STEPS
     least = 1 if context.scene.accuracy is None else 2
-    return min(max(round(overload(context)), least), STEPS)
+    return min(max(round(context.overload), least), STEPS)
 
 
 def _over_yield(context: Context, stresses: Mapping[str, float]) -> tuple[float, str, bool]:

@@ -8,11 +8,14 @@ the solution: a patch away from the edges.
 from __future__ import annotations
 
 import math
+from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 
-from railhead.contact import plane_section
+from railhead.contact import closed_forms, plane_section, solid
 from railhead.contact.solid import Contact
+from railhead.geometry import wheelset
 from railhead.geometry.outlines import head_depth
 from railhead.geometry.profiles import STANDARD_RAILS
 from railhead.half_spaces import pressing
@@ -20,6 +23,7 @@ from railhead.half_spaces.allowance import Allowance, allowance
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.postprocess.findings import Findings
+from railhead.scene.scene import SceneError
 from railhead.scene.sections import refuse_first
 from railhead.theory.elastic.line import LineContact
 
@@ -31,8 +35,14 @@ STRESS_CHANGE = 0.25
 EDGE = 1.1  # factor on the semi-axis across that must lie within both profiles
 LEFT_OUT = 0.5  # of the accuracy, that heights may take; the mesh has the other half
 STEEPEST = 0.1  # slope of what is added to a surface: its cosine is 0.5 % below 1
+NEAR = 0.1  # mm of shift: as exactly as a wheelset's place is known; a choice
 SHARES = np.linspace(0.0, 1.0, 9)  # of the way from the middle of a patch to its outline
 QUASI_STATIC = "each place is at rest: the dynamics of rolling over it is not simulated"
+FRESH = (
+    "a fresh flat has sharp edges, where the pressure grows with every finer mesh or grid; give "
+    "its depth, surface.depth, for a rounded one"
+)
+HOLLOW = "the undeformed bodies do not touch in its middle"
 SMOOTH = "nothing that varies is added to the surfaces"
 
 
@@ -225,6 +235,26 @@ def decide_surface_shape(context: Context) -> Effect:
     return Effect(True, True, f"{varies}, above {limit:g}; {QUASI_STATIC}", error=tilted)
 
 
+def check_surface_shape(
+    context: Context, effect: Effect, found: Findings
+) -> PostSolveVerdict | None:
+    """Notable verdict on a flat: that its middle is a hollow, in which the undeformed bodies do not
+    touch, where its curvature 2 pi^2 depth / length^2 exceeds that of the wheel; or that a fresh
+    one has sharp edges. None without a flat.
+    """
+    for part in context.scene.bodies.values():
+        if effect.on and part.surface is not None and part.surface.kind == "flat":
+            length, depth = float(part.surface.length or 0.0), part.surface.depth
+            limit = length**2 / (2 * math.pi**2 * context.scene.wheel.rolling_radius)
+            deepest = f"L^2/(2 pi^2 R) = {limit:.4g} mm"
+            why = f"{FRESH}; up to {deepest} that is no hollow"
+            if depth is not None:
+                why = f"a flat {depth:.4g} mm deep, beyond {deepest}, is a hollow: {HOLLOW}"
+            if depth is None or depth > limit:
+                return PostSolveVerdict(False, why, notable=True)
+    return None
+
+
 def height_in_patch(contact: Contact, found: Findings) -> float | None:
     """Largest less smallest height that is added to both surfaces in the patches of a solution, mm;
     None where nothing is added.
@@ -250,6 +280,33 @@ def inside_the_bodies(context: Context, found: Findings) -> PostSolveVerdict | N
     near = bool(room < reach)
     text = f"{room:.1f} mm from the middle of the patch to the nearest edge, b = {patch.b:.2f} mm"
     return PostSolveVerdict(near, f"{text}: the edge carries load" if near else text)
+
+
+def beside_a_jump(context: Context) -> PostSolveVerdict | None:
+    """Notable verdict where the first contact jumps to another place within 0.1 mm (NEAR) of the
+    shift: the shift of the jump, and the largest pressure and the first contact 0.1 mm to either
+    side of the scene's shift, by half-spaces. None elsewhere. A jump so near leaves a second place
+    with a gap of less than 0.3 mm, as flanges are not steeper than 3.
+    """
+    contact, shift = context.contact, context.scene.wheelset.shift
+    if contact.placed is None or len(contact.touches(3 * NEAR)) < 2:
+        return None
+    radii = wheelset.rolling_radii(solid.on_track(context.scene), abs(shift) + wheelset.SHIFT_STEP)
+    jump = min(radii.jumps, key=lambda each: abs(each - shift), default=math.inf)
+    if abs(jump - shift) > NEAR:
+        return None
+    said = []
+    for at in (shift - NEAR, shift + NEAR):
+        scene = context.scene.replace([f"wheelset.shift={at}"])
+        with suppress(SceneError):  # the wheelset cannot stand there
+            other = solid.on_side(scene, solid.place(scene))
+            hertz = closed_forms.hertz_contact(scene, other)
+            under = replace(context, scene=scene, contact=other, hertz=hertz).elastic
+            p0 = hertz.p0 if isinstance(under, str) else under.max_pressure
+            said.append(f"{p0:.4g} MPa at {at:.4g} mm (first contact y = {other.touch.y:.4g} mm)")
+    text = f"the contact jumps at a shift of {jump:.5g} mm, {abs(jump - shift):.2g} mm away; "
+    text += f"half-spaces have {' and '.join(said)}. Other profiles or yaw move the jump"
+    return PostSolveVerdict(False, text, notable=True)
 
 
 def edges(context: Context) -> list[float]:

@@ -35,6 +35,7 @@ TABLES = {
 }
 """Titles of the tables below the one of the contact, by their names in `quantity_rows.rows`."""
 NO_ESTIMATE = "passes (without an estimate)"
+STEEP = 0.1  # side force over the load from which it is printed
 PASSES_SHOWN = 10  # rows of the table of passes, and the last one
 
 
@@ -245,6 +246,8 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
         title, cells = quantity_rows.patches(summary, units)
         if cells:
             console.print(number_table(title, cells[0], cells[1:]))
+        if said := side_force(summary["result"], units):
+            console.print(f"{said}.", highlight=False)
         if varies := summary["result"].get("surface_shape"):
             ahead, height = (units.text(round(value, 4), "mm") for value in varies.values())
             text = f"They touch {ahead} ahead of the smooth ones; heights there vary by {height}."
@@ -310,6 +313,20 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
         f"{cost['linear_iterations']} Krylov iterations, {cost['seconds']['total']:.1f} s, "
         f"force balance {checks['force_balance']:.1e}",
         highlight=False,
+    )
+
+
+def side_force(result: Mapping[str, Any], units: Units = BASE_UNITS) -> str:
+    """Sentence, without a full stop, on the side force that a steep contact needs, and who carries
+    it; empty where it is below a tenth of the load. result: of summary.json.
+    """
+    force = result.get("side_force_N") or 0.0
+    if abs(force) < STEEP * result["load_N"]:
+        return ""
+    way = "field" if force > 0 else "gauge"
+    return (
+        f"Steep contact: the pressure pushes the rail with {units.text(abs(force), 'N')} to the "
+        f"{way} side. The axle must push the wheel with as much; here its support does"
     )
 
 

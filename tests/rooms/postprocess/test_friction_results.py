@@ -130,3 +130,10 @@ def test_the_wear_number_leaves_spin_out_and_is_that_of_one_patch() -> None:
     )
     number = wear_number(found, np.array([[0.0, 0.0, 0.0], [0.0, 20.0, 0.0]]))
     assert number == pytest.approx(0.01 * len(disc) * 0.3 * 3e-3)
+
+
+def test_a_lubricated_flange_has_no_wear_regime_of_dry_discs() -> None:
+    found = wear_and_shakedown(
+        result(0.1, 900.0, 560.0, mu=0.1), 0.1, None, poisson=0.3, rolling=True, line=True
+    )
+    assert "wear_regime" not in found and found["t_gamma_over_area_MPa"] == pytest.approx(2.0)

@@ -1,0 +1,60 @@
+"""What an answer says beside its numbers: side forces of steep contacts, hollow and fresh flats."""
+
+import io
+import math
+
+import pytest
+from rich.console import Console
+from solved import solved
+
+FAST = ["effects.finite_bodies=off", "effects.plasticity=off"]
+FLAT = [
+    "load=10kN", "rail.profile=arc", "rail.crown_radius=300", "wheel.profile=cylinder",
+    "wheel.rolling_radius=450", "wheel.surface.kind=flat", "wheel.surface.length=100",
+    "wheel.surface.position=3 deg", "rail.inclination=0", *FAST,
+]  # fmt: skip
+
+
+def printed(result) -> str:
+    out = io.StringIO()
+    result.show(Console(file=out, width=400))
+    return out.getvalue()
+
+
+def test_a_flange_that_carries_the_load_needs_a_side_force_in_equilibrium_with_it() -> None:
+    """The pressure is normal to the patch: side force over load is the tangent of its angle."""
+    result = solved("s1002_60e1", "wheelset.shift=6.5", *FAST)
+    (patch,) = result.summary["result"]["patches"]
+    side = result.summary["result"]["side_force_N"]
+    assert side == pytest.approx(result.load * math.tan(patch["contact_angle_rad"]), rel=0.01)
+    assert "to the field side. The axle must push the wheel with as much" in printed(result)
+    assert "Steep contact" not in printed(solved("uic54_22t5_axle", *FAST))
+
+
+@pytest.mark.parametrize(("depth", "hollow"), [(1.1, False), (1.15, True)])
+def test_a_flat_deeper_than_its_length_squared_over_two_pi_squared_r_is_called_hollow(
+    depth: float, hollow: bool
+) -> None:
+    """100^2/(2 pi^2 450) = 1.126 mm."""
+    text = printed(solved("uic54_thesis", *FLAT, f"wheel.surface.depth={depth}"))
+    assert ("beyond L^2/(2 pi^2 R) = 1.126 mm, is a hollow" in text) is hollow
+
+
+def test_advice_on_a_fresh_flat_is_to_round_it_not_to_mesh_its_edges() -> None:
+    result = solved("uic54_thesis", *FLAT, "wheel.surface.length=50")
+    advice = result.summary["checks"]["advice"]
+    assert "wheel cut" not in advice and "sharp edges" in advice["grid_error"]
+    assert "sharp edges" in printed(result)
+
+
+@pytest.mark.parametrize(("shift", "told"), [(5.0, True), (4.6, False), (3.0, False)])
+def test_an_answer_beside_a_jump_of_contact_has_what_both_sides_have(
+    shift: float, told: bool
+) -> None:
+    """`locate` has the jump of S1002 on 60E1 at 4.992 mm, to the flange root."""
+    text = " ".join(printed(solved("s1002_60e1", f"wheelset.shift={shift}", *FAST)).split())
+    assert ("jumps at a shift of 4.9918 mm, 0.0082 mm away" in text) is told
+    if told:
+        for at in (4.9, 5.1):
+            other = solved("s1002_60e1", f"wheelset.shift={at}", *FAST)
+            assert f"{other.pressure.max:.4g} MPa at {at} mm" in text
