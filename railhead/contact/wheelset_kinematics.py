@@ -13,7 +13,7 @@ undeformed wheel. In half-spaces e = du_x/dx + u/R, with u outwards, so P is on 
 A wheelset turns about its axle e by 2 pi in 2 pi R: W = e/R, xi_1 = e_x + W x (P1 - C) with C on
 the axle, in the pose where it stands. An R of `wheel.rolling_radius` needs a torque on the axle;
 with the mean of both wheels' rolling radii there is nearly none on an axle that stands in the
-middle. That of no torque is in `planning.references.torque_free`.
+middle. That of no torque is in `half_spaces.torque_free`.
 """
 
 from __future__ import annotations

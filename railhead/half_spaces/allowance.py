@@ -28,8 +28,8 @@ import numpy as np
 from railhead.contact import closed_forms, placed_bodies
 from railhead.contact.solid import Contact
 from railhead.geometry import profiles
-from railhead.half_spaces import pressing
-from railhead.half_spaces.pressing import Developed
+from railhead.half_spaces.pressing import HalfSpacePair
+from railhead.half_spaces.surface import Developed
 from railhead.meshing.bodies import BODY_NAMES, RAIL
 from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.theory.array_types import Array
@@ -47,17 +47,16 @@ Allowance = dict[str, float]
 
 
 def added_stress(
-    contact: Contact, deformable: Sequence[int], solved: BoundaryElementSolution | Ellipse
+    pair: HalfSpacePair, deformable: Sequence[int], solved: BoundaryElementSolution | Ellipse
 ) -> float:
     """Stress, MPa, that held and free faces of the bodies add under a patch of force F: F/(2 pi
     H^2) of a face held at the depth H, half of that of an edge at the distance H, as
     Boussinesq's stresses fall. The face that adds most counts. Arguments: as in `allowance`.
     """
-    surface = pressing.develop(contact)
-    around = _bodies(contact, deformable, surface)
+    around = _bodies(pair, deformable)
     return max(
         patch.force / (2 * math.pi * square)
-        for patch in _patches(surface, solved)
+        for patch in _patches(pair.developed, solved)
         for body in around
         for square in (body.depth**2, *(2 * (end - patch.s) ** 2 for end in body.ends))
     )
@@ -115,22 +114,20 @@ class _Patch(NamedTuple):
 
 
 def allowance(
-    contact: Contact,
+    pair: HalfSpacePair,
     deformable: Sequence[int],
     solved: BoundaryElementSolution | Ellipse,
     twist: float,
 ) -> dict[str, Allowance]:
     """Allowed relative differences by "max_MPa" and "area_mm2", of a solid contact of profiles.
 
-    contact: first contact of the bodies; not of half-spaces.
+    pair: of a solid contact that is none of half-spaces.
     deformable: tags of the bodies that deform.
     solved: the contact between half-spaces, by boundary elements or exact Hertz.
     twist: relative change of pressure and area by the rotation and the movement of the bodies,
         which is taken over as a part.
     """
-    surface = pressing.develop(contact)
-    patches = _patches(surface, solved)
-    around = _bodies(contact, deformable, surface)
+    patches, around = _patches(pair.developed, solved), _bodies(pair, deformable)
     size = max(_size(patch, around) for patch in patches)
     conformity = max(_conformity(patch, solved.contact_modulus) for patch in patches)
     shift = _force_changes(patches, around)
@@ -168,10 +165,11 @@ def _patches(surface: Developed, solved: BoundaryElementSolution | Ellipse) -> l
     ]
 
 
-def _bodies(contact: Contact, deformable: Sequence[int], surface: Developed) -> list[_Body]:
+def _bodies(pair: HalfSpacePair, deformable: Sequence[int]) -> list[_Body]:
     """The deformable bodies of a contact, by their tags, with the places of their free edges on the
     developed surface of the rail.
     """
+    contact, surface = pair.contact, pair.developed
     scene, touch = contact.scene, contact.touch
     modulus = closed_forms.contact_modulus(scene)
     found = []
@@ -260,15 +258,16 @@ def twisted(contact: Contact, angle: float, aside: float) -> Contact:
     return replace(contact, touch=pair.touches(pose)[0], pair=pair, pose=pose)
 
 
-def change(contact: Contact, before: BoundaryElementSolution, angle: float, aside: float) -> float:
+def change(
+    pair: HalfSpacePair, before: BoundaryElementSolution, angle: float, aside: float
+) -> float:
     """Relative change of the largest pressure or of the area, the larger one and never negative,
     where the rail is turned by `angle` (rad) and moved by -aside (mm), by boundary elements.
     before: solution without twist, under the same load.
     Raises ValueError where the wheel misses the twisted rail or there is no closed patch.
     """
-    other = twisted(contact, angle, aside)
-    load = contact.scene.load or before.load
-    hertz = closed_forms.ellipse(contact.scene, other, load)
-    after = pressing.solve(other, hertz, load)
+    other, scene = twisted(pair.contact, angle, aside), pair.contact.scene
+    load = scene.load or before.load
+    after = HalfSpacePair(other, closed_forms.ellipse(scene, other, load)).pressed(load)
     pressure, area = after.max_pressure / before.max_pressure, after.area / before.area
     return max(abs(pressure - 1), abs(area - 1))

@@ -7,21 +7,21 @@ slip of its cells at unit creepages and unit spin.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from railhead.contact import wheelset_kinematics
 from railhead.contact.solid import Contact
-from railhead.half_spaces import pressing
+from railhead.half_spaces.pressing import HalfSpacePair, Pressed
 from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.theory.array_types import Array
 from railhead.theory.bem import pressure_solver
 from railhead.theory.bem.grid_patch import Grid, PatchSolution, on_grid
-from railhead.theory.bem.pressure_solver import BoundaryElementSolution
+from railhead.theory.bem.pressure_solver import BoundaryElementSolution, Gap
 from railhead.theory.elastic.hertz import Strip
-from railhead.theory.elastic.line import Hertz, LineContact
+from railhead.theory.elastic.line import LineContact
 from railhead.theory.friction.rolling import (
     Creepage,
     HalfSpaceFriction,
@@ -34,7 +34,6 @@ from railhead.theory.friction.rolling import (
 from railhead.theory.friction.tangential import MaterialPair
 from railhead.theory.friction_laws import Interface
 
-CELLS = 128  # of a patch each way
 LENGTH = 1e4  # of a strip over its half width
 WIDER = 1.25  # grid of unlike bodies over the patch, which tractions widen
 TOLERANCE = 1e-8  # of the displacement
@@ -80,6 +79,21 @@ class PressedPatch:
         plane = self.pressed.plane
         return np.asarray(self.angular @ [0.0, -math.sin(plane), math.cos(plane)])
 
+    def body(
+        self, pair: MaterialPair, *, rolling: bool, interface: Interface | None
+    ) -> HalfSpaceFriction:
+        """The tangential contact under the pressure; arguments are those of `shear`."""
+        return HalfSpaceFriction(
+            self.pressed.x,
+            self.pressed.s,
+            self.pressed.pressure,
+            self.friction,
+            pair,
+            rolling=rolling,
+            modes=self.modes,
+            interface=interface,
+        )
+
     def parts(self) -> Iterator[PressedPatch]:
         """Connected patches, each by itself, but those with less than SMALLEST of the force."""
         for part in self.pressed.separate():
@@ -87,56 +101,103 @@ class PressedPatch:
                 yield replace(self, pressed=part)
 
 
-def patches(
-    contact: Contact,
-    hertz: Hertz,
-    *,
-    hertzian: bool,
-    load: float,
-    cells: int,
-    like: bool = True,
-    profiles: BoundaryElementSolution | str | None = None,
-) -> list[PressedPatch]:
-    """Patches under a vertical load (N), each on a grid of about `cells` x `cells` cells
-    (`cells_over`); that of a line contact is a strip, see `_strip`.
+@dataclass(frozen=True, kw_only=True)
+class Sheared:
+    """Tractions on pressed patches of half-spaces.
 
-    hertz: exact Hertz for the contact; where the patch is its ellipse or strip, its own load counts
-        and not `load`.
-    hertzian: whether the patch is an ellipse; Hertz's is then used, unless the ellipse is turned.
+    patches: the pressed patches.
+    found: the tractions of each.
+    scale: factor on areas and forces: load of the contact over that of the patches, as the strip of
+        a line contact is longer than the contact.
+    coarse: the same on a grid of half as many cells each way; None on that grid itself.
+    """
+
+    patches: Sequence[PressedPatch]
+    found: Sequence[TangentialSolution]
+    scale: float = 1.0
+    coarse: Sheared | None = None
+
+    @property
+    def stressed(self) -> list[tuple[PatchSolution, Array]]:
+        """Pressure with cells that the edge cuts, and tractions (2, nx, ns), MPa, of each patch."""
+        pairs = zip(self.patches, self.found, strict=True)
+        return [
+            (replace(each.pressed, pressure=solved.pressure), solved.traction)
+            for each, solved in pairs
+        ]
+
+    def pressure(self, modulus: float) -> BoundaryElementSolution:
+        """The pressure beside the tractions, by the contact modulus E* (MPa), and that of the
+        coarser grid; its gap is not known (NaN).
+        """
+        windows = tuple(replace(each, gap=math.nan * each.gap) for each, _ in self.stressed)
+        coarse = None if self.coarse is None else self.coarse.pressure(modulus)
+        return BoundaryElementSolution(windows, modulus, coarse)
+
+    @property
+    def limit(self) -> float:
+        """Largest tangential force that friction allows, N."""
+        return self.scale * sum(each.limit for each in self.found)
+
+    @property
+    def forces(self) -> Array:
+        """Forces of the wheel on the rail along, across (N) and moment (N mm), (3,)."""
+        return np.asarray(self.scale * np.sum([each.forces for each in self.found], axis=0))
+
+    @property
+    def stick_share(self) -> float:
+        """Share of the area of all patches that sticks."""
+        sticks, touches = np.sum([each.areas for each in self.found], axis=0)
+        return float(sticks / touches)
+
+    @property
+    def upwards(self) -> float:
+        """Vertical component of the tractions of the wheel on the rail, N, positive upwards; the
+        load is that of the pressure less this.
+        """
+        pairs = zip(self.patches, self.found, strict=True)
+        return self.scale * sum(
+            each.cell * float((each.traction[1] * np.sin(patch.pressed.angle)).sum())
+            for patch, each in pairs
+        )
+
+
+def patches(
+    pair: HalfSpacePair, pressed: Pressed, cells: int, *, like: bool = True
+) -> list[PressedPatch]:
+    """Patches under a known pressure, each on a grid of about `cells` x `cells` cells
+    (`cells_over`); that of a line contact is a strip, see `_strip`. pressed: boundary elements of
+    the pair, or exact Hertz between half-spaces and of a line.
+
     like: whether tractions do not change the pressure: the grid then ends with the patch, and the
         pressure is sampled. Else the grid is 1.25 (WIDER) times as wide, and the pressure is solved
         on it by boundary elements.
-    profiles: the solved half-space contact, or the reason why it failed. None: it is solved here.
     Raises ValueError where the patches are not known.
     """
-    if isinstance(hertz, LineContact):
-        return [_strip(contact, hertz, cells, like=like)]
-    wider = 1.0 if like else WIDER
-    if contact.half_space or (hertzian and not contact.touch.orientation):
-        grid = grid_over((0.0, 0.0), (hertz.a, hertz.b), cells, wider)
-        known = [on_grid(grid, hertz.pressure(grid.x[:, None], grid.s), hertz.load)]
-        (found,) = known if like else _pressed(known, hertz.gap, hertz.contact_modulus)
-        return [PressedPatch(found, *_on_surface(contact, found))]
-    if isinstance(profiles, str):
-        raise ValueError(profiles)
-    solved = profiles or pressing.solve(contact, hertz, load, CELLS)
-    surface, known = pressing.develop(contact), []
-    for each in solved.windows:
-        if each.force > SMALLEST * solved.force:
-            grid = grid_over(*each.middle_and_half_extents, cells, wider)
-            known.append(each.sampled(replace(grid, angle=surface.angle(grid.s))))
-    angular = wheelset_kinematics.rigid_slip(contact).angular
+    if isinstance(pressed, LineContact):
+        return [_strip(pair.contact, pressed, cells, like=like)]
+    surface, wider = pair.surface, 1.0 if like else WIDER
+    if isinstance(pressed, BoundaryElementSolution):
+        developed, known = pair.developed, []
+        for each in pressed.windows:
+            if each.force > SMALLEST * pressed.force:
+                grid = grid_over(*each.middle_and_half_extents, cells, wider)
+                known.append(each.sampled(replace(grid, angle=developed.angle(grid.s))))
+        gap: Gap = developed.gap
+        angular = wheelset_kinematics.rigid_slip(pair.contact).angular
+    else:
+        grid = grid_over((0.0, 0.0), (pressed.a, pressed.b), cells, wider)
+        known = [on_grid(grid, pressed.pressure(grid.x[:, None], grid.s), pressed.load)]
+        gap, angular = pressed.gap, PLANE
     return [
         PressedPatch(
             each, surface.slip(each.x, each.s), surface.friction_coefficient(each.s), angular
         )
-        for each in (known if like else _pressed(known, surface.gap, solved.contact_modulus))
+        for each in (known if like else _pressed(known, gap, pressed.contact_modulus))
     ]
 
 
-def _pressed(
-    known: Sequence[PatchSolution], gap: Callable[[Array, Array], Array], modulus: float
-) -> list[PatchSolution]:
+def _pressed(known: Sequence[PatchSolution], gap: Gap, modulus: float) -> list[PatchSolution]:
     """Pressures by boundary elements on the grids of nearly known ones, under the same load. gap:
     undeformed, mm, of places x (n,), s (n,), mm. modulus: E*, MPa.
     """
@@ -176,25 +237,6 @@ def strip_grid(half_width: float, curvature: float, cells: int, wider: float) ->
     return Grid(x, s, np.zeros(2)), curvature / 2 * np.column_stack([x**2, x**2])
 
 
-def surface(contact: Contact) -> Callable[[Array, Array], Array]:
-    """Map from x, s (n,) to points (n, 3) in space on the surface of the rail, mm; NaN beyond the
-    profile. Of half-spaces it is the plane z = 0.
-    """
-    if contact.half_space:
-        return lambda x, s: np.column_stack([x, s, np.zeros_like(x)])
-    return pressing.develop(contact).points
-
-
-def _on_surface(contact: Contact, window: PatchSolution) -> tuple[Array, Array]:
-    """Modes of rigid slip (4, 2, nx, ns) along the rail and along its profile, 0 beyond the
-    profile, and coefficient of friction (ns,), in a window.
-    """
-    if contact.half_space:
-        return plane_modes(window.x, window.s), contact.friction_coefficient(window.s)
-    surface = pressing.develop(contact)
-    return surface.slip(window.x, window.s), surface.friction_coefficient(window.s)
-
-
 def shear(
     patches: Sequence[PressedPatch],
     pair: MaterialPair,
@@ -204,9 +246,8 @@ def shear(
     rolling: bool,
     interface: Interface | None = None,
     start: Sequence[TangentialSolution] | None = None,
-) -> list[TangentialSolution]:
-    """Tractions of pressed patches of half-spaces under one rigid motion, a solution for each
-    patch, by boundary elements.
+) -> Sheared:
+    """Tractions of pressed patches of half-spaces under one rigid motion, by boundary elements.
 
     pair: materials.
     forces: prescribed force of the wheel on the rail along and across, of all patches together, N;
@@ -219,38 +260,21 @@ def shear(
     bodies.
     """
     along, across = forces
-
-    def solve(bodies: Sequence[HalfSpaceFriction]) -> list[TangentialSolution]:
-        """Tractions of some patches under the motion and the forces of `shear`."""
-        begins = start if pair.like else None
-        return solve_for_forces(bodies, creepage, along=along, across=across, start=begins)
-
     if pair.like:
-        return solve(
-            [
-                HalfSpaceFriction(
-                    each.pressed.x,
-                    each.pressed.s,
-                    each.pressed.pressure,
-                    each.friction,
-                    pair,
-                    rolling=rolling,
-                    modes=each.modes,
-                    interface=interface,
-                )
-                for each in patches
-            ]
-        )
+        known = [each.body(pair, rolling=rolling, interface=interface) for each in patches]
+        found = solve_for_forces(known, creepage, along=along, across=across, start=start)
+        return Sheared(patches=patches, found=found)
     if len(patches) > 1 and forces != (None, None):
         raise ValueError(SEVERAL)
-    return [
+    found = [
         solve_dissimilar(
             each.pressed,
             pair,
             each.friction,
-            lambda body: solve([body])[0],
+            lambda body: solve_for_forces([body], creepage, along=along, across=across)[0],
             modes=each.modes,
             interface=interface,
         )
         for each in patches
     ]
+    return Sheared(patches=patches, found=found)

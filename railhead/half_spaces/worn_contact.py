@@ -18,7 +18,8 @@ from railhead.contact import closed_forms, solid, wheelset_kinematics
 from railhead.geometry import profiles
 from railhead.geometry.placement import ProfilePair
 from railhead.geometry.profiles import Places
-from railhead.half_spaces import pressing, shearing, torque_free
+from railhead.half_spaces import shearing, torque_free
+from railhead.half_spaces.pressing import HalfSpacePair
 from railhead.scene.scene import Scene
 from railhead.theory import wear
 from railhead.theory.array_types import Array
@@ -146,7 +147,8 @@ class WornContact:
         self._position, self._cells = position, fineness.cells
         placed = solid.place(scene, both=pairs(scene, along, depths))
         self._contact = torque_free.balanced(solid.on_side(scene, placed, line=True))
-        self._surface = pressing.develop(self._contact)
+        self._pair = HalfSpacePair(self._contact, position.hertz)
+        self._surface = self._pair.developed
         self._steps = {body: along[body].step for body in BODIES}
         worn = zip(along.items(), depths, strict=True)
         self._across = {body: each.worn(depth)[:, 0] for (body, each), depth in worn}
@@ -177,9 +179,7 @@ class WornContact:
 
     def _press(self, lines: Lines | None) -> BoundaryElementSolution:
         """The pressure on the present profiles, with a compliance of the lines or without."""
-        return pressing.solve(
-            self._contact,
-            self._position.hertz,
+        return self._pair.solve(
             self._load,
             self._cells,
             lines=lines,
@@ -222,15 +222,7 @@ class WornContact:
         """Tractions under the pressure, and what is read from both."""
         scene, contact = self._position.scene, self._contact
         pair, rolling = closed_forms.tangential_pair(scene), scene.rolling
-        patches = shearing.patches(
-            contact,
-            self._position.hertz,
-            hertzian=False,
-            load=self._load,
-            cells=self._cells // 2,
-            like=pair.like,
-            profiles=self._pressed,
-        )
+        patches = shearing.patches(self._pair, self._pressed, self._cells // 2, like=pair.like)
         found = shearing.shear(
             patches,
             pair,
@@ -239,9 +231,9 @@ class WornContact:
             rolling=True,
             interface=closed_forms.interface(scene),
         )
-        windows, curves, rises = [patch.pressed for patch in patches], [], 0.0
+        windows, curves = [patch.pressed for patch in patches], []
         lines: list[dict[str, Array]] = []
-        for window, each in zip(windows, found, strict=True):
+        for window, each in zip(windows, found.found, strict=True):
             energy = (each.traction * each.slip).sum(axis=0)
             if pair.like and energy.any():  # what the grid adds to the slip has no part
                 energy *= each.t_gamma / (each.cell * float(energy.sum()))
@@ -260,13 +252,12 @@ class WornContact:
                     "damage": wear.damage(total) * (each.pressure > 0).any(axis=0),
                 }
             )
-            rises += each.cell * float((each.traction[1] * np.sin(window.angle)).sum())
         self._rate = _curve(*zip(*curves, strict=True))
         bodies = [self._fields(body, windows, lines) for body in BODIES]
         return Seen(
             values=self._values(windows, lines),
             fields={name: np.array([each[name] for each in bodies]) for name in FIELDS},
-            known=Known(rises=rises, lines={body: self._widths(body) for body in BODIES}),
+            known=Known(rises=found.upwards, lines={body: self._widths(body) for body in BODIES}),
         )
 
     def _widths(self, body: str) -> list[tuple[float, float]]:

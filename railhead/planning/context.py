@@ -14,7 +14,8 @@ import numpy as np
 from railhead.contact import closed_forms
 from railhead.contact.plane_section import Dimension
 from railhead.contact.solid import Contact
-from railhead.half_spaces import allowance, pressing
+from railhead.half_spaces import allowance
+from railhead.half_spaces.pressing import HalfSpacePair
 from railhead.scene.scene import Rail, Scene, SceneError, Wheel
 from railhead.theory.bem import grid_stress
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
@@ -149,12 +150,17 @@ class Context:
         )
 
     @cached_property
+    def half_spaces(self) -> HalfSpacePair:
+        """Both bodies as half-spaces, which remember what was solved."""
+        return HalfSpacePair(self.contact, self.hertz)
+
+    @property
     def boundary_elements(self) -> BoundaryElementSolution:
         """Boundary-element solution, elastic and frictionless, for the profiles of the scene under
-        its load or, without one, at its approach. Solved at the first call.
+        its load or, without one, at its approach.
         Raises ValueError where there is no closed patch, and for half-spaces.
         """
-        return pressing.solve(self.contact, self.hertz, self.scene.load)
+        return self.half_spaces.pressed(self.scene.load)
 
     @cached_property
     def twist_change(self) -> float:
@@ -169,7 +175,7 @@ class Context:
             return 0.0
         angle = allowance.twist(self.contact, self.hertz)
         aside = allowance.CENTRE * angle
-        return allowance.change(self.contact, self.boundary_elements, angle, aside)
+        return allowance.change(self.half_spaces, self.boundary_elements, angle, aside)
 
     @property
     def one_radius(self) -> bool:

@@ -26,7 +26,7 @@ from typing import Any, TypeVar
 from scipy.optimize import brentq
 
 from railhead.contact import closed_forms, solid
-from railhead.half_spaces import pressing
+from railhead.half_spaces.pressing import HalfSpacePair
 from railhead.planning.context import Context
 from railhead.postprocess.findings import FLAT
 from railhead.scene.scene import Scene
@@ -265,6 +265,6 @@ def around(scene: Scene, solution: BoundaryElementSolution) -> float:
     changes = []
     for stretch in STRETCHES:
         contact = solid.locate(scene, solid.pairs(scene, stretch))
-        other = pressing.solve(contact, closed_forms.ellipse(scene, contact), scene.load)
+        other = HalfSpacePair(contact, closed_forms.ellipse(scene, contact)).pressed(scene.load)
         changes += [other.max_pressure / solution.max_pressure - 1, other.area / solution.area - 1]
     return SAFETY * max(map(abs, changes))

@@ -21,8 +21,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from railhead.contact.solid import Contact
-from railhead.half_spaces import pressing
-from railhead.half_spaces.pressing import Developed
+from railhead.half_spaces.surface import Developed
 from railhead.meshing.grading import Grading, suited_stretch
 from railhead.planning.context import Context
 from railhead.postprocess.findings import Frame
@@ -122,7 +121,7 @@ def forecast(context: Context) -> Forecast:
     if isinstance(found, str):  # where nothing else is known the finite elements will tell
         reason = f"boundary elements: {found}" if found else ""
         return replace(_hertz(contact, context.hertz), reason=reason)
-    surface, points, forces = pressing.develop(contact), [], []
+    surface, points, forces = context.half_spaces.developed, [], []
     for window in found.windows:
         places = (each.ravel() for each in np.meshgrid(window.x, window.s, indexing="ij"))
         points.append(surface.points(*places))

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from railhead.contact import closed_forms
-from railhead.half_spaces.shearing import CELLS
+from railhead.half_spaces.pressing import FINE
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.planning import effects
 from railhead.planning.error_envelopes import RANGE
@@ -464,7 +464,7 @@ def half_spaces(solved: HalfSpaceSolution, bound: dict[str, float]) -> Iterator[
     yield Check(
         name="edge_distance",
         value=solved.findings.edge_distance,
-        limit=2 / CELLS,
+        limit=2 / FINE,
         source="one cell, over the smaller half length: at an edge the pressure has no bound",
         advice="move the wheel",
         at_least=True,

@@ -15,7 +15,6 @@ from mpi4py import MPI
 from railhead.contact.solid import Contact
 from railhead.half_spaces import pressing
 from railhead.half_spaces.allowance import allowance
-from railhead.half_spaces.shearing import CELLS
 from railhead.meshing.mesh import MeshError
 from railhead.planning import simulation_plan as planning
 from railhead.postprocess.patch import compare
@@ -144,12 +143,13 @@ def half_space(scene: Scene, solution: MeshSolution) -> Summary:
     plan = planning.make(scene)
     contact = plan.contact
     assert isinstance(contact, Contact) and isinstance(plan.hertz, Ellipse)
-    found = pressing.solve(contact, plan.hertz, scene.load, 2 * CELLS)
-    points, plane = pressing.develop(contact).points, contact.touch.angle
+    pair = plan.context.half_spaces
+    found = pair.pressed(scene.load, 2 * pressing.FINE)
+    points, plane = pair.developed.points, contact.touch.angle
     other = compare.from_half_space(found, points, plane)
     return {
         **other,
-        "allowance": allowance(contact, plan.deformable, found, twist_change(solution)),
+        "allowance": allowance(pair, plan.deformable, found, twist_change(solution)),
     }
 
 

@@ -184,19 +184,16 @@ def _others(plan: Plan, curve: CreepCurve) -> Iterator[Point]:
     scene, ellipse = plan.scene, plan.hertz
     assert isinstance(ellipse, Ellipse) and scene.load is not None
     pair = plan.context.tangential_pair
-    patches = shearing.patches(
-        plan.contact, ellipse, hertzian=plan.forecast.hertzian, load=scene.load, cells=CELLS
-    )
+    half_spaces = plan.context.half_spaces
+    patches = shearing.patches(half_spaces, half_spaces.pressure(scene.load), CELLS)
     limit = sum(each.limit for each in patches)
     for motion in curve.motions:
         given = motion.along, motion.across, motion.spin
         sheared = shearing.shear(patches, pair, motion, (None, None), rolling=True)
-        exactly = np.sum([each.forces for each in sheared], axis=0)
-        sticks, touches = np.sum([each.areas for each in sheared], axis=0)
         quick = second_method.fastsim(patches, limit, pair, given)
         straight = second_method.linear(patches, pair, given)
         for by, forces, sticking in (
-            ("boundary elements", exactly, float(sticks / touches)),
+            ("boundary elements", sheared.forces, sheared.stick_share),
             ("FASTSIM", np.array([*quick.values()][:3]), quick["stick_share"]),
             ("linear theory", straight, None),
         ):
@@ -338,10 +335,8 @@ def half_spaces(speed: float, creepages: tuple[float, ...]) -> list[Row]:
     """Rows of half-spaces, upwards and then downwards, each from the one before."""
     of = _falling_plan(speed)
     assert of.scene.load is not None
-    patches = shearing.patches(
-        of.contact, of.hertz, hertzian=True, load=of.scene.load, cells=SPEED_CELLS
-    )
-    found: list[TangentialSolution] | None = None
+    patches = shearing.patches(of.context.half_spaces, of.hertz, SPEED_CELLS)
+    found: Sequence[TangentialSolution] | None = None
     rows = []
     for way, values in (("upwards", creepages), ("downwards", creepages[::-1])):
         for value in values:
@@ -353,7 +348,7 @@ def half_spaces(speed: float, creepages: tuple[float, ...]) -> list[Row]:
                 rolling=True,
                 interface=closed_forms.interface(of.scene),
                 start=found,
-            )
+            ).found
             rows.append(_falling_row(speed, value, way, found[0]))
     return rows
 

@@ -18,7 +18,7 @@ import numpy as np
 from railhead.contact import closed_forms, solid
 from railhead.geometry.placement import ProfilePair
 from railhead.geometry.profiles import Array, Piece, Profile
-from railhead.half_spaces import pressing
+from railhead.half_spaces.pressing import HalfSpacePair
 from railhead.planning import error_envelopes
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
@@ -174,7 +174,7 @@ within it."""
 def solved(scene: Scene, pair: ProfilePair | None = None) -> BoundaryElementSolution:
     """Boundary-element solution of a scene as half-spaces; pair: profiles, None: the scene's."""
     contact = solid.locate(scene, None if pair is None else (pair, pair))
-    return pressing.solve(contact, closed_forms.ellipse(scene, contact), scene.load)
+    return HalfSpacePair(contact, closed_forms.ellipse(scene, contact)).pressed(scene.load)
 
 
 def contacts(found: BoundaryElementSolution) -> int:

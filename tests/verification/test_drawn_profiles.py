@@ -6,7 +6,7 @@ import pytest
 import railhead as rh
 from railhead.contact import closed_forms, solid
 from railhead.geometry import profiles
-from railhead.half_spaces import pressing
+from railhead.half_spaces.pressing import HalfSpacePair
 from railhead.planning import error_envelopes
 from railhead.scene.scene import Scene
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
@@ -54,7 +54,7 @@ def test_points_of_a_drawing_give_the_answer_of_the_drawing(
 
 def pressed(scene: Scene) -> BoundaryElementSolution:
     contact = solid.locate(scene)
-    return pressing.solve(contact, closed_forms.ellipse(scene, contact), scene.load, 128)
+    return HalfSpacePair(contact, closed_forms.ellipse(scene, contact)).pressed(scene.load, 128)
 
 
 @pytest.mark.parametrize("shift", [1.0, 5.0])

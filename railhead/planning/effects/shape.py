@@ -18,8 +18,8 @@ from railhead.contact.solid import Contact
 from railhead.geometry import wheelset
 from railhead.geometry.outlines import head_depth
 from railhead.geometry.profiles import STANDARD_RAILS
-from railhead.half_spaces import pressing
 from railhead.half_spaces.allowance import Allowance, allowance
+from railhead.half_spaces.surface import develop
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.postprocess.findings import Findings
@@ -135,7 +135,7 @@ def half_space_errors(context: Context) -> dict[str, Allowance]:
     tags = [tag for tag, name in BODY_NAMES.items() if context.decided[f"deformable_{name}"].on]
     solved = context.hertz if context.hertzian else context.boundary_elements
     assert not isinstance(solved, LineContact)
-    return allowance(context.contact, tags, solved, context.twist_change)
+    return allowance(context.half_spaces, tags, solved, context.twist_change)
 
 
 def decide_rail_section(context: Context) -> Effect:
@@ -205,7 +205,7 @@ def decide_surface_shape(context: Context) -> Effect:
     if shape is None or pair is None:
         return Effect.absent(SMOOTH)
     rigid = hertz.approach / math.cos(contact.touch.angle)
-    surface, plain = pressing.develop(contact), pressing.develop(contact.smooth)
+    surface, plain = context.half_spaces.developed, develop(contact.smooth)
     x, s, above = (each.ravel() for each in surface.locus(rigid))
     near = above - above.min() < rigid
     near |= plain.gap(x, s) < rigid

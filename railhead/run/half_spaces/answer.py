@@ -16,9 +16,10 @@ import numpy as np
 from scipy.ndimage import zoom
 
 from railhead.contact import closed_forms, wheelset_kinematics
-from railhead.half_spaces import pressing, shearing
+from railhead.half_spaces import shearing
 from railhead.half_spaces.allowance import added_stress
-from railhead.half_spaces.shearing import PressedPatch
+from railhead.half_spaces.pressing import FINE, Pressed
+from railhead.half_spaces.shearing import PressedPatch, Sheared
 from railhead.planning import effects
 from railhead.planning.context import PostSolveVerdict
 from railhead.planning.effects import interface, shape
@@ -32,16 +33,12 @@ from railhead.run.half_spaces import second_method
 from railhead.run.mesh_solution import MeshSolution, read_friction
 from railhead.run.progress import Progress
 from railhead.scene.quantities import numeric_values
-from railhead.theory.array_types import Array
-from railhead.theory.bem import pressure_solver
-from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.elastic.line import Hertz
 from railhead.theory.friction.rolling import CELLS, TangentialSolution
 from railhead.theory.friction.solution import FrictionSolution
 
 TURNS, BALANCE = 12, 1e-6  # between pressing and shearing; of the load
-NEAR = 0.2  # of a load: half lengths change by 7 %, and grids leave 10 % beside the patch
 CURVED = 0.3  # relative error of stresses over half width times curvature of a body: 0.26 measured
 # Error of pressure and area of unlike bodies over what tractions change of the peak, by whether the
 # contact is a line, whose pressure stays Hertz's. From 64 to 256 cells 0.5 to 1.6 % were measured.
@@ -127,89 +124,59 @@ def _solve(plan: Plan) -> HalfSpaceSolution:
     until the load is met to 1e-6 (BALANCE) of it. Raises ValueError where boundary elements fail,
     or where pressure and tractions find no balance.
     """
-    load = plan.scene.load
-    profiles = alone = _pressed(plan, load)
+    load, pair = plan.scene.load, plan.context.half_spaces
+    pressed = alone = pair.pressure(load)
     rubbed = plan.scene.asks("friction_stresses")
     frictionless = _read(plan, alone, stresses=plan.scene.asks("stresses"))
     if not plan.effects["friction"].on:
         return frictionless
-    angle, (_, _, across) = plan.contact.touch.angle, plan.scene.tangential_forces
-    if load is not None and across * math.sin(angle):  # what a prescribed force carries is known
-        profiles = _again(plan, profiles, load + across * math.sin(angle))
     # A first balance on the coarsest grid is nearly that of the finest.
-    known: dict[int, PatchTractions] = {}
-    alike = profiles is None or load is None  # tractions do not change the pressure
-    turns = [CELLS] if alike else [CELLS[:1], CELLS[-1:]] + [CELLS] * TURNS
+    turns: list[tuple[int, ...]] = [CELLS]  # tractions do not change exact Hertz
+    if load is not None and isinstance(pressed, BoundaryElementSolution):
+        turns = [CELLS[:1], CELLS[-1:]] + [CELLS] * TURNS
+        carried = plan.scene.tangential_forces[2] * math.sin(plan.contact.touch.angle)
+        pressed = pair.near(pressed, load + carried, FINE)  # of a prescribed force it is known
+    known: dict[int, Sheared] = {}
     for counts in turns:
-        pressed = frictionless.load if profiles is None else profiles.load
-        tractions = _tractions(plan, profiles, pressed, counts, known)
-        total = pressed - tractions.upwards
+        sheared = _tractions(plan, pressed, counts, known)
+        total = pressed.load - sheared.upwards
         if total <= 0:
             break
         met = load is None or abs(total - load) <= BALANCE * load
         if met and counts == CELLS:
             plain = frictionless
             if not (plan.context.tangential_pair.like or plan.contact.line):
-                plain = _read(plan, tractions.solution(plan), stresses=rubbed)
-            elif profiles is not alone or rubbed > plan.scene.asks("stresses"):
-                plain = _read(plan, profiles, stresses=rubbed)
-            return replace(_with_friction(plain, tractions), elastic_reference=frictionless)
-        if load is not None:
-            profiles = _again(plan, profiles, pressed * load / total)
+                plain = _read(plan, sheared.pressure(plan.hertz.contact_modulus), stresses=rubbed)
+            elif pressed is not alone or rubbed > plan.scene.asks("stresses"):
+                plain = _read(plan, pressed, stresses=rubbed)
+            return replace(_with_friction(plain, sheared), elastic_reference=frictionless)
+        if load is not None and isinstance(pressed, BoundaryElementSolution):
+            pressed = pair.near(pressed, pressed.load * load / total, FINE)
     raise ValueError("no pressure balances the load beside the tractions")
 
 
-def _pressed(plan: Plan, load: float | None) -> BoundaryElementSolution | None:
-    """Boundary elements of the profiles of a plan under a vertical load (N), None for the approach
-    of the scene; None between half-spaces, whose pressure is Hertz's. Raises ValueError where they
-    fail.
-    """
-    if plan.contact.half_space:
-        return None
-    known = plan.context.boundary_elements if load == plan.scene.load else None
-    return pressing.solve(plan.contact, plan.hertz, load, shearing.CELLS, known)
-
-
-def _again(
-    plan: Plan, profiles: BoundaryElementSolution | None, load: float
-) -> BoundaryElementSolution | None:
-    """The boundary elements of `_pressed` under another vertical load (N): on the same grids, if it
-    is nearly the same load (NEAR).
-    """
-    if profiles is None or abs(load / profiles.load - 1) > NEAR:
-        return _pressed(plan, load)
-    if abs(load / profiles.load - 1) < BALANCE / 10:
-        return profiles
-    return pressure_solver.under_load(profiles, load, pressing.TOLERANCE)
-
-
-def _read(
-    plan: Plan, profiles: BoundaryElementSolution | None, *, stresses: bool
-) -> HalfSpaceSolution:
+def _read(plan: Plan, pressed: Pressed, *, stresses: bool) -> HalfSpaceSolution:
     """The solution of a pressure with the quantities read from it, without tractions. Load and
-    approach are those along the vertical. profiles: boundary elements; None: Hertz's pressure.
-    stresses: whether these are searched.
+    approach are those along the vertical. stresses: whether these are searched.
     """
     contact, hertz = plan.contact, plan.hertz
-    cosine = math.cos(contact.touch.angle)
     poisson = plan.poisson_ratios if stresses else {}
-    if profiles is None:
-        grid = {}
-        found = half_space.of_hertz(hertz, contact.frame, poisson, section=plan.plane_model)
-        pressed, approach = hertz.load * cosine, hertz.approach / cosine
-    else:
-        points = shearing.surface(contact)
-        values = compare.from_half_space(profiles, points, contact.touch.angle)
-        found = half_space.of_boundary_elements(profiles, values, points, contact.frame, poisson)
+    grid: dict[str, float] = {}
+    if isinstance(pressed, BoundaryElementSolution):
+        points = plan.context.half_spaces.surface.points
+        values = compare.from_half_space(pressed, points, contact.touch.angle)
+        found = half_space.of_boundary_elements(pressed, values, points, contact.frame, poisson)
         found = replace(found, edge_distance=_edge_distance(plan, found))
-        pressed, approach, grid = profiles.load, profiles.approach, values.get("grid_error", {})
-    result = compare.from_findings(found, pressed, approach)
+        grid = values.get("grid_error", {})
+    else:
+        found = half_space.of_hertz(hertz, contact.frame, poisson, section=plan.plane_model)
+    result = compare.from_findings(found, pressed.load, pressed.approach)
     return HalfSpaceSolution(
         plan=plan,
         ellipse=hertz,
         findings=found,
         result=result,
-        error_parts=_error_parts(plan, result, grid, profiles, hertzian=found.hertzian),
+        error_parts=_error_parts(plan, result, grid, pressed, hertzian=found.hertzian),
     )
 
 
@@ -228,17 +195,17 @@ def _error_parts(
     plan: Plan,
     result: Mapping[str, Any],
     grid: Mapping[str, float],
-    profiles: BoundaryElementSolution | None,
+    pressed: Pressed,
     *,
     hertzian: bool,
 ) -> Parts:
     """Error estimates of all quantities that have one. Exact Hertz between half-spaces has no
     error; the approach by boundary elements, and depths, have no estimate.
 
-    grid: errors of the grid by key. profiles: boundary elements; None: Hertz's pressure.
+    grid: errors of the grid by key. pressed: the pressure that was read.
     hertzian: whether the patch is nearly an ellipse; else its half lengths have no estimate.
     """
-    if profiles is None:
+    if not isinstance(pressed, BoundaryElementSolution):
         exact = numeric_values(result)
         exact.pop(plan.contact.prescribed_length or "", None)
         return {key: {"exact": 0.0} for key in exact}
@@ -257,7 +224,8 @@ def _error_parts(
             parts[key]["profile"] = plan.profile_error
     if not (ends and "stress" in result):
         return parts
-    more, touch = added_stress(plan.contact, plan.deformable, profiles), plan.contact.touch
+    more = added_stress(plan.context.half_spaces, plan.deformable, pressed)
+    touch = plan.contact.touch
     curvature = max(abs(touch.rail_curvature), abs(touch.wheel_curvatures[1]))
     for key in STRESSES:
         parts[key]["faces"] = more / result["stress"][key]
@@ -265,14 +233,14 @@ def _error_parts(
     return parts
 
 
-def _with_friction(plain: HalfSpaceSolution, sheared: PatchTractions) -> HalfSpaceSolution:
+def _with_friction(plain: HalfSpaceSolution, sheared: Sheared) -> HalfSpaceSolution:
     """A frictionless solution with tractions on it; its load is what both carry.
     `elastic_reference` is not set here.
     """
     plan, scene = plain.plan, plain.plan.scene
     assert plain.findings is not None and plain.result is not None
     found, result = plain.findings, plain.result
-    points = shearing.surface(plan.contact)
+    points = plan.context.half_spaces.surface.points
     solution = _at_cells(plan, sheared, points)
     rolls, unlike = scene.rolling.prescribed, interface.unlike(plan.context)
     assert sheared.coarse is not None
@@ -321,87 +289,26 @@ def _with_friction(plain: HalfSpaceSolution, sheared: PatchTractions) -> HalfSpa
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class PatchTractions:
-    """Tractions on pressed patches of half-spaces.
-
-    patches: the pressed patches.
-    found: the tractions of each.
-    scale: factor on areas and forces: load of the contact over that of the patches, as the strip of
-        a line contact is longer than the contact; else about 1.
-    coarse: the same on a grid of half as many cells each way; None on that grid itself.
-    """
-
-    patches: Sequence[PressedPatch]
-    found: Sequence[TangentialSolution]
-    scale: float
-    coarse: PatchTractions | None = None
-
-    @property
-    def stressed(self) -> list[tuple[PatchSolution, Array]]:
-        """Pressure with cells that the edge cuts, and tractions (2, nx, ns), MPa, of each patch."""
-        pairs = zip(self.patches, self.found, strict=True)
-        return [
-            (replace(each.pressed, pressure=solved.pressure), solved.traction)
-            for each, solved in pairs
-        ]
-
-    def solution(self, plan: Plan) -> BoundaryElementSolution:
-        """The pressure beside the tractions, by the contact modulus of a plan, and that of the
-        coarser grid; its gap is not known (NaN).
-        """
-        windows = tuple(replace(each, gap=math.nan * each.gap) for each, _ in self.stressed)
-        coarse = None if self.coarse is None else self.coarse.solution(plan)
-        return BoundaryElementSolution(windows, plan.hertz.contact_modulus, coarse)
-
-    @property
-    def upwards(self) -> float:
-        """Vertical component of the tractions of the wheel on the rail, N, positive upwards; the
-        load is that of the pressure less this.
-        """
-        pairs = zip(self.patches, self.found, strict=True)
-        return self.scale * sum(
-            each.cell * float((each.traction[1] * np.sin(patch.pressed.angle)).sum())
-            for patch, each in pairs
-        )
-
-
 def _tractions(
-    plan: Plan,
-    profiles: BoundaryElementSolution | None,
-    load: float,
-    counts: Sequence[int],
-    known: dict[int, PatchTractions],
-) -> PatchTractions:
-    """Tractions of half-spaces pressed by a vertical load (N), at the creepages or forces of a
-    plan. Raises ValueError where patches or tractions are not found.
+    plan: Plan, pressed: Pressed, counts: Sequence[int], known: dict[int, Sheared]
+) -> Sheared:
+    """Tractions of half-spaces under a known pressure, at the creepages or forces of a plan. Raises
+    ValueError where patches or tractions are not found.
 
-    profiles: boundary elements of the profiles; None between half-spaces. counts: cells along each
-        axis of the grids, coarsest first. known: by these numbers, tractions under nearly the same
-        load, from which the iterations start; those that are found take their places.
+    counts: cells along each axis of the grids, coarsest first. known: by these numbers, tractions
+        under nearly the same pressure, from which the iterations start; those that are found take
+        their places.
     """
-    scene, contact = plan.scene, plan.contact
+    scene, pair, found = plan.scene, plan.context.tangential_pair, None
     table = scene.rolling if scene.rolling.prescribed else scene.friction
-    pair = plan.context.tangential_pair
-
-    def on_grid(cells: int, start: PatchTractions | None) -> PatchTractions:
-        """Tractions on a grid of `cells` cells along each axis; start: from which the iterations
-        begin, if these are as many patches; None: from none.
-        """
-        patches = shearing.patches(
-            contact,
-            plan.hertz,
-            hertzian=False,
-            load=load,
-            cells=cells,
-            like=pair.like,
-            profiles=profiles,
-        )
-        longer = sum(each.pressed.load for each in patches) / load
+    for cells in counts:
+        patches = shearing.patches(plan.context.half_spaces, pressed, cells, like=pair.like)
+        longer = sum(each.pressed.load for each in patches) / pressed.load
         along, across = (
             None if force is None else longer * force
             for force in (table.force_along, table.force_across)
         )
+        start = known.get(cells) or found or next(iter(known.values()), None)
         sheared = shearing.shear(
             patches,
             pair,
@@ -411,12 +318,7 @@ def _tractions(
             interface=closed_forms.interface(scene),
             start=_onto(None if start is None else start.found, patches),
         )
-        return PatchTractions(patches=patches, found=sheared, scale=1 / longer)
-
-    found = None
-    for cells in counts:
-        start = known.get(cells) or found or next(iter(known.values()), None)
-        found = known[cells] = replace(on_grid(cells, start), coarse=found)
+        found = known[cells] = replace(sheared, scale=1 / longer, coarse=found)
     assert found is not None
     return found
 
@@ -443,9 +345,7 @@ def _onto(
     return placed
 
 
-def _at_cells(
-    plan: Plan, sheared: PatchTractions, points: half_space.SurfaceMap
-) -> FrictionSolution:
+def _at_cells(plan: Plan, sheared: Sheared, points: half_space.SurfaceMap) -> FrictionSolution:
     """Tractions at the cells that touch, in the form of those of finite elements, with forces
     along, across and moment of the wheel on the rail, and those of coarser grids.
     points: maps x, s (n,) to points (n, 3) on the rail's surface, mm.
@@ -460,7 +360,7 @@ def _at_cells(
     touches = [each.pressure > 0 for each in found]
     centred = plan.scene.rolling.prescribed and plan.context.tangential_pair.like
     solution = friction.at_cells(found, places, tangents, touches, sheared.scale, centred=centred)
-    along, across, moment = sheared.scale * np.sum([each.forces for each in found], axis=0)
+    along, across, moment = sheared.forces
     coarse = None if sheared.coarse is None else _at_cells(plan, sheared.coarse, points)
     turns = 0.0 if plan.contact.line else float(moment)  # a strip's arms only magnify rounding
     return replace(solution, force=(float(along), float(across)), moment=turns, coarse=coarse)

@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicSpline, LinearNDInterpolator
 
-from railhead.half_spaces import pass_contact, pressing
+from railhead.half_spaces import pass_contact
 from railhead.half_spaces.pass_contact import RollingContact
-from railhead.half_spaces.pressing import Developed
+from railhead.half_spaces.surface import Developed
 from railhead.planning.context import Context
 from railhead.planning.effects import interface
 from railhead.planning.effects.passes import line_limit
@@ -269,8 +269,8 @@ def _of_scene(
             bound = coefficient * contact.pressure
             contact = _with_tractions(solved, contact, bound, x, y, friction.traction[:, :2])
         return contact, (hertz.a, hertz.b), not plan.scene.asymmetric_friction[1], None
-    surface = pressing.develop(plan.contact)
-    found = pressing.solve(plan.contact, hertz, load or solved.load)
+    pair = plan.context.half_spaces
+    surface, found = pair.developed, pair.pressed(load or solved.load)
     if len(found.patches) > 1:
         raise ValueError("there are several patches; passes know one")
     patch = found.patches[0]

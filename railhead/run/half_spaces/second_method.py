@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from railhead.contact import closed_forms
-from railhead.half_spaces import allowance, pressing, shearing
+from railhead.half_spaces import allowance, shearing
+from railhead.half_spaces.pressing import FINE
 from railhead.half_spaces.shearing import SEVERAL, PressedPatch, shear
 from railhead.meshing.bodies import RAIL
 from railhead.planning.effects import interface
@@ -61,7 +62,8 @@ def solve(solved: MeshSolution) -> BoundaryElementSolution | str | None:
     if contact.half_space or contact.line or solved.findings is None:
         return None
     try:
-        return pressing.solve(contact, solved.ellipse, solved.solution.load, shearing.CELLS)
+        pair, load = solved.plan.context.half_spaces, solved.plan.scene.load
+        return pair.pressed(load or solved.solution.load, FINE)
     except ValueError as error:
         return f"boundary elements: {error}"
 
@@ -78,13 +80,13 @@ def half_space(
         return None
     if isinstance(solution, str):
         return {"reason": solution}
-    points, plane = pressing.develop(contact).points, contact.touch.angle
-    quantities = compare.from_half_space(solution, points, plane)
+    pair = solved.plan.context.half_spaces
+    quantities = compare.from_half_space(solution, pair.developed.points, contact.touch.angle)
     try:
         twist = twist_change(solved)
     except ValueError as error:
         return {**quantities, "allowance": {"reason": f"twist: {error}"}}
-    allowed = allowance.allowance(contact, solved.plan.deformable, solution, twist)
+    allowed = allowance.allowance(pair, solved.plan.deformable, solution, twist)
     if found.hertzian:  # half lengths are those of ellipses
         allowed |= dict.fromkeys(("a_mm", "b_mm"), allowed["area_mm2"])
     return {**quantities, "allowance": allowed}
@@ -98,7 +100,8 @@ def twist_change(solved: MeshSolution) -> float:
     contact, moved = solved.plan.contact, motion(solved)
     if contact.why_asymmetric_in_y() is None:
         return 0.0
-    return allowance.change(contact, solved.plan.context.boundary_elements, *moved)
+    context = solved.plan.context
+    return allowance.change(context.half_spaces, context.boundary_elements, *moved)
 
 
 def motion(solved: MeshSolution) -> tuple[float, float]:
@@ -138,14 +141,11 @@ def half_space_friction(
 
     def patches(cells: int) -> Sequence[PressedPatch]:
         """The patches on a grid of `cells` cells along each axis."""
+        pressed = solve(solved) if profiles is None else profiles
+        if isinstance(pressed, str):
+            raise ValueError(pressed)
         return shearing.patches(
-            plan.contact,
-            solved.ellipse,
-            hertzian=findings.hertzian,
-            load=solved.solution.load,
-            cells=cells,
-            like=pair.like,
-            profiles=profiles,
+            plan.context.half_spaces, pressed or solved.ellipse, cells, like=pair.like
         )
 
     if not (pair.like or rolling):
@@ -261,15 +261,13 @@ def _on_grid(plan: Plan, found: FrictionSolution, patches: Sequence[PressedPatch
         interface=closed_forms.interface(plan.scene),
     )
     # The normal forces differ by what the finite bodies do.
-    scale = found.friction_limit / sum(each.limit for each in sheared)
-    forces = scale * np.sum([each.forces for each in sheared], axis=0)
-    sticks, touches = np.sum([each.areas for each in sheared], axis=0)
-    largest = max(float(np.linalg.norm(each.traction, axis=0).max()) for each in sheared)
-    out = _by_key(forces, sticks / touches) | {"traction_max_MPa": largest}
+    scale = found.friction_limit / sheared.limit
+    largest = max(float(np.linalg.norm(each.traction, axis=0).max()) for each in sheared.found)
+    out = _by_key(scale * sheared.forces, sheared.stick_share) | {"traction_max_MPa": largest}
     if rolling and pair.like:
-        out["t_gamma_N"] = scale * sum(each.t_gamma for each in sheared)
+        out["t_gamma_N"] = scale * sum(each.t_gamma for each in sheared.found)
     elif not rolling and plan.contact.solid_half_space:
-        shift = sheared[0].creepage
+        shift = sheared.found[0].creepage
         out |= {"shift_along_mm": scale * shift.along, "shift_across_mm": scale * shift.across}
     return out
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from railhead.half_spaces import pressing
+from railhead.half_spaces.pressing import HalfSpacePair
 
 
 @pytest.fixture
@@ -12,4 +12,4 @@ def half_spaces_fail(monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(*_: object) -> None:
         raise ValueError("no bounded contact found")
 
-    monkeypatch.setattr(pressing, "solve", fail)
+    monkeypatch.setattr(HalfSpacePair, "solve", fail)

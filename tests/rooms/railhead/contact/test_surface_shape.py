@@ -9,7 +9,7 @@ from one_line import refusal
 from scipy.optimize import minimize_scalar
 
 from railhead.contact import solid
-from railhead.half_spaces.pressing import develop
+from railhead.half_spaces.surface import develop
 from railhead.planning import simulation_plan
 from railhead.scene.scene import Scene, SceneError
 

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 import railhead as rh
 from railhead.contact import solid, wheelset_kinematics
 from railhead.contact.solid import Contact, place
-from railhead.half_spaces import pressing, shearing
+from railhead.half_spaces import shearing
 from railhead.planning import simulation_plan as planning
 from railhead.run import model_setup
 from railhead.run.half_spaces.second_method import solve_by_boundary_elements
@@ -141,10 +141,8 @@ def test_patches_and_a_flange_roll_as_half_spaces_do(shift: float, patches: int)
     """Tread and gauge corner, and a flange root 25 degrees wide: the second opinion beside
     half-spaces under the same pressures with a slip of their own."""
     plan = loaded(shift)
-    known = pressing.solve(plan.contact, plan.hertz, 80e3, 32)
-    pressed = shearing.patches(
-        plan.contact, plan.hertz, hertzian=False, load=80e3, cells=32, profiles=known
-    )
+    pair = plan.context.half_spaces
+    pressed = shearing.patches(pair, pair.pressed(80e3, 32), 32)
     rolled = independent(plan.contact, [each.pressed for each in pressed], 460.0)
     assert len(pressed) == patches
     moves = wheelset_kinematics.wheelset_creepage(plan.contact).creepage
@@ -174,12 +172,8 @@ def test_finite_elements_roll_as_half_spaces_do(shift: float) -> None:
     """The same two, whole: forces within 0.02 mu N of half-spaces with a slip of their own."""
     found = rh.solve(loaded(shift, mesh={"patch_size": 1.5}).scene, quiet=True)
     contact, answer = found.mesh_solution.plan.contact, found.as_dict()["result"]["friction"]
-    known = pressing.solve(
-        contact, found.mesh_solution.ellipse, found.mesh_solution.solution.load, 64
-    )
-    pressed = shearing.patches(
-        contact, found.mesh_solution.ellipse, hertzian=False, load=80e3, cells=64, profiles=known
-    )
+    pair = found.mesh_solution.plan.context.half_spaces
+    pressed = shearing.patches(pair, pair.pressed(80e3), 64)
     rolled = independent(contact, [each.pressed for each in pressed], 460.0)
     for name in FORCES:
         assert answer[name] / answer["limit_N"] == pytest.approx(rolled[name], abs=0.02)

@@ -4,7 +4,6 @@ import pytest
 from solved import planned
 
 from railhead.cases.s1002_60e1 import SCENE as MANCHESTER
-from railhead.half_spaces import pressing
 from railhead.half_spaces.allowance import Allowance, allowance
 from railhead.planning import simulation_plan as planning
 from railhead.results import pipeline
@@ -14,8 +13,8 @@ from railhead.theory.elastic.hertz import Ellipse
 
 def allowed(scene, twist: float = 0.0) -> dict[str, Allowance]:
     plan = planned(scene)
-    found = pressing.solve(plan.contact, plan.hertz, scene.load, 64)
-    return allowance(plan.contact, plan.deformable, found, twist)
+    context = plan.context
+    return allowance(context.half_spaces, plan.deformable, context.boundary_elements, twist)
 
 
 def thesis(*assignments: str) -> dict[str, Allowance]:
@@ -79,7 +78,7 @@ def test_a_twist_counts_where_it_changes_the_patch() -> None:
 def test_exact_hertz_is_allowed_what_boundary_elements_are() -> None:
     plan = planning.make(catalogue.find("uic54_thesis"))
     assert isinstance(plan.hertz, Ellipse)
-    exact = allowance(plan.contact, plan.deformable, plan.hertz, 0.0)
+    exact = allowance(plan.context.half_spaces, plan.deformable, plan.hertz, 0.0)
     for key, each in thesis().items():
         assert exact[key]["size"] == pytest.approx(each["size"], rel=0.05)
         assert exact[key]["conformity"] == pytest.approx(each["conformity"], rel=0.1)

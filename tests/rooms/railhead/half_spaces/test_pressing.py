@@ -10,6 +10,8 @@ import pytest
 from railhead.cases.s1002_60e1 import SCENE as MANCHESTER
 from railhead.contact import closed_forms, solid
 from railhead.half_spaces import pressing
+from railhead.half_spaces.pressing import HalfSpacePair
+from railhead.half_spaces.surface import develop
 from railhead.postprocess.patch import compare
 from railhead.run.half_spaces.second_method import half_space, solve
 from railhead.run.mesh_solution import MeshSolution
@@ -29,14 +31,13 @@ def located(scene):
 
 
 def solved(scene, cells: int = 64):
-    return pressing.solve(*located(scene), scene.load, cells)
+    return HalfSpacePair(*located(scene)).pressed(scene.load, cells)
 
 
 def second_opinion(scene) -> dict[str, Any]:
-    contact, ellipse = located(scene)
-    solution = pressing.solve(contact, ellipse, scene.load, 128)
-    points = pressing.develop(contact).points
-    return compare.from_half_space(solution, points, contact.touch.angle)
+    pair = HalfSpacePair(*located(scene))
+    found = pair.pressed(scene.load, 128)
+    return compare.from_half_space(found, pair.surface.points, pair.contact.touch.angle)
 
 
 def test_a_patch_seen_from_two_planes_is_counted_once() -> None:
@@ -68,7 +69,7 @@ def test_one_ellipse_is_hertz() -> None:
     """A wheel on a crown of one radius, on a slope: the load's normal part and Hertz's ellipse."""
     scene = thesis("rail.profile=arc", "rail.crown_radius=80", "rail.inclination=1:20")
     contact, ellipse = located(scene)
-    found = pressing.solve(contact, ellipse, scene.load, 128)
+    found = solved(scene, 128)
     assert found.max_pressure == pytest.approx(ellipse.p0, rel=2e-3)
     assert found.area == pytest.approx(ellipse.area, rel=3e-3)
     assert found.approach * math.cos(contact.touch.angle) == pytest.approx(
@@ -114,16 +115,16 @@ def test_a_patch_that_was_not_looked_for_is_found(monkeypatch: pytest.MonkeyPatc
 )
 def test_second_opinion_does_not_hang_on_its_grid(assignments: tuple[str, ...], finer: int) -> None:
     """Tread, gauge corner and flange: 128 cells against two and four times as many, within 1 %."""
-    contact, ellipse = located(MANCHESTER.replace(assignments))
-    load = contact.scene.load
-    found, fine = (pressing.solve(contact, ellipse, load, cells) for cells in (128, finer))
+    pair = HalfSpacePair(*located(MANCHESTER.replace(assignments)))
+    load = pair.contact.scene.load
+    found, fine = (pair.pressed(load, cells) for cells in (128, finer))
     assert found.max_pressure == pytest.approx(fine.max_pressure, rel=0.01)
     assert found.area == pytest.approx(fine.area, rel=0.01)
 
 
 def test_developed_rail_keeps_lengths_and_normals() -> None:
     scene = thesis("rail.profile=arc", "rail.crown_radius=80", "wheelset.shift=3")
-    surface = pressing.develop(solid.locate(scene))
+    surface = develop(solid.locate(scene))
     s = np.linspace(-20, 20, 41)
     points, angle = surface.points(0 * s, s), surface.angle(s)
     turn = np.arcsin(points[:, 1] / 80)
@@ -135,7 +136,9 @@ def test_developed_rail_keeps_lengths_and_normals() -> None:
 
 def test_a_second_opinion_that_fails_says_why(half_spaces_fail) -> None:
     contact, ellipse = located(MANCHESTER)
-    plan, load = SimpleNamespace(contact=contact), SimpleNamespace(load=10e3)
+    context = SimpleNamespace(half_spaces=HalfSpacePair(contact, ellipse))
+    plan = SimpleNamespace(contact=contact, context=context, scene=contact.scene)
+    load = SimpleNamespace(load=10e3)
     mesh_solution = SimpleNamespace(plan=plan, solution=load, ellipse=ellipse, findings=object())
     found = half_space(cast(MeshSolution, mesh_solution), solve(cast(MeshSolution, mesh_solution)))
     assert found == {"reason": "boundary elements: no bounded contact found"}

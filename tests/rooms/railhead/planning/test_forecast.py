@@ -7,7 +7,6 @@ import pytest
 from solved import planned
 
 from railhead.cases.s1002_60e1 import SCENE as MANCHESTER
-from railhead.half_spaces import pressing
 from railhead.planning import forecast
 from railhead.planning import simulation_plan as planning
 from railhead.theory.elastic.hertz import Ellipse
@@ -26,7 +25,7 @@ def test_manchester_patch_has_two_lobes_and_the_published_pressure_and_area() ->
     """CONTACT (A-2.2, central): 338.3 MPa, 51.64 mm2 counted in cells, approach 0.01596 mm."""
     plan = planned(MANCHESTER)
     assert isinstance(plan.hertz, Ellipse)
-    patch = pressing.solve(plan.contact, plan.hertz, MANCHESTER.load, 128)
+    patch = plan.context.half_spaces.pressed(MANCHESTER.load, 128)
     assert patch.max_pressure == pytest.approx(338.3, rel=0.01)
     assert patch.area == pytest.approx(51.64, rel=0.04)
     assert patch.approach == pytest.approx(0.01596, rel=0.01)

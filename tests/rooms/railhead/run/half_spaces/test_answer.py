@@ -12,7 +12,7 @@ from csv_rows import rows
 from solved import planned
 
 import railhead as rh
-from railhead.half_spaces import pressing
+from railhead.half_spaces.pressing import HalfSpacePair
 from railhead.run import mesh_solution
 from railhead.scene import quantities
 from railhead.theory.bem import grid_stress, pressure_solver
@@ -289,8 +289,8 @@ def test_what_a_position_solves(monkeypatch) -> None:
     """The load was once never met, as each pressing found other grids."""
     calls = Counter()
     for module, name in (
-        (pressing, "solve"), (coulomb_solver.CoulombSolver, "solve"),
-        (pressure_solver, "_sample"), (pressure_solver, "equilibrium"), (grid_stress, "stress"),
+        (HalfSpacePair, "solve"), (coulomb_solver.CoulombSolver, "solve"),
+        (pressure_solver, "_sample"), (pressure_solver, "equilibrium"), (grid_stress, "below"),
         (coulomb_solver, "gmres"), (tangential.TractionInfluence, "__call__"),
     ):  # fmt: skip
         work = getattr(module, name)
@@ -306,7 +306,7 @@ def test_what_a_position_solves(monkeypatch) -> None:
     assert calls["solve"] == 3 + 5  # and tractions: on 16 cells, on 64, then on 16, 32 and 64
     assert calls["_sample"] == 5
     assert calls["equilibrium"] == 5 + 2 * 2  # under two more loads, on the finer grids and below
-    assert calls["stress"] == 0
+    assert calls["below"] == 0
     assert calls["gmres"] <= 25
     assert calls["__call__"] <= 420  # with the products of the preconditioner
 

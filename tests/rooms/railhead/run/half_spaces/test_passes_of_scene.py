@@ -8,7 +8,8 @@ from solved import planned, scene_of
 
 import railhead as rh
 from railhead.contact import solid
-from railhead.half_spaces import pass_contact, pressing
+from railhead.half_spaces import pass_contact
+from railhead.half_spaces.surface import develop
 from railhead.postprocess.pass_rows import Passes, RailState
 from railhead.results import pipeline
 from railhead.run.half_spaces import passes_of_scene
@@ -29,7 +30,7 @@ def test_the_profile_with_its_groove_is_read_as_it_was_laid(profile, inclination
     """A groove of 20 um, 5 mm beside the crown, comes back within 1 um, and nothing elsewhere."""
     keys = [f"rail.profile={profile}", f"rail.inclination={inclination}", "rail.extent=head"]
     scene = rh.find("uic54_22t5_axle").replace(keys)
-    surface = pressing.develop(solid.locate(scene))
+    surface = develop(solid.locate(scene))
     centre = float(np.interp(5.0, surface.y, surface.s))
     laid = passes_of_scene.groove_on_profile(surface, centre, inclination)
     across = np.linspace(-60.0, 60.0, 121)

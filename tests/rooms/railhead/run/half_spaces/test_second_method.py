@@ -32,9 +32,7 @@ def ellipse(*keys: str) -> planning.Plan:
 
 def hertz(plan: planning.Plan, cells: int):
     like = plan.context.tangential_pair.like
-    return shearing.patches(
-        plan.contact, plan.hertz, hertzian=True, load=25e3, cells=cells, like=like
-    )
+    return shearing.patches(plan.context.half_spaces, plan.hertz, cells, like=like)
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +47,8 @@ def two() -> planning.Plan:
 
 @pytest.fixture(scope="module")
 def patches(two: planning.Plan):
-    return shearing.patches(two.contact, two.hertz, hertzian=False, load=1e4, cells=32)
+    pair = two.context.half_spaces
+    return shearing.patches(pair, pair.pressure(1e4), 32)
 
 
 def test_boundary_elements_shift_as_mindlin() -> None:
@@ -74,10 +73,8 @@ def test_what_sticks_in_any_patch_is_the_patch_of_the_force_that_is_left() -> No
     sticks (Ciavarella 1998, Jaeger 1998)."""
     scene = rh.find("s1002_60e1").replace(effects={"plasticity": "off"})
     plan = planning.make(scene.replace(friction={"coefficient": MU}))
-    whole, half = (
-        shearing.patches(plan.contact, plan.hertz, hertzian=False, load=load, cells=48)
-        for load in (1e4, 5e3)
-    )
+    pair = plan.context.half_spaces
+    whole, half = (shearing.patches(pair, pair.pressure(load), 48) for load in (1e4, 5e3))
     limit = MU * whole[0].pressed.force
     found = friction_found(limit, force=(0.5 * limit, 0.0))
     answer = solve_by_boundary_elements(plan, found, lambda cells: whole, (24, 48))
