@@ -1,4 +1,4 @@
-"""Constants in `planning/data` that plans and estimates rest on, from runs.
+"""Constants that plans and estimates rest on, from runs: `planning/data`, `half_spaces/data`.
 
 laws.json: error envelopes by family.
 cells.json: unknowns per predicted cell. A prediction is the integral of the element density times
@@ -7,7 +7,7 @@ cells.json: unknowns per predicted cell. A prediction is the integral of the ele
 twist.json: how far a load beside the web twists a rail. The head of a metre of rail on a held foot
     is solved under a wheel at some inclinations. The rotation of its flanks at the wheel is
     C M / E, M the moment of the contact force about the centre that they turn about (see
-    `railhead.planning.references.allowance`).
+    `railhead.half_spaces.allowance`).
 """
 
 import itertools

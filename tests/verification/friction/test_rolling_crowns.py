@@ -8,7 +8,8 @@ from friction_cases import MU, friction_found
 
 import railhead as rh
 from railhead.contact import wheelset_kinematics
-from railhead.half_spaces import pressing, shearing
+from railhead.half_spaces import shearing
+from railhead.half_spaces.surface import develop
 from railhead.planning import simulation_plan as planning
 from railhead.run.half_spaces.second_method import solve_by_boundary_elements
 
@@ -97,9 +98,7 @@ def test_crowns_roll_by_the_wheels_radius_when_pressed(crown: float, tread: floa
     answer = solve_by_boundary_elements(
         made,
         friction_found(MU * load, CREEPAGE),
-        lambda cells: shearing.patches(
-            made.contact, made.hertz, hertzian=True, load=load, cells=cells
-        ),
+        lambda cells: shearing.patches(made.context.half_spaces, made.hertz, cells),
         (16, 32),
     )
     assert answer["force_along_N"] == pytest.approx(expected[0], abs=1e-3 * MU * load)
@@ -117,12 +116,12 @@ def test_the_wheels_own_displacement_moves_its_points(
     the compliance. Finite elements, whose strains hold that displacement, have the tread's h."""
     made = plan(300.0, -900.0, rail=rail, wheel=wheel)
     x, s = np.array([-3.0, 0.0, 2.0]), np.linspace(-4, 4, 161)
-    slip = pressing.develop(made.contact).slip(x, s)
+    slip = develop(made.contact).slip(x, s)
     lower, upper = (math.copysign(1, r) * (r**2 - s**2) ** 0.5 - r for r in (300.0, 900.0))
     height = share * lower + (1 - share) * upper
     bent = np.gradient(height, s)
     np.testing.assert_allclose(slip[3, 0, 1], height / RADIUS, atol=2e-8)
     np.testing.assert_allclose(slip[3, 1], -x[:, None] * bent / RADIUS, atol=1e-6)
-    points = pressing.develop(made.contact).points(0 * s, s)
+    points = develop(made.contact).points(0 * s, s)
     still = wheelset_kinematics.rigid_slip(made.contact)(points)
     np.testing.assert_allclose(still[3, :, 0], upper / RADIUS, atol=2e-8)
