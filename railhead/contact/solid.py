@@ -138,7 +138,7 @@ class FreeAxle:
     turning: radius R by which it turns, mm: the axle moves by R in one radian.
     torque: moment of the creep forces of both wheels about the axle that is left, over mu N R;
         infinite where no motion was found.
-    solves: number of motions at which the tractions were solved.
+    solves: number of pressures at which the tractions were solved.
     reason: why no motion was found; empty where one was.
     """
 
@@ -153,10 +153,10 @@ class FreeAxle:
         if self.reason:
             return f"the mean of both wheels' as none without torque was found: {self.reason}"
         left = f"{self.torque:.1g} mu N R is left of both wheels' moments about it"
-        return f"found in {self.solves} solutions; {left}"
+        return f"found in {self.solves} pressings; {left}"
 
     def summary(self) -> dict[str, Any]:
-        """Entries of summary.json: torque over mu N R, and number of motions that were solved."""
+        """Entries of summary.json: torque over mu N R, and number of pressures that were solved."""
         return {"axle_torque": self.torque, "axle_solves": self.solves}
 
 
