@@ -63,12 +63,12 @@ pip-check: setup
 deb: setup
 	./deb.sh
 
-# mypy and import-linter see the rooms as one package: a folder of links.
+# mypy and import-linter see the rooms as one package: a folder of links. Types hold under one numpy, whatever Debian has.
 lint: setup
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
 	rm -rf .built && mkdir -p .built/railhead
 	ln -s $(CURDIR)/railhead/* $(addprefix $(CURDIR)/,$(ROOMS)) .built/railhead
 	ln -s $(CURDIR)/studies .built
-	MYPYPATH=.built .venv/bin/mypy -p railhead -p studies
+	MYPYPATH=.built:.venv/stubs .venv/bin/mypy -p railhead -p studies
 	cd .built && ../.venv/bin/lint-imports --config ../pyproject.toml --no-cache && cd ..

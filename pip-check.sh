@@ -1,7 +1,8 @@
 #!/bin/sh
 # Show that `pip install "railhead-contact[dolfinx]"` works where nothing of the system is used: sdist and wheel pass
-# twine's check, the wheel is installed beside dolfinx from PyPI into an empty environment of Python 3.12 or later, two
-# cases and two ranks run there, and their numbers are those of .venv to 1e-5.
+# twine's check, the wheel is installed beside dolfinx from PyPI into an empty environment of the newest Python here (3.12
+# or later), numbers of two
+# cases and two ranks are those of .venv to 1e-5, and the tests of this checkout run there.
 set -eu
 cd "$(dirname "$0")"
 
@@ -45,3 +46,6 @@ for case in ("uic54_thesis", "long_roller", "ranks"):
         print(f"{case:14s} {key:12s} pip {a:.8g}  Debian {b:.8g}  {a / b - 1:+.1e}")
 sys.exit(off > 1e-5)
 END
+cd ../..
+"$work/venv/bin/pip" install -q -e '.[dolfinx,dev]'
+"$work/venv/bin/python" -m pytest -n 2 --dist worksteal

@@ -30,5 +30,8 @@ if [ "$(cat .venv/installed 2>/dev/null || true)" != "$stamp" ]; then
     /usr/bin/python3 -c 'import numpy, scipy; print(f"numpy=={numpy.__version__}\nscipy=={scipy.__version__}")' \
         > .venv/constraints.txt
     .venv/bin/python -m pip install -q -c .venv/constraints.txt -e '.[dev]'
+    # mypy checks types by the stubs of one numpy, that of Debian 12.
+    .venv/bin/python -m pip install -q --upgrade --no-deps --only-binary=:all: --python-version 3.11 \
+        --target .venv/stubs numpy==1.24.4
     printf '%s' "$stamp" > .venv/installed
 fi

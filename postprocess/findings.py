@@ -31,10 +31,14 @@ RIVAL = 0.005  # relative: which of two hills is higher is not known below it
 NO_DEPTH = 1e-9  # of a semi-axis: rounding at the surface
 TURNED = 0.02  # rad: on planes turned by less, areas differ by 0.1 % (S1002 on 60E1, 0.016 rad)
 PEAK_SAMPLES = 8  # either side of the largest one
+LBF = 4.4482216152605  # N
 FACTORS = {
     "mm": {"mm": 1.0, "um": 1e3, "m": 1e-3, "in": 1 / 25.4},
-    "N": {"N": 1.0, "kN": 1e-3, "lbf": 1 / 4.4482216152605},
-    "MPa": {"MPa": 1.0, "GPa": 1e-3, "Pa": 1e6, "ksi": 0.14503773773, "psi": 145.03773773},
+    "N": {"N": 1.0, "kN": 1e-3, "lbf": 1 / LBF, "kip": 1e-3 / LBF, "kips": 1e-3 / LBF},
+    "MPa": {
+        **{"MPa": 1.0, "N/mm2": 1.0, "GPa": 1e-3, "Pa": 1e6},
+        **{"ksi": 0.14503773773, "psi": 145.03773773},
+    },
     "um": {"um": 1.0, "m": 1e-6, "in": 1e-3 / 25.4},
 }
 """By base unit, what a reader may have instead, and how many of it are one base unit."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -118,7 +117,7 @@ def load(folder: str | Path) -> Result | Sweep:
     try:
         if (folder / store.REQUEST).is_file():
             return Sweep(folder)
-        found = Result(None, json.loads((folder / "summary.json").read_text("utf-8")))
+        found = Result(None, result_folder.from_json(folder / "summary.json"))
         terminal.recorded(found.show)  # reads every number once: what is broken shows here
     except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
         if isinstance(error, SceneError):

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from railhead.theory.array_types import packed
 from railhead.theory.elastic.line import Hertz, LineContact
 
 if TYPE_CHECKING:
@@ -48,7 +49,7 @@ def save(shown: Shown, path: Path) -> None:
     """Write the arrays of what pictures show into a .npz file, by their place in `Shown`, as
     "found.surface.pressure". OSError: it cannot be written.
     """
-    np.savez_compressed(path, **dict(_arrays(shown, "")))
+    path.write_bytes(packed(dict(_arrays(shown, ""))))
 
 
 def _arrays(value: Any, place: str) -> Iterator[tuple[str, Array]]:

@@ -266,7 +266,7 @@ def sweep(
 
 
 @railhead.command()
-@click.option("--out", type=click.Path(path_type=Path), default=Path("results/creep_table"))
+@click.option("--out", type=options.FOLDER, default=Path("results/creep_table"))
 @click.option("--poisson", default=0.28, help="Poisson's ratio of both bodies [0.28].")
 @click.option("--accuracy", default="2%", help="Of lines along each axis, over mu N [2%].")
 @click.option("--ratios", default="0.1:10", help="Smallest and largest a/b [0.1:10].")

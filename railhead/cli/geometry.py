@@ -405,6 +405,7 @@ class ExaminedProfile(Examined):
             "profile": {"origin": found.origin, "sides": found.oriented.sides},
             "domain_mm": list(found.profile.domain),
             "standard": worn and worn.name,
+            "asked": solid.asked(self.scene, found.body),
             "wear": wear,
         }
 
@@ -443,6 +444,7 @@ class ExaminedProfile(Examined):
                 f"at y = {units.text(worn.y[worn.worst], 'mm', 3)}, "
                 f"{units.text(worn.lost_area, 'mm2', 3)} of the section"
             )
+        lines += [f"a run asks {text}" for text in solid.asked(self.scene, self.measured.body)]
         for line in lines:
             terminal.labelled(console, line)
 

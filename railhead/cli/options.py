@@ -19,6 +19,7 @@ from railhead.scene.scene import (
     assignment,
     dotted,
 )
+from railhead.scene.sections import refuse_first
 
 if TYPE_CHECKING:
     from railhead.postprocess.findings import Units
@@ -97,6 +98,18 @@ def _once(_: click.Context, __: click.Parameter, assignments: Sequence[str]) -> 
     return assignments
 
 
+class _Folder(click.Path):
+    """The type of a folder's path, which is not empty."""
+
+    def convert(self, value: Any, *rest: Any) -> Any:
+        """The path. Raises SceneError for an empty one."""
+        refuse_first((value == "", "--out", "is empty; give the path of a folder"))
+        return super().convert(value, *rest)
+
+
+FOLDER = _Folder(path_type=Path)
+
+
 def prints_json(what: str) -> Callable[[Any], Any]:
     """The option --json of a command. what: it prints."""
     text = f"Print {what} and nothing else."
@@ -105,7 +118,7 @@ def prints_json(what: str) -> Callable[[Any], Any]:
 
 def out(folder: str) -> Callable[[Any], Any]:
     """The option --out of a command. folder: that it writes otherwise, in words."""
-    return click.option("--out", type=click.Path(path_type=Path), help=f"Folder [{folder}].")
+    return click.option("--out", type=FOLDER, help=f"Folder [{folder}].")
 
 
 accuracy = click.option("--accuracy", help="Asked accuracy, e.g. 1%.")

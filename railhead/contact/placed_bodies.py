@@ -132,10 +132,13 @@ def _wheel(contact: Contact, reach: float, *, half: bool) -> Body:
     reach = min(reach, 1.2 * wheel.rolling_radius)
     thinnest = max(reach / MOST_SLENDER * (2 if half else 1), THINNEST)
     if end - start < thinnest:
+        shorter = 2 * reach * (end - start) / thinnest
+        text = f"give wheel.segment_length = {0.99 * shorter:.3g} or less"
+        if np.ptp(contact.pair.wheel.domain) > thinnest:
+            text = f"give at least {thinnest:g}, or a shorter wheel.segment_length"
         raise SceneError(
             "wheel.width",
-            f"{end - start:g} is too thin a plate for a segment {2 * reach:g} mm long; give at "
-            f"least {thinnest:g}, or a shorter wheel.segment_length",
+            f"{end - start:g} is too thin a plate for a segment {2 * reach:g} mm long; {text}",
         )
     section = outlines.block_section(
         contact.pair.wheel, 0.0 if half else start, end, base, outwards=-1, half=half

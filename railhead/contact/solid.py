@@ -15,6 +15,7 @@ from railhead.contact.surface_shape import SurfaceShape
 from railhead.geometry import placement, profiles, wheelset
 from railhead.geometry.measured import measured_profile as measured
 from railhead.geometry.measured.measured_profile import Measured
+from railhead.geometry.measured.ordering import LARGEST_GAP
 from railhead.geometry.measured.orientation import SYMMETRIC, Orientation
 from railhead.geometry.placement import (
     ContactPoint,
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
 
 RAIL_HALF_WIDTH = 35.0  # mm, of a head given by a single radius
 TREAD_HALF_WIDTH = 67.5  # mm, of a cylinder, cone or arc
+NEAR_GAP = 10.0  # mm from a gap between points of a profile, at which nothing may touch
 
 
 def rail_profile(scene: Scene, stretch: float = 1.0) -> Profile:
@@ -87,6 +89,23 @@ def sided(found: Measured) -> Measured:
         text = f"nothing in {found.path.name} tells its field side, and its sides differ by "
         text += f"{found.oriented.unlike:.2g} mm; give off if larger y is the field side, else on"
         raise SceneError(key, text)
+    return found
+
+
+def asked(scene: Scene, body: str) -> list[str]:
+    """What a run asks, as "key: text", where its rail or wheel, `body`, has the profile from a file
+    of this scene. Raises SceneError where the file cannot be used.
+    """
+    found, profile = list[str](), from_file(scene, body).profile
+    try:
+        rail_profile(scene) if body == "rail" else wheel_profile(scene)
+    except SceneError as error:
+        found.append(str(error))
+    try:
+        if body == "rail":
+            wheelset.gauge_face(profile, scene.rail.gauge_height)
+    except wheelset.GaugeError as error:
+        found.append(f"rail.gauge_height, beside rail.gauge: {error}")
     return found
 
 
@@ -495,8 +514,8 @@ def lower(scene: Scene) -> Contact:
 
 def _tangent(scene: Scene, touch: ContactPoint, *, line: bool = False) -> ContactPoint:
     """The contact point as it is. Raises SceneError where the contact point is at the edge of a
-    profile, or its relative curvature across the rail is not positive, as in a line contact, which
-    is let pass with `line`.
+    profile, within 10 mm (NEAR_GAP) of a gap between its points, or its relative curvature across
+    the rail is not positive, as in a line contact, which is let pass with `line`.
     """
     if touch.at_edge:
         raise SceneError(
@@ -504,6 +523,15 @@ def _tangent(scene: Scene, touch: ContactPoint, *, line: bool = False) -> Contac
             f"{scene.wheelset.shift:g} lets the wheel touch at an edge of a profile (y = "
             f"{touch.y:.2f} mm); move the wheel so that both surfaces share a tangent",
         )
+    for body, y in (("rail", touch.y), ("wheel", touch.wheel_y)):
+        gaps = from_file(scene, body).smoothed.gaps if body in measured_bodies(scene) else ()
+        for start, end in gaps:
+            if start - NEAR_GAP < y < end + NEAR_GAP:
+                text = f"has a gap from y = {start:.4g} to {end:.4g} mm, and the wheel touches at "
+                text += f"{y:.4g} mm; give points at most {LARGEST_GAP:g} mm apart there"
+                raise SceneError(
+                    f"{body}.profile", f"{Path(getattr(scene, body).profile).name} {text}"
+                )
     if not (line or touch.curvature_y > 0):
         raise SceneError(
             "rail.crown_radius, wheel.transverse_radius",

@@ -121,10 +121,12 @@ class Profile:
     outside of the pieces.
     name: name of the profile, used in messages.
     pieces: arcs, polynomials or splines, each from its start to its end.
+    face: points (y, z), mm, of an upright or undercut face below its first place, from there down.
     """
 
     name: str
     pieces: tuple[Piece, ...]
+    face: tuple[tuple[float, float], ...] = ()
 
     @property
     def domain(self) -> tuple[float, float]:
@@ -292,7 +294,7 @@ class Places:
         back = np.flatnonzero(np.diff(y) <= 0)
         if back.size:
             raise ValueError(f"the worn profile folds at y = {y[back[0]]:.3f} mm")
-        return Profile(self.profile.name, (Spline(float(y[0]), float(y[-1]), CubicSpline(y, z)),))
+        return replace(self.profile, pieces=(Spline(float(y[0]), float(y[-1]), CubicSpline(y, z)),))
 
     def area(self, depth: Array) -> float:
         """Area of the section that a depth (n,), mm, takes, mm2."""

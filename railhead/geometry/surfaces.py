@@ -4,7 +4,6 @@ across the rail, and the gap between them.
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -12,9 +11,11 @@ from pathlib import Path
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
 
+from railhead.geometry import tables
 from railhead.geometry.placement import Pose
 from railhead.geometry.profiles import Profile
-from railhead.theory.array_types import Array
+from railhead.geometry.tables import Column, mm_of
+from railhead.theory.array_types import Array, read_arrays
 
 NEWTON_STEPS = 20
 CONVERGED = 1e-9  # mm, of the last step: a line that misses the surface takes long ones for ever
@@ -22,6 +23,12 @@ SMALL = 1e-11  # mm
 Values = tuple[Array, Array, Array]
 """Height (n,) in mm, and its slopes (n,) along and across."""
 FEWEST = 4  # places along a map, for cubic splines
+ROW = (
+    Column(name="x", named="(x|along)( .*)?", unit="mm", factor=mm_of),
+    Column(name="y", named="(y|across|lateral)( .*)?", unit="mm", factor=mm_of),
+    Column(name="height", named="(z|h|height)( .*)?", unit="mm", factor=mm_of),
+)
+"""Columns of a map of text."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -120,15 +127,16 @@ class Map(Height):
 
 
 def read_map(path: Path, position: float) -> Map:
-    """Map of a file in mm: .npz with the arrays x (n,), y (m,) and height (n, m), or text with x, y
-    and height in each row, a row for each place of a grid; lines that are no numbers are left out.
+    """Map of a file: .npz with the arrays x (n,), y (m,) and height (n, m) in mm, or text with x, y
+    and height in each row, a row for each place of a grid, in the order and the units of its header
+    (without one in this order, in mm).
     Raises ValueError for anything else, and OSError where the file cannot be read.
     """
     if path.suffix.lower() == ".npz":
-        with np.load(path, allow_pickle=False) as file:
-            if missing := {"x", "y", "height"} - set(file.files):
-                raise ValueError(f"{path.name} has no array {min(missing)}; give x, y and height")
-            x, y, height = (np.asarray(file[key], dtype=float) for key in ("x", "y", "height"))
+        found = read_arrays(path)
+        if missing := {"x", "y", "height"} - {*found}:
+            raise ValueError(f"{path.name} has no array {min(missing)}; give x, y and height")
+        x, y, height = (np.asarray(found[key], dtype=float) for key in ("x", "y", "height"))
     else:
         x, y, height = _grid(path)
     wrong = height.shape != (x.size, y.size) or x.ndim != 1 or y.ndim != 1
@@ -145,20 +153,13 @@ def _grid(path: Path) -> tuple[Array, Array, Array]:
     """x (n,), y (m,) and height (n, m) of the rows of a text file. Raises ValueError for rows that
     are no grid.
     """
-    rows = []
-    for line in path.read_text(encoding="utf-8-sig").splitlines():
-        try:
-            rows.append([float(cell) for cell in re.split(r"[,;\s]+", line.strip())])
-        except ValueError:  # a header
-            continue
-    if not rows or any(len(row) != 3 for row in rows):
-        raise ValueError(f"{path.name} has no rows of three numbers; give x, y, height in mm")
-    table = np.array(rows)
+    found = tables.read(path.name, tables.lines_of(path), ROW)
+    table = np.array([*tables.in_units(path.name, found, ROW)])
     (x, i), (y, j) = (np.unique(table[:, k], return_inverse=True) for k in (0, 1))
     height = np.full((len(x), len(y)), np.nan)
     height[i, j] = table[:, 2]
-    if len(rows) != height.size or np.isnan(height).any():
-        text = f"{len(rows)} rows of numbers are no grid of {len(x)} x by {len(y)} y"
+    if len(table) != height.size or np.isnan(height).any():
+        text = f"{len(table)} rows of numbers are no grid of {len(x)} x by {len(y)} y"
         raise ValueError(f"{path.name}: {text}; give each place once, with a finite height")
     return x, y, height
 

@@ -86,14 +86,18 @@ def top(rail: Profile) -> tuple[float, float]:
 
 def gauge_face(rail: Profile, depth: float = GAUGE_HEIGHT) -> float:
     """y (mm) of the place on the gauge side, nearest to the rail's highest point, where the profile
-    is `depth` (mm) below that point.
-    Raises GaugeError where the profile ends above this depth.
+    is `depth` (mm) below that point; of a face that is upright or undercut there, its widest place
+    down to that depth.
+    Raises GaugeError where profile and face end above this depth.
     """
     crest, height = top(rail)
     y = np.linspace(rail.domain[0], crest, 20001)
     below = np.flatnonzero(rail.height(y) < height - depth)
+    lowest = min([float(rail.height(y).min()), *(z for _, z in rail.face)])
+    if not len(below) and lowest < height - depth:
+        return min(at for at, z in rail.face if z > height - depth)
     if not len(below):
-        end = height - float(rail.height(y).min())
+        end = height - lowest
         text = f"is not reached by profile {rail.name}, which ends {end:.3g} mm below its top"
         raise GaugeError(f"{depth:g} mm {text}; give less, or no gauge")
     ends = y[below[-1]], y[below[-1] + 1]

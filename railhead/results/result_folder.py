@@ -27,6 +27,7 @@ from typing import Any
 
 import tomli_w
 
+from railhead.geometry.tables import NUMBER
 from railhead.run import process
 from railhead.scene.catalogue import copy_files, portable
 from railhead.scene.scene import Scene, SceneError
@@ -66,7 +67,7 @@ def check_folder(folder: Path, keeps: Collection[str] = ()) -> None:
             (folder.exists() and not folder.is_dir(), "--out", f"{name} is a file{end}"),
         )
         target = folder.resolve()
-        parent = next(each for each in target.parents if each.exists())
+        parent = next((each for each in target.parents if each.exists()), target)
         writable = parent.is_dir() and os.access(parent, os.W_OK)
         refuse_first((not writable, "--out", f"{str(parent)!r} cannot be written to{end}"))
         if target.parent.is_dir() and process.rank() == 0:
@@ -339,6 +340,26 @@ def to_json(summary: dict[str, Any]) -> str:
     return json.dumps(_plain(summary), indent=2, allow_nan=False) + "\n"
 
 
+def from_json(path: Path) -> dict[str, Any]:
+    """The table of a JSON file as `to_json` writes it. Raises ValueError for anything else, OSError
+    where it cannot be read.
+    """
+
+    def refused(name: str) -> float:
+        """Raises ValueError for a number that JSON does not know."""
+        raise ValueError(f"{name} is no number")
+
+    if path.exists() and not path.is_file():
+        raise ValueError(f"{path.name} is no regular file")
+    try:
+        table = json.loads(path.read_text(encoding="utf-8"), parse_constant=refused)
+    except RecursionError as error:
+        raise ValueError(f"{path.name} is nested too deep") from error
+    if not isinstance(table, dict):
+        raise ValueError(f"{path.name} is no table")
+    return table
+
+
 def _plain(value: object) -> object:
     """Plain data with tuples as lists and infinite numbers as words."""
     if isinstance(value, dict):
@@ -358,12 +379,18 @@ ENCODING = "utf-8-sig"
 
 def encoded(rows: Iterable[Mapping[str, object]]) -> bytes:
     """Bytes of a .csv file: a line for each row, columns in the order of their first appearance;
-    None is an empty cell.
+    None is an empty cell. Text that a spreadsheet would compute begins with an apostrophe.
     """
-    rows = list(rows)
+    rows = [{name: _harmless(cell) for name, cell in row.items()} for row in rows]
     columns = dict.fromkeys(name for row in rows for name in row)
     file = io.StringIO(newline="")
     writer = csv.DictWriter(file, list(columns))
     writer.writeheader()
     writer.writerows(rows)
     return file.getvalue().encode(ENCODING)
+
+
+def _harmless(cell: object) -> object:
+    """A cell, with an apostrophe before text that a spreadsheet takes for a formula."""
+    computed = isinstance(cell, str) and cell.startswith(("=", "+", "-", "@", "\t", "\r"))
+    return f"'{cell}" if computed and not NUMBER.fullmatch(str(cell)) else cell

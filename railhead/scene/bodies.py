@@ -138,8 +138,9 @@ class Surface(Section):
     depth: mm, of a flat that is rounded, -depth/2 (1 + cos(2 pi x / length)); None: a wheel is cut
         off in a plane, which makes its depth.
     amplitude: mm, of waves amplitude cos(2 pi x / length); negative has a trough at 0.
-    file: of a map: a .csv file with x, y and height in mm, a row for each place of a grid, or a
-        .npz file with arrays x (n,), y (m,) and height (n, m).
+    file: of a map: a .csv file with x, y and height, a row for each place of a grid, in the order
+        and units of its header, else in mm; or a .npz file with arrays x (n,), y (m,) and height
+        (n, m) in mm.
     position: mm, place x of the flat, the waves or the map at which the smooth bodies touch, or an
         angle of the wheel, which becomes an arc of its rolling radius. x grows to where it rolls.
     """
@@ -183,8 +184,8 @@ class BodySection(Section):
         None: no hardening. Only beside yield_stress.
     kinematic_fraction: share of the hardening that moves the yield surface, 0 to 1; the rest widens
         the surface. None: not given. Only in a body that yields.
-    stress_strain: path of a .csv file, a row of plastic strain and true stress (MPa) a line, or an
-        array (n, 2) of them; None: no curve.
+    stress_strain: path of a .csv file, a row of plastic strain and true stress (MPa) a line, whose
+        header may name another order and units, or an array (n, 2) of them; None: no curve.
     profile_unit: unit of the file's numbers: "auto", "mm", "m" or "inch".
     profile_mirror: "on": left and right of the file are exchanged, "off": they are not, or "auto".
     profile_flip: "on": up and down of the file are exchanged, "off": they are not, or "auto".
@@ -444,7 +445,7 @@ class Wheelset(Section):
     side: Literal["right", "left"] = "right"
     other_rail: Annotated[str, _profile("rail", *RAILS)] | None = None
     other_wheel: Annotated[str, _profile("wheel", *WHEELS)] | None = None
-    other_radius: units.Radius | None = None
+    other_radius: units.BodyLength | None = None
 
     @property
     def unlike(self) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import difflib
 import importlib
+import os
 import re
 import shutil
 import tomllib
@@ -69,7 +70,7 @@ def _read_toml(path: Path) -> dict[str, Any]:
     UTF-8 or invalid TOML.
     """
     try:
-        if path.is_file():
+        if os.path.isfile(path):
             return tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise SceneError(str(path), f"cannot be read: {error.strerror}") from None

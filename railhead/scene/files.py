@@ -5,16 +5,18 @@ under a name made of its content; from there it is read, and copied into the res
 other file.
 """
 
-import csv
 import math
 import os
 from collections.abc import Iterator
+from contextlib import suppress
 from hashlib import sha256
 from numbers import Real
 from pathlib import Path
 from typing import Any
 
-from railhead.scene.units import show
+from railhead.geometry import tables
+from railhead.geometry.tables import Column
+from railhead.scene.units import FRACTION, STRESS, WEAR_RATE, QuantityKind, show, to_base
 
 MIN_STRESS, MAX_STRESS = 1e-6, 1e9  # MPa, of a stress-strain curve
 Pair = tuple[float, float]
@@ -80,39 +82,50 @@ def file_of(value: Any, kind: str, *columns: str) -> str:
     return str(path)
 
 
-def read_pairs(path: str, first: str, second: str) -> Iterator[tuple[int, Pair]]:
-    """Numbers of the lines of a .csv file that hold pairs of numbers, and the pairs; a heading in
-    the first line is left out. first, second: what the numbers are, for messages. Raises ValueError
-    (one line) for a row that is not two numbers, for first numbers that do not rise and for a file
-    that is no text, OSError where it cannot be read.
+def _column(name: str, named: str, kind: QuantityKind, unit: str = "") -> Column:
+    """A column of a kind of quantity, wanted in a unit; '': the kind's base unit."""
+
+    def factor(text: str) -> float | None:
+        """How many of the unit a text has; None for another kind."""
+        with suppress(ValueError):
+            return to_base(f"1 {text}", kind) / (to_base(f"1 {unit}", kind) if unit else 1.0)
+        return None
+
+    return Column(name=name, named=named, unit=unit or kind.unit, factor=factor)
+
+
+CURVE = (
+    _column(
+        "plastic strain", "((true|equivalent) )?plastic strain|strain|ep(s|silon)?( p)?", FRACTION
+    ),
+    _column("stress", "((true|flow|yield) )?stress|sigma", STRESS),
+)
+"""Columns of a curve of plastic strain and true stress."""
+LAW = (
+    _column("T-gamma/A", "(t ?gamma|tγ)( (a|over the area|per area))?|density", STRESS, "N/mm2"),
+    _column("rate", "(wear )?rate|mass|wear", WEAR_RATE),
+)
+"""Columns of a law of wear."""
+
+
+def read_pairs(path: str, wanted: tuple[Column, Column]) -> Iterator[tuple[int, Pair]]:
+    """Line numbers and pairs of numbers, in the wanted units, of a table in a file. Raises
+    ValueError (one line) as `tables.read` and for first numbers that do not rise, OSError where it
+    cannot be read.
     """
-    try:
-        with open(path, newline="", encoding="utf-8-sig") as file:
-            rows = list(csv.reader(file))
-    except (UnicodeDecodeError, csv.Error):
-        raise ValueError(f"{path} is no text; give {first} and {second}, a row each") from None
-    last = -math.inf
-    for number, row in enumerate(rows, 1):
-        if not any(cell.strip() for cell in row):
-            continue
-        try:
-            one, other = map(float, row)
-        except ValueError:
-            if number == 1:
-                continue  # a heading
-            text = f"{','.join(row)!r} is not a {first} and a {second}; give two numbers"
-            raise ValueError(f"{path}, line {number}: {text}") from None
-        if not last < one < math.inf:
-            raise ValueError(
-                f"{path}, line {number}: {first} {one:g} does not rise; give rising ones"
-            )
+    file, last = Path(path), -math.inf
+    table = tables.read(file.name, tables.lines_of(file), wanted)
+    pairs = tables.in_units(file.name, table, wanted)
+    for number, (one, other) in zip(table.lines, pairs, strict=True):
+        if not last < one:
+            text = f"{wanted[0].name} {one:g} does not rise; give rising ones"
+            raise ValueError(f"{path}, line {number}: {text}")
         last = one
         yield number, (one, other)
 
 
 def read_curve(path: str) -> tuple[Pair, ...]:
-    """Points (plastic strain, true stress in MPa) of a .csv file; a heading in its first line is
-    left out.
+    """Points (plastic strain, true stress in MPa) of a .csv file, by its header in other units.
 
     Raises ValueError (one line) for fewer than two points, and for what `read_pairs` refuses. So it
     does for a first strain other than 0, and for a stress out of range or below the one before it
@@ -120,7 +133,7 @@ def read_curve(path: str) -> tuple[Pair, ...]:
     """
     points: list[Pair] = []
     least = MIN_STRESS
-    for number, (strain, stress) in read_pairs(path, "plastic strain", "stress"):
+    for number, (strain, stress) in read_pairs(path, CURVE):
         if strain != 0 and not points:
             text = f"the first plastic strain is {strain:g}; give 0"
             raise ValueError(f"{path}, line {number}: {text}")
@@ -136,15 +149,13 @@ def read_curve(path: str) -> tuple[Pair, ...]:
 
 def wear_pairs(path: str) -> tuple[Pair, ...]:
     """Pairs of a law of wear in a .csv file: T-gamma over the area, N/mm2, positive and rising, and
-    worn mass, ug per m and mm2, not negative. Raises ValueError (one line) for other content.
+    worn mass, ug per m and mm2, not negative, by its header in other units. Raises ValueError (one
+    line) for other content.
     """
-    names = "T-gamma over the area", "rate"
     found = []
-    for number, (density, mass) in read_pairs(path, *names):
-        if not (density > 0 and 0 <= mass < math.inf):
-            text = f"{density:g}, {mass:g} is not allowed; give {names[0]} above 0 and rates"
-            raise ValueError(f"{path}, line {number}: {text} of 0 or more")
+    for number, (density, mass) in read_pairs(path, LAW):
+        if not (density > 0 and mass >= 0):
+            text = f"{density:g}, {mass:g} is not allowed; give T-gamma/A above 0 and rates of 0"
+            raise ValueError(f"{path}, line {number}: {text} or more")
         found.append((density, mass))
-    if not found:
-        raise ValueError(f"{path} has no pair; give {names[0]} and {names[1]}, a row each")
     return tuple(found)

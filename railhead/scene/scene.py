@@ -131,6 +131,9 @@ USUAL = {
     "wheel.transverse_radius": (50.0, 1000.0),
     "rail.crown_radius": (50.0, 1000.0),
     "load": (5e3, 250e3),
+    "heat.conductivity": (15.0, 60.0),
+    "heat.density": (7000.0, 8500.0),
+    "heat.specific_heat": (400.0, 700.0),
 }
 """Usual range of values for steel wheels on rails, in base units, by dotted key."""
 FACTORS = (1e-3, 1e3, 1e6)  # GPa for MPa, m for mm, kN for N; kPa and Pa for MPa

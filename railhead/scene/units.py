@@ -25,7 +25,9 @@ if TYPE_CHECKING:
 _NUMBER = r"[+-]?(?:inf|(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
 _TEXT = re.compile(rf"({_NUMBER})\s*(.*)", re.DOTALL)
 _RUN = re.compile(rf"[:/]\s*({_NUMBER})")  # the part :20 or /20 of a slope 1:20
-_POWER = r"[A-Za-z\u00b5\u03bc]+(?:(?:\*\*|\^)-?[1-9]|[²³])?"  # either micro sign
+_POWER = r"[A-Za-z\u00b5\u03bc]+(?:(?:\*\*|\^)-?[1-9]|[²³23])?"  # either micro sign; mm2
+_BARE_POWER = re.compile(r"(?<=[A-Za-z])([23])\b")
+_PER_BOTH = re.compile(r"/\s*\(\s*([^\s()*]+)[\s*]+([^\s()*]+)\s*\)")  # ug/(m mm2)
 _UNIT = re.compile(rf"(?:1\s*/\s*)?{_POWER}(?:\s*[*/]\s*{_POWER})*")  # 1/m as well
 
 
@@ -79,11 +81,12 @@ class QuantityKind:
             return float(number) * factor
         if factor is not None:
             return float(Decimal(number) * factor)
-        unit = f"1{unit}" if unit.startswith("/") else unit
+        unit = _PER_BOTH.sub(r"/\1/\2", f"1{unit}" if unit.startswith("/") else unit)
         if not self.pint or not _UNIT.fullmatch(unit):
             raise ValueError(unit)
         try:
-            return float(_registry().Quantity(Decimal(number), unit).to(self.unit).magnitude)
+            given = _registry().Quantity(Decimal(number), _BARE_POWER.sub(r"**\1", unit))
+            return float(given.to(_BARE_POWER.sub(r"**\1", self.unit)).magnitude)
         except AttributeError as unknown:  # pint's UndefinedUnitError is one
             raise ValueError(unit) from unknown
 
@@ -126,6 +129,9 @@ STRESS = QuantityKind(
     unit="MPa",
     factors={"MPa": Decimal(1), "GPa": Decimal(1000)},
     pint=True,
+)
+WEAR_RATE = QuantityKind(
+    noun="a rate of wear", hint="micrograms per m and mm2", unit="ug/m/mm2", pint=True
 )
 DURATION = QuantityKind(
     noun="a duration",

@@ -59,6 +59,7 @@ def creep_table(
 
         def solve(submit: worker_pool.Submit) -> CreepTable:
             """Make the folder ready for the records, and solve the table."""
+            result_folder.check_folder(folder)
             claim.enter_context(result_folder.claimed(folder))
             request = {"railhead": result_folder.VERSION, "table": asked}
             store.begin(folder, request, "replace" if force else "refuse", (TABLE, ROWS))
@@ -121,7 +122,10 @@ def _solved(
     into a folder. Raises SceneError for a part that failed.
     """
     progress.stage("looking where the forces bend")
-    axes = theory.axes(poisson, cells, accuracy, ratios, law)
+    try:
+        axes = theory.axes(poisson, cells, accuracy, ratios, law)
+    except ValueError as error:
+        raise SceneError("--law", f"{law}: {error}") from None
     rest = axes["across"], axes["spin"]
     parts = list(product(axes["axis_ratio"], axes["along"]))
     finished = store.done(folder)

@@ -14,6 +14,7 @@ from itertools import product
 from math import prod
 from pathlib import Path
 
+from railhead.geometry.tables import lines_of
 from railhead.scene.scene import Scene, SceneError, assignment, checked, unit
 from railhead.scene.sections import refuse_first
 
@@ -56,6 +57,10 @@ class ParameterGrid:
         both = "is given with --over and in --over-file; give one of them"
         refuse_first(
             *((key in lists, key, both) for key in first),
+            *(
+                (key.startswith("wear."), key, "changes no scene; only railhead wear reads it")
+                for key in (*first, *lists)
+            ),
             *(
                 (not values, key, "has no values; give one or more")
                 for key, values in lists.items()
@@ -157,9 +162,9 @@ def read_rows(path: Path) -> list[dict[str, object]]:
     "wheelset.shift [mm]". Raises SceneError for a file that is no such table.
     """
     try:
-        text = path.read_text(encoding="utf-8-sig")
-        split = ";" if ";" in text.partition("\n")[0] else ","
-        reader = csv.reader(io.StringIO(text), delimiter=split, strict=True)
+        lines = lines_of(path)
+        split = ";" if ";" in "".join(lines[:1]) else ","
+        reader = csv.reader(io.StringIO("\n".join(lines)), delimiter=split, strict=True)
         table = [(reader.line_num, [cell.strip() for cell in line]) for line in reader if line]
     except (csv.Error, OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error

@@ -27,6 +27,7 @@ from railhead.scene.sections import refuse_first
 from railhead.sweeps import runner, store, sweep_table, worker_pool
 from railhead.sweeps.grid import ParameterGrid
 from railhead.sweeps.sweep_table import Sweep
+from railhead.theory.array_types import packed
 
 TABLE, FIELDS = "sweep.csv", "fields.npz"
 DRAWN = (
@@ -253,7 +254,7 @@ def _join_fields(folder: Path) -> None:
         )
         for name, shape in sorted(shapes.items())
     }
-    np.savez_compressed(folder / FIELDS, row=np.repeat([*each], counts), **joined)
+    (folder / FIELDS).write_bytes(packed({"row": np.repeat([*each], counts), **joined}))
 
 
 def sweep(

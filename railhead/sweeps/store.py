@@ -5,21 +5,20 @@ A record appears whole or not at all, so a command that is killed loses only wha
 
 from __future__ import annotations
 
-import io
 import json
 import os
 from collections.abc import Collection, Mapping
+from hashlib import sha256
 from pathlib import Path
 from typing import Any, Literal
-
-import numpy as np
 
 from railhead.results import result_folder
 from railhead.scene.catalogue import INPUT
 from railhead.scene.scene import SceneError, dotted
-from railhead.theory.array_types import Array
+from railhead.theory import array_types
+from railhead.theory.array_types import Array, packed
 
-REQUEST, RECORDS = "sweep.json", "records"
+REQUEST, RECORDS, DIGEST = "sweep.json", "records", "sha256"
 ADVICE = "give another folder, or --force to replace it"
 Other = Literal["refuse", "move", "replace"]
 
@@ -92,10 +91,9 @@ def write(
     """
     path = record_path(folder, number)
     if arrays is not None:
-        content = io.BytesIO()
-        np.savez_compressed(content, **arrays)
-        write_whole(folder, path.with_suffix(".npz"), content.getvalue())
-    write_whole(folder, path, result_folder.to_json(dict(record)).encode())
+        write_whole(folder, path.with_suffix(".npz"), packed(arrays))
+    whole = dict(record) | {DIGEST: _digest(record)}
+    write_whole(folder, path, result_folder.to_json(whole).encode())
 
 
 def write_whole(folder: Path, path: Path, content: bytes) -> None:
@@ -107,10 +105,19 @@ def write_whole(folder: Path, path: Path, content: bytes) -> None:
 
 
 def read(folder: Path, number: int) -> dict[str, Any]:
-    """Record of job `number`. Raises SceneError where its file is broken, OSError where there is
-    none.
+    """Record of job `number`. Raises SceneError where its file is broken or was edited, OSError
+    where there is none.
     """
-    return load(record_path(folder, number))
+    path = record_path(folder, number)
+    record = load(path)
+    if record.pop(DIGEST, None) != _digest(record):
+        raise broken(path)
+    return record
+
+
+def _digest(record: Mapping[str, Any]) -> str:
+    """Digest of a record, by which an edited one is known."""
+    return sha256(result_folder.to_json(dict(record)).encode()).hexdigest()[:16]
 
 
 def arrays(folder: Path) -> dict[int, dict[str, Array]]:
@@ -122,8 +129,7 @@ def read_arrays(folder: Path, number: int) -> dict[str, Array]:
     """Arrays of job `number` by name. Raises SceneError for a broken file or none."""
     path = record_path(folder, number).with_suffix(".npz")
     try:
-        with np.load(path) as file:
-            return dict(file)
+        return array_types.read_arrays(path)  # type: ignore[return-value]
     except (OSError, ValueError):
         raise broken(path) from None
 
@@ -136,12 +142,9 @@ def record_path(folder: Path, number: int) -> Path:
 def load(path: Path) -> dict[str, Any]:
     """The table of a JSON file. Raises SceneError for anything else."""
     try:
-        table = json.loads(path.read_text(encoding="utf-8"))
-    except (ValueError, RecursionError):
-        table = None
-    if not isinstance(table, dict):
-        raise broken(path)
-    return table
+        return result_folder.from_json(path)
+    except ValueError:
+        raise broken(path) from None
 
 
 def broken(path: Path) -> SceneError:

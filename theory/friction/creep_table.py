@@ -22,11 +22,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
-from railhead.theory.array_types import Array
+from railhead.theory.array_types import Array, packed, read_arrays
 from railhead.theory.friction.kalker import coefficients
 from railhead.theory.friction.rolling import (
     Creepage,
@@ -298,29 +299,24 @@ class CreepTable:
         """
         named = dict(zip(NUMBERS, self.values[0], strict=True))
         named |= {f"{name}_error": each for name, each in zip(NUMBERS, self.values[1], strict=True)}
-        rest = {"kalker": self.kalker, "interpolation": self.interpolation}
-        np.savez_compressed(
-            path,
-            **self.axes,
-            **named,
-            **rest,
-            poisson=self.poisson,
-            cells=self.cells,
-            law=self.law or (),
-        )
+        rest: dict[str, Any] = {"kalker": self.kalker, "interpolation": self.interpolation}
+        rest |= {"poisson": self.poisson, "cells": self.cells, "law": self.law or ()}
+        Path(path).write_bytes(packed({**self.axes, **named, **rest}))
 
     @classmethod
     def load(cls, path: str | Path) -> CreepTable:
-        """The table of a .npz file that `save` wrote. Raises OSError, and KeyError for another."""
-        with np.load(path) as held:
-            values = [[held[name + end] for name in NUMBERS] for end in ("", "_error")]
-            kinetic, half, memory = held["law"] if held["law"].size else (0.0, 0.0, 0.0)
-            return cls(
-                poisson=float(held["poisson"]),
-                cells=int(held["cells"]),
-                axes={name: held[name] for name in AXES},
-                kalker=held["kalker"],
-                values=np.array(values),
-                interpolation=held["interpolation"],
-                law=(kinetic, half, memory) if kinetic else None,
-            )
+        """The table of a .npz file that `save` wrote. Raises ValueError or KeyError for another,
+        OSError where it cannot be read.
+        """
+        held: dict[str, Any] = read_arrays(Path(path))
+        values = [[held[name + end] for name in NUMBERS] for end in ("", "_error")]
+        kinetic, half, memory = held["law"] if held["law"].size else (0.0, 0.0, 0.0)
+        return cls(
+            poisson=float(held["poisson"]),
+            cells=int(held["cells"]),
+            axes={name: held[name] for name in AXES},
+            kalker=held["kalker"],
+            values=np.array(values),
+            interpolation=held["interpolation"],
+            law=(kinetic, half, memory) if kinetic else None,
+        )

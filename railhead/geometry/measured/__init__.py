@@ -3,6 +3,9 @@
 Scenes read the extensions of the files from here, so nothing is imported.
 """
 
-BODY_BY_EXTENSION = {".ban": "rail", ".whl": "wheel", ".prr": "rail", ".prw": "wheel"}
-MINIPROF = (".ban", ".whl", ".mpt")
+BODY_BY_EXTENSION = {
+    **{".ban": "rail", ".whl": "wheel", ".prr": "rail", ".prw": "wheel"},
+    **{".rail": "rail", ".wheel": "wheel"},
+}
+MINIPROF, SIMPACK = (".ban", ".whl", ".mpt"), (".prr", ".prw")
 EXTENSIONS = (".csv", ".txt", ".dat", ".asc", ".tsv", ".mpt", *BODY_BY_EXTENSION)

@@ -18,7 +18,7 @@ from railhead.geometry.measured.ordering import PointError
 from railhead.geometry.measured.orientation import FROM_SHAPE, Orientation, Oriented
 from railhead.geometry.measured.smoothing import Smoothed
 from railhead.geometry.profiles import Profile, Spline
-from railhead.geometry.wheelset import GaugeError, gauge_face
+from railhead.geometry.wheelset import GAUGE_HEIGHT, GaugeError, gauge_face, top
 from railhead.theory.array_types import Array
 
 STEEPEST = 0.045  # dy over ds: steeper faces than those of a standard rail's corners are cut off
@@ -69,7 +69,7 @@ class Measured:
             y = gauge_face(self.profile)
         except GaugeError:
             return {"crown": np.zeros(2)}
-        point = np.array([y, float(self.profile.height(y))])
+        point = np.array([y, top(self.profile)[1] - GAUGE_HEIGHT])
         return {"crown": np.zeros(2), "gauge point": point}
 
     @property
@@ -155,10 +155,12 @@ def from_points(
     curve, spacing = smoothed.curve(s), np.diff(ordering.chord_lengths(smoothed.points))
     off = cKDTree(smoothed.points).query(curve)[0]
     loose = off.max() > max(spacing.max() / 2, 2 * float(np.median(spacing))) + LOOSE
-    y, z = curve[slice(*runs[np.argmax(np.diff(runs))])].T
+    longest = runs[np.argmax(np.diff(runs))]
+    y, z = curve[slice(*longest)].T
     if loose or max(y[0] - curve[:, 0].min(), curve[:, 0].max() - y[-1]) > CUT:
         raise smoothing.folded(smoothed.points)
-    return smoothed, Profile(name, (Spline(float(y[0]), float(y[-1]), CubicSpline(y, z)),))
+    face = tuple((float(at), float(down)) for at, down in curve[: longest[0]][::-1])
+    return smoothed, Profile(name, (Spline(float(y[0]), float(y[-1]), CubicSpline(y, z)),), face)
 
 
 def read(
@@ -208,10 +210,11 @@ def _read(
         raise _refused(path, table, listed, error) from None
     except ValueError as error:
         raise ValueError(f"{path.name} {error}") from None
+    gaps = (f"a gap from y = {one:.4g} to {other:.4g} mm" for one, other in smoothed.gaps)
     return Measured(
         path=path,
         body=body,
-        remarks=remarks,
+        remarks=(*remarks, *gaps),
         oriented=oriented,
         roll=roll,
         smoothed=smoothed,

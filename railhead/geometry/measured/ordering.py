@@ -9,7 +9,8 @@ import numpy as np
 
 from railhead.theory.array_types import Array
 
-LARGEST_GAP, LOOSE = 5.0, 0.1  # mm between neighbours; share of the width beyond a gap, at most
+LARGEST_GAP, WIDEST_GAP = 5.0, 10.0  # mm between neighbours: usual, and bridged, at most
+LOOSE = 0.1  # share of the width beyond a gap, at most
 HEAD_DEPTH = 45.0  # mm below its top: what is deeper is web or foot
 ROUNDED = 0.01  # mm: stairs of heights that are higher make contacts that do not exist
 DISTINCT = 0.75  # share of different numbers among the points; with fewer they are rounded

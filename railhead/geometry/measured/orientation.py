@@ -313,8 +313,9 @@ def _to_tape_circle(
     back = 0.0
     if found and given.origin == "auto":
         tip, root = found
-        shown = -(_flange_face(turned, tip, VERTICAL) or -TAPE_CIRCLE)
-        if root < 0 < even[-1, 0] and low <= shown <= high and not given.tape_circle:
+        upright = _flange_face(turned, tip, VERTICAL)
+        shown, unsaid = -(upright or -TAPE_CIRCLE), not (upright and given.tape_circle)
+        if root < 0 < even[-1, 0] and low <= shown <= high and unsaid:
             level = float(np.interp(0.0, *even.T))
             text = f"its tread is at z = {level:.2f} mm on the tape circle, its origin"
             return np.zeros(2), tape or shown, text * (abs(level) > NEAR_ZERO)

@@ -26,7 +26,14 @@ from scipy.linalg.lapack import dtbtrs
 from scipy.ndimage import gaussian_filter1d, median_filter
 from scipy.sparse import csr_array, diags
 
-from railhead.geometry.measured.ordering import LARGEST_GAP, PointError, chord_lengths, cross, turns
+from railhead.geometry.measured.ordering import (
+    LARGEST_GAP,
+    WIDEST_GAP,
+    PointError,
+    chord_lengths,
+    cross,
+    turns,
+)
 from railhead.theory.array_types import Array
 
 LEAST_POINTS = 12
@@ -84,6 +91,12 @@ class Smoothed:
     def length(self) -> float:
         """Arc length of the curve from the first to the last point, mm."""
         return float(self.s[-1])
+
+    @property
+    def gaps(self) -> list[tuple[float, float]]:
+        """y (mm) of the points before and behind each gap of more than 5 mm (LARGEST_GAP)."""
+        y, wide = self.points[:, 0], np.flatnonzero(np.diff(self.s) > LARGEST_GAP)
+        return [(float(y[i]), float(y[i + 1])) for i in wide]
 
     def rough_curvature(self) -> Array:
         """Curvature (n - 2,) of the circles through each three points that follow each other, 1/mm,
@@ -159,7 +172,7 @@ def smooth(
     stretch: factor on the wavelengths. Unless it is 1, a drawn profile has every second point and
         twice (COARSER) the rounding instead, from the second point on where it is above 1.
     resolution: last digit of the coordinates, mm; 0 where it is not known.
-    Raises ValueError for fewer than 12 points. Raises PointError for a gap of more than 5 mm
+    Raises ValueError for fewer than 12 points. Raises PointError for a gap of more than 10 mm
     between points, and where they bend the curve back.
     """
     repeated = np.linalg.norm(np.diff(points, axis=0, prepend=np.nan), axis=1) == 0
@@ -168,7 +181,7 @@ def smooth(
         raise ValueError(f"has {len(points)} points; give at least {LEAST_POINTS}")
     s = chord_lengths(points)
     apart = np.diff(s)
-    if apart.max() > LARGEST_GAP:
+    if apart.max() > WIDEST_GAP:
         y, z = points[int(np.argmax(apart))]
         text = f"has a gap of {apart.max():.3g} mm behind the point {y:.4g}, {z:.4g}; "
         text += f"give points at most {LARGEST_GAP:g} mm apart"

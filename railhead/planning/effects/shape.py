@@ -229,6 +229,8 @@ def decide_surface_shape(context: Context) -> Effect:
     )
     change, limit = float(np.ptp(height)) / rigid, LEFT_OUT * context.accuracy
     varies = f"where they may touch the height varies by {change:.2g} of the approach"
+    if change == 0:
+        varies = "the patch does not meet it: its height is the same where they may touch"
     if change <= limit:
         return Effect(False, False, f"{varies}, below {limit:g}", error=change)
     tilted = max(1 - math.cos(math.atan(slope.max())) for slope in slopes.values())

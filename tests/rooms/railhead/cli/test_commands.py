@@ -194,6 +194,11 @@ WRONG = [
     (["study", "nothing"], "load_sweep"),
     (["study", "--quick"], "need the name of a study"),
     (["fly"], "fly"),
+    (["run", "long_roller", "--out", "/"], "--out: '/' is a mount point"),
+    (["run", "long_roller", "--out", ""], "--out: is empty; give the path of a folder"),
+    (["table", "--out", "/etc/hostname"], "--out: '/etc/hostname' is a file; give another folder"),
+    (["sweep", "s1002_60e1", "--over", "wear.axles=100,200"], "wear.axles: changes no scene"),
+    (["plan", "s1002_60e1", "--set", "wheelset.other_radius=inf"], "wheelset.other_radius: inf"),
     # What cannot be computed.
     (["run", "uic54_thesis", "--set", "load=1e-300"], "give a force from 1e-40 to 1e15 N"),
     (["run", "uic54_thesis", "--set", "load=1e-39"], "give one with half lengths from 0.000"),

@@ -312,3 +312,88 @@ def test_wrong_shifts_are_one_line(values, words, here, capsys) -> None:
 def test_what_cannot_be_located_is_refused_by_its_key(assignment: str, key: str) -> None:
     with pytest.raises(SceneError, match=key):
         located(assignment)
+
+
+def drawn(path: Path, points) -> str:
+    np.savetxt(path, points, "%.5f", ",", header="y [mm],z [mm]", comments="")
+    return str(path)
+
+
+def head_60e1(step: float = 0.25):
+    head = profiles.rail_head("60E1")
+    y = np.arange(-34.5, 34.6, step)
+    return np.column_stack([y, head.height(y)])
+
+
+def test_a_gap_far_from_the_contact_is_a_remark_and_one_beside_it_is_refused(tmp_path) -> None:
+    points = head_60e1()
+    for middle, refused in ((-25.0, False), (-2.0, True)):
+        kept = points[np.abs(points[:, 0] - middle) > 2.8]
+        given = {"profile": drawn(tmp_path / "gap.csv", kept), "profile_mirror": "off"}
+        scene = Scene.from_mapping({"load": 1e5, "rail": given})
+        assert f"a gap from y = {middle - 3:.4g}" in " ".join(
+            solid.from_file(scene, "rail").remarks
+        )
+        if refused:
+            text = refusal(lambda scene=scene: solid.locate(scene))
+            assert text.startswith("rail.profile: gap.csv has a gap from y = -5 to 1 mm")
+        else:
+            assert abs(solid.locate(scene).touch.y) < 1e-3
+
+
+@pytest.mark.parametrize("lean", [0.0, 2.0])
+def test_the_gauge_point_of_an_upright_face_is_its_widest_place(tmp_path, lean: float) -> None:
+    """Crown R 300, corners R 10, faces from 10.5 to 30 mm below the top, that lean inwards."""
+    y = np.arange(0, 26, 0.5)
+    start, end = np.arctan(25.5 / 300), np.pi / 2 + np.radians(lean)
+    corner = np.array([25.5, -(25.5**2) / 600]) - 10 * np.array([np.sin(start), np.cos(start)])
+    turn = np.linspace(start, end, 40)[1:]
+    arc = corner + 10 * np.column_stack([np.sin(turn), np.cos(turn)])
+    down = np.arange(0.5, 20.1, 0.5)
+    face = np.column_stack([arc[-1, 0] - np.tan(np.radians(lean)) * down, arc[-1, 1] - down])
+    right = np.vstack([np.column_stack([y, -(y**2) / 600]), arc, face])
+    both = np.vstack([(right[1:] * (-1, 1))[::-1], right])
+    found = rh.profile(drawn(tmp_path / "face.csv", both))
+    crown, gauge = found.measured.places.values()
+    assert gauge[0] == pytest.approx(-right[:, 0].max(), abs=2e-3) and abs(gauge[1] + 14) < 1e-4
+    assert found.summary()["asked"] == []
+
+
+def test_a_wheel_that_begins_in_its_flange_may_be_given_its_tape_circle(tmp_path) -> None:
+    y = np.arange(-64.0, 58.0, 0.5)
+    points = np.column_stack([y, profiles.s1002().height(y)])
+    file, keys = drawn(tmp_path / "wheel.csv", points), [[], ["wheel.tape_circle=70"]]
+    one, other = (rh.profile(file, "wheel", more).measured for more in keys)
+    np.testing.assert_array_equal(one.points, other.points)
+    other = rh.profile(file, "wheel", ["wheel.tape_circle=69"]).measured
+    assert other.oriented.tape_circle == 69 and np.array_equal(one.points, other.points)
+
+
+def test_profile_says_at_once_what_a_run_asks(tmp_path) -> None:
+    points = head_60e1()
+    points = points[points[:, 1] > -13.4] + [[0.0, 0.0]]
+    points[points[:, 0] > 20, 1] -= 0.2
+    found = rh.profile(drawn(tmp_path / "open.csv", points))
+    side, gauge = found.summary()["asked"]
+    assert side.startswith("rail.profile_mirror: ") and "give off if" in side
+    assert gauge.startswith("rail.gauge_height, beside rail.gauge: 14 mm is not reached")
+    scene = Scene.from_mapping({"load": 1e5, "rail": {"profile": str(tmp_path / "open.csv")}})
+    assert refusal(lambda: solid.locate(scene)) == side
+
+
+@pytest.mark.parametrize("name", ["one.rail", "one.wheel", "one.RAIL"])
+def test_extensions_that_name_the_body_are_read(tmp_path, name: str) -> None:
+    y = np.arange(-62.0, 58.0, 0.5)
+    points = np.column_stack([y, profiles.s1002().height(y)]) if "wheel" in name else head_60e1()
+    assert rh.profile(drawn(tmp_path / name, points)).measured.body == name[4:].lower()
+
+
+def test_advice_on_a_narrow_wheel_can_be_followed() -> None:
+    """A ball in a hollow: a larger wheel.width does not make its profile wider."""
+    from railhead.planning import simulation_plan as planning
+
+    shapes = {"rail.profile": "arc", "rail.crown_radius": 10, "wheel.profile": "arc"}
+    scene = Scene(load=1e4).replace(**shapes, **{"wheel.transverse_radius": -10.02})
+    text = refusal(lambda: planning.make(scene))
+    length = float(re.search(r"give wheel.segment_length = (\S+) or less", text)[1])
+    assert planning.make(scene.replace(**{"wheel.segment_length": length})).reach

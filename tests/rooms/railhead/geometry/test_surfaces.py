@@ -81,11 +81,11 @@ def test_text_and_arrays_make_the_same_map(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "rows, said",
     [
-        (np.ones((4, 2)), "no rows of three numbers"),
+        (np.ones((4, 2)), "line 1: has no number in column 3"),
         ([[k, 0, 0] for k in range(3)], "3 places along"),
         ([[k, k, 0] for k in range(4)], "no grid of 4 x by 4 y"),
         ([[k % 4, 0, 0] for k in range(8)], "no grid of 4 x by 1 y"),
-        ([[k, 0, np.inf] for k in range(4)], "finite"),
+        ([[k, 0, np.inf] for k in range(4)], "no number in column 3"),
     ],
 )
 def test_rows_that_are_no_map_are_refused(rows, said: str, tmp_path: Path) -> None:

@@ -202,3 +202,20 @@ def test_grids_say_where_they_are_from(tmp_path: Path) -> None:
     text = (tmp_path / "out" / "contact.vtu").read_bytes()[:200].decode()
     assert f"<!-- railhead {rh.__version__}, 20" in text and "N, mm, MPa" in text
     assert pyvista.read(tmp_path / "out" / "contact.vtu").n_points > 0
+
+
+def test_no_text_of_a_table_is_a_formula_of_a_spreadsheet() -> None:
+    cells = {"a": "=cmd|' /C calc'!A0", "b": "@x", "c": "-1+1", "d": "-0.5", "e": -0.5, "f": None}
+    line = result_folder.encoded([cells]).decode("utf-8-sig").splitlines()[1]
+    assert line == "'=cmd|' /C calc'!A0,'@x,'-1+1,-0.5,-0.5,"
+
+
+@pytest.mark.parametrize("number", ["NaN", "Infinity", "-Infinity"])
+def test_a_number_that_json_does_not_know_is_a_broken_result(tmp_path, number: str) -> None:
+    (tmp_path / "summary.json").write_text(f'{{"case": {number}}}')
+    assert "a broken one" in refusal(lambda: rh.load(tmp_path))
+
+
+def test_a_summary_that_waits_for_a_writer_is_a_broken_result(tmp_path) -> None:
+    os.mkfifo(tmp_path / "summary.json")
+    assert "a broken one" in refusal(lambda: rh.load(tmp_path))

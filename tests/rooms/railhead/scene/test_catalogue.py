@@ -155,15 +155,8 @@ def test_broken_file_is_named_in_one_line(tmp_path: Path, content: bytes, words:
 
 def test_what_is_no_file_is_named_in_one_line(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "fifo.toml")
-    for name, reason in {
-        "missing.toml": "is no file",
-        "new\nline.toml": "is no file",
-        "nul\0.toml": "is no file",
-        ".": "is no file",
-        "fifo.toml": "is no file",
-        "x" * 300: "cannot be read: File name too long",
-    }.items():
-        assert reason in refusal(lambda name=name: read_scene(tmp_path / name))
+    for name in ("missing.toml", "new\nline.toml", "nul\0.toml", ".", "fifo.toml", "x" * 300):
+        assert "is no file" in refusal(lambda name=name: read_scene(tmp_path / name))
 
 
 def test_profile_path_starts_at_the_file(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:

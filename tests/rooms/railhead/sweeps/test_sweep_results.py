@@ -324,6 +324,25 @@ def test_what_else_lies_among_the_records_is_left_alone(copied: Path) -> None:
     assert len(store.done(copied)) == len(rh.load(copied).rows()) == 6
 
 
+@pytest.mark.parametrize("edited", ["NaN", '"0.1"', "0.2", "[0.1]", "null"])
+def test_an_edited_record_is_broken_whatever_is_in_it(tmp_path: Path, edited: str) -> None:
+    """Of wear and of a creep table too: strings and NaN were tracebacks."""
+    store.write(tmp_path, 0, {"stage": {"depth": 0.1, "all": (1, float("inf"))}})
+    assert store.read(tmp_path, 0) == {"stage": {"depth": 0.1, "all": [1, "inf"]}}
+    path = store.record_path(tmp_path, 0)
+    path.write_text(path.read_text().replace("0.1", edited))
+    with pytest.raises(SceneError, match="is broken"):
+        store.read(tmp_path, 0)
+
+
+def test_broken_arrays_of_a_record_are_said(tmp_path: Path) -> None:
+    store.write(tmp_path, 0, {}, {"pressure": np.ones(100)})
+    path = store.record_path(tmp_path, 0).with_suffix(".npz")
+    path.write_bytes(path.read_bytes()[:-30])
+    with pytest.raises(SceneError, match="is broken"):
+        store.arrays(tmp_path)
+
+
 def test_records_beyond_five_digits_count(tmp_path: Path) -> None:
     """Job 100000 was done, and nobody saw it."""
     store.write(tmp_path, 100000, {}, {"pressure": np.ones(1)})
