@@ -480,8 +480,8 @@ def nearly_elliptic(
     if parabolic:
         return half, np.abs((1 + off) ** 0.25 - 1), (0.0, 0.0)
     rounded = mesh * (element / half.min()) ** 2
-    error = fourth * (rounded + HIGHER_ORDER_FACTOR * found.shape_error)
     off = off + rounded
+    error = fourth * (rounded + HIGHER_ORDER_FACTOR * float(np.abs(off).max()))
     alpha, beta = -bend * (3 * off + off.sum())
     return half * (1 + fourth * off), np.full(2, error), (float(alpha), float(beta))
 

@@ -18,7 +18,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
@@ -34,10 +34,9 @@ from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 
 T = TypeVar("T")
 STEP = 1.6  # factor on the resolution from one mesh of a sequence to the next
-TINY = 1e-12  # least reading error by which is divided
 STRETCHES = (2.0, 0.5)  # factors on the smoothing lengths
 SAFETY = 2.0  # factor on the change, chosen on six seeds of each pair of the study
-AIM = 0.9  # share of the prescribed accuracy that the mesh may take
+AIM = 0.9  # share of the prescribed accuracy that mesh and reading may take
 RANGE = (3.0, 60.0)  # elements per smaller semi-axis that are considered
 PLACES = ("tau_max_depth_mm",)
 """Quantities that are places of a maximum: their scale is how flat the maximum is."""
@@ -85,9 +84,10 @@ class Family:
     resolution: smallest and largest calibrated n, elements per smaller semi-axis.
     laws: envelope of the mesh error by key of summary.json, over the quantity's scale
         (`estimates.error_scales`).
-    reading: median relative reading error of each quantity over the resolution, by key; for the
-        choice of resolutions and for prices.
+    reading: relative reading error of each quantity over the resolution, by key, which most
+        solutions stay below; for the choice of resolutions and for prices.
     overlap: relative error by key for an overlap of the bodies as large as the approach.
+    beyond: order of the mesh error on meshes finer than the calibrated ones, by key.
     Everywhere here n is the number of elements per smaller semi-axis of the patch.
     """
 
@@ -97,6 +97,7 @@ class Family:
     laws: Mapping[str, ErrorEnvelope]
     reading: Mapping[str, ErrorEnvelope]
     overlap: Mapping[str, float]
+    beyond: Mapping[str, float] = field(default_factory=dict)
 
     def holds(self, setting: Mapping[str, Any]) -> bool:
         """Whether every value of the setting lies within what was calibrated."""
@@ -109,13 +110,14 @@ class Family:
 
     def mesh(self, name: str, n: float) -> float:
         """Envelope of the mesh error of a quantity over its scale, at n elements per smaller semi-
-        axis; beyond the calibrated range the envelope falls at most as the first power of n.
+        axis; beyond the calibrated range the envelope falls at most as the first power of n, where
+        no other order was measured (`beyond`).
         name: key of the quantity in summary.json. KeyError: the family has no law for it.
         """
         law, top = self.laws[name], self.resolution[1]
         if n <= top:
             return law(n)
-        return law(top) * (top / n) ** min(law.order, 1.0)
+        return law(top) * (top / n) ** self.beyond.get(name, min(law.order, 1.0))
 
     def covers(self, n: float, solved: Sequence[float] = ()) -> bool:
         """Whether n elements per smaller semi-axis lie within the calibrated range, or are finer by
@@ -128,37 +130,13 @@ class Family:
             high = max(high, m) if m <= STEP * high else high
         return low <= n * (1 + 1e-9) and n <= STEP * high
 
-    def expected(self, n: float) -> float:
+    def expected(self, n: float) -> tuple[float, str, float]:
         """Largest relative error, a fraction, that is expected of the calibrated quantities at n
-        elements per smaller semi-axis: the mesh error plus the reading error of a quantity.
-
-        The depth of the largest shear stress (PLACES) has another measure: how much the shear
-        stress falls, relatively, where the mesh error misses its depth. Reading does not count.
+        elements per smaller semi-axis, the key of its quantity, and the part of the mesh. The rest
+        is the reading error. Places (PLACES) do not count.
         """
-        return max(
-            drop_beside_maximum(self.mesh(name, n))
-            if name in PLACES
-            else self.mesh(name, n) + read(n)
-            for name, read in self.reading.items()
-        )
-
-    def read_no_better(
-        self, n: float, found: Mapping[str, float], steps: Mapping[str, float]
-    ) -> Family:
-        """The family with larger reading errors, after what a solution showed.
-        found: relative reading errors at n elements per smaller semi-axis, by key; those above the
-            median error raise it in proportion, the others, and missing keys, do not.
-        steps: relative errors by load steps, by key, which become the floors; missing keys: 0.
-        """
-        reading = {
-            name: ErrorEnvelope(
-                law.value * max(1.0, found.get(name, 0.0) / max(law(n), TINY)),
-                law.order,
-                steps.get(name, 0.0),
-            )
-            for name, law in self.reading.items()
-        }
-        return replace(self, reading=reading)
+        mesh = {name: self.mesh(name, n) for name in self.reading.keys() - {*PLACES}}
+        return max((part + self.reading[name](n), name, part) for name, part in mesh.items())
 
     @property
     def least(self) -> float:
@@ -179,7 +157,7 @@ class Family:
         """Whether the finest resolution that the laws cover is expected to meet the relative
         accuracy, of which mesh and reading may take 0.9 (AIM).
         """
-        return self.expected(STEP * self.resolution[1]) <= AIM * accuracy
+        return self.expected(STEP * self.resolution[1])[0] <= AIM * accuracy
 
     def finest(self, accuracy: float) -> float:
         """Elements per smaller semi-axis at which all quantities are expected to meet the relative
@@ -190,9 +168,9 @@ class Family:
         target = AIM * accuracy
         if not self.reaches(accuracy):
             return high
-        if self.expected(low) <= target:
+        if self.expected(low)[0] <= target:
             return low
-        return float(brentq(lambda n: self.expected(n) - target, low, high))
+        return float(brentq(lambda n: self.expected(n)[0] - target, low, high))
 
 
 def _turned(values: Mapping[str, T]) -> dict[str, T]:
@@ -211,6 +189,7 @@ def families() -> tuple[Family, ...]:
             {key: ErrorEnvelope(*law) for key, law in entry["laws"].items()},
             {key: ErrorEnvelope(*law) for key, law in entry["reading"].items()},
             entry["overlap"],
+            entry.get("beyond", {}),
         )
         for name, entry in json.loads(LAWS.read_text(encoding="utf-8"))["families"].items()
     )
@@ -222,7 +201,8 @@ def family(setting: Mapping[str, Any]) -> Family | None:
     is none.
 
     The approach depends on distant elements, whatever the contact law: its envelope is not below
-    that of the family of the same bodies with the default law (USUAL).
+    that of the family of the same bodies with the default law (USUAL). Nor are reading errors of
+    ellipses, as half-spaces are read better than bodies.
     """
     found = next((each for each in families() if each.holds(setting)), None)
     usual = next((each for each in families() if each.name == USUAL.get(setting["shape"])), None)
@@ -230,6 +210,12 @@ def family(setting: Mapping[str, Any]) -> Family | None:
         laws = (each.laws["approach_mm"] for each in (found, usual))
         widest = max(laws, key=lambda law: law.value)
         found = replace(found, laws={**found.laws, "approach_mm": widest})
+        if setting["ellipse"] and not setting["overload"]:
+            reading = {
+                name: max(law, usual.reading[name], key=lambda each: each.value)
+                for name, law in found.reading.items()
+            }
+            found = replace(found, reading=reading)
     if found and setting["turned"]:
         found = replace(
             found,

@@ -422,12 +422,17 @@ class Plan:
 
     @property
     def solving_seconds(self) -> float:
-        """Predicted seconds of the whole process without pictures: imports, passes, and one mesh or
-        the coarse and the fine one of an accuracy or a budget.
+        """Predicted seconds of the whole process without pictures: imports, passes, and this mesh.
+        For an accuracy or a budget without error laws also two coarser ones, each by 1.6 (STEP).
         """
-        if self.scene.one_mesh or self.by_half_spaces:
-            return cost.START + self.seconds_of_one
-        return self.seconds_of_two
+        coarser = 0 if self.scene.one_mesh or self.by_half_spaces or self.family else 2
+        n = self.sizing.resolution
+        steps = (error_envelopes.STEP**-k for k in range(1, 1 + coarser))
+        return (
+            cost.START
+            + self.seconds_of_one
+            + sum(self.at_resolution(step * n).mesh_seconds for step in steps)
+        )
 
     @property
     def seconds_of_one(self) -> float:
@@ -508,23 +513,12 @@ class Plan:
                 f"{needed:.3g} GB of {free / 1e9:.3g} GB free; give a larger one",
             )
 
-    @property
-    def seconds_of_two(self) -> float:
-        """Predicted seconds of the whole process with this mesh and a coarser one, whose elements
-        are 1.6 (STEP) times as large; imports are counted once. Where bodies yield the coarser one
-        is solved a second time, with twice the load steps.
-        """
-        coarse = replace(self, patch_size=error_envelopes.STEP * self.patch_size)
-        twice = replace(coarse, load_steps=2 * coarse.load_steps)
-        again = twice.mesh_seconds if self.effects["plasticity"].on else 0.0
-        return cost.START + self.seconds_of_one + coarse.mesh_seconds + again
-
     def prices(self) -> list[dict[str, Any]] | None:
         """Predicted cost of several accuracies, coarsest first; None where no family of error laws
         fits the plan.
-        Keys of a row: accuracy, patch_size_mm, unknowns, seconds, memory_MB; all but accuracy are
-            None where the accuracy is out of reach. Seconds are those of a coarse and a fine mesh
-            (`seconds_of_two`), the rest is of the fine one.
+        Keys of a row: accuracy, patch_size_mm, unknowns, seconds, memory_MB, and of the largest
+            expected estimate widest (its quantity), mesh, reading, left_out and profile (its
+            parts); all but accuracy are None where it is out of reach. Seconds: `solving_seconds`.
         """
         wanted, family = self.scene.accuracy, self.family
         if family is None:
@@ -532,15 +526,22 @@ class Plan:
         rows = []
         for accuracy in sorted({*PRICED_ACCURACIES, *([wanted] if wanted else [])}, reverse=True):
             fine, mesh_share = None, accuracy - self.omission_error
+            widest, total, mesh = None, 0.0, 0.0
             if self.profile_error < accuracy and family.reaches(mesh_share):
                 fine = self.at_resolution(family.finest(mesh_share))
+                total, widest, mesh = family.expected(fine.sizing.resolution)
             rows.append(
                 {
                     "accuracy": accuracy,
                     "patch_size_mm": fine and fine.patch_size,
                     "unknowns": fine and fine.unknowns,
-                    "seconds": fine and fine.seconds_of_two,
+                    "seconds": fine and fine.solving_seconds,
                     "memory_MB": fine and fine.memory / 1e6,
+                    "widest": widest,
+                    "mesh": fine and mesh,
+                    "reading": fine and total - mesh,
+                    "left_out": fine and self.omission_error,
+                    "profile": fine and self.profile_error,
                 }
             )
         return rows

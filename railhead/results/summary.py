@@ -65,7 +65,7 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
             "bound": {name: each.total for name, each in known.items() if name not in unresolved}
             | _first_yield_error(solved),
             "reached": reached,
-            "reason": ending.reason,
+            "reason": ending.reason + estimates.not_asked(plan, known.keys() | {*unresolved}),
             "would_cost": cost and {"unknowns": cost[0], "seconds": cost[1]},
             "source": source,
             "parts": {name: each.parts for name, each in known.items()},
@@ -114,7 +114,8 @@ def summarise_half_spaces(solved: HalfSpaceSolution) -> dict[str, Any]:
             "asked": asked,
             "bound": bound,
             "reached": reached,
-            "reason": "half-spaces are solved once",
+            "reason": "half-spaces are solved once"
+            + estimates.not_asked(solved.plan, bound.keys() | {*unresolved}),
             "would_cost": None,
             "source": HALF_SPACE_SOURCE,
             "parts": solved.error_parts,

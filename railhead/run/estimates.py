@@ -13,19 +13,20 @@ The estimate of a quantity is the sum of
     profile       what the noise of measured profiles hides (`planning.error_envelopes`)
 
 Estimates are relative to the value, those of forces by friction to mu N. An accuracy that a scene
-wants is one of sizes and values. Of a place, the depth of the largest shear stress, it wants that
-the stress there be that near to the largest one.
+wants is one of sizes and values (`PROMISED`). A place, the depth of the largest shear stress, has
+an estimate, but no accuracy is asked of it.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import Any
 
 from railhead.planning.effects import material
-from railhead.planning.error_envelopes import STEP, Family, drop_beside_maximum
+from railhead.planning.error_envelopes import PLACES, STEP, Family, drop_beside_maximum
+from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.findings import RIVAL, Findings
 from railhead.postprocess.friction import MOTION, RISE
 from railhead.run.mesh_solution import MeshSolution
@@ -68,7 +69,7 @@ class Estimate:
 
     @property
     def value_error(self) -> float:
-        """Error that is compared with a wanted accuracy: the total; for the place of a maximum, the
+        """Error that tells whether a number is of use: the total; for the place of a maximum, the
         relative loss of the quantity at the misplaced maximum, without the reading error.
         """
         if self.flatness is None:
@@ -77,22 +78,29 @@ class Estimate:
 
 
 def largest_error(estimated: Mapping[str, Estimate], solved: MeshSolution) -> float:
-    """Largest `value_error` of the estimates by key, which is compared with a wanted accuracy;
-    infinite off rank 0, where nothing touches, and where a quantity that the mesh resolves has no
-    estimate.
+    """Largest total of the estimates by key, places left out, which is compared with a wanted
+    accuracy; infinite off rank 0, where nothing touches, and where a quantity that the mesh
+    resolves has no estimate.
     """
-    wanted = {} if solved.result is None else resolved_values(solved)
-    if not wanted or not wanted.keys() <= estimated.keys():
+    wanted = set() if solved.result is None else resolved_values(solved).keys() - {*PLACES}
+    if not wanted or not wanted <= estimated.keys():
         return math.inf
-    return max(estimated[key].value_error for key in wanted)
+    return max(estimated[key].total for key in wanted)
 
 
 def largest_bound(bound: Mapping[str, float]) -> float:
-    """Largest error, by key of summary.json, of what is compared with a wanted accuracy: sizes,
-    values and forces, and the motion where a force is given.
+    """Largest error, by key of summary.json, of what is compared with a wanted accuracy
+    (`PROMISED`).
     """
-    keys = {*ESTIMATED, *FRICTION_SHARES, *(key for names in MOTION.values() for key in names)}
-    return max((bound[key] for key in bound.keys() & keys), default=0.0)
+    return max((bound[key] for key in bound.keys() & PROMISED), default=0.0)
+
+
+def not_asked(plan: Plan, keys: Set[str]) -> str:
+    """Words that follow the reason why meshes ended: those of the keys of summary.json that a
+    wanted accuracy does not count (`PROMISED`). Empty where none is wanted.
+    """
+    rest = sorted(keys - PROMISED)
+    return f"; not asked of {', '.join(rest)}" if rest and plan.scene.accuracy else ""
 
 
 def of_grids(found: Findings | None, result: Mapping[str, Any] | None) -> float:
@@ -225,6 +233,9 @@ Numbers = Mapping[str, float]
 """Values by key of summary.json."""
 FRICTION_SHARES = {each.key for each in QUANTITIES if each.over_friction_limit}
 """Keys of forces of friction, whose values are over mu N (`friction_values`)."""
+PROMISED = {*ESTIMATED, *FRICTION_SHARES, *MOTION[True], *MOTION[False]} - {*PLACES}
+"""Keys that are compared with a wanted accuracy: sizes and values, forces, and the motion where a
+force is given."""
 
 
 def mesh_errors(

@@ -18,17 +18,17 @@ from railhead.run.progress import Progress
 from railhead.scene import quantities
 from railhead.scene.scene import SceneError
 
+LEAST_MESHES = 3  # that tell an error without laws
 MAX_LEVELS = 5
 ONE_MESH = "one mesh"
 BUDGET_SHARE = 0.85  # largest predicted time over the budget
-ONE_MESH_SHARE = 0.9  # share of the accuracy that a single mesh is planned for
 # Error over the change with twice the load steps: 1.3 to 1.9 from two steps on, 2.1 from one
 # (pressure of a sphere at 2 to 10 times its first-yield load, beside 16 and 32 steps).
 STEP_ERROR = 2.0
 LOAD_STEP_SHARE = 0.4  # share of the accuracy that the error of load steps may take
 MOST_STEPS = 16  # largest factor on the usual number of load steps
-MARGIN = 1.1  # on the resolution of a mesh after two, and of the second one where bodies yield: a
-# third one costs as much there as both
+MARGIN = 1.1  # on the estimate of a mesh that was not fine enough
+LEAST_STEP = 1.15  # least factor on the resolution from one mesh to the next
 
 
 @dataclass(frozen=True)
@@ -49,11 +49,10 @@ def refine(
 ) -> tuple[list[MeshSolution], Ending]:
     """Solved meshes of a plan, coarsest first, and why the sequence ended (collective).
 
-    A scene without accuracy and budget has one mesh. Others have a coarse and a fine one, and finer
-    ones until the estimates meet the accuracy, at most five (MAX_LEVELS); without an accuracy,
-    until there are estimates. Outside the calibrated families a third mesh, coarser still, is
-    solved first. Where the error envelopes do not cover the coarse mesh, that mesh confirms nothing
-    and is left out.
+    Where error laws hold, the first mesh is the one that the plan chose, and mostly the only one.
+    Without laws it is coarser by 1.6 squared (STEP), as three meshes tell an error. Finer ones
+    follow until the estimates meet the accuracy, at most five (MAX_LEVELS); without an accuracy,
+    until there are estimates.
 
     SceneError: no mesh meets the accuracy (`_refuse`), or the only mesh of a scene does not fit
         into the memory. In a sequence a finer mesh that does not fit ends it.
@@ -63,16 +62,8 @@ def refine(
     if plan.scene.one_mesh:
         return [mesh_and_solve(plan, progress, comm)], Ending(ONE_MESH)
     _refuse(plan, progress)
-    scene, known = plan.scene, plan.family
-    wanted = plan.sizing.resolution
-    if scene.budget is not None:
-        wanted = _affordable(plan, wanted)
-    low = error_envelopes.RANGE[0] * (LINEAR_REFINEMENT if plan.order == 1 else 1.0)
-    coarse = max(wanted / error_envelopes.STEP ** (1 if known else 2), low)
-    least = 2
-    if known is not None and scene.budget is None and not known.covers(coarse):
-        least, coarse = 1, known.finest(ONE_MESH_SHARE * plan.accuracy_of_meshes)
-    meshes = [mesh_and_solve(plan.at_resolution(coarse), progress, comm)]
+    scene = plan.scene
+    meshes = [mesh_and_solve(_first(plan), progress, comm)]
     if meshes[0].solution.plasticity is not None:
         meshes[0] = _with_load_step_errors(meshes[0], progress, comm)
     spent = sum(meshes[0].seconds.values())
@@ -81,26 +72,37 @@ def refine(
         worst = comm.bcast(estimates.largest_error(estimates.estimate(meshes)[0], done))
         if not done.solution.newton.converged:
             return meshes, Ending("Newton's method did not converge")
-        if len(meshes) >= least and scene.accuracy is not None and worst <= scene.accuracy:
+        if scene.accuracy is not None and worst <= scene.accuracy:
             return meshes, Ending("asked accuracy reached")
-        fixed = comm.bcast(estimates.of_grids(done.findings, done.result))
+        # In sections and between unlike bodies the grid is that of the mesh.
+        told = not plan.condenses or len(meshes) >= LEAST_MESHES
+        fixed = comm.bcast(estimates.of_grids(done.findings, done.result) if told else 0.0)
         if fixed >= (scene.accuracy or math.inf):
-            return meshes, Ending(f"the grids of tractions leave {fixed:.1%} open on any mesh")
-        if len(meshes) > 1 and scene.accuracy is None and math.isfinite(worst):
+            return meshes, Ending(f"the grids of tractions leave {fixed:.1%} open")
+        if scene.accuracy is None and math.isfinite(worst):
             limit = scene.budget or 0.0
             over = f"the least that gives an estimate took {spent:.1f} s, over the budget"
             return meshes, Ending("budget spent" if spent <= limit else over)
-        n, covered = comm.bcast(_next(meshes, worst, wanted))
+        n, covered = comm.bcast(_next(meshes, worst))
         finer = done.plan.at_resolution(n)
         would_cost = finer.unknowns, finer.mesh_seconds
-        # The second mesh was priced beforehand.
-        stop = comm.bcast(_obstacle(finer, spent if len(meshes) > 1 else 0.0))
+        # What gives an estimate was priced beforehand.
+        stop = comm.bcast(_obstacle(finer, spent if math.isfinite(worst) else 0.0))
         if not covered:
             stop = stop or "the error laws end at coarser meshes"
         if stop or len(meshes) == MAX_LEVELS:
             return meshes, Ending(stop or "too many meshes", would_cost)
         meshes.append(mesh_and_solve(finer, progress, comm))
         spent += sum(meshes[-1].seconds.values())
+
+
+def _first(plan: Plan) -> Plan:
+    """The plan of the first mesh for an accuracy or a budget."""
+    n = plan.sizing.resolution if plan.scene.budget is None else _affordable(plan)
+    if plan.family is not None:
+        return plan.at_resolution(n)
+    low = error_envelopes.RANGE[0] * (LINEAR_REFINEMENT if plan.order == 1 else 1.0)
+    return plan.at_resolution(max(n / error_envelopes.STEP**2, low))
 
 
 def _refuse(plan: Plan, progress: Progress) -> None:
@@ -128,22 +130,18 @@ def unplanned_yield(solved: MeshSolution, comm: MPI.Intracomm) -> str:
     return comm.bcast(after.why)
 
 
-def _affordable(plan: Plan, wanted: float) -> float:
-    """Finest resolution (elements per smaller semi-axis) at which the predicted seconds of a coarse
-    and a fine mesh are within 0.85 (BUDGET_SHARE) of the budget of the scene. Where none is, it is
-    the least one, 4.8.
-
-    wanted: largest resolution that is returned where the scene has an accuracy, unless it is below
-        4.8. Without an accuracy the largest one is the finest that the error laws cover, or 60
-        without laws.
+def _affordable(plan: Plan) -> float:
+    """Finest resolution (elements per smaller semi-axis) at which the predicted seconds of the
+    meshes of a plan are within 0.85 (BUDGET_SHARE) of the budget of the scene. Where none is, it is
+    the least one: 3, without laws 7.7. The largest one is that of the plan where the scene has an
+    accuracy, else the finest that the error laws cover, or 60 without laws.
     """
-    budget = BUDGET_SHARE * float(plan.scene.budget or 0.0)
-    best = n = error_envelopes.RANGE[0] * error_envelopes.STEP
-    limit = wanted
+    known, budget = plan.family, BUDGET_SHARE * float(plan.scene.budget or 0.0)
+    limit = plan.sizing.resolution
     if plan.scene.accuracy is None:
-        known = plan.family
         limit = error_envelopes.STEP * known.resolution[1] if known else error_envelopes.RANGE[1]
-    while n <= limit and plan.at_resolution(n).seconds_of_two <= budget:
+    best = n = known.resolution[0] if known else error_envelopes.RANGE[0] * error_envelopes.STEP**2
+    while n <= limit and plan.at_resolution(n).solving_seconds <= budget:
         best, n = n, 1.05 * n
     return best
 
@@ -174,28 +172,20 @@ def _with_load_step_errors(
     return replace(other, plan=replace(plan, load_steps=steps), load_step_errors=error)
 
 
-def _next(meshes: list[MeshSolution], worst: float, wanted: float) -> tuple[float, bool]:
+def _next(meshes: list[MeshSolution], worst: float) -> tuple[float, bool]:
     """Elements per smaller semi-axis of the next mesh, and whether error estimates exist there.
-    worst: largest relative error of the last mesh; wanted: planned elements per smaller semi-axis.
-    Only what it gives on rank 0 counts.
+    worst: largest relative error of the last mesh. Only what it gives on rank 0 counts.
+
+    Without laws, or an estimate, the next mesh is finer by 1.6 (STEP); else by as much as second-
+    order convergence wants, from 1.15 (LEAST_STEP) to 1.6.
     """
     solved = meshes[-1]
-    n, asked = solved.resolution, solved.plan.scene.accuracy
-    known = solved.family
-    if known is None or (len(meshes) > 1 and not math.isfinite(worst)):
+    n, asked, known = solved.resolution, solved.plan.scene.accuracy, solved.family
+    if known is None or not math.isfinite(worst):
         return error_envelopes.STEP * n, True
-    if len(meshes) > 1:
-        # By first-order convergence, from 1.25 n to STEP n.
-        wanted = n * min(max(MARGIN * worst / (asked or worst), 1.25), error_envelopes.STEP)
-    else:
-        if asked is not None and solved.plan.scene.budget is None:
-            found = estimates.reading_errors(solved.findings) if solved.findings is not None else {}
-            limited = known.read_no_better(n, found, estimates.load_step_errors(meshes))
-            wanted = limited.finest(solved.plan.accuracy_of_meshes)
-            if solved.solution.plasticity is not None:
-                wanted *= MARGIN
-        wanted = max(wanted, 1.25 * n)
-    return wanted, known.covers(wanted, [each.resolution for each in meshes])
+    ratio = math.sqrt(MARGIN * worst / (asked or worst))
+    n *= min(max(ratio, LEAST_STEP), error_envelopes.STEP)
+    return n, known.covers(n, [each.resolution for each in meshes])
 
 
 def _obstacle(plan: Plan, spent: float) -> str:

@@ -218,13 +218,16 @@ def _show_prices(prices: Sequence[Mapping[str, Any]] | None, console: Console) -
             "price      unknown: no calibrated family; an accuracy takes three meshes or more"
         )
         return
-    header = "accuracy", "patch size, mm", "unknowns", "seconds", "memory, MB"
+    header = ["accuracy", "size, mm", "unknowns", "seconds", "MB", "widest"]
+    header += ["mesh", "reading", "other"]
     rows = []
     for row in prices:
-        cells = ["out of reach"] * 4
+        cells = ["out of reach"] * 4 + [""] * 4
         if row["unknowns"] is not None:
+            other = row["left_out"] + row["profile"]
             cells = [f"{row['patch_size_mm']:.3g}", f"{row['unknowns']}"]
-            cells += [f"{row['seconds']:.1f}", f"{row['memory_MB']:.0f}"]
+            cells += [f"{row['seconds']:.1f}", f"{row['memory_MB']:.0f}", row["widest"]]
+            cells += [f"{each:.2%}" for each in (row["mesh"], row["reading"], other)]
         rows.append([f"{row['accuracy']:.3g}", *cells])
     console.print(number_table("price on this machine", header, rows))
 
@@ -293,8 +296,8 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
             markup=False,
             highlight=False,
         )
-    if summary["scene"].get("budget"):
-        console.print(f"Budget: {summary['accuracy']['reason']}.", highlight=False)
+    if summary["scene"].get("budget") or summary["accuracy"]["asked"]:
+        console.print(f"Accuracy: {summary['accuracy']['reason']}.", highlight=False)
     for name, after in summary["effects_after"].items():
         if after["notable"]:
             console.print(f"{name}: {after['why']}", markup=False, highlight=False)

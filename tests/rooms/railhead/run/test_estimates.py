@@ -62,25 +62,40 @@ def test_a_law_holds_inside_its_family_only(change) -> None:
 def test_the_resolution_meets_the_accuracy_or_is_out_of_reach() -> None:
     for known in error_envelopes.families():
         for asked in (0.2, 0.05, 0.01, 0.002):
-            assert known.expected(known.finest(asked)) <= asked or not known.reaches(asked)
+            assert known.expected(known.finest(asked))[0] <= asked or not known.reaches(asked)
 
 
-def test_a_mesh_that_was_read_worse_than_the_middle_asks_for_a_finer_one() -> None:
-    """Else the finer one misses the accuracy by that, and a third is taken."""
-    known, middle = SHIPPED, {name: law(4.0) for name, law in SHIPPED.reading.items()}
-    assert known.read_no_better(4.0, {}, {}) == known
-    assert known.read_no_better(4.0, middle, {}) == known
-    assert known.read_no_better(4.0, {name: each / 2 for name, each in middle.items()}, {}) == known
-    worse = known.read_no_better(4.0, {name: 3 * each for name, each in middle.items()}, {})
-    for name, law in worse.reading.items():
-        assert law(8.0) == pytest.approx(3 * known.reading[name](8.0))
-    stepped = known.read_no_better(4.0, {}, {"a_mm": 0.01})
-    assert stepped.reading["a_mm"](60.0) == pytest.approx(0.01, rel=0.05)
-    assert stepped.reading["b_mm"] == known.reading["b_mm"]
-    accuracy = known.expected(6.0) / error_envelopes.AIM
-    n = worse.finest(accuracy)
-    assert n > known.finest(accuracy) == pytest.approx(6.0)
-    assert worse.expected(n) == pytest.approx(error_envelopes.AIM * accuracy)
+@pytest.mark.parametrize("case", ["hertz_ellipse", "uic54_thesis", "s1002_60e1"])
+def test_less_accuracy_never_costs_more(case: str) -> None:
+    """Unknowns that are planned, and the largest estimate, whose parts add up to it."""
+    asked = ["20%", "10%", "5%", "2%", "1.5%", "1%", "0.7%", "0.5%"]
+    plans = [planning.make(catalogue.find(case).replace([f"accuracy={each}"])) for each in asked]
+    unknowns = [plan.unknowns for plan in plans]
+    assert unknowns == sorted(unknowns)
+    usual = planning.make(catalogue.find(case))
+    assert unknowns[0] < 0.8 * usual.unknowns and unknowns[5] < usual.unknowns
+    for row in plans[5].prices():
+        if row["unknowns"] is not None:
+            parts = row["mesh"], row["reading"], row["left_out"], row["profile"]
+            assert row["widest"] in quantities.ESTIMATED and sum(parts) <= row["accuracy"]
+
+
+def test_where_a_law_holds_one_mesh_meets_an_accuracy_and_the_reason_names_what_is_not_asked():
+    found = solved("hertz_ellipse", "accuracy=1%").summary["accuracy"]
+    assert found["reached"] and len(found["levels"]) == 1
+    assert found["reason"] == "asked accuracy reached; not asked of tau_max_depth_mm"
+    assert max(each for name, each in found["bound"].items() if "depth" not in name) <= 0.01
+
+
+@pytest.mark.slow
+def test_a_line_of_unlike_bodies_with_friction_is_solved_on_three_meshes() -> None:
+    """Its coarse contact points are no grid of tractions that stays as coarse on any mesh. The
+    stress at the surface converges too slowly, the pressure within its estimate."""
+    keys = ["rail.extent=half-space", "wheel.young_modulus=inf", "friction.coefficient=0.1"]
+    summary = solved("long_roller", *keys, "accuracy=3%").summary
+    accuracy, largest = summary["accuracy"], summary["result"]["pressure"]["max_MPa"]
+    assert len(accuracy["levels"]) == 3 and "grids of tractions" in accuracy["reason"]
+    assert abs(largest / 561.5 - 1) <= accuracy["bound"]["max_MPa"] < 0.05
 
 
 def level(n: float, largest: float, reading: float = 0.0, **more: float) -> tuple:
@@ -153,7 +168,7 @@ def test_the_approach_has_one_law_at_least(shape: str, law) -> None:
         (
             ["rail.young_modulus=43GPa", "rail.poisson_ratio=0.4985718"]
             + ["wheel.poisson_ratio=0.4502", "accuracy=5%"],
-            3.75,
+            3.0,
         ),
     ],
 )
@@ -181,9 +196,11 @@ def test_the_approach_of_a_rail_is_within_its_estimate() -> None:
     assert 0.002 < error <= summary["accuracy"]["bound"]["approach_mm"]
 
 
-def test_an_extrapolated_law_falls_at_most_as_the_first_power() -> None:
+def test_an_extrapolated_law_falls_as_the_first_power_where_nothing_else_was_measured() -> None:
     """0.01 (6/8)^2 at the end of what was calibrated, and half of it at twice that resolution."""
     assert KNOWN.mesh("max_MPa", 16.0) == pytest.approx(0.01 * (6 / 8) ** 2 / 2)
+    measured = replace(KNOWN, beyond={"max_MPa": 1.5})
+    assert measured.mesh("max_MPa", 16.0) == pytest.approx(0.01 * (6 / 8) ** 2 / 2**1.5)
 
 
 def test_the_width_of_a_line_across_the_rail_is_b() -> None:
