@@ -51,6 +51,7 @@ WIDER = {
     ("incompressible", "von_mises_max_MPa"): (1.4, 0.0),
     ("bodies", "approach_mm"): (1.6, 0.0),
     ("plane strain", "approach_mm"): (1.3, 0.0),
+    ("incompressible circles", "max_MPa"): (1.3, 0.0),
     ("profiles", "approach_mm"): (1.55, 0.0),
     ("yield", "tau_max_MPa"): (1.3, 0.0),
 }

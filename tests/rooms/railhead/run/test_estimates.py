@@ -168,7 +168,7 @@ def test_the_approach_has_one_law_at_least(shape: str, law) -> None:
         (
             ["rail.young_modulus=43GPa", "rail.poisson_ratio=0.4985718"]
             + ["wheel.poisson_ratio=0.4502", "accuracy=5%"],
-            3.0,
+            4.0,
         ),
     ],
 )
