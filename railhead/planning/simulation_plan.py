@@ -500,15 +500,15 @@ class Plan:
         return self.memory <= MEMORY_SHARE * free
 
     def check_memory(self, free: int) -> None:
-        """Refuse a scene that is solved on one mesh where this mesh does not fit into the free
-        memory (bytes): SceneError.
-        Nothing is refused where the scene has several meshes: the first is coarse, and a finer one
-        that does not fit is left out.
+        """Refuse a scene whose mesh does not fit into the free memory (bytes): SceneError.
+        Nothing is refused where the scene has a budget, or an accuracy without error laws: the
+        first of its meshes is coarse, and a finer one that does not fit is left out.
         """
-        if self.scene.one_mesh and not self.fits(free):
+        accuracy = self.scene.accuracy
+        if self.scene.budget is None and (accuracy is None or self.family) and not self.fits(free):
             needed = self.memory / MEMORY_SHARE / 1e9
             raise SceneError(
-                "mesh.patch_size",
+                "mesh.patch_size" if accuracy is None else "accuracy",
                 f"{self.patch_size:.3g} mm makes about {self.unknowns:.2g} unknowns, which need "
                 f"{needed:.3g} GB of {free / 1e9:.3g} GB free; give a larger one",
             )

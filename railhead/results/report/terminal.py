@@ -226,7 +226,8 @@ def _show_prices(prices: Sequence[Mapping[str, Any]] | None, console: Console) -
         if row["unknowns"] is not None:
             other = row["left_out"] + row["profile"]
             cells = [f"{row['patch_size_mm']:.3g}", f"{row['unknowns']}"]
-            cells += [f"{row['seconds']:.1f}", f"{row['memory_MB']:.0f}", row["widest"]]
+            cells += [f"{row['seconds']:.1f}", f"{row['memory_MB']:.0f}"]
+            cells += [row["widest"].rpartition("_")[0]]
             cells += [f"{each:.2%}" for each in (row["mesh"], row["reading"], other)]
         rows.append([f"{row['accuracy']:.3g}", *cells])
     console.print(number_table("price on this machine", header, rows))
@@ -296,7 +297,7 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
             markup=False,
             highlight=False,
         )
-    if summary["scene"].get("budget") or summary["accuracy"]["asked"]:
+    if summary["scene"].get("budget") or summary["scene"].get("accuracy"):
         console.print(f"Accuracy: {summary['accuracy']['reason']}.", highlight=False)
     for name, after in summary["effects_after"].items():
         if after["notable"]:
