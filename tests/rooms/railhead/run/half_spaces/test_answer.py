@@ -153,6 +153,18 @@ def test_a_force_that_has_not_settled_on_three_grids_has_an_error_that_says_so()
     assert abs(friction["force_across_N"] + 20930) < error < 50
 
 
+def test_forces_under_spin_are_within_their_errors_of_a_finer_grid() -> None:
+    """The finer numbers are extrapolated from 64 and 128 cells each way."""
+    ellipse = ["rail.crown_radius=469", "wheel.rolling_radius=525", "load=17500N"]
+    alike = [f"{body}.poisson_ratio=0.248" for body in ("rail", "wheel")]
+    moves = ["creepage_along=3.2e-4", "creepage_across=-5.457e-4", "spin=2.568e-4"]
+    rolls = [f"rolling.{each}" for each in moves] + ["friction.coefficient=0.234"]
+    found = fast("hertz_ellipse", *ellipse, *alike, *rolls, 'quantities=["forces"]').summary
+    friction, finer = found["result"]["friction"], (1075.478, -228.054, 5366.99)
+    for key, value in zip(("force_along_N", "force_across_N", "moment_Nmm"), finer, strict=True):
+        assert abs(friction[key] - value) < friction["grid_error"][key]
+
+
 @pytest.mark.parametrize("share", [0.05, 0.3])
 def test_a_shift_is_cattaneo_s_and_its_largest_traction_may_be_unread(share: float) -> None:
     """Where 3 % of the patch slip it is said to be unread; where a fifth slips its error holds."""
