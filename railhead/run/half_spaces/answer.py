@@ -119,39 +119,43 @@ def solve(plan: Plan, progress: Progress) -> HalfSpaceSolution:
 
 
 def _solve(plan: Plan) -> HalfSpaceSolution:
-    """The solution of a plan; its elastic reference is solved, too, where there is friction. With
-    friction the pressure carries what the tractions leave of the load: both are solved in turn
-    until the load is met to 1e-6 (BALANCE) of it. Raises ValueError where boundary elements fail,
-    or where pressure and tractions find no balance.
+    """The solution of a plan; its elastic reference is solved, too, where there is friction. Raises
+    ValueError where boundary elements fail, or where pressure and tractions find no balance.
     """
-    load, pair = plan.scene.load, plan.context.half_spaces
-    pressed = alone = pair.pressure(load)
-    rubbed = plan.scene.asks("friction_stresses")
-    frictionless = _read(plan, alone, stresses=plan.scene.asks("stresses"))
+    scene, context = plan.scene, plan.context
+    alone = context.half_spaces.pressure(scene.load)
+    frictionless = _read(plan, alone, stresses=scene.asks("stresses"))
     if not plan.effects["friction"].on:
         return frictionless
-    # A first balance on the coarsest grid is nearly that of the finest.
-    turns: list[tuple[int, ...]] = [CELLS]  # tractions do not change exact Hertz
-    if load is not None and isinstance(pressed, BoundaryElementSolution):
-        turns = [CELLS[:1], CELLS[-1:]] + [CELLS] * TURNS
-        carried = plan.scene.tangential_forces[2] * math.sin(plan.contact.touch.angle)
-        pressed = pair.near(pressed, load + carried, FINE)  # of a prescribed force it is known
+    pressed, sheared = _balanced(plan, alone)
+    plain, rubbed = frictionless, scene.asks("friction_stresses")
+    if not (context.tangential_pair.like or plan.contact.line):
+        plain = _read(plan, sheared.pressure(plan.hertz.contact_modulus), stresses=rubbed)
+    elif pressed is not alone or rubbed > scene.asks("stresses"):
+        plain = _read(plan, pressed, stresses=rubbed)
+    return replace(_with_friction(plain, sheared), elastic_reference=frictionless)
+
+
+def _balanced(plan: Plan, pressed: Pressed) -> tuple[Pressed, Sheared]:
+    """The pressure that carries what the tractions leave of the load, and these: both are solved in
+    turn until the load is met to 1e-6 (BALANCE) of it. Exact Hertz, or a given approach, stays.
+    pressed: without tractions. Raises ValueError without a balance.
+    """
+    load, pair = plan.scene.load, plan.context.half_spaces
     known: dict[int, Sheared] = {}
-    for counts in turns:
+    if load is None or not isinstance(pressed, BoundaryElementSolution):
+        return pressed, _tractions(plan, pressed, CELLS, known)
+    carried = plan.scene.tangential_forces[2] * math.sin(plan.contact.touch.angle)
+    pressed = pair.near(pressed, load + carried, FINE)  # of a prescribed force it is known
+    # A first balance on the coarsest grid is nearly that of the finest.
+    for counts in [CELLS[:1], CELLS[-1:]] + [CELLS] * TURNS:
         sheared = _tractions(plan, pressed, counts, known)
         total = pressed.load - sheared.upwards
         if total <= 0:
             break
-        met = load is None or abs(total - load) <= BALANCE * load
-        if met and counts == CELLS:
-            plain = frictionless
-            if not (plan.context.tangential_pair.like or plan.contact.line):
-                plain = _read(plan, sheared.pressure(plan.hertz.contact_modulus), stresses=rubbed)
-            elif pressed is not alone or rubbed > plan.scene.asks("stresses"):
-                plain = _read(plan, pressed, stresses=rubbed)
-            return replace(_with_friction(plain, sheared), elastic_reference=frictionless)
-        if load is not None and isinstance(pressed, BoundaryElementSolution):
-            pressed = pair.near(pressed, pressed.load * load / total, FINE)
+        if counts == CELLS and abs(total - load) <= BALANCE * load:
+            return pressed, sheared
+        pressed = pair.near(pressed, pressed.load * load / total, FINE)
     raise ValueError("no pressure balances the load beside the tractions")
 
 
@@ -237,21 +241,39 @@ def _with_friction(plain: HalfSpaceSolution, sheared: Sheared) -> HalfSpaceSolut
     """A frictionless solution with tractions on it; its load is what both carry.
     `elastic_reference` is not set here.
     """
-    plan, scene = plain.plan, plain.plan.scene
-    assert plain.findings is not None and plain.result is not None
-    found, result = plain.findings, plain.result
+    plan, found, result = plain.plan, plain.findings, plain.result
+    assert found is not None and result is not None and sheared.coarse is not None
     points = plan.context.half_spaces.surface.points
     solution = _at_cells(plan, sheared, points)
-    rolls, unlike = scene.rolling.prescribed, interface.unlike(plan.context)
-    assert sheared.coarse is not None
-    stressed = scene.asks("friction_stresses")
-    if stressed:
+    if plan.scene.asks("friction_stresses"):
         found = half_space.with_tractions(
             found, sheared.stressed, points, plan.poisson_ratios, sheared.coarse.stressed
         )
     else:
         found = replace(found, largest={}, depth={}, also=())
     found, tractions = read_friction(plan, found, solution)
+    load, approach = result["load_N"] - sheared.upwards, result["approach_mm"]
+    return replace(
+        plain,
+        findings=found,
+        result={**compare.from_findings(found, load, approach), "friction": tractions},
+        error_parts=_friction_parts(plain, sheared, found, tractions, solution),
+        friction=solution,
+        other_friction=_beside(plan, sheared, solution),
+    )
+
+
+def _friction_parts(
+    plain: HalfSpaceSolution,
+    sheared: Sheared,
+    found: Findings,
+    tractions: Mapping[str, Any],
+    solution: FrictionSolution,
+) -> Parts:
+    """Error estimates of a solution with tractions: those of the frictionless one, with what the
+    tractions add, and those of friction. found, tractions: what was read of the solution.
+    """
+    plan, stressed = plain.plan, plain.plan.scene.asks("friction_stresses")
     without = {"tau_max_depth_mm", *(() if stressed else STRESSES)}
     parts = {key: of for key, of in plain.error_parts.items() if key not in without}
     for key in STRESSES if stressed else ():
@@ -265,28 +287,21 @@ def _with_friction(plain: HalfSpaceSolution, sheared: Sheared) -> HalfSpaceSolut
         change = abs(max(each.max_pressure for each, _ in sheared.stressed) / before - 1)
         for key in parts.keys() & {"max_MPa", "mean_MPa", "area_mm2", "a_mm", "b_mm"}:
             parts[key] = {**parts[key], "tractions": COUPLED[plan.contact.line] * change}
-    other = {}
-    second = scene.asks("second_method") and closed_forms.coulomb(scene)
-    if rolls and not (plan.contact.line or unlike) and second:
-        pair = plan.context.tangential_pair
-        other["FASTSIM (equal ellipses)"] = second_method.or_reason(
-            lambda: second_method.fastsim(
-                sheared.patches, solution.friction_limit, pair, solution.rigid_motion
-            )
+    return parts
+
+
+def _beside(plan: Plan, sheared: Sheared, solution: FrictionSolution) -> dict[str, Any]:
+    """Quantities of friction by FASTSIM, in rolling of alike solids by Coulomb's law; else none."""
+    scene, pair = plan.scene, plan.context.tangential_pair
+    known = scene.rolling.prescribed and closed_forms.coulomb(scene) and not plan.contact.line
+    if not (known and scene.asks("second_method")) or interface.unlike(plan.context):
+        return {}
+    limit, motion = solution.friction_limit, solution.rigid_motion
+    return {
+        "FASTSIM (equal ellipses)": second_method.or_reason(
+            lambda: second_method.fastsim(sheared.patches, limit, pair, motion)
         )
-    return replace(
-        plain,
-        findings=found,
-        result={
-            **compare.from_findings(
-                found, result["load_N"] - sheared.upwards, result["approach_mm"]
-            ),
-            "friction": tractions,
-        },
-        error_parts=parts,
-        friction=solution,
-        other_friction=other,
-    )
+    }
 
 
 def _tractions(

@@ -130,8 +130,8 @@ def half_space_friction(
     friction, where nothing touches, and off rank 0. As for the pressure, both half-spaces have the
     scene's moduli, also where a body is rigid by choice.
 
-    profiles: half-space solution of the profiles, or the reason why it failed; None: it is solved
-        here where it is needed.
+    profiles: half-space solution of the profiles, or the reason why it failed; None: exact Hertz is
+        the pressure.
     """
     found, findings = solved.solution.friction, solved.findings
     if found is None or findings is None:
@@ -141,12 +141,10 @@ def half_space_friction(
 
     def patches(cells: int) -> Sequence[PressedPatch]:
         """The patches on a grid of `cells` cells along each axis."""
-        pressed = solve(solved) if profiles is None else profiles
-        if isinstance(pressed, str):
-            raise ValueError(pressed)
-        return shearing.patches(
-            plan.context.half_spaces, pressed or solved.ellipse, cells, like=pair.like
-        )
+        if isinstance(profiles, str):
+            raise ValueError(profiles)
+        pressed = profiles or solved.ellipse
+        return shearing.patches(plan.context.half_spaces, pressed, cells, like=pair.like)
 
     if not (pair.like or rolling):
         return {"boundary elements": {"reason": GROWING_PATCH}}
