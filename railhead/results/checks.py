@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from railhead.contact import closed_forms
+from railhead.contact.solid import measured_bodies
 from railhead.half_spaces.pressing import FINE
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.planning import effects
@@ -38,6 +39,7 @@ from railhead.scene.quantities import GROUPS, QUANTITIES, numeric_values
 DEFAULT_TOLERANCE = 0.05  # relative difference allowed to a number without an estimate
 ESTIMATE_FACTOR = 1.5  # difference allowed to a number with an estimate, over the estimate
 FINER = "give a smaller mesh.patch_size, or an accuracy"
+MORE = "ask for less, or give a larger budget; see accuracy.would_cost"
 BALANCE_TOLERANCE = 1e-6  # relative; forces balance to rounding, an approach to this
 NOISE_LIMIT = 0.5  # relative L2: where half of the pressure is noise, none of it is an answer
 READING_FORCE = 0.02  # relative; it is 0.011 on linear elements, else up to 0.007
@@ -124,7 +126,8 @@ def run(
     if solved.result is not None:
         bound = {key: each.value_error for key, each in estimates.items()}
         unread = solved.result.get("friction", {}).get("below_resolution", ())
-        checks += useful({key: bound[key] for key in bound.keys() - {*unread}}, FINER)
+        read = {key: bound[key] for key in bound.keys() - {*unread}}
+        checks += useful(solved.plan, read, FINER)
     if reached is not None:
         error, wanted = largest_error(estimates, solved), float(solved.plan.scene.accuracy or 0.0)
         checks.append(
@@ -133,7 +136,7 @@ def run(
                 value=error if reached else max(error, math.nextafter(wanted, math.inf)),
                 limit=wanted,
                 source="asked",
-                advice="ask for less, or give a larger budget; see accuracy.would_cost",
+                advice=_narrower(solved.plan, error, MORE),
             )
         )
     return checks
@@ -256,7 +259,18 @@ def equations(solved: MeshSolution) -> Iterator[Check]:
         )
 
 
-def useful(bound: Mapping[str, float], advice: str) -> Iterator[Check]:
+def _narrower(plan: Plan, error: float, advice: str) -> str:
+    """The advice for a number that is too uncertain, by a relative error; where measured profiles
+    leave half of it open or more, what tells more of them.
+    """
+    if not plan.profile_error or plan.profile_error < error / 2:
+        return advice
+    keys = " and ".join(f"{body}.smoothing" for body in measured_bodies(plan.scene))
+    text = "the measured profile is too uncertain: measure with less noise or closer points"
+    return f"{text}, or give the length of its noise in {keys}"
+
+
+def useful(plan: Plan, bound: Mapping[str, float], advice: str) -> Iterator[Check]:
     """Check of the largest estimate, by key of summary.json, against a quarter (USELESS); none
     without estimates.
     """
@@ -267,7 +281,7 @@ def useful(bound: Mapping[str, float], advice: str) -> Iterator[Check]:
             value=bound[key],
             limit=USELESS,
             source=f"that of {key}; a number that may be a quarter off says little",
-            advice=advice,
+            advice=_narrower(plan, bound[key], advice),
         )
 
 
@@ -447,7 +461,7 @@ def half_spaces(solved: HalfSpaceSolution, bound: dict[str, float]) -> Iterator[
         source="the load that the pressure carries",
         advice=BODIES,
     )
-    yield from useful(bound, BODIES)
+    yield from useful(solved.plan, bound, BODIES)
     wanted = solved.plan.scene.accuracy
     if wanted is not None:
         yield Check(
@@ -455,7 +469,7 @@ def half_spaces(solved: HalfSpaceSolution, bound: dict[str, float]) -> Iterator[
             value=largest_bound(bound),
             limit=wanted,
             source="asked",
-            advice=BODIES,
+            advice=_narrower(solved.plan, largest_bound(bound), BODIES),
         )
     if solved.findings is None or solved.plan.contact.half_space:
         return

@@ -141,7 +141,7 @@ def from_points(
     stretch, resolution: as of `smoothing.smooth`.
     Raises ValueError for too few points and a curve that faces nowhere upwards. Raises PointError
     for a gap between points, where they run over the same place twice, and where the curve bends
-    back or leaves its points.
+    back or, unless stretch is below 1, leaves its points or ends far from their ends.
     """
     smoothed = smoothing.smooth(ordering.in_order(points), wavelength, stretch, resolution)
     step = SHARP if smoothed.rounding else SAMPLE
@@ -157,7 +157,7 @@ def from_points(
     loose = off.max() > max(spacing.max() / 2, 2 * float(np.median(spacing))) + LOOSE
     longest = runs[np.argmax(np.diff(runs))]
     y, z = curve[slice(*longest)].T
-    if loose or max(y[0] - curve[:, 0].min(), curve[:, 0].max() - y[-1]) > CUT:
+    if stretch >= 1 and (loose or max(y[0] - curve[:, 0].min(), curve[:, 0].max() - y[-1]) > CUT):
         raise smoothing.folded(smoothed.points)
     face = tuple((float(at), float(down)) for at, down in curve[: longest[0]][::-1])
     return smoothed, Profile(name, (Spline(float(y[0]), float(y[-1]), CubicSpline(y, z)),), face)

@@ -273,3 +273,16 @@ def test_what_a_person_overruled_is_named_by_the_check_that_holds() -> None:
     summary = solved("uic54_22t5_axle", "effects.finite_bodies=off", "effects.plasticity=off")
     limit, reason = summary.summary["checks"]["limits"]["effects_left_out"]
     assert limit == 0 and reason == "none but what a person overruled: plasticity"
+
+
+@pytest.mark.parametrize("profile_error", [0.2, 0.4, np.inf])
+def test_where_a_measured_profile_is_uncertain_the_advice_is_to_measure(profile_error) -> None:
+    """No mesh and no finite bodies tell more of it; below half of the estimate they do."""
+    file = Path(__file__).parents[4] / "examples" / "worn_60e1.csv"
+    scene = catalogue.find("s1002_60e1").replace([f"rail.profile={file}", "rail.inclination=0"])
+    plan = SimpleNamespace(scene=scene, profile_error=profile_error)
+    (found,) = checks.useful(plan, {"max_MPa": profile_error + 0.1, "area_mm2": 0.1}, checks.BODIES)
+    assert not found.passed
+    assert "rail.smoothing" in found.advice and "--fast" not in found.advice
+    (found,) = checks.useful(plan, {"max_MPa": 3 * min(profile_error, 1)}, checks.BODIES)
+    assert ("--fast" in found.advice) == (profile_error < 1)

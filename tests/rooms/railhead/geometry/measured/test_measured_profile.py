@@ -277,3 +277,15 @@ def test_wild_points_side_by_side_are_kept(count: int, off: float, tmp_path) -> 
     points = noisy(wild(count, off), 0.002, 9)
     found = read(tmp_path, points, "rail")
     assert np.ptp(found.profile.domain) > 0.98 * np.ptp(points[:, 0])
+
+
+def test_half_a_smoothing_length_may_leave_a_corner_unread() -> None:
+    """What noise leaves open on the crown is known where a flake on the corner, which bends the
+    curve back under half the length, ends the profile."""
+    points = rail(spacing=0.1)
+    corner = points[int(np.argmin(np.abs(points[:, 0] - 32.5)))]
+    off = np.linalg.norm(points - corner, axis=1)
+    points = points + 0.6 * np.exp(-((off / 0.3) ** 2) / 2)[:, None] * np.array([0.8, 0.6])
+    whole, left = (measured.from_points("rail", points, 2.0, each)[1] for each in (1.0, 0.5))
+    assert whole.domain[1] > 35 and left.domain[0] < -35
+    assert 25 < left.domain[1] < whole.domain[1] - measured.CUT
