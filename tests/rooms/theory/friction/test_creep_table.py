@@ -124,6 +124,18 @@ def test_the_stated_error_holds_at_other_places(table) -> None:
         assert np.all(np.mean(off < table.interpolation, axis=0) > 0.93)
 
 
+def test_errors_at_a_place_hold_and_are_not_far_wider(table) -> None:
+    """Beside the forces of 32 cells at places of another seed: smooth places have small errors."""
+    circle, random = creep_table.Ellipse(1.0, NU, 32), np.random.default_rng(78)
+    over = []
+    for most in (2.0, 10.0):
+        for each in random.uniform((0, 0, -most), most, (20, 3)):
+            forces, errors = table.scaled(1.0, each)
+            over.append(errors / np.abs(circle(*each)[0] - forces))
+    assert np.mean(np.array(over) > 1) >= 0.95
+    assert np.median(over) < 8
+
+
 def test_between_axis_ratios_are_the_forces_of_that_ratio() -> None:
     """Beside ellipses on another grid; those of a circle at the same place are farther off."""
     ratios, along, spin = [0.3, 1.0, 3.0], [0.0, 0.5, 1.5, 10.0], [-10.0, -1.5, 0.0, 1.5, 10.0]
