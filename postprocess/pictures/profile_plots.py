@@ -170,3 +170,40 @@ def draw_profile(
             axes.legend(loc="best")
         panels[-1].set_xlabel("y across the track, mm (gauge side and flange on the left)")
     return figure
+
+
+def passage(
+    rows: Sequence[Mapping[str, Any]], names: Sequence[str], subject: Subject, target: Target = None
+) -> Figure:
+    """Two panels over the position of the axle: the height of the wheel, alone on each head and on
+    both, and the places y of the contacts, all in mm.
+
+    rows: of a passage (`railhead locate`): position, heights and places of the heads.
+    names: of the heads.
+    subject: title and units.
+    target: PNG file or None (`new_figure`).
+    """
+    at = np.array([row["position_mm"] for row in rows])
+    with new_figure(target, 9, 7, subject) as figure:
+        upper, lower = figure.subplots(2, 1, sharex=True)
+        height = np.array([row["wheel_height_mm"] for row in rows])
+        upper.plot(at, height, color=MARK, lw=2.5, label="on the rail as it is")
+        for name, colour in zip(names, (WHEEL_COLOUR, RAIL_COLOUR), strict=False):
+            heads = [row["heads"].get(name, {}) for row in rows]
+            alone, y = (
+                np.array([head.get(key, np.nan) for head in heads])
+                for key in ("height_alone_mm", "y_mm")
+            )
+            upper.plot(at, alone, "--", color=colour, label=f"on the {name} alone")
+            touching = np.array([row["touching"] in (name, "both") for row in rows])
+            lower.plot(at, y, ":", color=colour)
+            touched = np.where(touching, y, np.nan)
+            lower.plot(at, touched, ".", color=colour, ms=4, label=f"touches the {name}")
+        spread = float(np.ptp(height)) or 1.0
+        upper.set_ylim(height.min() - spread / 2, height.max() + spread / 4)
+        upper.set_ylabel("height of the wheel, mm")
+        upper.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
+        lower.set_ylabel("lowest place over the head, y, mm")
+        lower.set_xlabel("position of the axle along the sections, mm")
+        lower.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
+    return figure

@@ -28,7 +28,7 @@ from railhead.scene import catalogue
 from railhead.scene.scene import Scene, SceneError, unit_questions
 
 if TYPE_CHECKING:
-    from railhead.cli.geometry import ExaminedProfile, Location
+    from railhead.cli.examined import Examined
     from railhead.postprocess.findings import Units
     from railhead.sweeps.grid import ParameterGrid
 
@@ -424,7 +424,7 @@ def profile(file: Path, body: str | None, assignments: Sequence[str], **options:
 
 
 def _report(
-    computed: Location | ExaminedProfile,
+    computed: Examined,
     name: str,
     command: str,
     *,

@@ -7,15 +7,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.console import Console
 
+from railhead.cli.examined import Examined
+from railhead.cli.passage import Passage, passage
 from railhead.contact import solid
 from railhead.geometry.measured import BODY_BY_EXTENSION, standards
 from railhead.geometry.measured.measured_profile import Measured
@@ -30,7 +32,6 @@ from railhead.geometry.wheelset import (
     top,
 )
 from railhead.postprocess.findings import BASE_UNITS, Subject, Units
-from railhead.results import result_folder
 from railhead.results.report import terminal
 from railhead.scene.catalogue import as_path, portable
 from railhead.scene.files import is_array
@@ -75,47 +76,6 @@ COLUMNS = {
     "roll_mrad": ("roll [mrad]", "roll", 5),
 }
 """Column of positions.csv, head and digits of the printed table, by key of "rows"."""
-
-
-class Examined(terminal.Drawn):
-    """Base class of what a command computes from geometry alone.
-
-    scene: whose geometry it is.
-    command: its word, 'locate' or 'profile'.
-    summary: returns the content of summary.json.
-    tables: returns rows of tables, cells by column header, by name of their file.
-    """
-
-    scene: Scene
-    command: ClassVar[str]
-    summary: Callable[[], dict[str, Any]]
-    tables: Callable[[], dict[str, list[dict[str, Any]]]]
-
-    def save(
-        self,
-        folder: str | Path,
-        *,
-        pictures: bool = True,
-        units: Units | None = None,
-        force: bool | None = False,
-    ) -> None:
-        """Write the files of the command into a folder: summary, tables and pictures.
-
-        pictures: whether PNG files are written.
-        units: of pictures; None: mm.
-        force: whether another result is replaced; None: it is renamed, as of `Result.save`.
-        Raises SceneError for a folder with other files and, without `force`, with another result;
-        OSError where it cannot be written.
-        """
-        folder, scene = as_path(folder, "folder"), self.scene
-        result_folder.check_free(folder, self.command, scene, force=force is not False)
-        summary, tables = self.summary(), self.tables()
-        drawings = self.drawings(units or BASE_UNITS) if pictures else {}
-        begun = result_folder.result(folder, self.command, scene, summary, aside=force is None)
-        with begun as (work, keep):
-            for name, rows in tables.items():
-                (work / name).write_bytes(result_folder.encoded(result_folder.signed(rows)))
-            result_folder.draw(drawings, work, keep)
 
 
 @dataclass(frozen=True, eq=False)
@@ -332,13 +292,17 @@ def _show_rows(console: Console, units: Units, summary: dict[str, Any]) -> None:
         terminal.labelled(console, f"left out   {shift}: {each['why']}")
 
 
-def locate(scene: Scene, over: Mapping[str, Sequence[object]] | None = None) -> Location:
-    """Place the wheelset of a scene so that both wheels touch their rails; nothing is solved.
-    over: {"wheelset.shift": values}, lateral shifts of the rows; None: from -10 to 10 mm.
+def locate(scene: Scene, over: Mapping[str, Sequence[object]] | None = None) -> Location | Passage:
+    """Place the wheelset of a scene so that both wheels touch their rails; nothing is solved. On a
+    rail of sections the wheel is placed alone, at `rail.position`.
+    over: {"wheelset.shift": values}, lateral shifts of the rows; None: from -10 to 10 mm. Of a rail
+        of sections {"rail.position": values}; None: the scene's own.
     Raises SceneError for half-spaces, for another key or a wrong value in `over`, and where the
     wheelset cannot stand at the scene's own shift.
     """
-    if checked(scene).rail.extent == "half-space":
+    if checked(scene).rail.sections:
+        return passage(scene, over)
+    if scene.rail.extent == "half-space":
         raise SceneError(
             "rail.extent", "half-space has no profiles to locate; give head or section"
         )

@@ -50,6 +50,10 @@ def rail_profile(scene: Scene, stretch: float = 1.0) -> Profile:
     stretch: factor on the smoothing wavelengths of a measured profile.
     """
     rail = scene.rail
+    if rail.sections:
+        raise SceneError(
+            "rail.sections", "is not simulated yet; railhead locate finds the contacts"
+        )
     if rail.profile in profiles.STANDARD_RAILS:
         return profiles.rail_head(rail.profile, rail.inclination)
     if rail.profile != "arc":

@@ -55,7 +55,8 @@ class ContactPoint:
     side: x along it, y to the field side from the crown centre, z up.
 
     x, y, z: coordinates of the point on the wheel, mm; on the rail z is smaller by `gap`.
-    slope: dz/dy of the rail there, which is the common tangent away from edges.
+    slope, rise: dz/dy and dz/dx of the rail there, which are those of the common tangent away from
+        edges.
     gap: height of the wheel over the rail there, mm; negative where the wheel lies in the rail.
     wheel_y: y of the point in the wheel's profile, mm.
     axle_angle: angle about the axle from the wheel's lowest line, rad, positive ahead (towards +x).
@@ -76,6 +77,7 @@ class ContactPoint:
     y: float = 0.0
     z: float = 0.0
     slope: float = 0.0
+    rise: float = 0.0
     gap: float = 0.0
     wheel_y: float = 0.0
     axle_angle: float = 0.0
@@ -93,6 +95,38 @@ class ContactPoint:
         positive where z rises towards the field side.
         """
         return float(np.arctan(self.slope))
+
+    @property
+    def upright(self) -> float:
+        """Part of the unit normal that points up: the cosine of its angle to the vertical."""
+        return 1 / float(np.sqrt(1 + self.slope**2 + self.rise**2))
+
+    @property
+    def axes(self) -> Array:
+        """Unit vectors (3, 3), a row each: along the rail and across it in the common tangent
+        plane, and its normal out of the rail.
+        """
+        return tangents(self.rise, self.slope)
+
+
+def tangents(rise: float, slope: float) -> Array:
+    """Unit vectors (3, 3), a row each, of a plane with slopes dz/dx and dz/dy: that with no y, the
+    one at right angles to it towards larger y, and the normal, upwards.
+    """
+    ahead = np.array([1.0, 0.0, rise]) / np.hypot(1.0, rise)
+    normal = np.array([-rise, -slope, 1.0]) / np.sqrt(1 + slope**2 + rise**2)
+    return np.array([ahead, np.cross(normal, ahead), normal])
+
+
+def principal(bends: Array, rise: float, slope: float) -> tuple[float, float, float]:
+    """Principal curvatures in 1/mm of a gap in its tangent plane, as of `relative`.
+    bends: (2, 2) second derivatives of the gap's height by x and y, 1/mm.
+    rise, slope: dz/dx and dz/dy of the plane.
+    """
+    ahead, aside, normal = tangents(rise, slope)
+    map_of = np.array([ahead[:2], aside[:2]])
+    (xx, xs), (_, ss) = normal[2] * map_of @ bends @ map_of.T
+    return _principal(float(xx), float(xs), float(ss))
 
 
 def parabolic_contact(curvature_x: float, curvature_y: float) -> ContactPoint:
@@ -323,6 +357,13 @@ def relative(rail: float, around: float, across: float, angle: float) -> tuple[f
     xx = around * c * c + across * s * s
     ss = around * s * s + across * c * c + rail
     xs = (around - across) * s * c
+    return _principal(xx, xs, ss)
+
+
+def _principal(xx: float, xs: float, ss: float) -> tuple[float, float, float]:
+    """Principal values of a symmetric matrix, that nearer to x first, and the angle of its
+    direction from x, rad.
+    """
     mean, half = (xx + ss) / 2, np.hypot((xx - ss) / 2, xs)
     half = half if xx >= ss else -half
     turned = 0.5 * np.arctan2(xs, abs(xx - ss) / 2) * (1 if xx >= ss else -1)

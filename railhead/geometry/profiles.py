@@ -160,6 +160,12 @@ class Profile:
         """dz/dy at y (mm) of any shape; NaN beyond the profile."""
         return self._evaluate(y, 1)
 
+    def __call__(self, x: Array, y: Array) -> tuple[Array, Array, Array]:
+        """Height and slopes along and across at x, y (n,), mm, of the profile as a surface that is
+        the same at every x; NaN beyond it.
+        """
+        return self.height(y), np.zeros_like(x), self.slope(y)
+
     def curvature(self, y: ArrayLike) -> Array:
         """Curvature -z'' / (1 + z'^2)^(3/2) at y (mm), in 1/mm: positive where the solid below z is
         convex; NaN beyond the profile.

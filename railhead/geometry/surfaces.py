@@ -7,6 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
@@ -29,6 +30,16 @@ ROW = (
     Column(name="height", named="(z|h|height)( .*)?", unit="mm", factor=mm_of),
 )
 """Columns of a map of text."""
+
+
+class Over(Protocol):
+    """A surface over (x, y): a profile, the same at every x; a height that is added to one; or what
+    is lofted through sections.
+    """
+
+    def __call__(self, x: Array, y: Array) -> Values:
+        """Height and slopes at places x along and y across, (n,) each, mm; NaN beyond it."""
+        ...
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -166,59 +177,61 @@ def _grid(path: Path) -> tuple[Array, Array, Array]:
 
 @dataclass(frozen=True)
 class RailSurface:
-    """Straight rail along x, the zero set of z - profile(y) - height(x, y), in the axes x, y, z of
-    space.
-    profile: z(y) of the rail, mm.
-    height: added to the profile, mm; None: nothing is added.
+    """Upper surface of a rail, the zero set of z - shape(x, y) - added(x, y), in the axes x, y, z
+    of space.
+    shape: of the rail: its profile where it is straight, or a surface through sections.
+    added: height on top of it; None: nothing is added.
     """
 
-    profile: Profile
-    height: Height | None = None
+    shape: Over
+    added: Over | None = None
 
     def implicit(self, points: Array) -> tuple[Array, Array]:
-        """Values (n,) of z - profile(y) - height(x, y) in mm, positive above the rail, and
-        gradients (n, 3) at points (n, 3) in mm; NaN beyond the profile.
+        """Values (n,) of z - shape(x, y) - added(x, y) in mm, positive above the rail, and
+        gradients (n, 3) at points (n, 3) in mm; NaN beyond the shape.
         """
-        y = points[:, 1]
-        gradient = np.column_stack([np.zeros_like(y), -self.profile.slope(y), np.ones_like(y)])
-        value = points[:, 2] - self.profile.height(y)
-        if self.height is not None:
-            added, along, across = self.height(points[:, 0], y)
-            value = value - added
-            gradient -= np.column_stack([along, across, np.zeros_like(y)])
-        return value, gradient
+        height, along, across = _sum(self.shape, self.added, points[:, 0], points[:, 1])
+        return points[:, 2] - height, np.column_stack([-along, -across, np.ones_like(along)])
+
+
+def _sum(shape: Over, added: Over | None, x: Array, y: Array) -> Values:
+    """Height and slopes of two surfaces over x, y (n,), mm, laid on each other."""
+    found = shape(x, y)
+    if added is None:
+        return found
+    first, second, third = (one + more for one, more in zip(found, added(x, y), strict=True))
+    return first, second, third
 
 
 @dataclass(frozen=True)
 class WheelSurface:
-    """Surface of revolution, the zero set of distance from the axle - (rolling_radius +
-    profile(y) + height(x, y)), with x the arc length rolling_radius times the angle about the axle
-    from the wheel's lowest line, positive ahead.
-    profile: height over the nominal rolling radius, outwards, mm.
+    """Surface of a wheel, the zero set of distance from the axle - (rolling_radius + shape(x, y) +
+    added(x, y)), with x the arc length rolling_radius times the angle about the axle from the
+    wheel's lowest line, positive ahead.
+    shape: height over the nominal rolling radius, outwards, mm: the profile of a body of
+        revolution.
     rolling_radius: nominal rolling radius, mm.
     pose: position and rotation of the wheel in space.
-    height: added to the profile, mm; None: nothing is added.
+    added: height on top of the shape; None: nothing is added.
     """
 
-    profile: Profile
+    shape: Over
     rolling_radius: float
     pose: Pose
-    height: Height | None = None
+    added: Over | None = None
 
     def implicit(self, points: Array) -> tuple[Array, Array]:
-        """Values (n,) of distance from the axle - (rolling_radius + profile(y) + height(x, y)) in
+        """Values (n,) of distance from the axle - (rolling_radius + shape(x, y) + added(x, y)) in
         mm, positive outside the wheel, and gradients (n, 3), at points (n, 3) in mm. Both are in
-        the axes of space. NaN beyond the profile.
+        the axes of space. NaN beyond the shape.
         """
         x, y, z = self.pose.inward(points).T
         distance = np.hypot(x, z)
-        gradient = np.column_stack([x / distance, -self.profile.slope(y), z / distance])
-        value = distance - self.rolling_radius - self.profile.height(y)
-        if self.height is not None:
-            added, along, across = self.height(self.rolling_radius * np.arctan2(x, -z), y)
-            value = value - added
-            along = along * self.rolling_radius / distance**2
-            gradient -= np.column_stack([-z * along, across, x * along])
+        around = self.rolling_radius * np.arctan2(x, -z)
+        height, along, across = _sum(self.shape, self.added, around, y)
+        along = along * self.rolling_radius / distance**2
+        gradient = np.column_stack([x / distance + z * along, -across, z / distance - x * along])
+        value = distance - self.rolling_radius - height
         return value, gradient @ self.pose.rotation.T
 
 

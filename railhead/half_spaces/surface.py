@@ -76,7 +76,7 @@ class Developed:
         angle, (rail, wheel) = self.angle(s), self.contact.surfaces()
         normals = np.column_stack([np.zeros_like(angle), -np.sin(angle), np.cos(angle)])
         upper = along(wheel, self.points(x, s), normals)
-        if rail.height is None:
+        if rail.added is None:
             return upper
         lower = along(rail, self.points(x, s), normals)
         return np.where(np.isfinite(lower), upper - np.where(np.isfinite(lower), lower, 0), np.inf)
@@ -131,7 +131,7 @@ def develop(contact: Contact) -> Developed:
     """Developed surface of the rail of a contact. Raises ValueError for half-spaces, which have no
     profile.
     """
-    rail = contact.surfaces()[0].profile
+    rail = contact.profiles["rail"][0]
     y = np.unique([*np.linspace(*rail.domain, SAMPLES), *rail.joints, contact.touch.y])
     s = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(y), np.diff(rail.height(y))))])
     return Developed(contact, s - s[np.searchsorted(y, contact.touch.y)], y)

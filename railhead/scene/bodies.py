@@ -31,6 +31,7 @@ _FILE_KEYS = (
     "profile_shift",
     "smoothing",
 )
+_PLAIN_KEYS = ("profile", "profile_origin", "inclination", "gauge", "extent", "depth", "width")
 
 
 def _profile(body: str, *names: str) -> BeforeValidator:
@@ -256,7 +257,8 @@ class BodySection(Section):
             if profile != "arc" and value is not None:
                 raise SceneError(key, f"{value:g} is not allowed; only profile arc takes it")
         given = self.model_dump(exclude_defaults=True, include={*_FILE_KEYS})
-        if given and not is_profile_file(profile):
+        drawn = getattr(self, "sections", None)
+        if given and not (drawn or is_profile_file(profile)):
             key, value = next(iter(given.items()))
             raise SceneError(key, f"{value} is not allowed; only a profile from a file takes it")
         return self
@@ -307,6 +309,9 @@ class Rail(BodySection):
     crown_radius: mm, radius of an arc; inf is flat. Required for arc, not allowed (None) otherwise.
     inclination: tangent of the angle by which the rail leans towards the track's middle (y < 0),
         e.g. 1/20; negative: away from it.
+    sections: path of a table of sections along the rail, .csv (x_mm, file) or .slcs of CONTACT, in
+        place of profile; None: the rail is straight. y counts from below the tape circle.
+    position: mm, place along the sections at which the axle stands.
     gauge: mm between both rails, `gauge_height` below their tops, which places the wheelset; None:
         the wheel's tape circle (70 mm from the flange back) stands over the crown.
     gauge_height: mm below the highest point of a rail at which the gauge is measured. Only beside
@@ -323,6 +328,10 @@ class Rail(BodySection):
 
     profile: Annotated[str, _profile("rail", *RAILS, "arc")] = "54E1"
     profile_origin: Literal["auto", "file"] = "auto"
+    sections: (
+        Annotated[str, BeforeValidator(partial(files.existing, suffixes=(".csv", ".slcs")))] | None
+    ) = None
+    position: Annotated[float, Range(units.LENGTH, -1e6, 1e6)] = 0.0
     crown_radius: units.Radius | None = None
     inclination: Annotated[float, Range(units.SLOPE, -0.2, 0.2, note=', e.g. "1:20"')] = 0.0
     gauge: units.Gauge | None = None
@@ -341,10 +350,17 @@ class Rail(BodySection):
         """
         flat, high = self.surface, self.gauge_height
         bare = flat is not None and flat.kind == "flat" and flat.depth is None
+        drawn = self.sections and self.model_dump(exclude_defaults=True, include={*_PLAIN_KEYS})
         useless = self.gauge is None and high != GAUGE_HEIGHT
         refuse_first(
             (bare, "surface.depth", "not given; a flat of the rail needs it"),
             (useless, "gauge_height", f"{high:g} is not allowed without gauge"),
+            (drawn, next(iter(drawn or ("",))), "is not allowed beside sections; leave it out"),
+            (
+                self.position and not self.sections,
+                "position",
+                f"{self.position:g} is not allowed without sections",
+            ),
         )
         return self
 

@@ -76,6 +76,8 @@ _DROPS = {
 FILE_KEYS = (
     *(f"rail.{key}" for key in ("profile", "stress_strain", "surface.file")),
     *(f"wheel.{key}" for key in ("profile", "stress_strain", "surface.file")),
+    *(f"{key}.sections" for key in ("rail", "wing")),
+    "wing.stress_strain",
     *("wheelset.other_rail", "wheelset.other_wheel"),
     *("wear.positions", "wear.law"),
 )
@@ -240,6 +242,8 @@ class Scene(Section):
     quantities: what is computed, some of `GROUPS`, as a list or a text "patch,forces". Without
         "forces" the contact is frictionless.
     rail: the rail, a `Rail`.
+    wing: a second head beside the rail, with sections and a steel of its own, a `Rail`; None: none
+        is given.
     wheel: the wheel, a `Wheel`.
     wheelset: position of the wheelset, a `Wheelset`.
     friction: coefficient of friction, also of rolling (0: none), and tangential forces that shift
@@ -260,6 +264,7 @@ class Scene(Section):
     unload: bool = True
     quantities: Annotated[tuple[str, ...], BeforeValidator(_quantities)] = tuple(GROUPS)
     rail: Rail = Rail()
+    wing: Rail | None = None
     wheel: Wheel = Wheel()
     wheelset: Wheelset = Wheelset()
     friction: Friction = Friction()
@@ -306,6 +311,21 @@ class Scene(Section):
                     f"is not allowed beside {body}.surface, over which nothing rolls steadily",
                 )
                 for body, part in self.bodies.items()
+            ),
+            (
+                self.wing is not None and not (self.rail.sections and self.wing.sections),
+                "rail.sections" if self.wing and self.wing.sections else "wing.sections",
+                "not given; a wing needs sections of both heads",
+            ),
+            (
+                self.rail.sections and math.isinf(self.wheel.rolling_radius),
+                "wheel.rolling_radius",
+                "inf is not allowed beside rail.sections; give that of a wheel",
+            ),
+            (
+                self.wing is not None and self.wing.position != 0,
+                "wing.position",
+                "is not allowed; rail.position says where the axle stands",
             ),
             (
                 free and self.load is None,

@@ -188,13 +188,13 @@ def smooth(
         raise PointError(text, np.array([y, z]))
     sigma = noise(points)
     typical = max(float(np.median(sigma)), LEAST_NOISE)
-    drawn_to = 0.0 if wavelength else _drawn_to(sigma, resolution, float(np.median(apart)))
-    rounding = drawn_to
-    if drawn_to and stretch != 1:
+    drawn = 0.0 if wavelength else drawn_to(sigma, resolution, float(np.median(apart)))
+    rounding = drawn
+    if drawn and stretch != 1:
         points = points[np.unique([0, *range(int(stretch > 1), len(s), 2), len(s) - 1])]
-        s, rounding = chord_lengths(points), COARSER * drawn_to
+        s, rounding = chord_lengths(points), COARSER * drawn
     spacing, pieces, waves = s[-1] / (len(s) - 1), min(PIECES, len(s)), PILOT
-    if drawn_to:
+    if drawn:
         pieces, waves = max(len(s), min(KNOTS * len(s), round(s[-1] / KNOT))), DRAWN_PILOT
     for _ in range(2):
         pilot = _Fit(s, pieces)
@@ -203,7 +203,7 @@ def smooth(
     fit = _Fit(s, pieces)
     heights = _developed(curve, s)(s) + _off(curve, s, points)
     lengths = np.zeros(len(fit.places))
-    if drawn_to:
+    if drawn:
         curve = _bent(curve, s, points, fit, fit.sharpest(heights, rounding))
         s = _lengths(curve, s, points)
     else:
@@ -218,14 +218,14 @@ def smooth(
         points=points,
         s=s,
         residual=_off(curve, s, points),
-        noise=drawn_to or typical,
+        noise=drawn or typical,
         places=fit.places,
         wavelength=lengths,
-        rounding=UNIFORM * drawn_to,
+        rounding=UNIFORM * drawn,
     )
 
 
-def _drawn_to(sigma: Array, resolution: float, apart: float) -> float:
+def drawn_to(sigma: Array, resolution: float, apart: float) -> float:
     """Standard deviation in mm to which points are drawn, 0 where a gauge has measured them.
     sigma: (n,) noise of the points, mm; resolution: last digit of their coordinates, mm, or 0.
     apart: distance of the points, mm.

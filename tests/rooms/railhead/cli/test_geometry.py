@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 
 import command
+import drawn_sections
 import matplotlib
 import numpy as np
 import pytest
@@ -397,3 +398,46 @@ def test_advice_on_a_narrow_wheel_can_be_followed() -> None:
     text = refusal(lambda: planning.make(scene))
     length = float(re.search(r"give wheel.segment_length = (\S+) or less", text)[1])
     assert planning.make(scene.replace(**{"wheel.segment_length": length})).reach
+
+
+def test_the_path_over_a_crossing_is_a_row_for_each_position(tmp_path, capsys) -> None:
+    """Case 6 of the crossings' reference: the wheel goes over at 194.50 mm."""
+    tables = [
+        drawn_sections.write(
+            tmp_path / "nose", range(150, 300, 10), lambda x: drawn_sections.nose(x) - [20.0, 0.0]
+        ),
+        drawn_sections.write(tmp_path / "wing", range(130, 300, 10), drawn_sections.wing),
+    ]
+    text = f"""load = 80000
+[rail]
+sections = {tables[0]!r}
+position = 192
+[wing]
+sections = {tables[1]!r}
+[wheel]
+profile = "cone40"
+rolling_radius = 460
+"""
+    (tmp_path / "case.toml").write_text(text)
+    given = ("locate", str(tmp_path / "case.toml"), "--out", str(tmp_path / "out"))
+    over = ("--over", "rail.position=192:198:2mm")
+    assert command.status(*given, *over, "--json") == 0
+    found = json.loads(capsys.readouterr().out)
+    assert [row["position_mm"] for row in found["rows"]] == [192, 194, 196, 198]
+    assert [row["touching"] for row in found["rows"]] == ["wing", "both", "rail", "rail"]
+    first = found["rows"][0]
+    assert first["wheel_height_mm"] == pytest.approx(-3.29540, abs=1e-5)
+    assert first["heads"]["rail"]["angle_deg"] == pytest.approx(2.701, abs=1e-3)
+    assert first["heads"]["wing"]["x_mm"] == pytest.approx(186.2616, abs=1e-3)
+    assert found["over_mm"] == pytest.approx([194.5012], abs=2e-3)
+    written = rows(tmp_path / "out" / "positions.csv")
+    assert float(written[0]["rail height alone [mm]"]) == pytest.approx(-3.42671, abs=1e-5)
+    assert (tmp_path / "out" / "passage.png").stat().st_size > 10_000
+    assert command.status(*given, "--force", *over) == 0
+    assert "goes over from one head to the other at 194.5 mm" in " ".join(
+        capsys.readouterr().out.split()
+    )
+    said = command.refused(capsys, *given, "--over", "wheelset.shift=1")
+    assert "wheelset.shift: is not allowed in --over of locate beside rail.sections" in said
+    said = command.refused(capsys, "run", str(tmp_path / "case.toml"), "--out", "none")
+    assert "rail.sections: is not simulated yet; railhead locate finds the contacts" in said

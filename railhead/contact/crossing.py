@@ -1,0 +1,281 @@
+"""A wheel on a rail that is given by sections: its heads, and where it touches each of them first.
+
+The wheel stands at `rail.position`. Where the rail rises it touches ahead of its axle, where the
+rail falls behind it, so the least height over a head is looked for along the rail and across it.
+Axes: x along the rail from the axle, y of the sections, z up.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from scipy.ndimage import minimum_filter
+
+from railhead.contact import solid
+from railhead.geometry import sections
+from railhead.geometry.lofting import Lofted, loft
+from railhead.geometry.measured.orientation import Orientation
+from railhead.geometry.placement import ContactPoint, Pose, principal, turned
+from railhead.geometry.profiles import Profile
+from railhead.geometry.sections import Head
+from railhead.geometry.surfaces import WheelSurface, along
+from railhead.scene.scene import Rail, Scene, SceneError
+from railhead.theory.array_types import Array
+
+NAMES = ("rail", "wing")
+REACH = 0.25  # of the rolling radius, ahead and behind, in which the wheel is over the rail
+STEP = 1.5  # mm between the points at which the height is looked at first ...
+COARSE = 0.1  # mm by which those may miss a lowest place
+STRETCH = 18.0  # mm of the surface on either side of the contacts
+STEPS, LONGEST, FOUND = 40, 1.5, 1e-10  # of Newton's method, mm
+DIFFERENCE = 0.02  # mm, of slopes that make curvatures
+APART = 0.05  # mm: two lowest places as close are one
+UP = np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TouchedHead:
+    """A head under the wheel.
+
+    name: "rail" or "wing".
+    surface: of the head near the contacts.
+    touches: where the wheel is lowest over it, lowest first; gaps are those of a wheel whose origin
+        is a rolling radius above z = 0.
+    """
+
+    name: str
+    surface: Lofted
+    touches: list[ContactPoint]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Crossing:
+    """A wheel that touches a rail of sections, without load.
+
+    scene: the scene.
+    heads: those under the wheel, by name.
+    wheel: profile of the wheel.
+    """
+
+    scene: Scene
+    heads: dict[str, TouchedHead]
+    wheel: Profile
+
+    @cached_property
+    def lift(self) -> float:
+        """How far the wheel's origin is higher than a rolling radius where it touches first, mm."""
+        return max(-head.touches[0].gap for head in self.heads.values())
+
+    @cached_property
+    def pose(self) -> Pose:
+        """Pose of the wheel that touches."""
+        return _hanging(self.scene).moved(z=self.lift)
+
+    def height(self, lift: float) -> float:
+        """Height of the tape circle's lowest point over z = 0 of the sections, mm, at a lift as of
+        `lift`, mm.
+        """
+        _, _, (ahead, _, up) = self.pose.rotation
+        return lift + self.scene.wheel.rolling_radius * (1 - math.hypot(ahead, up))
+
+    def alone(self, name: str) -> float:
+        """`height` of a wheel that touches nothing but the head of this name, mm."""
+        return self.height(-self.heads[name].touches[0].gap)
+
+    def touching(self, clearance: float) -> list[str]:
+        """Names of the heads over which the wheel is at most `clearance` mm high."""
+        heads = self.heads.values()
+        return [each.name for each in heads if self.lift + each.touches[0].gap <= clearance]
+
+
+def touch(scene: Scene, clearance: float = 0.0) -> Crossing:
+    """Where the wheel of a scene touches the heads of its rail.
+    clearance: height over the lowest place of a head, mm, up to which others are kept.
+    Raises SceneError for sections that cannot be read, for a position beyond them, and where the
+    wheel touches their ends or misses them.
+    """
+    wheel, found, ends = solid.wheel_profile(scene), {}, []
+    for name, head in heads(scene).items():
+        ends += [head.x[0], head.x[-1]]
+        touched = _touched(scene, name, head, wheel, clearance)
+        if touched:
+            found[name] = touched
+    at = scene.rail.position
+    if not min(ends) <= at <= max(ends):
+        text = f"{at:g} is beyond the sections; give {min(ends):g} to {max(ends):g} mm"
+        raise SceneError("rail.position", text)
+    if not found:
+        raise SceneError("wheelset.shift", f"no part of the wheel is over the rail at {at:g} mm")
+    crossing = Crossing(scene=scene, heads=found, wheel=wheel)
+    lowest = min(found.values(), key=lambda each: each.touches[0].gap)
+    if lowest.touches[0].at_edge:
+        first = lowest.touches[0]
+        text = f"{at:g} lets the wheel touch at an end of the sections, or an edge of them, at "
+        text += f"x = {at + first.x:.4g}, y = {first.y:.4g} mm; give another, or more sections"
+        raise SceneError("rail.position", text)
+    return crossing
+
+
+def heads(scene: Scene) -> dict[str, Head]:
+    """The heads of a scene's rail by name: of both tables, or one or two of that of the rail, the
+    one with the smaller y first. Raises SceneError for sections that cannot be read.
+    """
+    if scene.wing is None:
+        found = _read("rail", scene.rail, split=True)
+        return dict(zip(NAMES, found, strict=False))
+    both = zip(NAMES, (scene.rail, scene.wing), strict=True)
+    return {name: _read(name, part, split=False)[0] for name, part in both}
+
+
+def _read(name: str, part: Rail, *, split: bool) -> tuple[Head, ...]:
+    """Heads of a table of sections. Raises SceneError where it cannot be read."""
+    given = Orientation(
+        unit=part.profile_unit,
+        mirror=part.profile_mirror,
+        flip=part.profile_flip,
+        shift=part.profile_shift,
+    )
+    try:
+        return sections.heads(Path(str(part.sections)), given, split=split)
+    except (ValueError, OSError) as error:
+        raise SceneError(f"{name}.sections", str(error)) from None
+
+
+def _hanging(scene: Scene) -> Pose:
+    """Pose of the wheel of a scene with its origin a rolling radius above z = 0, mm."""
+    given = scene.wheelset
+    sign = 1 if given.side == "right" else -1
+    rotation = turned(sign * given.yaw, sign * (given.roll or 0.0))
+    return Pose(rotation, np.array([0.0, sign * given.shift, scene.wheel.rolling_radius]))
+
+
+def _touched(
+    scene: Scene, name: str, head: Head, wheel: Profile, clearance: float
+) -> TouchedHead | None:
+    """A head with the lowest places of the wheel over it; None where there is none. Raises
+    SceneError for sections that cannot be read.
+    """
+    at, reach = scene.rail.position, REACH * scene.wheel.rolling_radius
+    body = WheelSurface(wheel, scene.wheel.rolling_radius, _hanging(scene))
+    try:
+        rough = loft(head, at - reach, at + reach, smooth=False)
+        places, heights = _lowest(rough, at, reach, body)
+        if not len(places):
+            return None
+        near = places[heights <= heights.min() + clearance + COARSE]
+        low, high = near[:, 0].min() - STRETCH, near[:, 0].max() + STRETCH
+        surface = replace(loft(head, at + low, at + high), origin=at)
+    except (ValueError, OSError) as error:
+        raise SceneError(f"{name}.sections", str(error)) from None
+    touches = [_point(body, surface, *place) for place in near]
+    touches.sort(key=lambda each: each.gap)
+    kept: list[ContactPoint] = []
+    for each in touches:
+        new = all(math.hypot(each.x - other.x, each.y - other.y) > APART for other in kept)
+        if new and each.gap <= touches[0].gap + clearance:
+            kept.append(each)
+    return TouchedHead(name=name, surface=surface, touches=kept)
+
+
+def _lowest(surface: Lofted, at: float, reach: float, wheel: WheelSurface) -> tuple[Array, Array]:
+    """Places (n, 2) of x from the axle and y, mm, at which the wheel is lower over the points of a
+    surface than over those beside them, and its heights (n,) there, mm.
+    """
+    places, heights = [np.zeros((0, 2))], [np.zeros(0)]
+    for strip in surface.strips:
+        points = strip.points(STEP) - [at, 0.0, 0.0]
+        flat = points.reshape(-1, 3)
+        height = along(wheel, flat, np.tile(UP, (len(flat), 1))).reshape(points.shape[:2])
+        height[np.abs(points[..., 0]) > reach] = np.inf
+        low = (height == minimum_filter(height, 3, mode="nearest")) & np.isfinite(height)
+        places.append(points[low][:, :2])
+        heights.append(height[low])
+    return np.concatenate(places), np.concatenate(heights)
+
+
+def _slopes(wheel: WheelSurface, surface: Lofted, x: Array, y: Array) -> tuple[Array, Array, Array]:
+    """Height (n,) of a wheel over a surface at x, y (n,), mm, the wheel's slopes (2, n) along and
+    across there, and the surface's.
+    """
+    z, *slopes = surface(x, y)
+    points = np.column_stack([x, y, z])
+    height = along(wheel, points, np.tile(UP, (len(x), 1)))
+    gradient = wheel.implicit(points + height[:, None] * UP)[1]
+    return height, -(gradient[:, :2] / gradient[:, 2:]).T, np.array(slopes)
+
+
+def _bends(wheel: WheelSurface, surface: Lofted, x: float, y: float) -> tuple[Array, Array]:
+    """Second derivatives (2, 2) of the heights of a wheel and of a surface at a place, 1/mm."""
+    off = DIFFERENCE * np.array([[1, -1, 0, 0], [0, 0, 1, -1]])
+    _, *both = _slopes(wheel, surface, x + off[0], y + off[1])
+    upper, lower = ((each[:, ::2] - each[:, 1::2]) / (2 * DIFFERENCE) for each in both)
+    return (upper + upper.T) / 2, (lower + lower.T) / 2
+
+
+def _point(wheel: WheelSurface, surface: Lofted, x: float, y: float) -> ContactPoint:
+    """The place close to x, y (mm) at which a wheel is lowest over a surface; the place itself,
+    marked as an edge, where surfaces of a common tangent have none.
+    """
+    place = np.array([x, y])
+    for _ in range(STEPS):
+        _, upper, lower = _slopes(wheel, surface, place[:1], place[1:])
+        first, second = _bends(wheel, surface, *place)
+        values, axes = np.linalg.eigh(np.nan_to_num(first - second))
+        step = -axes @ ((axes.T @ (upper - lower)[:, 0]) / np.maximum(values, 1e-6))
+        step *= min(1.0, LONGEST / max(float(np.linalg.norm(step)), 1e-300))
+        if not np.isfinite(step).all() or not values[0] > 0:
+            return _edge(wheel, surface, x, y)
+        place = place + step
+        if np.abs(step).max() < FOUND:
+            break
+    else:
+        return _edge(wheel, surface, x, y)
+    return _at(wheel, surface, *place)
+
+
+def _edge(wheel: WheelSurface, surface: Lofted, x: float, y: float) -> ContactPoint:
+    """A place at which a wheel is lower over a surface than beside it, without a common tangent."""
+    z = float(surface(np.array([x]), np.array([y]))[0][0])
+    below = np.array([[x, y, z]])
+    gap = float(along(wheel, below, UP[None])[0]) if math.isfinite(z) else math.inf
+    return ContactPoint(
+        x=x, y=y, z=z + gap, gap=gap, at_edge=True, curvature_x=0.0, curvature_y=0.0
+    )
+
+
+def _at(wheel: WheelSurface, surface: Lofted, x: float, y: float) -> ContactPoint:
+    """Contact point of a wheel that has the tangent of a surface at a place, mm."""
+    gap, _, (ahead, across) = _slopes(wheel, surface, np.array([x]), np.array([y]))
+    upper, lower = _bends(wheel, surface, x, y)
+    z = float(surface(np.array([x]), np.array([y]))[0][0] + gap[0])
+    inward = wheel.pose.inward(np.array([[x, y, z]]))[0]
+    radius, tread = math.hypot(inward[0], inward[2]), inward[1]
+    slope, rise = float(across[0]), float(ahead[0])
+    bend, tilt = wheel.shape(np.zeros(1), np.array([tread]))[2][0], math.hypot(1.0, slope)
+    first, second, orientation = principal(upper - lower, rise, slope)
+    return ContactPoint(
+        x=x,
+        y=y,
+        z=z,
+        slope=slope,
+        rise=rise,
+        gap=float(gap[0]),
+        wheel_y=float(tread),
+        axle_angle=math.atan2(inward[0], -inward[2]),
+        radius=radius,
+        rail_curvature=-float(lower[1, 1]) / tilt**3,
+        wheel_curvatures=(math.cos(math.atan(bend)) / radius, _curvature(wheel, tread)),
+        curvature_x=first,
+        curvature_y=second,
+        orientation=orientation,
+    )
+
+
+def _curvature(wheel: WheelSurface, tread: float) -> float:
+    """Curvature across of a wheel that is a profile, 1/mm, at a coordinate of it, mm."""
+    assert isinstance(wheel.shape, Profile)
+    return float(wheel.shape.curvature(np.array([tread]))[0])

@@ -1,0 +1,168 @@
+"""A surface z(x, y) through sections of a rail: smooth where they are, with their kinks.
+
+Sections are divided at the places that belong to each other (`Section.anchors`). Between two of
+them points at the same share of the length are joined, beyond the outermost ones points at the same
+length from it, so that a head that shifts, widens or turns keeps its arcs. Along the rail cubic
+splines run through the sections; they end at kinks and where the distance of sections jumps.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import RectBivariateSpline
+
+from railhead.geometry.sections import Head
+from railhead.theory.array_types import Array
+
+SAMPLE = 0.1  # mm along a section between two points of a strip, about
+BESIDE = 3  # sections beyond a stretch that shape it
+KINK, ALONE = (
+    2e-3,
+    4.0,
+)  # slope that jumps, at least, and times as much as at the sections beside it
+JUMP = 3.0  # ratio of two distances of sections over which nothing smooth is known
+STEPS, SOLVED = 30, 1e-13  # of Newton's method, and of the share of a strip's width
+EDGE = 1e-9  # of a strip's width
+LEAST = 1e-3  # mm: shorter strips are none
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Strip:
+    """Part of a surface between two lines along the rail, v = 0 and v = 1, and two sections.
+
+    first, last: places of the sections, mm.
+    y, z: splines of x and v, mm.
+    """
+
+    first: float
+    last: float
+    y: RectBivariateSpline
+    z: RectBivariateSpline
+
+    def __call__(self, x: Array, y: Array) -> tuple[Array, Array, Array]:
+        """Height (n,) in mm and slopes (n,) along and across at x, y (n,), mm; NaN beyond the strip
+        and where it faces down.
+        """
+        ends = [self.y.ev(x, np.full_like(x, v)) for v in (0.0, 1.0)]
+        width = ends[1] - ends[0]
+        v = np.clip((y - ends[0]) / np.where(width == 0, 1.0, width), 0.0, 1.0)
+        for _ in range(STEPS):
+            rate = self.y.ev(x, v, dy=1)
+            step = (self.y.ev(x, v) - y) / np.where(rate > 0, rate, np.inf)
+            before, v = v, np.clip(v - step, 0.0, 1.0)
+            if not np.any(np.abs(v - before) > SOLVED):
+                break
+        rate = self.y.ev(x, v, dy=1)
+        off = np.abs(self.y.ev(x, v) - y) > EDGE * np.maximum(np.abs(width), 1.0)
+        lost = off | (rate <= 0) | (x < self.first) | (x > self.last)
+        across = self.z.ev(x, v, dy=1) / np.where(lost, np.nan, rate)
+        along = self.z.ev(x, v, dx=1) - across * self.y.ev(x, v, dx=1)
+        return np.where(lost, np.nan, self.z.ev(x, v)), along, across
+
+    def points(self, step: float) -> Array:
+        """Points (n, m, 3) of the strip about `step` mm apart along the rail, and across."""
+        count = max(2, 1 + int(np.ceil((self.last - self.first) / step)))
+        x = np.linspace(self.first, self.last, count)
+        ends = (np.array([self.y(x, [v]), self.z(x, [v])]) for v in (0.0, 1.0))
+        wide = float(np.abs(np.subtract(*ends)).max())
+        v = np.linspace(0.0, 1.0, max(3, 1 + int(np.ceil(wide / step))))
+        y, z = self.y(x, v), self.z(x, v)
+        return np.stack([np.broadcast_to(x[:, None], y.shape), y, z], axis=-1)
+
+
+@dataclass(frozen=True, eq=False)
+class Lofted:
+    """Surface z(x, y) of a stretch of a head, the highest of its strips; NaN beyond them.
+    strips: parts between anchors, and between kinks, along the x of the sections.
+    origin: place of x = 0 along the sections, mm.
+    """
+
+    strips: tuple[Strip, ...]
+    origin: float = 0.0
+
+    def __call__(self, x: Array, y: Array) -> tuple[Array, Array, Array]:
+        """Height (n,) in mm and slopes (n,) along and across at x, y (n,), mm; NaN beyond it."""
+        found, x = np.full((3, len(x)), np.nan), x + self.origin
+        for strip in self.strips:
+            near = np.flatnonzero((x >= strip.first) & (x <= strip.last))
+            values = np.array(strip(x[near], y[near]))
+            higher = ~(values[0] <= found[0, near]) & np.isfinite(values[0])
+            found[:, near[higher]] = values[:, higher]
+        return found[0], found[1], found[2]
+
+
+def loft(head: Head, low: float, high: float, *, smooth: bool = True, every: int = 1) -> Lofted:
+    """Surface of a head for x from low to high, mm, as far as it has sections there.
+
+    smooth: whether sections are smooth curves; else straight lines through their points.
+    every: 2 leaves out every second section, which shows what their distance does.
+    """
+    strips: list[Strip] = []
+    for run in _runs(head, every):
+        x = head.x[run]
+        near = np.flatnonzero((x >= low) & (x <= high))
+        around = np.flatnonzero((x[:-1] <= high) & (x[1:] >= low))
+        if not (near.size or around.size):
+            continue
+        inside = np.concatenate([near, around, around + 1])
+        kept = run[max(inside.min() - BESIDE, 0) : inside.max() + BESIDE + 1]
+        if len(kept) > 1:
+            strips += _strips(head, kept, smooth)
+    return Lofted(tuple(each for each in strips if each.last >= low and each.first <= high))
+
+
+def _runs(head: Head, every: int) -> list[Array]:
+    """Indices of the sections between two ends of a head, a row for each."""
+    after = sorted(each + 1 for each in head.ends)
+    return [run[::every] for run in np.split(np.arange(len(head.x)), after) if len(run) > every]
+
+
+def _strips(head: Head, run: Array, smooth: bool) -> list[Strip]:
+    """Strips through the sections of a run (n,) of indices."""
+    sections, x = [head.load(int(index)) for index in run], head.x[run]
+    anchors = np.array([each.anchors for each in sections])
+    anchors = anchors[:, np.isfinite(anchors).all(axis=0)]
+    length = np.array([each.s[-1] for each in sections])
+    if anchors.shape[1]:
+        before, behind = anchors[:, 0].min(), (length - anchors[:, -1]).min()
+        anchors = np.column_stack([anchors[:, 0] - before, anchors, anchors[:, -1] + behind])
+    else:
+        anchors = np.column_stack([0 * length, length])
+    strips = []
+    for first, last in zip(anchors.T, anchors.T[1:], strict=False):
+        longest = float((last - first).max())
+        if longest < LEAST:
+            continue
+        v = np.linspace(0.0, 1.0, max(5, 1 + int(np.ceil(longest / SAMPLE))))
+        places = first[:, None] + np.multiply.outer(last - first, v)
+        places = np.minimum(places, length[:, None])
+        points = np.array(
+            [
+                (each if smooth else each.straight)(s)
+                for each, s in zip(sections, places, strict=True)
+            ]
+        )
+        ends = [0, *_kinks(x, points), len(x) - 1]
+        for a, b in zip(ends, ends[1:], strict=False):
+            along = slice(a, b + 1)
+            degree = min(3, b - a)
+            y, z = (
+                RectBivariateSpline(x[along], v, points[along, :, k], kx=degree) for k in (0, 1)
+            )
+            strips.append(Strip(first=float(x[a]), last=float(x[b]), y=y, z=z))
+    return strips
+
+
+def _kinks(x: Array, points: Array) -> list[int]:
+    """Indices of inner sections at which lines along the rail have a kink, or their distance jumps.
+    x: (n,) places, mm. points: (n, m, 2) on the m lines, mm.
+    """
+    step = np.diff(x)
+    slope = np.diff(points, axis=0) / step[:, None, None]
+    jump = np.sqrt(np.mean(np.diff(slope, axis=0) ** 2, axis=(1, 2)))
+    beside = np.pad(jump, 1)
+    beside = np.maximum(beside[:-2], beside[2:])
+    ratio = np.exp(np.abs(np.diff(np.log(step))))
+    return (1 + np.flatnonzero((jump > KINK) & (jump > ALONE * beside) | (ratio > JUMP))).tolist()

@@ -1,0 +1,131 @@
+"""Where a wheel touches a rail that is given by sections, against closed forms."""
+
+from pathlib import Path
+from typing import Any
+
+import drawn_sections as drawn
+import numpy as np
+import pytest
+
+from railhead.contact import crossing
+from railhead.scene.scene import Scene, SceneError
+
+
+def scene(position: float, rail: str, wing: str | None = None, **wheel: Any) -> Scene:
+    """A wheel of radius 460 mm at a position over heads in tables of sections."""
+    tables: dict[str, Any] = {"rail": {"sections": rail, "position": position}}
+    if wing:
+        tables["wing"] = {"sections": wing}
+    wheel = {"profile": "cone40", "rolling_radius": 460.0} | wheel
+    return Scene.from_mapping({"load": 80000.0, "wheel": wheel, **tables})
+
+
+@pytest.fixture(scope="module")
+def nose(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """Table of the nose of case 6."""
+    places = [*range(80, 230, 10), *range(230, 400, 5)]
+    return drawn.write(
+        tmp_path_factory.mktemp("nose"), places, lambda x: drawn.moved(drawn.nose(x), -20.0)
+    )
+
+
+@pytest.fixture(scope="module")
+def wing(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """Table of the wing of case 6."""
+    return drawn.write(tmp_path_factory.mktemp("wing"), range(40, 400, 10), drawn.wing)
+
+
+# Case 6 of the reference: place of the axle; x, y and height alone on nose and wing, mm; the axes
+# of the gap on the wing are turned by 15.3 deg.
+TOUCHES = [
+    (192.0, (210.4073, -22.0010, -3.42671), (186.2616, 36.1279, -3.29540)),
+    (194.5, (212.9073, -22.0010, -3.32671), (188.7617, 36.3779, -3.32665)),
+    (300.0, (307.7772, -21.9997, 0.10277), (294.2650, 46.9283, -4.64542)),
+]
+
+
+@pytest.mark.parametrize(("position", "on_nose", "on_wing"), TOUCHES)
+def test_a_wheel_touches_ahead_on_a_rising_nose_and_behind_on_a_falling_wing(
+    nose: str, wing: str, position: float, on_nose: Any, on_wing: Any
+) -> None:
+    """Places to 0.5 um of case 6, heights to 0.01 um."""
+    found = crossing.touch(scene(position, nose, wing))
+    for name, truth in (("rail", on_nose), ("wing", on_wing)):
+        touch = found.heads[name].touches[0]
+        assert (position + touch.x, touch.y) == pytest.approx(truth[:2], abs=5e-4)
+        assert found.alone(name) == pytest.approx(truth[2], abs=1e-5)
+    assert found.height(found.lift) == pytest.approx(max(on_nose[2], on_wing[2]), abs=1e-5)
+    turned = np.degrees(found.heads["wing"].touches[0].orientation)
+    assert turned == pytest.approx(15.36, abs=0.02)
+
+
+def test_both_heads_touch_where_the_load_goes_over(nose: str, wing: str) -> None:
+    """Both of case 6 touch at 194.5012 mm."""
+    before, after = (crossing.touch(scene(at, nose, wing)) for at in (194.50, 194.51))
+    gaps = [each.alone("rail") - each.alone("wing") for each in (before, after)]
+    assert np.interp(0.0, gaps, [194.50, 194.51]) == pytest.approx(194.5012, abs=3e-4)
+    assert before.touching(0.05) == ["rail", "wing"]
+    assert crossing.touch(scene(190.0, nose, wing)).touching(0.05) == ["wing"]
+
+
+def test_a_ramp_lifts_the_wheel_by_more_than_its_height_below_the_axle(tmp_path: Path) -> None:
+    """Case 3, slope 0.05: first contact at x = 22.9713 mm, height 0.57464 mm (pitfall 6)."""
+    table = drawn.write(tmp_path, range(-80, 101, 20), lambda x: drawn.arcs(0.0) + [0.0, 0.05 * x])
+    found = crossing.touch(scene(0.0, table, profile="cylinder"))
+    touch = found.heads["rail"].touches[0]
+    assert (touch.x, touch.y) == pytest.approx((22.9713, 0.0), abs=1e-4)
+    assert found.height(found.lift) == pytest.approx(0.57464, abs=1e-5)
+    assert touch.upright == pytest.approx(1 / np.hypot(1, 0.05))
+    assert touch.curvature_x == pytest.approx(1 / 460, rel=1e-5)
+
+
+def test_roll_lowers_the_field_side_by_its_angle(nose: str, wing: str) -> None:
+    """1 mrad changes the heights of two heads 58 mm apart against each other by 0.058 mm (pitfall
+    10).
+    """
+    plain = scene(194.5, nose, wing)
+    rolled = plain.replace(wheelset={"roll": 1e-3})
+    here, there = (crossing.touch(each) for each in (plain, rolled))
+    apart = here.heads["wing"].touches[0].y - here.heads["rail"].touches[0].y
+    moved = [each.alone("rail") - each.alone("wing") for each in (here, there)]
+    assert moved[1] - moved[0] == pytest.approx(1e-3 * apart, rel=0.02)
+
+
+def test_a_bar_that_goes_aside_is_a_straight_rail_under_a_yawed_wheel(tmp_path: Path) -> None:
+    """Sections y cos t that go aside by tan t, and a wheelset turned by t, are a straight rail."""
+    turn = 0.02
+    straight = drawn.wing(0.0)
+
+    def aside(x: float) -> Any:
+        """Section across x of the straight bar turned about z."""
+        return straight * [1 / np.cos(turn), 1.0] + [np.tan(turn) * x, 0.0]
+
+    tables = [
+        drawn.write(tmp_path / name, range(-60, 61, 10), points)
+        for name, points in (("straight", lambda x: straight), ("aside", aside))
+    ]
+    plain = crossing.touch(scene(0.0, tables[0])).heads["rail"].touches[0]
+    yawed = scene(0.0, tables[1]).replace(wheelset={"yaw": turn})
+    turned = crossing.touch(yawed).heads["rail"].touches[0]
+    assert turned.gap == pytest.approx(plain.gap, abs=1e-6)
+    assert turned.curvature_x == pytest.approx(plain.curvature_x, rel=1e-4)
+    assert turned.curvature_y == pytest.approx(plain.curvature_y, rel=1e-4)
+
+
+def test_positions_without_sections_are_refused_in_a_line(nose: str, wing: str) -> None:
+    """Beyond the sections, and where the wheel would touch their end (pitfall 13)."""
+    with pytest.raises(SceneError, match="500 is beyond the sections; give 40 to 395 mm"):
+        crossing.touch(scene(500.0, nose, wing))
+    with pytest.raises(SceneError, match="42 lets the wheel touch at an end"):
+        crossing.touch(scene(42.0, wing))
+
+
+def test_keys_of_a_straight_rail_are_refused_beside_sections(nose: str) -> None:
+    """So is a position without them, and a wing without a rail of sections."""
+    for tables, said in (
+        ({"rail": {"sections": nose, "profile": "60E1"}}, "profile: is not allowed beside"),
+        ({"rail": {"position": 3.0}}, "position: 3 is not allowed without sections"),
+        ({"wing": {"sections": nose}}, "not given; a wing needs sections of both heads"),
+    ):
+        with pytest.raises(SceneError, match=said):
+            Scene.from_mapping({"load": 1000.0, **tables})  # type: ignore[dict-item]
