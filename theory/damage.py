@@ -24,6 +24,7 @@ from railhead.theory.array_types import Array
 from railhead.theory.elastic import line
 from railhead.theory.friction import sliding
 
+LINE = 4.0  # shakedown limit p0/k of a line contact without friction
 CIRCLE = 4.68  # shakedown limit p0/k of a circular patch without friction
 DEPTHS, PLACES = 81, 161  # where the shear stress of a strip is looked for
 #: Limits between wear regimes, T-gamma over the area of the patch, N/mm2: wheel R8T on rail UIC60

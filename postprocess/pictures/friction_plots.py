@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -26,6 +28,7 @@ from railhead.theory import damage
 from railhead.theory.friction.solution import FrictionSolution
 
 STICK, SLIP, ACROSS = "#d3e4f3", "#e08a4f", "#3f7d54"  # light and dark: told apart in grey, too
+SAFE, ONCE, NEVER = "#e3f0e6", "#fdf3d9", "#fae3e0"  # elastic, shakes down, ratchets
 ARROWS = 17  # along the longer side of the patch
 LONG = 1.1  # cells of their grid: the longest arrow
 CELLS = 400  # of the map, along each side
@@ -136,36 +139,50 @@ def draw_shakedown(
     friction: Mapping[str, Any], poisson: float, subject: Subject, target: Target = None
 ) -> Figure:
     """The shakedown map, p0/k over the traction coefficient, with the point of a result and its
-    limits.
+    limits,
+    and the loads that belong to p0/k.
 
-    friction: "friction" of a result in summary.json, which must hold p0_over_k. poisson: Poisson's
+    friction: "yield" of a result in summary.json. poisson: Poisson's
         ratio, for the limits of a line contact under full slip. subject: gives the title.
     """
     used, ratio = friction["traction_coefficient"], friction["p0_over_k"]
-    shares = np.linspace(0.0, max(WIDE, 1.1 * used), POINTS)
-    with new_figure(target, 7, 4.8, subject) as figure:
+    shares, top = np.linspace(0.0, max(WIDE, 1.1 * used), POINTS), max(HIGH, 1.1 * ratio)
+    limits = [damage.shakedown_limit(each, poisson) for each in shares]
+    elastic = [damage.elastic_limit(each, poisson) for each in shares]
+    load, power = friction["load_N"], math.log(friction["load_over_first_yield"])
+    first, last = friction["first_yield_p0_over_k"], friction["shakedown_limit_p0_over_k"]
+    power = round(power / math.log(ratio / first)) if ratio != first else 3
+    with new_figure(target, 7.4, 5.4, subject) as figure:
         axes = figure.subplots()
-        limits = [damage.shakedown_limit(each, poisson) for each in shares]
-        elastic = [damage.elastic_limit(each, poisson) for each in shares]
-        axes.plot(shares, limits, color=HERTZ, label="shakedown limit of a line")
-        axes.plot(shares, elastic, "--", color=HERTZ, label="elastic limit of a line")
+        words = f"below {first:.3g}: elastic", f"below {last:.3g}: shakes down", "ratchets"
+        ends = pairwise((0.0, first, last, top))
+        for (low, high), colour, word in zip(ends, (SAFE, ONCE, NEVER), words, strict=True):
+            axes.axhspan(low, high, color=colour, lw=0, zorder=0)
+            place = 0.98 * shares[-1], high - 0.02 * top
+            axes.text(*place, f"this patch {word}", ha="right", va="top")
+        axes.plot(shares, limits, color=HERTZ, label="shakedown limit of a line, full slip")
+        axes.plot(shares, elastic, "--", color=HERTZ, label="first yield of a line, full slip")
         sliding = shares[shares > 1 / (2 * HIGH)]
         axes.plot(sliding, 1 / sliding, ":", color=GREY, label="surface limit, FI = 0")
-        state, index = friction["shakedown"], friction["surface_fatigue_index"]
-        first, last = friction["first_yield_p0_over_k"], friction["shakedown_limit_p0_over_k"]
-        dash = {"ms": 16, "mew": 2}
-        for x, y, mark, colour, look, label in (
-            (0, damage.CIRCLE, "^", HERTZ, {}, "shakedown limit of a circle without friction"),
-            (used, first, "_", FE, dash, "this patch begins to yield"),
-            (used, last, "_", HERTZ, dash, "its shakedown limit"),
-            (used, ratio, "o", FE, {"ms": 8}, f"this patch: {state}, FI = {index:.2f}"),
-        ):
-            axes.plot(x, y, mark, color=colour, clip_on=False, label=label, **look)
+        name = "shakedown limit of a circle without friction"
+        axes.plot(0, damage.CIRCLE, "^", color=HERTZ, clip_on=False, label=name)
+        index = friction.get("surface_fatigue_index")
+        name = f"this patch: {friction['shakedown']}"
+        name += "" if index is None else f", FI = {index:.2f}"
+        axes.plot(used, ratio, "o", color=FE, ms=8, clip_on=False, label=name)
         axes.set(
             xlim=(0, shares[-1]),
-            ylim=(0, max(HIGH, 1.1 * ratio)),
+            ylim=(0, top),
             xlabel="traction coefficient: tangential over normal force",
-            ylabel="largest pressure over shear yield, p0/k",
+            ylabel="largest elastic pressure over shear yield, p0/k",
         )
+        loads = axes.secondary_yaxis(
+            "right",
+            functions=(
+                lambda y: 1e-3 * load * (np.maximum(y, 0) / ratio) ** power,
+                lambda f: ratio * (np.maximum(f, 0) / (1e-3 * load)) ** (1 / power),
+            ),
+        )
+        loads.set_ylabel("load, kN")
         figure.legend(loc="outside upper center", ncols=2)
     return figure

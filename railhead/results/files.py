@@ -137,8 +137,9 @@ def grids(solved: Solved) -> dict[str, meshio.Mesh]:
 
 
 def _friction(summary: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The table "friction" of the result in summary.json, empty where there is none."""
-    return (summary["result"] or {}).get("friction") or {}
+    """The tables "friction" and "yield" of the result in summary.json, empty without both."""
+    result = summary["result"] or {}
+    return (result.get("friction") or {}) | (result.get("yield") or {})
 
 
 def _shown(solved: Solved, units: Units) -> Shown | None:

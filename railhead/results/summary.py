@@ -19,6 +19,7 @@ from railhead.run.half_spaces.answer import HalfSpaceSolution, Solved
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.refinement import Ending
 from railhead.scene.catalogue import portable
+from railhead.theory import damage
 
 HALF_SPACE_SOURCE = "half-spaces: what finite bodies would change, and the error of the grid"
 NO_SECTION = {"reason": "boundary elements know no section of bodies that end"}
@@ -220,7 +221,32 @@ def _more(solved: Solved) -> dict[str, Any]:
         out["friction"] = found | axle | stresses
     if solved.passes is not None and solved.passes.rows:
         out |= solved.passes.summary()
-    return out
+    return out | {"yield": _yield(solved, out.get("friction", {}))}
+
+
+def _yield(solved: Solved, friction: Mapping[str, Any]) -> dict[str, Any]:
+    """Entry "yield" of "result" in summary.json: the elastic p0/k of the load against first yield
+    and the limit of shakedown, under repeated rolling, and the same as loads. They are those of
+    "friction" where the wheel rolls with it, else of Hertz's ellipse or line without tractions
+    (`damage.ellipse_limit`, at most twice first yield, where stresses left are as large as yield).
+    Empty without a yield stress or stresses, and where nothing touches.
+    """
+    context = solved.plan.context
+    elastic, shear = (solved.elastic_reference or solved).result, material.shear_yield(context)
+    if shear is None or not elastic or "stress" not in elastic:
+        return {}
+    keys = "traction_coefficient", "p0_over_k", "first_yield_p0_over_k", "shakedown_limit_p0_over_k"
+    power, patch = context.contact.load_power, elastic["patch"]
+    ratio = elastic["pressure"]["max_MPa"] / shear
+    first = ratio / context.overload ** (1 / power)
+    limit = min(damage.ellipse_limit(patch["a_mm"] / patch["b_mm"]), 2 * first)
+    limit = damage.LINE if context.contact.line else limit
+    state = "elastic" if ratio <= first else "shakes down" if ratio <= limit else "ratchets"
+    found = dict(zip(keys, (0.0, ratio, first, limit), strict=True)) | {"shakedown": state}
+    found |= {key: friction[key] for key in found if "p0_over_k" in friction}
+    for name, key in (("first_yield", keys[2]), ("shakedown", keys[3])):
+        found[f"load_over_{name}"] = (found[keys[1]] / found[key]) ** power
+    return {**found, "load_N": elastic["load_N"]}
 
 
 def _first_yield_error(solved: MeshSolution) -> dict[str, float]:

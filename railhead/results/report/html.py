@@ -117,6 +117,7 @@ def render(
         files=[path.name for path in scene.files],
         left_out_after=terminal.left_out(summary),
         patches=patches,
+        yields=terminal.yields(summary["result"] or {}),
         side_force=terminal.side_force(summary["result"] or {}, units),
         patches_title=patches_title,
         left_out={name: each for name, each in effects.items() if not each["on"]},

@@ -250,6 +250,8 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
         title, cells = quantity_rows.patches(summary, units)
         if cells:
             console.print(number_table(title, cells[0], cells[1:]))
+        if said := yields(summary["result"]):
+            console.print(f"{said}.", highlight=False)
         if said := side_force(summary["result"], units):
             console.print(f"{said}.", highlight=False)
         if varies := summary["result"].get("surface_shape"):
@@ -318,6 +320,20 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
         f"force balance {checks['force_balance']:.1e}",
         highlight=False,
     )
+
+
+def yields(result: Mapping[str, Any]) -> str:
+    """Sentence, without a full stop, that holds the load against first yield and shakedown; empty
+    without a yield stress. result: of summary.json.
+    """
+    if not (found := result.get("yield")):
+        return ""
+    return (
+        "Yield: the load is {load_over_first_yield:.3g} times that of first yield and "
+        "{load_over_shakedown:.3g} times that up to which repeated rolling can shake down (p0/k "
+        "{p0_over_k:.3g}, limits {first_yield_p0_over_k:.3g} and {shakedown_limit_p0_over_k:.3g}): "
+        "{shakedown}"
+    ).format(**found)
 
 
 def side_force(result: Mapping[str, Any], units: Units = BASE_UNITS) -> str:

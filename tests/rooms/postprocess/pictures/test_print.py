@@ -204,7 +204,8 @@ def test_sweeps_and_the_shakedown_map_say_what_they_are_of(sheets: list[Figure],
         "first_yield_p0_over_k": 3.2,
         "shakedown_limit_p0_over_k": 3.5,
         "shakedown": "elastic",
-        "surface_fatigue_index": -0.2,
+        "load_N": 1e4,
+        "load_over_first_yield": (3.0 / 3.2) ** 3,
     }
     friction_plots.draw_shakedown(friction, 0.3, subject, tmp_path / "s.png")
     for figure in sheets:

@@ -1,0 +1,33 @@
+"""Is it safe against yield? One entry of summary.json, one sentence, one picture."""
+
+import io
+
+import pytest
+from rich.console import Console
+from solved import solved
+
+import railhead as rh
+
+FAST = ["effects.finite_bodies=off", "effects.plasticity=off"]
+
+
+@pytest.mark.parametrize(
+    ("load", "state"), [(2e4, "elastic"), (1e5, "shakes down"), (2e5, "ratchets")]
+)
+def test_a_load_is_held_against_first_yield_and_shakedown(load: float, state: str) -> None:
+    """First yield at 22.1 kN; both ratios of loads grow as the load."""
+    result = solved(rh.find("uic54_22t5_axle").replace([f"load={load}", *FAST]))
+    found = result.summary["result"]["yield"]
+    assert found["shakedown"] == state
+    assert found["load_over_first_yield"] == pytest.approx(load / 22.11e3, rel=2e-3)
+    ratios = found["p0_over_k"] / found["shakedown_limit_p0_over_k"]
+    assert found["load_over_shakedown"] == pytest.approx(ratios**3)
+    out = io.StringIO()
+    result.show(Console(file=out, width=400))
+    assert f"can shake down (p0/k {found['p0_over_k']:.3g}" in out.getvalue()
+    assert f"): {state}." in out.getvalue()
+
+
+def test_nothing_is_said_of_yield_without_a_yield_stress() -> None:
+    result = solved("hertz_ellipse", "effects.finite_bodies=off")
+    assert not result.summary["result"]["yield"]
