@@ -423,16 +423,18 @@ class Plan:
     @property
     def solving_seconds(self) -> float:
         """Predicted seconds of the whole process without pictures: imports, passes, and this mesh.
-        For an accuracy or a budget without error laws also two coarser ones, each by 1.6 (STEP).
+        For an accuracy or a budget without error laws also two coarser ones, each by 1.6 (STEP);
+        with yield the coarsest of its family, with one and with two times the load steps.
         """
-        coarser = 0 if self.scene.one_mesh or self.by_half_spaces or self.family else 2
-        n = self.sizing.resolution
-        steps = (error_envelopes.STEP**-k for k in range(1, 1 + coarser))
-        return (
-            cost.START
-            + self.seconds_of_one
-            + sum(self.at_resolution(step * n).mesh_seconds for step in steps)
-        )
+        seconds, n = cost.START + self.seconds_of_one, self.sizing.resolution
+        if self.scene.one_mesh or self.by_half_spaces:
+            return seconds
+        before = [self.at_resolution(n / error_envelopes.STEP**k) for k in (1, 2)]
+        if self.family is not None:
+            coarse = self.at_resolution(self.family.resolution[0])
+            before = [coarse, replace(coarse, load_steps=2 * self.load_steps)]
+            before = before if self.effects["plasticity"].on else []
+        return seconds + sum(each.mesh_seconds for each in before)
 
     @property
     def seconds_of_one(self) -> float:

@@ -70,8 +70,8 @@ class MeshSolution:
     residual_state: yield, and the stresses and shapes that remain after it; None where nothing
         yields and off rank 0.
     load_step_errors: relative error, by key of `numeric_values`, that the usual number of load
-        steps makes. Measured on the coarsest mesh of a sequence, which is solved with twice as
-        many; there plan.load_steps is that of the meshes that follow. Empty elsewhere.
+        steps makes. Measured on the first mesh of a sequence, which is solved with twice as many.
+        Empty elsewhere.
     passes: of the wheel over the rail; None where there are none, and off rank 0.
     """
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from mpi4py import MPI
 
 from railhead.planning import cost, error_envelopes
+from railhead.planning.effects import material
 from railhead.planning.forecast import LINEAR_REFINEMENT
 from railhead.planning.simulation_plan import Plan
 from railhead.run import estimates
@@ -50,9 +51,10 @@ def refine(
     """Solved meshes of a plan, coarsest first, and why the sequence ended (collective).
 
     Where error laws hold, the first mesh is the one that the plan chose, and mostly the only one.
-    Without laws it is coarser by 1.6 squared (STEP), as three meshes tell an error. Finer ones
-    follow until the estimates meet the accuracy, at most five (MAX_LEVELS); without an accuracy,
-    until there are estimates.
+    Without laws it is coarser by 1.6 squared (STEP), as three meshes tell an error. Where bodies
+    yield it is the coarsest of its family, as it is solved twice: two numbers of load steps tell
+    the error of either. Finer ones follow until the estimates meet the accuracy, at most five
+    (MAX_LEVELS); without an accuracy, until there are estimates.
 
     SceneError: no mesh meets the accuracy (`_refuse`), or the only mesh of a scene does not fit
         into the memory. In a sequence a finer mesh that does not fit ends it.
@@ -84,7 +86,7 @@ def refine(
             over = f"the least that gives an estimate took {spent:.1f} s, over the budget"
             return meshes, Ending("budget spent" if spent <= limit else over)
         n, covered = comm.bcast(_next(meshes, worst))
-        finer = done.plan.at_resolution(n)
+        finer = replace(done.plan.at_resolution(n), load_steps=comm.bcast(_steps(meshes[0])))
         would_cost = finer.unknowns, finer.mesh_seconds
         # What gives an estimate was priced beforehand.
         stop = comm.bcast(_obstacle(finer, spent if math.isfinite(worst) else 0.0))
@@ -100,7 +102,8 @@ def _first(plan: Plan) -> Plan:
     """The plan of the first mesh for an accuracy or a budget."""
     n = plan.sizing.resolution if plan.scene.budget is None else _affordable(plan)
     if plan.family is not None:
-        return plan.at_resolution(n)
+        coarse = plan.effects["plasticity"].on and plan.scene.budget is None
+        return plan.at_resolution(plan.family.resolution[0] if coarse else n)
     low = error_envelopes.RANGE[0] * (LINEAR_REFINEMENT if plan.order == 1 else 1.0)
     return plan.at_resolution(max(n / error_envelopes.STEP**2, low))
 
@@ -149,8 +152,7 @@ def _affordable(plan: Plan) -> float:
 def _with_load_step_errors(
     solved: MeshSolution, progress: Progress, comm: MPI.Intracomm
 ) -> MeshSolution:
-    """The coarse solution with twice its load steps, which is solved here (collective). Its plan
-    has as many steps as the accuracy needs, at most 16 times (MOST_STEPS) the usual number. Its
+    """The solution with twice its load steps, which is solved here (collective). Its
     `load_step_errors` are those of the usual number: twice (STEP_ERROR) the change.
     """
     plan = solved.plan
@@ -165,26 +167,40 @@ def _with_load_step_errors(
             for name in found
             if better.get(name)
         }
-    shared = {name: value for name, value in error.items() if name not in error_envelopes.PLACES}
-    more = max(shared.values(), default=0.0) / (LOAD_STEP_SHARE * (plan.scene.accuracy or 1.0))
-    factor = min(max(1.0, comm.bcast(more) ** (1 / STEP_ORDER)), MOST_STEPS)
-    steps = math.ceil(factor * plan.load_steps)
-    return replace(other, plan=replace(plan, load_steps=steps), load_step_errors=error)
+    return replace(other, load_step_errors=error)
+
+
+def _steps(solved: MeshSolution) -> int:
+    """Number of load steps after a first mesh: as many as the accuracy needs by its
+    `load_step_errors`, at most 16 times (MOST_STEPS) the usual number; that of its plan without
+    such errors.
+    """
+    plan, errors = solved.plan, solved.load_step_errors
+    largest = max((errors[name] for name in errors.keys() - {*error_envelopes.PLACES}), default=0.0)
+    if not largest:
+        return plan.load_steps
+    more = largest / (LOAD_STEP_SHARE * (plan.scene.accuracy or 1.0))
+    factor = min(max(1.0, more ** (1 / STEP_ORDER)), MOST_STEPS)
+    return math.ceil(factor * material.steps(plan.context))
 
 
 def _next(meshes: list[MeshSolution], worst: float) -> tuple[float, bool]:
     """Elements per smaller semi-axis of the next mesh, and whether error estimates exist there.
     worst: largest relative error of the last mesh. Only what it gives on rank 0 counts.
 
-    Without laws, or an estimate, the next mesh is finer by 1.6 (STEP); else by as much as second-
-    order convergence wants, from 1.15 (LEAST_STEP) to 1.6.
+    Without laws, or an estimate, the next mesh is finer by 1.6 (STEP); after one that told the
+    errors of load steps it is the planned one; else by as much as second-order convergence wants,
+    from 1.15 (LEAST_STEP) to 1.6.
     """
     solved = meshes[-1]
     n, asked, known = solved.resolution, solved.plan.scene.accuracy, solved.family
     if known is None or not math.isfinite(worst):
         return error_envelopes.STEP * n, True
-    ratio = math.sqrt(MARGIN * worst / (asked or worst))
-    n *= min(max(ratio, LEAST_STEP), error_envelopes.STEP)
+    if solved.load_step_errors and asked is not None:
+        n = max(known.finest(solved.plan.accuracy_of_meshes), LEAST_STEP * n)
+    else:
+        ratio = math.sqrt(MARGIN * worst / (asked or worst))
+        n *= min(max(ratio, LEAST_STEP), error_envelopes.STEP)
     return n, known.covers(n, [each.resolution for each in meshes])
 
 

@@ -147,6 +147,12 @@ LOW, HIGH = 1e-3, 1.0  # errors at the ends of the colours
 DARK = 0.52  # of green: letters on it are white
 
 
+SAID = {
+    "converged": "not\nconverged",
+    "pressure_noise": "pressure\ntoo noisy",
+    "penetration": "bodies\noverlap",
+}
+"""What a field of a map says by the first check that failed."""
 MAPS = (
     (
         "Contact laws on the thesis ellipse, four elements per semi-axis",
@@ -172,7 +178,8 @@ def cell(row: Row | None) -> tuple[float, bool, str]:
         return math.nan, False, "no end" if row and "back" in row["fault"] else "x"
     error = math.nan if row["deviation"] is None else row["deviation"]
     if row["failed"]:
-        return error, False, row["failed"].split()[0].replace("_", "\n", 1)
+        first = row["failed"].split()[0]
+        return error, False, SAID.get(first, "fails " + first.replace("_", "\n", 1))
     if not row["quantity"]:
         return error, False, "x"
     return error, True, f"{error:.1%}" + ("\nWRONG" if row["fault"] else "")

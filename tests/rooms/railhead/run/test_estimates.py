@@ -87,6 +87,14 @@ def test_where_a_law_holds_one_mesh_meets_an_accuracy_and_the_reason_names_what_
     assert max(each for name, each in found["bound"].items() if "depth" not in name) <= 0.01
 
 
+@pytest.mark.parametrize("more", [[], ["load=80kN", "rail.steel=R260", "wheel.steel=ER7"]])
+def test_the_first_mesh_is_the_planned_one_and_where_bodies_yield_the_coarsest(more) -> None:
+    plan = planning.make(catalogue.find("uic54_thesis").replace(["accuracy=1%", *more]))
+    first, planned = refinement._first(plan).sizing.resolution, plan.sizing.resolution
+    assert first == pytest.approx(plan.family.resolution[0] if more else planned)
+    assert planned > 4 and plan.effects["plasticity"].on == bool(more)
+
+
 @pytest.mark.slow
 def test_a_line_of_unlike_bodies_with_friction_is_solved_on_three_meshes() -> None:
     """Its coarse contact points are no grid of tractions that stays as coarse on any mesh. The
