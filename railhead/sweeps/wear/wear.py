@@ -85,7 +85,7 @@ def wear(
 def _beside(route: Route, folder: Path, progress: Progress) -> dict[str, Any]:
     """Entry "beside" of wear.json: the position with the largest share on the worn profiles in a
     folder, by finite elements and by half-spaces, elastic and without friction; or the reason why
-    finite elements fail.
+    one of both fails.
     """
     number = int(np.argmax(route.shares))
     scene = route.positions[number].scene
@@ -100,22 +100,26 @@ def _beside(route: Route, folder: Path, progress: Progress) -> dict[str, Any]:
     scene = scene.replace(**{f"effects.{key}": value for key, value in switches.items()})
     try:
         solved = pipeline.run(scene, progress, MPI.COMM_SELF).summary
-        bodies, half_spaces = solved["result"], solved["half_space"]
-        bound = solved["accuracy"]["bound"]
-        return {
-            "position": number + 1,
-            **{
-                name: {
-                    "pressure_max_MPa": each["pressure"]["max_MPa"],
-                    "area_mm2": each["patch"]["area_mm2"],
-                }
-                for name, each in (("finite_elements", bodies), ("half_spaces", half_spaces))
-            },
-            "bound": {"pressure_max_MPa": bound.get("max_MPa"), "area_mm2": bound.get("area_mm2")},
-            "checks": solved["checks"]["failed"],
-        }
-    except (SceneError, MeshError, KeyError, TypeError) as error:
+    except (SceneError, MeshError) as error:
         return {"position": number + 1, "reason": f"{type(error).__name__}: {error}"}
+    found = {"finite_elements": solved["result"], "half_spaces": solved["half_space"]}
+    for name, each in found.items():
+        if not each or "reason" in each:
+            why = each["reason"] if each else "no patch"
+            return {"position": number + 1, "reason": f"{name.replace('_', ' ')}: {why}"}
+    bound = solved["accuracy"]["bound"]
+    return {
+        "position": number + 1,
+        **{
+            name: {
+                "pressure_max_MPa": each["pressure"]["max_MPa"],
+                "area_mm2": each["patch"]["area_mm2"],
+            }
+            for name, each in found.items()
+        },
+        "bound": {"pressure_max_MPa": bound.get("max_MPa"), "area_mm2": bound.get("area_mm2")},
+        "checks": solved["checks"]["failed"],
+    }
 
 
 def _scenes(route: Route) -> list[Scene]:

@@ -259,6 +259,20 @@ def test_positions_that_are_alike_wear_as_one(tmp_path):
     assert np.abs(depths[1] - depths[0]).max() < 0.02 * depths[0].max()
 
 
+def test_what_fails_beside_an_answer_is_said_in_words(monkeypatch, tmp_path) -> None:
+    """Once as the name of an error of Python."""
+    known = SimpleNamespace(scene=Scene(load=1e4))
+    route = SimpleNamespace(shares=[1.0], positions=[known], worn=())
+    for result, other, said in (
+        (None, None, "finite elements: no patch"),
+        ({"pressure": {}}, {"reason": "boundary elements: none"}, "half spaces: boundary"),
+    ):
+        solved = SimpleNamespace(summary={"result": result, "half_space": other, "accuracy": {}})
+        monkeypatch.setattr(sweep.pipeline, "run", lambda *_, solved=solved: solved)
+        found = sweep._beside(route, tmp_path, None)
+        assert found["reason"].startswith(said)
+
+
 @pytest.mark.slow
 def test_finite_elements_stand_beside_the_half_spaces(tmp_path):
     scene = crown(axles=AXLES / 2, step=2).replace(**{"effects.finite_bodies": "auto"})
