@@ -28,9 +28,10 @@ ELEMENTS = {
     "hexahedron 1": ("hexahedron", 1, (4.0, 7.0, 12.0, 20.0)),
 }
 """Name: cell, order, elements per smaller semi-axis of the patch."""
-ASKED = ("5%", "1%", "0.2%")
+ASKED = ("none", "10%", "5%", "2%", "1%", "0.2%")  # none: as the case ships
 MAX_UNKNOWNS = 200_000  # predicted; finer meshes are left out
 MAIN = ("a", "b", "p_max")
+ESTIMATED = ("a_mm", "b_mm", "area_mm2", "max_MPa")  # whose largest estimate is "estimate"
 DEFAULT, SOLID185 = ("nitsche", "tetrahedron 2"), ("penalty", "hexahedron 1")
 ASYMPTOTIC = 0.02  # error below which a power law is expected
 LOOKS = {
@@ -40,6 +41,7 @@ LOOKS = {
 }
 LINES = {"nitsche": "-", "penalty": "--"}
 STAR = "#e8a800"
+PRICE_AXES = (("asked", 100.0), ("seconds", 1.0))
 Exact = dict[str, float]
 UNSOLVED: Row = {
     "seconds": None,
@@ -48,25 +50,31 @@ UNSOLVED: Row = {
     "converged": False,
     "failure": "",
     "reached": None,
+    "estimate": None,
     **dict.fromkeys(("error", "error_all", *(f"error_{key}" for key in COLUMNS))),
 }
 """What a run without a result has in the columns behind its setting. Errors are relative (error:
-worst of a, b, p_max; error_all: of all quantities); asked: the accuracy, for runs that choose their
-own meshes."""
+worst of a, b, p_max; error_all: of all quantities; estimate: largest of ESTIMATED); asked: the
+accuracy, for runs that choose their own meshes."""
 
 
 def main(out: Path, *, quick: bool) -> None:
     """Run everything (quick: half-spaces, two sizes, one asked accuracy); CSV, picture, page."""
     runs: list[Row] = []
+    priced: list[Row] = []
     with Progress(quiet=False) as progress:
         for name in CASES[: 1 if quick else None]:
             progress.stage(f"{name}: reference")
             scene = catalogue.find(name).replace(["effects.axisymmetry=off"])  # solids alone
             exact = reference(scene)
             runs += fixed_meshes(scene, exact, 2 if quick else None, progress)
-            runs += asked_accuracies(scene, exact, 1 if quick else None, progress)
+            priced += asked_accuracies(scene, exact, 2 if quick else None, progress)
+        for name in sorted(set() if quick else {*catalogue.shipped()} - {*CASES}):
+            priced += asked_accuracies(catalogue.find(name), {}, -1, progress)
+    runs += [row for row in priced if row["asked"] is not None and row["case"] in CASES]
     draw(runs, out / "accuracy_cost.png")
-    tables.publish(out, page(runs, MAX_UNKNOWNS), accuracy_cost=runs)
+    draw_prices(priced, out / "accuracy_asked.png")
+    tables.publish(out, page(runs, MAX_UNKNOWNS), accuracy_cost=runs, accuracy_asked=priced)
 
 
 def reference(scene: Scene) -> Exact:
@@ -109,8 +117,10 @@ def fixed_meshes(
 def asked_accuracies(
     scene: Scene, exact: Exact, count: int | None, progress: Progress
 ) -> Iterator[Row]:
-    """Rows of runs that choose their meshes for an asked accuracy, without those that have no
-    estimate; their seconds are of all meshes. count: how many of ASKED; None: all."""
+    """Rows of runs that choose their meshes for an asked accuracy, after a warm-up, without those
+    that have no estimate; their seconds are of all meshes. exact: empty where it is not known.
+    count: how many of ASKED; None: all."""
+    _solve(scene)
     for asked in ASKED[:count]:
         progress.stage(f"{scene.name}: asked accuracy {asked}")
         accurate = scene.replace([f"accuracy={asked}"])
@@ -150,13 +160,17 @@ def _recorded(run: dict[str, Any], done: dict[str, Any] | str, exact: Exact, sta
         "converged": converged,
         "failure": "" if converged else done["newton"]["reason"],
         "reached": done["accuracy"]["reached"],
+        "estimate": max(
+            (value for key, value in done["accuracy"]["bound"].items() if key in ESTIMATED),
+            default=None,
+        ),
         **_errors(done["result"], exact),
     }
 
 
 def _errors(result: dict[str, Any] | None, exact: Exact) -> dict[str, Any]:
-    """Columns of relative errors of a "result"; empty where it is None."""
-    found = columns(result, COLUMNS) if result else {}
+    """Columns of relative errors of a "result"; empty where it or what is exact is not known."""
+    found = columns(result, COLUMNS) if result and exact else {}
     errors = {f"error_{key}": abs(value / exact[key] - 1) for key, value in found.items()}
     if errors:
         errors["error_all"] = max(errors.values())
@@ -307,6 +321,29 @@ def _panel(axes: Axes, rows: Sequence[Row]) -> None:
             path_effects=halo,
             zorder=6,
         )
+
+
+def draw_prices(rows: Sequence[Row], path: Path) -> None:
+    """Draw processor seconds over the asked accuracy, a line for each case; an open mark is the
+    case as it ships, at its estimate. Runs that did not reach what was asked are crossed."""
+    with new_figure(path, 9.5, 5.8) as figure:
+        axes = figure.subplots()
+        for number, (case, own) in enumerate(groups(rows, "case").items()):
+            look: dict[str, Any] = {"color": f"C{number}", "marker": "osv^DPX<>"[number % 9]}
+            asked = [row for row in own if row["asked"] is not None and row["seconds"]]
+            x, y = ([scale * row[key] for row in asked] for key, scale in PRICE_AXES)
+            axes.plot(x, y, label=case, **look)
+            for row in own:
+                if row["asked"] is None and row["estimate"] and row["seconds"]:
+                    axes.plot(100 * row["estimate"], row["seconds"], ms=11, mfc="none", **look)
+                elif not row["reached"] and row["seconds"]:
+                    axes.plot(100 * row["asked"], row["seconds"], "x", color="black", ms=12)
+        axes.set(xscale="log", yscale="log", xlabel="asked accuracy; of open marks the estimate, %")
+        axes.set_ylabel("processor seconds")
+        axes.invert_xaxis()
+        plain_ticks(axes.xaxis, (1, 2, 5))
+        plain_ticks(axes.yaxis, (1, 2, 5))
+        figure.legend(loc="outside upper center", ncols=3)
 
 
 def _curve(rows: Sequence[Row]) -> tuple[list[float], list[float]]:

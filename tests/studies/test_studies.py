@@ -13,7 +13,8 @@ from railhead.scene import catalogue
 QUICK = {
     "load-sweep": ({"load_sweep.csv", "load_sweep.png"}, "Largest difference of a, b and p_max"),
     "accuracy-cost": (
-        {"accuracy_cost.csv", "accuracy_cost.png"}, "Nothing: every run converged."
+        {"accuracy_cost.csv", "accuracy_cost.png", "accuracy_asked.csv", "accuracy_asked.png"},
+        "Nothing: every run converged.",
     ),
     "effects": (
         {"effects.csv", "effects_off.csv"}, "Unknowns and compiled forms are the same"
