@@ -62,7 +62,7 @@ def ellipse(scene: Scene, contact: Contact, load: float | None = None) -> Ellips
     """
     touch, modulus = contact.touch, contact_modulus(scene)
     load = load if load is not None else scene.load
-    cosine = math.cos(touch.angle)
+    cosine = touch.upright
     if load is not None:
         return hertz.point_contact(touch.curvature_x, touch.curvature_y, modulus, load / cosine)
     return hertz.point_contact_from_approach(
@@ -98,7 +98,7 @@ def gap_is_quadratic(contact: Contact, ellipse: Hertz) -> bool:
     touch = contact.touch
     if contact.shape is not None:
         return False
-    if len(contact.touches(ellipse.approach / math.cos(touch.angle))) > 1:
+    if len(contact.touches(ellipse.approach / touch.upright)) > 1:
         return False
     turn, radius = np.meshgrid(np.linspace(0, 2 * np.pi, 25), [0.5, 1.0])
     u, v = (ellipse.a * radius * np.cos(turn)).ravel(), (ellipse.b * radius * np.sin(turn)).ravel()

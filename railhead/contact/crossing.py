@@ -8,22 +8,26 @@ Axes: x along the rail from the axle, y of the sections, z up.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from scipy.ndimage import minimum_filter
 
 from railhead.contact import solid
+from railhead.contact.solid import Contact
 from railhead.geometry import sections
 from railhead.geometry.lofting import Lofted, loft
 from railhead.geometry.measured.orientation import Orientation
-from railhead.geometry.placement import ContactPoint, Pose, principal, turned
-from railhead.geometry.profiles import Profile
+from railhead.geometry.placement import ContactPoint, Pose, ProfilePair, principal, turned
+from railhead.geometry.profiles import Profile, Spline
 from railhead.geometry.sections import Head
-from railhead.geometry.surfaces import WheelSurface, along
+from railhead.geometry.surfaces import RailSurface, WheelSurface, along
 from railhead.scene.scene import Rail, Scene, SceneError
+from railhead.scene.sections import refuse_first
 from railhead.theory.array_types import Array
 
 NAMES = ("rail", "wing")
@@ -34,6 +38,8 @@ STRETCH = 18.0  # mm of the surface on either side of the contacts
 STEPS, LONGEST, FOUND = 40, 1.5, 1e-10  # of Newton's method, mm
 DIFFERENCE = 0.02  # mm, of slopes that make curvatures
 APART = 0.05  # mm: two lowest places as close are one
+NEAR = 0.3  # mm of height in which further contact points of a head are kept
+SAMPLES = 401  # points of a section at a contact
 UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -82,6 +88,17 @@ class Crossing:
         _, _, (ahead, _, up) = self.pose.rotation
         return lift + self.scene.wheel.rolling_radius * (1 - math.hypot(ahead, up))
 
+    def placed(self, name: str) -> list[ContactPoint]:
+        """Where the wheel that touches is lowest over the head of this name, lowest first."""
+        lift = self.lift
+        return [
+            replace(each, z=each.z + lift, gap=each.gap + lift) for each in self.heads[name].touches
+        ]
+
+    def nearest(self, place: Sequence[float]) -> str:
+        """Name of the head that a place (x, y, z), mm, lies on."""
+        return min(self.heads, key=lambda name: abs(self.heads[name].touches[0].y - place[1]))
+
     def alone(self, name: str) -> float:
         """`height` of a wheel that touches nothing but the head of this name, mm."""
         return self.height(-self.heads[name].touches[0].gap)
@@ -90,6 +107,97 @@ class Crossing:
         """Names of the heads over which the wheel is at most `clearance` mm high."""
         heads = self.heads.values()
         return [each.name for each in heads if self.lift + each.touches[0].gap <= clearance]
+
+
+@dataclass(frozen=True, eq=False)
+class Highest:
+    """The highest of several surfaces over (x, y); NaN beyond all of them."""
+
+    surfaces: tuple[Lofted, ...]
+
+    def __call__(self, x: Array, y: Array) -> tuple[Array, Array, Array]:
+        """Height and slopes at x, y (n,), mm, as of `Lofted`."""
+        first, *others = (np.array(each(x, y)) for each in self.surfaces)
+        for other in others:
+            higher = ~(other[0] <= first[0]) & np.isfinite(other[0])
+            first = np.where(higher, other, first)
+        return first[0], first[1], first[2]
+
+
+@dataclass(frozen=True, kw_only=True)
+class CrossingContact(Contact):
+    """First contact of a wheel on a rail of sections; x = 0 below its axle.
+
+    crossing: wheel and heads without load.
+    The profile of the rail in `pair` is its section at the first contact.
+    """
+
+    crossing: Crossing
+
+    @property
+    def origin(self) -> tuple[float, float, float]:
+        """Contact point (x, y, z) in space, mm."""
+        return self.touch.x, self.touch.y, self.touch.z
+
+    @property
+    def cross_profiles(self) -> list[tuple[str, Profile, float]]:
+        """As of `Contact`, with the sections of all heads at their contacts."""
+        heads = self.crossing.heads.values()
+        rails = [("rail", _section(head.surface, head.touches[0]), 0.0) for head in heads]
+        return [*rails, ("wheel", *self.profiles["wheel"])]
+
+    def why_asymmetric_in_x(self) -> str | None:
+        """Reason why x = 0 is no plane of symmetry."""
+        return "a rail of sections"
+
+    def why_asymmetric_in_y(self) -> str | None:
+        """Reason why y = 0 is no plane of symmetry."""
+        return "a rail of sections"
+
+    def touches(self, clearance: float) -> list[ContactPoint]:
+        """Contact points on all heads as of `Contact`."""
+        heads = self.crossing.heads
+        found = [each for name in heads for each in self.crossing.placed(name)]
+        return sorted((each for each in found if each.gap <= clearance), key=lambda each: each.gap)
+
+    def surfaces(self) -> tuple[RailSurface, WheelSurface]:
+        """The exact surfaces of the heads and of the wheel in space."""
+        heads = tuple(head.surface for head in self.crossing.heads.values())
+        crossing, radius = self.crossing, self.scene.wheel.rolling_radius
+        return RailSurface(Highest(heads)), WheelSurface(crossing.wheel, radius, crossing.pose)
+
+
+def contact(scene: Scene) -> CrossingContact:
+    """First contact of a scene with a rail of sections. Raises SceneError as `touch`, and for what
+    is not simulated on such a rail.
+    """
+    fast, wing = scene.effects.finite_bodies == "off", scene.wing
+    elastic = ("young_modulus", "poisson_ratio")
+    unlike = [key for key in elastic if wing and getattr(wing, key) != getattr(scene.rail, key)]
+    text = "is not simulated yet on a rail of sections; "
+    refuse_first(
+        (not fast, "effects.finite_bodies", f"auto {text}give off, or --fast"),
+        (scene.rubs, "friction.coefficient", f"{text}give 0, or --only patch,stresses"),
+        (scene.load is None, "approach", f"{text}give a load"),
+        (unlike, f"wing.{(unlike or [''])[0]}", f"{text}give that of the rail"),
+        *(
+            (part.surface, f"{body}.surface", f"{text}leave it out")
+            for body, part in scene.bodies.items()
+        ),
+    )
+    found = touch(scene, NEAR)
+    first = min(found.heads.values(), key=lambda each: each.touches[0].gap)
+    at = found.placed(first.name)[0]
+    pair = ProfilePair(_section(first.surface, at), found.wheel, scene.wheel.rolling_radius)
+    return CrossingContact(scene=scene, touch=at, pair=pair, pose=found.pose, crossing=found)
+
+
+def _section(surface: Lofted, at: ContactPoint) -> Profile:
+    """Section of a head at a contact point, as far as it is smooth there."""
+    start, end = surface.face(at.x, at.y)
+    y = np.linspace(start, end, SAMPLES)[1:-1]
+    z = surface(np.full_like(y, at.x), y)[0]
+    return Profile("sections", (Spline(float(y[0]), float(y[-1]), CubicSpline(y, z)),))
 
 
 def touch(scene: Scene, clearance: float = 0.0) -> Crossing:

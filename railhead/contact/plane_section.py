@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from railhead.contact import solid
+from railhead.contact import crossing, solid
 from railhead.contact.placed_bodies import HEAD_DEPTH, RIM_DEPTH
 from railhead.contact.placed_bodies import bodies as solid_bodies
 from railhead.contact.solid import RAIL_HALF_WIDTH, TREAD_HALF_WIDTH, Contact
@@ -70,6 +70,8 @@ def choose(scene: Scene) -> Dimension:
     Raises SceneError where effects.plane_strain or effects.axisymmetry cannot be as given, a line
     contact has no length or is not level, or its section cannot use a given key.
     """
+    if scene.rail.sections:
+        return Dimension("solid", "the section of the rail changes along it")
     ring = circular(scene)
     forced = scene.effects.axisymmetry
     if forced == "on" and not ring[0]:
@@ -513,6 +515,8 @@ def locate(scene: Scene, dimension: Dimension) -> Contact:
     section across the rail, it is also raised where a wheel misses its rail or the pair has no
     contact with a common tangent.
     """
+    if scene.rail.sections:
+        return crossing.contact(scene)
     if dimension.kind == "solid":
         return solid.locate(scene)
     if dimension.kind == "plane_across":

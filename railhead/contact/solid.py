@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -51,9 +50,7 @@ def rail_profile(scene: Scene, stretch: float = 1.0) -> Profile:
     """
     rail = scene.rail
     if rail.sections:
-        raise SceneError(
-            "rail.sections", "is not simulated yet; railhead locate finds the contacts"
-        )
+        raise SceneError("rail.sections", "is not known here: run, sweep and locate take it")
     if rail.profile in profiles.STANDARD_RAILS:
         return profiles.rail_head(rail.profile, rail.inclination)
     if rail.profile != "arc":
@@ -270,7 +267,7 @@ class Contact:
         """Approach along the vertical, mm, that belongs to a closed form between half-spaces: of
         distant points, in plane strain of the datum points. None where no formula is known.
         """
-        return hertz.approach / math.cos(self.touch.angle)
+        return hertz.approach / self.touch.upright
 
     def friction_coefficient(self, y: Array) -> Array:
         """Coefficient of friction (n,) on the rail's surface at y (n,), mm, by its angle across the
@@ -368,13 +365,13 @@ class Contact:
         normal of that plane, infinite where the normal misses the rail or the wheel. Raises
         ValueError for half-spaces.
         """
-        c, t = math.cos(touch.angle), math.sin(touch.angle)
+        axes = touch.axes
         rail, wheel = self.surfaces()
 
         def gap(x: Array, s: Array) -> Array:
             """Gap (n,) in mm at x, s (n,) in mm in the tangent plane."""
-            points = np.column_stack([touch.x + x, touch.y + c * s, touch.z + t * s])
-            normals = np.tile([0.0, -t, c], (len(x), 1))
+            points = [touch.x, touch.y, touch.z] + np.column_stack([x, s]) @ axes[:2]
+            normals = np.tile(axes[2], (len(x), 1))
             lower, upper = along(rail, points, normals), along(wheel, points, normals)
             with np.errstate(invalid="ignore"):
                 return np.where(np.isfinite(lower), upper - lower, np.inf)

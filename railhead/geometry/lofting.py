@@ -33,11 +33,13 @@ class Strip:
     """Part of a surface between two lines along the rail, v = 0 and v = 1, and two sections.
 
     first, last: places of the sections, mm.
+    across: smallest and largest y, mm.
     y, z: splines of x and v, mm.
     """
 
     first: float
     last: float
+    across: tuple[float, float]
     y: RectBivariateSpline
     z: RectBivariateSpline
 
@@ -86,11 +88,21 @@ class Lofted:
         """Height (n,) in mm and slopes (n,) along and across at x, y (n,), mm; NaN beyond it."""
         found, x = np.full((3, len(x)), np.nan), x + self.origin
         for strip in self.strips:
-            near = np.flatnonzero((x >= strip.first) & (x <= strip.last))
+            low, high = strip.across
+            over = (x >= strip.first) & (x <= strip.last) & (y >= low) & (y <= high)
+            near = np.flatnonzero(over)
             values = np.array(strip(x[near], y[near]))
             higher = ~(values[0] <= found[0, near]) & np.isfinite(values[0])
             found[:, near[higher]] = values[:, higher]
         return found[0], found[1], found[2]
+
+    def face(self, x: float, y: float) -> tuple[float, float]:
+        """First and last y of the strip at a place (mm), along the section there."""
+        for strip in self.strips:
+            ends = [float(strip.y(x + self.origin, v)[0, 0]) for v in (0.0, 1.0)]
+            if strip.first <= x + self.origin <= strip.last and ends[0] <= y <= ends[1]:
+                return ends[0], ends[1]
+        raise ValueError(f"no surface at x = {x:g}, y = {y:g} mm")
 
 
 def loft(head: Head, low: float, high: float, *, smooth: bool = True, every: int = 1) -> Lofted:
@@ -151,7 +163,11 @@ def _strips(head: Head, run: Array, smooth: bool) -> list[Strip]:
             y, z = (
                 RectBivariateSpline(x[along], v, points[along, :, k], kx=degree) for k in (0, 1)
             )
-            strips.append(Strip(first=float(x[a]), last=float(x[b]), y=y, z=z))
+            lines = points[along, :, 0]
+            swing = float(np.ptp(lines, axis=0).max())  # more than splines overshoot
+            across = float(lines.min()) - swing - EDGE, float(lines.max()) + swing + EDGE
+            found = Strip(first=float(x[a]), last=float(x[b]), across=across, y=y, z=z)
+            strips.append(found)
     return strips
 
 

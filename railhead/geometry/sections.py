@@ -49,6 +49,16 @@ class Listed:
     features: tuple[float, ...] = ()
 
 
+def named(path: Path) -> dict[Path, str]:
+    """Names in a table of sections of the files beside it, by their paths; empty for another file,
+    and for a table that cannot be read.
+    """
+    try:
+        return {each.path: each.path.relative_to(path.parent).as_posix() for each in _listed(path)}
+    except (ValueError, OSError):
+        return {}
+
+
 def _listed(path: Path) -> tuple[Listed, ...]:
     """The lines of a table of sections, ascending. Raises
     FormatError for a file that is no table.

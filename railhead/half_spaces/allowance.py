@@ -28,8 +28,9 @@ import numpy as np
 from railhead.contact import closed_forms, placed_bodies
 from railhead.contact.solid import Contact
 from railhead.geometry import profiles
+from railhead.half_spaces.heads import APART, Heads
 from railhead.half_spaces.pressing import HalfSpacePair
-from railhead.half_spaces.surface import Developed
+from railhead.half_spaces.surface import Developed, Span
 from railhead.meshing.bodies import BODY_NAMES, RAIL
 from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.theory.array_types import Array
@@ -53,10 +54,11 @@ def added_stress(
     H^2) of a face held at the depth H, half of that of an edge at the distance H, as
     Boussinesq's stresses fall. The face that adds most counts. Arguments: as in `allowance`.
     """
-    around = _bodies(pair, deformable)
+    spans = [(span, _bodies(pair, deformable, span)) for span in pair.facing.spans]
     return max(
         patch.force / (2 * math.pi * square)
-        for patch in _patches(pair.developed, solved)
+        for span, around in spans
+        for patch in _patches(pair.facing, solved, span)
         for body in around
         for square in (body.depth**2, *(2 * (end - patch.s) ** 2 for end in body.ends))
     )
@@ -127,9 +129,23 @@ def allowance(
     twist: relative change of pressure and area by the rotation and the movement of the bodies,
         which is taken over as a part.
     """
-    patches, around = _patches(pair.developed, solved), _bodies(pair, deformable)
+    worst: dict[str, Allowance] = {}
+    for span in pair.facing.spans:
+        patches = _patches(pair.facing, solved, span)
+        found = _of_span(patches, _bodies(pair, deformable, span), solved.contact_modulus, twist)
+        for key, each in found.items():
+            worst[key] = max(each, worst.get(key, each), key=lambda parts: parts["total"])
+    return worst
+
+
+def _of_span(
+    patches: list[_Patch], around: list[_Body], contact_modulus: float, twist: float
+) -> dict[str, Allowance]:
+    """`allowance` of the patches on one body; empty where there are none."""
+    if not patches:
+        return {}
     size = max(_size(patch, around) for patch in patches)
-    conformity = max(_conformity(patch, solved.contact_modulus) for patch in patches)
+    conformity = max(_conformity(patch, contact_modulus) for patch in patches)
     shift = _force_changes(patches, around)
     areas = np.array([patch.area for patch in patches])
     common = {"size": size, "conformity": conformity}
@@ -144,40 +160,44 @@ def allowance(
     return allowed
 
 
-def _patches(surface: Developed, solved: BoundaryElementSolution | Ellipse) -> list[_Patch]:
-    """The patches of a half-space solution but those with at most 0.2 % (SMALLEST) of the force, or
-    Hertz's patch at s = 0.
+def _patches(
+    surface: Developed | Heads, solved: BoundaryElementSolution | Ellipse, span: Span
+) -> list[_Patch]:
+    """The patches of a half-space solution on a body but those with at most 0.2 % (SMALLEST) of the
+    force, or Hertz's patch at s = 0; their s are counted from the body's first contact.
     """
     if isinstance(solved, Ellipse):
-        ends = surface.angle(np.array([-solved.b, solved.b]))
+        if span.touch != surface.contact.touch:
+            return []
+        ends = surface.angle(span.middle + np.array([-solved.b, solved.b]))
         half = solved.a, solved.b
         return [_Patch(solved.load, solved.area, 0.0, half, float(np.ptp(ends)))]
     return [
         _Patch(
             each.force,
             each.area,
-            each.centroid[1],
+            each.centroid[1] - span.middle,
             each.half_extents,
             float(np.ptp(each.angle[each.pressure.any(axis=0)])),
         )
         for each in solved.patches
-        if each.force > SMALLEST * solved.force
+        if each.force > SMALLEST * solved.force and abs(each.centroid[1] - span.middle) < APART / 2
     ]
 
 
-def _bodies(pair: HalfSpacePair, deformable: Sequence[int]) -> list[_Body]:
+def _bodies(pair: HalfSpacePair, deformable: Sequence[int], span: Span) -> list[_Body]:
     """The deformable bodies of a contact, by their tags, with the places of their free edges on the
-    developed surface of the rail.
+    developed surface of the rail, from the first contact of this part of it.
     """
-    contact, surface = pair.contact, pair.developed
-    scene, touch = contact.scene, contact.touch
+    contact, touch = pair.contact, span.touch
+    scene = contact.scene
     modulus = closed_forms.contact_modulus(scene)
     found = []
     for tag in deformable:
         part = scene.bodies[BODY_NAMES[tag]]
         weight = modulus / closed_forms.plane_strain_modulus(scene, tag)
         if tag == RAIL:
-            ends = float(surface.s[0]), float(surface.s[-1])
+            ends = span.ends
         else:
             low, high = contact.profiles["wheel"][0].domain
             half = (scene.wheel.width or math.inf) / 2

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 from scipy.ndimage import find_objects, label
 
+from railhead.contact.crossing import CrossingContact
 from railhead.contact.solid import Contact
+from railhead.half_spaces.heads import Heads
 from railhead.half_spaces.surface import Developed, Plane, develop
 from railhead.theory.array_types import Array
 from railhead.theory.bem import pressure_solver
@@ -50,10 +53,23 @@ class HalfSpacePair:
         """The rail's surface developed into a plane. Raises ValueError between half-spaces."""
         return develop(self.contact)
 
+    @cached_property
+    def facing(self) -> Developed | Heads:
+        """Where the wheel faces the rail: its developed surface, or the planes of its heads. Raises
+        ValueError between half-spaces.
+        """
+        crossing = isinstance(self.contact, CrossingContact)
+        return Heads(self.contact) if crossing else self.developed  # type: ignore[arg-type]
+
     @property
     def surface(self) -> Developed | Plane:
-        """The surface on which the bodies meet."""
+        """The surface on which the bodies meet, of a rail that is straight."""
         return Plane(self.contact) if self.contact.half_space else self.developed
+
+    @property
+    def points(self) -> Callable[[Array, Array], Array]:
+        """Function of places x, s (n,), mm, that gives points (n, 3) in space, mm."""
+        return Plane(self.contact).points if self.contact.half_space else self.facing.points
 
     def pressed(self, load: float | None, cells: int = CELLS) -> BoundaryElementSolution:
         """Boundary elements with all patches under a vertical load (N), None for Hertz's approach
@@ -103,12 +119,13 @@ class HalfSpacePair:
         within the profiles, and where patches are still missed after five solutions
         (MAX_SOLUTIONS).
         """
-        contact, surface = self.contact, self.developed
-        rigid = self.hertz.approach / math.cos(contact.touch.angle)
+        contact, surface = self.contact, self.facing
+        rigid = self.hertz.approach / contact.touch.upright
         x, s, height = surface.locus(2 * FIRST_REACH * rigid)
         if start is None:
-            windows = _around(contact, surface, FIRST_REACH * rigid)
-            windows += _boxes(contact, x, s, np.maximum(FIRST_REACH * rigid - height, 0))
+            windows = _boxes(contact, x, s, np.maximum(FIRST_REACH * rigid - height, 0))
+            if isinstance(surface, Developed):
+                windows = _around(contact, surface, FIRST_REACH * rigid) + windows
         else:
             windows = [_window(window.x, window.s) for window in start.windows]
         for _ in range(MAX_SOLUTIONS):
@@ -135,7 +152,7 @@ class HalfSpacePair:
 
 
 def _inside(
-    surface: Developed, found: BoundaryElementSolution, x: Array, s: Array, height: Array
+    surface: Developed | Heads, found: BoundaryElementSolution, x: Array, s: Array, height: Array
 ) -> Array:
     """Depth (n,) in mm of the wheel's contact locus in the rail outside of the windows of a
     solution; zero where this is at most 0.1 % (PENETRATION) of the approach.
@@ -170,7 +187,7 @@ def _boxes(contact: Contact, x: Array, s: Array, depth: Array) -> list[Window]:
     """
     found: list[Window] = []
     if depth.ndim == 2:
-        steps = [np.abs(np.diff(each, axis=k)).max() for k, each in enumerate((x, s))]
+        steps = [np.median(np.abs(np.diff(each, axis=k))) for k, each in enumerate((x, s))]
         for part in find_objects(label(depth > 0, np.ones((3, 3)))[0]):
             centre, (a, b) = _window(x[part], s[part])
             found.append((centre, (a + float(steps[0]), b + float(steps[1]))))

@@ -15,12 +15,27 @@ import numpy as np
 
 from railhead.contact import closed_forms, wheelset_kinematics
 from railhead.contact.solid import Contact
+from railhead.geometry.placement import ContactPoint
 from railhead.geometry.surfaces import along
 from railhead.meshing.bodies import WHEEL
 from railhead.theory.array_types import Array
 from railhead.theory.friction.rolling import plane_modes
 
 SAMPLES = 4001  # points on each profile
+
+
+@dataclass(frozen=True)
+class Span:
+    """Part of a developed surface that is one body.
+
+    middle: s of its first contact, mm.
+    ends: s of its ends from there, mm.
+    touch: the first contact.
+    """
+
+    middle: float
+    ends: tuple[float, float]
+    touch: ContactPoint
 
 
 @dataclass(frozen=True)
@@ -35,6 +50,11 @@ class Developed:
     contact: Contact
     s: Array
     y: Array
+
+    @property
+    def spans(self) -> list[Span]:
+        """The whole profile."""
+        return [Span(0.0, (float(self.s[0]), float(self.s[-1])), self.contact.touch)]
 
     def angle(self, s: Array) -> Array:
         """Angle (n,) of the rail's surface to the horizontal at s (n,) in mm, in rad; positive

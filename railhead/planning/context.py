@@ -170,7 +170,8 @@ class Context:
         Raises ValueError where boundary elements cannot tell.
         """
         rail = self.scene.rail
-        still = self.one_radius or rail.profile == "arc" or math.isinf(rail.young_modulus)
+        shaped = rail.profile == "arc" or bool(rail.sections)
+        still = self.one_radius or shaped or math.isinf(rail.young_modulus)
         if still or self.contact.why_asymmetric_in_y() is None:
             return 0.0
         angle = allowance.twist(self.contact, self.hertz)

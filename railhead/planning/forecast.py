@@ -21,6 +21,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from railhead.contact.solid import Contact
+from railhead.half_spaces.heads import Heads
 from railhead.half_spaces.surface import Developed
 from railhead.meshing.grading import Grading, suited_stretch
 from railhead.planning.context import Context
@@ -121,7 +122,7 @@ def forecast(context: Context) -> Forecast:
     if isinstance(found, str):  # where nothing else is known the finite elements will tell
         reason = f"boundary elements: {found}" if found else ""
         return replace(_hertz(contact, context.hertz), reason=reason)
-    surface, points, forces = context.half_spaces.developed, [], []
+    surface, points, forces = context.half_spaces.facing, [], []
     for window in found.windows:
         places = (each.ravel() for each in np.meshgrid(window.x, window.s, indexing="ij"))
         points.append(surface.points(*places))
@@ -151,7 +152,7 @@ def _hertz(contact: Contact, ellipse: Hertz) -> Forecast:
     return Forecast((zone,), (0.0, 0.0, a, b), touching, True)
 
 
-def _zone(patch: PatchSolution, surface: Developed) -> Zone:
+def _zone(patch: PatchSolution, surface: Developed | Heads) -> Zone:
     """Zone of a boundary-element patch from the whole cells that carry pressure, with the centre of
     its box on the rail's surface and half lengths in mm.
     """

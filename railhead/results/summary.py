@@ -7,6 +7,7 @@ import resource
 from collections.abc import Mapping
 from typing import Any
 
+from railhead.contact.crossing import CrossingContact
 from railhead.planning import effects
 from railhead.planning.effects import material, shape
 from railhead.postprocess import friction
@@ -202,6 +203,9 @@ def _more(solved: Solved) -> dict[str, Any]:
     out: dict[str, Any] = {} if solved.residual_state is None else {"plastic": _plastic(solved)}
     if solved.result is not None and not solved.plan.contact.half_space:
         out["side_force_N"] = _side_force(solved, solved.result)
+    contact = solved.plan.contact
+    if solved.result is not None and isinstance(contact, CrossingContact):
+        out |= _heads(contact, solved.result)
     height = solved.findings and shape.height_in_patch(solved.plan.contact, solved.findings)
     if solved.result is not None and height is not None:
         ahead = solved.result["contact_point_mm"][0]
@@ -247,6 +251,43 @@ def _yield(solved: Solved, friction: Mapping[str, Any]) -> dict[str, Any]:
     for name, key in (("first_yield", keys[2]), ("shakedown", keys[3])):
         found[f"load_over_{name}"] = (found[keys[1]] / found[key]) ** power
     return {**found, "load_N": elastic["load_N"]}
+
+
+def _heads(contact: CrossingContact, result: Mapping[str, Any]) -> dict[str, Any]:
+    """Entries of "result" for a rail of sections: its patches with their heads, vertical force,
+    share, largest pressure and area of each head, height of the wheel, and force along the rail.
+    """
+    crossing = contact.crossing
+    first = {
+        "centre_mm": result["contact_point_mm"],
+        "load_share": 1.0,
+        "contact_angle_rad": math.acos(contact.touch.upright),
+        "max_MPa": result["pressure"]["max_MPa"],
+        **result["patch"],
+    }
+    patches = [
+        {**each, "head": crossing.nearest(each["centre_mm"])}
+        for each in result["patches"] or [first]
+    ]
+    upwards = [each["load_share"] * math.cos(each["contact_angle_rad"]) for each in patches]
+    heads, force_along = {}, 0.0
+    for name in crossing.heads:
+        own = [k for k, each in enumerate(patches) if each["head"] == name]
+        share = sum(upwards[k] for k in own) / sum(upwards)
+        heads[name] = {
+            "force_N": share * result["load_N"],
+            "share": share,
+            "max_MPa": max((patches[k]["max_MPa"] for k in own), default=0.0),
+            "area_mm2": sum(patches[k]["area_mm2"] for k in own),
+        }
+        force_along += share * result["load_N"] * crossing.heads[name].touches[0].rise
+    rigid = crossing.height(crossing.lift)
+    return {
+        "patches": patches,
+        "heads": heads,
+        "wheel_height_mm": {"rigid": rigid, "loaded": rigid - result["approach_mm"]},
+        "force_along_N": force_along,
+    }
 
 
 def _first_yield_error(solved: MeshSolution) -> dict[str, float]:

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from railhead.geometry.measured import EXTENSIONS
+from railhead.geometry.sections import named
 from railhead.scene.scene import MAX_NAME_BYTES, Scene, SceneError, file_entries
 from railhead.scene.units import show
 
@@ -98,19 +99,22 @@ def read_scene(path: str | Path) -> Scene:
         if isinstance(inner, dict) and inner.get(leaf) == default:
             del inner[leaf]
     for table, key in file_entries(data):
-        if key == "file" or table[key].lower().endswith(EXTENSIONS):
+        if key in ("file", "sections") or table[key].lower().endswith(EXTENSIONS):
             table[key] = str(path.parent / table[key])
     return Scene.from_mapping(data)
 
 
 def places(files: Iterable[Path]) -> dict[str, str]:
     """Where the copies of files lie in a result folder, by path: input/HASH/NAME, with the first
-    twelve digits of the file's SHA-256. OSError: a file cannot be read.
+    twelve digits of the file's SHA-256; of a table of sections they are beside it, and the digits
+    are those of all of them. OSError: a file cannot be read.
     """
-    return {
-        str(path): f"{INPUT}/{sha256(path.read_bytes()).hexdigest()[:12]}/{path.name}"
-        for path in files
-    }
+    found: dict[str, str] = {}
+    for path in files:
+        group = {path: path.name} | named(path)
+        digits = sha256(b"".join(each.read_bytes() for each in group)).hexdigest()[:12]
+        found |= {str(each): f"{INPUT}/{digits}/{name}" for each, name in group.items()}
+    return found
 
 
 def portable(scene: Scene) -> dict[str, Any]:
@@ -124,7 +128,9 @@ def portable(scene: Scene) -> dict[str, Any]:
 
 
 def copy_files(files: Iterable[Path], folder: Path) -> None:
-    """Copy files to their places in a result folder. OSError: one cannot be copied."""
+    """Copy files to their places in a result folder, with the sections that they name. OSError: one
+    cannot be copied.
+    """
     for path, place in places(files).items():
         (folder / place).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(path, folder / place)

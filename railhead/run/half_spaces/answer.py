@@ -167,7 +167,7 @@ def _read(plan: Plan, pressed: Pressed, *, stresses: bool) -> HalfSpaceSolution:
     poisson = plan.poisson_ratios if stresses else {}
     grid: dict[str, float] = {}
     if isinstance(pressed, BoundaryElementSolution):
-        points = plan.context.half_spaces.surface.points
+        points = plan.context.half_spaces.points
         values = compare.from_half_space(pressed, points, contact.touch.angle)
         found = half_space.of_boundary_elements(pressed, values, points, contact.frame, poisson)
         found = replace(found, edge_distance=_edge_distance(plan, found))
@@ -243,7 +243,7 @@ def _with_friction(plain: HalfSpaceSolution, sheared: Sheared) -> HalfSpaceSolut
     """
     plan, found, result = plain.plan, plain.findings, plain.result
     assert found is not None and result is not None and sheared.coarse is not None
-    points = plan.context.half_spaces.surface.points
+    points = plan.context.half_spaces.points
     solution = _at_cells(plan, sheared, points)
     if plan.scene.asks("friction_stresses"):
         found = half_space.with_tractions(

@@ -7,7 +7,9 @@ import drawn_sections as drawn
 import numpy as np
 import pytest
 
+import railhead as rh
 from railhead.contact import crossing
+from railhead.scene import catalogue
 from railhead.scene.scene import Scene, SceneError
 
 
@@ -129,3 +131,70 @@ def test_keys_of_a_straight_rail_are_refused_beside_sections(nose: str) -> None:
     ):
         with pytest.raises(SceneError, match=said):
             Scene.from_mapping({"load": 1000.0, **tables})  # type: ignore[dict-item]
+
+
+def solved(given: Scene) -> dict[str, Any]:
+    """ "result" of summary.json of a scene between half-spaces, its patches alone."""
+    only = {"effects": {"finite_bodies": "off"}, "quantities": "patch"}
+    result = rh.solve(given.replace(**only)).summary["result"]
+    assert isinstance(result, dict)
+    return result
+
+
+# Case 6 without influence of the heads on each other (c = 0): place of the axle; share of the nose,
+# largest pressures on nose and wing, MPa, height of the loaded wheel, mm.
+SHARES = [
+    (193.0, 0.0282, 579.2, 1129.3, -3.39680),
+    (194.5, 0.4314, 1437.4, 944.5, -3.38884),
+    (195.25, 0.6656, 1661.0, 791.3, -3.37968),
+]
+
+
+@pytest.mark.parametrize(("position", "share", "on_nose", "on_wing", "height"), SHARES)
+def test_two_heads_share_the_load_under_one_sink(
+    nose: str, wing: str, position: float, share: float, on_nose: float, on_wing: float, height: Any
+) -> None:
+    """Shares, pressures and heights are those of boundary elements of the reference."""
+    result = solved(scene(position, nose, wing))
+    heads = result["heads"]
+    assert heads["rail"]["share"] == pytest.approx(share, abs=3e-4)
+    assert sum(each["force_N"] for each in heads.values()) == pytest.approx(80000, rel=1e-5)
+    assert heads["rail"]["max_MPa"] == pytest.approx(on_nose, rel=1e-3)
+    assert heads["wing"]["max_MPa"] == pytest.approx(on_wing, rel=5e-4)
+    assert result["wheel_height_mm"]["loaded"] == pytest.approx(height, abs=2e-5)
+    places = {each["head"]: each["centre_mm"] for each in result["patches"]}
+    assert places["rail"][:2] == pytest.approx([18.407, -22.001], abs=5e-3)
+    aside = 36.3778 + (position - 194.5) / 10
+    assert places["wing"][:2] == pytest.approx([-5.7383, aside], abs=1e-3)
+
+
+def test_a_slope_along_the_rail_makes_a_force_along_it(tmp_path: Path) -> None:
+    """Case 3, slope 0.05: 1137.85 MPa, 105.59 mm2, sink 0.09076 mm; N = F/nz has the part F s."""
+    table = drawn.write(tmp_path, range(-80, 101, 20), lambda x: drawn.arcs(0.0) + [0.0, 0.05 * x])
+    result = solved(scene(0.0, table, profile="cylinder"))
+    assert result["pressure"]["max_MPa"] == pytest.approx(1137.85, rel=3e-4)
+    assert result["patch"]["area_mm2"] == pytest.approx(105.59, rel=3e-3)
+    assert result["approach_mm"] == pytest.approx(0.09076, abs=1e-5)
+    assert result["contact_point_mm"][0] == pytest.approx(22.971, abs=2e-3)
+    assert result["force_along_N"] == pytest.approx(0.05 * 80000, rel=1e-3)
+
+
+def test_what_a_crossing_does_not_have_is_refused_in_a_line(nose: str, wing: str) -> None:
+    """Finite elements, friction, heights on the rail and unlike steels."""
+    fast = scene(194.5, nose, wing).replace(effects={"finite_bodies": "off"})
+    for given, said in (
+        (scene(194.5, nose, wing), "effects.finite_bodies: auto is not simulated yet"),
+        (fast.replace(friction={"coefficient": 0.3}), "friction.coefficient: is not simulated"),
+        (fast.replace(wing={"young_modulus": 1e5}), "wing.young_modulus: is not simulated yet"),
+    ):
+        with pytest.raises(SceneError, match=said):
+            rh.plan(given)
+
+
+def test_a_result_of_a_crossing_keeps_its_sections(nose: str, tmp_path: Path) -> None:
+    """The scene in a result folder names a table whose sections lie beside it."""
+    given = scene(200.0, nose)
+    catalogue.copy_files(given.files, tmp_path)
+    place = catalogue.portable(given)["rail"]["sections"]
+    copied = scene(200.0, str(tmp_path / place))
+    assert crossing.touch(copied).lift == crossing.touch(given).lift
