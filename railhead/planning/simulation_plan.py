@@ -663,7 +663,7 @@ def _decided(scene: Scene) -> Plan:
         patch_size=size,
         reach=body_reach(contact, predicted, expected, friction=context.decided["friction"].on),
         forecast=expected,
-        load_steps=material.steps(context),
+        load_steps=material.steps(context) if context.decided["plasticity"].on else 1,
     )
     if scene.mesh.patch_size:
         return plan

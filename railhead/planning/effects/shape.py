@@ -35,6 +35,7 @@ STRESS_CHANGE = 0.25
 EDGE = 1.1  # factor on the semi-axis across that must lie within both profiles
 LEFT_OUT = 0.5  # of the accuracy, that heights may take; the mesh has the other half
 STEEPEST = 0.1  # slope of what is added to a surface: its cosine is 0.5 % below 1
+CLOSING = 1.5  # slope of a gap over the shift at most, over the difference of both slopes
 NEAR = 0.1  # mm of shift: as exactly as a wheelset's place is known; a choice
 SHARES = np.linspace(0.0, 1.0, 9)  # of the way from the middle of a patch to its outline
 QUASI_STATIC = "each place is at rest: the dynamics of rolling over it is not simulated"
@@ -288,11 +289,16 @@ def inside_the_bodies(context: Context, found: Findings) -> PostSolveVerdict | N
 def beside_a_jump(context: Context) -> PostSolveVerdict | None:
     """Notable verdict where the first contact jumps to another place within 0.1 mm (NEAR) of the
     shift: the shift of the jump, and the largest pressure and the first contact 0.1 mm to either
-    side of the scene's shift, by half-spaces. None elsewhere. A jump so near leaves a second place
-    with a gap of less than 0.3 mm, as flanges are not steeper than 3.
+    side of the scene's shift, by half-spaces. None elsewhere. A second place closes its gap at
+    about the difference of the slopes of both places times the shift; it is looked at where 1.5
+    (CLOSING) times as much closes it.
     """
     contact, shift = context.contact, context.scene.wheelset.shift
-    if contact.placed is None or len(contact.touches(3 * NEAR)) < 2:
+    if contact.placed is None:
+        return None
+    first, *others = contact.touches(3 * NEAR)
+    slopes = [abs(math.tan(each.angle) - math.tan(first.angle)) for each in others]
+    if all(each.gap > CLOSING * NEAR * k for each, k in zip(others, slopes, strict=True)):
         return None
     radii = wheelset.rolling_radii(solid.on_track(context.scene), abs(shift) + wheelset.SHIFT_STEP)
     jump = min(radii.jumps, key=lambda each: abs(each - shift), default=math.inf)
