@@ -17,6 +17,7 @@ from railhead.scene.scene import SceneError
 from railhead.scene.sections import refuse_first
 from railhead.scene.units import FRACTION, to_base
 from railhead.sweeps import store, worker_pool
+from railhead.theory.array_types import Array
 from railhead.theory.friction import creep_table as theory
 from railhead.theory.friction.creep_table import AXES, NUMBERS, CreepTable
 from railhead.theory.friction.kalker import coefficients
@@ -60,11 +61,16 @@ def creep_table(
         def solve(submit: worker_pool.Submit) -> CreepTable:
             """Make the folder ready for the records, and solve the table."""
             result_folder.check_folder(folder)
-            claim.enter_context(result_folder.claimed(folder))
-            request = {"railhead": result_folder.VERSION, "table": asked}
-            store.begin(folder, request, "replace" if force else "refuse", (TABLE, ROWS))
             with Progress(quiet=quiet) as progress:
-                return _solved(folder, submit, progress, **asked)
+                progress.stage("looking where the forces bend")
+                try:
+                    axes = theory.axes(**asked)
+                except ValueError as error:
+                    raise SceneError("--law", f"{law}: {error}") from None
+                claim.enter_context(result_folder.claimed(folder))
+                request = {"railhead": result_folder.VERSION, "table": asked}
+                store.begin(folder, request, "replace" if force else "refuse", (TABLE, ROWS))
+                return _solved(folder, submit, progress, axes, poisson, cells, law)
 
         return worker_pool.on_first(MPI.COMM_WORLD, solve)
 
@@ -111,21 +117,14 @@ def _solved(
     folder: Path,
     submit: worker_pool.Submit,
     progress: Progress,
-    *,
+    axes: dict[str, list[float]],
     poisson: float,
-    accuracy: float,
-    ratios: tuple[float, float],
     cells: int,
     law: theory.Law | None,
 ) -> CreepTable:
-    """The table of values as of `creep_table`, whose parts without a record are submitted; written
-    into a folder. Raises SceneError for a part that failed.
+    """The table of values as of `creep_table` over axes, whose parts without a record are
+    submitted; written into a folder. Raises SceneError for a part that failed, and a broken record.
     """
-    progress.stage("looking where the forces bend")
-    try:
-        axes = theory.axes(poisson, cells, accuracy, ratios, law)
-    except ValueError as error:
-        raise SceneError("--law", f"{law}: {error}") from None
     rest = axes["across"], axes["spin"]
     parts = list(product(axes["axis_ratio"], axes["along"]))
     finished = store.done(folder)
@@ -143,7 +142,9 @@ def _solved(
             raise SceneError("--out", text)
         store.write(folder, jobs[job], {"values": found.value.tolist()})
         progress.jobs(count, len(parts))
-    values = np.array([store.read(folder, n)["values"] for n in range(len(parts))])
+    values = np.array(
+        [_read(folder, n, (2, len(NUMBERS), *map(len, rest))) for n in range(len(parts))]
+    )
     shape = len(axes["axis_ratio"]), len(axes["along"])
     values = np.moveaxis(values.reshape(*shape, *values.shape[1:]), (0, 1), (2, 3))
     linear = [coefficients(each, poisson) for each in axes["axis_ratio"]]
@@ -159,6 +160,17 @@ def _solved(
     table.save(folder / TABLE)
     store.write_whole(folder, folder / ROWS, _text(table).encode())
     return table
+
+
+def _read(folder: Path, number: int, shape: tuple[int, ...]) -> Array:
+    """Values of a part, of a shape. Raises SceneError for a record that is broken."""
+    try:
+        values = np.array(store.read(folder, number)["values"], dtype=float)
+        if values.shape == shape and np.isfinite(values).all():
+            return values
+    except (LookupError, TypeError, ValueError):
+        pass
+    raise store.broken(store.record_path(folder, number))
 
 
 def _text(table: CreepTable) -> str:

@@ -8,7 +8,6 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Collection, Mapping
-from hashlib import sha256
 from pathlib import Path
 from typing import Any, Literal
 
@@ -18,7 +17,7 @@ from railhead.scene.scene import SceneError, dotted
 from railhead.theory import array_types
 from railhead.theory.array_types import Array, packed
 
-REQUEST, RECORDS, DIGEST = "sweep.json", "records", "sha256"
+REQUEST, RECORDS = "sweep.json", "records"
 ADVICE = "give another folder, or --force to replace it"
 Other = Literal["refuse", "move", "replace"]
 
@@ -92,8 +91,7 @@ def write(
     path = record_path(folder, number)
     if arrays is not None:
         write_whole(folder, path.with_suffix(".npz"), packed(arrays))
-    whole = dict(record) | {DIGEST: _digest(record)}
-    write_whole(folder, path, result_folder.to_json(whole).encode())
+    write_whole(folder, path, result_folder.to_json(dict(record)).encode())
 
 
 def write_whole(folder: Path, path: Path, content: bytes) -> None:
@@ -105,19 +103,10 @@ def write_whole(folder: Path, path: Path, content: bytes) -> None:
 
 
 def read(folder: Path, number: int) -> dict[str, Any]:
-    """Record of job `number`. Raises SceneError where its file is broken or was edited, OSError
-    where there is none.
+    """Record of job `number`. Raises SceneError where its file is broken, OSError where there is
+    none.
     """
-    path = record_path(folder, number)
-    record = load(path)
-    if record.pop(DIGEST, None) != _digest(record):
-        raise broken(path)
-    return record
-
-
-def _digest(record: Mapping[str, Any]) -> str:
-    """Digest of a record, by which an edited one is known."""
-    return sha256(result_folder.to_json(dict(record)).encode()).hexdigest()[:16]
+    return load(record_path(folder, number))
 
 
 def arrays(folder: Path) -> dict[int, dict[str, Array]]:

@@ -63,7 +63,10 @@ def records(folder: Path) -> dict[int, tuple[dict[str, Any], Row]]:
     for number in sorted(store.done(folder)):
         record = store.read(folder, number)
         try:
-            found[number] = record, row(record)
+            cells = row(record)
+            # Every number is read once: what is broken shows here.
+            _ = verdict([cells]), [cell(cells, name, BASE_UNITS) for name in cells]
+            found[number] = record, cells
         except (LookupError, TypeError, ValueError, AttributeError):
             raise store.broken(store.record_path(folder, number)) from None
     return found
