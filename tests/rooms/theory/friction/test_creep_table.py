@@ -4,6 +4,7 @@ Kalker's linear coefficients and FASTSIM: reference numbers, published tables, l
 """
 
 import math
+import shutil
 from dataclasses import replace
 
 import command
@@ -50,6 +51,17 @@ def test_a_table_goes_on_and_is_read_again(table, folder) -> None:
     assert len(rows) == len(head) + 1 + table.values[0, 0].size
     with pytest.raises(SceneError, match="holds another sweep, with table.poisson 0.28"):
         creep_tables.creep_table(folder, poisson=0.3, accuracy=0.1, ratios=(1.0, 1.0), cells=12)
+
+
+@pytest.mark.parametrize("values", ["{}", "[[0]]", '"high"', '{"values": [["x"]]}'])
+def test_a_broken_record_is_said(table, folder, tmp_path, values: str) -> None:
+    shutil.copytree(folder, tmp_path / "t")
+    path = tmp_path / "t" / "records" / "00001.json"
+    path.write_text(values if values.startswith("{") else f'{{"values": {values}}}')
+    with pytest.raises(SceneError, match="00001.json' is broken"):
+        creep_tables.creep_table(
+            tmp_path / "t", poisson=NU, accuracy=0.1, ratios=(1.0, 1.0), cells=12
+        )
 
 
 def exact(
@@ -185,6 +197,7 @@ def test_the_command_writes_a_table_and_says_its_errors(tmp_path, capsys) -> Non
         ({"ratios": "wide"}, "--ratios: 'wide' is not allowed; give LOW:HIGH"),
         ({"cells": 13}, "--cells: 13 is not allowed; give 12 to 96, even"),
         ({"law": (1.5, 1.0, 1.0)}, "--law: .* give KINETIC above 0 to 1"),
+        ({"law": (0.1, 1e-3, 1e-4), "cells": 12}, "--law: .* the law falls too steeply"),
     ],
 )
 def test_a_wrong_request_is_one_line_and_writes_nothing(keys, text, tmp_path) -> None:
