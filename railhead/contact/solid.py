@@ -353,11 +353,15 @@ class Contact:
 
     def touches(self, clearance: float) -> list[ContactPoint]:
         """Contact points whose gap (a height) is at most `clearance` mm above the first one's,
-        lowest first; the first contact alone for half-spaces.
+        lowest first; the first contact alone for half-spaces. Raises SceneError for one beside a
+        gap between points of a profile.
         """
         if self.pair is None or self.pose is None:
             return [self.touch]
-        return self.pair.touches(self.pose, clearance)
+        found = self.pair.touches(self.pose, clearance)
+        for touch in found:
+            _refuse_gap(self.scene, touch)
+        return found
 
     def half_space_gap(self, touch: ContactPoint) -> Callable[[Array, Array], Array]:
         """Function of x (along the rail) and s (across it), both (n,) in mm, from a contact point
@@ -524,6 +528,18 @@ def _tangent(scene: Scene, touch: ContactPoint, *, line: bool = False) -> Contac
             f"{scene.wheelset.shift:g} lets the wheel touch at an edge of a profile (y = "
             f"{touch.y:.2f} mm); move the wheel so that both surfaces share a tangent",
         )
+    _refuse_gap(scene, touch)
+    if not (line or touch.curvature_y > 0):
+        raise SceneError(
+            "rail.crown_radius, wheel.transverse_radius",
+            f"relative curvature {touch.curvature_y:.3g} 1/mm across the rail is a line contact "
+            "or a fully conformal pair; it must be positive",
+        )
+    return touch
+
+
+def _refuse_gap(scene: Scene, touch: ContactPoint) -> None:
+    """Raise SceneError for a contact point within 10 mm (NEAR_GAP) of a gap between points."""
     for body, y in (("rail", touch.y), ("wheel", touch.wheel_y)):
         gaps = from_file(scene, body).smoothed.gaps if body in measured_bodies(scene) else ()
         for start, end in gaps:
@@ -533,10 +549,3 @@ def _tangent(scene: Scene, touch: ContactPoint, *, line: bool = False) -> Contac
                 raise SceneError(
                     f"{body}.profile", f"{Path(getattr(scene, body).profile).name} {text}"
                 )
-    if not (line or touch.curvature_y > 0):
-        raise SceneError(
-            "rail.crown_radius, wheel.transverse_radius",
-            f"relative curvature {touch.curvature_y:.3g} 1/mm across the rail is a line contact "
-            "or a fully conformal pair; it must be positive",
-        )
-    return touch

@@ -34,6 +34,8 @@ BUDGET = "half-spaces are solved once, whatever the budget"
 STRESS_CHANGE = 0.25
 EDGE = 1.1  # factor on the semi-axis across that must lie within both profiles
 LEFT_OUT = 0.5  # of the accuracy, that heights may take; the mesh has the other half
+ROUNDING = 1e-9  # of the approach, of heights
+NOT_MET = "the patch does not meet what is added: the same height wherever they may touch"
 STEEPEST = 0.1  # slope of what is added to a surface: its cosine is 0.5 % below 1
 CLOSING = 1.5  # slope of a gap over the shift at most, over the difference of both slopes
 NEAR = 0.1  # mm of shift: as exactly as a wheelset's place is known; a choice
@@ -231,8 +233,8 @@ def decide_surface_shape(context: Context) -> Effect:
     )
     change, limit = float(np.ptp(height)) / rigid, LEFT_OUT * context.accuracy
     varies = f"where they may touch the height varies by {change:.2g} of the approach"
-    if change == 0:
-        varies = "the patch does not meet it: its height is the same where they may touch"
+    if change < ROUNDING:
+        return Effect(False, False, NOT_MET)
     if change <= limit:
         return Effect(False, False, f"{varies}, below {limit:g}", error=change)
     tilted = max(1 - math.cos(math.atan(slope.max())) for slope in slopes.values())
@@ -242,10 +244,12 @@ def decide_surface_shape(context: Context) -> Effect:
 def check_surface_shape(
     context: Context, effect: Effect, found: Findings
 ) -> PostSolveVerdict | None:
-    """Notable verdict on a flat: that its middle is a hollow, in which the undeformed bodies do not
-    touch, where its curvature 2 pi^2 depth / length^2 exceeds that of the wheel; or that a fresh
-    one has sharp edges. None without a flat.
+    """Notable verdict on surfaces that the patch does not meet. On a flat: that its middle is a
+    hollow, in which the undeformed bodies do not touch, where its curvature 2 pi^2 depth / length^2
+    exceeds that of the wheel; or that a fresh one has sharp edges. Else None.
     """
+    if effect.why == NOT_MET:
+        return PostSolveVerdict(False, NOT_MET, notable=True)
     for part in context.scene.bodies.values():
         if effect.on and part.surface is not None and part.surface.kind == "flat":
             length, depth = float(part.surface.length or 0.0), part.surface.depth

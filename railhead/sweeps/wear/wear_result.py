@@ -11,6 +11,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from scipy.integrate import trapezoid
 
 from railhead.contact import solid
 from railhead.geometry import profiles
@@ -277,7 +278,7 @@ class WearResult:
             done = [stage.done for stage in run.stages][: len(rates)]
             yield Check(
                 name=f"{body}_volume",
-                value=abs(float(np.trapz(rates, done)) / area - 1) if len(done) > 1 else math.nan,
+                value=abs(float(trapezoid(rates, done)) / area - 1) if len(done) > 1 else math.nan,
                 limit=max(VOLUME, given.accuracy),
                 source="worn area: rate times T-gamma and passages, by trapezoids over the steps",
                 advice="give more steps",
@@ -402,8 +403,8 @@ def _fields(run: Run) -> Fields:
         "depth [mm]": run.stages[-1].depth,
         "p_max [MPa]": every["pressure"].max(axis=0),
         "surface fatigue index": np.fmax.reduce(every["index"], axis=0),
-        "sum of T-gamma [N/mm]": np.trapz(every["energy"], done, axis=0),
-        "damage": np.trapz(every["damage"], done, axis=0),
+        "sum of T-gamma [N/mm]": trapezoid(every["energy"], done, axis=0),
+        "damage": trapezoid(every["damage"], done, axis=0),
     }
 
 

@@ -342,6 +342,20 @@ def test_a_gap_far_from_the_contact_is_a_remark_and_one_beside_it_is_refused(tmp
             assert abs(solid.locate(scene).touch.y) < 1e-3
 
 
+def test_a_second_contact_beside_a_gap_is_refused(tmp_path) -> None:
+    """Two crests, R 91, 30 mm apart; the one without points is 0.003 mm lower."""
+    y = np.arange(-34.5, 34.6, 0.25)
+    points = np.column_stack([y, -0.25 * (1 + np.cos(2 * np.pi * y / 30)) - 1e-4 * y])
+    given = {"profile": drawn(tmp_path / "all.csv", points), "profile_origin": "file"}
+    both = solid.locate(Scene.from_mapping({"load": 1e5, "rail": given}))
+    assert [round(each.y) for each in both.touches(0.05)] == [-15, 15]
+    drawn(tmp_path / "all.csv", points[np.abs(y - 15) > 2.8])
+    scene = Scene.from_mapping({"load": 1e5, "rail": given})
+    assert refusal(lambda: solid.locate(scene).touches(0.05)).startswith(
+        "rail.profile: all.csv has a gap from y = 12 to 18 mm, and the wheel touches at 1"
+    )
+
+
 @pytest.mark.parametrize("lean", [0.0, 2.0])
 def test_the_gauge_point_of_an_upright_face_is_its_widest_place(tmp_path, lean: float) -> None:
     """Crown R 300, corners R 10, faces from 10.5 to 30 mm below the top, that lean inwards."""

@@ -3,6 +3,7 @@
 import io
 import math
 
+import numpy as np
 import pytest
 from rich.console import Console
 from solved import solved
@@ -38,6 +39,17 @@ def test_a_flat_deeper_than_its_length_squared_over_two_pi_squared_r_is_called_h
     """100^2/(2 pi^2 450) = 1.126 mm."""
     text = printed(solved("uic54_thesis", *FLAT, f"wheel.surface.depth={depth}"))
     assert ("beyond L^2/(2 pi^2 R) = 1.126 mm, is a hollow" in text) is hollow
+
+
+@pytest.mark.parametrize(("middle", "told"), [(300.0, True), (0.0, False)])
+def test_a_map_that_the_patch_does_not_meet_is_said(tmp_path, middle: float, told: bool) -> None:
+    """A dent 0.01 mm deep, 40 mm wide, from -20 to 20 mm about its middle."""
+    x, y = np.linspace(-20, 20, 41), np.linspace(-30, 30, 7)
+    height = np.outer(-0.005 * (1 + np.cos(np.pi * x / 20)), np.ones(7))
+    np.savez(tmp_path / "dent.npz", x=x + middle, y=y, height=height)
+    given = ["rail.surface.kind=map", f"rail.surface.file={tmp_path / 'dent.npz'}"]
+    text = printed(solved("uic54_thesis", *FLAT[:5], "rail.inclination=0", *FAST, *given))
+    assert ("the patch does not meet what is added" in text) is told
 
 
 def test_advice_on_a_fresh_flat_is_to_round_it_not_to_mesh_its_edges() -> None:
