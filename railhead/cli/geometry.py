@@ -52,7 +52,7 @@ CONTACT_ROWS = (
     ("rail: y from the highest point", "mm", "top_y_mm"),
     ("rail: z", "mm", "rail_z_mm"),
     ("wheel: y from the tape circle", "mm", "wheel_y_mm"),
-    ("wheel: x ahead of the axle", "mm", "ahead_mm"),
+    ("wheel: x ahead of the axle (behind < 0)", "mm", "ahead_mm"),
     ("gap", "mm", "gap_mm"),
     ("contact angle", "deg", "angle_rad"),
     ("rolling radius", "mm", "radius_mm"),

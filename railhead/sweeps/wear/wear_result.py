@@ -74,7 +74,7 @@ class WearResult:
             "scene": portable(scene),
             "steps": len(run.stages) - 1,
             "done": last["done"],
-            "reason": run.reason,
+            "reason": self._reason,
             **{
                 name: {key: self.rows[at][column] for key, (at, column) in group.items()}
                 for name, group in NUMBERS.items()
@@ -94,7 +94,7 @@ class WearResult:
                 "bound": self._bounds,
                 "reached": self._largest <= scene.wear.accuracy,
             },
-            "checks": {"converged": not run.reason, **checks.summary([*self._checks()], {})},
+            "checks": {"converged": not self._reason, **checks.summary([*self._checks()], {})},
         }
 
     def rows_of(self, run: Run) -> list[Row]:
@@ -161,6 +161,15 @@ class WearResult:
     def _complete(self) -> bool:
         """Whether all runs came to the same end."""
         return len(self.runs) > len(RUNS) and not any(run.reason for run in self.runs.values())
+
+    @property
+    def _reason(self) -> str:
+        """Which runs ended early, where, and why; empty where none did."""
+        return "; ".join(
+            f"{name} run, after {run.stages[-1].done:.1%}: {run.reason}"
+            for name, run in self.runs.items()
+            if run.reason
+        )
 
     @cached_property
     def _bounds(self) -> dict[str, Row]:
@@ -244,9 +253,9 @@ class WearResult:
         run, given = self.runs["main"], self.route.scene.wear
         yield Check(
             name="converged",
-            value=math.inf if run.reason else 0.0,
+            value=math.inf if self._reason else 0.0,
             limit=0.0,
-            source=run.reason or "every step was solved",
+            source=self._reason or "every step was solved",
             advice="the files hold what was worn up to there; give less wear or other positions",
         )
         yield Check(
@@ -338,9 +347,11 @@ class WearResult:
             return "not known" if value is None else f"{value:.4g} {unit} {off}"
 
         lines = [f"{summary['steps']} steps, {len(self.route.shares)} positions"]
+        if self._reason:
+            lines.append(f"stopped: {self._reason}")
         for body in self.route.worn:
             depth, area = within("depth_max_mm", body, "mm"), within("worn_mm2", body, "mm2")
-            lines.append(f"{body}: at most {depth} deep, {area} of the section")
+            lines.append(f"{body}: at most {depth} deep along the normal, {area} of the section")
         first, last = (within("pressure_max_MPa", key, "MPa") for key in ("first", "last"))
         lines.append(f"largest pressure: {first}, then {last}")
         for name, limit in summary["limits_reached"].items():

@@ -20,7 +20,8 @@ from pathlib import Path
 
 import numpy as np
 
-from railhead.geometry.profiles import Places
+from railhead.contact import solid
+from railhead.geometry.profiles import Places, flange_thickness
 from railhead.half_spaces import worn_contact
 from railhead.half_spaces.worn_contact import (
     BODIES,
@@ -48,6 +49,8 @@ SETTLES = 0.03  # of the smallest approach: a depth by which halving a step may 
 QUICK = Fineness(places=1001, cells=24)
 DEEP = 20.0  # mm, a depth that no wheel or rail has to give
 DEPTH = 0.1  # mm that a step takes, about, over the root of the accuracy
+NOTHING = 1e-5  # mm, a depth that no one measures
+LIGHT, HEAVY = 1e-9, 1e9  # shares that a table may give
 COST = 35.0  # processor time of a step in all runs, over that of the first contacts on QUICK
 APART = 10_000  # numbers of records from one run to the next
 LARGEST, SUMMED = ("pressure", "index"), ("energy", "damage")
@@ -98,6 +101,10 @@ def read(scene: Scene) -> Route:
             needed = f"is not given; wear.on = {given.on} needs it"
             text = needed if body in worn else f"is not allowed beside wear.on = {given.on}"
             raise SceneError(f"wear.{key}", text)
+    if given.flange_limit is not None:
+        wheel = worn_contact.places(scene, QUICK.places)["wheel"].points
+        if "wheel" not in worn or flange_thickness(wheel, solid.tape_circle(scene)) is None:
+            raise SceneError("wear.flange_limit", "needs a wheel that has a flange and is worn")
     laws = {"energy": WearLaw.of_energy(given.rate), "usfd": WearLaw(wear.USFD)}
     law = laws.get(given.law) or WearLaw(wear_pairs(given.law))
     rows = _rows(scene)
@@ -143,9 +150,9 @@ def _rows(scene: Scene) -> list[dict[str, object]]:
 
 
 def _weight(value: object, number: int) -> float:
-    """The share of a position. Raises SceneError for anything but a positive number."""
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 < value < math.inf:
-        text = f"share {value!r} of position {number} is not allowed; give a positive number"
+    """The share of a position. Raises SceneError for no number, and one out of range."""
+    if isinstance(value, bool) or not isinstance(value, int | float) or not LIGHT <= value <= HEAVY:
+        text = f"share {value!r} of position {number} is not allowed; give {LIGHT:g} to {HEAVY:g}"
         raise SceneError("wear.positions", text)
     return float(value)
 
@@ -312,6 +319,9 @@ def expected(route: Route) -> str:
         key = AMOUNT[route.worn[0]]
         text = f"{getattr(given, key):g} would wear {deepest:.3g} mm at the rates of the new "
         raise SceneError(f"wear.{key}", f"{text}profiles; give at most {DEEP / deepest:.2g} of it")
+    if deepest < NOTHING:
+        text = f"wears {deepest:.1g} mm, as hardly anything slips; give creepages or spin"
+        raise SceneError("rolling", text)
     steps = math.ceil(deepest / (DEPTH * math.sqrt(given.accuracy))) + 1
     if given.step != "auto":
         steps = given.step
@@ -336,14 +346,15 @@ def solve(
     """
     step, found = route.scene.wear.step, dict[str, Run]()
     ends = None if step == "auto" else [n / step for n in range(1, step + 1)]
-    for number, (name, fineness) in enumerate((runs or RUNS).items()):
+    given = runs or RUNS
+    for number, (name, fineness) in enumerate(given.items()):
         run = found[name] = Run.begun(route, fineness, submit)
         run.read(folder, APART * number)
         try:
             for stage in _stages(run, ends):
                 run.stages.append(stage)
                 run.write(folder, APART * number + len(run.stages) - 1)
-                progress.stage(f"{name} run: {stage.done:.1%} worn")
+                progress.stage(f"run {number + 1} of {len(given)}: {stage.done:.1%} worn")
             run.seen.append(run.as_written())
         except ValueError as error:
             run.reason = " ".join(str(error).split())

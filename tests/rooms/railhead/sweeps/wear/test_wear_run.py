@@ -132,7 +132,9 @@ def test_a_check_run_that_fails_at_once_leaves_the_files(worn):
     cut = replace(found, runs={**found.runs, "coarse": failed})
     lines = list(cut.lines())
     assert lines and not any(row["depth [mm] estimate"] for row in lines)
-    assert "accuracy" in cut.summary["checks"]["failed"]
+    assert {"accuracy", "converged"} < {*cut.summary["checks"]["failed"]}
+    reason = "coarse run, after 0.0%: no patch"
+    assert cut.summary["reason"] == reason and f"stopped: {reason}" in cut.words()
 
 
 def test_limits_are_reached_where_the_depth_passes_them(worn):
@@ -304,7 +306,10 @@ def test_wear_that_leaves_the_profile_fails_a_check(tmp_path):
         ({"approach": 0.05}, "", "load"),
         ({"rail.extent": "half-space"}, "", "rail.extent"),
         ({"quantities": "patch,forces"}, "", "quantities"),
+        ({"wear.flange_limit": 24}, "", "wear.flange_limit"),
+        ({"rolling.creepage_along": 0.0}, "", "rolling"),
         ({}, "share,load [kN]\n0,80\n", "wear.positions"),
+        ({}, "share,load [kN]\n1e308,80\n1e308,80\n", "wear.positions"),
         ({}, "share,load [kN]\nx,80\n", "wear.positions"),
         ({}, "share,load\n1\n", "wear.positions"),
         ({}, "share,wear.rate\n1,1e-4\n", "wear.positions"),
