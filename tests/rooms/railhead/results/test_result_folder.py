@@ -212,7 +212,10 @@ def test_no_text_of_a_table_is_a_formula_of_a_spreadsheet() -> None:
 
 @pytest.mark.parametrize("number", ["NaN", "Infinity", "-Infinity"])
 def test_a_number_that_json_does_not_know_is_a_broken_result(tmp_path, number: str) -> None:
-    (tmp_path / "summary.json").write_text(f'{{"case": {number}}}')
+    said = result_folder.to_json(solved("sphere_on_plane").summary | {"note": 12345})
+    (tmp_path / "summary.json").write_text(said)
+    assert rh.load(tmp_path).summary["note"] == 12345
+    (tmp_path / "summary.json").write_text(said.replace("12345", number))
     assert "a broken one" in refusal(lambda: rh.load(tmp_path))
 
 
