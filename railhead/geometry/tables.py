@@ -223,15 +223,17 @@ def read(name: str, lines: Sequence[str], *wanted: Sequence[Column], titles: boo
 
 def in_units(name: str, table: Table, wanted: Sequence[Column]) -> Iterator[tuple[float, ...]]:
     """Rows of a table in the units in which its columns are wanted; name: of the file. Raises
-    FormatError for a unit of another kind.
+    FormatError for a unit of another kind, and for one that some columns of a kind state alone.
     """
     factors = [
         column.factor(unit) if unit else 1.0
         for column, unit in zip(wanted, table.units, strict=True)
     ]
+    stated = {column.unit for column, unit in zip(wanted, table.units, strict=True) if unit}
     for column, unit, factor in zip(wanted, table.units, factors, strict=True):
-        if factor is None:
-            text = f"{column.name} is in {unit[:SHOWN]!r}; give it in {column.unit or 'numbers'}"
+        if factor is None or (not unit and column.unit in stated):
+            text = f"is in {unit[:SHOWN]!r}" if unit else "has no unit, and others have"
+            text = f"{column.name} {text}; give it in {column.unit or 'numbers'}"
             raise FormatError(name, table.at, text)
     for row in table.rows:
         yield tuple(a * b for a, b in zip(row, factors, strict=True) if b is not None)

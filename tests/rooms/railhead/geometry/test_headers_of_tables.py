@@ -78,6 +78,7 @@ def test_a_law_of_wear_in_other_units_is_the_same_law(tmp_path) -> None:
     [
         (read_map, "u,v,w\n", "'u,v,w' does not name them; give a header line that names x and y"),
         (read_map, "x [kN],y,height\n", "x is in 'kN'; give it in mm"),
+        (read_map, "x [m],y [m],height\n", "height has no unit, and others have; give it in mm"),
         (read_map, "# rail 12 [MPa]\n", "does not name them"),
         (read_map, "x,x,height\n", "does not name them"),
         (files.read_curve, "engineering strain,stress\n", "names plastic strain and stress"),
