@@ -33,6 +33,11 @@ SHAPE = {
     "load share": "load share of the most loaded patch",
     "found approach [mm]": "approach, mm",
 }
+HEADS = {
+    "share rail": "share of the rail",
+    "p_max rail [MPa]": "largest pressure, rail, MPa",
+    "p_max wing [MPa]": "largest pressure, wing, MPa",
+}
 
 
 def drawings(columns: Sequence[str], rows: Rows, subject: Subject) -> dict[str, Drawing]:
@@ -52,10 +57,11 @@ def drawings(columns: Sequence[str], rows: Rows, subject: Subject) -> dict[str, 
 
 def panels(rows: Rows) -> dict[str, str]:
     """Labels of the panels of `curves` by column: with friction its forces and, where it rolls,
-    T-gamma; of surfaces that vary along the rail where they touch, and the approach.
+    T-gamma; of surfaces that vary along the rail where they touch, and the approach; of a crossing
+    share and pressures of its heads.
     """
     varies = any(row.get(AHEAD) is not None for row in rows)
-    known = PANELS | (SHAPE if varies else {}) | FRICTION | WEAR
+    known = PANELS | (SHAPE if varies else {}) | HEADS | FRICTION | WEAR
     return {
         name: label
         for name, label in known.items()

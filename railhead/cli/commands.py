@@ -234,7 +234,9 @@ def sweep(
     as_json: bool,
 ) -> int:
     """Solve a case for every combination of values, side by side."""
-    grid = _grid(scene, lists, rows)
+    from railhead.sweeps import passages
+
+    grid = _grid(scene, lists if rows else passages.refined(scene, lists), rows)
     folder = out if out is not None else Path("results") / f"{scene.name}_sweep"
     result_folder.check_folder(folder)
 

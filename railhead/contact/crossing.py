@@ -139,7 +139,7 @@ class CrossingContact(Contact):
         """Contact point (x, y, z) in space, mm."""
         return self.touch.x, self.touch.y, self.touch.z
 
-    @property
+    @cached_property
     def cross_profiles(self) -> list[tuple[str, Profile, float]]:
         """As of `Contact`, with the sections of all heads at their contacts."""
         heads = self.crossing.heads.values()

@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import RectBivariateSpline
+from scipy.interpolate import InterpolatedUnivariateSpline, RectBivariateSpline
 
 from railhead.geometry.sections import Head
 from railhead.theory.array_types import Array
@@ -23,7 +23,7 @@ KINK, ALONE = (
     4.0,
 )  # slope that jumps, at least, and times as much as at the sections beside it
 JUMP = 3.0  # ratio of two distances of sections over which nothing smooth is known
-STEPS, SOLVED = 30, 1e-13  # of Newton's method, and of the share of a strip's width
+STEPS, SOLVED = 30, 1e-8  # of Newton's method, and of the share of a strip's width
 EDGE = 1e-9  # of a strip's width
 LEAST = 1e-3  # mm: shorter strips are none
 
@@ -33,13 +33,13 @@ class Strip:
     """Part of a surface between two lines along the rail, v = 0 and v = 1, and two sections.
 
     first, last: places of the sections, mm.
-    across: smallest and largest y, mm.
+    edges: splines of x, the y of both lines, mm.
     y, z: splines of x and v, mm.
     """
 
     first: float
     last: float
-    across: tuple[float, float]
+    edges: tuple[InterpolatedUnivariateSpline, InterpolatedUnivariateSpline]
     y: RectBivariateSpline
     z: RectBivariateSpline
 
@@ -47,21 +47,29 @@ class Strip:
         """Height (n,) in mm and slopes (n,) along and across at x, y (n,), mm; NaN beyond the strip
         and where it faces down.
         """
-        ends = [self.y.ev(x, np.full_like(x, v)) for v in (0.0, 1.0)]
-        width = ends[1] - ends[0]
-        v = np.clip((y - ends[0]) / np.where(width == 0, 1.0, width), 0.0, 1.0)
+        found = np.full((3, len(x)), np.nan)
+        low, high = (edge(x) for edge in self.edges)
+        room = EDGE * (1 + np.abs(high - low))
+        inside = (x >= self.first) & (x <= self.last) & (y >= low - room) & (y <= high + room)
+        if inside.any():
+            near = np.flatnonzero(inside)
+            start = (y[near] - low[near]) / np.maximum(high[near] - low[near], EDGE)
+            found[:, near] = self._solved(x[near], y[near], np.clip(start, 0.0, 1.0))
+        return found[0], found[1], found[2]
+
+    def _solved(self, x: Array, y: Array, v: Array) -> Array:
+        """Height and slopes (3, n) as of `__call__` at places of the strip, by Newton's method from
+        a first guess v (n,).
+        """
         for _ in range(STEPS):
             rate = self.y.ev(x, v, dy=1)
             step = (self.y.ev(x, v) - y) / np.where(rate > 0, rate, np.inf)
             before, v = v, np.clip(v - step, 0.0, 1.0)
-            if not np.any(np.abs(v - before) > SOLVED):
+            if not np.any(np.abs(v - before) > SOLVED):  # the next step is below rounding
                 break
-        rate = self.y.ev(x, v, dy=1)
-        off = np.abs(self.y.ev(x, v) - y) > EDGE * np.maximum(np.abs(width), 1.0)
-        lost = off | (rate <= 0) | (x < self.first) | (x > self.last)
-        across = self.z.ev(x, v, dy=1) / np.where(lost, np.nan, rate)
+        across = self.z.ev(x, v, dy=1) / np.where(rate > 0, rate, np.nan)
         along = self.z.ev(x, v, dx=1) - across * self.y.ev(x, v, dx=1)
-        return np.where(lost, np.nan, self.z.ev(x, v)), along, across
+        return np.array([np.where(rate > 0, self.z.ev(x, v), np.nan), along, across])
 
     def points(self, step: float) -> Array:
         """Points (n, m, 3) of the strip about `step` mm apart along the rail, and across."""
@@ -88,12 +96,9 @@ class Lofted:
         """Height (n,) in mm and slopes (n,) along and across at x, y (n,), mm; NaN beyond it."""
         found, x = np.full((3, len(x)), np.nan), x + self.origin
         for strip in self.strips:
-            low, high = strip.across
-            over = (x >= strip.first) & (x <= strip.last) & (y >= low) & (y <= high)
-            near = np.flatnonzero(over)
-            values = np.array(strip(x[near], y[near]))
-            higher = ~(values[0] <= found[0, near]) & np.isfinite(values[0])
-            found[:, near[higher]] = values[:, higher]
+            values = np.array(strip(x, y))
+            higher = ~(values[0] <= found[0]) & np.isfinite(values[0])
+            found[:, higher] = values[:, higher]
         return found[0], found[1], found[2]
 
     def face(self, x: float, y: float) -> tuple[float, float]:
@@ -163,10 +168,11 @@ def _strips(head: Head, run: Array, smooth: bool) -> list[Strip]:
             y, z = (
                 RectBivariateSpline(x[along], v, points[along, :, k], kx=degree) for k in (0, 1)
             )
-            lines = points[along, :, 0]
-            swing = float(np.ptp(lines, axis=0).max())  # more than splines overshoot
-            across = float(lines.min()) - swing - EDGE, float(lines.max()) + swing + EDGE
-            found = Strip(first=float(x[a]), last=float(x[b]), across=across, y=y, z=z)
+            edges = (
+                InterpolatedUnivariateSpline(x[along], points[along, k, 0], k=degree)
+                for k in (0, -1)
+            )
+            found = Strip(first=float(x[a]), last=float(x[b]), edges=(*edges,), y=y, z=z)
             strips.append(found)
     return strips
 

@@ -24,7 +24,7 @@ from railhead.run.progress import Progress, Tell, show_progress
 from railhead.scene.catalogue import as_path, copy_files, places, portable
 from railhead.scene.scene import Scene, SceneError, warn_of_units
 from railhead.scene.sections import refuse_first
-from railhead.sweeps import runner, store, sweep_table, worker_pool
+from railhead.sweeps import passages, runner, store, sweep_table, worker_pool
 from railhead.sweeps.grid import ParameterGrid
 from railhead.sweeps.sweep_table import Sweep
 from railhead.theory.array_types import packed
@@ -223,6 +223,9 @@ def _write(sweep: ParallelSweep, found: Sweep, *, pictures: bool) -> None:
         return result_folder.attempt(found.failures, folder / name, folder)
 
     store.write_whole(folder, folder / TABLE, result_folder.encoded(found.rows()))
+    over = found.as_dict().get(store.TRANSFER)
+    whole = result_folder.to_json(sweep.request | ({store.TRANSFER: over} if over else {}))
+    store.write_whole(folder, folder / store.REQUEST, whole.encode())
     for name in DRAWN:
         (folder / name).unlink(missing_ok=True)
     if pictures:
@@ -280,7 +283,7 @@ def sweep(
     the others are. A combination that cannot be meshed or does not fit into the memory has the
     reason in its row.
     """
-    grid = ParameterGrid.combine(scene, _lists(over, values))
+    grid = ParameterGrid.combine(scene, passages.refined(scene, _lists(over, values)))
     warn_of_units(*grid.scenes)
     comm = MPI.COMM_WORLD
     with tempfile.TemporaryDirectory() as temporary:

@@ -18,6 +18,7 @@ from railhead.theory import array_types
 from railhead.theory.array_types import Array, packed
 
 REQUEST, RECORDS = "sweep.json", "records"
+TRANSFER = "transfer"  # key of sweep.json that is found, not asked
 ADVICE = "give another folder, or --force to replace it"
 Other = Literal["refuse", "move", "replace"]
 
@@ -59,7 +60,9 @@ def _check_request(folder: Path, request: dict[str, Any]) -> None:
     name = repr(str(folder))
     if not (folder / REQUEST).is_file():
         raise SceneError("--out", f"{name} holds another kind of result; {ADVICE}")
-    tables = request, load(folder / REQUEST)
+    known = load(folder / REQUEST)
+    known.pop(TRANSFER, None)
+    tables = request, known
     here, other = (dict(dotted(table)) for table in tables)
     for key in {**here, **other}:
         if here.get(key) != other.get(key):

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from rich import box
 from rich.console import Console
 from rich.table import Table
@@ -35,6 +36,7 @@ COLUMNS = [each for each in quantities.QUANTITIES if each.column]
 CHECKS, PASSED, WARNINGS, BELOW = "checks", "passed", "warnings", "below resolution"
 STEEL = "steel"  # column: whether a steel that was solved as elastic would yield
 REPORT = "report.html"
+POSITION, NOTHING = "rail.position [mm]", 0.01  # of the load
 NOTE = re.compile(rf"(?:^|; )({'|'.join(EFFECTS)}): ")  # begin of a warning in a cell
 
 
@@ -101,6 +103,9 @@ def row(record: Mapping[str, Any]) -> Row:
     patches = result["patches"]
     angle = (patches[0] if patches else summary["plan"])["contact_angle_rad"]
     share = {"load share": patches[0]["load_share"]} if "surface_shape" in result else {}
+    heads = result.get("heads", {}).items()
+    cells |= {f"share {name}": head["share"] for name, head in heads}
+    cells |= {f"p_max {name} [MPa]": head["max_MPa"] for name, head in heads}
     return cells | {
         "contact angle [deg]": math.degrees(angle),
         **{f"patch {axis} [mm]": result["contact_point_mm"][n] for n, axis in enumerate("xyz")},
@@ -137,6 +142,13 @@ def verdict(rows: Sequence[Mapping[str, Any]], units: Units = BASE_UNITS) -> lis
             text += f", estimated within {_share(min(known))} to {_share(max(known))}"
         missing = len(solved) - len(known)
         lines.append(text + (f"; {missing} without an estimate" if missing else ""))
+    if over := transfer(rows):
+        place = {
+            key: f"{units.value(over[key], 'mm'):.6g}" for key in ("half_mm", "from_mm", "to_mm")
+        }
+        text = f"half of the load has gone over at {place['half_mm']} {units.unit('mm')}, within "
+        text += f"{units.text(over['to_mm'] - over['from_mm'], 'mm', 3)} of travel "
+        lines.append(f"{text}({place['from_mm']} to {place['to_mm']})")
     hidden = Counter(name for row in rows for name in _hidden(row))
     kinds = Counter(name for row in rows for name in NOTE.findall(row.get(WARNINGS, "")))
     return [
@@ -147,6 +159,38 @@ def verdict(rows: Sequence[Mapping[str, Any]], units: Units = BASE_UNITS) -> lis
             for kind, count in kinds.items()
         ),
     ]
+
+
+def transfer(rows: Sequence[Mapping[str, Any]]) -> dict[str, float]:
+    """Where the load goes over from one head to the other, of rows over rail.position with both:
+    "half_mm", the position at which each has half of it, "from_mm" and "to_mm", those between which
+    each has more than 1 % (NOTHING; at most the first and the last row), and the largest pressure
+    of all rows, "largest_MPa". The share is linear between rows. Empty where the load does not go
+    over, or more than once.
+    """
+    known = [row for row in rows if row.get("share wing") is not None and POSITION in row]
+    known.sort(key=lambda row: row[POSITION])
+    at, share = (
+        np.array([row[name] for row in known], dtype=float) for name in (POSITION, "share rail")
+    )
+    ahead = np.sign(share - 0.5)
+    if len(known) < 2 or np.count_nonzero(np.diff(ahead)) != 1:
+        return {}
+    if ahead[0] > 0:
+        share = 1 - share
+
+    def reached(value: float) -> float:
+        """First position at which the head that takes over has more than a share, mm."""
+        after = int(np.argmax(share > value)) if share.max() > value else len(share)
+        ends = slice(max(after - 1, 0), after + 1)
+        return float(np.interp(value, share[ends], at[ends]))
+
+    return {
+        "half_mm": reached(0.5),
+        "from_mm": reached(NOTHING),
+        "to_mm": reached(1 - NOTHING),
+        "largest_MPa": max(row["p_max [MPa]"] for row in known),
+    }
 
 
 def short(rows: Sequence[Mapping[str, Any]]) -> list[str]:
@@ -284,8 +328,9 @@ class Sweep(terminal.Drawn, list[Result]):
         (folder / REPORT).write_text(text, encoding="utf-8")
 
     def as_dict(self) -> dict[str, Any]:
-        """The rows as plain data."""
-        return {"rows": self._rows}
+        """The rows as plain data, and of a crossing where the load goes over (`transfer`)."""
+        over = transfer(self._rows)
+        return {"rows": self._rows, **({store.TRANSFER: over} if over else {})}
 
     def rows(self) -> list[Row]:
         """The table of `railhead sweep`: a row for each combination that has a record, in their
