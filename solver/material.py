@@ -10,8 +10,8 @@ plastic strain q, and backward Euler over a load step (Simo and Hughes, Computat
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any
 
@@ -28,23 +28,51 @@ from railhead.solver.space.operators import weighted_product
 from railhead.theory.array_types import Array, Index
 
 ROOT = np.sqrt(2.0 / 3.0)
+NEWTON_STEPS = 100  # most of the return to the yield surface; a bisection takes 50
+RETURN_TOLERANCE = 1e-13  # of its equations, over the trial stress
+LARGEST_EXPONENT = 30  # of the recall
+SKEW = 1e-9  # of the largest entry of tangents that count as symmetric
+LEAST_SIZE = 1e-14  # of a back stress over its limit, in Newton's method
+
+
+@dataclass(frozen=True)
+class Backstress:
+    """A part X of the back stress that grows with plastic strain, and is recalled:
+
+        dX = 2/3 C deps_p - g phi X dp,    phi = (|X| g / C)^chi
+
+    with the von Mises size |X| and the equivalent plastic strain p (Armstrong and Frederick 1966,
+    CEGB report RD/B/N731; chi > 0: Jiang and Sehitoglu 1996, J. Appl. Mech. 63:720).
+
+    modulus: C, MPa, positive. recall: g, not negative; 0 is Prager's rule, without recall.
+    """
+
+    modulus: float
+    recall: float = 0.0
 
 
 @dataclass(frozen=True)
 class Hardening:
-    """Curve of uniaxial true stress over plastic strain, linear between its k points.
+    """Curve of uniaxial true stress over plastic strain, linear between its k points, and what
+    cycles add to it.
 
     strain: plastic strain of the points (k,), ascending, the first 0.
     stress: stress of the points (k,), MPa; the first is the initial yield stress.
-    kinematic: share of the hardening, 0 to 1, by which the yield surface moves instead of growing
-        (Prager's rule).
+    kinematic: share of the curve's hardening, 0 to 1, by which the yield surface moves instead of
+        growing (Prager's rule).
     final_hardening_modulus: slope d stress / d plastic strain after the last point, MPa.
+    backstresses: parts of the back stress; with any, `kinematic` is 0.
+    recall_exponent: chi of all backstresses; 0: Armstrong and Frederick.
+    isotropic: (Q in MPa, b) of Voce's growth of the yield stress, Q (1 - exp(-b p)).
     """
 
     strain: tuple[float, ...]
     stress: tuple[float, ...]
     kinematic: float = 0.0
     final_hardening_modulus: float = 0.0
+    backstresses: tuple[Backstress, ...] = ()
+    recall_exponent: float = 0.0
+    isotropic: tuple[float, float] = (0.0, 0.0)
 
     @classmethod
     def linear(cls, stress: float, modulus: float = 0.0, kinematic: float = 0.0) -> Hardening:
@@ -53,6 +81,33 @@ class Hardening:
         surface moves.
         """
         return cls((0.0,), (stress,), kinematic, modulus)
+
+    def cyclic(
+        self,
+        backstress: Sequence[Sequence[float]],
+        recall_exponent: float = 0.0,
+        isotropic: Sequence[float] = (0.0, 0.0),
+    ) -> Hardening:
+        """This curve with back stresses of pairs (C in MPa, g), a recall exponent and Voce's (Q in
+        MPa, b). Raises ValueError (one line) for what is no pair, C that is not positive, another
+        negative or infinite number, and a recall exponent between 0 and 1.
+        """
+        pairs = {"backstress": backstress, "isotropic": [isotropic]}
+        for name, given in pairs.items():
+            for each in given:
+                least = 0 if name == "isotropic" else 1e-300
+                right = np.shape(each) == (2,) and np.all(np.isfinite(each))
+                if not right or each[0] < least or each[1] < 0:
+                    what = "(Q, b), both 0 or more" if not least else "(C, g), C > 0 and g >= 0"
+                    raise ValueError(f"{name} has {each!r}; give {what}")
+        if not (recall_exponent == 0 or 1 <= recall_exponent <= LARGEST_EXPONENT):
+            allowed = f"give 0, or 1 to {LARGEST_EXPONENT}"
+            raise ValueError(f"recall_exponent is {recall_exponent!r}; {allowed}")
+        parts = tuple(Backstress(float(c), float(g)) for c, g in backstress)
+        voce = float(isotropic[0]), float(isotropic[1])
+        return replace(
+            self, backstresses=parts, recall_exponent=float(recall_exponent), isotropic=voce
+        )
 
     @property
     def initial_yield_stress(self) -> float:
@@ -72,69 +127,84 @@ class Hardening:
         segment = np.searchsorted(strain, plastic, side="right") - 1
         return stress[segment] + slopes[segment] * (plastic - strain[segment]), slopes[segment]
 
+    def radius(self, plastic: Array) -> tuple[Array, Array]:
+        """Stress kappa, sqrt(3/2) times the radius of the yield surface, and its slope (n,), MPa,
+        at equivalent plastic strains (n,).
+        """
+        curve, slope = self.stress_and_slope(plastic)
+        share, (most, rate) = 1 - self.kinematic, self.isotropic
+        left = most * np.exp(-rate * plastic)
+        grown = share * curve + self.kinematic * self.stress[0] + most - left
+        return np.asarray(grown), np.asarray(share * slope + rate * left)
+
 
 @dataclass(frozen=True)
 class History:
     """Plastic state of n points after a load step, with m components in Mandel's notation.
 
     plastic: plastic strain (n, m).
-    back: back stress (n, m), MPa, by which the yield surface has moved.
+    back: k back stresses (n, k, m), MPa, whose sum is the centre of the yield surface.
     equivalent: equivalent plastic strain (n,).
+    ahead: plastic strain (n, m), and equivalent_ahead: equivalent plastic strain (n,), by which
+        `plastic` and `equivalent` have run ahead of `back` (`extrapolated`).
     """
 
     plastic: Array
     back: Array
     equivalent: Array
+    ahead: Array
+    equivalent_ahead: Array
 
     @classmethod
-    def virgin(cls, count: int, size: int) -> History:
+    def virgin(cls, count: int, size: int, backs: int = 1) -> History:
         """State of `count` points without plastic strain or back stress; size: number m of
-        components.
+        components; backs: number k of back stresses.
         """
-        return cls(np.zeros((count, size)), np.zeros((count, size)), np.zeros(count))
+        strain, back = np.zeros((count, size)), np.zeros((count, backs, size))
+        return cls(strain, back, np.zeros(count), strain.copy(), np.zeros(count))
 
     def at(self, points: Index) -> History:
         """State of the points with the given numbers (k,), a copy."""
-        return History(self.plastic[points], self.back[points], self.equivalent[points])
+        return History(*(getattr(self, each.name)[points] for each in fields(self)))
+
+    def put(self, points: Index, state: History) -> None:
+        """Replace the state of the points with the given numbers (k,); further back stresses of
+        these points are zero.
+        """
+        backs = state.back.shape[1]
+        for each in fields(self):
+            own, given = getattr(self, each.name), getattr(state, each.name)
+            own[(points, slice(backs)) if each.name == "back" else points] = given
 
     def extrapolated(self, earlier: History, factor: float, points: Index) -> History:
-        """This state, moved on by `factor` times its change since an earlier one at the points with
-        the given numbers (k,).
+        """This state, whose plastic strains move on by `factor` times their change since an earlier
+        one at the points with the given numbers (k,). Back stresses follow in `radial_return`.
         """
         out = self.at(np.arange(len(self.plastic)))
-        now, before = self.at(points), earlier.at(points)
-        out.plastic[points] += factor * (now.plastic - before.plastic)
-        out.back[points] += factor * (now.back - before.back)
-        out.equivalent[points] += factor * (now.equivalent - before.equivalent)
+        out.ahead[points] = factor * (self.plastic[points] - earlier.plastic[points])
+        more = self.equivalent[points] - earlier.equivalent[points]
+        out.equivalent_ahead[points] = factor * more
+        out.plastic[points] += out.ahead[points]
+        out.equivalent[points] += out.equivalent_ahead[points]
         return out
 
 
 @dataclass(frozen=True, kw_only=True)
 class TangentReduction:
     """Difference between the elastic tangent C and the consistent tangent C_ep, at the k points
-    that yield:
-
-        C - C_ep = 2 mu (shear (I - 1x1/3) + along n x n)
+    that yield.
 
     points: numbers (k,) of these points among all.
-    shear: factor of the deviatoric projection (k,).
-    along: factor of the dyad of the flow direction (k,).
-    normal: flow direction n (k, m), a unit vector in Mandel's notation.
-    mu: shear modulus (k,), MPa.
+    matrix: C - C_ep (k, m, m), MPa, in Mandel's notation.
     """
 
     points: Index
-    shear: Array
-    along: Array
-    normal: Array
-    mu: Array
+    matrix: Array
 
     @classmethod
     def none(cls, size: int) -> TangentReduction:
         """Reduction at no point; size: number m of components."""
-        empty = np.zeros(0)
-        points, normal = np.zeros(0, dtype=np.int64), np.zeros((0, size))
-        return cls(points=points, shear=empty, along=empty, normal=normal, mu=empty)
+        return cls(points=np.zeros(0, dtype=np.int64), matrix=np.zeros((0, size, size)))
 
     @classmethod
     def joined(cls, reductions: Sequence[TangentReduction]) -> TangentReduction:
@@ -142,34 +212,180 @@ class TangentReduction:
         parts = {each.name: [getattr(one, each.name) for one in reductions] for each in fields(cls)}
         return cls(**{name: np.concatenate(values) for name, values in parts.items()})
 
+    @cached_property
+    def symmetric(self) -> bool:
+        """Whether the tangent is symmetric; back stresses that are recalled turn its range, unless
+        plastic strain goes along them.
+        """
+        skew = np.abs(self.matrix - self.matrix.swapaxes(1, 2)).max(initial=0.0)
+        return bool(skew <= SKEW * np.abs(self.matrix).max(initial=0.0))
+
     def stress(self, strain: Array) -> Array:
         """Stress (C - C_ep) : strain (k, m), MPa, from strains (k, m) at the k points, in Mandel's
         notation.
         """
-        along = np.einsum("km,km->k", self.normal, strain) * self.along
-        sheared = self.shear[:, None] * deviator(strain)
-        return 2 * self.mu[:, None] * (sheared + along[:, None] * self.normal)
+        return np.asarray((self.matrix @ strain[..., None])[..., 0])
 
 
 def deviator(tensors: Array) -> Array:
-    """Deviatoric part (n, m) of tensors (n, m) in Mandel's notation, whose first three components
-    are the normal ones.
+    """Deviatoric part (..., m) of tensors (..., m) in Mandel's notation, whose first three
+    components are the normal ones.
     """
     out = tensors.copy()
-    out[:, :3] -= tensors[:, :3].mean(axis=1, keepdims=True)
+    out[..., :3] -= tensors[..., :3].mean(axis=-1, keepdims=True)
     return out
 
 
-def yield_radius(state: History, hardening: Hardening) -> Array:
-    """Norm |dev s - alpha| (n,) beyond which points yield, MPa; state: state of the points."""
-    first = hardening.initial_yield_stress
-    curve, _ = hardening.stress_and_slope(state.equivalent)
-    radius = first + (1 - hardening.kinematic) * (curve - first)
-    return np.asarray(ROOT * radius * (1 + 1e-12))
+@dataclass
+class _Return:
+    """Equations of the return of k points that yield, in Newton's method: unknown are the growth d
+    of the equivalent plastic strain in the step, and the sizes y_i = |X_i| g_i / C_i at its end,
+    these only where a recall exponent makes them count.
+
+        n . (s* - sum X_i) - sqrt(6) mu d - sqrt(2/3) kappa(p) = 0,    y_i - |X_i| g_i / C_i = 0
+
+    Over the step dp each back stress follows exactly from a constant direction of plastic strain
+    and a constant recall phi, X = exp(-g phi dp) X_0 + 2/3 C psi deps_p with psi = (1 -
+    exp(-z))/z, z = g phi dp. phi is a mean of its values at both ends, whose weight of the end
+    grows from 1/2 to 1 with the step, so that it is of second order and does not swing.
+    """
+
+    hardening: Hardening
+    mu: Array
+    elastic: Array
+    before: History
+
+    def __post_init__(self) -> None:
+        """Constants of the back stresses (b,), and the state without growth."""
+        parts = self.hardening.backstresses
+        self.modulus = np.array([each.modulus for each in parts] or [0.0])
+        self.recall = np.array([each.recall for each in parts] or [0.0])
+        self.scale = np.sqrt(1.5) * self.recall / np.maximum(self.modulus, 1e-300)
+        self.growth = np.zeros(len(self.mu))
+        self.size = np.maximum(self.sizes(self.before.back), LEAST_SIZE)
+        self.evaluate()
+
+    def sizes(self, back: Array) -> Array:
+        """von Mises sizes (k, b) of back stresses (k, b, m) over their limits C/g."""
+        return np.asarray(self.scale * np.linalg.norm(back, axis=2))
+
+    def evaluate(self) -> None:
+        """Back stresses, direction, residuals (k, u) of the u unknowns, and what `derivatives`
+        needs.
+        """
+        law, before, chi = self.hardening, self.before, self.hardening.recall_exponent
+        step = before.equivalent_ahead + self.growth
+        self.step = np.maximum(step, 1e-300)[:, None]
+        self.plastic = before.equivalent + self.growth
+        start = self.sizes(before.back) ** chi
+        now, late = self.size**chi, self.step * self.recall * (1 + chi)
+        self.weight = (1 + late) / (2 + late)
+        self.phi = self.weight * now + (1 - self.weight) * start
+        self.turn = (now - start) * self.recall * (1 + chi) / (2 + late) ** 2
+        self.z = np.maximum(self.recall * self.phi * self.step, 1e-300)
+        self.kept = np.exp(-self.z)
+        psi = -np.expm1(-self.z) / self.z
+        self.bend = np.where(self.z < 1e-4, self.z / 3 - 0.5, (self.kept - psi) / self.z)
+        curve, self.slope = law.stress_and_slope(self.plastic)
+        self.moved = law.kinematic * (curve - law.stress_and_slope(self.plastic - step)[0])
+        self.gain = 2 / 3 * (self.modulus * psi + self.moved[:, None] / self.step)
+        fixed = self.kept[..., None] * before.back + self.gain[..., None] * before.ahead[:, None]
+        across = self.elastic - fixed.sum(axis=1)
+        self.norm = np.maximum(np.linalg.norm(across, axis=1), 1e-300)
+        self.normal = across / self.norm[:, None]
+        self.strain = before.ahead + self.growth[:, None] * self.normal / ROOT
+        self.back = self.kept[..., None] * before.back + self.gain[..., None] * self.strain[:, None]
+        radius, self.radius_slope = law.radius(self.plastic)
+        along = self.norm - self.growth * self.gain.sum(axis=1) / ROOT
+        self.excess = along - 2 * self.mu * self.growth / ROOT - ROOT * radius
+        self.residual = self.excess[:, None]
+        if chi:
+            wrong = self.size - self.sizes(self.back)
+            self.residual = np.concatenate([self.residual, wrong], axis=1)
+
+    def derivatives(self) -> tuple[Array, Array, Array]:
+        """Derivatives of the residuals by the unknowns (k, u, u) and by s* (k, u, m), and of the
+        sum of the back stresses by the unknowns, at a kept direction (k, u, m).
+        """
+        chi, before = self.hardening.recall_exponent, self.before
+        by_z = 2 / 3 * self.modulus[:, None] * self.bend[..., None] * self.strain[:, None]
+        by_z = by_z - self.kept[..., None] * before.back
+        speed = self.recall * (self.phi + self.step * self.turn)
+        prager = self.hardening.kinematic * self.slope - self.moved / self.step[:, 0]
+        drift = 2 / 3 * (prager / self.step[:, 0])[:, None] * self.strain
+        by_growth = by_z * speed[..., None] + drift[:, None]
+        by_growth += self.gain[..., None] * self.normal[:, None] / ROOT
+        total, by_stress = by_growth.sum(axis=1)[:, None], self.normal[:, None]
+        if chi:
+            power = self.weight * chi * self.size ** (chi - 1)
+            by_size = by_z * (self.recall * self.step * power)[..., None]
+            total = np.concatenate([total, by_size], axis=1)
+        jacobian = -np.einsum("km,kum->ku", self.normal, total)[:, None]
+        jacobian[:, 0, 0] -= 2 * self.mu / ROOT + ROOT * self.radius_slope
+        if chi:
+            unit = self.scale[:, None] * self.back
+            unit = unit / np.maximum(np.linalg.norm(self.back, axis=2), 1e-300)[..., None]
+            turned = (self.gain * self.growth[:, None] / ROOT / self.norm[:, None])[..., None]
+            turned = turned * self.across(unit)
+            rows = np.einsum("kbm,kum->kbu", turned, total)
+            rows[..., 0] -= np.einsum("kbm,kbm->kb", unit, by_growth)
+            every = np.arange(len(self.recall))
+            rows[:, every, 1 + every] += 1 - np.einsum("kbm,kbm->kb", unit, by_size)
+            jacobian = np.concatenate([jacobian, rows], axis=1)
+            by_stress = np.concatenate([by_stress, -turned], axis=1)
+        return jacobian, by_stress, total
+
+    def across(self, tensors: Array) -> Array:
+        """Part of tensors (k, u, m) across the direction of plastic strain."""
+        along = np.einsum("kum,km->ku", tensors, self.normal)
+        return np.asarray(tensors - along[..., None] * self.normal[:, None])
+
+    def solve(self) -> None:
+        """Newton's method from no growth; at points where a step would enlarge the residual it is
+        shortened. Raises ValueError where it does not converge.
+        """
+        chi, before = self.hardening.recall_exponent, self.before
+        units = np.ones(self.residual.shape)
+        units[:, 0] = np.linalg.norm(self.elastic, axis=1)
+        units[:, 0] += np.linalg.norm(before.back, axis=2).sum(axis=1)
+        limit = np.maximum(2 ** (1 / (1 + chi)), self.size)  # as the end weighs a half
+        stiff = 2 * self.mu / ROOT + ROOT * (self.slope + self.modulus.sum())
+        now = np.column_stack([self.excess / stiff, self.size])[:, : units.shape[1]]
+        least, most = np.full_like(now, LEAST_SIZE), np.full_like(now, np.inf)
+        least[:, 0], most[:, 1:] = -before.equivalent_ahead, limit[:, : now.shape[1] - 1]
+        start, change, share = now, np.zeros_like(now), np.ones((len(now), 1))
+        smallest = np.full((len(now), 1), np.inf)
+        for _ in range(NEWTON_STEPS):
+            self.growth = now[:, 0]
+            if chi:
+                self.size = now[:, 1:]
+            self.evaluate()
+            wrong = self.residual / units
+            left = np.linalg.norm(wrong, axis=1)[:, None]
+            done = np.all(np.abs(wrong) < RETURN_TOLERANCE, axis=1)[:, None]
+            if done.all():
+                return
+            better = (left < smallest) | done
+            share = np.where(better, 1.0, share / 4)
+            start, smallest = np.where(better, now, start), np.minimum(left, smallest)
+            step = np.linalg.solve(self.derivatives()[0], self.residual[..., None])[..., 0]
+            change = np.where(done, 0.0, np.where(better, step, change))
+            now = np.clip(start - share * change, least, most)
+        raise ValueError("the return to the yield surface does not converge")
+
+    def reduction(self) -> Array:
+        """C - C_ep (k, m, m), MPa."""
+        jacobian, by_stress, total = self.derivatives()
+        unknowns = -np.linalg.solve(jacobian, by_stress)
+        turned = np.eye(self.normal.shape[1]) - np.einsum("kum,kun->kmn", total, unknowns)
+        turned = self.across(turned.swapaxes(1, 2)).swapaxes(1, 2)
+        flow = self.normal[:, :, None] * unknowns[:, :1]
+        flow = flow + (self.growth / self.norm)[:, None, None] * turned
+        return np.asarray(deviator(flow) / ROOT * (2 * self.mu[:, None, None]) ** 2)
 
 
 def radial_return(
-    strain: Array, mu: Array, before: History, hardening: Hardening
+    strain: Array, mu: Array, before: History, hardening: Hardening, *, tangent: bool = True
 ) -> tuple[History, TangentReduction]:
     """State at n points after a load step, and the reduction of the tangent at the points that
     yield.
@@ -177,39 +393,27 @@ def radial_return(
     strain: total strain at the end of the step (n, m), in Mandel's notation.
     mu: shear modulus (n,), MPa.
     before: state at the start of the step.
-    hardening: flow curve of all points.
-    The trial stress returns along the radius to the yield surface (Simo and Hughes 1998, box 3.2).
-    The growth of the equivalent plastic strain solves a scalar equation, linear in pieces.
+    hardening: law of all points.
+    tangent: whether the reduction is wanted; else it is that of no point.
+    The trial stress returns along the radius that the back stresses of the end leave (Simo and
+    Hughes 1998, box 3.2, with one scalar equation a point; `_Return`).
     """
-    trial = 2 * mu[:, None] * (deviator(strain) - before.plastic) - before.back
-    size = np.sqrt(np.einsum("nm,nm->n", trial, trial))
-    share = hardening.kinematic
-    first = hardening.initial_yield_stress
-    yielding = np.flatnonzero(size > yield_radius(before, hardening))
-    mu, size = mu[yielding], size[yielding]
-    normal = trial[yielding] / size[:, None]
-    start = before.equivalent[yielding]
-    curve, _ = hardening.stress_and_slope(start)
-    # 2 mu q / ROOT + ROOT k(q) = reached, whose left side is linear in pieces and grows with q.
-    strain_at, stress_at, slopes = hardening.segments
-    reached = size + 2 * mu * start / ROOT + ROOT * share * (curve - first)
-    at_points = 2 * mu[:, None] * strain_at / ROOT + ROOT * stress_at
-    segment = np.maximum((at_points <= reached[:, None]).sum(axis=1) - 1, 0)
-    slope = slopes[segment]
-    excess = reached - 2 * mu * strain_at[segment] / ROOT - ROOT * stress_at[segment]
-    growth = strain_at[segment] + excess / (2 * mu / ROOT + ROOT * slope) - start
-    growth = np.maximum(growth, 0.0)
-    step, now = growth / ROOT, hardening.stress_and_slope(start + growth)[0]
-    plastic, back = before.plastic.copy(), before.back.copy()
-    equivalent = before.equivalent.copy()
-    plastic[yielding] += step[:, None] * normal
-    back[yielding] += (ROOT * share * (now - curve))[:, None] * normal
-    equivalent[yielding] += growth
-    shear = 2 * mu * step / size
-    along = 1 / (1 + slope / (3 * mu)) - shear
-    return History(plastic, back, equivalent), TangentReduction(
-        points=yielding, shear=shear, along=along, normal=normal, mu=mu
-    )
+    backs = max(len(hardening.backstresses), 1)
+    before = replace(before, back=before.back[:, :backs])
+    elastic = 2 * mu[:, None] * (deviator(strain) - before.plastic)
+    start = _Return(hardening, mu, elastic, before)
+    yielding = np.flatnonzero(start.excess > 1e-12 * ROOT * hardening.initial_yield_stress)
+    after = History.virgin(len(strain), strain.shape[1], backs)
+    after.plastic[:], after.back[:] = before.plastic, start.back
+    after.equivalent[:] = before.equivalent
+    at = before.at(yielding)
+    found = _Return(hardening, mu[yielding], elastic[yielding], at)
+    found.solve()
+    after.plastic[yielding] += found.strain - at.ahead
+    after.back[yielding], after.equivalent[yielding] = found.back, found.plastic
+    if not tangent:
+        return after, TangentReduction.none(strain.shape[1])
+    return after, TangentReduction(points=yielding, matrix=found.reduction())
 
 
 @dataclass(frozen=True)
@@ -230,6 +434,12 @@ class Material:
         """Lame's constants (lambda, mu), MPa."""
         e, nu = self.young_modulus, self.poisson_ratio
         return e * nu / ((1 + nu) * (1 - 2 * nu)), e / (2 * (1 + nu))
+
+
+def backs(materials: Iterable[Material]) -> int:
+    """Number of back stresses that the points of these materials need, at least 1."""
+    laws = (each.hardening for each in materials)
+    return max([1, *(len(law.backstresses) for law in laws if law)])
 
 
 def assemble(

@@ -18,7 +18,7 @@ from railhead.solver.algebra.multigrid import Hierarchy, PMultigrid
 from railhead.solver.algebra.newton import CONVERGED, NewtonResult
 from railhead.solver.algebra.problem import ContactProblem
 from railhead.solver.algebra.reduced_stiffness import Stiffness
-from railhead.solver.material import History, assemble
+from railhead.solver.material import History, assemble, backs
 from railhead.solver.model.parts import Body, Contact, Part
 from railhead.solver.model.problem import HubLoads, State
 from railhead.solver.plasticity.plastic_problem import YieldPoints, bulk_points
@@ -231,6 +231,7 @@ class Assembly:
         u.set(0.0)
         pairing = self.surfaces.pair(self.gathered(u))
         count, size = len(pairing.contact), 3 + len(self.kinematics.shears)
+        count_backs = backs(self.materials.values())
         gauss = len(self.unknowns(zero).points.points) if self.remembers else 0
         return State(
             displacement=u,
@@ -238,8 +239,8 @@ class Assembly:
             motions={hub: load[1:] for hub, load in zero.items()},
             share=0.0,
             nodal=np.zeros_like(self.bulk_points),
-            bulk=History.virgin(gauss, size),
-            surface=History.virgin(count, size),
+            bulk=History.virgin(gauss, size, count_backs),
+            surface=History.virgin(count, size, count_backs),
             pairing=pairing,
             outdated=False,
             pressure=np.zeros(count),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 from railhead.solver.material import Hardening, Material
@@ -20,7 +21,7 @@ class Elastic:
         """Raises ValueError for what is no finite number, a modulus that is not positive, and a
         ratio outside [0, 0.5).
         """
-        for each in fields(self):
+        for each in fields(Elastic):
             finite(type(self).__name__, each.name, getattr(self, each.name))
         if self.young_modulus <= 0:
             raise ValueError(f"young_modulus must be positive, not {self.young_modulus!r}")
@@ -39,27 +40,41 @@ class Elastic:
 
 @dataclass(frozen=True)
 class Plastic(Elastic):
-    """Elasticity, and von Mises yield from `yield_stress` on with linear isotropic hardening: the
-    slope of stress over plastic strain.
+    """Elasticity, and von Mises yield.
+
+    yield_stress: stress of first yield.
+    hardening: slope of stress over plastic strain of linear isotropic hardening.
+    backstress: pairs (C, g) of back stresses, see `Backstress`; g = 0 is linear kinematic.
+    recall_exponent: chi of all back stresses: 0 (Armstrong and Frederick), or 1 and more (Jiang and
+        Sehitoglu).
+    isotropic: (Q, b) of Voce's growth of the yield stress, Q (1 - exp(-b p)).
     """
 
     yield_stress: float
     hardening: float = 0.0
+    backstress: Sequence[tuple[float, float]] = ()
+    recall_exponent: float = 0.0
+    isotropic: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
-        """Raises ValueError as `Elastic`, for a yield stress that is not positive, and for a
-        negative hardening.
+        """Raises ValueError as `Elastic`, for a yield stress that is not positive, a negative
+        hardening, and for what `law` refuses.
         """
         super().__post_init__()
         if self.yield_stress <= 0 or self.hardening < 0:
             raise ValueError("yield_stress must be positive, and hardening not negative")
+        self.law()
+
+    def law(self) -> Hardening:
+        """Law of yield. Raises ValueError (one line) as `Hardening.cyclic`."""
+        curve = Hardening.linear(self.yield_stress, self.hardening)
+        return curve.cyclic(self.backstress, self.recall_exponent, self.isotropic)
 
     def material(self, section: str | None) -> Material:
         """Elastic constants with the flow curve; raises ValueError in plane stress."""
         if section == "plane stress":
             raise ValueError("Plastic is not there in plane stress: use plane strain or 3-D")
-        curve = Hardening.linear(self.yield_stress, self.hardening)
-        return Material(self.young_modulus, self.poisson_ratio, curve)
+        return Material(self.young_modulus, self.poisson_ratio, self.law())
 
 
 @dataclass(frozen=True)

@@ -78,8 +78,9 @@ class LoadStepping:
 
         h* = h_n + r^2/(1 + 2 r) (h_n - h_(n-1))
 
-    instead of the history h_n (Eckert, Baaser, Gross and Scherf, Computational Mechanics 34, 2004).
-    The error of the load steps is then of second order. Its methods are collective.
+    instead of the history h_n (Eckert, Baaser, Gross and Scherf, Computational Mechanics 34, 2004);
+    back stresses follow the whole plastic strain of the step from h_n. The error of the load steps
+    is then of second order. Its methods are collective.
 
     system: contact system.
     problem: contact problem of the next step; after `separate` one without contact.

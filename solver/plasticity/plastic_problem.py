@@ -20,7 +20,14 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from railhead.solver.algebra.problem import ContactProblem
-from railhead.solver.material import Hardening, History, Material, TangentReduction, radial_return
+from railhead.solver.material import (
+    Hardening,
+    History,
+    Material,
+    TangentReduction,
+    backs,
+    radial_return,
+)
 from railhead.solver.space.cells import Bulk, CellSet, quadrature_degree
 from railhead.solver.space.contact_interface import Interface
 from railhead.solver.space.operators import add_transposed, assemble_strains, select_rows
@@ -79,8 +86,7 @@ class YieldPoints:
         for members, hardening in self.groups:
             before, mu = self.history.at(members), self.mu[members]
             after, reduction = radial_return(strain[members], mu, before, hardening)
-            state.plastic[members], state.back[members] = after.plastic, after.back
-            state.equivalent[members] = after.equivalent
+            state.put(members, after)
             reductions.append(replace(reduction, points=members[reduction.points]))
         return state, TangentReduction.joined(reductions)
 
@@ -125,10 +131,11 @@ class PlasticProblem(ContactProblem):
 
     @property
     def symmetric(self) -> bool:
-        """Whether the tangent is symmetric (collective): where that of the contact law is, and no
-        contact point of Nitsche's method yields on any rank."""
-        local = self.law.sigma * len(self._surface[1].points)
-        total = self.stiffness.comm.tompi4py().allreduce(local)
+        """Whether the tangent is symmetric (collective): where that of the contact law and those of
+        the material are, and no contact point of Nitsche's method yields on any rank.
+        """
+        points = self.law.sigma * len(self._surface[1].points)
+        total = self.stiffness.comm.tompi4py().allreduce(points + (not self._bulk[1].symmetric))
         return self.law.symmetric and not total
 
     def indicator(self, y: PETSc.Vec) -> Array:
@@ -169,7 +176,8 @@ class PlasticProblem(ContactProblem):
         the history and in the last state.
         """
         for points in (self.bulk, self.surface):
-            points.history = History.virgin(*points.prescribed_strain.shape)
+            count, size = points.prescribed_strain.shape
+            points.history = History.virgin(count, size, points.history.back.shape[1])
         self.__post_init__()
 
     @property
@@ -216,7 +224,7 @@ class PlasticProblem(ContactProblem):
         super().apply_tangent(active, rows, x, out)
         reductions = self._bulk[1], self._surface[1]
         bulk, surface = (
-            reduction.stress((strains * x).array.reshape(reduction.normal.shape))
+            reduction.stress((strains * x).array.reshape(reduction.matrix.shape[:2]))
             for strains, reduction in zip(self.yielding_operators, reductions, strict=True)
         )
         weights = self.bulk.weights[reductions[0].points, None]
@@ -269,7 +277,8 @@ def bulk_points(
         (np.arange(start, end), curve)
         for start, end, curve in zip(ends, ends[1:], curves, strict=False)
     ]
-    matrices = _strain_matrices(cells, index, reference, bulk, reduction, comm)
+    count = backs(materials.values())
+    matrices = _strain_matrices(cells, index, reference, bulk, reduction, comm, count)
     return YieldPoints(
         **matrices,
         cells=every,
@@ -293,7 +302,8 @@ def surface_points(
     slave, index = interface.slave, interface.facet
     every = np.arange(len(index))
     reference = slave.reference(index, interface.xi)
-    matrices = _strain_matrices(slave, index, reference, bulk, reduction, comm)
+    count = len(hardening.backstresses) if hardening else 1
+    matrices = _strain_matrices(slave, index, reference, bulk, reduction, comm, max(count, 1))
     return YieldPoints(
         **matrices,
         cells=np.zeros(0, dtype=np.int64),
@@ -311,9 +321,11 @@ def _strain_matrices(
     bulk: Bulk,
     reduction: Reduction,
     comm: MPI.Intracomm,
+    backs: int,
 ) -> dict[str, Any]:
     """Strain matrices, zero prescribed strain and zero history, as fields of `YieldPoints` by name;
-    index: cell of each point (n,); reference: its reference coordinates (n, c) (collective).
+    index: cell of each point (n,); reference: its reference coordinates (n, c); backs: number of
+    back stresses (collective).
     """
     owned = bulk.space.dofmap.index_map.size_local * cells.kinematics.dim
     full, size = assemble_strains(cells, index, reference, owned, comm)
@@ -321,5 +333,5 @@ def _strain_matrices(
         "strain_matrix": full.matMult(reduction.matrix),
         "full_strain_matrix": full,
         "prescribed_strain": np.zeros((len(index), size)),
-        "history": History.virgin(len(index), size),
+        "history": History.virgin(len(index), size, backs),
     }

@@ -25,6 +25,7 @@ from railhead.solver.algebra.mixing import Anderson
 from railhead.solver.material import (
     Hardening,
     History,
+    backs,
     deviator,
     radial_return,
 )
@@ -197,7 +198,7 @@ class RollingBlock:
         y = self.block.surface[1]
         zero = np.zeros(len(y))
         return SectionState(
-            history=History.virgin(lines, size),
+            history=History.virgin(lines, size, backs([self.block.material])),
             residual=np.zeros((lines, size)),
             profile=ProfileChange(y, zero, zero),
         )
@@ -326,6 +327,6 @@ def follow(
     """
     plastic, state = np.empty_like(strain), incoming
     for column, each in enumerate(strain):
-        state, _ = radial_return(each, mu, state, hardening)
+        state, _ = radial_return(each, mu, state, hardening, tangent=False)
         plastic[column] = state.plastic
     return plastic, state
