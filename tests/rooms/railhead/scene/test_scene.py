@@ -284,7 +284,7 @@ WRONG: list[tuple[str, object, str]] = [
         "rail.profile",
         "54E2",
         "'54E2' is not allowed; give 54E1, 60E1, arc or a .csv, .txt, .dat, .asc, .tsv, .mpt, "
-        ".ban or .prr file",
+        ".ban, .prr or .rail file",
     ),
     ("rail.profile", 54, "54 is not allowed"),
     ("rail.profile", 60e1, "600.0 is not allowed; give a text in quotes: 54E1, 60E1, arc or"),
