@@ -39,7 +39,7 @@ from railhead.scene.quantities import GROUPS, QUANTITIES, numeric_values
 DEFAULT_TOLERANCE = 0.05  # relative difference allowed to a number without an estimate
 ESTIMATE_FACTOR = 1.5  # difference allowed to a number with an estimate, over the estimate
 FINER = "give a smaller mesh.patch_size, or an accuracy"
-MORE = "ask for less, or give a larger budget; see accuracy.would_cost"
+MORE = "ask for less; accuracy.reason says what is left, accuracy.would_cost what it takes"
 BALANCE_TOLERANCE = 1e-6  # relative; forces balance to rounding, an approach to this
 NOISE_LIMIT = 0.5  # relative L2: where half of the pressure is noise, none of it is an answer
 READING_FORCE = 0.02  # relative; it is 0.011 on linear elements, else up to 0.007
@@ -127,7 +127,7 @@ def run(
         bound = {key: each.value_error for key, each in estimates.items()}
         unread = solved.result.get("friction", {}).get("below_resolution", ())
         read = {key: bound[key] for key in bound.keys() - {*unread}}
-        checks += useful(solved.plan, read, FINER)
+        checks += useful(solved.plan, read, FINER if solved.plan.scene.accuracy is None else MORE)
     if reached is not None:
         error, wanted = largest_error(estimates, solved), float(solved.plan.scene.accuracy or 0.0)
         checks.append(

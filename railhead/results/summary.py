@@ -231,25 +231,30 @@ def _more(solved: Solved) -> dict[str, Any]:
 def _yield(solved: Solved, friction: Mapping[str, Any]) -> dict[str, Any]:
     """Entry "yield" of "result" in summary.json: the elastic p0/k of the load against first yield
     and the limit of shakedown, under repeated rolling, and the same as loads. They are those of
-    "friction" where the wheel rolls with it, else of Hertz's ellipse or line without tractions
-    (`damage.ellipse_limit`, at most twice first yield, where stresses left are as large as yield).
-    Empty without a yield stress or stresses, and where nothing touches.
+    "friction" where the wheel rolls with it, else of the patch with the largest pressure, as an
+    ellipse or line without tractions (`damage.ellipse_limit`, at most twice first yield, where
+    stresses left are as large as yield). First yield is that of this shape of patch, and its load
+    that of these bodies. Empty without a yield stress or stresses, and where nothing touches.
     """
     context = solved.plan.context
     elastic, shear = (solved.elastic_reference or solved).result, material.shear_yield(context)
     if shear is None or not elastic or "stress" not in elastic:
         return {}
     keys = "traction_coefficient", "p0_over_k", "first_yield_p0_over_k", "shakedown_limit_p0_over_k"
-    power, patch = context.contact.load_power, elastic["patch"]
-    ratio = elastic["pressure"]["max_MPa"] / shear
-    first = ratio / context.overload ** (1 / power)
+    power, ratio = context.contact.load_power, elastic["pressure"]["max_MPa"] / shear
+    each = elastic.get("patches") or [elastic["patch"]]
+    patch = max(each, key=lambda one: one.get("max_MPa", 0.0))
+    first = ratio / context.over_yield
     limit = min(damage.ellipse_limit(patch["a_mm"] / patch["b_mm"]), 2 * first)
     limit = damage.LINE if context.contact.line else limit
     state = "elastic" if ratio <= first else "shakes down" if ratio <= limit else "ratchets"
     found = dict(zip(keys, (0.0, ratio, first, limit), strict=True)) | {"shakedown": state}
-    found |= {key: friction[key] for key in found if "p0_over_k" in friction}
-    for name, key in (("first_yield", keys[2]), ("shakedown", keys[3])):
-        found[f"load_over_{name}"] = (found[keys[1]] / found[key]) ** power
+    over = context.overload
+    if "p0_over_k" in friction:
+        found |= {key: friction[key] for key in found}
+        over = (found[keys[1]] / found[keys[2]]) ** power
+    found["load_over_first_yield"] = over
+    found["load_over_shakedown"] = (found[keys[1]] / found[keys[3]]) ** power
     return {**found, "load_N": elastic["load_N"]}
 
 

@@ -227,7 +227,8 @@ def _show_prices(prices: Sequence[Mapping[str, Any]] | None, console: Console) -
             other = row["left_out"] + row["profile"]
             cells = [f"{row['patch_size_mm']:.3g}", f"{row['unknowns']}"]
             cells += [f"{row['seconds']:.1f}", f"{row['memory_MB']:.0f}"]
-            cells += [row["widest"].rpartition("_")[0]]
+            name = row["widest"]
+            cells += ["p_max" if name == "max_MPa" else name.rpartition("_")[0]]
             cells += [f"{each:.2%}" for each in (row["mesh"], row["reading"], other)]
         rows.append([f"{row['accuracy']:.3g}", *cells])
     console.print(number_table("price on this machine", header, rows))
@@ -328,8 +329,10 @@ def yields(result: Mapping[str, Any]) -> str:
     """
     if not (found := result.get("yield")):
         return ""
+    of = "with the tractions of this run, " if found["traction_coefficient"] else ""
     return (
-        "Yield: the load is {load_over_first_yield:.3g} times that of first yield and "
+        f"Yield: {of}the load is "
+        "{load_over_first_yield:.3g} times that of first yield and "
         "{load_over_shakedown:.3g} times that up to which repeated rolling can shake down (p0/k "
         "{p0_over_k:.3g}, limits {first_yield_p0_over_k:.3g} and {shakedown_limit_p0_over_k:.3g}): "
         "{shakedown}"
