@@ -1,8 +1,7 @@
 #!/bin/sh
 # Show that `pip install "railhead-contact[dolfinx]"` works where nothing of the system is used: sdist and wheel pass
-# twine's check, the wheel is installed beside dolfinx from PyPI into an empty environment of the newest Python here (3.12
-# or later), numbers of two
-# cases and two ranks are those of .venv to 1e-5, and the tests of this checkout run there.
+# twine's check, the wheel is installed beside dolfinx from PyPI into an empty environment of the newest Python here
+# (3.12 or later), numbers of two cases and two ranks are those of .venv to 1e-5, and the tests of this checkout run there.
 set -eu
 cd "$(dirname "$0")"
 
