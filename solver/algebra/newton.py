@@ -192,7 +192,8 @@ def solve(
             failure = ""
             if apart:
                 rounding = 0.0  # of bodies that nothing holds
-                if norm > rtol and increment is not None and returned < MOST_RETURNED:
+                falls = norm <= max(rtol, before / 2 if np.isfinite(before) else 0.0)
+                if not falls and increment is not None and returned < MOST_RETURNED:
                     returned, length = returned + 1, length / 2  # where something touched
                     y.axpy(-length, increment)
                     continue
