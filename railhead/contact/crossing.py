@@ -195,21 +195,25 @@ def contact(scene: Scene) -> CrossingContact:
 def _section(surface: Lofted, at: ContactPoint) -> Profile:
     """Section of a head at a contact point, as far as it is smooth there."""
     start, end = surface.face(at.x, at.y)
-    y = np.linspace(start, end, SAMPLES)[1:-1]
+    y = np.linspace(start, end, SAMPLES)
     z = surface(np.full_like(y, at.x), y)[0]
     return Profile("sections", (Spline(float(y[0]), float(y[-1]), CubicSpline(y, z)),))
 
 
-def touch(scene: Scene, clearance: float = 0.0) -> Crossing:
+def touch(
+    scene: Scene, clearance: float = 0.0, *, stretch: float = 1.0, every: int = 1
+) -> Crossing:
     """Where the wheel of a scene touches the heads of its rail.
     clearance: height over the lowest place of a head, mm, up to which others are kept.
+    stretch: factor on the smoothing wavelengths of a measured wheel.
+    every: 2 leaves out every second section.
     Raises SceneError for sections that cannot be read, for a position beyond them, and where the
     wheel touches their ends or misses them.
     """
-    wheel, found, ends = solid.wheel_profile(scene), {}, []
+    wheel, found, ends = solid.wheel_profile(scene, stretch), {}, []
     for name, head in heads(scene).items():
         ends += [head.x[0], head.x[-1]]
-        touched = _touched(scene, name, head, wheel, clearance)
+        touched = _touched(scene, name, head, wheel, clearance, every)
         if touched:
             found[name] = touched
     at = scene.rail.position
@@ -262,7 +266,7 @@ def _hanging(scene: Scene) -> Pose:
 
 
 def _touched(
-    scene: Scene, name: str, head: Head, wheel: Profile, clearance: float
+    scene: Scene, name: str, head: Head, wheel: Profile, clearance: float, every: int
 ) -> TouchedHead | None:
     """A head with the lowest places of the wheel over it; None where there is none. Raises
     SceneError for sections that cannot be read.
@@ -270,13 +274,13 @@ def _touched(
     at, reach = scene.rail.position, REACH * scene.wheel.rolling_radius
     body = WheelSurface(wheel, scene.wheel.rolling_radius, _hanging(scene))
     try:
-        rough = loft(head, at - reach, at + reach, smooth=False)
+        rough = loft(head, at - reach, at + reach, smooth=False, every=every)
         places, heights = _lowest(rough, at, reach, body)
         if not len(places):
             return None
         near = places[heights <= heights.min() + clearance + COARSE]
         low, high = near[:, 0].min() - STRETCH, near[:, 0].max() + STRETCH
-        surface = replace(loft(head, at + low, at + high), origin=at)
+        surface = replace(loft(head, at + low, at + high, every=every), origin=at)
     except (ValueError, OSError) as error:
         raise SceneError(f"{name}.sections", str(error)) from None
     touches = [_point(body, surface, *place) for place in near]

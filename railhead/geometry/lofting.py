@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import InterpolatedUnivariateSpline, RectBivariateSpline
 
-from railhead.geometry.sections import Head
+from railhead.geometry.sections import STEEP, Head
 from railhead.theory.array_types import Array
 
 SAMPLE = 0.1  # mm along a section between two points of a strip, about
@@ -25,6 +25,7 @@ KINK, ALONE = (
 JUMP = 3.0  # ratio of two distances of sections over which nothing smooth is known
 STEPS, SOLVED = 30, 1e-8  # of Newton's method, and of the share of a strip's width
 EDGE = 1e-9  # of a strip's width
+FACE, FAR = 0.05, 1600  # mm, and as often to either side
 LEAST = 1e-3  # mm: shorter strips are none
 
 
@@ -102,12 +103,17 @@ class Lofted:
         return found[0], found[1], found[2]
 
     def face(self, x: float, y: float) -> tuple[float, float]:
-        """First and last y of the strip at a place (mm), along the section there."""
-        for strip in self.strips:
-            ends = [float(strip.y(x + self.origin, v)[0, 0]) for v in (0.0, 1.0)]
-            if strip.first <= x + self.origin <= strip.last and ends[0] <= y <= ends[1]:
-                return ends[0], ends[1]
-        raise ValueError(f"no surface at x = {x:g}, y = {y:g} mm")
+        """First and last y around a place (mm) up to which the section there is no steeper than 60
+        deg (STEEP), to 0.05 mm (FACE). Raises ValueError where there is no surface.
+        """
+        across = y + FACE * np.arange(-FAR, FAR + 1)
+        slope = self(np.full_like(across, x), across)[2]
+        beyond = ~(np.abs(slope) < STEEP[0])
+        if beyond[FAR]:
+            raise ValueError(f"no surface at x = {x:g}, y = {y:g} mm")
+        ends = np.flatnonzero(np.concatenate([[True], beyond, [True]])) - 1
+        after = int(np.searchsorted(ends, FAR))
+        return float(across[ends[after - 1] + 1]), float(across[ends[after] - 1])
 
 
 def loft(head: Head, low: float, high: float, *, smooth: bool = True, every: int = 1) -> Lofted:
@@ -133,7 +139,8 @@ def loft(head: Head, low: float, high: float, *, smooth: bool = True, every: int
 def _runs(head: Head, every: int) -> list[Array]:
     """Indices of the sections between two ends of a head, a row for each."""
     after = sorted(each + 1 for each in head.ends)
-    return [run[::every] for run in np.split(np.arange(len(head.x)), after) if len(run) > every]
+    whole = (run for run in np.split(np.arange(len(head.x)), after) if len(run) > 1)
+    return [np.union1d(run[::every], run[-1:]) for run in whole]
 
 
 def _strips(head: Head, run: Array, smooth: bool) -> list[Strip]:

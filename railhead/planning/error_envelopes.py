@@ -23,14 +23,17 @@ from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
+import numpy as np
 from scipy.optimize import brentq
 
-from railhead.contact import closed_forms, solid
+from railhead.contact import closed_forms, crossing, solid
+from railhead.contact.crossing import CrossingContact
 from railhead.half_spaces.pressing import HalfSpacePair
 from railhead.planning.context import Context
 from railhead.postprocess.findings import FLAT
 from railhead.scene.scene import Scene
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
+from railhead.theory.elastic import hertz
 
 T = TypeVar("T")
 STEP = 1.6  # factor on the resolution from one mesh of a sequence to the next
@@ -232,12 +235,41 @@ def of_profiles(context: Context) -> dict[str, Any] | None:
     measured, for half-spaces, and in sections, whose contacts no half-space has.
     """
     scene, contact = context.contact.scene, context.contact
-    if not contact.curved_solid or not solid.measured_bodies(scene):
+    measured = bool(solid.measured_bodies(scene))
+    if not contact.curved_solid or not (measured or scene.rail.sections):
         return None
     try:
+        if isinstance(contact, CrossingContact):
+            return {"relative": of_sections(context, contact, measured=measured), "reason": ""}
         return {"relative": around(scene, context.boundary_elements), "reason": ""}
     except ValueError as error:
         return {"relative": math.inf, "reason": str(error)}
+
+
+def of_sections(context: Context, contact: CrossingContact, *, measured: bool) -> float:
+    """Relative error of sizes and values that the sections of a rail may hide: twice (SAFETY) the
+    largest change of Hertz's pressure or area on a head that may touch, or by what its height moves
+    the load between two, when every second section is left out, and when a measured wheel is
+    smoothed as in `around`.
+    Raises ValueError (SceneError is one) where the wheel then touches otherwise.
+    """
+    scene, found, sink = context.scene, contact.crossing, context.hertz.approach
+    others = [crossing.touch(scene, every=2)]
+    others += [crossing.touch(scene, stretch=each) for each in STRETCHES * measured]
+    near = [name for name in found.heads if found.placed(name)[0].gap < 2 * sink]
+    modulus, changes = closed_forms.contact_modulus(scene), []
+    for other in others:
+        for name in near:
+            if name not in other.heads:
+                raise ValueError(f"without every second section nothing touches the {name}")
+            first, second = (
+                hertz.point_contact(at.curvature_x, at.curvature_y, modulus, context.hertz.load)
+                for at in (each.heads[name].touches[0] for each in (found, other))
+            )
+            changes += [second.p0 / first.p0 - 1, second.area / first.area - 1]
+        moved = [other.alone(name) - found.alone(name) for name in near]
+        changes.append(float(np.ptp(moved)) / (2 * sink))  # 3/2 of it of a force, a third of that
+    return SAFETY * max(map(abs, changes))
 
 
 def around(scene: Scene, solution: BoundaryElementSolution) -> float:

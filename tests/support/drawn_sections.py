@@ -96,3 +96,25 @@ def write(
         return str(folder / "rail.slcs")
     (folder / "rail.csv").write_text("\n".join(["# drawn", "x_mm,file", *lines]))
     return str(folder / "rail.csv")
+
+
+def root_wheel(path: Path) -> str:
+    """Path of the wheel of case 7: cone 1:40 for y >= -18, then a concave root of radius 25 mm
+    tangent to it, from 70 degrees on a straight flange.
+    """
+    begin, end = np.arctan(1 / 40), np.radians(70)
+    angles = np.linspace(begin, end, 400)
+    middle = np.array([-18 + 25 * np.sin(begin), 18 / 40 + 25 * np.cos(begin)])
+    root = middle - 25 * np.column_stack([np.sin(angles), np.cos(angles)])
+    along = np.linspace(0, 10, 60)[1:]
+    flange = root[-1] + np.outer(along, [-np.cos(end), np.sin(end)])
+    tread = np.linspace(-18, 60, 313)[1:]
+    points = np.vstack([flange[::-1], root[::-1], np.column_stack([tread, -tread / 40])])
+    np.savetxt(path, points, "%.9f", ",", header="y_mm,z_mm", comments="")
+    return str(path)
+
+
+def stock(x: float) -> Array:
+    """Points (n, 2) of the stock rail of case 7, the same at every place, mm."""
+    y = 18 + np.arange(-30, 30 + STEP / 2, STEP)
+    return np.column_stack([y, head(y, 300, 24, 0.0, 18.0)])

@@ -198,3 +198,52 @@ def test_a_result_of_a_crossing_keeps_its_sections(nose: str, tmp_path: Path) ->
     place = catalogue.portable(given)["rail"]["sections"]
     copied = scene(200.0, str(tmp_path / place))
     assert crossing.touch(copied).lift == crossing.touch(given).lift
+
+
+def test_the_estimate_knows_the_distance_of_the_sections(tmp_path: Path) -> None:
+    """Of waves 240 mm long sections 30 mm apart leave more open than those 15 mm apart, and the
+    estimate holds the difference.
+    """
+    found = []
+    for apart in (7.5, 15.0, 30.0):
+        places = np.arange(-120.0, 121.0, apart)
+        table = drawn.write(
+            tmp_path / f"{apart:g}",
+            places,
+            lambda x: drawn.arcs(0.0) + [0.0, 3.0 * np.cos(np.pi * x / 120)],
+        )
+        given = scene(11.0, table, profile="cylinder")
+        only = {"effects": {"finite_bodies": "off"}, "quantities": "patch"}
+        summary = rh.solve(given.replace(**only)).summary
+        found.append(
+            (
+                summary["result"]["pressure"]["max_MPa"],
+                summary["accuracy"]["parts"]["max_MPa"]["profile"],
+            )
+        )
+    (fine, least), (middle, more), (coarse, most) = found
+    assert least < more < most
+    assert abs(coarse / fine - 1) < most and abs(middle / fine - 1) < more
+
+
+def test_a_blade_in_the_root_of_a_flange_takes_its_share(tmp_path: Path) -> None:
+    """Case 7 at 209.25 mm: 43424 N and 2507.6 MPa on the blade, R 13 in R 25, 876.8 MPa on the
+    stock rail; the estimate knows that the blade is thin.
+    """
+    places = range(160, 261, 20)
+    given = scene(
+        209.25,
+        drawn.write(tmp_path / "blade", places, drawn.blade),
+        drawn.write(tmp_path / "stock", places, drawn.stock),
+        profile=drawn.root_wheel(tmp_path / "wheel.csv"),
+        profile_origin="file",
+        profile_flip="off",
+        profile_mirror="off",
+    )
+    only = {"effects": {"finite_bodies": "off"}, "quantities": "patch"}
+    summary = rh.solve(given.replace(**only)).summary
+    heads = summary["result"]["heads"]
+    assert heads["rail"]["force_N"] == pytest.approx(43424, rel=1e-3)
+    assert heads["rail"]["max_MPa"] == pytest.approx(2507.6, rel=1e-3)
+    assert heads["wing"]["max_MPa"] == pytest.approx(876.8, rel=1e-3)
+    assert 0.02 < summary["accuracy"]["bound"]["max_MPa"] < 0.2
