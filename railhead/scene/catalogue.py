@@ -16,7 +16,6 @@ from pathlib import Path
 from typing import Any
 
 from railhead.geometry.measured import EXTENSIONS
-from railhead.geometry.sections import named
 from railhead.scene.scene import MAX_NAME_BYTES, Scene, SceneError, file_entries
 from railhead.scene.units import show
 
@@ -109,6 +108,8 @@ def places(files: Iterable[Path]) -> dict[str, str]:
     twelve digits of the file's SHA-256; of a table of sections they are beside it, and the digits
     are those of all of them. OSError: a file cannot be read.
     """
+    from railhead.geometry.sections import named  # numpy, which a list of cases does not need
+
     found: dict[str, str] = {}
     for path in files:
         group = {path: path.name} | named(path)

@@ -22,7 +22,7 @@ from railhead.results.result import Result
 from railhead.run import process
 from railhead.run.progress import Progress, Tell, show_progress
 from railhead.scene.catalogue import as_path, copy_files, places, portable
-from railhead.scene.scene import Scene, SceneError, warn_of_units
+from railhead.scene.scene import Scene, SceneError, checked, warn_of_units
 from railhead.scene.sections import refuse_first
 from railhead.sweeps import passages, runner, store, sweep_table, worker_pool
 from railhead.sweeps.grid import ParameterGrid
@@ -283,7 +283,7 @@ def sweep(
     the others are. A combination that cannot be meshed or does not fit into the memory has the
     reason in its row.
     """
-    grid = ParameterGrid.combine(scene, passages.refined(scene, _lists(over, values)))
+    grid = ParameterGrid.combine(scene, passages.refined(checked(scene), _lists(over, values)))
     warn_of_units(*grid.scenes)
     comm = MPI.COMM_WORLD
     with tempfile.TemporaryDirectory() as temporary:

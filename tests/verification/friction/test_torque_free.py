@@ -37,9 +37,10 @@ def scene(shift: float, yaw: float, side: str = "right") -> rh.Scene:
 
 @pytest.mark.parametrize("shift", [0.0, 0.5, 4.0, 7.0, 10.0])
 def test_forces_and_moment_are_those_of_contact(shift: float) -> None:
-    """Within 5 % of mu N, the moment, about CONTACT's point, of that times the half length."""
+    """Within 5 % of mu N, the moment, about CONTACT's point, of that times the half length.
+    Stresses are not asked for: at shift 0 the largest one lies in a patch of few cells."""
     given = positions()[shift]
-    result = passed(scene(shift, given["yaw_rad"]))
+    result = passed(scene(shift, given["yaw_rad"]).replace(quantities=["patch", "forces"]))
     found, patch = friction(result), result.as_dict()["result"]["patch"]
     within, touch = 0.05 * MU * given["normal_N"], result.plan.contact.touch
     assert found["force_along_N"] == pytest.approx(given["along_N"], abs=within)

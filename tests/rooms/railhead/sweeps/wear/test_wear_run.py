@@ -329,7 +329,7 @@ def test_scenes_and_positions_without_wear_are_one_line(changes, table, key, tmp
 
 def test_pairs_are_a_law(tmp_path):
     file = tmp_path / "law.csv"
-    file.write_text("x,rate\n10,53\n")
+    file.write_text("T-gamma/A,rate\n10,53\n")
     (position,) = wear_run.read(crown(law=str(file))).positions
     assert position.law.rate(3.0) == pytest.approx(6.75e-7, rel=1e-3)
     file.write_text("10,53\n5,60\n")
