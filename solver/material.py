@@ -28,7 +28,7 @@ from railhead.solver.space.operators import weighted_product
 from railhead.theory.array_types import Array, Index
 
 ROOT = np.sqrt(2.0 / 3.0)
-NEWTON_STEPS = 100  # most of the return to the yield surface; a bisection takes 50
+NEWTON_STEPS = 100  # most of the return to the yield surface
 RETURN_TOLERANCE = 1e-13  # of its equations, over the trial stress
 LARGEST_EXPONENT = 30  # of the recall
 SKEW = 1e-9  # of the largest entry of tangents that count as symmetric

@@ -87,10 +87,12 @@ def materials(plan: Plan) -> dict[int, Material]:
 
 
 def hardening(part: BodySection) -> Hardening:
-    """Flow curve (MPa) of a body that yields, and the kinematic share of its hardening."""
+    """Flow curve (MPa) of a body that yields, and how it hardens under cycles. Raises ValueError as
+    `Hardening.cyclic`.
+    """
     strain, stress = zip(*part.curve, strict=True)
     share, slope = part.kinematic_fraction or 0.0, part.hardening_modulus or 0.0
-    return Hardening(strain, stress, share, slope)
+    return Hardening(strain, stress, share, slope).cyclic(*part.law)
 
 
 def _friction(plan: Plan) -> FrictionSettings:

@@ -1,12 +1,14 @@
 """The tables of a scene that describe bodies: [rail] and [wheel], their surfaces, [wheelset].
 
 Steels yield as data/steels.json says, with sources. EN 13674-1 fixes strength and hardness of rail
-steels, not their yield: R260's was measured. EN 13262 fixes the least yield strength of wheels. No
-hardening: no flow curve with a source was at hand.
+steels, not their yield: R260's was measured. EN 13262 fixes the least yield strength of wheels. Of
+these no flow curve with a source was at hand; 1070 has constants of measured cycles.
 """
 
 import json
 import os
+from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
@@ -88,25 +90,45 @@ def _two(value: object) -> object:
     if isinstance(value, str):
         value = value.strip().removeprefix("[").removesuffix("]").split(",")
     if not isinstance(value, (list, tuple)) or len(value) != 2:
-        raise ValueError(f"{show(value)} is not allowed; give two lengths [y, z], e.g. [0, -1.5]")
+        raise ValueError(f"{show(value)} is not allowed; give two of them, e.g. [0, -1.5]")
     return tuple(value)
 
 
 STEEL_MODULI = (180e3, 230e3)  # MPa, least and largest Young's modulus of a steel
 
 
+def _pairs(value: Any) -> object:
+    """A list of pairs, or its text "[[1, 2], [3, 4]]", as tuples. Raises ValueError (one line) for
+    anything else.
+    """
+    with suppress(ValueError):
+        value = json.loads(value) if isinstance(value, str) else value
+    lists = isinstance(value, (list, tuple)) and value
+    if not lists or not all(isinstance(each, (list, tuple)) and len(each) == 2 for each in value):
+        text = "give pairs of C (MPa) and g, e.g. [[40000, 100], [10000, 10]]"
+        raise ValueError(f"{show(value)} is not allowed; {text}")
+    return tuple(tuple(each) for each in value)
+
+
+Law = tuple[Sequence[tuple[float, float]], float, tuple[float, float]]
+"""Pairs (C in MPa, g) of back stresses, their recall exponent, and Voce's (Q in MPa, b)."""
+
+
 @dataclass(frozen=True)
 class Steel:
-    """A steel without hardening.
+    """A steel; without back stresses it does not harden.
 
-    yield_stress: of uniaxial tension, MPa, at any plastic strain.
+    yield_stress: of uniaxial tension, MPa.
     kind: where the value comes from, in a few words.
     source: the publication.
+    backstress: pairs (C in MPa, g); recall_exponent: of all of them.
     """
 
     yield_stress: float
     kind: str
     source: str
+    backstress: tuple[tuple[float, float], ...] = ()
+    recall_exponent: float = 0.0
 
 
 @cache
@@ -125,8 +147,8 @@ def _steel_name(value: object) -> str:
     """The argument, if it is the name of a steel in data/steels.json. Raises ValueError (one line)
     for anything else.
     """
-    if isinstance(value, str) and value in steels():
-        return value
+    if str(value) in steels():
+        return str(value)
     allowed = f"give {', '.join(steels())}, or a yield_stress instead"
     raise ValueError(f"{show(value)} is not allowed; {allowed}")
 
@@ -185,6 +207,12 @@ class BodySection(Section):
         None: no hardening. Only beside yield_stress.
     kinematic_fraction: share of the hardening that moves the yield surface, 0 to 1; the rest widens
         the surface. None: not given. Only in a body that yields.
+    backstress: pairs (C in MPa, g) of back stresses that are recalled; g = 0: Prager's. None: none.
+        Only beside yield_stress.
+    recall_exponent: of all back stresses; 0: Armstrong and Frederick, 1 to 30: Jiang and Sehitoglu.
+        None: 0. Only beside backstress.
+    isotropic: Voce's (Q in MPa, b), by which the yield stress grows. None: it does not. Only beside
+        yield_stress.
     stress_strain: path of a .csv file, a row of plastic strain and true stress (MPa) a line, whose
         header may name another order and units, or an array (n, 2) of them; None: no curve.
     profile_unit: unit of the file's numbers: "auto", "mm", "m" or "inch".
@@ -206,6 +234,15 @@ class BodySection(Section):
     yield_stress: units.Stress | None = None
     hardening_modulus: units.Hardening | None = None
     kinematic_fraction: units.Share | None = None
+    backstress: (
+        Annotated[
+            tuple[tuple[units.Stress, units.Recall], ...],
+            BeforeValidator(_pairs),
+        ]
+        | None
+    ) = None
+    recall_exponent: Annotated[float, Range(units.NUMBER, 0, 30)] | None = None
+    isotropic: Annotated[tuple[units.Hardening, units.Recall], BeforeValidator(_two)] | None = None
     stress_strain: Annotated[str, BeforeValidator(_curve)] | None = None
     profile_unit: Literal["auto", "mm", "m", "inch"] = "auto"
     profile_mirror: Switch = "auto"
@@ -225,16 +262,32 @@ class BodySection(Section):
         hardening_modulus or a kinematic_fraction without what they need.
         """
         given = [key for key in ("steel", "stress_strain", "yield_stress") if getattr(self, key)]
-        hardens, kinematic = self.hardening_modulus, self.kinematic_fraction
+        kinematic = self.kinematic_fraction
+        cyclic = ("hardening_modulus", "backstress", "isotropic")
         refuse_first(
             *(
                 (True, key, f"is not allowed beside {given[0]}; give one of them")
                 for key in given[1:]
             ),
+            *(
+                (True, key, "is not allowed without yield_stress")
+                for key in cyclic
+                if getattr(self, key) is not None and given != ["yield_stress"]
+            ),
             (
-                hardens is not None and given != ["yield_stress"],
-                "hardening_modulus",
-                "is not allowed without yield_stress",
+                self.recall_exponent is not None and self.backstress is None,
+                "recall_exponent",
+                "is not allowed without backstress",
+            ),
+            (
+                0 < (self.recall_exponent or 0.0) < 1,
+                "recall_exponent",
+                f"{self.recall_exponent} is not allowed; give 0, or 1 to 30",
+            ),
+            (
+                kinematic is not None and bool(self.law[0]),
+                "kinematic_fraction",
+                "is not allowed beside back stresses; give a backstress [C, 0] instead",
             ),
             (
                 kinematic is not None and not given,
@@ -285,14 +338,28 @@ class BodySection(Section):
         return ()
 
     @property
+    def law(self) -> Law:
+        """What cycles add to the flow curve, of `steel` or of the keys."""
+        if self.steel is not None:
+            steel = steels()[self.steel]
+            return steel.backstress, steel.recall_exponent, (0.0, 0.0)
+        return self.backstress or (), self.recall_exponent or 0.0, self.isotropic or (0.0, 0.0)
+
+    @property
+    def cyclic(self) -> bool:
+        """Whether the steel has back stresses that are recalled, or Voce's growth."""
+        return bool(self.law[0]) or self.isotropic is not None
+
+    @property
     def first_yield(self) -> float:
         """Yield stress of a body that yields, before any hardening, MPa."""
         return float(self.curve[0][1])
 
     @property
     def hardens(self) -> bool:
-        """Whether the flow curve of a body that yields grows anywhere."""
-        return bool(self.hardening_modulus or self.curve[-1][1] > self.curve[0][1])
+        """Whether a body that yields hardens in any way."""
+        grows = self.curve[-1][1] > self.curve[0][1]
+        return bool(self.hardening_modulus) or grows or self.cyclic
 
 
 class Rail(BodySection):

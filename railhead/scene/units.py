@@ -316,6 +316,7 @@ Hardening = Annotated[
     float,
     Range(STRESS, 0, LARGEST, words="a finite stress that is not negative"),
 ]
+Recall = Annotated[float, Range(NUMBER, 0, 1e9)]
 Share = Annotated[float, Range(FRACTION, 0, 1)]
 Accuracy = Annotated[float, Range(FRACTION, 0.0005, 0.2, note=', e.g. "1%"')]
 SignedForce = Annotated[

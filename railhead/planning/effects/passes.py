@@ -75,6 +75,11 @@ def _refuse_what_has_no_passes(context: Context, given: str) -> None:
             "the rail has no yield stress; give rail.steel or rail.yield_stress",
         ),
         (
+            context.scene.rail.cyclic,
+            "passes do not know rail.backstress and rail.isotropic, nor a steel that has them; "
+            "give rail.yield_stress and rail.hardening_modulus",
+        ),
+        (
             "wheel" not in context.deformable and math.isfinite(wheel.young_modulus),
             "the wheel is rigid by effects.deformable_wheel; give wheel.young_modulus=inf",
         ),

@@ -16,7 +16,9 @@ from railhead.scene.bodies import steels
 from railhead.scene.catalogue import portable, read_scene
 from railhead.scene.scene import Rail, Scene, unit
 from railhead.scene.sections import SceneError
+from railhead.solver.material import Backstress
 
+JIANG = ((1633, 85.4), (493.4, 76.6), (149.1, 88.3), (45.0, 96.7), (13.6, 141.1))  # c, r of 1070
 ROLLING = ("friction.coefficient=0.3", "rolling.creepage_along=0.1%")
 
 
@@ -24,9 +26,10 @@ def test_every_steel_has_a_source_and_no_hardening_that_nobody_measured() -> Non
     """Radii of yield surfaces after torsion had been taken for a flow curve: 560 MPa at 10 %, where
     EN 13674-1 wants a tensile strength of 880."""
     for name, steel in steels().items():
-        assert steel.kind.endswith("without hardening") and steel.source, name
+        measured = "with back stresses" if steel.backstress else "without hardening"
+        assert steel.kind.endswith(measured) and steel.source, name
         curve = hardening(Rail(steel=name))
-        assert 300 < curve.initial_yield_stress == steel.yield_stress < 1000
+        assert 200 < curve.initial_yield_stress == steel.yield_stress < 1000
         stress, slope = curve.stress_and_slope(np.array([0.0, 0.1, 5.0]))
         assert np.all(stress == steel.yield_stress) and not slope.any()
 
@@ -34,7 +37,11 @@ def test_every_steel_has_a_source_and_no_hardening_that_nobody_measured() -> Non
 @pytest.mark.parametrize(
     "keys, key, said",
     [
-        ({"steel": "R350HT"}, "steel", "'R350HT' is not allowed; give R260, ER7, ER8, or a yield_"),
+        (
+            {"steel": "R350HT"},
+            "steel",
+            "'R350HT' is not allowed; give R260, ER7, ER8, 1070, or a yie",
+        ),
         ({"steel": 260}, "steel", "260 is not allowed; give R260"),
         ({"steel": "R260", "yield_stress": 500}, "yield_stress", "is not allowed beside steel"),
         ({"steel": "R260", "hardening_modulus": 1e3}, "hardening_modulus", "without yield_stress"),
@@ -42,12 +49,35 @@ def test_every_steel_has_a_source_and_no_hardening_that_nobody_measured() -> Non
         ({"yield_stress": 500, "kinematic_fraction": 1.5}, "kinematic_fraction", "1.5"),
         ({"yield_stress": 500, "hardening_modulus": -1}, "hardening_modulus", "-1"),
         ({"stress_strain": "none.csv"}, "stress_strain", "not a readable .csv file"),
+        ({"backstress": [[4e4, 100]]}, "backstress", "without yield_stress"),
+        ({"yield_stress": 400, "backstress": [4e4, 100]}, "backstress", "give pairs of C (MPa)"),
+        ({"yield_stress": 400, "backstress": [[0, 100]]}, "backstress", "0 is not allowed"),
+        ({"yield_stress": 400, "recall_exponent": 5}, "recall_exponent", "without backstress"),
+        (
+            {"yield_stress": 400, "backstress": [[4e4, 1]], "recall_exponent": 0.5},
+            "recall_exponent",
+            "give 0, or 1 to 30",
+        ),
+        ({"yield_stress": 400, "isotropic": [60]}, "isotropic", "give two of them"),
+        ({"steel": "1070", "kinematic_fraction": 1}, "kinematic_fraction", "beside back stresses"),
     ],
 )
 def test_wrong_ways_to_yield_are_one_line(keys: dict, key: str, said: str) -> None:
     with pytest.raises(SceneError) as error:
         Rail(**keys)
     assert error.value.key == key and said in error.value.text
+
+
+def test_back_stresses_of_keys_and_of_a_steel_reach_the_solver(tmp_path) -> None:
+    keys = ["rail.yield_stress=400", "rail.backstress=[[40000, 100], [5000, 0]]"]
+    scene = Scene(load=1000).replace([*keys, "rail.isotropic=[60, 8]", "wheel.steel=1070"])
+    law, steel = hardening(scene.rail), hardening(scene.wheel)
+    assert law.backstresses == (Backstress(40000, 100), Backstress(5000, 0))
+    assert law.isotropic == (60, 8) and law.recall_exponent == 0
+    assert steel.recall_exponent == 5 and len(steel.backstresses) == 5
+    for part, (c, r) in zip(steel.backstresses, JIANG, strict=True):
+        assert part.modulus == pytest.approx(1.5 * c * r, rel=2e-3)
+        assert part.recall == pytest.approx(1.5**0.5 * c, abs=0.06)
 
 
 def test_a_modulus_goes_on_and_a_file_ends(tmp_path) -> None:

@@ -73,6 +73,8 @@ def test_a_wheel_that_yields_too_is_left_out_by_its_name():
         (["load=2100kN", "rolling.pressure=hertz"], "rolling.passes: 3 .*answer above 5.5;"),
         (["load=800kN", "friction.coefficient=0.5", "rolling.creepage_along=10%"],
          "p0/k is 3.58, .*no steady answer above 2.2 at Q/P = 0.5; give"),
+        (["rail.isotropic=[60, 8]"], "rolling.passes: 3 .*passes do not know rail.backstress"),
+        (["rail.yield_stress=none", "rail.steel=1070"], "rolling.passes: 3 .*nor a steel that has"),
         (["rail.young_modulus=inf"], "rolling.passes: 3 .*the rail is rigid"),
         (["friction.coefficient=0.3", "friction.force_along=9kN"],
          "rolling.passes: 3 .*a force of .friction. shifts a wheel that rests"),
