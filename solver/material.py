@@ -124,6 +124,8 @@ class Hardening:
     def stress_and_slope(self, plastic: Array) -> tuple[Array, Array]:
         """Stress of the curve and its slope (n,), MPa, at equivalent plastic strains (n,)."""
         strain, stress, slopes = self.segments
+        if len(strain) == 1:
+            return stress[0] + slopes[0] * plastic, np.full_like(plastic, slopes[0])
         segment = np.searchsorted(strain, plastic, side="right") - 1
         return stress[segment] + slopes[segment] * (plastic - strain[segment]), slopes[segment]
 
@@ -133,9 +135,11 @@ class Hardening:
         """
         curve, slope = self.stress_and_slope(plastic)
         share, (most, rate) = 1 - self.kinematic, self.isotropic
+        grown, slope = share * curve + self.kinematic * self.stress[0], share * slope
+        if not most:
+            return np.asarray(grown), np.asarray(slope)
         left = most * np.exp(-rate * plastic)
-        grown = share * curve + self.kinematic * self.stress[0] + most - left
-        return np.asarray(grown), np.asarray(share * slope + rate * left)
+        return np.asarray(grown + most - left), np.asarray(slope + rate * left)
 
 
 @dataclass(frozen=True)
@@ -257,13 +261,16 @@ class _Return:
 
     def __post_init__(self) -> None:
         """Constants of the back stresses (b,), and the state without growth."""
-        parts = self.hardening.backstresses
-        self.modulus = np.array([each.modulus for each in parts] or [0.0])
+        law, parts = self.hardening, self.hardening.backstresses
+        self.bent = law.kinematic > 0 and len(law.strain) > 1  # else Prager's part has one modulus
+        prager = 0.0 if self.bent else law.kinematic * law.final_hardening_modulus
+        self.modulus = np.array([each.modulus for each in parts] or [prager])
         self.recall = np.array([each.recall for each in parts] or [0.0])
         self.scale = np.sqrt(1.5) * self.recall / np.maximum(self.modulus, 1e-300)
         self.growth = np.zeros(len(self.mu))
-        self.size = np.maximum(self.sizes(self.before.back), LEAST_SIZE)
-        self.evaluate()
+        self.size = np.full(self.before.back.shape[:2], LEAST_SIZE)
+        if law.recall_exponent:
+            self.size = np.maximum(self.sizes(self.before.back), LEAST_SIZE)
 
     def sizes(self, back: Array) -> Array:
         """von Mises sizes (k, b) of back stresses (k, b, m) over their limits C/g."""
@@ -277,18 +284,21 @@ class _Return:
         step = before.equivalent_ahead + self.growth
         self.step = np.maximum(step, 1e-300)[:, None]
         self.plastic = before.equivalent + self.growth
-        start = self.sizes(before.back) ** chi
-        now, late = self.size**chi, self.step * self.recall * (1 + chi)
-        self.weight = (1 + late) / (2 + late)
-        self.phi = self.weight * now + (1 - self.weight) * start
-        self.turn = (now - start) * self.recall * (1 + chi) / (2 + late) ** 2
+        self.phi, self.turn = np.ones(()), np.zeros(())
+        if chi:
+            start = self.sizes(before.back) ** chi
+            now, late = self.size**chi, self.step * self.recall * (1 + chi)
+            self.weight = (1 + late) / (2 + late)
+            self.phi = self.weight * now + (1 - self.weight) * start
+            self.turn = (now - start) * self.recall * (1 + chi) / (2 + late) ** 2
         self.z = np.maximum(self.recall * self.phi * self.step, 1e-300)
         self.kept = np.exp(-self.z)
-        psi = -np.expm1(-self.z) / self.z
-        self.bend = np.where(self.z < 1e-4, self.z / 3 - 0.5, (self.kept - psi) / self.z)
-        curve, self.slope = law.stress_and_slope(self.plastic)
-        self.moved = law.kinematic * (curve - law.stress_and_slope(self.plastic - step)[0])
-        self.gain = 2 / 3 * (self.modulus * psi + self.moved[:, None] / self.step)
+        self.psi = -np.expm1(-self.z) / self.z
+        self.gain = 2 / 3 * self.modulus * self.psi
+        if self.bent:
+            curve, self.slope = law.stress_and_slope(self.plastic)
+            self.moved = law.kinematic * (curve - law.stress_and_slope(self.plastic - step)[0])
+            self.gain = self.gain + 2 / 3 * self.moved[:, None] / self.step
         fixed = self.kept[..., None] * before.back + self.gain[..., None] * before.ahead[:, None]
         across = self.elastic - fixed.sum(axis=1)
         self.norm = np.maximum(np.linalg.norm(across, axis=1), 1e-300)
@@ -308,13 +318,16 @@ class _Return:
         sum of the back stresses by the unknowns, at a kept direction (k, u, m).
         """
         chi, before = self.hardening.recall_exponent, self.before
-        by_z = 2 / 3 * self.modulus[:, None] * self.bend[..., None] * self.strain[:, None]
+        bend = np.where(self.z < 1e-4, self.z / 3 - 0.5, (self.kept - self.psi) / self.z)
+        by_z = 2 / 3 * self.modulus[:, None] * bend[..., None] * self.strain[:, None]
         by_z = by_z - self.kept[..., None] * before.back
         speed = self.recall * (self.phi + self.step * self.turn)
-        prager = self.hardening.kinematic * self.slope - self.moved / self.step[:, 0]
-        drift = 2 / 3 * (prager / self.step[:, 0])[:, None] * self.strain
-        by_growth = by_z * speed[..., None] + drift[:, None]
-        by_growth += self.gain[..., None] * self.normal[:, None] / ROOT
+        by_growth = by_z * speed[..., None]
+        if self.bent:
+            prager = self.hardening.kinematic * self.slope - self.moved / self.step[:, 0]
+            drift = 2 / 3 * (prager / self.step[:, 0])[:, None] * self.strain
+            by_growth = by_growth + drift[:, None]
+        by_growth = by_growth + self.gain[..., None] * self.normal[:, None] / ROOT
         total, by_stress = by_growth.sum(axis=1)[:, None], self.normal[:, None]
         if chi:
             power = self.weight * chi * self.size ** (chi - 1)
@@ -340,17 +353,18 @@ class _Return:
         along = np.einsum("kum,km->ku", tensors, self.normal)
         return np.asarray(tensors - along[..., None] * self.normal[:, None])
 
-    def solve(self) -> None:
-        """Newton's method from no growth; at points where a step would enlarge the residual it is
-        shortened. Raises ValueError where it does not converge.
+    def solve(self, excess: Array) -> None:
+        """Newton's method from no growth, where the first equation has the value `excess` (k,); at
+        points where a step would enlarge the residual it is shortened. Raises ValueError where it
+        does not converge.
         """
         chi, before = self.hardening.recall_exponent, self.before
-        units = np.ones(self.residual.shape)
-        units[:, 0] = np.linalg.norm(self.elastic, axis=1)
-        units[:, 0] += np.linalg.norm(before.back, axis=2).sum(axis=1)
+        units = np.ones((len(excess), 1 + (len(self.recall) if chi else 0)))
+        units[:, 0] = excess + self.hardening.initial_yield_stress
         limit = np.maximum(2 ** (1 / (1 + chi)), self.size)  # as the end weighs a half
-        stiff = 2 * self.mu / ROOT + ROOT * (self.slope + self.modulus.sum())
-        now = np.column_stack([self.excess / stiff, self.size])[:, : units.shape[1]]
+        slope = self.hardening.radius(before.equivalent)[1]
+        stiff = 2 * self.mu / ROOT + ROOT * (slope + self.modulus.sum())
+        now = np.column_stack([excess / stiff, self.size])[:, : units.shape[1]]
         least, most = np.full_like(now, LEAST_SIZE), np.full_like(now, np.inf)
         least[:, 0], most[:, 1:] = -before.equivalent_ahead, limit[:, : now.shape[1] - 1]
         start, change, share = now, np.zeros_like(now), np.ones((len(now), 1))
@@ -360,11 +374,11 @@ class _Return:
             if chi:
                 self.size = now[:, 1:]
             self.evaluate()
-            wrong = self.residual / units
-            left = np.linalg.norm(wrong, axis=1)[:, None]
-            done = np.all(np.abs(wrong) < RETURN_TOLERANCE, axis=1)[:, None]
+            wrong = np.abs(self.residual / units)
+            done = (wrong < RETURN_TOLERANCE).all(axis=1, keepdims=True)
             if done.all():
                 return
+            left = np.linalg.norm(wrong, axis=1)[:, None]
             better = (left < smallest) | done
             share = np.where(better, 1.0, share / 4)
             start, smallest = np.where(better, now, start), np.minimum(left, smallest)
@@ -401,14 +415,21 @@ def radial_return(
     backs = max(len(hardening.backstresses), 1)
     before = replace(before, back=before.back[:, :backs])
     elastic = 2 * mu[:, None] * (deviator(strain) - before.plastic)
-    start = _Return(hardening, mu, elastic, before)
-    yielding = np.flatnonzero(start.excess > 1e-12 * ROOT * hardening.initial_yield_stress)
-    after = History.virgin(len(strain), strain.shape[1], backs)
-    after.plastic[:], after.back[:] = before.plastic, start.back
-    after.equivalent[:] = before.equivalent
+    if before.equivalent_ahead.any():
+        start = _Return(hardening, mu, elastic, before)
+        start.evaluate()
+        back, excess = start.back, start.excess
+    else:
+        back, radius = before.back.copy(), ROOT * hardening.radius(before.equivalent)[0]
+        excess = np.linalg.norm(elastic - back.sum(axis=1), axis=1) - radius
+    yielding = np.flatnonzero(excess > 1e-12 * ROOT * hardening.initial_yield_stress)
+    nothing, no_strain = np.zeros(len(mu)), np.zeros_like(strain)
+    after = History(before.plastic.copy(), back, before.equivalent.copy(), no_strain, nothing)
+    if not len(yielding):
+        return after, TangentReduction.none(strain.shape[1])
     at = before.at(yielding)
     found = _Return(hardening, mu[yielding], elastic[yielding], at)
-    found.solve()
+    found.solve(excess[yielding])
     after.plastic[yielding] += found.strain - at.ahead
     after.back[yielding], after.equivalent[yielding] = found.back, found.plastic
     if not tangent:
