@@ -249,11 +249,11 @@ def _yield(solved: Solved, friction: Mapping[str, Any]) -> dict[str, Any]:
     limit = damage.LINE if context.contact.line else limit
     state = "elastic" if ratio <= first else "shakes down" if ratio <= limit else "ratchets"
     found = dict(zip(keys, (0.0, ratio, first, limit), strict=True)) | {"shakedown": state}
-    over = context.overload
     if "p0_over_k" in friction:
         found |= {key: friction[key] for key in found}
-        over = (found[keys[1]] / found[keys[2]]) ** power
-    found["load_over_first_yield"] = over
+        found["load_over_first_yield"] = (found[keys[1]] / found[keys[2]]) ** power
+    else:
+        found["load_over_first_yield"] = context.overload
     found["load_over_shakedown"] = (found[keys[1]] / found[keys[3]]) ** power
     return {**found, "load_N": elastic["load_N"]}
 
