@@ -83,11 +83,11 @@ def test_back_stresses_of_keys_and_of_a_steel_reach_the_solver(tmp_path) -> None
 def test_a_modulus_goes_on_and_a_file_ends(tmp_path) -> None:
     straight = hardening(Rail(yield_stress=500, hardening_modulus=1e3, kinematic_fraction=0.7))
     assert straight.kinematic == 0.7
-    assert straight.stress_and_slope([0.0, 5.0])[0] == pytest.approx([500, 5500])
+    assert straight.stress_and_slope(np.array([0.0, 5.0]))[0] == pytest.approx([500, 5500])
     file = tmp_path / "curve.csv"
     file.write_text("\ufeffstrain,stress\n0,480\n0.001,580\n\n", encoding="utf-8")
     curve = hardening(Rail(stress_strain=str(file)))
-    assert curve.stress_and_slope([0.0005, 0.01])[0] == pytest.approx([530, 580])
+    assert curve.stress_and_slope(np.array([0.0005, 0.01]))[0] == pytest.approx([530, 580])
 
 
 @pytest.mark.parametrize(
