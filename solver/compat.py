@@ -18,6 +18,7 @@ import os
 import re
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -105,9 +106,11 @@ def _cached(folder: Path) -> dict[str, str]:
     the form's name.
     """
     lines: dict[str, str] = {}
-    for path in sorted(folder.glob("libffcx_*")):
-        name = path.name.partition(".")[0]
-        lines[name] = f"{lines.get(name, '')} {path.name} {path.stat().st_size}"
+    with os.scandir(folder) as files:
+        for file in sorted(files, key=attrgetter("name")):
+            name = file.name.partition(".")[0]
+            if name.startswith("libffcx_"):
+                lines[name] = f"{lines.get(name, '')} {file.name} {file.stat().st_size}"
     return lines
 
 

@@ -19,7 +19,6 @@ from railhead.theory.friction_laws import ByTemperature, Falling, Heat, Interfac
 CELLS = 64  # along the patch, for temperatures before anything is solved: 0.1 %
 CONTINUUM = 1e-6  # mm, least half length of a patch: some atoms
 LARGEST = 1e6  # mm, largest half length of a patch: no body is longer
-PARABOLIC = 0.02  # largest deviation from Hertz's gap, over the approach
 ROUNDING = 1e3  # least gap of a patch over the rounding error of coordinates
 
 
@@ -90,22 +89,22 @@ def hertz_if_valid(scene: Scene, contact: Contact) -> Hertz:
     raise SceneError(key, f"{size}; give one with half lengths from {least:.3g} to {most:.3g} mm")
 
 
-def gap_is_quadratic(contact: Contact, ellipse: Hertz) -> bool:
-    """Whether the exact gap over the ellipse is Hertz's parabola within 2 % (PARABOLIC) of the
-    approach, and no other contact point is within reach of the approach; not where the surfaces
+def gap_deviation(contact: Contact, ellipse: Hertz) -> float:
+    """Largest deviation of the exact gap over the ellipse from Hertz's parabola, over the approach;
+    infinite where another contact point is within reach of the approach, and where the surfaces
     have a shape. Raises ValueError for half-spaces.
     """
     touch = contact.touch
     if contact.shape is not None:
-        return False
+        return math.inf
     if len(contact.touches(ellipse.approach / touch.upright)) > 1:
-        return False
+        return math.inf
     turn, radius = np.meshgrid(np.linspace(0, 2 * np.pi, 25), [0.5, 1.0])
     u, v = (ellipse.a * radius * np.cos(turn)).ravel(), (ellipse.b * radius * np.sin(turn)).ravel()
     c, t = math.cos(touch.orientation), math.sin(touch.orientation)
     gap = contact.half_space_gap(touch)(c * u - t * v, t * u + c * v)
     expected = (touch.curvature_x * u**2 + touch.curvature_y * v**2) / 2
-    return bool(np.abs(gap - expected).max() < PARABOLIC * ellipse.approach)
+    return float(np.abs(gap - expected).max() / ellipse.approach)
 
 
 def _smallest(scene: Scene, contact: Contact, found: Hertz) -> float:

@@ -18,7 +18,6 @@ from pathlib import Path
 
 import numpy as np
 from scipy.interpolate import CubicSpline
-from scipy.signal import find_peaks
 
 from railhead.geometry.measured import formats, ordering, smoothing
 from railhead.geometry.measured.formats import MM_OF_UNIT, FormatError
@@ -326,6 +325,8 @@ def _valley(points: Array) -> int:
     """Index of the lowest of points (n, 2), mm, between the two tops that stand out most; 0 where
     there is one top.
     """
+    from scipy.signal import find_peaks  # loads scipy.stats, which takes 0.3 s
+
     z = np.pad(points[:, 1], 1, constant_values=points[:, 1].min() - DEPTH)
     peaks, found = find_peaks(z, prominence=APART, plateau_size=(None, None))
     if len(peaks) < 2:

@@ -28,6 +28,7 @@ DEFAULT_ACCURACY = 0.01  # accuracy of a scene that prescribes none
 YIELD_FOUND = 3e-3  # relative error of the load of first yield at which its search ends
 MOST_LOADS = 5  # of that search
 MARGIN = 1.1  # factor on the patch in which radii are compared
+HERTZ = 0.02  # largest deviation from Hertz's gap, over the approach, for exact Hertz as forecast
 STRAIGHT = 1e-9  # 1/mm, change of a curvature by rounding
 
 
@@ -189,12 +190,19 @@ class Context:
         return not self.contact.curved_solid or float(np.ptp(curvatures, axis=1).max()) < STRAIGHT
 
     @cached_property
-    def hertzian(self) -> bool:
-        """Whether exact Hertz gives the patch before anything is solved: always between half-spaces
-        and in sections, else where the exact gap over the patch is Hertz's parabola.
+    def gap_deviation(self) -> float:
+        """Largest deviation of the gap over the patch from Hertz's parabola, over the approach
+        (`closed_forms.gap_deviation`); 0 between half-spaces and in sections.
         """
-        contact, hertz = self.contact, self.hertz
-        return not contact.curved_solid or closed_forms.gap_is_quadratic(contact, hertz)
+        curved = self.contact.curved_solid
+        return closed_forms.gap_deviation(self.contact, self.hertz) if curved else 0.0
+
+    @property
+    def hertzian(self) -> bool:
+        """Whether exact Hertz gives the patch before anything is solved: where the gap is Hertz's
+        parabola within 2 % (HERTZ).
+        """
+        return self.gap_deviation < HERTZ
 
     @cached_property
     def elastic(self) -> BoundaryElementSolution | str:

@@ -39,6 +39,11 @@ SECTION_CELLS = 8.5  # cells of web and foot for each mm of a whole rail (measur
 TOLERANCE_SHARE = 0.02  # of an error envelope of the mesh: the residual adds 4 % to it at most
 LARGEST_TOLERANCE = 1e-3  # of Newton's method on meshes whose envelopes are larger than the values
 DEFAULT_TOLERANCE = 1e-6  # of Newton's method where no error of the mesh is known
+STEP_ORDER = 1.5  # of the error of load steps; 1.5 to 2.2 were measured from two steps on
+LOAD_STEP_SHARE = 0.25  # largest share of an accuracy that the error of load steps takes
+MOST_STEPS = 16  # largest factor on the usual number of load steps
+PARABOLA = 3e-4  # largest deviation of the gap from a parabola, over the approach, and ...
+FAR = 4.0  # ... least distance of edges and supports, over half lengths, of semi-ellipsoids
 MOST_UNKNOWNS = 1e9  # of a mesh that is planned: a thousand times the largest that was solved
 MEMORY_SHARE = 0.8  # largest predicted memory over the free memory
 
@@ -135,7 +140,23 @@ class Plan:
         """
         if self.by_half_spaces or (self.condenses and self.effects["friction"].on):
             return None
-        return error_envelopes.family(self.setting)
+        return error_envelopes.family(self.setting, parabolic=self.parabolic)
+
+    @cached_property
+    def parabolic(self) -> bool:
+        """Whether the pressure of bodies that stay elastic is Hertz's semi-ellipsoid: between half-
+        spaces, and of solids whose gap is a parabola within 0.03 % (PARABOLA) and whose supports
+        and edges across are farther than 4 (FAR) half lengths. What their images, twice as far,
+        change there is a parabola, too, but for the fifth power of half that ratio.
+        """
+        contact = self.contact
+        if not contact.curved_solid or self.context.gap_deviation > PARABOLA:
+            return contact.half_space
+        y = contact.touch.y
+        ends = [
+            abs(end + shift - y) for _, each, shift in contact.cross_profiles for end in each.domain
+        ]
+        return FAR * max(self.zone) < min(*ends, *self.held.values())
 
     @property
     def stresses_asked(self) -> bool:
@@ -218,11 +239,39 @@ class Plan:
         return sum(effect.error for effect in self.effects.values())
 
     @property
-    def accuracy_of_meshes(self) -> float:
-        """Relative accuracy that meshes have to meet: the asked one less the error of the effects
-        that are left out; 0 less that where none is asked.
+    def load_step_errors(self) -> dict[str, float]:
+        """Relative errors that load steps leave where bodies yield, by key of summary.json; empty
+        without yield, and where none were measured (`error_envelopes.load_steps`).
         """
-        return (self.scene.accuracy or 0.0) - self.omission_error
+        if not self.effects["plasticity"].on:
+            return {}
+        known = error_envelopes.load_steps(self.context.overload, line=self.contact.line)
+        fewer = (material.steps(self.context) / self.load_steps) ** STEP_ORDER
+        return {name: fewer * error for name, error in known.items()}
+
+    @property
+    def error_without_meshes(self) -> float:
+        """Largest relative error of what an accuracy counts that no mesh makes smaller: by load
+        steps and by effects that are left out.
+        """
+        steps = self.load_step_errors.items()
+        places = error_envelopes.PLACES
+        return self.omission_error + max((e for name, e in steps if name not in places), default=0)
+
+    def for_accuracy(self, accuracy: float) -> Plan:
+        """The plan whose load steps leave at most 0.25 (LOAD_STEP_SHARE) of a relative accuracy,
+        and whose mesh is expected to meet the rest, the finest one that the error laws cover where
+        none does. Without laws the element size stays as it is. There are at most 16 (MOST_STEPS)
+        times the usual load steps.
+        """
+        usual = replace(self, load_steps=material.steps(self.context))
+        error = usual.error_without_meshes - self.omission_error
+        more = (error / (LOAD_STEP_SHARE * accuracy)) ** (1 / STEP_ORDER)
+        steps = math.ceil(usual.load_steps * min(max(more, 1.0), MOST_STEPS))
+        plan = replace(self, load_steps=steps if error else self.load_steps)
+        if self.family is None:
+            return plan
+        return plan.at_resolution(self.family.finest(accuracy - plan.error_without_meshes))
 
     @cached_property
     def uncertainty(self) -> dict[str, Any] | None:
@@ -423,17 +472,12 @@ class Plan:
     @property
     def solving_seconds(self) -> float:
         """Predicted seconds of the whole process without pictures: imports, passes, and this mesh.
-        For an accuracy or a budget without error laws also two coarser ones, each by 1.6 (STEP);
-        with yield the coarsest of its family, with one and with two times the load steps.
+        For an accuracy or a budget without error laws also two coarser ones, each by 1.6 (STEP).
         """
         seconds, n = cost.START + self.seconds_of_one, self.sizing.resolution
-        if self.scene.one_mesh or self.by_half_spaces:
+        if self.scene.one_mesh or self.by_half_spaces or self.family is not None:
             return seconds
-        before = [self.at_resolution(n / error_envelopes.STEP**k) for k in (1, 2)]
-        if self.family is not None:
-            coarse = self.at_resolution(self.family.resolution[0])
-            before = [coarse, replace(coarse, load_steps=2 * self.load_steps)]
-            before = before if self.effects["plasticity"].on else []
+        before = (self.at_resolution(n / error_envelopes.STEP**k) for k in (1, 2))
         return seconds + sum(each.mesh_seconds for each in before)
 
     @property
@@ -519,18 +563,19 @@ class Plan:
         """Predicted cost of several accuracies, coarsest first; None where no family of error laws
         fits the plan.
         Keys of a row: accuracy, patch_size_mm, unknowns, seconds, memory_MB, and of the largest
-            expected estimate widest (its quantity), mesh, reading, left_out and profile (its
-            parts); all but accuracy are None where it is out of reach. Seconds: `solving_seconds`.
+            expected estimate widest (its quantity), mesh, reading, left_out, load_steps and profile
+            (its parts); all but accuracy are None where it is out of reach. Seconds:
+            `solving_seconds`.
         """
         wanted, family = self.scene.accuracy, self.family
         if family is None:
             return None
         rows = []
         for accuracy in sorted({*PRICED_ACCURACIES, *([wanted] if wanted else [])}, reverse=True):
-            fine, mesh_share = None, accuracy - self.omission_error
-            widest, total, mesh = None, 0.0, 0.0
-            if self.profile_error < accuracy and family.reaches(mesh_share):
-                fine = self.at_resolution(family.finest(mesh_share))
+            planned, fine = self.for_accuracy(accuracy), None
+            others, widest, total, mesh = planned.error_without_meshes, None, 0.0, 0.0
+            if self.profile_error < accuracy and accuracy >= family.least + others:
+                fine = planned
                 total, widest, mesh = family.expected(fine.sizing.resolution)
             rows.append(
                 {
@@ -543,6 +588,7 @@ class Plan:
                     "mesh": fine and mesh,
                     "reading": fine and total - mesh,
                     "left_out": fine and self.omission_error,
+                    "load_steps": fine and others - self.omission_error,
                     "profile": fine and self.profile_error,
                 }
             )
@@ -625,7 +671,7 @@ def make(scene: Scene) -> Plan:
     """
     plan = _decided(scene)
     if scene.accuracy is not None and scene.budget is None and plan.family is not None:
-        least = plan.family.least + plan.omission_error
+        least = plan.family.least + plan.error_without_meshes
         if scene.accuracy < least:
             instead = " or solver.method=nitsche" if scene.solver.method == "penalty" else ""
             raise SceneError(
@@ -668,6 +714,4 @@ def _decided(scene: Scene) -> Plan:
     if scene.mesh.patch_size:
         return plan
     plan = plan.at_resolution(plan.sizing.default_resolution)
-    if scene.accuracy is None or plan.family is None:
-        return plan
-    return plan.at_resolution(plan.family.finest(plan.accuracy_of_meshes))
+    return plan if scene.accuracy is None else plan.for_accuracy(scene.accuracy)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
@@ -124,6 +125,29 @@ def patches(summary: Mapping[str, Any], units: Units) -> tuple[str, list[list[st
         table.append([str(number), *(brief(units.value(*each)) for each in rounded)])
     title = f"{len(each)} separate patches"
     return title + f" ({', '.join(known)} of the first)" * bool(known), table
+
+
+def error_parts(summary: Mapping[str, Any]) -> list[list[str]]:
+    """Cells of the table of the parts of estimates, in per cent, its header first: a row for each
+    quantity that has an estimate, a column for each part that is not 0 for all of them. No cells
+    where there are no estimates.
+    """
+    bound, parts = summary["accuracy"]["bound"], summary["accuracy"]["parts"]
+    known = {
+        each.label: parts[each.key]
+        for each in quantities.QUANTITIES
+        if each.label and each.key in bound.keys() & parts.keys()
+    }
+    names = [
+        name
+        for name in dict.fromkeys(itertools.chain(*known.values()))
+        if any(own.get(name) for own in known.values())
+    ]
+    table = [["quantity", "estimate", *(name.replace("_", " ") for name in names)]] * bool(known)
+    for label, own in known.items():
+        cells = (sum(own.values()), *(own.get(name, 0.0) for name in names))
+        table.append([label.strip(), *(f"{cell:.3%}" for cell in cells)])
+    return table
 
 
 def filled(rows: Sequence[Row]) -> list[str]:

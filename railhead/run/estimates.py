@@ -24,7 +24,6 @@ from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 from typing import Any
 
-from railhead.planning.effects import material
 from railhead.planning.error_envelopes import PLACES, STEP, Family, drop_beside_maximum
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.findings import RIVAL, Findings
@@ -39,7 +38,6 @@ APART = 1 + 1 / SCATTER_FACTOR  # ratio of two meshes whose change times that fa
 # Relative error of any quantity over the residual of Newton's method: 1.13 at most, measured at a
 # tolerance of 1e-3 (tests/rooms/solver/algebra/test_tolerance.py).
 RESIDUAL_FACTOR = 2.0
-STEP_ORDER = 1.5  # of the error of load steps; 1.5 to 2.2 were measured from two steps on
 RIDGE_STRESS_FACTOR = 2.0
 """Uncertainty of the largest stresses in the bodies under a ridge of the pressure, over that of the
 ridge: chosen on the scenes of seed 1, of which one alone makes three quarters of the law if it is
@@ -239,64 +237,45 @@ force is given."""
 
 
 def mesh_errors(
-    meshes: Sequence[tuple[float, Numbers, Numbers]], envelopes: Family | None, scale: Numbers
+    meshes: Sequence[tuple[float, Numbers]], envelopes: Family | None, scale: Numbers
 ) -> tuple[dict[str, float], str]:
     """Mesh part of the errors of the finest mesh by key, and their source in words.
 
-    meshes: n (elements per smaller semi-axis), values and reading errors by key of each mesh, the
-        finest last.
+    meshes: n (elements per smaller semi-axis) and values by key of each mesh, the finest last.
     envelopes: calibrated error envelopes that hold for the scene, None without.
     scale: factors of the error by key.
 
-    Two meshes confirm an envelope where they differ by no more than both estimates allow; a
-    confirmed envelope may be used on a mesh finer by 1.6 (STEP) than both. One mesh alone needs
-    nothing that confirms. Where meshes do not confirm, no envelope covers the run, or the family
-    has no law of a quantity, the part is twice (SCATTER_FACTOR) the larger change between the last
-    three meshes. The earlier change is divided by 1.6. With fewer meshes there is no part, and the
-    words say why.
+    Where no envelope covers the run, or the family has no law of a quantity, the part is twice
+    (SCATTER_FACTOR) the larger change between the last three meshes. The earlier change is divided
+    by 1.6 (STEP). With fewer meshes there is no part, and the words say why.
     """
-    (n, fine, own), *before = reversed(meshes)
+    (n, fine), *before = reversed(meshes)
     parts: dict[str, float] = {}
-    coarser = [m for m, *_ in before]
-    missing = "no calibrated family"
-    if envelopes is not None and not envelopes.covers(n, coarser):
-        missing = (
+    none: Numbers = {}
+    source = "no calibrated family"
+    if envelopes is not None and not envelopes.covers(n):
+        source = (
             "{:.3g} elements a half length; laws of the family {} hold from {:.3g} to {:.3g}"
         ).format(n, envelopes.name, *envelopes.resolution)
-        envelopes = None
-    if envelopes is not None:
-        for name in (each for each in envelopes.laws if each in fine):
-            factor, reading = scale.get(name, 1.0), own.get(name, 0.0)
-            if all(
-                _change(values, fine, name)
-                <= factor * (envelopes.mesh(name, m) + envelopes.mesh(name, n))
-                + reading
-                + readings.get(name, 0.0)
-                for m, values, readings in before
-                if envelopes.covers(m, coarser) and m < n and name in values
-            ):
-                parts[name] = factor * envelopes.mesh(name, n)
-        if parts.keys() >= fine.keys():
-            return parts, f"law of the family {envelopes.name}"
-    apart = _steps(n, before)
-    if len(apart) >= 2:
-        middle, coarse = apart[:2]
-        for name in fine:
-            if name not in parts and name in middle and name in coarse:
-                last, earlier = _change(middle, fine, name), _change(coarse, middle, name)
-                parts[name] = SCATTER_FACTOR * max(last, earlier / STEP)
-    if envelopes is None:
-        return parts, "scatter of three meshes" if parts else missing
-    return parts, f"law of the family {envelopes.name}, where meshes do not deny it"
+    elif envelopes is not None:
+        known = envelopes.laws.keys() & fine.keys()
+        parts = {name: scale.get(name, 1.0) * envelopes.mesh(name, n) for name in known}
+        source = f"law of the family {envelopes.name}"
+    middle, coarse, *_ = *_steps(n, before), none, none
+    for name in fine.keys() & middle.keys() & coarse.keys() - parts.keys():
+        last, earlier = _change(middle, fine, name), _change(coarse, middle, name)
+        parts[name] = SCATTER_FACTOR * max(last, earlier / STEP)
+        source = "scatter of three meshes"
+    return parts, source
 
 
-def _steps(n: float, before: Sequence[tuple[float, Numbers, Numbers]]) -> list[Numbers]:
+def _steps(n: float, before: Sequence[tuple[float, Numbers]]) -> list[Numbers]:
     """Values of the earlier meshes that are each coarser than the next one by a factor of at least
-    1.5 (APART), the finest first. n: elements per smaller semi-axis of the finest mesh; before: n,
-    values and reading errors of the others, the finest first.
+    1.5 (APART), the finest first. n: elements per smaller semi-axis of the finest mesh; before: n
+    and values of the others, the finest first.
     """
     apart = []
-    for m, values, _ in before:
+    for m, values in before:
         if n >= APART * m:
             apart.append(values)
             n = m
@@ -322,40 +301,28 @@ def _of_rigid_bodies(solved: MeshSolution) -> set[str]:
     return {key for key in keys if stress.get(key.replace("_MPa", "_body")) in solved.plan.rigid}
 
 
-def load_step_errors(meshes: Sequence[MeshSolution]) -> dict[str, float]:
-    """Relative error of the last mesh by its load steps, by key: that of the usual number, measured
-    on the first mesh, which falls with more steps. Empty where it was not measured.
-    """
-    plan = meshes[-1].plan
-    fewer = (material.steps(plan.context) / plan.load_steps) ** STEP_ORDER
-    return {name: error * fewer for name, error in meshes[0].load_step_errors.items()}
-
-
 def estimate(meshes: Sequence[MeshSolution]) -> tuple[dict[str, Estimate], str]:
     """Error estimates of the last of a scene's meshes by key, and the source of their mesh parts in
     words (rank 0; empty elsewhere). meshes: coarsest first.
 
     A quantity has no estimate without a mesh part or where its readings differ without bound. A run
-    without convergence has no estimates, nor has one with yield whose load steps were not doubled.
+    without convergence has no estimates, nor has one with yield for whose load steps there is no
+    law.
     """
     solved = meshes[-1]
     if solved.result is None or solved.findings is None or not solved.solution.newton.converged:
         return {}, "no solution"
-    steps = load_step_errors(meshes)
+    steps = solved.plan.load_step_errors
     if solved.solution.plasticity is not None and not steps:
         return {}, "the error of the load steps is not known"
-    values = [
-        (each.resolution, resolved_values(each), reading_errors(each.findings))
-        for each in meshes
-        if each.findings is not None
-    ]
+    values = [(e.resolution, resolved_values(e)) for e in meshes if e.findings is not None]
     envelopes = solved.family
     scale = error_scales(solved.findings, solved.result)
     parts, source = mesh_errors(values, envelopes, scale)
     soft = solved.plan.scene.solver.method == "penalty"
     overlap = abs(solved.solution.penetration / solved.solution.approach) if soft else 0.0
     largest = "tau_max_MPa"
-    doubt = 2 * (parts.get(largest, 0.0) + values[-1][2].get(largest, 0.0))
+    doubt = 2 * (parts.get(largest, 0.0) + reading_errors(solved.findings).get(largest, 0.0))
     readings = reading_errors(solved.findings, max(RIVAL, doubt))
     for key in parts.keys() & _of_rigid_bodies(solved):
         parts[key] = max(parts[key], parts.get("max_MPa", math.inf))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
@@ -69,9 +69,6 @@ class MeshSolution:
         has neither.
     residual_state: yield, and the stresses and shapes that remain after it; None where nothing
         yields and off rank 0.
-    load_step_errors: relative error, by key of `numeric_values`, that the usual number of load
-        steps makes. Measured on the first mesh of a sequence, which is solved with twice as many.
-        Empty elsewhere.
     passes: of the wheel over the rail; None where there are none, and off rank 0.
     """
 
@@ -87,7 +84,6 @@ class MeshSolution:
     result: dict[str, Any] | None = None
     elastic_reference: MeshSolution | None = None
     residual_state: ResidualState | None = None
-    load_step_errors: Mapping[str, float] = field(default_factory=dict)
     passes: Passes | None = None
 
     def __getstate__(self) -> dict[str, Any]:
@@ -139,7 +135,8 @@ class MeshSolution:
         plan, found = self.plan, self.findings
         if found is None or plan.family is None or plan.effects["plasticity"].on:
             return plan.family
-        return error_envelopes.family({**plan.setting, "ellipse": found.hertzian})
+        setting = {**plan.setting, "ellipse": found.hertzian}
+        return error_envelopes.family(setting, parabolic=plan.parabolic)
 
     @property
     def unloaded_fields(self) -> Fields | None:
@@ -289,7 +286,7 @@ def _read(solved: MeshSolution) -> MeshSolution:
 
     frame, unlike = plan.contact.frame, interface.unlike(plan.context)
     elastic = solution.plasticity is None and not (unlike and solution.friction is not None)
-    parabolic = plan.contact.half_space and elastic
+    parabolic = plan.parabolic and elastic
     stresses = plan.scene.asks("stresses" if solution.friction is None else "friction_stresses")
     findings = read.findings(fields, frame, parabolic=parabolic, stresses=stresses)
     if plan.rigid and stresses:
@@ -389,7 +386,7 @@ def solve(
     tractions = partial(
         solid_friction.solve_by_suited_method,
         stage=stage,
-        parabolic=plan.contact.half_space,
+        parabolic=plan.parabolic,
         misplaced=misplaced,
     )
 

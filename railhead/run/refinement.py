@@ -3,31 +3,23 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from mpi4py import MPI
 
 from railhead.planning import cost, error_envelopes
-from railhead.planning.effects import material
 from railhead.planning.forecast import LINEAR_REFINEMENT
 from railhead.planning.simulation_plan import Plan
 from railhead.run import estimates
-from railhead.run.estimates import STEP_ORDER
 from railhead.run.half_spaces import answer
 from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
 from railhead.run.progress import Progress
-from railhead.scene import quantities
 from railhead.scene.scene import SceneError
 
 LEAST_MESHES = 3  # that tell an error without laws
 MAX_LEVELS = 5
 ONE_MESH = "one mesh"
 BUDGET_SHARE = 0.85  # largest predicted time over the budget
-# Error over the change with twice the load steps: 1.3 to 1.9 from two steps on, 2.1 from one
-# (pressure of a sphere at 2 to 10 times its first-yield load, beside 16 and 32 steps).
-STEP_ERROR = 2.0
-LOAD_STEP_SHARE = 0.4  # share of the accuracy that the error of load steps may take
-MOST_STEPS = 16  # largest factor on the usual number of load steps
 MARGIN = 1.1  # on the estimate of a mesh that was not fine enough
 LEAST_STEP = 1.15  # least factor on the resolution from one mesh to the next
 
@@ -51,10 +43,9 @@ def refine(
     """Solved meshes of a plan, coarsest first, and why the sequence ended (collective).
 
     Where error laws hold, the first mesh is the one that the plan chose, and mostly the only one.
-    Without laws it is coarser by 1.6 squared (STEP), as three meshes tell an error. Where bodies
-    yield it is the coarsest of its family, as it is solved twice: two numbers of load steps tell
-    the error of either. Finer ones follow until the estimates meet the accuracy, at most five
-    (MAX_LEVELS); without an accuracy, until there are estimates.
+    Without laws it is coarser by 1.6 squared (STEP), as three meshes tell an error. Finer ones
+    follow until the estimates meet the accuracy, at most five (MAX_LEVELS); without an accuracy,
+    until there are estimates.
 
     SceneError: no mesh meets the accuracy (`_refuse`), or the only mesh of a scene does not fit
         into the memory. In a sequence a finer mesh that does not fit ends it.
@@ -66,8 +57,6 @@ def refine(
     _refuse(plan, progress)
     scene = plan.scene
     meshes = [mesh_and_solve(_first(plan), progress, comm)]
-    if meshes[0].solution.plasticity is not None:
-        meshes[0] = _with_load_step_errors(meshes[0], progress, comm)
     spent = sum(meshes[0].seconds.values())
     while True:
         done = meshes[-1]
@@ -86,7 +75,7 @@ def refine(
             over = f"the least that gives an estimate took {spent:.1f} s, over the budget"
             return meshes, Ending("budget spent" if spent <= limit else over)
         n, covered = comm.bcast(_next(meshes, worst))
-        finer = replace(done.plan.at_resolution(n), load_steps=comm.bcast(_steps(meshes[0])))
+        finer = done.plan.at_resolution(n)
         would_cost = finer.unknowns, finer.mesh_seconds
         # What gives an estimate was priced beforehand.
         stop = comm.bcast(_obstacle(finer, spent if math.isfinite(worst) else 0.0))
@@ -102,15 +91,15 @@ def _first(plan: Plan) -> Plan:
     """The plan of the first mesh for an accuracy or a budget."""
     n = plan.sizing.resolution if plan.scene.budget is None else _affordable(plan)
     if plan.family is not None:
-        coarse = plan.effects["plasticity"].on and plan.scene.budget is None
-        return plan.at_resolution(plan.family.resolution[0] if coarse else n)
+        return plan.at_resolution(n)
     low = error_envelopes.RANGE[0] * (LINEAR_REFINEMENT if plan.order == 1 else 1.0)
     return plan.at_resolution(max(n / error_envelopes.STEP**2, low))
 
 
 def _refuse(plan: Plan, progress: Progress) -> None:
     """Raise SceneError where no mesh meets the accuracy of a scene: measured profiles leave more
-    open, or the grids of tractions, which half-spaces foresee.
+    open, or the grids of tractions, which half-spaces foresee, or load steps whose errors nobody
+    measured.
     """
     wanted, fixed = plan.scene.accuracy or math.inf, {"the measured profile": plan.profile_error}
     if plan.scene.accuracy and plan.effects["friction"].on and not plan.condenses:
@@ -119,6 +108,9 @@ def _refuse(plan: Plan, progress: Progress) -> None:
     for what, error in fixed.items():
         if error >= wanted:
             raise SceneError("accuracy", f"{wanted:.3g}: {what} leaves {error:.2%} on any mesh")
+    if plan.scene.accuracy and plan.effects["plasticity"].on and not plan.load_step_errors:
+        over = f"{plan.context.overload:.3g} times the load of first yield"
+        raise SceneError("accuracy", f"{wanted:.3g}: errors of load steps are not known at {over}")
 
 
 def unplanned_yield(solved: MeshSolution, comm: MPI.Intracomm) -> str:
@@ -149,59 +141,20 @@ def _affordable(plan: Plan) -> float:
     return best
 
 
-def _with_load_step_errors(
-    solved: MeshSolution, progress: Progress, comm: MPI.Intracomm
-) -> MeshSolution:
-    """The solution with twice its load steps, which is solved here (collective). Its
-    `load_step_errors` are those of the usual number: twice (STEP_ERROR) the change.
-    """
-    plan = solved.plan
-    twice = replace(plan, load_steps=2 * plan.load_steps)
-    other = mesh_and_solve(twice, progress, comm)
-    error: dict[str, float] = {}
-    if solved.result is not None and other.result is not None:
-        found = quantities.numeric_values(solved.result)
-        better = quantities.numeric_values(other.result)
-        error = {
-            name: STEP_ERROR * abs(found[name] / better[name] - 1)
-            for name in found
-            if better.get(name)
-        }
-    return replace(other, load_step_errors=error)
-
-
-def _steps(solved: MeshSolution) -> int:
-    """Number of load steps after a first mesh: as many as the accuracy needs by its
-    `load_step_errors`, at most 16 times (MOST_STEPS) the usual number; that of its plan without
-    such errors.
-    """
-    plan, errors = solved.plan, solved.load_step_errors
-    largest = max((errors[name] for name in errors.keys() - {*error_envelopes.PLACES}), default=0.0)
-    if not largest:
-        return plan.load_steps
-    more = largest / (LOAD_STEP_SHARE * (plan.scene.accuracy or 1.0))
-    factor = min(max(1.0, more ** (1 / STEP_ORDER)), MOST_STEPS)
-    return math.ceil(factor * material.steps(plan.context))
-
-
 def _next(meshes: list[MeshSolution], worst: float) -> tuple[float, bool]:
     """Elements per smaller semi-axis of the next mesh, and whether error estimates exist there.
     worst: largest relative error of the last mesh. Only what it gives on rank 0 counts.
 
-    Without laws, or an estimate, the next mesh is finer by 1.6 (STEP); after one that told the
-    errors of load steps it is the planned one; else by as much as second-order convergence wants,
-    from 1.15 (LEAST_STEP) to 1.6.
+    Without laws, or an estimate, the next mesh is finer by 1.6 (STEP); else by as much as second-
+    order convergence wants, from 1.15 (LEAST_STEP) to 1.6.
     """
     solved = meshes[-1]
     n, asked, known = solved.resolution, solved.plan.scene.accuracy, solved.family
     if known is None or not math.isfinite(worst):
         return error_envelopes.STEP * n, True
-    if solved.load_step_errors and asked is not None:
-        n = max(known.finest(solved.plan.accuracy_of_meshes), LEAST_STEP * n)
-    else:
-        ratio = math.sqrt(MARGIN * worst / (asked or worst))
-        n *= min(max(ratio, LEAST_STEP), error_envelopes.STEP)
-    return n, known.covers(n, [each.resolution for each in meshes])
+    ratio = math.sqrt(MARGIN * worst / (asked or worst))
+    n *= min(max(ratio, LEAST_STEP), error_envelopes.STEP)
+    return n, known.covers(n)
 
 
 def _obstacle(plan: Plan, spent: float) -> str:

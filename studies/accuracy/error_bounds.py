@@ -34,7 +34,7 @@ OTHERS = {
 """Scenes of a family and a seed, where cells cost little or much."""
 ASKED = (None, 0.05, None, 0.02, None, 0.01)  # by scene in turn; None: default settings
 ROUGH_ASKED = (None, 0.1, None, 0.05)  # of linear cells
-YIELD_ASKED = (0.05, 0.02, 0.01)  # without one, load steps and so estimates are not known
+YIELD_ASKED = (0.05, 0.02, None)
 OTHERS_ASKED: dict[str, Sequence[float | None]] = {
     "outside": (0.05,),
     **dict.fromkeys(("hexahedra", "linear"), ROUGH_ASKED),

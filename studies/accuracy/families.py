@@ -48,7 +48,8 @@ class Recipe:
     scenes: number of scenes.
     exact: whether exact Hertz is the truth; else it is a finer mesh.
     split: by name of a family with error laws of its own, the conditions in the place of those of
-        `where`; all scenes of the recipe lie in one of these families. Recipes may share one.
+        `where`; all scenes of the recipe lie in one of these families. Recipes may share one. A
+        scene that lies in several counts in all of them, and the first one holds for it.
     """
 
     make: Make
@@ -210,6 +211,18 @@ def yielding(rng: np.random.Generator) -> list[str]:
     return keys
 
 
+def yielding_roller(rng: np.random.Generator) -> list[str]:
+    """Steel rollers on a flat head, of which the rail or both bodies yield."""
+    radius, limit = 10 ** rng.uniform(2.0, 2.8), rng.uniform(400, 700)
+    pressure = rng.uniform(2.0, 5.5) * limit  # 1.8 times the limit is first yield
+    load = 40 * math.pi * radius * pressure**2 / 113.7e3  # E / 2 / (1 - nu^2) of steel
+    keys = ["rail.crown_radius=inf", "rail.width=40", f"wheel.rolling_radius={radius!r}"]
+    keys += [f"load={load!r}", f"rail.yield_stress={limit!r}"]
+    keys += [f"wheel.yield_stress={1.1 * limit!r}"] if rng.random() < 0.5 else []
+    hardens = rng.random() < 0.5
+    return keys + ([f"rail.hardening_modulus={10 ** rng.uniform(3, 4.3)!r}"] if hardens else [])
+
+
 def ball(rng: np.random.Generator) -> list[str]:
     """A circular contact between half-spaces."""
     radius = 10 ** rng.uniform(1, 3)
@@ -268,9 +281,17 @@ RECIPES = {
     "bodies": Recipe(
         bodies,
         {"shape": ["bodies"], "least_poisson": [SHALLOW, 0.4]},
-        (3.0, 4.5, 7.0),
+        (3.0, 5.0, 7.0),
         scenes=24,
         exact=False,
+        split={
+            "bodies": {
+                "poisson": [0.25, 0.35],
+                "least_poisson": [0.25, 0.35],
+                "stiffness": [0.8, 1.0],
+            },
+            "soft bodies": {},
+        },
     ),
     "shallow": Recipe(
         lambda rng: ellipse(rng) + shallow(rng), {"least_poisson": [0.0, SHALLOW]}, scenes=32
@@ -364,6 +385,13 @@ RECIPES = {
     ),
 }
 
+LOAD_STEPS = {
+    "yielding lines": Recipe(
+        yielding_roller, {**LINE, "overload": [1.0, 100.0], "poisson": [0.25, 0.35]}
+    )
+}
+"""Recipes whose load steps are counted, without error laws of meshes."""
+
 
 def bounds(where: Mapping[str, Sequence[Any]]) -> error_envelopes.Family:
     """A family of scenes that fulfil the conditions `where`, without error laws."""
@@ -380,7 +408,7 @@ def parts(name: str) -> dict[str, dict[str, Sequence[Any]]]:
 def scenes(name: str, seed: int) -> Iterator[Scene]:
     """Endless random scenes of a recipe, the same for a seed; those that the plan refuses or that
     lie outside of the family are left out."""
-    recipe = RECIPES[name]
+    recipe = (RECIPES | LOAD_STEPS)[name]
     rng = np.random.default_rng([seed, *name.encode()])
     where = bounds({**DEFAULT, **recipe.where})
     index = 0

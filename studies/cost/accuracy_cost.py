@@ -4,7 +4,6 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from matplotlib import patheffects
 from matplotlib.axes import Axes
 
@@ -107,11 +106,8 @@ def fixed_meshes(
                 predicted = planning.make(one).unknowns
                 progress.stage(f"{base.name}: {method}, {element}, b/{n:g}, about {predicted}")
                 run = _run(base, method, element, None, n, minor / n, predicted)
-                if predicted > MAX_UNKNOWNS:
-                    yield run | {"failure": f"left out: {predicted} unknowns predicted"}
-                else:
-                    start = tables.processor_seconds()
-                    yield _recorded(run, _solve(one), exact, start)
+                start = tables.processor_seconds()
+                yield _recorded(run, _solve(one), exact, start)
 
 
 def asked_accuracies(
@@ -138,10 +134,13 @@ def _run(scene: Scene, *setting: Any) -> dict[str, Any]:
 
 
 def _solve(scene: Scene) -> dict[str, Any] | str:
-    """The summary, or why there is none."""
+    """The summary, or why there is none: too many unknowns (MAX_UNKNOWNS), or what was raised."""
     try:
-        return pipeline.run(scene).summary
-    except (MeshError, RuntimeError, ArithmeticError, np.linalg.LinAlgError) as error:
+        plan = planning.make(scene)
+        if plan.unknowns > MAX_UNKNOWNS:
+            return f"left out: {plan.unknowns} unknowns predicted"
+        return pipeline.solve(plan, Progress(quiet=True)).summary
+    except (MeshError, ValueError, RuntimeError, ArithmeticError) as error:
         return " ".join(f"{type(error).__name__}: {error}".split())
 
 

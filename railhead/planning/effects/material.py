@@ -184,13 +184,9 @@ def _slipping(context: Context) -> tuple[float, str]:
 
 def steps(context: Context) -> int:
     """Number of load steps from first yield to the load at default settings: the load over that of
-    first yield, rounded, up to 4; 16 for a line contact. Where an accuracy is asked there are at
-    least two, as the change from one step to two does not tell the error of one.
+    first yield, rounded, up to 4 (STEPS); 16 (LINE_STEPS) for a line contact.
     """
-    if context.contact.line:
-        return LINE_STEPS
-    least = 1 if context.scene.accuracy is None else 2
-    return min(max(round(context.overload), least), STEPS)
+    return LINE_STEPS if context.contact.line else min(max(round(context.overload), 1), STEPS)
 
 
 def _over_yield(context: Context, stresses: Mapping[str, float]) -> tuple[float, str, bool]:

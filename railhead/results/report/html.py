@@ -117,6 +117,7 @@ def render(
         files=[path.name for path in scene.files],
         left_out_after=terminal.left_out(summary),
         patches=patches,
+        error_parts=quantity_rows.error_parts(summary),
         yields=terminal.yields(summary["result"] or {}),
         side_force=terminal.side_force(summary["result"] or {}, units),
         patches_title=patches_title,

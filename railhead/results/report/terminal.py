@@ -224,7 +224,7 @@ def _show_prices(prices: Sequence[Mapping[str, Any]] | None, console: Console) -
     for row in prices:
         cells = ["out of reach"] * 4 + [""] * 4
         if row["unknowns"] is not None:
-            other = row["left_out"] + row["profile"]
+            other = row["left_out"] + row["load_steps"] + row["profile"]
             cells = [f"{row['patch_size_mm']:.3g}", f"{row['unknowns']}"]
             cells += [f"{row['seconds']:.1f}", f"{row['memory_MB']:.0f}"]
             name = row["widest"]

@@ -21,6 +21,23 @@ def test_hertz_is_the_forecast_where_the_gap_is_his_parabola(name: str) -> None:
     assert plan.grading().also == ()
 
 
+@pytest.mark.parametrize(
+    ("name", "keys", "exact"),
+    [
+        ("hertz_ellipse", [], True),
+        ("uic54_thesis", [], True),
+        ("uic54_22t5_axle", [], True),
+        ("cone20_uninclined_uic54", [], False),  # the gap is 1.5 % off within the patch
+        ("uic54_thesis", ["load=300kN"], False),  # the head ends 3.5 half lengths beside it
+        ("two_cylinders", [], False),
+    ],
+)
+def test_a_patch_is_an_ellipse_where_the_gap_is_a_parabola_and_bodies_end_far_away(
+    name: str, keys: list[str], exact: bool
+) -> None:
+    assert planned(name, *keys).parabolic == exact
+
+
 def test_manchester_patch_has_two_lobes_and_the_published_pressure_and_area() -> None:
     """CONTACT (A-2.2, central): 338.3 MPa, 51.64 mm2 counted in cells, approach 0.01596 mm."""
     plan = planned(MANCHESTER)

@@ -62,7 +62,7 @@ def test_a_law_holds_inside_its_family_only(change) -> None:
 def test_the_resolution_meets_the_accuracy_or_is_out_of_reach() -> None:
     for known in error_envelopes.families():
         for asked in (0.2, 0.05, 0.01, 0.002):
-            assert known.expected(known.finest(asked))[0] <= asked or not known.reaches(asked)
+            assert known.expected(known.finest(asked))[0] <= asked or known.least > asked
 
 
 @pytest.mark.parametrize("case", ["hertz_ellipse", "uic54_thesis", "s1002_60e1"])
@@ -88,11 +88,13 @@ def test_where_a_law_holds_one_mesh_meets_an_accuracy_and_the_reason_names_what_
 
 
 @pytest.mark.parametrize("more", [[], ["load=80kN", "rail.steel=R260", "wheel.steel=ER7"]])
-def test_the_first_mesh_is_the_planned_one_and_where_bodies_yield_the_coarsest(more) -> None:
-    plan = planning.make(catalogue.find("uic54_thesis").replace(["accuracy=1%", *more]))
-    first, planned = refinement._first(plan).sizing.resolution, plan.sizing.resolution
-    assert first == pytest.approx(plan.family.resolution[0] if more else planned)
-    assert planned > 4 and plan.effects["plasticity"].on == bool(more)
+def test_the_first_mesh_is_the_planned_one_and_load_steps_take_a_quarter_at_most(more) -> None:
+    plan = planning.make(catalogue.find("uic54_thesis").replace(["accuracy=2%", *more]))
+    assert refinement._first(plan).sizing.resolution == pytest.approx(plan.sizing.resolution)
+    assert plan.effects["plasticity"].on == bool(more) and plan.error_without_meshes <= 0.005
+    assert bool(plan.load_step_errors) == bool(more)
+    coarser = plan.for_accuracy(0.1)
+    assert coarser.load_steps <= plan.load_steps and coarser.unknowns < plan.unknowns
 
 
 @pytest.mark.slow
@@ -106,12 +108,11 @@ def test_a_line_of_unlike_bodies_with_friction_is_solved_on_three_meshes() -> No
     assert abs(largest / 561.5 - 1) <= accuracy["bound"]["max_MPa"] < 0.05
 
 
-def level(n: float, largest: float, reading: float = 0.0, **more: float) -> tuple:
-    """A mesh with n elements a semi-axis, its largest pressure and the share that reading errs."""
-    return n, {"max_MPa": largest, **more}, {"max_MPa": reading} if reading else {}
+def level(n: float, largest: float, **more: float) -> tuple:
+    """A mesh with n elements a semi-axis and its largest pressure."""
+    return n, {"max_MPa": largest, **more}
 
 
-FINE = level(8.0, 100.0)
 COARSE, MIDDLE, FINEST = level(4.0, 97.0), level(6.4, 99.0), level(10.24, 99.6)
 NEW = [level(3.0, 100.0, new_MPa=97.0), level(4.8, 100.0, new_MPa=99.0),
        level(7.68, 100.0, new_MPa=99.6)]  # fmt: skip
@@ -119,25 +120,14 @@ SCATTER = 2.0 * (2.0 / 99) / 1.6
 #: Meshes, the laws that are known, what the errors are and what is said of their source.
 MESHES = {
     "one": ([level(6.0, 100.0)], KNOWN, {"max_MPa": 0.01}, KNOWN.name),
-    "two": ([level(5.0, 102.0), FINE], KNOWN, {"max_MPa": 0.01 * (6 / 8) ** 2}, KNOWN.name),
-    "two, 4 % apart, where laws allow 1.4 and 0.6 %": ([level(5.0, 104.0), FINE], KNOWN, {}, ""),
-    "two, 4 % apart, where readings allow 2.4 % more": (
-        [level(5.0, 104.0, 0.012), level(8.0, 100.0, 0.012)], KNOWN,
-        {"max_MPa": 0.01 * (6 / 8) ** 2}, KNOWN.name,
-    ),
-    "a third after two that deny it": (
-        [level(5.0, 104.0), FINE, level(12.8, 99.0)], KNOWN,
-        {"max_MPa": 2.0 * max(1 / 99, 0.04 / 1.6)}, KNOWN.name,
+    "two": (
+        [level(5.0, 102.0), level(8.0, 100.0)], KNOWN, {"max_MPa": 0.01 * (6 / 8) ** 2}, KNOWN.name
     ),
     "coarser than any calibrated": ([level(2.5, 100.0)], KNOWN, {}, ""),
-    "finer than any calibrated": ([level(14.0, 100.0)], KNOWN, {}, ""),
-    "a step beyond one that confirms": (
-        [level(12.8, 99.9), level(20.0, 100.0)], KNOWN,
-        {"max_MPa": KNOWN.mesh("max_MPa", 20.0)}, KNOWN.name,
+    "a step beyond the calibrated ones": (
+        [level(12.8, 99.9)], KNOWN, {"max_MPa": KNOWN.mesh("max_MPa", 12.8)}, KNOWN.name
     ),
-    "a step beyond one that denies": ([level(12.8, 97.0), level(20.0, 100.0)], KNOWN, {}, ""),
-    "more than a step beyond": ([level(12.8, 99.9), level(21.0, 100.0)], KNOWN, {}, ""),
-    "a step beyond one that is too fine": ([level(13.0, 99.9), level(20.0, 100.0)], KNOWN, {}, ""),
+    "more than a step beyond": ([level(12.8, 99.9), level(13.0, 100.0)], KNOWN, {}, "hold from"),
     "one without laws": ([COARSE], None, {}, ""),
     "two without laws": ([COARSE, MIDDLE], None, {}, ""),
     "three without laws, two alike": ([COARSE, level(4.4, 97.1), MIDDLE], None, {}, ""),
@@ -146,14 +136,14 @@ MESHES = {
         NEW[:1], KNOWN, {"max_MPa": KNOWN.mesh("max_MPa", 3.0)}, KNOWN.name
     ),
     "three, without a law of a quantity": (
-        NEW, KNOWN, {"max_MPa": KNOWN.mesh("max_MPa", 7.68), "new_MPa": SCATTER}, KNOWN.name
+        NEW, KNOWN, {"max_MPa": KNOWN.mesh("max_MPa", 7.68), "new_MPa": SCATTER}, "three"
     ),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize(("levels", "known", "errors", "said"), MESHES.values(), ids=MESHES)
-def test_meshes_confirm_a_law_or_deny_it_or_tell_by_themselves(levels, known, errors, said) -> None:
-    """Calibrated from 3 to 8 elements: 12.8 is a step beyond, and 20 one beyond that."""
+def test_a_law_tells_the_error_of_a_mesh_or_three_meshes_do(levels, known, errors, said) -> None:
+    """Calibrated from 3 to 8 elements: 12.8 is a step beyond."""
     found, source = estimates.mesh_errors(levels, known, {})
     assert found == pytest.approx(errors, rel=1e-3) and said in source
 
@@ -161,9 +151,11 @@ def test_meshes_confirm_a_law_or_deny_it_or_tell_by_themselves(levels, known, er
 @pytest.mark.parametrize("shape", ["half-spaces", "bodies"])
 @pytest.mark.parametrize("law", [{"method": "penalty"}, {"theta": -1}, {"least_poisson": 0.0}])
 def test_the_approach_has_one_law_at_least(shape: str, law) -> None:
-    """It depends on distant elements, which are those of the default contact law."""
-    usual = error_envelopes.family(SETTING | {"shape": shape})
-    other = error_envelopes.family(SETTING | {"shape": shape} | law)
+    """It depends on distant elements, which are those of the default contact law; the law of steel
+    heads is narrower."""
+    setting = SETTING | {"shape": shape, "stiffness": 0.5}
+    usual = error_envelopes.family(setting, parabolic=True)
+    other = error_envelopes.family(setting | law, parabolic=True)
     assert usual and other and other.name != usual.name
     assert other.laws["approach_mm"] == usual.laws["approach_mm"]
     assert other.laws["a_mm"] != usual.laws["a_mm"]
@@ -268,14 +260,14 @@ def test_the_usual_penalty_has_a_law_of_its_own() -> None:
 @pytest.mark.parametrize("choice", ["solver.method=penalty", "mesh.cell=hexahedron"])
 def test_an_accuracy_that_a_method_cannot_reach_is_refused_at_once(choice: str) -> None:
     """The pressure of a penalty wavers alike on every mesh, hexahedra converge too slowly."""
-    scene = catalogue.find("hertz_ellipse").replace([choice, "accuracy=0.3%"])
+    scene = catalogue.find("hertz_ellipse").replace([choice, "accuracy=0.28%"])
     line = refusal(lambda: planning.make(scene))
     assert "out of reach of the error laws" in line
     least = float(line.split("give ")[1].split(" or")[0])
-    assert 0.003 < least < 0.02
+    assert 0.0028 < least < 0.02
     planning.make(scene.replace([f"accuracy={least}"]))
     planning.make(scene.replace(["budget=5s"]))
-    planning.make(catalogue.find("hertz_ellipse").replace(["accuracy=0.05%"]))
+    planning.make(catalogue.find("hertz_ellipse").replace(["accuracy=0.07%"]))
 
 
 def test_a_second_hill_of_shear_is_part_of_the_depth() -> None:
@@ -378,7 +370,7 @@ def test_patch_size_and_accuracy_exclude_each_other(other: str) -> None:
 
 def test_a_mesh_half_as_fine_again_is_compared() -> None:
     """Refined by 1.6, the number of elements of a found patch is often a little less."""
-    before = [(8.0, {"max_MPa": 2.0}, {}), (6.0, {"max_MPa": 3.0}, {}), (5.0, {"max_MPa": 4.0}, {})]
+    before = [(8.0, {"max_MPa": 2.0}), (6.0, {"max_MPa": 3.0}), (5.0, {"max_MPa": 4.0})]
     assert estimates._steps(12.1, before) == [{"max_MPa": 2.0}, {"max_MPa": 4.0}]
 
 
@@ -386,6 +378,6 @@ def test_an_accuracy_that_no_grid_of_tractions_meets_is_refused_before_the_first
     monkeypatch,
 ) -> None:
     monkeypatch.setattr(refinement, "mesh_and_solve", None)
-    given = "friction.coefficient=0.9", "rolling.creepage_across=1e-3", "accuracy=0.05%"
+    given = "friction.coefficient=0.9", "rolling.creepage_across=1e-3", "accuracy=0.07%"
     scene = rh.find("hertz_ellipse").replace(["effects.plasticity=off", *given])
-    assert "accuracy: 0.0005: the grid of tractions leaves" in refusal(lambda: rh.solve(scene))
+    assert "accuracy: 0.0007: the grid of tractions leaves" in refusal(lambda: rh.solve(scene))

@@ -251,6 +251,18 @@ def test_one_file_without_a_network(folder: Path) -> None:
     assert not result_folder.foreign(folder)
 
 
+def test_the_report_has_the_parts_of_the_estimates() -> None:
+    """They add up; what is 0 for all quantities has no column."""
+    summary = solved("hertz_ellipse").summary
+    head, *rows = quantity_rows.error_parts(summary)
+    assert head[:4] == ["quantity", "estimate", "mesh", "reading"] and "load steps" not in head
+    bound = summary["accuracy"]["bound"]
+    assert len(rows) == len(bound) and {row[0] for row in rows} > {"patch area", "approach"}
+    for row in rows:
+        total, *parts = (float(cell.rstrip("%")) for cell in row[1:])
+        assert sum(parts) == pytest.approx(total, abs=0.002)
+
+
 def test_numbers_are_those_of_the_summary(result, folder: Path) -> None:
     """In the units of the reader; with friction on so coarse a mesh no law holds."""
     text = (folder / html.NAME).read_text(encoding="utf-8")
