@@ -244,6 +244,7 @@ class _Fit:
     knots: knots of the splines, even except at the ends, mm of arc length.
     basis: sparse values (n, m) of the m splines at the n points.
     squares: lower bands (4, m) of basis^T basis (m, m), as scipy's banded solvers take them.
+    signs: (4,) the weights of a third difference.
     differences: sparse matrix (rows, m) of third differences.
     places: (rows,) arc lengths at which the third differences lie, mm.
     step: distance of the knots, mm.
@@ -262,9 +263,10 @@ class _Fit:
         self.knots[ORDER], self.knots[-ORDER - 1] = 0.0, s[-1]
         self.basis = BSpline.design_matrix(s, self.knots, ORDER)
         self.squares = _bands(self.basis.T @ self.basis)
-        signs = [(-1) ** (ORDER - k) * math.comb(ORDER, k) for k in range(ORDER + 1)]
+        signs = [(-1.0) ** (ORDER - k) * math.comb(ORDER, k) for k in range(ORDER + 1)]
         rows = pieces, pieces + ORDER
-        self.differences = csr_array(diags(signs, range(ORDER + 1), rows, dtype=float))
+        self.differences = csr_array(diags(signs, range(ORDER + 1), rows))
+        self.signs = np.array(signs)
         self.places = self.step * (np.arange(self.differences.shape[0]) + 0.5)
         self.unit = self.spacing * self.step ** (2 * ORDER - 1)
         gap = np.diff(s)[np.clip(np.searchsorted(s, self.places) - 1, 0, len(s) - 2)]
@@ -324,9 +326,10 @@ class _Fit:
         """
         penalty = self.penalty(np.full(len(self.places), PILOT * self.spacing))
         strength, even = penalty[0], EVEN * self.step**ORDER
+        right = self.basis.T @ heights
         for _ in range(UPDATES):
-            fitted = self.curve(heights, penalty).c
-            off, change = heights - self.basis @ fitted, self.differences @ fitted
+            fitted = cho_solve_banded((self._factor(penalty), True), right, check_finite=False)
+            off, change = heights - self.basis @ fitted, np.diff(fitted, ORDER)
             far = max(float(np.sqrt(np.mean(off**2))), float(np.abs(off).max()) / UNIFORM)
             strength *= np.clip(sigma / max(far, 1e-300), 0.3, 3.0) ** 2
             strength = min(strength, STIFF)
@@ -338,7 +341,9 @@ class _Fit:
         (rows,) of the squared differences.
         """
         penalty = np.maximum(penalty, self.least)
-        bands = self.squares + _bands(self.differences.T * penalty @ self.differences)
+        bands, signs = self.squares.copy(), self.signs
+        for k in range(len(signs)):  # row r of the differences has them in columns r to r + ORDER
+            bands[k, : len(bands[k]) - k] += np.convolve(penalty, signs[: len(signs) - k] * signs[k:])
         return np.asarray(cholesky_banded(bands, lower=True, check_finite=False))
 
 
