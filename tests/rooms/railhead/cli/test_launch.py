@@ -28,7 +28,7 @@ def eight(monkeypatch) -> None:
 
 @pytest.mark.parametrize(
     ("asked", "processes"),
-    [([], 1), (["mesh.patch_size=0.25"], 2), (["accuracy=0.06%"], 1), (["mesh.patch_size=0.1"], 8)],
+    [([], 1), (["mesh.patch_size=0.25"], 2), (["accuracy=0.07%"], 1), (["mesh.patch_size=0.1"], 8)],
     ids=["default", "240 000", "190 000", "3 800 000"],
 )
 def test_large_meshes_are_worth_more_processes(eight, asked, processes) -> None:
