@@ -342,8 +342,9 @@ class _Fit:
         """
         penalty = np.maximum(penalty, self.least)
         bands, signs = self.squares.copy(), self.signs
-        for k in range(len(signs)):  # row r of the differences has them in columns r to r + ORDER
-            bands[k, : len(bands[k]) - k] += np.convolve(penalty, signs[: len(signs) - k] * signs[k:])
+        for k in range(ORDER + 1):  # row r of the differences has them in columns r to r + ORDER
+            products = signs[: len(signs) - k] * signs[k:]
+            bands[k, : bands.shape[1] - k] += np.convolve(penalty, products)
         return np.asarray(cholesky_banded(bands, lower=True, check_finite=False))
 
 
