@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from railhead.meshing.bodies import RAIL
 from railhead.postprocess.findings import SYMMETRIC, Array, Surface
 from railhead.postprocess.pass_rows import RailState
+from railhead.solver.space.cells import VTK_CELLS
 from railhead.solver.system.fields import Fields
 from railhead.theory.elastic.subsurface import directions, max_shear, principal, von_mises
 from railhead.theory.friction.solution import FrictionSolution
@@ -30,22 +31,6 @@ UNITS = {
     "temperature_rise_wheel": "K",
 }
 _ARRAY = re.compile(rb'<DataArray [^>]*Name="(\w+)"[^>]*>[^<]*')  # with its data
-_HEXAHEDRON = [0, 1, 3, 2, 4, 5, 7, 6]
-# (cell, degree): VTK's name in meshio, and the basix number of each node in VTK's order: vertices,
-# edges (as pairs of vertices), faces and interior.
-_CELLS = {
-    ("triangle", 1): ("triangle", [0, 1, 2]),
-    ("triangle", 2): ("triangle6", [0, 1, 2, 5, 3, 4]),
-    ("quadrilateral", 1): ("quad", [0, 1, 3, 2]),
-    ("quadrilateral", 2): ("quad9", [0, 1, 3, 2, 4, 6, 7, 5, 8]),
-    ("tetrahedron", 1): ("tetra", [0, 1, 2, 3]),
-    ("tetrahedron", 2): ("tetra10", [0, 1, 2, 3, 9, 6, 8, 7, 5, 4]),
-    ("hexahedron", 1): ("hexahedron", _HEXAHEDRON),
-    ("hexahedron", 2): (
-        "hexahedron27",
-        [*_HEXAHEDRON, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 15, 14, 22, 23, 21, 24, 20, 25, 26],
-    ),
-}
 
 
 def volume_grid(fields: Fields, stress: Array) -> meshio.Mesh:
@@ -61,9 +46,9 @@ def volume_grid(fields: Fields, stress: Array) -> meshio.Mesh:
         the Gauss points of each cell.
     ValueError: VTK has no counterpart here for the type or degree of the cells.
     """
-    if (fields.cell, fields.degree) not in _CELLS:
+    if (fields.cell, fields.degree) not in VTK_CELLS:
         raise ValueError(f"no VTK cell for a {fields.cell} of degree {fields.degree}")
-    name, order = _CELLS[fields.cell, fields.degree]
+    name, order = VTK_CELLS[fields.cell, fields.degree]
     towards = directions(stress)
     return meshio.Mesh(
         fields.points,

@@ -246,6 +246,8 @@ class Assembly:
             pressure=np.zeros(count),
             gap=pairing.initial_gap,
             traction=np.zeros(pairing.tangents.shape[:2]),
+            slip=np.zeros_like(pairing.normals),
+            sticking=np.zeros(count, dtype=bool),
             result=NewtonResult(u, np.zeros(count), CONVERGED),
         )
 

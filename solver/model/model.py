@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from railhead.solver import compat
 from railhead.solver.algebra.newton import NewtonStep
 from railhead.solver.model.assembly import Assembly, kinematics
+from railhead.solver.model.output import cell_fields, write
 from railhead.solver.model.parts import (
     Body,
     Clamp,
@@ -25,7 +27,6 @@ from railhead.solver.model.parts import (
 )
 from railhead.solver.model.problem import State
 from railhead.solver.model.stepping import advance
-from railhead.solver.space.cells import CellSet, quadrature_degree, tabulate
 from railhead.solver.space.supports import finite, unit
 from railhead.theory.array_types import Array
 
@@ -119,10 +120,14 @@ class Solution:
 
     u: displacement, a dolfinx Function.
     stress: Cauchy stress (3, 3), a dolfinx Function of one degree less that jumps between cells.
+    plastic_strain, back_stress: (3, 3), Functions of the same kind; None where nothing yields.
     points: (n, c) on the secondary surfaces, undeformed. weights: area of each (n,).
     contact: number of the contact of each point (n,), in the order in which they were added.
     normals: outward unit normals (n, c) of the secondary surfaces.
     pressure: (n,), never negative. traction: (n, c) on the secondary surface, with friction.
+    sticking: (n,) whether a point with friction touches and does not slide.
+    slip: (n, c) of the secondary surface past the primary one since rest, where points slide with
+        friction; 0 where they stuck all the time.
     gap: now (n,), negative where Nitsche's method lets surfaces overlap.
     missed: share of each secondary surface that has nothing opposite, and cannot touch.
     touching: whether anything touches.
@@ -144,17 +149,23 @@ class Solution:
         self.history: tuple[NewtonStep, ...] = state.history
         self.touching = bool(model.comm.allreduce(int((state.pressure > 0).sum())))
         self.u = compat.function(model.bulk.space, state.displacement)
-        self.stress = self._stress()
+        self._fields = cell_fields(model, state)
+        self.stress, self.plastic_strain, self.back_stress = self._fields.values()
+        self.sticking, self.slip = state.sticking, state.slip
         nodal = {part: state.nodal[mask].sum(axis=0) for part, mask in model.masks.items()}
         self._forces = {part: sum(model.comm.allgather(each)) for part, each in nodal.items()}
 
-    def force(self, part: Clamp | Slide | Hub) -> Any:
+    def force(self, part: Clamp | Slide | Hub | Contact) -> Any:
         """Force by which a part acts on the bodies: along the free direction of a hub, positive
-        pushes that way; a vector (c,) of a hub without one, a clamp, a slide. In plane sections per
-        unit of depth, in axisymmetric ones of the whole turn.
+        pushes that way; a vector (c,) of a hub without one, a clamp, a slide; of a contact that on
+        its secondary body (collective). In plane sections per unit of depth, in axisymmetric ones
+        of the whole turn.
         """
+        if isinstance(part, Contact) and part in self._model.surfaces.contacts:
+            own = self.contact == self._model.surfaces.contacts.index(part)
+            return self._model.comm.allreduce(self.weights[own] @ self.traction[own])
         if not isinstance(part, Clamp | Slide | Hub) or part not in self._forces:
-            raise ValueError(f"{part!r} is no support of the model")
+            raise ValueError(f"{part!r} is no support or contact of the model")
         total, free = np.asarray(self._forces[part]), getattr(part, "free", None)
         if isinstance(part, Slide):
             normal = unit("normal", part.normal)
@@ -167,6 +178,13 @@ class Solution:
             raise ValueError(f"{hub!r} is no hub of the model")
         moved = self._state.motions[hub]
         return moved if hub.free is None else float(moved @ unit("free", hub.free))
+
+    def write(self, path: str | Path) -> None:
+        """Write bodies_NNNN.vtu (displacement, stress, plastic strain) and contact_NNNN.vtu
+        (pressure, traction, gap, slip) for ParaView to a folder; NNNN: number of solutions since
+        rest, so that a chain of `then` is a series (collective). Raises OSError where it cannot.
+        """
+        write(self._model, self._state, self._fields, path)
 
     def then(self, loads: Mapping[Hub, Load], *, steps: int | None = None) -> Solution:
         """Solution under further loads, from this state on: slip, plastic strain and unloading go
@@ -181,39 +199,8 @@ class Solution:
         if type(count) is not int or count < 1:
             raise ValueError(f"steps must be a whole number from 1 on, not {steps!r}")
         target = {**state.loads, **{hub: _checked(model, hub, load) for hub, load in loads.items()}}
-        state = replace(state, history=())
+        state = replace(state, history=(), number=state.number + 1)
         return Solution(model, advance(model, state, target, count))
-
-    def _stress(self) -> Any:
-        """Stress in the cells, the least-squares fit to that at Gauss points (collective)."""
-        model, degree = self._model, self._model.bulk.degree - 1
-        space = compat.tensor_space(model.bulk.space.mesh, degree)
-        made = compat.fem.Function(space)
-        topology = model.bulk.space.mesh.topology
-        count = topology.index_map(topology.dim).size_local
-        cells = CellSet.of(model.bulk, np.arange(count))
-        rule = quadrature_degree(cells.cell, cells.degree, model.kinematics)
-        at, _, _ = cells.quadrature_points(rule)
-        every = model.gathered(self._state.displacement)[cells.dofs[at[0]]]
-        strain = np.einsum("nmdc,ndc->nm", cells.strains(*at), every)
-        trace = np.einsum("ndc,ndc->n", cells.divergence(*at), every)
-        lam, mu = cells.lame[at[0]].T
-        each = len(at[0]) // max(count, 1)
-        if model.remembers:
-            points = model.unknowns(self._state.loads).points
-            where = (points.cells[:, None] * each + np.arange(each)).ravel()
-            strain[where] -= self._state.bulk.plastic
-        stress = 2 * mu[:, None] * strain
-        stress[:, :3] += (lam * trace)[:, None]
-        if model.section == "plane stress":
-            stress[:, 2] = 0.0
-        tensors = model.kinematics.tensors(stress).reshape(count, each, 9)
-        basis = tabulate(cells.cell, degree, at[1][:each])[0] if degree else np.ones((each, 1))
-        fitted = np.einsum("dg,mgs->mds", np.linalg.pinv(basis), tensors)
-        values = made.x.array.reshape(-1, 9)
-        values[compat.cell_dofs(space)[:count]] = fitted
-        made.x.scatter_forward()
-        return made
 
 
 def _checked(model: Assembly, hub: Hub, load: Load) -> Array:

@@ -42,7 +42,10 @@ class State:
     bulk, surface: plastic histories at Gauss points and contact points.
     pairing: contact points; outdated: whether points have slid by too much since they were paired.
     pressure, gap: at the points (n,). traction: along the tangents there (n, k).
+    slip: of the secondary surface past the primary one, since rest (n, c).
+    sticking: whether a point with friction touches and does not slide (n,).
     result: Newton's method in the last step; history: all of its steps so far.
+    number: of solutions since rest.
     """
 
     displacement: PETSc.Vec
@@ -57,8 +60,11 @@ class State:
     pressure: Array
     gap: Array
     traction: Array
+    slip: Array
+    sticking: Mask
     result: NewtonResult
     history: tuple[NewtonStep, ...] = ()
+    number: int = 0
 
 
 @dataclass(kw_only=True)
@@ -94,6 +100,7 @@ class FrictionalProblem(PlasticProblem):
         count, size = self.start_slip.shape
         self.derivative, self.slides = np.eye(size)[None], np.zeros(count, dtype=bool)
         self.pull, self.traction = np.zeros((count, size)), np.zeros((count, size))
+        self.excess = np.zeros((count, size))
 
     def branches(self, active: Mask) -> Mask:
         """State of the points that the tangent depends on (2, n): which touch, and which slide."""
@@ -106,6 +113,14 @@ class FrictionalProblem(PlasticProblem):
         touching, sticking = self.slip.comm.tompi4py().allreduce(np.array(local))
         return bool(touching and not sticking)
 
+    @property
+    def slip_increment(self) -> Array:
+        """Slip (n, k) in the step at points that slide, the excess of the trial traction over tau;
+        zero at points that stick, are apart or have no friction.
+        """
+        slides = self.slides & self.traction.any(axis=1)
+        return np.asarray(self.excess * (slides / self.tau)[:, None])
+
     def _friction(self, y: PETSc.Vec, pressure: Array) -> None:
         """Tangential tractions (n, k) and their derivatives at the free unknowns y."""
         trial = (self.trial_operator * y).array.reshape(self.start_slip.shape)
@@ -114,7 +129,7 @@ class FrictionalProblem(PlasticProblem):
         trial = trial - 2 * self.surface.mu[:, None] * plastic
         bound = self.coefficient * pressure
         self.traction, self.derivative, direction, self.slides = projected(trial, bound)
-        self.pull = self.coefficient[:, None] * direction
+        self.pull, self.excess = self.coefficient[:, None] * direction, self.traction - trial
 
     def projection(self, active: Mask) -> Array:
         """Derivative (n, k, k) of the traction by the trial traction: 1 where points stick, the

@@ -210,11 +210,14 @@ def _state(
     pressure = result.pressure
     bulk, surface = before.bulk, before.surface
     traction, lost = np.zeros(pairing.tangents.shape[:2]), np.zeros(len(pressure))
+    slip, sticking = _carried(before.slip, before.pairing, pairing), np.zeros(len(pressure), bool)
     nodal = model.stiffness * u
     nodal.axpy(-share, model.body_force)
     if isinstance(problem, FrictionalProblem):
         bulk, surface = problem.state
         traction = problem.traction
+        sticking = (pressure > 0) & (problem.coefficient > 0) & ~problem.slides
+        slip = slip + np.einsum("nk,nkc->nc", problem.slip_increment, pairing.tangents)
         lost = problem.plastic_normal_stress(surface.plastic)
         stress = -2 * problem.bulk.mu[:, None] * bulk.plastic * problem.bulk.weights[:, None]
         add_transposed(problem.bulk.full_strain_matrix, stress, nodal)
@@ -241,5 +244,8 @@ def _state(
         pressure=pressure,
         gap=gap,
         traction=traction,
+        slip=slip,
+        sticking=sticking,
         result=result,
+        number=before.number,
     )

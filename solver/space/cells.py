@@ -13,6 +13,23 @@ from railhead.solver import compat
 from railhead.solver.space.kinematics import SOLID, Kinematics
 from railhead.theory.array_types import Array, Index
 
+_HEXAHEDRON = [0, 1, 3, 2, 4, 5, 7, 6]
+# (cell, degree): VTK's name in meshio, and the basix number of each node in VTK's order: vertices,
+# edges (as pairs of vertices), faces and interior.
+VTK_CELLS = {
+    ("triangle", 1): ("triangle", [0, 1, 2]),
+    ("triangle", 2): ("triangle6", [0, 1, 2, 5, 3, 4]),
+    ("quadrilateral", 1): ("quad", [0, 1, 3, 2]),
+    ("quadrilateral", 2): ("quad9", [0, 1, 3, 2, 4, 6, 7, 5, 8]),
+    ("tetrahedron", 1): ("tetra", [0, 1, 2, 3]),
+    ("tetrahedron", 2): ("tetra10", [0, 1, 2, 3, 9, 6, 8, 7, 5, 4]),
+    ("hexahedron", 1): ("hexahedron", _HEXAHEDRON),
+    ("hexahedron", 2): (
+        "hexahedron27",
+        [*_HEXAHEDRON, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 15, 14, 22, 23, 21, 24, 20, 25, 26],
+    ),
+}
+
 
 @dataclass(frozen=True)
 class Bulk:

@@ -106,7 +106,7 @@ def pushed(load: object) -> rs.Solution:
         (lambda: model(degree=1.0), "degree 1.0 is not there"),
         (lambda: model(mean_dilatation="no"), "mean_dilatation must be True or False"),
         (lambda: pushed(rs.Move(None)), "motion must be 2 finite number"),
-        (lambda: solved().force(21), "21 is no support of the model"),
+        (lambda: solved().force(21), "21 is no support or contact of the model"),
         (lambda: solved().motion(rs.Clamp(21)), "is no hub of the model"),
         (lambda: rs.Model(*surface(), section=None), "cells of dimension 2 need 2 coordinates"),
         (lambda: rs.Plastic(1.0, 0.3, 0.0), "yield_stress must be positive"),
