@@ -102,7 +102,7 @@ def gap_deviation(contact: Contact, ellipse: Hertz) -> float:
     turn, radius = np.meshgrid(np.linspace(0, 2 * np.pi, 25), [0.5, 1.0])
     u, v = (ellipse.a * radius * np.cos(turn)).ravel(), (ellipse.b * radius * np.sin(turn)).ravel()
     c, t = math.cos(touch.orientation), math.sin(touch.orientation)
-    gap = contact.half_space_gap(touch)(c * u - t * v, t * u + c * v)
+    gap = contact.half_space_gap(c * u - t * v, t * u + c * v)
     expected = (touch.curvature_x * u**2 + touch.curvature_y * v**2) / 2
     return float(np.abs(gap - expected).max() / ellipse.approach)
 

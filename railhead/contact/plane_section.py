@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from railhead.contact import crossing, solid
+from railhead.contact import closed_forms, crossing, solid
 from railhead.contact.placed_bodies import HEAD_DEPTH, RIM_DEPTH
 from railhead.contact.placed_bodies import bodies as solid_bodies
 from railhead.contact.solid import RAIL_HALF_WIDTH, TREAD_HALF_WIDTH, Contact
@@ -30,7 +30,7 @@ from railhead.scene.scene import (
     refuse_unused,
     set_but_unused,
 )
-from railhead.theory.elastic import hertz, line
+from railhead.theory.elastic import line
 from railhead.theory.elastic.line import Hertz, LineContact
 
 if TYPE_CHECKING:
@@ -182,10 +182,11 @@ def _along(scene: Scene) -> Dimension:
         return _solid(forced, f"{key} = {value}: no section along the rail")
     if not level or share < (1.0 if forced == "on" else SLENDER) or forced == "off":
         return _solid(forced, f"{text}, a line contact needs {SLENDER:g}")
-    width = 2 * _half_width(scene, along, length)
+    found = Dimension("plane_along", text, length, centre)
+    width = 2 * _half_width(scene, along, found)
     if width > length and forced != "on":
         return _solid(forced, f"a plate: the strip is {width:.3g} mm wide and {length:.4g} mm long")
-    return Dimension("plane_along", text, length, centre)
+    return found
 
 
 def _solid(forced: str, why: str) -> Dimension:
@@ -216,36 +217,22 @@ def _common_width(scene: Scene) -> tuple[float, float]:
     return high - low, (low + high) / 2
 
 
-def _half_width(scene: Scene, along: float, length: float) -> float:
-    """Half width, in the direction of the rail, of the strip of a line contact in a section along
-    the rail, mm.
-    along: relative curvature along the rail, 1/mm; length: of the contact line across the rail, mm.
+def _half_width(scene: Scene, along: float, dimension: Dimension) -> float:
+    """Half width of the strip of a line contact, mm, with the relative curvature `along` the rail
+    (1/mm), under the load or approach of the scene.
     """
-    rail, wheel = scene.rail, scene.wheel
-    return line.contact(
-        along,
-        (rail.young_modulus, wheel.young_modulus),
-        (rail.poisson_ratio, wheel.poisson_ratio),
-        length=length,
-        across=False,
-        load=scene.load,
-        approach=scene.approach,
-    ).half_width
+    touch = parabolic_contact(along, 0.0)
+    strip = LongitudinalSection(scene=scene, touch=touch, dimension=dimension)
+    return closed_forms.hertz_contact(scene, strip).half_lengths[0]
 
 
 def _semi_axis_across(scene: Scene, along: float, across: float) -> float:
     """Semi-axis across the rail of Hertz's ellipse, mm, for relative curvatures along and across
     (1/mm) and the load or approach of the scene.
     """
-    rail, wheel = scene.rail, scene.wheel
-    modulus = hertz.contact_modulus(
-        rail.young_modulus, rail.poisson_ratio, wheel.young_modulus, wheel.poisson_ratio
-    )
+    contact = Contact(scene=scene, touch=parabolic_contact(along, across))
     with np.errstate(all="ignore"):  # absurd loads are refused later, in one line
-        if scene.load is not None:
-            return hertz.point_contact(along, across, modulus, scene.load).b
-        approach = float(scene.approach or 0.0)
-        return hertz.point_contact_from_approach(along, across, modulus, approach).b
+        return closed_forms.ellipse(scene, contact).b
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
@@ -24,7 +23,7 @@ from railhead.geometry.placement import (
     upright,
 )
 from railhead.geometry.profiles import Profile
-from railhead.geometry.surfaces import ExactGap, ParabolicGap, RailSurface, WheelSurface, along
+from railhead.geometry.surfaces import ExactGap, ParabolicGap, RailSurface, WheelSurface, between
 from railhead.geometry.wheelset import Placed, Side, Track, WheelsetOnTrack
 from railhead.meshing.bodies import RAIL
 from railhead.postprocess.findings import Frame
@@ -363,24 +362,14 @@ class Contact:
             _refuse_gap(self.scene, touch)
         return found
 
-    def half_space_gap(self, touch: ContactPoint) -> Callable[[Array, Array], Array]:
-        """Function of x (along the rail) and s (across it), both (n,) in mm, from a contact point
-        in its tangent plane. The function gives the gap (n,) in mm between both surfaces along the
-        normal of that plane, infinite where the normal misses the rail or the wheel. Raises
-        ValueError for half-spaces.
+    def half_space_gap(self, x: Array, s: Array) -> Array:
+        """Gap (n,) in mm between both surfaces along the normal of the contact point's tangent
+        plane, at x (along the rail) and s (across it), both (n,) in mm, from that point; infinite
+        where the normal misses the rail or the wheel. Raises ValueError for half-spaces.
         """
-        axes = touch.axes
-        rail, wheel = self.surfaces()
-
-        def gap(x: Array, s: Array) -> Array:
-            """Gap (n,) in mm at x, s (n,) in mm in the tangent plane."""
-            points = [touch.x, touch.y, touch.z] + np.column_stack([x, s]) @ axes[:2]
-            normals = np.tile(axes[2], (len(x), 1))
-            lower, upper = along(rail, points, normals), along(wheel, points, normals)
-            with np.errstate(invalid="ignore"):
-                return np.where(np.isfinite(lower), upper - lower, np.inf)
-
-        return gap
+        touch, axes = self.touch, self.touch.axes
+        points = [touch.x, touch.y, touch.z] + np.column_stack([x, s]) @ axes[:2]
+        return between(*self.surfaces(), points, np.tile(axes[2], (len(x), 1)))
 
     def surfaces(self) -> tuple[RailSurface, WheelSurface]:
         """The exact surfaces of rail and wheel in space. Raises ValueError for half-spaces."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,7 @@ from railhead.geometry.surfaces import (
     RailSurface,
     RoundedFlat,
     WheelSurface,
-    along,
+    between,
     read_map,
 )
 from railhead.scene.scene import Scene, SceneError
@@ -113,7 +114,7 @@ def shape(scene: Scene, pair: ProfilePair, pose: Pose, touch: ContactPoint) -> S
         if each is not None and each.length < 2 * (step := x[1] - x[0]):
             text = f"its height changes within {each.length:.3g} mm, as roughness does"
             raise SceneError(f"{body}.surface", f"{text}; give at least {2 * step:.2g} mm")
-    gap, first = _lowest(_over_rail(smooth, pair), x, y)
+    gap, first = _lowest(partial(_over_rail, *smooth.surfaces(pair)), x, y)
     lowered = replace(smooth, pose=pose.moved(z=-gap), first=first)
     return replace(lowered, odd=_odd(lowered, pair, x, y))
 
@@ -141,20 +142,12 @@ def height(scene: Scene, body: str) -> Height | None:
     return found if found.range > 0 else None
 
 
-def _over_rail(shape: SurfaceShape, pair: ProfilePair) -> Callable[[Array, Array], Array]:
-    """Function of x and y (n,) in mm that gives the vertical height (n,) of the wheel's true
-    surface over the rail's, mm; infinite where one of them ends.
+def _over_rail(rail: RailSurface, wheel: WheelSurface, x: Array, y: Array) -> Array:
+    """Vertical height (n,) of the wheel's true surface over the rail's at x and y (n,), all in mm;
+    infinite where one of them ends.
     """
-    rail, wheel = shape.surfaces(pair)
-
-    def above(x: Array, y: Array) -> Array:
-        """Height (n,) of the wheel over the rail at x, y (n,), mm."""
-        points = np.column_stack([x, y, np.zeros_like(x)])
-        points[:, 2] = -rail.implicit(points)[0]
-        up = np.tile([0.0, 0.0, 1.0], (len(x), 1))
-        return along(wheel, points, up)
-
-    return above
+    points = np.column_stack([x, y, np.zeros_like(x)])
+    return between(rail, wheel, points, np.tile([0.0, 0.0, 1.0], (len(x), 1)))
 
 
 def _lowest(

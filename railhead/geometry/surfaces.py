@@ -284,6 +284,15 @@ def along(surface: Surface, points: Array, directions: Array) -> Array:
     return np.where(np.abs(step) < CONVERGED, t, np.inf)
 
 
+def between(lower: Surface, upper: Surface, points: Array, directions: Array) -> Array:
+    """Distance (n,) in mm from one surface to another along unit directions (n, 3) through points
+    (n, 3) near both; infinite where one of them is missed.
+    """
+    first = along(lower, points, directions)
+    with np.errstate(invalid="ignore"):
+        return np.where(np.isfinite(first), along(upper, points, directions) - first, np.inf)
+
+
 def nearest(surface: Surface, points: Array) -> tuple[Array, Array]:
     """Places (n, 3) on a surface close to points (n, 3) beside it, mm, and its outward unit normals
     (n, 3) at these places.

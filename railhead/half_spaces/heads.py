@@ -15,7 +15,7 @@ import numpy as np
 
 from railhead.contact.crossing import CrossingContact
 from railhead.geometry.placement import ContactPoint
-from railhead.geometry.surfaces import RailSurface, along
+from railhead.geometry.surfaces import RailSurface, between
 from railhead.half_spaces.surface import Span
 from railhead.theory.array_types import Array, Index
 
@@ -80,10 +80,7 @@ class Heads:
         for number, head in enumerate(self.contact.crossing.heads.values()):
             here = np.flatnonzero(of == number)
             normals = np.tile(self._frames[1][number, 2], (len(here), 1))
-            rail = RailSurface(head.surface)
-            lower, upper = (along(each, points[here], normals) for each in (rail, wheel))
-            with np.errstate(invalid="ignore"):
-                gap[here] = np.where(np.isfinite(lower), upper - lower, np.inf)
+            gap[here] = between(RailSurface(head.surface), wheel, points[here], normals)
         return gap
 
     def locus(self, closure: float) -> tuple[Array, Array, Array]:

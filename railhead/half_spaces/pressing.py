@@ -90,7 +90,7 @@ class HalfSpacePair:
         return self.hertz if exact else self.pressed(load, FINE)
 
     def near(
-        self, before: BoundaryElementSolution, load: float, cells: int
+        self, before: BoundaryElementSolution, load: float, cells: int = CELLS
     ) -> BoundaryElementSolution:
         """Boundary elements under another vertical load (N): on the grids of a solution `before`
         if that has nearly this load (NEAR), else as `pressed`.
@@ -121,6 +121,8 @@ class HalfSpacePair:
         """
         contact, surface = self.contact, self.facing
         rigid = self.hertz.approach / contact.touch.upright
+        if load is not None:
+            rigid *= (load / self.hertz.load / contact.touch.upright) ** (2 / 3)
         x, s, height = surface.locus(2 * FIRST_REACH * rigid)
         if start is None:
             windows = _boxes(contact, x, s, np.maximum(FIRST_REACH * rigid - height, 0))

@@ -16,7 +16,7 @@ import numpy as np
 from railhead.contact import closed_forms, wheelset_kinematics
 from railhead.contact.solid import Contact
 from railhead.geometry.placement import ContactPoint
-from railhead.geometry.surfaces import along
+from railhead.geometry.surfaces import along, between
 from railhead.meshing.bodies import WHEEL
 from railhead.theory.array_types import Array
 from railhead.theory.friction.rolling import plane_modes
@@ -95,11 +95,9 @@ class Developed:
         """
         angle, (rail, wheel) = self.angle(s), self.contact.surfaces()
         normals = np.column_stack([np.zeros_like(angle), -np.sin(angle), np.cos(angle)])
-        upper = along(wheel, self.points(x, s), normals)
-        if rail.added is None:
-            return upper
-        lower = along(rail, self.points(x, s), normals)
-        return np.where(np.isfinite(lower), upper - np.where(np.isfinite(lower), lower, 0), np.inf)
+        if rail.added is None:  # the points lie on it
+            return along(wheel, self.points(x, s), normals)
+        return between(rail, wheel, self.points(x, s), normals)
 
     def locus(self, closure: float) -> tuple[Array, Array, Array]:
         """x, s and vertical height over the rail (n,), in mm, of the wheel's contact locus, where

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -226,9 +226,7 @@ class Context:
             self._largest[poisson] = (
                 self.hertz.axis_extrema(poisson).von_mises_max
                 if isinstance(self.elastic, str)
-                else max(
-                    grid_stress.largest_von_mises(each, poisson) for each in self.elastic.patches
-                )
+                else _von_mises(self.elastic, poisson)
             )
         return self._largest[poisson]
 
@@ -239,16 +237,14 @@ class Context:
         the square root. Where the patch is not Hertz's, the load of first yield is found by
         boundary elements, to 0.3 % (YIELD_FOUND).
         """
-        power, load = 1 / self.contact.load_power, self.scene.load
+        power, load, now = 1 / self.contact.load_power, self.scene.load, self.elastic
         over, share = math.log(self.over_yield), 0.0
-        for _ in range(MOST_LOADS * (not isinstance(self.elastic, str) and load is not None)):
-            if abs(over) < power * YIELD_FOUND:
+        for _ in range(MOST_LOADS):
+            if isinstance(now, str) or load is None or abs(over) < power * YIELD_FOUND:
                 break
             last, share = (share, over), share - over / power
-            less = float(load or 0.0) * math.exp(share)
-            scene = self.scene.replace([f"load={less}"])
-            hertz = closed_forms.hertz_contact(scene, self.contact)
-            over = math.log(replace(self, scene=scene, hertz=hertz).over_yield)
+            now = self.half_spaces.near(now, load * math.exp(share))
+            over = math.log(self._over_yield(partial(_von_mises, now)))
             power = (last[1] - over) / (last[0] - share)
         return math.exp(over / power - share)
 
@@ -257,8 +253,12 @@ class Context:
         """Largest ratio of von Mises stress, as of `von_mises`, to the yield stress of a body; 1
         where no body has one.
         """
+        return self._over_yield(self.von_mises)
+
+    def _over_yield(self, stress: Callable[[float], float]) -> float:
+        """`over_yield` of stresses: `stress` gives von Mises, MPa, by Poisson's ratio."""
         yields = (part for part in self.stressed.values() if part.yields)
-        ratios = [self.von_mises(part.poisson_ratio) / part.first_yield for part in yields]
+        ratios = [stress(part.poisson_ratio) / part.first_yield for part in yields]
         return max(ratios, default=1.0)
 
     @cached_property
@@ -272,6 +272,11 @@ class Context:
         scene, or 0.01 (DEFAULT_ACCURACY).
         """
         return self.scene.accuracy or DEFAULT_ACCURACY
+
+
+def _von_mises(pressed: BoundaryElementSolution, poisson: float) -> float:
+    """Largest von Mises stress, MPa, in a half-space under a pressure, for a Poisson's ratio."""
+    return max(grid_stress.largest_von_mises(each, poisson) for each in pressed.patches)
 
 
 @dataclass(frozen=True)

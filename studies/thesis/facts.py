@@ -208,7 +208,7 @@ def facts(scene: Scene) -> Facts:
     ellipse = closed_forms.ellipse(scene, contact)
     curvatures = (ellipse.curvature_x, 0.0), (0.0, ellipse.curvature_y)
     numerical = pressure_solver.solve_developed(
-        contact.half_space_gap(contact.touch),
+        contact.half_space_gap,
         ellipse.contact_modulus,
         [((0.0, 0.0), (2 * ellipse.a, 2 * ellipse.b))],
         np.zeros_like,
