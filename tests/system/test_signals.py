@@ -154,7 +154,7 @@ def test_a_killed_command_leaves_no_ranks(tmp_path) -> None:
     assert alive == []
 
 
-@pytest.mark.parametrize("how", ["--fast", "--quiet"])
+@pytest.mark.parametrize("how", ["--fast", pytest.param("--quiet", marks=pytest.mark.slow)])
 def test_a_sweep_under_mpirun_ends(tmp_path, how: str) -> None:
     """The second process solves: half-spaces, and bodies with a mesh."""
     start = ["mpirun", "-n", "2", *command.START, "sweep", "hertz_ellipse", how]

@@ -81,6 +81,7 @@ def test_two_passes_of_a_line_are_those_of_another_program(number):
     assert found.rows[0]["groove_mm"] == pytest.approx(case["passes"][0]["settle"], rel=0.05)
 
 
+@pytest.mark.slow
 def test_in_contact_the_resistance_is_what_yield_takes():
     found = rolled(4.5, 0.0, 0.0, count=3, keeps=False)
     assert found.energy_error < 0.03

@@ -55,6 +55,7 @@ def test_a_rounded_flat_by_finite_elements(degrees: int) -> None:
     assert found.summary["accuracy"]["bound"]["max_MPa"] < 0.01
 
 
+@pytest.mark.slow
 def test_finite_elements_find_both_patches_of_a_hollow_that_half_spaces_find() -> None:
     """Shares 0.48 and 0.52, 8 mm ahead and behind, apart by a hollow that does not touch."""
     hollow = {"kind": "flat", "length": 20.0, "depth": 0.2, "position": 0.02}
