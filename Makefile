@@ -1,4 +1,4 @@
-.PHONY: run test pytest test-all setup lint docs peers deb pip-check site
+.PHONY: run page test pytest test-all setup lint docs peers deb pip-check site
 STUDIES = accuracy-cost effect-accuracy load-sweep scaling ranks thesis effects plasticity passes creep profiles hard-cases fuzz speed
 ROOMS = cases meshing postprocess solver theory
 
@@ -7,6 +7,11 @@ unexport PYTHONDONTWRITEBYTECODE
 
 run: setup
 	.venv/bin/railhead run uic54_thesis
+
+# Wheel and rail in a browser.
+page: setup
+	.venv/bin/python -m pip install -q -c .venv/constraints.txt -e '.[page]'
+	.venv/bin/railhead page
 
 # Style and types on one core while the tests begin on the other.
 test: setup

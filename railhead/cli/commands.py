@@ -6,6 +6,7 @@ Modules that a command needs are imported when it runs: imports are half of a sh
 from __future__ import annotations
 
 import io
+import os
 import shutil
 import sys
 import textwrap
@@ -13,6 +14,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import redirect_stdout
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -35,6 +37,8 @@ if TYPE_CHECKING:
 KEPT = "what is solved is kept in {}/; the same command goes on"
 PROCESSES = click.IntRange(1)
 PROCESSES.name = "number of processes; give a whole number from 1 on"
+PORT = click.IntRange(0, 65535)
+PORT.name = "port; give a whole number up to 65535"
 START_BYTES = 750_000_000  # address space with which libraries start and half-spaces are solved
 # Commands of which MPI prints one copy.
 SERIAL = ("list", "plan", "show", "diff", "locate", "profile")
@@ -458,6 +462,21 @@ def _report(
         quiet=quiet,
         folder=folder,
     )
+
+
+@railhead.command()
+@click.argument("case", default="s1002_60e1")
+@click.option("--port", type=PORT, default=0, metavar="NUMBER", help="Of the address [a free one].")
+@click.option("--no-open", is_flag=True, help="Only print the address; open no browser.")
+def page(case: str, port: int, no_open: bool) -> None:
+    """Look at a case in a browser: drag the wheel over the rail, then solve."""
+    for name in ("aiohttp", "plotly"):
+        if find_spec(name) is None:
+            text = f"{name} is missing; make page, or pip install 'railhead-contact[page]'"
+            raise SceneError("page", text)
+    words = [case, str(port), "closed" if no_open else "open"]
+    program = [sys.executable, "-c", "from railhead.page import main; main()"]
+    os.execv(sys.executable, [*program, *words])
 
 
 @railhead.command()

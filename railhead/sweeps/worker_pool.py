@@ -114,14 +114,14 @@ def together(
 
 
 @contextmanager
-def processes(jobs: int = JOBS_PER_PROCESS) -> Iterator[ProcessPool]:
-    """Pool of processes, one for each core; stopped at the end of the block. jobs: of a process
-    before it ends; 0: no limit.
+def processes(jobs: int = JOBS_PER_PROCESS, count: int = 0) -> Iterator[ProcessPool]:
+    """Pool of processes, stopped at the end of the block. jobs: of a process before it ends; 0: no
+    limit. count: of processes; 0: one for each core.
     """
     # Where a signal ends this process, a process of multiprocessing warns of what it tidies up.
     os.environ.setdefault("PYTHONWARNINGS", "ignore:resource_tracker")
     with ProcessPool(
-        os.cpu_count() or 1, max_tasks=jobs, initializer=_single, context=_Context()
+        count or os.cpu_count() or 1, max_tasks=jobs, initializer=_single, context=_Context()
     ) as pool:
         try:
             yield pool

@@ -1,0 +1,180 @@
+"""The server of the page: on this machine alone, behind a token, one socket for each open page."""
+
+from __future__ import annotations
+
+import asyncio
+import hmac
+import json
+import secrets
+import shutil
+import socket
+import tempfile
+import traceback
+import webbrowser
+from collections.abc import AsyncIterator, Awaitable, Callable
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from aiohttp import WSMsgType, web
+from pebble import ProcessPool
+
+from railhead.page import views
+from railhead.results import result_folder
+from railhead.scene import catalogue
+from railhead.scene.scene import SceneError
+from railhead.sweeps import worker_pool
+
+HEARTBEAT = 10.0  # s: a page that does not answer so long is gone
+WORKERS = 2  # one for half-spaces, one for what is beside them
+IN_WORKERS = {each.__name__: each for each in (views.controls, views.radii, views.half_spaces)}
+"""Views by the name under which a page asks for them, but for the one that follows a slider."""
+POOL = web.AppKey("pool", ProcessPool)
+CASE = web.AppKey("case", str)
+PAGES = web.AppKey("pages", set)
+
+
+class Page:
+    """One open page: its socket, its folder, and what it has asked for.
+
+    case: as of `railhead run`. socket: to the browser. pool: warm processes. folder: of its own.
+    """
+
+    def __init__(
+        self, case: str, socket: web.WebSocketResponse, pool: ProcessPool, folder: Path
+    ) -> None:
+        """Attributes of the class. The folder is made."""
+        self.case, self.socket, self.pool, self.folder = case, socket, pool, folder
+        folder.mkdir()
+
+    async def answer(self, asked: dict[str, Any]) -> None:
+        """Send what a message asks for, {"kind", "number", "values"}: {"kind", "number", "data"},
+        or "error" with the key and the line that the command would print.
+        """
+        kind, values = asked["kind"], asked["values"]
+        reply = {"kind": kind, "number": asked["number"]}
+        try:
+            if kind == "rigid":
+                data = await asyncio.to_thread(views.rigid, self.case, values)
+            else:
+                job = self.pool.schedule(IN_WORKERS[kind], args=(self.case, values))
+                data = await asyncio.wrap_future(job)
+            reply["data"] = data
+        except Exception as error:
+            reply["error"] = self.refusal(error)
+        await self.send(reply)
+
+    def refusal(self, error: Exception) -> dict[str, str]:
+        """Key and line of an error; one that is no SceneError is printed with its origin, too."""
+        if not isinstance(error, SceneError):
+            traceback.print_exception(error)
+        words = " ".join(str(error).split()) or type(error).__name__
+        return {"key": getattr(error, "key", ""), "line": f"railhead: {words}"}
+
+    async def send(self, message: dict[str, Any]) -> None:
+        """Send a message as JSON, if the page is still open."""
+        if not self.socket.closed:
+            await self.socket.send_str(result_folder.to_json(message))
+
+    async def close(self) -> None:
+        """End what the page has started, and remove its folder."""
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+async def _socket(request: web.Request, root: Path) -> web.WebSocketResponse:
+    """Answer a page until it is closed."""
+    response = web.WebSocketResponse(heartbeat=HEARTBEAT)
+    await response.prepare(request)
+    page = Page(request.app[CASE], response, request.app[POOL], root / secrets.token_hex(8))
+    request.app[PAGES].add(response)
+    jobs: set[asyncio.Task[None]] = set()
+    try:
+        async for message in response:
+            if message.type is WSMsgType.TEXT:
+                job = asyncio.create_task(page.answer(json.loads(message.data)))
+                jobs.add(job)
+                job.add_done_callback(jobs.discard)
+    finally:
+        request.app[PAGES].discard(response)
+        for job in jobs:
+            job.cancel()
+        await page.close()
+    return response
+
+
+def application(case: str, token: str, root: Path) -> web.Application:
+    """The server of a case.
+    token: first part of all addresses; without it the answer is 403. root: folder of the pages.
+    """
+
+    @web.middleware
+    async def with_token(
+        request: web.Request, handler: Callable[[web.Request], Awaitable[web.StreamResponse]]
+    ) -> web.StreamResponse:
+        """The answer of `handler`; 403 without the token."""
+        if not hmac.compare_digest(request.path.split("/")[1].encode(), token.encode()):
+            raise web.HTTPForbidden(text="railhead: the address has a wrong token\n")
+        return await handler(request)
+
+    async def page(_: web.Request) -> web.FileResponse:
+        """The page itself."""
+        return web.FileResponse(Path(__file__).with_name("page.html"))
+
+    async def drawing(_: web.Request) -> web.FileResponse:
+        """The library that draws."""
+        return web.FileResponse(Path(str(files("plotly") / "package_data" / "plotly.min.js")))
+
+    async def opened(request: web.Request) -> web.WebSocketResponse:
+        """The socket of a page."""
+        return await _socket(request, root)
+
+    app = web.Application(middlewares=[with_token])
+    app[CASE], app[PAGES] = case, set()
+    app.router.add_get(f"/{token}/", page)
+    app.router.add_get(f"/{token}/plotly.min.js", drawing)
+    app.router.add_get(f"/{token}/socket", opened)
+    app.router.add_static(f"/{token}/files", root)
+    app.cleanup_ctx.append(_workers)
+    app.on_shutdown.append(_close)
+    return app
+
+
+async def _workers(app: web.Application) -> AsyncIterator[None]:
+    """Processes for as long as the server runs, warmed by the case's own answer."""
+    with worker_pool.processes(0, WORKERS) as pool:
+        app[POOL] = pool
+        for _ in range(WORKERS):
+            pool.schedule(views.half_spaces, args=(app[CASE], {}))
+        yield
+        pool.stop()
+        pool.join()
+
+
+async def _close(app: web.Application) -> None:
+    """Close all pages."""
+    for each in [*app[PAGES]]:
+        await each.close()
+
+
+def serve(case: str, port: int, *, opened: bool) -> None:
+    """Serve the page of a case until Ctrl-C, and print its address.
+    case: as of `railhead run`, or the folder of a result. port: 0: one that is free.
+    opened: whether a browser is opened.
+    Raises SceneError for an unknown case and a port that cannot be used.
+    """
+    if Path(case).is_dir():
+        case = str(Path(case) / result_folder.SCENE)
+    catalogue.find(case)
+    try:
+        listening = socket.create_server(("127.0.0.1", port))
+    except OSError as error:
+        text = f"{port} cannot be used ({error.strerror}); give another, or none"
+        raise SceneError("--port", text) from None
+    token = secrets.token_urlsafe(24)
+    address = f"http://127.0.0.1:{listening.getsockname()[1]}/{token}/"
+    print(f"{address}\nCtrl-C ends it", flush=True)
+    if opened:
+        webbrowser.open(address)
+    with tempfile.TemporaryDirectory(prefix="railhead-page-") as root:
+        app = application(case, token, Path(root))
+        web.run_app(app, sock=listening, print=None, access_log=None, shutdown_timeout=2.0)
