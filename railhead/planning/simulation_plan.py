@@ -42,6 +42,7 @@ DEFAULT_TOLERANCE = 1e-6  # of Newton's method where no error of the mesh is kno
 STEP_ORDER = 1.5  # of the error of load steps; 1.5 to 2.2 were measured from two steps on
 LOAD_STEP_SHARE = 0.25  # largest share of an accuracy that the error of load steps takes
 MOST_STEPS = 16  # largest factor on the usual number of load steps
+ELLIPTIC = 0.01  # largest deviation of the gap of patches that are read as ellipses, as below
 PARABOLA = 3e-4  # largest deviation of the gap from a parabola, over the approach, and ...
 FAR = 4.0  # ... least distance of edges and supports, over half lengths, of semi-ellipsoids
 MOST_UNKNOWNS = 1e9  # of a mesh that is planned: a thousand times the largest that was solved
@@ -103,7 +104,7 @@ class Plan:
         cell, method, theta, gamma_factor: as the scene has them under mesh and solver.
         order: of the displacement, 1 or 2.
         poisson, least_poisson: largest and least Poisson's ratio of the deformable bodies.
-        ellipse: whether the forecast patch is Hertz's.
+        ellipse: whether the patch is expected to be read as Hertz's.
         axis_ratio: longer over shorter half length of the most loaded patch; 1 of a line contact.
         stiffness: smaller over larger E/(1 - nu^2) of the two bodies; 0 where one is rigid, also by
             choice.
@@ -125,7 +126,7 @@ class Plan:
             "gamma_factor": scene.solver.gamma_factor,
             "poisson": max(ratios),
             "least_poisson": min(ratios),
-            "ellipse": self.forecast.hertzian,
+            "ellipse": self.forecast.hertzian and self.context.gap_deviation < ELLIPTIC,
             "axis_ratio": max(self.zone) / min(self.zone),
             "stiffness": 0.0 if math.isinf(max(moduli)) else min(moduli) / max(moduli),
             "overload": self.context.overload if self.effects["plasticity"].on else 0.0,

@@ -77,6 +77,9 @@ READ_WIDER = {
     ("bodies", "max_MPa"): (1.4, -0.3),
     ("soft bodies", "max_MPa"): (1.4, -0.15),
     ("yield", "max_MPa"): (3.5, -1.2),
+    ("profiles", "b_mm"): (1.45, 0.0),
+    ("profiles", "area_mm2"): (1.45, 0.0),
+    ("profiles", "max_MPa"): (1.2, 0.0),
 }
 """The same of reading errors, where scenes of other seeds had larger ones and took two meshes."""
 OF_PLACES = (1.45, 0.0)
