@@ -24,7 +24,7 @@ if warnings.showwarning is not _shown:
 
 _NAMES = {
     "model.model": "Model Solution",
-    "model.parts": "Body Elastic Force Move Plastic",
+    "model.parts": "Body Elastic Force Move Plastic Pressure Spring Traction",
     "space.supports": "Clamp Hub Slide",
     "system.surfaces": "Contact Plane Sphere",
 }

@@ -57,7 +57,8 @@ class Hardening:
     cycles add to it.
 
     strain: plastic strain of the points (k,), ascending, the first 0.
-    stress: stress of the points (k,), MPa; the first is the initial yield stress.
+    stress: stress of the points (k,), MPa; the first is the initial yield stress. Of a single point
+        it and the slope after it may be arrays (n,) over points of a body, see `at`.
     kinematic: share of the curve's hardening, 0 to 1, by which the yield surface moves instead of
         growing (Prager's rule).
     final_hardening_modulus: slope d stress / d plastic strain after the last point, MPa.
@@ -109,6 +110,15 @@ class Hardening:
             self, backstresses=parts, recall_exponent=float(recall_exponent), isotropic=voce
         )
 
+    def at(self, points: Index) -> Hardening:
+        """The law at points with the given numbers (k,), where values are arrays over points."""
+        single = self.stress[0], self.final_hardening_modulus
+        if not any(map(np.ndim, single)):
+            return self
+        stress, slope = (np.broadcast_to(e, max(map(np.size, single)))[points] for e in single)
+        own: dict[str, Any] = {"stress": (stress,), "final_hardening_modulus": slope}
+        return replace(self, **own)
+
     @property
     def initial_yield_stress(self) -> float:
         """Stress at which plastic strain begins, MPa."""
@@ -123,9 +133,10 @@ class Hardening:
 
     def stress_and_slope(self, plastic: Array) -> tuple[Array, Array]:
         """Stress of the curve and its slope (n,), MPa, at equivalent plastic strains (n,)."""
+        if len(self.strain) == 1:
+            slope = self.final_hardening_modulus
+            return self.stress[0] + slope * plastic, np.full_like(plastic, slope)
         strain, stress, slopes = self.segments
-        if len(strain) == 1:
-            return stress[0] + slopes[0] * plastic, np.full_like(plastic, slopes[0])
         segment = np.searchsorted(strain, plastic, side="right") - 1
         return stress[segment] + slopes[segment] * (plastic - strain[segment]), slopes[segment]
 
@@ -263,7 +274,8 @@ class _Return:
         """Constants of the back stresses (b,), and the state without growth."""
         law, parts = self.hardening, self.hardening.backstresses
         self.bent = law.kinematic > 0 and len(law.strain) > 1  # else Prager's part has one modulus
-        prager = 0.0 if self.bent else law.kinematic * law.final_hardening_modulus
+        moves = law.kinematic and not self.bent
+        prager = law.kinematic * law.final_hardening_modulus if moves else 0.0
         self.modulus = np.array([each.modulus for each in parts] or [prager])
         self.recall = np.array([each.recall for each in parts] or [0.0])
         self.scale = np.sqrt(1.5) * self.recall / np.maximum(self.modulus, 1e-300)
@@ -428,7 +440,7 @@ def radial_return(
     if not len(yielding):
         return after, TangentReduction.none(strain.shape[1])
     at = before.at(yielding)
-    found = _Return(hardening, mu[yielding], elastic[yielding], at)
+    found = _Return(hardening.at(yielding), mu[yielding], elastic[yielding], at)
     found.solve(excess[yielding])
     after.plastic[yielding] += found.strain - at.ahead
     after.back[yielding], after.equivalent[yielding] = found.back, found.plastic
@@ -444,14 +456,15 @@ class Material:
     young_modulus: Young's modulus E, MPa; math.inf: the body is rigid.
     poisson_ratio: Poisson's ratio nu, in [0, 0.5).
     hardening: flow curve; None: the body stays elastic.
+    Values may be arrays (k,) over the local cells of the body in rising order, ghosts included.
     """
 
-    young_modulus: float
-    poisson_ratio: float
+    young_modulus: Any
+    poisson_ratio: Any
     hardening: Hardening | None = None
 
     @property
-    def lame(self) -> tuple[float, float]:
+    def lame(self) -> tuple[Any, Any]:
         """Lame's constants (lambda, mu), MPa."""
         e, nu = self.young_modulus, self.poisson_ratio
         return e * nu / ((1 + nu) * (1 - 2 * nu)), e / (2 * (1 + nu))
@@ -491,7 +504,7 @@ def assemble(
     cells = mesh.topology.index_map(mesh.topology.dim)
     lame = np.zeros((cells.size_local + cells.num_ghosts, 2))
     for tag, material in materials.items():
-        lame[cell_tags.find(tag)] = material.lame
+        lame[cell_tags.find(tag)] = np.column_stack(material.lame)
     none = mesh.comm.allreduce(int(np.count_nonzero(lame[: cells.size_local, 1] == 0)))
     if none:
         raise ValueError(f"{none} cells belong to no body: the bodies' tags are {[*materials]}")

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import ufl
 from dolfinx.fem.petsc import assemble_vector
+from mpi4py import MPI
 from petsc4py import PETSc
 
 from railhead.solver import compat
@@ -17,14 +18,23 @@ from railhead.solver.algebra.linear import Direct, Preconditioner
 from railhead.solver.algebra.multigrid import Hierarchy, PMultigrid
 from railhead.solver.algebra.newton import CONVERGED, NewtonResult
 from railhead.solver.algebra.problem import ContactProblem
-from railhead.solver.algebra.reduced_stiffness import Stiffness
-from railhead.solver.material import History, assemble, backs
-from railhead.solver.model.parts import Body, Contact, Part
+from railhead.solver.algebra.reduced_stiffness import DIFFERENT, Stiffness
+from railhead.solver.material import Hardening, History, Material, assemble, backs
+from railhead.solver.model.parts import (
+    Body,
+    Contact,
+    Part,
+    Pressure,
+    Spring,
+    Traction,
+    cell_values,
+)
 from railhead.solver.model.problem import HubLoads, State
 from railhead.solver.plasticity.plastic_problem import YieldPoints, bulk_points
 from railhead.solver.space.contact_interface import ContactLaw, Interface
+from railhead.solver.space.facets import FacetSet
 from railhead.solver.space.kinematics import SOLID, Kinematics
-from railhead.solver.space.operators import vector
+from railhead.solver.space.operators import assemble_rows, transposed, vector, weighted_product
 from railhead.solver.space.supports import (
     Clamp,
     Hub,
@@ -51,7 +61,9 @@ class Assembly:
     bulk, stiffness: displacement space, and the stiffness on all dofs.
     surfaces: of all contacts. secondary: material of the secondary body of each.
     law: contact law of all contacts: symmetric, or with theta = 0 where something has friction.
-    body_force: on all dofs.
+    body_force: of bodies and loaded facets, on all dofs, with that of thermal strain.
+    thermal: stress (cells,) that thermal strain has where it is held, of all local cells.
+    springs: facets of each spring on this rank.
     masks: of each clamp, slide and hub, the nodes of this rank on its facets.
     remembers: whether the answer depends on the way of the loads: with yield or friction.
     """
@@ -74,19 +86,25 @@ class Assembly:
         supports = [each for each in parts if isinstance(each, Clamp | Slide | Hub)]
         if not contacts:
             raise ValueError("a model needs a Contact")
-        _compatible(contacts, supports)
-        self.materials = {each.tag: each.material.material(section) for each in self.bodies}
-        if len(self.materials) < len(self.bodies):
-            raise ValueError(f"a body is named twice: {[each.tag for each in self.bodies]}")
-        for body in self.bodies:
-            must_exist("cell", cell_tags, body.tag, self.comm)
-        for tag in [each.tag for each in supports] + [tag for c in contacts for tag in c.tags]:
+        _compatible(contacts, supports, any(isinstance(each, Spring) for each in parts))
+        tags = [each.tag for each in self.bodies]
+        if len(set(tags)) < len(tags):
+            raise ValueError(f"a body is named twice: {tags}")
+        for tag in tags:
+            must_exist("cell", cell_tags, tag, self.comm)
+        loads = [each for each in parts if isinstance(each, Pressure | Traction | Spring)]
+        for tag in [e.tag for e in supports + loads] + [tag for c in contacts for tag in c.tags]:
             must_exist("facet", facet_tags, tag, self.comm)
+        self.materials = self._materials()
         self.bulk, self.stiffness = assemble(
             mesh, cell_tags, self.materials, degree, self.kinematics
         )
         self.masks = masks(self.bulk.space, facet_tags, supports)
+        self.thermal = self._thermal()
         self.body_force = self._body_force()
+        self.springs: dict[Spring, FacetSet] = {}
+        for load in loads:
+            self._load(load)
         on = [self._bodies_at(each.secondary) for each in contacts]
         for each, found in zip(contacts, on, strict=True):
             if len(found) > 1:
@@ -94,7 +112,8 @@ class Assembly:
                     f"secondary surface {each.secondary} lies on the bodies {found}: give each of "
                     "them a tag and a Contact"
                 )
-        self.secondary = [self.materials[found[0]] for found in on]
+        self._tags = [found[0] for found in on]
+        self.secondary = [self._typical(self.materials[tag]) for tag in self._tags]
         suited = [ContactLaw().suited(each.young_modulus, each.lame) for each in self.secondary]
         rubs = any(each.friction for each in contacts)
         self.law = ContactLaw(theta=0 if rubs else min(law.theta or 0 for law in suited))
@@ -104,6 +123,87 @@ class Assembly:
         self.remembers = yields or rubs
         self._unknowns: dict[tuple[Hub, ...], Unknowns] = {}
         self._factors: tuple[Interface, Unknowns, Direct] | None = None
+
+    def _materials(self) -> dict[int, Material]:
+        """Material of each body by its tag (collective). Raises ValueError on all ranks for values
+        that it may not have.
+        """
+        found, problem = {}, ""
+        try:
+            for body in self.bodies:
+                own = body.material.over(self.cell_tags.find(body.tag))
+                found[body.tag] = own.material(self.section)
+        except ValueError as error:
+            problem = str(error)
+        for each in filter(None, self.comm.allgather(problem)):
+            raise ValueError(each)
+        return found
+
+    def _typical(self, material: Material) -> Material:
+        """A material with the mean of Young's moduli and the largest of Poisson's ratios of the
+        body (collective).
+        """
+        young, nu = np.atleast_1d(material.young_modulus), np.atleast_1d(material.poisson_ratio)
+        every = self.comm.allgather((young.sum(), young.size, nu.max(initial=0.0)))
+        total, count, largest = zip(*every, strict=True)
+        return Material(sum(total) / sum(count), max(largest), material.hardening)
+
+    def hardening(self, number: int, pairing: Interface) -> Hardening | None:
+        """Law of yield at the points of this rank that belong to a contact, by its number."""
+        law, own = self.secondary[number].hardening, pairing.contact == number
+        cells = pairing.slave.numbers[pairing.facet[own]]
+        return law and law.at(np.searchsorted(self.cell_tags.find(self._tags[number]), cells))
+
+    def _thermal(self) -> Array:
+        """Stress (cells,) by which thermal strain e lowers the normal stresses of the elastic law:
+        (3 lambda + 2 mu) e or, in plane stress, (2 lambda + 2 mu) e of its constants.
+        """
+        lam, mu = self.bulk.lame.T
+        out = np.zeros(len(lam))
+        for body in self.bodies:
+            cells = self.cell_tags.find(body.tag)
+            given = cell_values("thermal_strain", body.thermal_strain, cells)
+            out[cells] = given
+        return np.asarray(out * ((2 if self.section == "plane stress" else 3) * lam + 2 * mu))
+
+    def thermal_at(self, pairing: Interface) -> Array:
+        """The stress of `_thermal` at contact points of this rank (n,)."""
+        return self.thermal[pairing.slave.numbers[pairing.facet]]
+
+    def _load(self, load: Pressure | Traction | Spring) -> None:
+        """Add a load of facets to the forces, or a spring to the stiffness (collective). Raises
+        ValueError for values that do not fit.
+        """
+        dim, space = self.kinematics.dim, self.bulk.space
+        facets = FacetSet.on(self.bulk, self.facet_tags.find(load.tag))
+        at, weights = facets.quadrature(2 * self.bulk.degree + 2)
+        x, tangents = facets.tangents(*at)
+        every = np.tile(np.eye(dim), (len(x), 1, 1))
+        total = self.comm.allreduce(self.stiffness.getLocalSize()[0])
+        local = dim * space.dofmap.index_map.size_local
+        rows = assemble_rows([facets.rows_at(*at, every)], dim * len(x), local, total, self.comm)
+        if isinstance(load, Spring):
+            self.springs[load] = facets
+            each = weights[:, None] * _at_points(load, "stiffness", load.stiffness, x, dim)
+            matrix = self.stiffness.convert("aij")
+            matrix.axpy(1.0, weighted_product(rows, each.ravel(), rows), DIFFERENT)
+            matrix.setBlockSize(dim)
+            self.stiffness = matrix.convert("baij")
+            self.stiffness.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+            return
+        if isinstance(load, Pressure):
+            value = _at_points(load, "value", load.value, x, 1)
+            values = -value * facets.normals(at[0], tangents)
+        else:
+            values = _at_points(load, "vector", load.vector, x, dim)
+        self.body_force.axpy(1.0, transposed(rows, (weights[:, None] * values).ravel()))
+
+    def spring_force(self, spring: Spring, displacement: PETSc.Vec) -> Array:
+        """Force (c,) of a spring on the bodies (collective)."""
+        facets = self.springs[spring]
+        at, weights = facets.quadrature(2 * self.bulk.degree + 2)
+        moved = facets.values(*at, self.gathered(displacement))
+        return np.asarray(self.comm.allreduce(-(weights @ moved) * np.asarray(spring.stiffness)))
 
     def _bodies_at(self, tag: int) -> list[int]:
         """Tags of the bodies that the facets with a tag belong to, in order (collective)."""
@@ -127,15 +227,26 @@ class Assembly:
         mesh, dim = self.bulk.space.mesh, self.kinematics.dim
         out = vector(self.stiffness, np.zeros(self.stiffness.getLocalSize()[0]))
         given = [each for each in self.bodies if each.force is not None]
-        if not given:
+        hot = self.comm.allreduce(bool(self.thermal.any()), op=MPI.LOR)
+        if not given and not hot:
             return out
         values = np.zeros((len(self.bulk.lame), dim))
+        v, more = ufl.TestFunction(self.bulk.space), 0
         for body in given:
-            values[self.cell_tags.find(body.tag)] = np.asarray(body.force, float)
+            cells = self.cell_tags.find(body.tag)
+            if hasattr(body.force, "ufl_shape"):
+                inside = np.zeros(len(values))
+                inside[cells] = 1.0
+                more += compat.cellwise_constant(mesh, inside) * ufl.inner(body.force, v)
+            else:
+                values[cells] = np.asarray(body.force, float)
         load = ufl.as_vector([compat.cellwise_constant(mesh, each.copy()) for each in values.T])
         r = ufl.SpatialCoordinate(mesh)[0]
-        size = 2 * np.pi * r if self.kinematics.revolved else 1.0
-        form = size * ufl.inner(load, ufl.TestFunction(self.bulk.space)) * ufl.dx
+        revolved = self.kinematics.revolved
+        if hot:
+            swells = self.kinematics.dilatation(v, r) if revolved else ufl.div(v)
+            more += compat.cellwise_constant(mesh, self.thermal) * swells
+        form = (2 * np.pi * r if revolved else 1.0) * (ufl.inner(load, v) + more) * ufl.dx
         found = assemble_vector(compat.form(form, mesh))
         found.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
         out.array[:] = found.array[: len(out.array)]
@@ -175,7 +286,8 @@ class Assembly:
         unknowns, last = self.unknowns(loads), self._factors
         large = unknowns.reduction.unknowns > DIRECT_BELOW[self.kinematics.dim, self.bulk.degree]
         rubs = any(each.friction for each in self.surfaces.contacts)
-        if large and self.bulk.degree == 2 and self.kinematics.dim == 3 and not rubs:
+        bonds = rubs or self.springs
+        if large and self.bulk.degree == 2 and self.kinematics.dim == 3 and not bonds:
             return PMultigrid(problem, unknowns.hierarchy)
         if last is None or last[0] is not pairing or last[1] is not unknowns:
             last = self._factors = pairing, unknowns, Direct(problem)
@@ -290,9 +402,11 @@ class Unknowns:
         )
 
 
-def _compatible(contacts: Sequence[Contact], supports: Sequence[Clamp | Slide | Hub]) -> None:
+def _compatible(
+    contacts: Sequence[Contact], supports: Sequence[Clamp | Slide | Hub], springs: bool
+) -> None:
     """Raise ValueError for a pair of surfaces that is there twice, for facets that are held twice,
-    and where nothing holds the bodies.
+    and where nothing holds the bodies; springs: whether there are some.
     """
     pairs = [
         {str(each.secondary), str(each.gap if each.primary is None else each.primary)}
@@ -308,8 +422,24 @@ def _compatible(contacts: Sequence[Contact], supports: Sequence[Clamp | Slide | 
             if part.tag == other.tag and not fits:
                 raise ValueError(f"{part}: {other} holds the same facets")
     stays = [each for each in supports if getattr(each, "free", None) is None]
-    if not stays and len(supports) < 2 and all(len(each.tags) == 2 for each in contacts):
+    held = stays or len(supports) > 1 or springs
+    if not held and all(len(each.tags) == 2 for each in contacts):
         raise ValueError("nothing holds the bodies: give a Clamp, a Slide or a second Hub")
+
+
+def _at_points(load: Any, name: str, given: Any, x: Array, size: int) -> Array:
+    """Values (n, size) of a load's attribute at points (n, c), from a number, a vector or a
+    function of points. Raises ValueError for others, and for what is not finite.
+    """
+    values = np.asarray(given(x) if callable(given) else given)
+    if size == values.ndim == 1:
+        values = values[:, None]
+    if values.shape in ((), (size,)):
+        values = np.broadcast_to(values, (len(x), size))
+    right = values.shape == (len(x), size) and values.dtype.kind in "iuf"
+    if not right or not np.isfinite(values).all():
+        raise ValueError(f"{load}: {name} must be finite, {size} number(s) at each point")
+    return values
 
 
 def kinematics(mesh: Any, section: str | None, mean: bool) -> Kinematics:

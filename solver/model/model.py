@@ -24,6 +24,7 @@ from railhead.solver.model.parts import (
     Move,
     Part,
     Slide,
+    Spring,
 )
 from railhead.solver.model.problem import State
 from railhead.solver.model.stepping import advance
@@ -86,7 +87,7 @@ class Model:
         if self._assembly is not None:
             raise ValueError("nothing can be added to a model that was solved")
         for each in parts:
-            if not isinstance(each, Body | Contact | Clamp | Slide | Hub):
+            if not isinstance(each, Part):
                 raise TypeError(f"{each!r} is no part of a model")
             if isinstance(each, Body) and not isinstance(each.material, Elastic):
                 raise TypeError(f"{each!r} needs a material: Elastic or Plastic")
@@ -94,7 +95,11 @@ class Model:
         for each in parts:
             for owner in (each, getattr(each, "primary", None)):
                 for name in VECTORS:
-                    if getattr(owner, name, None) is not None:
+                    given = getattr(owner, name, None)
+                    shape = getattr(given, "ufl_shape", None)
+                    if shape is not None and shape != (dim,):
+                        raise ValueError(f"{owner}: {name} must be a vector of {dim} components")
+                    if given is not None and shape is None:
                         finite(owner, name, getattr(owner, name), dim)
             tags = each.tags if isinstance(each, Contact) else [each.tag]
             if not all(isinstance(tag, int | np.integer) and abs(tag) < 2**31 for tag in tags):
@@ -155,12 +160,14 @@ class Solution:
         nodal = {part: state.nodal[mask].sum(axis=0) for part, mask in model.masks.items()}
         self._forces = {part: sum(model.comm.allgather(each)) for part, each in nodal.items()}
 
-    def force(self, part: Clamp | Slide | Hub | Contact) -> Any:
+    def force(self, part: Clamp | Slide | Hub | Contact | Spring) -> Any:
         """Force by which a part acts on the bodies: along the free direction of a hub, positive
-        pushes that way; a vector (c,) of a hub without one, a clamp, a slide; of a contact that on
-        its secondary body (collective). In plane sections per unit of depth, in axisymmetric ones
-        of the whole turn.
+        pushes that way; a vector (c,) of a hub without one, a clamp, a slide, a spring; of a
+        contact that on its secondary body (collective). In plane sections per unit of depth, in
+        axisymmetric ones of the whole turn.
         """
+        if isinstance(part, Spring) and part in self._model.springs:
+            return self._model.spring_force(part, self._state.displacement)
         if isinstance(part, Contact) and part in self._model.surfaces.contacts:
             own = self.contact == self._model.surfaces.contacts.index(part)
             return self._model.comm.allreduce(self.weights[own] @ self.traction[own])

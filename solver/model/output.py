@@ -43,7 +43,8 @@ def cell_fields(model: Assembly, state: State) -> dict[str, Any]:
         where = (points.cells[:, None] * each + np.arange(each)).ravel()
         plastic[where], back[where] = state.bulk.plastic, state.bulk.back.sum(axis=1)
     stress = 2 * mu[:, None] * (strain - plastic)
-    stress[:, :3] += (lam * trace)[:, None]
+    thermal = state.share * model.thermal[cells.numbers[at[0]]]
+    stress[:, :3] += (lam * trace - thermal)[:, None]
     if model.section == "plane stress":
         stress[:, 2] = 0.0
     reference = at[1][:each]

@@ -1,32 +1,74 @@
-"""What a model is made of: bodies, contacts, supports and loads. Any consistent units."""
+"""What a model is made of: bodies, contacts, supports and loads. Any consistent units.
+
+Constants of materials are numbers, or dolfinx Functions that are constant in each cell (DG0).
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any, Self
 
+import numpy as np
+
+from railhead.solver import compat
 from railhead.solver.material import Hardening, Material
 from railhead.solver.space.supports import Clamp, Direction, Hub, Slide, finite
 from railhead.solver.system.surfaces import Contact
+from railhead.theory.array_types import Array, Index
+
+OfPoints = Callable[[Array], Array]
+"""Points (n, c) -> values at them."""
+
+
+def cell_values(name: str, given: Any, cells: Index) -> Any:
+    """Values of a dolfinx Function in local cells (k,); a number as it is. Raises ValueError for a
+    Function that is no number in each cell, and for an array.
+    """
+    if not hasattr(given, "function_space"):
+        if type(given) is np.ndarray and given.ndim:
+            raise ValueError(f"{name} must be a number or a dolfinx Function (DG0), not an array")
+        return given
+    space = given.function_space
+    dofs = compat.cell_dofs(space)
+    if dofs.shape[1] * space.dofmap.index_map_bs != 1:
+        raise ValueError(f"{name} must be one number in each cell: a Function of degree 0 (DG)")
+    return given.x.array[dofs[cells, 0]]
 
 
 @dataclass(frozen=True)
 class Elastic:
     """Isotropic linear elasticity with Young's modulus and Poisson's ratio."""
 
-    young_modulus: float
-    poisson_ratio: float
+    young_modulus: Any
+    poisson_ratio: Any
 
     def __post_init__(self) -> None:
         """Raises ValueError for what is no finite number, a modulus that is not positive, and a
         ratio outside [0, 0.5).
         """
-        for each in fields(Elastic):
-            finite(type(self).__name__, each.name, getattr(self, each.name))
-        if self.young_modulus <= 0:
-            raise ValueError(f"young_modulus must be positive, not {self.young_modulus!r}")
-        if not 0 <= self.poisson_ratio < 0.5:
-            raise ValueError(f"poisson_ratio must lie in [0, 0.5), not {self.poisson_ratio!r}")
+        self._must_lie("young_modulus", lambda x: x > 0, "positive")
+        self._must_lie("poisson_ratio", lambda x: (x >= 0) & (x < 0.5), "in [0, 0.5)")
+
+    def _must_lie(self, name: str, fits: Callable[[Array], Any], where: str) -> None:
+        """Raise ValueError where a constant is no finite number or lies elsewhere; where: in words.
+        A Function is looked at where the body is (`over`).
+        """
+        given = getattr(self, name)
+        if hasattr(given, "function_space"):
+            return
+        shape = given.shape if type(given) is np.ndarray else ()
+        values = finite(type(self).__name__, name, given, *shape)
+        if not np.all(fits(values)):
+            raise ValueError(f"{name} must be {where}, not {values[~fits(values)][0]}")
+
+    def over(self, cells: Index) -> Self:
+        """The material with arrays (k,) of the values in local cells in place of Functions. Raises
+        ValueError as `cell_values` and for values that a number may not have.
+        """
+        given = {e.name: getattr(self, e.name) for e in fields(self)}
+        found = {name: cell_values(name, value, cells) for name, value in given.items()}
+        return replace(self, **found)
 
     def material(self, section: str | None) -> Material:
         """Elastic constants for a section. In plane stress they are those with which plane strain
@@ -50,8 +92,8 @@ class Plastic(Elastic):
     isotropic: (Q, b) of Voce's growth of the yield stress, Q (1 - exp(-b p)).
     """
 
-    yield_stress: float
-    hardening: float = 0.0
+    yield_stress: Any
+    hardening: Any = 0.0
     backstress: Sequence[tuple[float, float]] = ()
     recall_exponent: float = 0.0
     isotropic: tuple[float, float] = (0.0, 0.0)
@@ -61,8 +103,8 @@ class Plastic(Elastic):
         hardening, and for what `law` refuses.
         """
         super().__post_init__()
-        if self.yield_stress <= 0 or self.hardening < 0:
-            raise ValueError("yield_stress must be positive, and hardening not negative")
+        self._must_lie("yield_stress", lambda x: x > 0, "positive")
+        self._must_lie("hardening", lambda x: x >= 0, "0 or more")
         self.law()
 
     def law(self) -> Hardening:
@@ -79,11 +121,45 @@ class Plastic(Elastic):
 
 @dataclass(frozen=True)
 class Body:
-    """Cells with a tag, their material, and a force per volume (c,)."""
+    """Cells with a tag, their material, and what loads them.
+
+    force: per volume (c,), numbers or a dolfinx Function or UFL expression of vectors.
+    thermal_strain: strain of all directions that carries no stress, a number or a Function (DG0):
+        expansion coefficient times the change of temperature.
+    """
 
     tag: int
     material: Elastic
-    force: Direction | None = None
+    force: Any = None
+    thermal_strain: Any = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Pressure:
+    """Pressure on facets, against their outward normals before they deform: a number, or a function
+    of points (n, c) that gives (n,).
+    """
+
+    tag: int
+    value: float | OfPoints
+
+
+@dataclass(frozen=True, eq=False)
+class Traction:
+    """Force per area on facets: a vector (c,), or a function of points (n, c) that gives (n, c)."""
+
+    tag: int
+    vector: Direction | OfPoints
+
+
+@dataclass(frozen=True, eq=False)
+class Spring:
+    """Facets on an elastic foundation that is fixed: stiffness, force per area and displacement; a
+    number of all directions, or one along each axis of the mesh (c,).
+    """
+
+    tag: int
+    stiffness: float | Direction
 
 
 @dataclass(frozen=True)
@@ -104,5 +180,5 @@ class Move:
     vector: Direction
 
 
-Part = Body | Contact | Clamp | Slide | Hub
+Part = Body | Contact | Clamp | Slide | Hub | Pressure | Traction | Spring
 Load = Force | Move

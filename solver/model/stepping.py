@@ -142,7 +142,7 @@ def _problem(
     more: dict[str, Any] = {
         "force": reduced,
         "start_gap": pairing.initial_gap + (pairing.gap * prescribed).array,
-        "start_stress": (pairing.stress * prescribed).array.copy(),
+        "start_stress": (pairing.stress * prescribed).array - share * model.thermal_at(pairing),
     }
     given = law, unknowns.stiffness.copy(), pairing, p
     if not model.remembers:
@@ -164,10 +164,11 @@ def _with_history(
     unknowns, shape = model.unknowns(loads), pairing.tangents.shape[:2]
     p, bulk = unknowns.reduction.matrix, unknowns.points
     surface = surface_points(pairing, None, model.bulk, unknowns.reduction, model.comm)
+    laws = [model.hardening(number, pairing) for number in range(len(model.secondary))]
     surface.groups = [
-        (np.flatnonzero(pairing.contact == number), material.hardening)
-        for number, material in enumerate(model.secondary)
-        if material.hardening is not None
+        (np.flatnonzero(pairing.contact == number), law)
+        for number, law in enumerate(laws)
+        if law is not None
     ]
     bulk.history = before.bulk
     surface.history = History(
@@ -209,7 +210,7 @@ def _state(
     """State that a result of Newton's method belongs to (collective)."""
     pressure = result.pressure
     bulk, surface = before.bulk, before.surface
-    traction, lost = np.zeros(pairing.tangents.shape[:2]), np.zeros(len(pressure))
+    traction, lost = np.zeros(pairing.tangents.shape[:2]), share * model.thermal_at(pairing)
     slip, sticking = _carried(before.slip, before.pairing, pairing), np.zeros(len(pressure), bool)
     nodal = model.stiffness * u
     nodal.axpy(-share, model.body_force)
@@ -218,7 +219,7 @@ def _state(
         traction = problem.traction
         sticking = (pressure > 0) & (problem.coefficient > 0) & ~problem.slides
         slip = slip + np.einsum("nk,nkc->nc", problem.slip_increment, pairing.tangents)
-        lost = problem.plastic_normal_stress(surface.plastic)
+        lost = lost + problem.plastic_normal_stress(surface.plastic)
         stress = -2 * problem.bulk.mu[:, None] * bulk.plastic * problem.bulk.weights[:, None]
         add_transposed(problem.bulk.full_strain_matrix, stress, nodal)
         add_transposed(pairing.slip, -pairing.weights[:, None] * traction, nodal)

@@ -266,7 +266,7 @@ def bulk_points(
             centroids = CellSet.of(bulk, numbers).nodes.mean(axis=1)
             numbers = numbers[near(kinematics.lift(centroids))]
         parts.append(numbers)
-        curves.append(material.hardening)
+        curves.append((material.hardening, np.searchsorted(cell_tags.find(tag), numbers)))
     every = np.concatenate([np.zeros(0, np.int64), *parts])
     cells = CellSet.of(bulk, every)
     degree = quadrature_degree(cells.cell, cells.degree, kinematics)
@@ -274,8 +274,8 @@ def bulk_points(
     each = len(weights) // max(len(cells), 1)
     ends = np.cumsum([0, *(len(part) * each for part in parts)])
     groups = [
-        (np.arange(start, end), curve)
-        for start, end, curve in zip(ends, ends[1:], curves, strict=False)
+        (np.arange(start, end), curve.at(np.repeat(places, each)))
+        for start, end, (curve, places) in zip(ends, ends[1:], curves, strict=False)
     ]
     count = backs(materials.values())
     matrices = _strain_matrices(cells, index, reference, bulk, reduction, comm, count)

@@ -123,6 +123,7 @@ class CellSet:
     degree: polynomial degree of the displacement.
     nodes: position of the geometry nodes (m, k, c), mm.
     dofs: global block dofs (m, d).
+    numbers: local number of each cell on its rank (m,).
     lame: Lame's constants lambda and mu (m, 2), MPa.
     kinematics: meaning of the coordinates: a solid, plane strain, or a section that is revolved.
     """
@@ -132,6 +133,7 @@ class CellSet:
     degree: int
     nodes: Array
     dofs: Index
+    numbers: Index
     lame: Array
     kinematics: Kinematics
 
@@ -148,6 +150,7 @@ class CellSet:
             degree=bulk.degree,
             nodes=compat.node_points(mesh)[compat.cell_nodes(mesh)[cells]],
             dofs=dofs.astype(np.int64),
+            numbers=np.asarray(cells),
             lame=bulk.lame[cells],
             kinematics=bulk.kinematics,
             **own,

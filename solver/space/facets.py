@@ -90,7 +90,7 @@ class FacetSet(CellSet):
         """One set with the facets of several sets of a mesh, in their order."""
         every: dict[str, Any] = {
             name: np.concatenate([getattr(each, name) for each in sets])
-            for name in ("local_facet", "nodes", "dofs", "lame")
+            for name in ("local_facet", "nodes", "dofs", "numbers", "lame")
         }
         return replace(sets[0], **every)
 

@@ -87,7 +87,7 @@ def pushed(load: object) -> rs.Solution:
     "make, told",
     [
         (lambda: rs.Elastic(-1.0, 0.3), "young_modulus must be positive"),
-        (lambda: rs.Elastic(1.0, 0.5), "poisson_ratio must lie in"),
+        (lambda: rs.Elastic(1.0, 0.5), "poisson_ratio must be in"),
         (lambda: rs.Contact(12, 12), "self-contact is not there"),
         (lambda: rs.Contact(12, None), "needs a primary surface, or a gap"),
         (lambda: rs.Contact(12, 11, friction=-0.1), "friction must not be negative"),

@@ -1,0 +1,126 @@
+"""Constants that vary from cell to cell, thermal strain, surface loads and springs."""
+
+from __future__ import annotations
+
+import dolfinx
+import numpy as np
+import pytest
+import ufl
+from boxes import LOWER, UPPER, two_boxes
+
+import railhead.solver as rs
+from railhead.solver import compat
+
+ENDS = (((0, -1), (1, 0)), ((0, 0), (1, 1)))
+BODIES = LOWER, UPPER
+
+
+def columns(cell: str = "triangle", section: str = "axisymmetric") -> tuple:
+    """Mesh and tags of one box on another; and a Function (DG0) of it by the height z."""
+    made = two_boxes(cell, ((3, 4), (4, 4)), ENDS)
+    mesh = made[0]
+
+    def field(value: object) -> object:
+        middle = compat.node_points(mesh)[compat.cell_nodes(mesh)].mean(axis=1)
+        return compat.cellwise_constant(mesh, np.asarray(value(middle[:, 1]), float))
+
+    return rs.Model(*made, section=section), field
+
+
+@pytest.mark.parametrize("section", ["axisymmetric", "plane stress"])
+def test_layers_of_a_column_add_their_compliances(section: str) -> None:
+    """Four layers a body, without Poisson's ratio: pressed by 1, each is shorter by height/E."""
+    made, field = columns(section=section)
+    young = field(lambda z: np.where(np.floor(4 * z) % 2 == 0, 1000.0, 250.0))
+    made.add(*(rs.Body(tag, rs.Elastic(young, field(lambda z: 0 * z))) for tag in BODIES))
+    made.add(rs.Slide(21, normal=(0, 1)), rs.Slide(30, normal=(1, 0)), rs.Contact(12, 11))
+    load = rs.Pressure(22, 1.0)
+    made.add(load)
+    found = made.solve()
+    np.testing.assert_allclose(found.pressure, 1.0, rtol=1e-8)
+    top = found.u.x.array.reshape(-1, 2)[:, 1].min()
+    assert top == pytest.approx(-(1 / 1000 + 1 / 250), rel=1e-8)
+
+
+def test_yield_stress_and_hardening_of_cells() -> None:
+    """Uniaxial plastic strain of each body, (7 - yield stress)/hardening, from one Function."""
+    made, field = columns()
+    steel = rs.Plastic(
+        1000.0, 0.3, field(lambda z: 5.0 + (z > 0)), field(lambda z: 50 - 25 * (z > 0))
+    )
+    made.add(*(rs.Body(tag, steel) for tag in BODIES), rs.Slide(21, normal=(0, 1)))
+    hub, _ = made.add(rs.Hub(22, free=(0, -1), slides=True), rs.Contact(12, 11))
+    found = made.solve({hub: rs.Force(7.0 * np.pi)}, steps=4)
+    assert found.converged
+    space = found.plastic_strain.function_space
+    dofs = compat.cell_dofs(space)
+    strain = found.plastic_strain.x.array.reshape(-1, 3, 3)[:, 1, 1]
+    for tag, exact in ((LOWER, 2 / 50), (UPPER, 1 / 25)):
+        own = dofs[made._mesh[1].find(tag)]
+        np.testing.assert_allclose(strain[own], -exact, rtol=1e-5)
+    assert found.pressure.min() == pytest.approx(7.0, rel=1e-6)
+
+
+@pytest.mark.parametrize("section", ["axisymmetric", "plane strain", "plane stress"])
+def test_a_heated_column_between_plates(section: str) -> None:
+    """Both ends are held, the sides are free: thermal strain e1, e2 of two bodies makes the stress
+    (e1 + e2)/(1/E1 + 1/E2), with e (1 + nu) and E/(1 - nu^2) in plane strain."""
+    made, field = columns("quadrilateral", section)
+    young, hot = (1000.0, 500.0), (1e-3, 2e-3)
+    thermal = field(lambda z: np.where(z < 0, *hot))
+    for tag, modulus in zip(BODIES, young, strict=True):
+        made.add(rs.Body(tag, rs.Elastic(modulus, 0.3), thermal_strain=thermal))
+    floor, lid = made.add(rs.Slide(21, normal=(0, 1)), rs.Slide(22, normal=(0, 1)))
+    made.add(rs.Contact(12, 11), rs.Slide(30, normal=(1, 0)))
+    found = made.solve()
+    exact = sum(hot) / sum(1 / each for each in young)
+    if section == "plane strain":
+        exact *= 1.3 / (1 - 0.3**2)
+    np.testing.assert_allclose(found.pressure, exact, rtol=1e-8)
+    area = np.pi if section == "axisymmetric" else 1.0
+    np.testing.assert_allclose(found.force(floor), [0, exact * area], atol=1e-8)
+    np.testing.assert_allclose(found.force(lid), [0, -exact * area], atol=1e-8)
+    stress = found.stress.x.array.reshape(-1, 3, 3)
+    np.testing.assert_allclose(stress[:, 1, 1], -exact, rtol=1e-8)
+
+
+def test_tractions_forces_and_a_spring_are_in_balance() -> None:
+    """A traction and a body force that vary across the mesh, on a foundation."""
+    made, _ = columns("triangle", "plane strain")
+    x = ufl.SpatialCoordinate(made._mesh[0])
+    soft = rs.Elastic(1000.0, 0.0)
+    made.add(
+        rs.Body(LOWER, soft, force=(0, -1)), rs.Body(UPPER, soft, ufl.as_vector([0, -2 * x[0]]))
+    )
+    made.add(rs.Slide(30, normal=(1, 0)), rs.Contact(12, 11))
+    made.add(rs.Traction(22, lambda x: np.column_stack([0 * x[:, 0], 6 * x[:, 0] ** 2 - 5])))
+    spring = made.add(rs.Spring(21, (0.0, 50.0)))
+    found = made.solve()
+    assert found.converged
+    np.testing.assert_allclose(found.force(spring), [0.0, 1.0 + 1.0 + 3.0], atol=1e-8)
+    u = found.u.x.array.reshape(-1, 2)
+    at = compat.dof_points(found.u.function_space)
+    assert u[np.isclose(at[:, 1], -1), 1].mean() == pytest.approx(-5.0 / 50, rel=0.01)
+
+
+def test_fields_that_do_not_fit_are_refused() -> None:
+    made, field = columns()
+    linear = dolfinx.fem.Function(compat._space(made._mesh[0], ("Lagrange", 1)))
+    for bad, told in (
+        (rs.Body(LOWER, rs.Elastic(linear, 0.3)), "one number in each cell"),
+        (rs.Body(LOWER, rs.Elastic(field(lambda z: z), 0.3)), "young_modulus must be positive"),
+        (rs.Body(LOWER, rs.Elastic(1.0, 0.3), thermal_strain=linear), "one number in each cell"),
+    ):
+        model, _ = columns()
+        model.add(bad, rs.Body(UPPER, rs.Elastic(1.0, 0.3)), rs.Clamp(21), rs.Contact(12, 11))
+        with pytest.raises(ValueError, match=told):
+            model.solve()
+    with pytest.raises(ValueError, match="force must be a vector of 2 components"):
+        made.add(rs.Body(LOWER, rs.Elastic(1.0, 0.3), force=linear))
+    loads = rs.Pressure(22, np.nan), rs.Traction(22, (1, 2, 3)), rs.Spring(22, "stiff")
+    for load, name in zip(loads, ("value", "vector", "stiffness"), strict=True):
+        model, _ = columns()
+        model.add(*(rs.Body(tag, rs.Elastic(1.0, 0.3)) for tag in BODIES), rs.Clamp(21), load)
+        model.add(rs.Contact(12, 11))
+        with pytest.raises(ValueError, match=f"{name} must be finite"):
+            model.solve()
