@@ -1,12 +1,10 @@
-"""The same quantities of finite elements, of exact Hertz and of boundary elements."""
+"""The same quantities of what was found, by finite elements or half-spaces, and of exact Hertz."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
-
-import numpy as np
 
 from railhead.postprocess.findings import (
     Array,
@@ -17,15 +15,11 @@ from railhead.postprocess.findings import (
     OnePatch,
     Peak,
     Place,
-    has_own_plane,
 )
-from railhead.postprocess.patch.separate_patches import SMALLEST
-from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.elastic.line import Hertz
 from railhead.theory.elastic.subsurface import EllipsoidalPressure
 
 PLACES = ("_point_mm", "_place_mm")  # ends of names of coordinates
-EXTENTS = 4e-3  # relative error of half extents of boundary elements, 128 cells on ellipses
 NAMES = {"tau": "tau_max", "von_mises": "von_mises_max"}
 
 
@@ -34,11 +28,11 @@ Quantities = dict[str, Any]
 
 
 def from_findings(found: Findings, load: float, approach: float) -> Quantities:
-    """Quantities of the finite-element result, nested and named as under "result" in summary.json:
-    load, approach, contact point, extents, pressures and, where they were read, stresses.
+    """Quantities of a result, nested and named as under "result" in summary.json: load, approach,
+    contact point, extents, pressures and, where they were read, stresses.
 
     load: vertical load on the wheel, N, which at an inclined contact is not the normal force.
-        approach: of the hub, along the load, mm. Findings of half-spaces are read in the same way.
+        approach: of the hub, or of half-spaces, along the load, mm.
     """
     patch, stress = found.patch, {}
     below: Sequence[DepthAxis | None] = [None] * len(patch.each)
@@ -103,73 +97,6 @@ def from_exact(
         "pressure": {"max_MPa": contact.p0, "mean_MPa": contact.p_mean},
         **({"stress": _exact_stresses(contact, poisson, Frame(origin, angle))} if poisson else {}),
     }
-
-
-def from_half_space(
-    solution: BoundaryElementSolution,
-    surface: Callable[[Array, Array], Array],
-    plane: float,
-) -> Quantities:
-    """Quantities of boundary elements for the exact gap of the profiles on elastic half-spaces,
-    nested and named as under "result" in summary.json.
-
-    surface: maps x, s (n,) to points (n, 3), mm. plane: contact angle of first contact, rad; a
-        single patch is measured on that tangent plane unless it is turned from it.
-    Of several patches the areas are those on their own tangent planes; a and b, half the extents,
-    are those of the most loaded one. "patches" lists those with more than 0.2 % of the force. The
-    load is vertical, the mean pressure is the integral of the pressure over the area. Stresses and
-    contact point are not among the quantities. "grid_error", where a coarser solution is known:
-    relative change from the coarser grids of the search; that of a and b is always 0.4 % (EXTENTS).
-    """
-    main = solution.patches[0]
-    if has_own_plane([patch.plane for patch in solution.patches], plane):
-        plane = main.plane
-    area = _areas(solution, plane)
-    a, b = main.half_extents_on(plane)
-    quantities: Quantities = {
-        "load_N": solution.load,
-        "approach_mm": solution.approach,
-        "patch": {"a_mm": a, "b_mm": b, "area_mm2": area},
-        "patches": [_one(each) for each in half_space_patches(solution, surface)],
-        "pressure": {"max_MPa": solution.max_pressure, "mean_MPa": solution.force / area},
-    }
-    if coarse := solution.coarse:
-        quantities["grid_error"] = {
-            "max_MPa": abs(coarse.max_pressure / solution.max_pressure - 1),
-            "area_mm2": abs(_areas(coarse, plane) / area - 1),
-            "a_mm": EXTENTS,
-            "b_mm": EXTENTS,
-        }
-    return quantities
-
-
-def _areas(solution: BoundaryElementSolution, plane: float) -> float:
-    """Area of the patches, mm2: of a single patch on the plane at the contact angle `plane` (rad),
-    of several each on its own tangent plane.
-    """
-    patches = solution.patches
-    return patches[0].area_on(plane) if len(patches) == 1 else solution.area
-
-
-def half_space_patches(
-    solution: BoundaryElementSolution, surface: Callable[[Array, Array], Array]
-) -> Iterator[OnePatch]:
-    """The separate patches of boundary elements with more than 0.2 % (SMALLEST) of the force, most
-    loaded first; half lengths are half extents. surface: maps x, s (n,) to points (n, 3), mm.
-    """
-    for patch in solution.patches:
-        if patch.force > SMALLEST * solution.force:
-            ((x, y, z),) = surface(*np.array(patch.centroid)[:, None])
-            a, b = patch.half_extents_on(patch.plane)
-            yield OnePatch(
-                centre=(float(x), float(y), float(z)),
-                angle=patch.plane,
-                a=a,
-                b=b,
-                area=patch.area,
-                max_pressure=patch.max_pressure,
-                share=patch.force / solution.force,
-            )
 
 
 def difference(result: Any, exact: Any) -> Any:

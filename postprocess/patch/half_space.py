@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
-from typing import Any
 
 import numpy as np
 
@@ -27,6 +26,7 @@ from railhead.postprocess.findings import (
 )
 from railhead.postprocess.friction import AT_SURFACE
 from railhead.postprocess.patch import compare
+from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.theory.bem import grid_stress
 from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
@@ -39,6 +39,7 @@ SurfaceMap = Callable[[Array, Array], Array]
 Search = Callable[..., list[tuple[Array, float]]]
 """`grid_stress.peaks` or `grid_stress.at_surface`."""
 DEEP = 3.0  # smaller half lengths: end of the axes below the patches
+EXTENTS = 4e-3  # relative error of half extents of boundary elements, 128 cells on ellipses
 DEPTHS = 61  # points on each of them
 STRIP, LONG = 128, 1e4  # cells along a section; length of cells across it over its patch
 LINES = 65  # of the grid on which an exact pressure is drawn, each way
@@ -99,7 +100,6 @@ def of_hertz(
 
 def of_boundary_elements(
     solution: BoundaryElementSolution,
-    values: Mapping[str, Any],
     points: SurfaceMap,
     frame: Frame,
     poisson: Mapping[str, float],
@@ -107,16 +107,27 @@ def of_boundary_elements(
     """Findings of boundary elements on a developed surface, without friction. Stresses are those
     of the pressure on the coarser grid of the solution, or on its own where there is none.
 
-    values: quantities of the solution, by `compare.from_half_space`. points: maps x, s (n,) to
-        points (n, 3) on the surface, mm. frame: axes at the first contact; those of the
-        most loaded patch are used instead where there are several, or one that is turned from the
-        first contact. poisson: Poisson's ratio by body.
+    points: maps x, s (n,) to points (n, 3) on the surface, mm. frame: axes at the first contact;
+        those of the most loaded patch are used instead where there are several, or one that is
+        turned from the first contact. poisson: Poisson's ratio by body.
+    The half lengths a and b are those of the most loaded patch on the plane of the frame, as is
+    the area of a single patch; of several patches each area is that on its own tangent plane.
+    "scatter": relative change from the coarser grids of the solution; that of a and b is always
+    0.4 % (EXTENTS); empty where there are no coarser grids.
     """
-    each = tuple(compare.half_space_patches(solution, points))
+    each = tuple(_patches(solution, points))
     main = solution.patches[0]
     if has_own_plane([one.angle for one in each], frame.angle):
         frame = Frame(each[0].centre, each[0].angle)
-    error = _shape_error(main)
+    error, (a, b) = _shape_error(main), main.half_extents_on(frame.angle)
+    area, scatter = _area(solution, frame.angle), {}
+    if coarser := solution.coarse:
+        scatter = {
+            "a": EXTENTS,
+            "b": EXTENTS,
+            "area": abs(_area(coarser, frame.angle) / area - 1),
+            "max_pressure": abs(coarser.max_pressure / solution.max_pressure - 1),
+        }
     i, j = np.unravel_index(int(np.argmax(main.pressure)), main.pressure.shape)
     lines = [points(main.x, np.full_like(main.x, main.s[j]))]
     lines += [points(np.full_like(main.s, main.x[i]), main.s)]
@@ -131,14 +142,15 @@ def of_boundary_elements(
     return Findings(
         frame=frame,
         patch=Patch(
-            a=values["patch"]["a_mm"],
-            b=values["patch"]["b_mm"],
+            a=a,
+            b=b,
             centre=(float(x), float(s)),
-            area=values["patch"]["area_mm2"],
+            area=area,
             max_pressure=solution.max_pressure,
-            mean_pressure=values["pressure"]["mean_MPa"],
+            mean_pressure=solution.force / area,
             outlines=[frame.local(points(*one.outline.T))[:, :2] for one in solution.patches],
             each=each,
+            scatter=scatter,
         ),
         surface=_surface(
             [_centres(window, points) for window in solution.windows],
@@ -154,6 +166,33 @@ def of_boundary_elements(
         hertzian=error < HERTZIAN and len(each) < 2,
         largest=largest(coarse.windows, points, poisson),
     )
+
+
+def _area(solution: BoundaryElementSolution, plane: float) -> float:
+    """Area of the patches, mm2: of a single patch on the plane at the contact angle `plane` (rad),
+    of several each on its own tangent plane.
+    """
+    patches = solution.patches
+    return patches[0].area_on(plane) if len(patches) == 1 else solution.area
+
+
+def _patches(solution: BoundaryElementSolution, points: SurfaceMap) -> Iterator[OnePatch]:
+    """The separate patches of boundary elements with more than 0.2 % (SMALLEST) of the force, most
+    loaded first; half lengths are half extents. points: maps x, s (n,) to points (n, 3), mm.
+    """
+    for patch in solution.patches:
+        if patch.force > SMALLEST * solution.force:
+            ((x, y, z),) = points(*np.array(patch.centroid)[:, None])
+            a, b = patch.half_extents_on(patch.plane)
+            yield OnePatch(
+                centre=(float(x), float(y), float(z)),
+                angle=patch.plane,
+                a=a,
+                b=b,
+                area=patch.area,
+                max_pressure=patch.max_pressure,
+                share=patch.force / solution.force,
+            )
 
 
 def with_rigid_bodies(found: Findings, poisson: Mapping[str, float]) -> Findings:

@@ -109,21 +109,6 @@ class Crossing:
         return [each.name for each in heads if self.lift + each.touches[0].gap <= clearance]
 
 
-@dataclass(frozen=True, eq=False)
-class Highest:
-    """The highest of several surfaces over (x, y); NaN beyond all of them."""
-
-    surfaces: tuple[Lofted, ...]
-
-    def __call__(self, x: Array, y: Array) -> tuple[Array, Array, Array]:
-        """Height and slopes at x, y (n,), mm, as of `Lofted`."""
-        first, *others = (np.array(each(x, y)) for each in self.surfaces)
-        for other in others:
-            higher = ~(other[0] <= first[0]) & np.isfinite(other[0])
-            first = np.where(higher, other, first)
-        return first[0], first[1], first[2]
-
-
 @dataclass(frozen=True, kw_only=True)
 class CrossingContact(Contact):
     """First contact of a wheel on a rail of sections; x = 0 below its axle.
@@ -162,9 +147,10 @@ class CrossingContact(Contact):
 
     def surfaces(self) -> tuple[RailSurface, WheelSurface]:
         """The exact surfaces of the heads and of the wheel in space."""
-        heads = tuple(head.surface for head in self.crossing.heads.values())
         crossing, radius = self.crossing, self.scene.wheel.rolling_radius
-        return RailSurface(Highest(heads)), WheelSurface(crossing.wheel, radius, crossing.pose)
+        strips = [strip for head in crossing.heads.values() for strip in head.surface.strips]
+        heads = Lofted((*strips,), self.scene.rail.position)
+        return RailSurface(heads), WheelSurface(crossing.wheel, radius, crossing.pose)
 
 
 def contact(scene: Scene) -> CrossingContact:

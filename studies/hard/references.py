@@ -17,11 +17,10 @@ from railhead.half_spaces import pressing
 from railhead.half_spaces.allowance import allowance
 from railhead.meshing.mesh import MeshError
 from railhead.planning import simulation_plan as planning
-from railhead.postprocess.patch import compare
 from railhead.results import pipeline
 from railhead.results.checks import ESTIMATE_FACTOR, deviation
 from railhead.results.summary import summarise
-from railhead.run.half_spaces.second_method import twist_change
+from railhead.run.half_spaces.second_method import frictionless, twist_change
 from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
 from railhead.run.progress import Progress
 from railhead.run.refinement import Ending
@@ -145,10 +144,8 @@ def half_space(scene: Scene, solution: MeshSolution) -> Summary:
     assert isinstance(contact, Contact) and isinstance(plan.hertz, Ellipse)
     pair = plan.context.half_spaces
     found = pair.pressed(scene.load, 2 * pressing.FINE)
-    points, plane = pair.developed.points, contact.touch.angle
-    other = compare.from_half_space(found, points, plane)
     return {
-        **other,
+        **frictionless(pair, found),
         "allowance": allowance(pair, plan.deformable, found, twist_change(solution)),
     }
 

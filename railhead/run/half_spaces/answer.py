@@ -168,10 +168,9 @@ def _read(plan: Plan, pressed: Pressed, *, stresses: bool) -> HalfSpaceSolution:
     grid: dict[str, float] = {}
     if isinstance(pressed, BoundaryElementSolution):
         points = plan.context.half_spaces.points
-        values = compare.from_half_space(pressed, points, contact.touch.angle)
-        found = half_space.of_boundary_elements(pressed, values, points, contact.frame, poisson)
+        found = half_space.of_boundary_elements(pressed, points, contact.frame, poisson)
         found = replace(found, edge_distance=_edge_distance(plan, found))
-        grid = values.get("grid_error", {})
+        grid = second_method.grid_errors(found)
     else:
         found = half_space.of_hertz(hertz, contact.frame, poisson, section=plan.plane_model)
     result = compare.from_findings(found, pressed.load, pressed.approach)

@@ -15,13 +15,16 @@ import numpy as np
 
 from railhead.contact import closed_forms
 from railhead.half_spaces import allowance, shearing
-from railhead.half_spaces.pressing import FINE
+from railhead.half_spaces.pressing import FINE, HalfSpacePair
 from railhead.half_spaces.shearing import SEVERAL, PressedPatch, shear
 from railhead.meshing.bodies import RAIL
 from railhead.planning.effects import interface
 from railhead.planning.simulation_plan import Plan
+from railhead.postprocess.findings import Findings
 from railhead.postprocess.patch import body_motion, compare
+from railhead.postprocess.patch import half_space as findings
 from railhead.run.mesh_solution import MeshSolution
+from railhead.scene.quantities import SCATTER
 from railhead.theory.array_types import Array
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.elastic.hertz import Ellipse
@@ -75,13 +78,13 @@ def half_space(
     the "allowance" for what half-spaces leave out; or {"reason": ...}. None where `solution` is
     None. solved: finite elements, of which the twist of the bodies is read.
     """
-    contact, found = solved.plan.contact, solved.findings
+    found = solved.findings
     if solution is None or found is None:
         return None
     if isinstance(solution, str):
         return {"reason": solution}
     pair = solved.plan.context.half_spaces
-    quantities = compare.from_half_space(solution, pair.developed.points, contact.touch.angle)
+    quantities = frictionless(pair, solution)
     try:
         twist = twist_change(solved)
     except ValueError as error:
@@ -90,6 +93,20 @@ def half_space(
     if found.hertzian:  # half lengths are those of ellipses
         allowed |= dict.fromkeys(("a_mm", "b_mm"), allowed["area_mm2"])
     return {**quantities, "allowance": allowed}
+
+
+def frictionless(pair: HalfSpacePair, solution: BoundaryElementSolution) -> dict[str, Any]:
+    """Quantities of boundary elements, without stresses, nested and named as under "result" in
+    summary.json, and as "grid_error" their `grid_errors`.
+    """
+    found = findings.of_boundary_elements(solution, pair.points, pair.contact.frame, {})
+    values = compare.from_findings(found, solution.load, solution.approach)
+    return {**values, "grid_error": grid_errors(found)}
+
+
+def grid_errors(found: Findings) -> dict[str, float]:
+    """Relative change from the coarser grids of a solution, by key; empty where it has none."""
+    return {key: found.patch.scatter[name] for key, name in SCATTER.items() if found.patch.scatter}
 
 
 def twist_change(solved: MeshSolution) -> float:

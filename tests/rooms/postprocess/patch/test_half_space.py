@@ -54,10 +54,13 @@ def test_half_spaces_have_the_area_of_the_patch_that_lies_on_another_plane(
     x, s = np.meshgrid(t, t, indexing="ij")
     pressure = np.sqrt(np.maximum(1 - x**2 - s**2, 0))
     patch = PatchSolution(3 * t, 2 * t, 0 * t, pressure, 0 * x, 0.0)
-    found = compare.from_half_space(
-        BoundaryElementSolution((patch,), 1e5), lambda x, s: np.column_stack([x, s, 0 * x]), first
-    )
-    assert found["patch"]["b_mm"] == pytest.approx(2 * share, rel=1e-6)
-    assert found["patch"]["area_mm2"] == pytest.approx(math.pi * 6 * share, rel=1e-3)
-    (one,) = found["patches"]
-    assert found["patch"]["area_mm2"] == pytest.approx(one["area_mm2"] * share, rel=1e-9)
+    found = half_space.of_boundary_elements(
+        BoundaryElementSolution((patch,), 1e5),
+        lambda x, s: np.column_stack([x, s, 0 * x]),
+        Frame((0.0, 0.0, 0.0), first),
+        {},
+    ).patch
+    assert found.b == pytest.approx(2 * share, rel=1e-6)
+    assert found.area == pytest.approx(math.pi * 6 * share, rel=1e-3)
+    (one,) = found.each
+    assert found.area == pytest.approx(one.area * share, rel=1e-9)

@@ -12,8 +12,7 @@ from railhead.contact import closed_forms, solid
 from railhead.half_spaces import pressing
 from railhead.half_spaces.pressing import HalfSpacePair
 from railhead.half_spaces.surface import develop
-from railhead.postprocess.patch import compare
-from railhead.run.half_spaces.second_method import half_space, solve
+from railhead.run.half_spaces.second_method import frictionless, half_space, solve
 from railhead.run.mesh_solution import MeshSolution
 from railhead.scene import catalogue
 
@@ -37,7 +36,7 @@ def solved(scene, cells: int = 64):
 def second_opinion(scene) -> dict[str, Any]:
     pair = HalfSpacePair(*located(scene))
     found = pair.pressed(scene.load, 128)
-    return compare.from_half_space(found, pair.surface.points, pair.contact.touch.angle)
+    return frictionless(pair, found)
 
 
 def test_a_patch_seen_from_two_planes_is_counted_once() -> None:
