@@ -30,10 +30,21 @@ PASS_COLUMNS = {
 PASS_ERRORS = ("groove_mm", "residual_along_MPa", "residual_across_MPa")
 """Keys of what has an estimated error after the last pass."""
 
+RATES = {
+    "strain_increment_max": "strain_per_pass",
+    "shear_increment_max": "shear_per_pass",
+    "forward_mm": "forward_mm_per_pass",
+}
+"""Names of the rates of passes that ratchet by the keys of their rows."""
+
 FALLS = 0.9  # ratio of an increment to the one before, below which the increments fall
 STEADY = 0.98  # ratio from which they are steady
 SHARE = 0.1  # of the plastic strain that is there: what later passes may add after shakedown
 NOTHING = 1e-2  # forward displacement over half length and strain increment, that counts as none
+# Of steel with back stresses that are recalled, which ratchets slowly:
+NO_RATE = 1e-3  # the same share
+LEFT = 0.05  # of a rate: what later passes may add to a steady one
+UNSURE = 5.0  # changes from pass to pass that may be noise, over the noise of an iteration
 
 ELASTIC, SHAKES_DOWN, CYCLES = "elastic", "shakes down", "closed cycles"
 RATCHETS, LIMIT, UNDECIDED = "ratchets", "at the limit", "undecided"
@@ -74,6 +85,7 @@ class Passes:
     rows: a row for each pass, as "passes" of "result" in summary.json.
     verdict: what they come to, a word such as RATCHETS, see `verdict`.
     words: the verdict in a sentence.
+    rate: what a pass adds where they ratchet, see `rate`; None where they do not.
     sections: state of the section after each pass.
     half_lengths: of the elastic patch, along and across, mm.
     profile: the rail's profile with the groove on it (n, 2), y and z as the file of rail.profile
@@ -94,6 +106,7 @@ class Passes:
     rows: list[dict[str, Any]]
     verdict: str
     words: str = ""
+    rate: dict[str, Any] | None = None
     sections: list[RailState] = field(default_factory=list)
     half_lengths: tuple[float, float] = (0.0, 0.0)
     profile: Array | None = None
@@ -119,9 +132,10 @@ class Passes:
         return rows
 
     def summary(self) -> dict[str, Any]:
-        """Entries of "result" in summary.json: "passes", "passes_verdict", "passes_words", and
-        "passes_after". The last holds depth, residual stresses and strain below the middle, the
-        surface after the last pass, estimated errors, unknowns and seconds. There must be a pass.
+        """Entries of "result" in summary.json: "passes", "passes_verdict", "passes_words",
+        "rate" of passes that ratchet, and "passes_after". The last holds depth, residual stresses
+        and strain below the middle, the surface after the last pass, estimated errors, unknowns
+        and seconds. There must be a pass.
         """
         last = self.sections[-1]
         stress, strain = last.below()
@@ -130,6 +144,7 @@ class Passes:
             "passes": self.rows,
             "passes_verdict": self.verdict,
             "passes_words": self.words,
+            **({} if self.rate is None else {"rate": self.rate}),
             "passes_after": {
                 "depth_mm": last.depth.tolist(),
                 **{
@@ -199,6 +214,7 @@ def verdict(
     noise: float,
     *,
     hardens: bool,
+    recalls: bool = False,
 ) -> str:
     """Verdict on n passes.
 
@@ -208,6 +224,8 @@ def verdict(
     noise: increment that the tolerance of the solution may make.
     hardens: whether the flow curve rises without end; then nothing ratchets for ever, and no
         limit lies between shakedown and ratchetting: such passes are undecided.
+    recalls: whether back stresses are recalled or the yield stress grows to a limit, without
+        hardening that has no end.
 
     Elastic: nothing yields in any pass. Shakedown: nothing yields in the last two; or the last two
     increments each fall below 0.9 of the one before, and all that a geometric series adds to them
@@ -216,27 +234,64 @@ def verdict(
     end, falls. Ratchetting: both are steady. In between, increments fall slowly, at the limit of
     shakedown. Fewer than three passes are undecided, before the fourth only shakedown is told, and
     a forward displacement that still grows or turns round is undecided.
+    Of steel that recalls, increments and forward displacement are steady where later passes, as a
+    geometric series, add less than 5 % (LEFT); until then it is "not steady after n passes".
     """
     small = [value <= noise for value in increments]
     if small and small[0] and all(small):
         return ELASTIC
     if len(small) > 2 and small[-1] and small[-2]:
         return SHAKES_DOWN
+    undecided = f"not steady after {len(increments)} passes" if recalls else UNDECIDED
     if len(increments) < 3:
-        return UNDECIDED
+        return undecided
     falls = _ratio(increments)
     if falls < FALLS:
         rest = increments[-1] * falls / (1 - falls)
-        return SHAKES_DOWN if rest < SHARE * sum(increments) else UNDECIDED
+        return SHAKES_DOWN if rest < SHARE * sum(increments) else undecided
     if len(increments) < 4:
-        return UNDECIDED
-    still = abs(forward[-1]) <= NOTHING * length * increments[-1]
+        return undecided
+    stands = NOTHING * length * increments[-1]
+    if recalls:
+        none = abs(forward[-1]) <= NO_RATE / NOTHING * stands
+        moves = none or left(forward, noise * length) < LEFT
+        steady = moves and left(increments, noise) < LEFT
+        return (CYCLES if none else RATCHETS) if steady else undecided
+    still = abs(forward[-1]) <= stands
     steady = all(FALLS <= each <= 1 / FALLS for each in _ratios(forward))
     if falls < STEADY:
-        return LIMIT if (still or steady) and not hardens else UNDECIDED
+        return LIMIT if (still or steady) and not hardens else undecided
     if still or (hardens and _ratio(forward) < FALLS):
         return CYCLES
-    return RATCHETS if steady and not hardens else UNDECIDED
+    return RATCHETS if steady and not hardens else undecided
+
+
+def left(values: Sequence[float], noise: float) -> float:
+    """What later passes may add to the last of values (n,), n > 2, relative: their last changes
+    continued as a geometric series, infinite where these do not fall. noise: of the values.
+    """
+    before, now = np.abs(np.diff(values[-3:]))
+    if now <= UNSURE * noise:
+        rest = float(now)
+    else:
+        rest = now * now / (before - now) if now < before else math.inf
+    return rest / max(abs(values[-1]), 1e-300)
+
+
+def rate(
+    rows: Sequence[Mapping[str, Any]], noise: float, length: float, curve: Hardening
+) -> dict[str, Any]:
+    """What a steady pass adds, from the last of at least three rows: the values of RATES by their
+    names, "rule" (the hardening law), and "estimate", the largest relative error that later passes
+    leave open, None where their changes do not fall.
+
+    noise: of strains. length: half length of the patch along the rail, mm.
+    """
+    noises = noise, noise, noise * length
+    rest = [left([row[key] for row in rows], each) for key, each in zip(RATES, noises, strict=True)]
+    found = {name: rows[-1][key] for key, name in RATES.items()}
+    most = max(rest)
+    return found | {"rule": rule(curve), "estimate": most if math.isfinite(most) else None}
 
 
 def _ratios(values: Sequence[float]) -> list[float]:
@@ -263,24 +318,37 @@ def words(
         "and the surface stays",
         RATCHETS: f"the surface moves by {last['forward_mm']:.2g} mm a pass",
         LIMIT: f"strain grows by {last['strain_increment_max']:.2g} a pass, slowly less",
-        UNDECIDED: f"strain grows by {last['strain_increment_max']:.2g} in the last pass; more "
-        "passes tell",
-    }[verdict]
+    }.get(
+        verdict,
+        f"strain grows by {last['strain_increment_max']:.2g} in the last pass; more passes tell",
+    )
     law = "; no tractions act"
     if tractions:
         law = "; the tractions of elastic bodies act, one way: yield does not change them"
     if verdict == ELASTIC:
         return f"{verdict}: {rest}{law}"
-    if not _hardens(curve):
-        steel = "perfect plasticity: real steel lies between it and linear kinematic hardening"
-    elif curve.kinematic:
-        steel = (
-            "kinematic hardening, which never ratchets for ever: real steel lies between it and "
-            "perfect plasticity"
-        )
-    else:
-        steel = "isotropic hardening, which always shakes down in the end: real steel may not"
-    return f"{verdict}: {rest} ({steel}{law})"
+    beside = "real steel lies between it and linear kinematic hardening"
+    if curve.backstresses or curve.isotropic[0]:
+        beside = "with the same constants another rule has another rate"
+    elif _hardens(curve) and curve.kinematic:
+        beside = "which never ratchets for ever: real steel lies between it and perfect plasticity"
+    elif _hardens(curve):
+        beside = "which always shakes down in the end: real steel may not"
+    joint = ", " if beside.startswith("which") else ": "
+    return f"{verdict}: {rest} ({rule(curve)}{joint}{beside}{law})"
+
+
+def rule(curve: Hardening) -> str:
+    """Names of the parts of a flow curve's hardening."""
+    backs, exponent = curve.backstresses, curve.recall_exponent
+    recall = f"Jiang and Sehitoglu's rule, exponent {exponent:g}"
+    names = {
+        "Armstrong and Frederick's rule": not exponent and any(each.recall for each in backs),
+        recall: bool(exponent),
+        "kinematic hardening": any(not each.recall for each in backs) or curve.kinematic > 0,
+        "isotropic hardening": (_hardens(curve) and curve.kinematic < 1) or curve.isotropic[0] > 0,
+    }
+    return " and ".join(name for name, used in names.items() if used) or "perfect plasticity"
 
 
 def _hardens(curve: Hardening) -> bool:

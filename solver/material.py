@@ -191,12 +191,19 @@ class History:
             own, given = getattr(self, each.name), getattr(state, each.name)
             own[(points, slice(backs)) if each.name == "back" else points] = given
 
-    def extrapolated(self, earlier: History, factor: float, points: Index) -> History:
-        """This state, whose plastic strains move on by `factor` times their change since an earlier
-        one at the points with the given numbers (k,). Back stresses follow in `radial_return`.
+    def excess(self, elastic: Array, hardening: Hardening) -> Array:
+        """Yield function (n,), MPa, of deviatoric stresses (n, m): positive where they yield."""
+        radius = ROOT * hardening.radius(self.equivalent)[0]
+        return np.asarray(np.linalg.norm(elastic - self.back.sum(axis=1), axis=1) - radius)
+
+    def extrapolated(self, earlier: History, factor: float | Array, points: Index) -> History:
+        """This state, whose plastic strains move on by `factor`, one or (k,), times their change
+        since an earlier one at the points with the given numbers (k,). Back stresses follow in
+        `radial_return`.
         """
         out = self.at(np.arange(len(self.plastic)))
-        out.ahead[points] = factor * (self.plastic[points] - earlier.plastic[points])
+        factor = np.asarray(factor)
+        out.ahead[points] = factor[..., None] * (self.plastic[points] - earlier.plastic[points])
         more = self.equivalent[points] - earlier.equivalent[points]
         out.equivalent_ahead[points] = factor * more
         out.plastic[points] += out.ahead[points]
@@ -432,8 +439,7 @@ def radial_return(
         start.evaluate()
         back, excess = start.back, start.excess
     else:
-        back, radius = before.back.copy(), ROOT * hardening.radius(before.equivalent)[0]
-        excess = np.linalg.norm(elastic - back.sum(axis=1), axis=1) - radius
+        back, excess = before.back.copy(), before.excess(elastic, hardening)
     yielding = np.flatnonzero(excess > 1e-12 * ROOT * hardening.initial_yield_stress)
     nothing, no_strain = np.zeros(len(mu)), np.zeros_like(strain)
     after = History(before.plastic.copy(), back, before.equivalent.copy(), no_strain, nothing)

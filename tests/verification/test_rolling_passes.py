@@ -81,6 +81,43 @@ def test_two_passes_of_a_line_are_those_of_another_program(number):
     assert found.rows[0]["groove_mm"] == pytest.approx(case["passes"][0]["settle"], rel=0.05)
 
 
+AF1 = Hardening.linear(400.0).cyclic([(4e4, 100.0)])
+AF2 = Hardening.linear(250.0).cyclic([(6e4, 500.0), (1e4, 40.0)], isotropic=(60.0, 8.0))
+#: Law, p0 (MPa), traction, number of passes, verdict; of an independent program: largest strain
+#: increment, forward displacement and residual stress along at a depth of 0.5 after the last pass.
+RECALLED = [
+    (AF1, 1154.701, 0.0, 6, "ratchets", (0.0092414, -0.00069043, -294.47)),
+    (AF1, 1039.23, 0.2, 20, "ratchets", (0.00343, 0.000759, -186.0)),
+    (AF2, 1000.0, 0.0, 10, "not steady after 10 passes", (0.011366, -0.001926, -319.68)),
+]
+
+
+@pytest.mark.parametrize(
+    "case",
+    [RECALLED[0], *(pytest.param(each, marks=pytest.mark.slow) for each in RECALLED[1:])],
+    ids=["AF1", "AF1-traction", "AF2"],
+)
+def test_passes_with_back_stresses_are_those_of_another_program(case):
+    """On six elements on the half width, within 2 %."""
+    law, p0, slips, count, verdict, (strain, forward, along) = case
+    block = passes_of_scene.rolling_block(
+        Material(E, NU, law), (1.0, 1.0), line=True, half=False, per_length=6
+    )
+    contact = pass_contact.line_contact(
+        1.0, math.pi * p0 / 2, 2 * p0 / MODULUS, MODULUS, keeps=True, slips=slips
+    )
+    found = passes_of_scene.roll(block, contact, (1.0, 1.0), count)
+    row, last = found.rows[-1], found.sections[-1]
+    assert row["strain_increment_max"] == pytest.approx(strain, rel=0.02)
+    assert row["forward_mm"] == pytest.approx(forward, rel=0.02)
+    assert np.interp(0.5, last.depth, last.below()[0][:, 0]) == pytest.approx(along, rel=0.02)
+    assert found.verdict == verdict and found.converged
+    if found.rate:
+        assert found.rate["rule"] == "Armstrong and Frederick's rule"
+        assert found.rate["estimate"] < 0.02
+        assert found.rate["forward_mm_per_pass"] == row["forward_mm"]
+
+
 @pytest.mark.slow
 def test_in_contact_the_resistance_is_what_yield_takes():
     found = rolled(4.5, 0.0, 0.0, count=3, keeps=False)

@@ -75,11 +75,6 @@ def _refuse_what_has_no_passes(context: Context, given: str) -> None:
             "the rail has no yield stress; give rail.steel or rail.yield_stress",
         ),
         (
-            context.scene.rail.cyclic,
-            "passes do not know rail.backstress and rail.isotropic, nor a steel that has them; "
-            "give rail.yield_stress and rail.hardening_modulus",
-        ),
-        (
             "wheel" not in context.deformable and math.isfinite(wheel.young_modulus),
             "the wheel is rigid by effects.deformable_wheel; give wheel.young_modulus=inf",
         ),
@@ -153,13 +148,25 @@ def line_limit(context: Context) -> float:
     kinematically alone counts with its back stress, others without hardening.
     """
     scene, share = context.scene, traction(context)
-    kinematic = scene.rail.hardens and scene.rail.kinematic_fraction == 1
+    kinematic = moves(scene.rail)
     friction = interface.friction_coefficient(context) if share else 0.0
     poisson = scene.rail.poisson_ratio
     return damage.shakedown_limit(friction, poisson, share, kinematic=kinematic)
 
 
+def moves(rail: Rail) -> bool:
+    """Whether all hardening of a rail that yields moves its yield surface."""
+    back, _, (most, _) = rail.law
+    fraction = 1.0 if back else rail.kinematic_fraction
+    return rail.hardens and fraction == 1 and not most
+
+
 def _flow_stress(rail: Rail, strain: float) -> float:
-    """Stress of the flow curve of a rail that yields at a plastic strain, MPa."""
+    """Stress of the flow curve of a rail that yields at a plastic strain, MPa; of recalled back
+    stresses as by Armstrong and Frederick, whose rule is the softest.
+    """
     strains, stresses = zip(*rail.curve, strict=True)
-    return float(np.interp(strain, strains, stresses)) + (rail.hardening_modulus or 0.0) * strain
+    back, _, (most, speed) = rail.law
+    grown = sum(-c * math.expm1(-g * strain) / g if g else c * strain for c, g in back)
+    grown += (rail.hardening_modulus or 0.0) * strain - most * math.expm1(-speed * strain)
+    return float(np.interp(strain, strains, stresses)) + grown

@@ -22,14 +22,17 @@ from railhead.half_spaces.pass_contact import RollingContact
 from railhead.half_spaces.surface import Developed
 from railhead.planning.context import Context
 from railhead.planning.effects import interface
-from railhead.planning.effects.passes import line_limit
+from railhead.planning.effects.passes import line_limit, moves
 from railhead.postprocess.pass_rows import (
     PASS_ERRORS,
+    RATCHETS,
+    RATES,
     SHAKES_DOWN,
     UNDECIDED,
     Passes,
     RailState,
     rail_state,
+    rate,
     row,
     verdict,
     words,
@@ -83,12 +86,16 @@ def solve_passes(solved: Solved, progress: Progress) -> Passes:
         )
         count, errors = scene.rolling.passes or 1, {}
         found = roll(below(), contact, half_lengths, count, stage=progress.stage)
-        if scene.accuracy is not None:
+        if scene.accuracy is not None or found.rate is not None:
             progress.stage("passes on a coarser block")
             other = roll(below(coarser=COARSER), contact, half_lengths, count)
             pairs = {key: (found.rows[-1][key], other.rows[-1][key]) for key in PASS_ERRORS}
             factor = COARSER / (1 - COARSER)  # Richardson: errors fall with the size at least
             errors = {key: factor * abs(1 - two / one) for key, (one, two) in pairs.items() if one}
+            if found.rate is not None and found.rate["estimate"] is not None:
+                coarse = [abs(1 - other.rows[-1][key] / found.rows[-1][key]) for key in RATES]
+                estimate = found.rate["estimate"] + factor * max(coarse)
+                found = replace(found, rate=found.rate | {"estimate": estimate})
     except ValueError as error:
         return Passes(rows=[], verdict="", reason=" ".join(str(error).split()))
     found = within_melan_s_limit(found, solved.plan.context)
@@ -166,14 +173,12 @@ def roll(
                 "traction_work_N": pressing.traction_work,
             }
         )
-    increments = [each["strain_increment_max"] for each in rows]
-    found = verdict(
-        increments,
-        [each["forward_mm"] for each in rows],
-        half_lengths[0],
-        rolling.tolerance * rolling.shear_yield / stiff,
-        hardens=rolling.hardening.final_hardening_modulus > 0,
-    )
+    increments, law = [each["strain_increment_max"] for each in rows], rolling.hardening
+    noise = rolling.tolerance * rolling.shear_yield / stiff
+    hardens = law.final_hardening_modulus > 0 or any(not each.recall for each in law.backstresses)
+    recalls = not hardens and bool(law.backstresses or law.isotropic[0])
+    forward = [each["forward_mm"] for each in rows]
+    found = verdict(increments, forward, half_lengths[0], noise, hardens=hardens, recalls=recalls)
     least = SETTLED * rows[0]["work_N"] if increments[0] > TOLD else math.inf
     spent = [
         (each["work_N"] + each["stored_N"], each["resistance_N"] + each["traction_work_N"])
@@ -185,6 +190,7 @@ def roll(
         rows=rows,
         verdict=found,
         words=words(found, rows, rolling, tractions=contact.traction is not None),
+        rate=rate(rows, noise, half_lengths[0], law) if found == RATCHETS else None,
         sections=sections,
         half_lengths=half_lengths,
         converged=all(each["change"] < rolling.tolerance for each in rows),
@@ -202,8 +208,7 @@ def within_melan_s_limit(found: Passes, context: Context) -> Passes:
     compared with the limit.
     """
     rail = context.scene.rail
-    held = isinstance(context.hertz, LineContact)
-    held &= not rail.hardens or rail.kinematic_fraction == 1
+    held = isinstance(context.hertz, LineContact) and (not rail.hardens or moves(rail))
     if found.verdict != SHAKES_DOWN or not held:
         return found
     limit = line_limit(context)
