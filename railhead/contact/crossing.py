@@ -19,13 +19,14 @@ from scipy.ndimage import minimum_filter
 
 from railhead.contact import solid
 from railhead.contact.solid import Contact
+from railhead.contact.surface_shape import SurfaceShape
 from railhead.geometry import sections
 from railhead.geometry.lofting import Lofted, loft
 from railhead.geometry.measured.orientation import Orientation
 from railhead.geometry.placement import ContactPoint, Pose, ProfilePair, principal, turned
 from railhead.geometry.profiles import Profile, Spline
 from railhead.geometry.sections import Head
-from railhead.geometry.surfaces import RailSurface, WheelSurface, along
+from railhead.geometry.surfaces import Height, RailSurface, Values, WheelSurface, along
 from railhead.scene.scene import Rail, Scene, SceneError
 from railhead.scene.sections import refuse_first
 from railhead.theory.array_types import Array
@@ -71,6 +72,11 @@ class Crossing:
     heads: dict[str, TouchedHead]
     wheel: Profile
 
+    @property
+    def lowest(self) -> str:
+        """Name of the head that the wheel touches first."""
+        return min(self.heads, key=lambda name: self.heads[name].touches[0].gap)
+
     @cached_property
     def lift(self) -> float:
         """How far the wheel's origin is higher than a rolling radius where it touches first, mm."""
@@ -109,15 +115,70 @@ class Crossing:
         return [each.name for each in heads if self.lift + each.touches[0].gap <= clearance]
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class OverSection(Height):
+    """Height of a head over its section at a contact, swept straight along the rail, mm.
+
+    surface: of the head. section: at the contact. `position` is the contact's x, mm.
+    """
+
+    surface: Lofted
+    section: Profile
+
+    def __call__(self, x: Array, y: Array) -> Values:
+        """Height and slopes at places x from the contact and y (n,), mm; beyond what is lofted
+        those at its end, and zero beside it.
+        """
+        at = np.clip(x + self.position, *self.ends)
+        z, ahead, aside = self.surface(at, y)
+        inside = at == x + self.position
+        found = z - self.section.height(y), inside * ahead, aside - self.section.slope(y)
+        first, second, third = (np.nan_to_num(each) for each in found)
+        return first, second, third
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """First and last x of what is lofted, from the axle, mm."""
+        x = [end for strip in self.surface.strips for end in (strip.first, strip.last)]
+        return min(x) - self.surface.origin, max(x) - self.surface.origin
+
+    @property
+    def range(self) -> float:
+        """Largest less smallest height on a line along the rail, as long as is lofted, mm."""
+        x = np.linspace(-self.length, self.length, SAMPLES)
+        return float(np.ptp(self(x, np.full_like(x, sum(self.section.domain) / 2))[0]))
+
+
 @dataclass(frozen=True, kw_only=True)
-class CrossingContact(Contact):
-    """First contact of a wheel on a rail of sections; x = 0 below its axle.
+class HeadContact(Contact):
+    """First contact of a wheel on one head of a rail of sections, with x = 0 there: the head is its
+    section there swept straight along, and what the true head has over it is in the gap.
 
     crossing: wheel and heads without load.
-    The profile of the rail in `pair` is its section at the first contact.
     """
 
     crossing: Crossing
+
+    @property
+    def ahead(self) -> float:
+        """Distance of x = 0 from the axle, mm."""
+        return self.crossing.heads[self.crossing.lowest].touches[0].x
+
+    def why_asymmetric_in_y(self) -> str | None:
+        """Reason why y = 0 is no plane of symmetry."""
+        return "a rail of sections"
+
+
+@dataclass(frozen=True, kw_only=True)
+class CrossingContact(HeadContact):
+    """First contact of a wheel on all heads of a rail of sections; x = 0 below its axle.
+    The profile of the rail in `pair` is its section at the first contact.
+    """
+
+    @property
+    def ahead(self) -> float:
+        """Distance of x = 0 from the axle, mm."""
+        return 0.0
 
     @property
     def origin(self) -> tuple[float, float, float]:
@@ -135,10 +196,6 @@ class CrossingContact(Contact):
         """Reason why x = 0 is no plane of symmetry."""
         return "a rail of sections"
 
-    def why_asymmetric_in_y(self) -> str | None:
-        """Reason why y = 0 is no plane of symmetry."""
-        return "a rail of sections"
-
     def touches(self, clearance: float) -> list[ContactPoint]:
         """Contact points on all heads as of `Contact`."""
         heads = self.crossing.heads
@@ -153,16 +210,16 @@ class CrossingContact(Contact):
         return RailSurface(heads), WheelSurface(crossing.wheel, radius, crossing.pose)
 
 
-def contact(scene: Scene) -> CrossingContact:
-    """First contact of a scene with a rail of sections. Raises SceneError as `touch`, and for what
-    is not simulated on such a rail.
+def contact(scene: Scene) -> HeadContact:
+    """First contact of a scene with a rail of sections: with all heads where half-spaces answer,
+    else with the head that it touches first. Raises SceneError as `touch`, and for what is not
+    simulated on such a rail.
     """
     fast, wing = scene.effects.finite_bodies == "off", scene.wing
     elastic = ("young_modulus", "poisson_ratio")
     unlike = [key for key in elastic if wing and getattr(wing, key) != getattr(scene.rail, key)]
     text = "is not simulated yet on a rail of sections; "
     refuse_first(
-        (not fast, "effects.finite_bodies", f"auto {text}give off, or --fast"),
         (scene.rubs, "friction.coefficient", f"{text}give 0, or --only patch,stresses"),
         (scene.load is None, "approach", f"{text}give a load"),
         (unlike, f"wing.{(unlike or [''])[0]}", f"{text}give that of the rail"),
@@ -172,10 +229,19 @@ def contact(scene: Scene) -> CrossingContact:
         ),
     )
     found = touch(scene, NEAR)
-    first = min(found.heads.values(), key=lambda each: each.touches[0].gap)
-    at = found.placed(first.name)[0]
-    pair = ProfilePair(_section(first.surface, at), found.wheel, scene.wheel.rolling_radius)
-    return CrossingContact(scene=scene, touch=at, pair=pair, pose=found.pose, crossing=found)
+    surface, at = found.heads[found.lowest].surface, found.placed(found.lowest)[0]
+    pair = ProfilePair(_section(surface, at), found.wheel, scene.wheel.rolling_radius)
+    if fast:
+        return CrossingContact(scene=scene, touch=at, pair=pair, pose=found.pose, crossing=found)
+    pose = found.pose.moved(x=-at.x)
+    over = OverSection(length=STRETCH, position=at.x, surface=surface, section=pair.rail)
+    room = float(np.abs(np.subtract(over.ends, at.x)).min())
+    text = f"{scene.rail.position:g} is {room:.3g} mm from the end of the head or of the sections "
+    text += f"at the contact; finite elements need {STRETCH:g} mm: give another, or --fast"
+    refuse_first((room < STRETCH, "rail.position", text))
+    shape = SurfaceShape(rail=over, wheel=None, pose=pose, first=(0.0, at.y), odd=(True, True))
+    at = replace(at, x=0.0)
+    return HeadContact(scene=scene, touch=at, pair=pair, pose=pose, crossing=found, shape=shape)
 
 
 def _section(surface: Lofted, at: ContactPoint) -> Profile:
@@ -209,9 +275,7 @@ def touch(
     if not found:
         raise SceneError("wheelset.shift", f"no part of the wheel is over the rail at {at:g} mm")
     crossing = Crossing(scene=scene, heads=found, wheel=wheel)
-    lowest = min(found.values(), key=lambda each: each.touches[0].gap)
-    if lowest.touches[0].at_edge:
-        first = lowest.touches[0]
+    if (first := found[crossing.lowest].touches[0]).at_edge:
         text = f"{at:g} lets the wheel touch at an end of the sections, or an edge of them, at "
         text += f"x = {at + first.x:.4g}, y = {first.y:.4g} mm; give another, or more sections"
         raise SceneError("rail.position", text)

@@ -54,9 +54,14 @@ def depth(scene: Scene, body: int) -> float:
     """
     if body == WHEEL:
         return scene.wheel.rim_depth or min(RIM_DEPTH, 0.5 * scene.wheel.rolling_radius)
-    if scene.rail.profile in profiles.STANDARD_RAILS:
+    if _standard(scene):
         return outlines.head_depth(scene.rail.profile)
     return scene.rail.depth or HEAD_DEPTH
+
+
+def _standard(scene: Scene) -> bool:
+    """Whether the rail has a standard profile."""
+    return scene.rail.profile in profiles.STANDARD_RAILS and not scene.rail.sections
 
 
 def rail_reach(contact: Contact, reach: float, *, whole_section: bool) -> float:
@@ -78,7 +83,7 @@ def _rail(contact: Contact, reach: float, *, whole_section: bool, half: bool) ->
     scene = contact.scene
     if contact.pair is None:
         return _half_space(RAIL, reach, half=half)
-    if scene.rail.profile in profiles.STANDARD_RAILS:
+    if _standard(scene):
         extent = "section" if whole_section else "head"
         section = outlines.rail_section(scene.rail.profile, extent, half=half)
         if whole_section:

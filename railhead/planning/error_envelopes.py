@@ -27,7 +27,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from railhead.contact import closed_forms, crossing, solid
-from railhead.contact.crossing import CrossingContact
+from railhead.contact.crossing import Crossing, HeadContact
 from railhead.half_spaces.pressing import HalfSpacePair
 from railhead.planning.context import Context
 from railhead.postprocess.findings import FLAT
@@ -251,21 +251,22 @@ def of_profiles(context: Context) -> dict[str, Any] | None:
     if not contact.curved_solid or not (measured or scene.rail.sections):
         return None
     try:
-        if isinstance(contact, CrossingContact):
-            return {"relative": of_sections(context, contact, measured=measured), "reason": ""}
+        if isinstance(contact, HeadContact):
+            found = of_sections(context, contact.crossing, measured=measured)
+            return {"relative": found, "reason": ""}
         return {"relative": around(scene, context.boundary_elements), "reason": ""}
     except ValueError as error:
         return {"relative": math.inf, "reason": str(error)}
 
 
-def of_sections(context: Context, contact: CrossingContact, *, measured: bool) -> float:
+def of_sections(context: Context, found: Crossing, *, measured: bool) -> float:
     """Relative error of sizes and values that the sections of a rail may hide: twice (SAFETY) the
     largest change of Hertz's pressure or area on a head that may touch, or by what its height moves
     the load between two, when every second section is left out, and when a measured wheel is
     smoothed as in `around`.
     Raises ValueError (SceneError is one) where the wheel then touches otherwise.
     """
-    scene, found, sink = context.scene, contact.crossing, context.hertz.approach
+    scene, sink = context.scene, context.hertz.approach
     others = [crossing.touch(scene, every=2)]
     others += [crossing.touch(scene, stretch=each) for each in STRETCHES * measured]
     near = [name for name in found.heads if found.placed(name)[0].gap < 2 * sink]

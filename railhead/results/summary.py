@@ -7,7 +7,7 @@ import resource
 from collections.abc import Mapping
 from typing import Any
 
-from railhead.contact.crossing import CrossingContact
+from railhead.contact.crossing import HeadContact
 from railhead.planning import effects
 from railhead.planning.effects import material, shape
 from railhead.postprocess import friction
@@ -204,7 +204,7 @@ def _more(solved: Solved) -> dict[str, Any]:
     if solved.result is not None and not solved.plan.contact.half_space:
         out["side_force_N"] = _side_force(solved, solved.result)
     contact = solved.plan.contact
-    if solved.result is not None and isinstance(contact, CrossingContact):
+    if solved.result is not None and isinstance(contact, HeadContact):
         out |= _heads(contact, solved.result)
     height = solved.findings and shape.height_in_patch(solved.plan.contact, solved.findings)
     if solved.result is not None and height is not None:
@@ -258,7 +258,7 @@ def _yield(solved: Solved, friction: Mapping[str, Any]) -> dict[str, Any]:
     return {**found, "load_N": elastic["load_N"]}
 
 
-def _heads(contact: CrossingContact, result: Mapping[str, Any]) -> dict[str, Any]:
+def _heads(contact: HeadContact, result: Mapping[str, Any]) -> dict[str, Any]:
     """Entries of "result" for a rail of sections: its patches with their heads, vertical force,
     share, largest pressure and area of each head, height of the wheel, and force along the rail.
     """
@@ -271,8 +271,9 @@ def _heads(contact: CrossingContact, result: Mapping[str, Any]) -> dict[str, Any
         **result["patch"],
     }
     patches = [
-        {**each, "head": crossing.nearest(each["centre_mm"])}
+        {**each, "centre_mm": [x + contact.ahead, *rest], "head": crossing.nearest([x, *rest])}
         for each in result["patches"] or [first]
+        for x, *rest in [each["centre_mm"]]
     ]
     upwards = [each["load_share"] * math.cos(each["contact_angle_rad"]) for each in patches]
     heads, force_along = {}, 0.0
@@ -287,7 +288,9 @@ def _heads(contact: CrossingContact, result: Mapping[str, Any]) -> dict[str, Any
         }
         force_along += share * result["load_N"] * crossing.heads[name].touches[0].rise
     rigid = crossing.height(crossing.lift)
+    x, *rest = result["contact_point_mm"]
     return {
+        "contact_point_mm": [x + contact.ahead, *rest],
         "patches": patches,
         "heads": heads,
         "wheel_height_mm": {"rigid": rigid, "loaded": rigid - result["approach_mm"]},
