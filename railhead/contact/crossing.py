@@ -41,6 +41,11 @@ DIFFERENCE = 0.02  # mm, of slopes that make curvatures
 APART = 0.05  # mm: two lowest places as close are one
 NEAR = 0.3  # mm of height in which further contact points of a head are kept
 SAMPLES = 401  # points of a section at a contact
+READ_BY = {
+    "sections",
+    "position",
+    *(f"profile_{key}" for key in ("unit", "mirror", "flip", "shift")),
+}
 UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -238,7 +243,13 @@ def contact(scene: Scene) -> HeadContact:
     room = float(np.abs(np.subtract(over.ends, at.x)).min())
     text = f"{scene.rail.position:g} is {room:.3g} mm from the end of the head or of the sections "
     text += f"at the contact; finite elements need {STRETCH:g} mm: give another, or --fast"
-    refuse_first((room < STRETCH, "rail.position", text))
+    other = wing is not None and found.lowest == "wing"
+    rail, steel = (each.model_dump(exclude=READ_BY) for each in (scene.rail, wing or scene.rail))
+    unlike = [key for key in rail if other and steel[key] != rail[key]]
+    steels = "is not that of the rail, and finite elements know one; give that, or --fast"
+    refuse_first(
+        (room < STRETCH, "rail.position", text), (unlike, f"wing.{(unlike or [''])[0]}", steels)
+    )
     shape = SurfaceShape(rail=over, wheel=None, pose=pose, first=(0.0, at.y), odd=(True, True))
     at = replace(at, x=0.0)
     return HeadContact(scene=scene, touch=at, pair=pair, pose=pose, crossing=found, shape=shape)

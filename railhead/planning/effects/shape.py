@@ -13,8 +13,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from railhead.contact.crossing import HeadContact
 from railhead.contact import closed_forms, plane_section, solid
+from railhead.contact.crossing import HeadContact
 from railhead.contact.solid import Contact
 from railhead.geometry import wheelset
 from railhead.geometry.outlines import head_depth
@@ -114,7 +114,7 @@ def decide_finite_bodies(context: Context) -> Effect:
     """
     scene, contact = context.scene, context.contact
     if isinstance(contact, HeadContact) and scene.effects.finite_bodies != "off":
-        heads = contact.crossing.touching(REACHED * context.hertz.approach)
+        heads = contact.crossing.touching(context.hertz.approach / contact.touch.upright)
         text = f"{scene.rail.position:g} lets the wheel press on the rail and the wing, and finite "
         text += "elements know one head; give another place, or --fast"
         refuse_first((len(heads) > 1, "rail.position", text))

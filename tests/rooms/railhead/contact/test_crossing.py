@@ -183,7 +183,12 @@ def test_what_a_crossing_does_not_have_is_refused_in_a_line(nose: str, wing: str
     """Finite elements, friction, heights on the rail and unlike steels."""
     fast = scene(194.5, nose, wing).replace(effects={"finite_bodies": "off"})
     for given, said in (
-        (scene(194.5, nose, wing), "effects.finite_bodies: auto is not simulated yet"),
+        (scene(194.5, nose, wing), "rail.position: 194.5 lets the wheel press on the rail and the"),
+        (scene(390.0, nose), "rail.position: 390 is .* mm from the end of the head"),
+        (
+            scene(120.0, nose, wing).replace(rail={"yield_stress": 400.0}),
+            "wing.yield_stress: is not that of the rail, and finite elements know one",
+        ),
         (fast.replace(friction={"coefficient": 0.3}), "friction.coefficient: is not simulated"),
         (fast.replace(wing={"young_modulus": 1e5}), "wing.young_modulus: is not simulated yet"),
     ):
@@ -247,3 +252,27 @@ def test_a_blade_in_the_root_of_a_flange_takes_its_share(tmp_path: Path) -> None
     assert heads["rail"]["max_MPa"] == pytest.approx(2507.6, rel=1e-3)
     assert heads["wing"]["max_MPa"] == pytest.approx(876.8, rel=1e-3)
     assert 0.02 < summary["accuracy"]["bound"]["max_MPa"] < 0.2
+
+
+@pytest.mark.parametrize("case", ["hump", "nose"])
+def test_finite_elements_have_the_closed_forms_of_one_head(
+    nose: str, tmp_path: Path, case: str
+) -> None:
+    """Largest pressure and area of cases 2 and 5 of the reference, within the estimates; place of
+    the first contact, ahead of the axle, and height of the wheel without load. Half-spaces of
+    the same scene agree within both estimates."""
+    if case == "hump":
+        rail = drawn.write(tmp_path, range(-70, 71, 10), drawn.arcs)
+        of, truth = scene(30.0, rail, profile="cylinder"), (1169.58, 102.60, -2.5275, -0.08242)
+    else:
+        of, truth = scene(180.0, nose), (1902.80, 63.14, 18.4073, -3.90671)
+    steel = {"young_modulus": 207000.0, "poisson_ratio": 0.3}
+    of = of.replace(rail=steel, wheel=steel)
+    found = rh.solve(of, quiet=True).summary
+    result, bound = found["result"], found["accuracy"]["bound"]
+    assert result["pressure"]["max_MPa"] == pytest.approx(truth[0], rel=bound["max_MPa"])
+    assert result["patch"]["area_mm2"] == pytest.approx(truth[1], rel=bound["area_mm2"])
+    assert bound["max_MPa"] < 0.01 and bound["area_mm2"] < 0.01
+    assert result["contact_point_mm"][0] == pytest.approx(truth[2], abs=0.02)
+    assert result["wheel_height_mm"]["rigid"] == pytest.approx(truth[3], abs=1e-4)
+    assert found["checks"]["passed"] and "second_opinion_max_MPa" not in found["checks"]["not_made"]
