@@ -90,7 +90,7 @@ class HalfSpacePair:
         return self.hertz if exact else self.pressed(load, FINE)
 
     def near(
-        self, before: BoundaryElementSolution, load: float, cells: int = CELLS
+        self, before: BoundaryElementSolution, load: float, cells: int
     ) -> BoundaryElementSolution:
         """Boundary elements under another vertical load (N): on the grids of a solution `before`
         if that has nearly this load (NEAR), else as `pressed`.

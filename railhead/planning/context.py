@@ -243,7 +243,7 @@ class Context:
             if isinstance(now, str) or load is None or abs(over) < power * YIELD_FOUND:
                 break
             last, share = (share, over), share - over / power
-            now = self.half_spaces.near(now, load * math.exp(share))
+            now = self.half_spaces.pressed(load * math.exp(share))
             over = math.log(self._over_yield(partial(_von_mises, now)))
             power = (last[1] - over) / (last[0] - share)
         return math.exp(over / power - share)
