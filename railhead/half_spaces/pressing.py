@@ -68,8 +68,11 @@ class HalfSpacePair:
 
     @property
     def points(self) -> Callable[[Array, Array], Array]:
-        """Function of places x, s (n,), mm, that gives points (n, 3) in space, mm."""
-        return Plane(self.contact).points if self.contact.half_space else self.facing.points
+        """Function of places x, s (n,), mm, that gives points (n, 3) in space, mm; on the plane
+        z = 0 between half-spaces and of a line.
+        """
+        flat = self.contact.half_space or self.contact.line
+        return Plane(self.contact).points if flat else self.facing.points
 
     def pressed(self, load: float | None, cells: int = CELLS) -> BoundaryElementSolution:
         """Boundary elements with all patches under a vertical load (N), None for Hertz's approach

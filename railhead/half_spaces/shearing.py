@@ -7,14 +7,17 @@ slip of its cells at unit creepages and unit spin.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from scipy.ndimage import zoom
 
 from railhead.contact import wheelset_kinematics
 from railhead.contact.solid import Contact
 from railhead.half_spaces.pressing import HalfSpacePair, Pressed
+from railhead.postprocess.friction import at_cells
+from railhead.postprocess.patch.half_space import SurfaceMap
 from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.theory.array_types import Array
 from railhead.theory.bem import pressure_solver
@@ -31,6 +34,7 @@ from railhead.theory.friction.rolling import (
     solve_dissimilar,
     solve_for_forces,
 )
+from railhead.theory.friction.solution import FrictionSolution
 from railhead.theory.friction.tangential import MaterialPair
 from railhead.theory.friction_laws import Interface
 
@@ -39,6 +43,7 @@ WIDER = 1.25  # grid of unlike bodies over the patch, which tractions widen
 TOLERANCE = 1e-8  # of the displacement
 PLANE = np.array([[0.0] * 3, [0.0] * 3, [0.0, 0.0, 1.0], [0.0] * 3])
 """`PressedPatch.angular` on the plane z = 0: about z for unit spin, zero for the other modes."""
+TURNS = 12  # between pressing and shearing
 SEVERAL = "how several patches share a force depends on the compliance of the bodies"
 
 
@@ -161,6 +166,27 @@ class Sheared:
             for patch, each in pairs
         )
 
+    def solution(self, points: SurfaceMap, *, centred: bool, line: bool) -> FrictionSolution:
+        """Tractions at the cells that touch, with vectors in space, with forces along, across and
+        moment of the wheel on the rail, and those of coarser grids.
+        points: maps x, s (n,) to points (n, 3) on the rail's surface, mm. centred: whether slip is
+        taken at the cell centres. line: whether it is a line contact, which has no moment.
+        """
+        places, tangents = [], []
+        for window in (patch.pressed for patch in self.patches):
+            x, s = np.meshgrid(window.x, window.s, indexing="ij")
+            places.append(points(x.ravel(), s.ravel()).reshape(*x.shape, 3))
+            slope = np.broadcast_to(window.angle, x.shape)
+            across = np.stack([0 * x, np.cos(slope), np.sin(slope)], axis=-1)
+            along = np.broadcast_to([1.0, 0.0, 0.0], across.shape)
+            tangents.append(np.stack([along, across], axis=2))
+        touches = [each.pressure > 0 for each in self.found]
+        found = at_cells(self.found, places, tangents, touches, self.scale, centred=centred)
+        along_rail, aside, moment = map(float, self.forces)
+        coarse = self.coarse and self.coarse.solution(points, centred=centred, line=line)
+        turns = 0.0 if line else moment  # a strip's arms only magnify rounding
+        return replace(found, force=(along_rail, aside), moment=turns, coarse=coarse)
+
 
 def patches(
     pair: HalfSpacePair, pressed: Pressed, cells: int, *, like: bool = True
@@ -257,15 +283,15 @@ def shear(
     start: tractions of similar patches of like bodies on as many cells, from which the iterations
         begin; None: without.
     Raises ValueError where tractions are not found, and for forces on several patches of unlike
-    bodies.
+    bodies, or in a shift.
     """
     along, across = forces
+    if len(patches) > 1 and forces != (None, None) and not (rolling and pair.like):
+        raise ValueError(SEVERAL)
     if pair.like:
         known = [each.body(pair, rolling=rolling, interface=interface) for each in patches]
         found = solve_for_forces(known, creepage, along=along, across=across, start=start)
         return Sheared(patches=patches, found=found)
-    if len(patches) > 1 and forces != (None, None):
-        raise ValueError(SEVERAL)
     found = [
         solve_dissimilar(
             each.pressed,
@@ -278,3 +304,92 @@ def shear(
         for each in patches
     ]
     return Sheared(patches=patches, found=found)
+
+
+def on_grids(
+    half_spaces: HalfSpacePair,
+    pressed: Pressed,
+    counts: Sequence[int],
+    pair: MaterialPair,
+    creepage: Creepage,
+    forces: tuple[float | None, float | None],
+    *,
+    rolling: bool,
+    interface: Interface | None,
+    known: dict[int, Sheared] | None = None,
+) -> Sheared:
+    """Tractions under a known pressure on grids of `counts` cells along each axis, coarsest first,
+    by `shear`: those of the last, with the others as `Sheared.coarse`. Raises ValueError where
+    patches or tractions are not found.
+
+    forces: of the whole contact.
+    known: by numbers of cells, tractions under nearly the same pressure, from which the iterations
+        start; those that are found take their places.
+    """
+    found, known = None, {} if known is None else known
+    for cells in counts:
+        each = patches(half_spaces, pressed, cells, like=pair.like)
+        longer = sum(one.pressed.load for one in each) / pressed.load
+        along, across = (None if force is None else longer * force for force in forces)
+        start = known.get(cells) or found or next(iter(known.values()), None)
+        sheared = shear(
+            each,
+            pair,
+            creepage,
+            (along, across),
+            rolling=rolling,
+            interface=interface,
+            start=_onto(None if start is None else start.found, each),
+        )
+        found = known[cells] = replace(sheared, scale=1 / longer, coarse=found)
+    assert found is not None
+    return found
+
+
+def _onto(
+    found: Sequence[TangentialSolution] | None, patches: Sequence[PressedPatch]
+) -> list[TangentialSolution] | None:
+    """Tractions, with pressure and bound, in the cells of patches, linear between their own cells;
+    None without tractions, and where patches or cells are no multiple of these.
+    """
+    if found is None or len(found) != len(patches):
+        return None
+    placed = []
+    for each, patch in zip(found, patches, strict=True):
+        before, now = each.bound.shape, patch.pressed.pressure.shape
+        if any(many % few for many, few in zip(now, before, strict=True)):
+            return None
+        finer = [many // few for many, few in zip(now, before, strict=True)]
+        pressure, bound, *traction = (
+            zoom(known, finer, order=1, mode="nearest", grid_mode=True)
+            for known in (each.pressure, each.bound, *each.traction)
+        )
+        placed.append(replace(each, pressure=pressure, bound=bound, traction=np.array(traction)))
+    return placed
+
+
+def balanced(
+    pairs: Sequence[HalfSpacePair],
+    pressed: Sequence[BoundaryElementSolution],
+    load: float,
+    cells: int,
+    tractions: Callable[[Sequence[BoundaryElementSolution]], Sequence[Sheared]],
+    tolerance: float,
+) -> tuple[list[BoundaryElementSolution], Sequence[Sheared], int]:
+    """Pressures of contacts that carry what the tractions leave of a vertical load (N) on each,
+    these, and how often they were found: pressures and tractions are found in turn until the load
+    is met to `tolerance` of it. pressed, cells: the first pressures, and cells of their grids along
+    each axis. tractions: gives those under pressures. Raises ValueError without a balance.
+    """
+    now = [*pressed]
+    for turn in range(1, TURNS + 1):
+        sheared = tractions(now)
+        carried = zip(now, sheared, strict=True)
+        over = [(each.load - found.upwards) / load for each, found in carried]
+        if max(abs(each - 1) for each in over) <= tolerance:
+            return now, sheared, turn
+        if min(over) <= 0:
+            break
+        every = zip(pairs, now, over, strict=True)
+        now = [pair.near(each, each.load / share, cells) for pair, each, share in every]
+    raise ValueError("no pressure balances the load beside the tractions")

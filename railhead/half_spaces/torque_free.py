@@ -23,10 +23,11 @@ from railhead.contact.solid import Contact, FreeAxle
 from railhead.half_spaces import shearing
 from railhead.half_spaces.pressing import HalfSpacePair
 from railhead.half_spaces.shearing import PressedPatch, Sheared
+from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.friction.rolling import Creepage, solve_for_forces
 
 CELLS = 32  # of a patch each way; with 64 the radius is 2e-3 mm off at most (S1002 on 60E1)
-PRESSINGS, BALANCE = 12, 1e-3  # between pressure and tractions; of the load
+BALANCE = 1e-3  # of the load, between pressure and tractions
 
 
 def balanced(contact: Contact) -> Contact:
@@ -55,9 +56,9 @@ def _solve(pairs: Sequence[HalfSpacePair], load: float, radius: float) -> FreeAx
     """
     scene = pairs[0].contact.scene
     material, interface = closed_forms.tangential_pair(scene), closed_forms.interface(scene)
-    loads = [load] * len(pairs)
-    pressed = [pair.pressed(load, CELLS) for pair in pairs]
-    for number in range(1, PRESSINGS + 1):
+
+    def tractions(pressed: Sequence[BoundaryElementSolution]) -> list[Sheared]:
+        """Those of both wheels, which turn as one."""
         wheels = [
             [_turning(pair.contact, patch, radius) for patch in shearing.patches(pair, each, CELLS)]
             for pair, each in zip(pairs, pressed, strict=True)
@@ -67,24 +68,14 @@ def _solve(pairs: Sequence[HalfSpacePair], load: float, radius: float) -> FreeAx
             for wheel in wheels
             for patch in wheel
         ]
-        found = solve_for_forces(bodies, Creepage(), along=0.0)
-        left, over = iter(found), []
-        for wheel, force in zip(wheels, loads, strict=True):
-            tractions = [next(left) for _ in wheel]
-            over.append((force - Sheared(patches=wheel, found=tractions).upwards) / load)
-        if max(abs(each - 1) for each in over) <= BALANCE:
-            limit = sum(each.limit for each in found)
-            torque = abs(sum(each.forces[0] for each in found)) / limit
-            turning = radius / (1 + found[0].creepage.along)
-            return FreeAxle(turning=turning, torque=torque, solves=number)
-        if min(over) <= 0:
-            break
-        loads = [force / each for force, each in zip(loads, over, strict=True)]
-        pressed = [
-            pair.near(each, force, CELLS)
-            for pair, each, force in zip(pairs, pressed, loads, strict=True)
-        ]
-    raise ValueError("no pressure balances the load beside the tractions")
+        left = iter(solve_for_forces(bodies, Creepage(), along=0.0))
+        return [Sheared(patches=wheel, found=[next(left) for _ in wheel]) for wheel in wheels]
+
+    first = [pair.pressed(load, CELLS) for pair in pairs]
+    _, wheels, solves = shearing.balanced(pairs, first, load, CELLS, tractions, BALANCE)
+    limit, torque = sum(each.limit for each in wheels), sum(each.forces[0] for each in wheels)
+    turning = radius / (1 + wheels[0].found[0].creepage.along)
+    return FreeAxle(turning=turning, torque=abs(torque) / limit, solves=solves)
 
 
 def _turning(contact: Contact, patch: PressedPatch, radius: float) -> PressedPatch:

@@ -13,18 +13,16 @@ from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
-from scipy.ndimage import zoom
 
 from railhead.contact import closed_forms, wheelset_kinematics
 from railhead.half_spaces import shearing
 from railhead.half_spaces.allowance import added_stress
 from railhead.half_spaces.pressing import FINE, Pressed
-from railhead.half_spaces.shearing import PressedPatch, Sheared
+from railhead.half_spaces.shearing import Sheared
 from railhead.planning import effects
 from railhead.planning.context import PostSolveVerdict
 from railhead.planning.effects import interface, shape
 from railhead.planning.simulation_plan import Plan
-from railhead.postprocess import friction
 from railhead.postprocess.findings import Findings
 from railhead.postprocess.pass_rows import Passes
 from railhead.postprocess.patch import compare, half_space
@@ -35,10 +33,10 @@ from railhead.run.progress import Progress
 from railhead.scene.quantities import numeric_values
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.elastic.line import Hertz
-from railhead.theory.friction.rolling import CELLS, TangentialSolution
+from railhead.theory.friction.rolling import CELLS
 from railhead.theory.friction.solution import FrictionSolution
 
-TURNS, BALANCE = 12, 1e-6  # between pressing and shearing; of the load
+BALANCE = 1e-6  # of the load, between pressing and shearing
 CURVED = 0.3  # relative error of stresses over half width times curvature of a body: 0.26 measured
 # Error of pressure and area of unlike bodies over what tractions change of the peak, by whether the
 # contact is a line, whose pressure stays Hertz's. From 64 to 256 cells 0.5 to 1.6 % were measured.
@@ -137,26 +135,26 @@ def _solve(plan: Plan) -> HalfSpaceSolution:
 
 
 def _balanced(plan: Plan, pressed: Pressed) -> tuple[Pressed, Sheared]:
-    """The pressure that carries what the tractions leave of the load, and these: both are solved in
-    turn until the load is met to 1e-6 (BALANCE) of it. Exact Hertz, or a given approach, stays.
-    pressed: without tractions. Raises ValueError without a balance.
+    """The pressure that carries what the tractions leave of the load, to 1e-6 (BALANCE) of it, and
+    these. Exact Hertz, or a given approach, stays. pressed: without tractions. Raises ValueError
+    without a balance.
     """
     load, pair = plan.scene.load, plan.context.half_spaces
     known: dict[int, Sheared] = {}
-    if load is None or not isinstance(pressed, BoundaryElementSolution):
-        return pressed, _tractions(plan, pressed, CELLS, known)
-    carried = plan.scene.tangential_forces[2] * math.sin(plan.contact.touch.angle)
-    pressed = pair.near(pressed, load + carried, FINE)  # of a prescribed force it is known
-    # A first balance on the coarsest grid is nearly that of the finest.
-    for counts in [CELLS[:1], CELLS[-1:]] + [CELLS] * TURNS:
-        sheared = _tractions(plan, pressed, counts, known)
-        total = pressed.load - sheared.upwards
-        if total <= 0:
-            break
-        if counts == CELLS and abs(total - load) <= BALANCE * load:
-            return pressed, sheared
-        pressed = pair.near(pressed, pressed.load * load / total, FINE)
-    raise ValueError("no pressure balances the load beside the tractions")
+    if load is not None and isinstance(pressed, BoundaryElementSolution):
+
+        def tractions(now: Sequence[BoundaryElementSolution]) -> list[Sheared]:
+            """Those of the finest grid; first of the coarsest, whose balance is nearly the same."""
+            return [_tractions(plan, now[0], CELLS[-1:] if known else CELLS[:1], known)]
+
+        carried = plan.scene.tangential_forces[2] * math.sin(plan.contact.touch.angle)
+        first = pair.near(pressed, load + carried, FINE)  # of a prescribed force it is known
+        (pressed,), (found,), turns = shearing.balanced(
+            [pair], [first], load, FINE, tractions, BALANCE
+        )
+        if turns > 1:  # it is that of the finest grid
+            return pressed, replace(found, coarse=_tractions(plan, pressed, CELLS[:-1], known))
+    return pressed, _tractions(plan, pressed, CELLS, known)
 
 
 def _read(plan: Plan, pressed: Pressed, *, stresses: bool) -> HalfSpaceSolution:
@@ -242,8 +240,9 @@ def _with_friction(plain: HalfSpaceSolution, sheared: Sheared) -> HalfSpaceSolut
     """
     plan, found, result = plain.plan, plain.findings, plain.result
     assert found is not None and result is not None and sheared.coarse is not None
-    points = plan.context.half_spaces.points
-    solution = _at_cells(plan, sheared, points)
+    points, rolling = plan.context.half_spaces.points, plan.scene.rolling.prescribed
+    centred = rolling and plan.context.tangential_pair.like
+    solution = sheared.solution(points, centred=centred, line=plan.contact.line)
     if plan.scene.asks("friction_stresses"):
         found = half_space.with_tractions(
             found, sheared.stressed, points, plan.poisson_ratios, sheared.coarse.stressed
@@ -307,74 +306,18 @@ def _tractions(
     plan: Plan, pressed: Pressed, counts: Sequence[int], known: dict[int, Sheared]
 ) -> Sheared:
     """Tractions of half-spaces under a known pressure, at the creepages or forces of a plan. Raises
-    ValueError where patches or tractions are not found.
-
-    counts: cells along each axis of the grids, coarsest first. known: by these numbers, tractions
-        under nearly the same pressure, from which the iterations start; those that are found take
-        their places.
+    ValueError where patches or tractions are not found. counts, known: as of `shearing.on_grids`.
     """
-    scene, pair, found = plan.scene, plan.context.tangential_pair, None
+    scene = plan.scene
     table = scene.rolling if scene.rolling.prescribed else scene.friction
-    for cells in counts:
-        patches = shearing.patches(plan.context.half_spaces, pressed, cells, like=pair.like)
-        longer = sum(each.pressed.load for each in patches) / pressed.load
-        along, across = (
-            None if force is None else longer * force
-            for force in (table.force_along, table.force_across)
-        )
-        start = known.get(cells) or found or next(iter(known.values()), None)
-        sheared = shearing.shear(
-            patches,
-            pair,
-            wheelset_kinematics.creepage(plan.contact),
-            (along, across),
-            rolling=scene.rolling.prescribed,
-            interface=closed_forms.interface(scene),
-            start=_onto(None if start is None else start.found, patches),
-        )
-        found = known[cells] = replace(sheared, scale=1 / longer, coarse=found)
-    assert found is not None
-    return found
-
-
-def _onto(
-    found: Sequence[TangentialSolution] | None, patches: Sequence[PressedPatch]
-) -> list[TangentialSolution] | None:
-    """Tractions, with pressure and bound, in the cells of patches, linear between their own cells;
-    None without tractions, and where patches or cells are no multiple of these.
-    """
-    if found is None or len(found) != len(patches):
-        return None
-    placed = []
-    for each, patch in zip(found, patches, strict=True):
-        before, now = each.bound.shape, patch.pressed.pressure.shape
-        if any(many % few for many, few in zip(now, before, strict=True)):
-            return None
-        finer = [many // few for many, few in zip(now, before, strict=True)]
-        pressure, bound, *traction = (
-            zoom(known, finer, order=1, mode="nearest", grid_mode=True)
-            for known in (each.pressure, each.bound, *each.traction)
-        )
-        placed.append(replace(each, pressure=pressure, bound=bound, traction=np.array(traction)))
-    return placed
-
-
-def _at_cells(plan: Plan, sheared: Sheared, points: half_space.SurfaceMap) -> FrictionSolution:
-    """Tractions at the cells that touch, in the form of those of finite elements, with forces
-    along, across and moment of the wheel on the rail, and those of coarser grids.
-    points: maps x, s (n,) to points (n, 3) on the rail's surface, mm.
-    """
-    places, tangents, found = [], [], sheared.found
-    for window in (patch.pressed for patch in sheared.patches):
-        x, s = np.meshgrid(window.x, window.s, indexing="ij")
-        places.append(points(x.ravel(), s.ravel()).reshape(*x.shape, 3))
-        slope = np.broadcast_to(window.angle, x.shape)
-        across = np.stack([0 * x, np.cos(slope), np.sin(slope)], axis=-1)
-        tangents.append(np.stack([np.broadcast_to([1.0, 0.0, 0.0], across.shape), across], axis=2))
-    touches = [each.pressure > 0 for each in found]
-    centred = plan.scene.rolling.prescribed and plan.context.tangential_pair.like
-    solution = friction.at_cells(found, places, tangents, touches, sheared.scale, centred=centred)
-    along, across, moment = sheared.forces
-    coarse = None if sheared.coarse is None else _at_cells(plan, sheared.coarse, points)
-    turns = 0.0 if plan.contact.line else float(moment)  # a strip's arms only magnify rounding
-    return replace(solution, force=(float(along), float(across)), moment=turns, coarse=coarse)
+    return shearing.on_grids(
+        plan.context.half_spaces,
+        pressed,
+        counts,
+        plan.context.tangential_pair,
+        wheelset_kinematics.creepage(plan.contact),
+        (table.force_along, table.force_across),
+        rolling=scene.rolling.prescribed,
+        interface=closed_forms.interface(scene),
+        known=known,
+    )

@@ -15,12 +15,14 @@ import numpy as np
 
 from railhead.contact import closed_forms
 from railhead.half_spaces import allowance, shearing
-from railhead.half_spaces.pressing import FINE, HalfSpacePair
-from railhead.half_spaces.shearing import SEVERAL, PressedPatch, shear
+from railhead.half_spaces.pressing import FINE, HalfSpacePair, Pressed
+from railhead.half_spaces.shearing import PressedPatch
 from railhead.meshing.bodies import RAIL
 from railhead.planning.effects import interface
 from railhead.planning.simulation_plan import Plan
+from railhead.postprocess import friction
 from railhead.postprocess.findings import Findings
+from railhead.postprocess.friction import LOADS
 from railhead.postprocess.patch import body_motion, compare
 from railhead.postprocess.patch import half_space as findings
 from railhead.run.mesh_solution import MeshSolution
@@ -35,14 +37,8 @@ from railhead.theory.friction.rolling import CELLS, Creepage
 from railhead.theory.friction.solution import FrictionSolution
 from railhead.theory.friction.tangential import MaterialPair
 
-STRIP_KEYS = (
-    "force_along_N",
-    "stick_share",
-    "traction_max_MPa",
-    "t_gamma_N",
-    "grid_error",
-    "reason",
-)
+BOTH = friction.AT_BORDER
+"""Keys of numbers that do not grow with the force."""
 SLENDER = 20.0  # largest axis ratio in the tables of the linear theory
 GROWING_PATCH = "unlike bodies slip while the patch grows, which is not followed there"
 STRIP_ACROSS = "a strip of unlike bodies across the rail"
@@ -52,8 +48,6 @@ Numbers = dict[str, float]
 """Keys of "friction" in summary.json with their values."""
 NumbersByMethod = dict[str, dict[str, Any]]
 """The same, or a "reason", by the name of a method."""
-Patches = Callable[[int], Sequence[PressedPatch]]
-"""Maps a number n to the pressed patches on grids of n cells along each axis."""
 
 
 def solve(solved: MeshSolution) -> BoundaryElementSolution | str | None:
@@ -156,26 +150,23 @@ def half_space_friction(
     plan, pair = solved.plan, closed_forms.tangential_pair(solved.plan.scene)
     rolling = plan.scene.rolling.prescribed
 
-    def patches(cells: int) -> Sequence[PressedPatch]:
-        """The patches on a grid of `cells` cells along each axis."""
-        if isinstance(profiles, str):
-            raise ValueError(profiles)
-        pressed = profiles or solved.ellipse
-        return shearing.patches(plan.context.half_spaces, pressed, cells, like=pair.like)
-
+    if isinstance(profiles, str):
+        return {"boundary elements": {"reason": profiles}}
+    pressed = profiles or solved.ellipse
     if not (pair.like or rolling):
         return {"boundary elements": {"reason": GROWING_PATCH}}
     if isinstance(solved.ellipse, LineContact):
-        return _strip(plan, found, solved.ellipse, patches)
+        return _strip(plan, found, solved.ellipse)
     out: NumbersByMethod = {
-        "boundary elements": or_reason(lambda: solve_by_boundary_elements(plan, found, patches))
+        "boundary elements": or_reason(lambda: solve_by_boundary_elements(plan, found, pressed))
     }
     if not pair.like or not closed_forms.coulomb(plan.scene):
         return out
     if rolling:
         name = "FASTSIM" if findings.hertzian else "FASTSIM (equal ellipses)"
+        patches = shearing.patches(plan.context.half_spaces, pressed, CELLS[1])
         out[name] = or_reason(
-            lambda: fastsim(patches(CELLS[1]), found.friction_limit, pair, found.rigid_motion)
+            lambda: fastsim(patches, found.friction_limit, pair, found.rigid_motion)
         )
     elif findings.hertzian and plan.scene.friction.uneven:
         out["Cattaneo, Mindlin"] = {"reason": UNEVEN}
@@ -184,9 +175,7 @@ def half_space_friction(
     return out
 
 
-def _strip(
-    plan: Plan, found: FrictionSolution, line: LineContact, patches: Patches
-) -> NumbersByMethod:
+def _strip(plan: Plan, found: FrictionSolution, line: LineContact) -> NumbersByMethod:
     """Quantities by method for a line contact: Carter (rolling) or Cattaneo (a shift), of unlike
     materials, or under another law than Coulomb's, boundary elements. Empty in rolling of like
     materials where the width of the strip runs across the rail.
@@ -194,8 +183,8 @@ def _strip(
     if not (closed_forms.tangential_pair(plan.scene).like and closed_forms.coulomb(plan.scene)):
         if line.across:
             return {"boundary elements": {"reason": STRIP_ACROSS}}
-        numbers = or_reason(lambda: solve_by_boundary_elements(plan, found, patches))
-        return {"boundary elements": {key: numbers[key] for key in STRIP_KEYS if key in numbers}}
+        numbers = or_reason(lambda: solve_by_boundary_elements(plan, found, line))
+        return {"boundary elements": numbers}
     if not plan.scene.rolling.prescribed:
         if plan.scene.friction.uneven and line.across:
             return {"Cattaneo": {"reason": UNEVEN}}
@@ -238,61 +227,49 @@ def _mindlin(plan: Plan, found: FrictionSolution, ellipse: Ellipse) -> dict[str,
 
 
 def solve_by_boundary_elements(
-    plan: Plan, found: FrictionSolution, patches: Patches, cells: Sequence[int] = CELLS
+    plan: Plan, found: FrictionSolution, pressed: Pressed, cells: Sequence[int] = CELLS
 ) -> Numbers:
-    """Friction quantities of half-spaces by boundary elements, by their keys in summary.json.
-    Raises ValueError as `shear`, and for several patches under a shift.
+    """Friction quantities of half-spaces by boundary elements, by their keys in summary.json, of
+    rolling scaled to the limit mu N of `found`. Raises ValueError as `shearing.on_grids`.
 
     plan: coefficient of friction, materials, and whether the bodies roll.
     found: solution by finite elements, of which the friction limit and the motion (rolling:
         creepages and spin) or the forces (a shift) count.
-    patches: makes the pressed patches on a grid.
-    cells: numbers along each axis, the last ones a coarse and a fine one. Numbers are extrapolated
-        from both; "grid_error" is the change of the forces by that, over mu N.
+    pressed: the pressure.
+    cells: numbers along each axis, the coarsest first. Numbers are extrapolated from them as those
+        of finite elements; "grid_error" is the larger error of the forces by that, over mu N.
     """
-    other, finest = (_on_grid(plan, found, patches(each)) for each in cells[-2:])
-    better = {name: 2 * value - other[name] for name, value in finest.items()}
-    better["stick_share"] = min(max(better["stick_share"], 0.0), 1.0)
-    change = max(abs(better[way] - finest[way]) for way in ("force_along_N", "force_across_N"))
-    return {**better, "grid_error": change / found.friction_limit}
-
-
-def _on_grid(plan: Plan, found: FrictionSolution, patches: Sequence[PressedPatch]) -> Numbers:
-    """Quantities of friction by boundary elements on given patches, scaled to the limit mu N of
-    `found`, by the keys of summary.json.
-    Raises ValueError for several patches under a shift.
-    """
-    pair, rolling = closed_forms.tangential_pair(plan.scene), plan.scene.rolling.prescribed
-    if len(patches) > 1 and not rolling:
-        raise ValueError(SEVERAL)
-    scale = found.friction_limit / sum(each.limit for each in patches)  # of a shift
-    along, across = (force / scale for force in found.force)
-    sheared = shear(
-        patches,
+    scene, pair = plan.scene, closed_forms.tangential_pair(plan.scene)
+    rolling, contact = scene.rolling.prescribed, plan.contact
+    sheared = shearing.on_grids(
+        plan.context.half_spaces,
+        pressed,
+        cells,
         pair,
         Creepage(*found.rigid_motion) if rolling else Creepage(),
-        (None, None) if rolling else (along, across),
+        (None, None) if rolling else found.force,
         rolling=rolling,
-        interface=closed_forms.interface(plan.scene),
+        interface=closed_forms.interface(scene),
     )
-    # The normal forces differ by what the finite bodies do.
-    scale = found.friction_limit / sheared.limit
-    largest = max(float(np.linalg.norm(each.traction, axis=0).max()) for each in sheared.found)
-    out = _by_key(scale * sheared.forces, sheared.stick_share) | {"traction_max_MPa": largest}
-    if rolling and pair.like:
-        out["t_gamma_N"] = scale * sum(each.t_gamma for each in sheared.found)
-    elif not rolling and plan.contact.solid_half_space:
-        shift = sheared.found[0].creepage
-        out |= {"shift_along_mm": scale * shift.along, "shift_across_mm": scale * shift.across}
-    return out
+    points = plan.context.half_spaces.points
+    like = rolling and pair.like
+    solution = sheared.solution(points, centred=like, line=contact.line)
+    numbers = friction.quantities(solution, rolling=rolling, like=pair.like, speed=None)
+    keys = [LOADS[0], *BOTH] if contact.line else [*LOADS, *BOTH]
+    keys += ["t_gamma_N"] * like
+    if not rolling and contact.solid_half_space:
+        keys += friction.MOTION[False][:2]
+    scale = found.friction_limit / sheared.limit if rolling else 1.0  # finite bodies' normal force
+    out = {key: numbers[key] * (1.0 if key in BOTH else scale) for key in keys}
+    error = max(numbers["grid_error"][way] for way in LOADS[:2])
+    return {**out, "grid_error": error / sheared.limit}
 
 
 def _by_key(forces: Array, stick: float) -> Numbers:
     """Forces along, across (N) and moment (N mm), (3,), and stick share (of the area) by the keys
     of "friction" in summary.json.
     """
-    names = ("force_along_N", "force_across_N", "moment_Nmm", "stick_share")
-    return dict(zip(names, map(float, (*forces, stick)), strict=True))
+    return dict(zip((*LOADS, BOTH[0]), map(float, (*forces, stick)), strict=True))
 
 
 def fastsim(

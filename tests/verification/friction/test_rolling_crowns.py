@@ -8,7 +8,6 @@ from friction_cases import MU, friction_found
 
 import railhead as rh
 from railhead.contact import wheelset_kinematics
-from railhead.half_spaces import shearing
 from railhead.half_spaces.surface import develop
 from railhead.planning import simulation_plan as planning
 from railhead.run.half_spaces.second_method import solve_by_boundary_elements
@@ -98,7 +97,7 @@ def test_crowns_roll_by_the_wheels_radius_when_pressed(crown: float, tread: floa
     answer = solve_by_boundary_elements(
         made,
         friction_found(MU * load, CREEPAGE),
-        lambda cells: shearing.patches(made.context.half_spaces, made.hertz, cells),
+        made.hertz,
         (16, 32),
     )
     assert answer["force_along_N"] == pytest.approx(expected[0], abs=1e-3 * MU * load)

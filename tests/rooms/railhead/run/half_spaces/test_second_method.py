@@ -17,10 +17,7 @@ from railhead.postprocess.patch import body_motion
 from railhead.results import checks
 from railhead.results.report import terminal
 from railhead.run.half_spaces import second_method
-from railhead.run.half_spaces.second_method import (
-    SEVERAL,
-    solve_by_boundary_elements,
-)
+from railhead.run.half_spaces.second_method import solve_by_boundary_elements
 from railhead.theory.friction import kalker, partial_slip
 from railhead.theory.friction.kalker import fastsim
 from railhead.theory.friction.rolling import Creepage
@@ -35,6 +32,10 @@ def hertz(plan: planning.Plan, cells: int):
     return shearing.patches(plan.context.half_spaces, plan.hertz, cells, like=like)
 
 
+def pressure(plan: planning.Plan):
+    return plan.context.half_spaces.pressure(1e4)
+
+
 @pytest.fixture(scope="module")
 def two() -> planning.Plan:
     """S1002 on 60E1, shifted by 5 mm: tread and gauge corner, 10 degrees apart."""
@@ -47,14 +48,13 @@ def two() -> planning.Plan:
 
 @pytest.fixture(scope="module")
 def patches(two: planning.Plan):
-    pair = two.context.half_spaces
-    return shearing.patches(pair, pair.pressure(1e4), 32)
+    return shearing.patches(two.context.half_spaces, pressure(two), 32)
 
 
 def test_boundary_elements_shift_as_mindlin() -> None:
     plan, force = ellipse(), (3000.0, -2000.0)
     found = friction_found(MU * 25e3, force=force)
-    answer = solve_by_boundary_elements(plan, found, lambda cells: hertz(plan, cells), (16, 32))
+    answer = solve_by_boundary_elements(plan, found, plan.hertz, (16, 32))
     size = math.hypot(*force)
     pair = plan.context.tangential_pair
     compliances = partial_slip.initial_compliance(
@@ -74,11 +74,11 @@ def test_what_sticks_in_any_patch_is_the_patch_of_the_force_that_is_left() -> No
     scene = rh.find("s1002_60e1").replace(effects={"plasticity": "off"})
     plan = planning.make(scene.replace(friction={"coefficient": MU}))
     pair = plan.context.half_spaces
-    whole, half = (shearing.patches(pair, pair.pressure(load), 48) for load in (1e4, 5e3))
-    limit = MU * whole[0].pressed.force
+    whole, half = (pair.pressed(load, 128) for load in (1e4, 5e3))
+    limit = MU * whole.force
     found = friction_found(limit, force=(0.5 * limit, 0.0))
-    answer = solve_by_boundary_elements(plan, found, lambda cells: whole, (24, 48))
-    share = half[0].pressed.area / whole[0].pressed.area
+    answer = solve_by_boundary_elements(plan, found, whole, (24, 48))
+    share = half.area / whole.area
     assert answer["stick_share"] == pytest.approx(share, abs=0.03)
     assert abs(share - 0.5 ** (2 / 3)) > 0.01
     assert "shift_along_mm" not in answer
@@ -88,7 +88,7 @@ def test_unlike_bodies_are_extrapolated_and_say_how_far() -> None:
     """A rigid wheel at a creepage of 0.001: 0.228 of mu N from 64 and 96 cells."""
     plan = ellipse("wheel.young_modulus=inf", "rolling.creepage_along=0.1%")
     found = friction_found(MU * 25e3, (1e-3, 0.0, 0.0))
-    coarse = solve_by_boundary_elements(plan, found, lambda cells: hertz(plan, cells), (16, 32))
+    coarse = solve_by_boundary_elements(plan, found, plan.hertz, (16, 32))
     assert coarse["force_along_N"] / 7500 == pytest.approx(0.237, abs=0.03)
     assert 0.005 < coarse["grid_error"] < 0.05
     assert abs(coarse["force_along_N"] / 7500 - 0.228) < coarse["grid_error"]
@@ -109,17 +109,17 @@ def test_the_ellipse_of_an_ellipse_is_itself() -> None:
 
 
 def test_two_patches_roll_as_their_ellipses_nearly_do(two: planning.Plan, patches) -> None:
-    limit = MU * sum(each.pressed.force for each in patches)
+    limit, pressed = MU * sum(each.pressed.force for each in patches), pressure(two)
     for motion in ((1e-4, 0.0, 0.0), (1e-3, 5e-4, 1e-4), (0.0, -3e-3, 0.0)):
         found = friction_found(limit, motion)
-        answer = solve_by_boundary_elements(two, found, lambda cells: patches, (16, 32))
+        answer = solve_by_boundary_elements(two, found, pressed, (16, 32))
         rolled = second_method.fastsim(patches, limit, two.context.tangential_pair, motion)
         for name in ("force_along_N", "force_across_N"):
             assert answer[name] == pytest.approx(rolled[name], abs=0.05 * limit)
         assert answer["t_gamma_N"] == pytest.approx(rolled["t_gamma_N"], rel=0.05)
     shifted = planning.make(two.scene.replace(rolling={"spin": 0.0}))
-    with pytest.raises(ValueError, match=SEVERAL[:20]):
-        solve_by_boundary_elements(shifted, found, lambda cells: patches, (16, 32))
+    with pytest.raises(ValueError, match=shearing.SEVERAL[:20]):
+        solve_by_boundary_elements(shifted, found, pressed, (16, 32))
 
 
 @pytest.mark.parametrize("wheel", [math.inf, pytest.param(3000.0, marks=pytest.mark.slow)])
