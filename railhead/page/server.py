@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import base64
 import hmac
 import json
+import re
 import secrets
 import shutil
 import socket
@@ -19,7 +21,9 @@ from typing import Any
 from aiohttp import WSMsgType, web
 from pebble import ProcessPool
 
+from railhead.cli.errors import WRONG_INPUT
 from railhead.page import views
+from railhead.page.run import Run
 from railhead.results import result_folder
 from railhead.scene import catalogue
 from railhead.scene.scene import SceneError
@@ -27,17 +31,26 @@ from railhead.sweeps import worker_pool
 
 HEARTBEAT = 10.0  # s: a page that does not answer so long is gone
 WORKERS = 2  # one for half-spaces, one for what is beside them
-IN_WORKERS = {each.__name__: each for each in (views.controls, views.radii, views.half_spaces)}
-"""Views by the name under which a page asks for them, but for the one that follows a slider."""
+LARGEST = 2_000_000  # bytes of a profile file
+IN_WORKERS = {
+    "controls": views.controls,
+    "radii": views.radii,
+    "half_spaces": views.half_spaces,
+    "share": views.half_spaces,
+    "plan": views.plan,
+}
+"""Views by the word under which a page asks for them; "rigid", which follows a slider, is of this
+process."""
 POOL = web.AppKey("pool", ProcessPool)
 CASE = web.AppKey("case", str)
 PAGES = web.AppKey("pages", set)
 
 
 class Page:
-    """One open page: its socket, its folder, and what it has asked for.
+    """One open page: its socket, its folder, its run, and what it has asked for.
 
     case: as of `railhead run`. socket: to the browser. pool: warm processes. folder: of its own.
+    run: finite elements of this page.
     """
 
     def __init__(
@@ -45,31 +58,77 @@ class Page:
     ) -> None:
         """Attributes of the class. The folder is made."""
         self.case, self.socket, self.pool, self.folder = case, socket, pool, folder
+        self.run, self.files = Run(), 0
         folder.mkdir()
 
     async def answer(self, asked: dict[str, Any]) -> None:
         """Send what a message asks for, {"kind", "number", "values"}: {"kind", "number", "data"},
         or "error" with the key and the line that the command would print.
         """
-        kind, values = asked["kind"], asked["values"]
-        reply = {"kind": kind, "number": asked["number"]}
+        reply = {"kind": asked["kind"], "number": asked["number"]}
         try:
-            if kind == "rigid":
-                data = await asyncio.to_thread(views.rigid, self.case, values)
-            else:
-                job = self.pool.schedule(IN_WORKERS[kind], args=(self.case, values))
-                data = await asyncio.wrap_future(job)
-            reply["data"] = data
+            reply["data"] = await self._found(asked["kind"], asked["values"], asked)
         except Exception as error:
-            reply["error"] = self.refusal(error)
+            if not isinstance(error, SceneError):
+                traceback.print_exception(error)
+            words = " ".join(str(error).split()) or type(error).__name__
+            reply["error"] = {"key": getattr(error, "key", ""), "line": f"railhead: {words}"}
         await self.send(reply)
 
-    def refusal(self, error: Exception) -> dict[str, str]:
-        """Key and line of an error; one that is no SceneError is printed with its origin, too."""
-        if not isinstance(error, SceneError):
-            traceback.print_exception(error)
-        words = " ".join(str(error).split()) or type(error).__name__
-        return {"key": getattr(error, "key", ""), "line": f"railhead: {words}"}
+    async def _found(
+        self, kind: str, values: dict[str, str], asked: dict[str, Any]
+    ) -> dict[str, Any]:
+        """The data of an answer. Raises SceneError for wrong input."""
+        if kind == "rigid":
+            return await asyncio.to_thread(views.rigid, self.case, values)
+        if kind == "solve":
+            return await self._solved(values)
+        if kind == "stop":
+            return await self.run.stop() or {}
+        if kind == "upload":
+            return await self._work(views.profile, self._kept(asked), asked["body"])
+        return await self._work(IN_WORKERS[kind], self.case, values)
+
+    async def _work(self, view: Callable[..., dict[str, Any]], *given: Any) -> dict[str, Any]:
+        """A view of a warm process."""
+        return await asyncio.wrap_future(self.pool.schedule(view, args=given))
+
+    def _kept(self, asked: dict[str, Any]) -> str:
+        """Path of a file that was sent, {"name", "content" in base 64}, in the page's folder, with
+        _ for characters that names of files need not have. Raises SceneError for a large one.
+        """
+        content = base64.b64decode(asked["content"])
+        if asked["size"] > LARGEST or len(content) != asked["size"]:
+            text = f"has {asked['size']} bytes; give a profile of at most {LARGEST}"
+            raise SceneError("upload", text)
+        self.files += 1
+        name = re.sub(r"[^\w.-]", "_", Path(asked["name"]).name).lstrip(".")[-80:]
+        path = self.folder / f"file{self.files}" / (name or "profile")
+        path.parent.mkdir()
+        path.write_bytes(content)
+        return str(path)
+
+    async def _solved(self, values: dict[str, str]) -> dict[str, Any]:
+        """Solve by finite elements: what the command printed beside its progress, and where its
+        report and bodies are; no report where there is no result. Raises SceneError for the line
+        of a wrong input.
+        """
+        self.files += 1
+        out = self.folder / f"result{self.files}"
+        words, said = [*views.arguments(self.case, values), "--out", str(out)], list[str]()
+        async for line in self.run.lines(words):
+            if line.startswith("["):
+                await self.send({"kind": "progress", "data": line})
+            else:
+                said.append(line)
+        if self.run.status == WRONG_INPUT:
+            key, _, text = " ".join(said).removeprefix("railhead: ").partition(": ")
+            raise SceneError(key, text)
+        if not (out / "report.html").exists():
+            return {"text": "\n".join(said) or "stopped", "report": "", "bodies": {}}
+        shown = await self._work(views.bodies, str(out))
+        report = f"files/{out.relative_to(self.folder.parent)}/report.html"
+        return {"text": "\n".join(said), "report": report, "bodies": shown}
 
     async def send(self, message: dict[str, Any]) -> None:
         """Send a message as JSON, if the page is still open."""
@@ -78,7 +137,10 @@ class Page:
 
     async def close(self) -> None:
         """End what the page has started, and remove its folder."""
-        shutil.rmtree(self.folder, ignore_errors=True)
+        try:
+            await self.run.stop()
+        finally:
+            shutil.rmtree(self.folder, ignore_errors=True)
 
 
 async def _socket(request: web.Request, root: Path) -> web.WebSocketResponse:

@@ -9,20 +9,27 @@ from __future__ import annotations
 import math
 import shlex
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import tomli_w
 
 from railhead.cli import geometry
-from railhead.contact import solid
+from railhead.contact import crossing, solid
 from railhead.geometry import profiles, wheelset
+from railhead.geometry.placement import ContactPoint, Pose, ProfilePair
+from railhead.geometry.profiles import Profile
+from railhead.meshing.bodies import BODY_NAMES
+from railhead.results import result_folder
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene, unit_questions
 from railhead.theory.array_types import Array
 
 Values = Mapping[str, str]
 SAMPLES = 300  # points of an outline
+NEAR = 5.0  # of the patch's larger half length: what of the bodies is shown at first
+FIELDS = "solution", "contact"  # files of a result
 CELLS = 90  # of the picture of a pressure, along each axis
 WHEELS = ("S1002", "cylinder", *profiles.CONES)
 
@@ -53,6 +60,9 @@ ON_TRACK = (
 )
 
 
+POSITION = Slider("position", "rail.position", "Position of the axle", "mm", 1.0, 0, 0, 0.5)
+
+
 def scene_of(case: str, values: Values) -> Scene:
     """The scene of a case with the values set, as the command builds it."""
     return catalogue.find(case).replace([f"{key}={value}" for key, value in values.items()])
@@ -68,22 +78,30 @@ def controls(case: str, values: Values) -> dict[str, Any]:
     the texts of its own values, and its choices by key, its own first.
     """
     scene = scene_of(case, values)
-    kind: str = "half-space"
-    sliders: tuple[Slider, ...] = (LOAD,)
-    choices: dict[str, list[str]] = {}
-    if scene.rail.extent != "half-space":
-        kind, sliders = "track", (*ON_TRACK, LOAD)
-        choices = {
-            "rail.profile": [scene.rail.profile, *profiles.STANDARD_RAILS],
-            "wheel.profile": [scene.wheel.profile, *WHEELS],
-            "wheelset.side": [scene.wheelset.side, "right", "left"],
-        }
+    kind, sliders = _kind(scene), (*ON_TRACK, LOAD)
+    choices = {
+        "rail.profile": [scene.rail.profile, *profiles.STANDARD_RAILS],
+        "wheel.profile": [scene.wheel.profile, *WHEELS],
+        "wheelset.side": [scene.wheelset.side, "right", "left"],
+    }
+    if kind == "half-space":
+        sliders, choices = (LOAD,), {}
+    elif kind == "sections":
+        x = np.concatenate([head.x for head in crossing.heads(scene).values()])
+        sliders, choices = (POSITION._replace(low=x.min(), high=x.max()), *sliders), {}
     return {
         "name": scene.name,
         "kind": kind,
         "sliders": [each._asdict() | {"text": _text(scene, each)} for each in sliders],
         "choices": {key: list(dict.fromkeys(each)) for key, each in choices.items()},
     }
+
+
+def _kind(scene: Scene) -> str:
+    """Kind of a scene, as of `controls`."""
+    if scene.rail.sections:
+        return "sections"
+    return "half-space" if scene.rail.extent == "half-space" else "track"
 
 
 def _text(scene: Scene, slider: Slider) -> str:
@@ -94,51 +112,68 @@ def _text(scene: Scene, slider: Slider) -> str:
 
 def rigid(case: str, values: Values) -> dict[str, Any]:
     """The scene as TOML, the command that gives its answer by half-spaces, questions about its
-    units, and the bodies before any load: by side of the track outlines [y, z] in mm, in the axes
-    of the side, with contact points; none between half-spaces.
+    units, in words where the wheel stands, and panels with the bodies before any load: outlines
+    [y, z] in mm by body and contact points; no panels between half-spaces.
     """
     scene = scene_of(case, values)
     said = {
         "scene": tomli_w.dumps(scene.model_dump(exclude_none=True, exclude_defaults=True)),
         "command": shlex.join(["railhead", *arguments(case, values), "--fast"]),
         "questions": list(unit_questions(scene)),
-        "sides": {},
-        "place": "half-spaces have no profiles",
     }
-    return said if scene.rail.extent == "half-space" else said | _on_track(scene)
+    kind = _kind(scene)
+    if kind == "half-space":
+        return said | {"place": "half-spaces have no profiles", "panels": []}
+    return said | (_on_sections(scene) if kind == "sections" else _on_track(scene))
 
 
 def _on_track(scene: Scene) -> dict[str, Any]:
-    """Both sides of a wheelset on its track, and in words where it stands."""
-    placed, gauge = solid.place(scene, geometry.CLEARANCE), scene.rail.gauge
-    sides = {}
+    """Both sides of a wheelset on its track, in axes of their own, and where it stands."""
+    placed, gauge, panels = solid.place(scene, geometry.CLEARANCE), scene.rail.gauge, []
     for name, side in (("left", placed.left), ("right", placed.right)):
-        pair, depth = side.pair, scene.rail.gauge_height
-        y, tread = (np.linspace(*each.domain, SAMPLES) for each in (pair.rail, pair.wheel))
-        sides[name] = {
-            "rail": plain([y, pair.rail.height(y)]),
-            "wheel": plain(pair.outline(side.pose, tread).points[:, 1:].T),
-            "touches": [
-                {
-                    "y": each.y,
-                    "z": each.z,
-                    "text": f"{name}: y = {each.y:.2f} mm, angle {math.degrees(each.angle):.2f}°, "
-                    f"gap {each.gap:.3f} mm, rolling radius {each.radius:.3f} mm",
-                }
-                for each in side.touches
-            ],
-            "face": None if gauge is None else wheelset.gauge_face(pair.rail, depth),
-        }
+        pair = side.pair
+        face = None if gauge is None else wheelset.gauge_face(pair.rail, scene.rail.gauge_height)
+        panels.append(_panel(name, [pair.rail], pair, side.pose, side.touches) | {"face": face})
     track = "tape circles over the crown centres"
     if gauge is not None:
         track = f"gauge {gauge:g} mm, {scene.rail.gauge_height:g} mm below the tops"
     difference = placed.rolling_radius_difference
+    text = f"{track}; roll {1e3 * placed.roll:.3f} mrad; rolling radius difference "
+    text += f"{difference:.3f} mm (right less left)"
+    return {"panels": panels, "stands": [placed.shift, difference], "place": text}
+
+
+def _on_sections(scene: Scene) -> dict[str, Any]:
+    """The wheel on the heads of its rail, each by its section at its lowest place."""
+    found = crossing.contact(scene.replace(["effects.finite_bodies=off"]))
+    assert found.pair is not None and found.pose is not None
+    heads = [profile for body, profile, _ in found.cross_profiles if body == "rail"]
+    touches = found.touches(geometry.CLEARANCE)
+    panel = _panel(scene.wheelset.side, heads, found.pair, found.pose, touches) | {"face": None}
+    height = found.crossing.height(found.crossing.lift)
+    text = f"lowest point of the tape circle {height:.3f} mm over z = 0 of the sections"
+    return {"panels": [panel], "place": text}
+
+
+def _panel(
+    name: str, rails: list[Profile], pair: ProfilePair, pose: Pose, touches: list[ContactPoint]
+) -> dict[str, Any]:
+    """Outlines of rails and of a wheel in a pose, with contact points; name: of the side."""
+    tread = np.linspace(*pair.wheel.domain, SAMPLES)
+    heads = [(y := np.linspace(*each.domain, SAMPLES), each.height(y)) for each in rails]
     return {
-        "sides": sides,
-        "shift": placed.shift,
-        "difference": difference,
-        "place": f"{track}; roll {1e3 * placed.roll:.3f} mrad; rolling radius difference "
-        f"{difference:.3f} mm (right less left)",
+        "side": name,
+        "rails": [plain(each) for each in heads],
+        "wheel": plain(pair.outline(pose, tread).points[:, 1:].T),
+        "touches": [
+            {
+                "y": each.y,
+                "z": each.z,
+                "text": f"{name}: y = {each.y:.2f} mm, angle {math.degrees(each.angle):.2f}°, "
+                f"gap {each.gap:.3f} mm, rolling radius {each.radius:.3f} mm",
+            }
+            for each in touches
+        ],
     }
 
 
@@ -147,7 +182,7 @@ def radii(case: str, values: Values) -> dict[str, Any]:
     `railhead locate` has them; empty where no wheelset stands on a track.
     """
     scene = scene_of(case, values)
-    if scene.rail.extent == "half-space":
+    if _kind(scene) != "track":
         return {}
     found = geometry.locate(scene)
     assert isinstance(found, geometry.Location)
@@ -200,8 +235,50 @@ def _pressure(surface: Any) -> dict[str, Any]:
     return {"x": plain(x), "s": plain(s), "pressure": plain(between(*np.meshgrid(x, s)))}
 
 
+def plan(case: str, values: Values) -> dict[str, Any]:
+    """What `railhead plan` prints: effects, mesh and price."""
+    from railhead import api
+
+    return {"text": str(api.plan(scene_of(case, values)))}
+
+
+def profile(path: str, body: str) -> dict[str, Any]:
+    """What `railhead profile` prints of a file of a body, and its key in a scene. Raises SceneError
+    for a file that is no profile.
+    """
+    from railhead.results.report import terminal
+
+    text = terminal.recorded(geometry.profile(path, body).show).export_text()
+    return {"key": f"{body}.profile", "path": path, "text": text}
+
+
+def bodies(folder: str) -> dict[str, Any]:
+    """Surfaces of the bodies of a result, cut across the rail at the contact: "parts" by name, with
+    points [x, y, z] in mm, triangles [i, j, k] and the largest shear stress at the points, MPa; of
+    "contact" the pressure. "ends" of x, y and z around the contact, mm.
+    """
+    import pyvista
+
+    file = Path(folder) / result_folder.SUMMARY
+    result, found = result_folder.from_json(file)["result"], {}
+    at, half = np.array(result["contact_point_mm"]), result["patch"]
+    reach = NEAR * max(half["a_mm"] or 0.0, half["b_mm"] or 0.0)
+    solution, contact = (pyvista.read(file.with_name(f"{name}.vtu")) for name in FIELDS)
+    parts = {name: solution.extract_cells(solution["body"] == n) for n, name in BODY_NAMES.items()}
+    for name, part in (parts | {"contact": contact}).items():
+        cut = part.clip("x", origin=at, invert=False) if part.n_cells else part
+        skin = cut.extract_surface(algorithm="dataset_surface").triangulate()
+        if skin.n_cells:
+            found[name] = {
+                "points": plain(skin.points.T),
+                "triangles": skin.regular_faces.T.tolist(),
+                "values": plain(skin["pressure" if name == "contact" else "max_shear"]),
+            }
+    return {"parts": found, "ends": plain(np.column_stack([at - reach, at + reach]))}
+
+
 def plain(values: Any) -> list[Any]:
-    """Lists of numbers, rounded to 1e-4, None for what is no number or masked; of pairs of arrays
+    """Lists of numbers, rounded to 1e-4, None for what is no number or masked; of several arrays
     lists of them.
     """
     rounded: Array = np.round(np.ma.filled(np.ma.asarray(values, dtype=float), np.nan), 4)

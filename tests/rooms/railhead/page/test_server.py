@@ -1,20 +1,23 @@
 """The page's server: its token, and answers that are those of the command."""
 
 import asyncio
+import base64
 import json
 import shlex
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager, contextmanager
+from pathlib import Path
 
 import command
 import numpy as np
+import psutil
 import pytest
 from aiohttp import WSServerHandshakeError
 from aiohttp.test_utils import TestClient, TestServer
 
 from railhead.page import server
 
-TOKEN = "a-token"
+TOKEN, ROOT = "a-token", Path(__file__).parents[4]
 
 
 class Threads(ThreadPoolExecutor):
@@ -48,19 +51,14 @@ async def serving(root, case="s1002_60e1"):
         yield client
 
 
-async def _asked(client, kind, number=1, **values):
-    """The answer to one message of a page."""
-    async with client.ws_connect(f"/{TOKEN}/socket") as socket:
-        await socket.send_json({"kind": kind, "number": number, "values": values})
-        return await socket.receive_json()
-
-
-def asked(root, kind, case="s1002_60e1", **values):
-    """The same, of a server of its own."""
+def asked(root, kind, case="s1002_60e1", more=None, **values):
+    """The answer to one message of a page, of a server of its own."""
+    root.mkdir(exist_ok=True)
 
     async def ask():
-        async with serving(root, case) as client:
-            return await _asked(client, kind, **values)
+        async with serving(root, case) as client, client.ws_connect(f"/{TOKEN}/socket") as socket:
+            await socket.send_json({"kind": kind, "number": 1, "values": values, **(more or {})})
+            return await socket.receive_json()
 
     return asyncio.run(ask())
 
@@ -109,16 +107,83 @@ def test_the_scene_that_is_shown_is_the_one_that_is_answered(tmp_path) -> None:
     toml.write_text(asked(tmp_path, "rigid", **values)["data"]["scene"])
     again = asked(tmp_path, "rigid", case=str(toml))["data"]
     there = asked(tmp_path, "rigid", **values)["data"]
-    assert again["sides"] == there["sides"]
-    assert there["sides"] != asked(tmp_path, "rigid")["data"]["sides"]
+    assert again["panels"] == there["panels"]
+    assert there["panels"] != asked(tmp_path, "rigid")["data"]["panels"]
 
 
 def test_contact_points_lie_on_both_outlines(tmp_path) -> None:
-    for side in asked(tmp_path, "rigid", **{"wheelset.shift": "4 mm"})["data"]["sides"].values():
+    for side in asked(tmp_path, "rigid", **{"wheelset.shift": "4 mm"})["data"]["panels"]:
         for touch in side["touches"]:
-            for body in ("rail", "wheel"):
-                y, z = np.array(side[body], dtype=float)
+            for outline in (*side["rails"], side["wheel"]):
+                y, z = np.array(outline, dtype=float)
                 order = np.argsort(y)
                 assert np.interp(touch["y"], y[order], z[order]) == pytest.approx(
                     touch["z"], abs=0.06
                 )
+
+
+def _file(name: str, content: bytes, body: str = "rail", size: int | None = None) -> dict:
+    """What a page sends of a file."""
+    text = base64.b64encode(content).decode()
+    length = len(content) if size is None else size
+    return {"name": name, "content": text, "size": length, "body": body}
+
+
+def test_an_uploaded_profile_is_kept_under_a_safe_name_and_read_as_by_the_command(
+    tmp_path, capsys
+) -> None:
+    file = ROOT / "examples" / "worn_60e1.csv"
+    sent = _file(f"../../{file.name} ü;x.csv", file.read_bytes())
+    found = asked(tmp_path / "pages", "upload", more=sent)["data"]
+    kept = Path(found["path"])
+    assert kept.resolve().is_relative_to(tmp_path / "pages")
+    assert kept.name == "worn_60e1.csv_ü_x.csv"
+    assert found["key"] == "rail.profile"
+    copy = tmp_path / kept.name
+    copy.write_bytes(file.read_bytes())
+    command.status("profile", str(copy), "--body", "rail", "--out", str(tmp_path / "out"))
+    printed = capsys.readouterr().out.splitlines()
+    assert found["text"].split() == " ".join(printed[:-1]).split()
+
+
+def test_a_file_that_is_no_profile_gets_the_line_of_the_command(tmp_path, capsys) -> None:
+    wrong = tmp_path / "wrong.csv"
+    wrong.write_text("no numbers\n")
+    found = asked(tmp_path / "pages", "upload", more=_file(wrong.name, wrong.read_bytes()))
+    line = command.refused(capsys, "profile", str(wrong), "--body", "rail")
+    assert found["error"]["key"] == "rail.profile"
+    assert found["error"]["line"].endswith(line.partition("wrong.csv")[2])
+    assert "wrong.csv" in found["error"]["line"]
+
+
+@pytest.mark.parametrize("size", [server.LARGEST + 1, 5])
+def test_a_file_that_is_too_large_or_cut_off_is_not_kept(tmp_path, size: int) -> None:
+    found = asked(tmp_path / "pages", "upload", more=_file("a.csv", b"1,2\n", size=size))["error"]
+    assert found["key"] == "upload" and str(server.LARGEST) in found["line"]
+
+
+@pytest.mark.system
+@pytest.mark.parametrize("ending", ["stop", "close"])
+def test_a_run_ends_with_its_page(tmp_path, ending: str) -> None:
+    async def running() -> None:
+        async with serving(tmp_path, "hertz_ellipse") as client:
+            async with client.ws_connect(f"/{TOKEN}/socket") as socket:
+                await socket.send_json({"kind": "solve", "number": 1, "values": {}})
+                assert "meshing" in (await socket.receive_json())["data"]
+                begun = psutil.Process().children(recursive=True)
+                if ending == "stop":
+                    await socket.send_json({"kind": "stop", "number": 1, "values": {}})
+                    replies = [await socket.receive_json() for _ in range(2)]
+                    (solved,) = (each for each in replies if each["kind"] == "solve")
+                    assert solved["data"]["report"] == ""
+            _, left = await asyncio.to_thread(psutil.wait_procs, begun, 5)
+            assert begun and not left
+
+    asyncio.run(running())
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_run_that_is_refused_names_its_key_in_the_line_of_the_command(tmp_path, capsys) -> None:
+    found = asked(tmp_path, "solve", **{"load": "wrong"})["error"]
+    line = command.refused(capsys, "run", "s1002_60e1", "--set", "load=wrong")
+    assert found == {"key": "load", "line": line}
