@@ -30,7 +30,7 @@ class Run:
     @property
     def status(self) -> int | None:
         """As of the class."""
-        return self._process and self._process.returncode
+        return self._process.returncode if self._process else None
 
     async def lines(self, words: list[str]) -> AsyncIterator[str]:
         """Run the command with these arguments, after the end of another that still runs; the lines

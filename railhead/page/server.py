@@ -84,7 +84,8 @@ class Page:
         if kind == "solve":
             return await self._solved(values)
         if kind == "stop":
-            return await self.run.stop() or {}
+            await self.run.stop()
+            return {}
         if kind == "upload":
             return await self._work(views.profile, self._kept(asked), asked["body"])
         return await self._work(IN_WORKERS[kind], self.case, values)

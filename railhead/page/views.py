@@ -78,17 +78,17 @@ def controls(case: str, values: Values) -> dict[str, Any]:
     the texts of its own values, and its choices by key, its own first.
     """
     scene = scene_of(case, values)
-    kind, sliders = _kind(scene), (*ON_TRACK, LOAD)
-    choices = {
+    kind, sliders = _kind(scene), [*ON_TRACK, LOAD]
+    choices: dict[str, list[str]] = {
         "rail.profile": [scene.rail.profile, *profiles.STANDARD_RAILS],
         "wheel.profile": [scene.wheel.profile, *WHEELS],
         "wheelset.side": [scene.wheelset.side, "right", "left"],
     }
     if kind == "half-space":
-        sliders, choices = (LOAD,), {}
+        sliders, choices = [LOAD], {}
     elif kind == "sections":
         x = np.concatenate([head.x for head in crossing.heads(scene).values()])
-        sliders, choices = (POSITION._replace(low=x.min(), high=x.max()), *sliders), {}
+        sliders, choices = [POSITION._replace(low=x.min(), high=x.max()), *sliders], {}
     return {
         "name": scene.name,
         "kind": kind,
