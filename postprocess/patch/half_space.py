@@ -112,8 +112,9 @@ def of_boundary_elements(
         turned from the first contact. poisson: Poisson's ratio by body.
     The half lengths a and b are those of the most loaded patch on the plane of the frame, as is
     the area of a single patch; of several patches each area is that on its own tangent plane.
-    "scatter": relative change from the coarser grids of the solution; that of a and b is always
-    0.4 % (EXTENTS); empty where there are no coarser grids.
+    "scatter": relative change from the coarser grids of the solution, of the area at least what
+    chords along and across differ by; that of a and b is always 0.4 % (EXTENTS); empty where there
+    are no coarser grids.
     """
     each = tuple(_patches(solution, points))
     main = solution.patches[0]
@@ -122,10 +123,11 @@ def of_boundary_elements(
     error, (a, b) = _shape_error(main), main.half_extents_on(frame.angle)
     area, scatter = _area(solution, frame.angle), {}
     if coarser := solution.coarse:
+        spread = sum(patch.area_spread for patch in solution.patches)
         scatter = {
             "a": EXTENTS,
             "b": EXTENTS,
-            "area": abs(_area(coarser, frame.angle) / area - 1),
+            "area": max(abs(_area(coarser, frame.angle) - area), 2 * spread) / area,
             "max_pressure": abs(coarser.max_pressure / solution.max_pressure - 1),
         }
     i, j = np.unravel_index(int(np.argmax(main.pressure)), main.pressure.shape)

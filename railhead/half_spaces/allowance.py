@@ -101,6 +101,7 @@ class _Body:
 class _Patch(NamedTuple):
     """A patch of half-spaces on the developed surface of the rail.
 
+    pressure: largest one, MPa.
     force: N.
     area: mm2.
     s: of its centre, mm.
@@ -108,6 +109,7 @@ class _Patch(NamedTuple):
     normals: range of the angles of the rail's normals in it, largest less smallest, rad.
     """
 
+    pressure: float
     force: float
     area: float
     s: float
@@ -122,6 +124,8 @@ def allowance(
     twist: float,
 ) -> dict[str, Allowance]:
     """Allowed relative differences by "max_MPa" and "area_mm2", of a solid contact of profiles.
+    That of the pressure is of the patch that may have the largest one. That of the area is the mean
+    of all patches, by their areas.
 
     pair: of a solid contact that is none of half-spaces.
     deformable: tags of the bodies that deform.
@@ -129,35 +133,38 @@ def allowance(
     twist: relative change of pressure and area by the rotation and the movement of the bodies,
         which is taken over as a part.
     """
-    worst: dict[str, Allowance] = {}
+    found: list[tuple[_Patch, Allowance]] = []
     for span in pair.facing.spans:
         patches = _patches(pair.facing, solved, span)
-        found = _of_span(patches, _bodies(pair, deformable, span), solved.contact_modulus, twist)
-        for key, each in found.items():
-            worst[key] = max(each, worst.get(key, each), key=lambda parts: parts["total"])
-    return worst
-
-
-def _of_span(
-    patches: list[_Patch], around: list[_Body], contact_modulus: float, twist: float
-) -> dict[str, Allowance]:
-    """`allowance` of the patches on one body; empty where there are none."""
-    if not patches:
+        changes = _changes(patches, _bodies(pair, deformable, span), solved.contact_modulus, twist)
+        found += zip(patches, changes, strict=True)
+    if not found:
         return {}
-    size = max(_size(patch, around) for patch in patches)
-    conformity = max(_conformity(patch, contact_modulus) for patch in patches)
-    shift = _force_changes(patches, around)
-    areas = np.array([patch.area for patch in patches])
-    common = {"size": size, "conformity": conformity}
-    shares = {
-        "max_MPa": float(shift.max()) / 3,
-        "area_mm2": float(2 / 3 * shift @ areas / areas.sum()),
+    _, top = max(found, key=lambda each: each[0].pressure * (1 + sum(each[1].values())))
+    areas = [patch.area for patch, _ in found]
+    mean = {
+        name: float(np.average([parts[name] for _, parts in found], weights=areas)) for name in top
     }
-    allowed = {}
-    for key, share in shares.items():
-        parts = {**common, "share": share, "twist": twist}
-        allowed[key] = {**parts, "total": sum(parts.values())}
-    return allowed
+    allowed = {"max_MPa": top, "area_mm2": {**mean, "share": 2 * mean["share"]}}
+    return {key: {**parts, "total": sum(parts.values())} for key, parts in allowed.items()}
+
+
+def _changes(
+    patches: list[_Patch], around: list[_Body], contact_modulus: float, twist: float
+) -> list[Allowance]:
+    """Relative changes of the largest pressures of the patches on one body, in parts by name. The
+    force on a patch is in that to the power 1/3, and in the area to the power 2/3.
+    """
+    forces = _force_changes(patches, around) if patches else ()
+    return [
+        {
+            "size": _size(patch, around),
+            "conformity": _conformity(patch, contact_modulus),
+            "share": float(force) / 3,
+            "twist": twist,
+        }
+        for patch, force in zip(patches, forces, strict=True)
+    ]
 
 
 def _patches(
@@ -171,9 +178,10 @@ def _patches(
             return []
         ends = surface.angle(span.middle + np.array([-solved.b, solved.b]))
         half = solved.a, solved.b
-        return [_Patch(solved.load, solved.area, 0.0, half, float(np.ptp(ends)))]
+        return [_Patch(solved.p0, solved.load, solved.area, 0.0, half, float(np.ptp(ends)))]
     return [
         _Patch(
+            each.max_pressure,
             each.force,
             each.area,
             each.centroid[1] - span.middle,

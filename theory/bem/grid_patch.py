@@ -97,10 +97,20 @@ class PatchSolution(Grid):
         """Area (mm2) of the patch's projection onto a plane tilted by `plane` (rad): mean of the
         sums of its chords along x and along s.
         """
+        return float(np.mean(self._sums_of_chords(plane)))
+
+    @property
+    def area_spread(self) -> float:
+        """Half of the difference between both sums of chords of the area, mm2. It is large where a
+        patch has parts that are a few cells thin.
+        """
+        return float(np.ptp(self._sums_of_chords(self.plane))) / 2
+
+    def _sums_of_chords(self, plane: float) -> list[float]:
+        """Sums of chords along x and along s, projected as in `area_on`, mm2."""
         share = np.broadcast_to(np.cos(self.angle - plane), self.pressure.shape)
         pairs = (self.pressure, share), (self.pressure.T, share.T)
-        chords = [float(np.subtract(*_edges(p)) @ part[p > 0]) for p, part in pairs]
-        return self.cell * float(np.mean(chords))
+        return [self.cell * float(np.subtract(*_edges(p)) @ part[p > 0]) for p, part in pairs]
 
     @property
     def half_extents(self) -> tuple[float, float]:

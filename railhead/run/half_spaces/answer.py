@@ -277,8 +277,9 @@ def _friction_parts(
     for key in STRESSES if stressed else ():
         parts[key] = {**parts[key], "tractions": found.surface_error[key]}
     # Tractions of several patches may cancel out, what bodies change of each does not.
-    patch = (sum(parts[key].values()) for key in ("area_mm2", "max_MPa"))
-    for key, (bodies, grid) in friction_errors(tractions, solution.used, *patch).items():
+    area, pressure = (sum(parts[key].values()) for key in ("area_mm2", "max_MPa"))
+    area = max(area, pressure)  # a small patch may carry most of the load
+    for key, (bodies, grid) in friction_errors(tractions, solution.used, area, pressure).items():
         parts[key] = {"bodies": bodies, "grid": grid}
     if not plan.context.tangential_pair.like:
         before = max(each.pressed.max_pressure for each in sheared.patches)

@@ -60,6 +60,13 @@ def test_only_several_patches_share() -> None:
         assert 0 < two[key]["share"] < 0.01
 
 
+def test_several_patches_are_allowed_what_each_of_them_is() -> None:
+    """At 5 mm the smaller patch, in a steeper place, has the larger pressure: its normals count for
+    the pressure, and for the area by a fifth."""
+    two = allowed(MANCHESTER.replace(["wheelset.shift=5"]))
+    assert two["area_mm2"]["conformity"] < 0.6 * two["max_MPa"]["conformity"]
+
+
 def test_conformity_grows_with_the_square_of_the_patch() -> None:
     small, large = (
         allowed(MANCHESTER.replace(["wheelset.shift=6", f"load={load}"])) for load in ("1kN", "8kN")
