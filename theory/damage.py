@@ -158,6 +158,16 @@ def surface_fatigue_index(traction: float, pressure: float, shear_yield: float) 
     return (traction - shear_yield) / pressure
 
 
+def subsurface_fatigue_index(pressure: float, used: float) -> float:
+    """Subsurface fatigue index FI_sub = p0 (1 + f^2)/6 = N (1 + f^2)/(4 pi a b) of an ellipse, MPa,
+    without residual stress (Ekberg, Kabo and Andersson, Fatigue Fract. Eng. Mater. Struct. 25,
+    2002).
+
+    pressure: largest pressure p0, MPa. used: traction coefficient f, tangential over normal force.
+    """
+    return pressure * (1 + used**2) / 6
+
+
 def wear_regime(value: float, limits: tuple[float, float]) -> str:
     """Wear regime ("mild", "severe" or "catastrophic") of a value of T-gamma, or of T-gamma over
     area. limits: the two values between the regimes, ascending, in the unit of `value`; each

@@ -135,6 +135,30 @@ def _map(
     axes.legend(handles=names, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
 
 
+def draw_fatigue(fatigue: Mapping[str, Any], subject: Subject, target: Target = None) -> Figure:
+    """Stresses of Dang Van and Findley (MPa) over the depth (mm), the largest of each with the
+    angle of its plane, and limits where there are any.
+
+    fatigue: "fatigue" of a result in summary.json. subject: gives the title.
+    """
+    profile = fatigue["profile"]
+    with new_figure(target, 7.4, 5.4, subject) as figure:
+        axes = figure.subplots()
+        for name, colour in (("dang_van", FE), ("findley", HERTZ)):
+            key, word = f"{name}_MPa", name.replace("_", " ").title()
+            largest, deep = fatigue[key], fatigue["depth_mm"][name]
+            label = f"{word}, {subject.units.text(largest, 'MPa')}"
+            label += f" on planes {fatigue['plane_deg'][name]:.0f} degrees from the surface"
+            axes.plot(profile[key], profile["depth_mm"], "o-", color=colour, label=label)
+            axes.plot(largest, deep, "o", color=colour, ms=9)
+            if share := fatigue.get(f"{name}_over_limit"):
+                axes.axvline(largest / share, color=colour, ls=":", label=f"limit of {word}")
+        axes.set(xlim=(0, None), xlabel="stress, MPa", ylabel="depth, mm")
+        axes.invert_yaxis()
+        figure.legend(loc="outside upper center")
+    return figure
+
+
 def draw_shakedown(
     friction: Mapping[str, Any], poisson: float, subject: Subject, target: Target = None
 ) -> Figure:

@@ -77,8 +77,8 @@ def drawings(
 
     cells: returns the grid of the cells, with nodal stresses and, if they were unloaded, the von
         Mises stress that is left ("residual_von_mises"), images of what symmetry left out included;
-        called by the pictures that need it. friction: "friction" of the result in
-        summary.json, empty without friction.
+        called by the pictures that need it. friction: "friction" and "yield" of the result in
+        summary.json, and "fatigue" by its name.
     """
     from railhead.postprocess.pictures import diagrams, friction_plots, pass_plots
 
@@ -92,6 +92,10 @@ def drawings(
         every["patch.png"] = partial(diagrams.patch, found, exact)
     if meshed and found.largest:
         every |= _of_stresses(shown, cells, friction)
+    if "fatigue" in friction:
+        every["fatigue.png"] = partial(
+            friction_plots.draw_fatigue, friction["fatigue"], found.subject
+        )
     if passes is not None and found.largest:
         every["passes.png"] = partial(pass_plots.draw_passes, passes, found)
         if len(passes.sections[-1].y) > 1:

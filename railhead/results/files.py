@@ -137,9 +137,12 @@ def grids(solved: Solved) -> dict[str, meshio.Mesh]:
 
 
 def _friction(summary: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The tables "friction" and "yield" of the result in summary.json, empty without both."""
+    """The tables "friction" and "yield" of the result in summary.json, and its "fatigue"; empty
+    without them.
+    """
     result = summary["result"] or {}
-    return (result.get("friction") or {}) | (result.get("yield") or {})
+    more = {key: result[key] for key in ("fatigue",) if key in result}
+    return (result.get("friction") or {}) | (result.get("yield") or {}) | more
 
 
 def _shown(solved: Solved, units: Units) -> Shown | None:

@@ -10,7 +10,7 @@ from typing import Any
 from railhead.contact.crossing import HeadContact
 from railhead.planning import effects
 from railhead.planning.effects import material, shape
-from railhead.postprocess import friction
+from railhead.postprocess import fatigue, friction, symmetry
 from railhead.postprocess.patch import compare
 from railhead.results import checks
 from railhead.results.result_folder import origin
@@ -173,7 +173,7 @@ def _summary(
         **origin(),
         "scene": portable(solved.plan.scene),
         "plan": solved.plan.summary(),
-        "result": result and {**result, **_more(solved)},
+        "result": result and {**result, **_more(solved, accuracy)},
         **({} if reference is None else {name: reference.result}),
         "hertz": hertz,
         "half_space": half_space,
@@ -196,9 +196,10 @@ def _peak_memory() -> float:
     return 1024e-6 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
-def _more(solved: Solved) -> dict[str, Any]:
+def _more(solved: Solved, accuracy: Mapping[str, Any]) -> dict[str, Any]:
     """Entries "plastic", "friction" (and effects on the steel) and those of passes of "result" in
-    summary.json; those that do not apply are missing.
+    summary.json; those that do not apply are missing. accuracy: entry of this name, to whose bounds
+    and parts those of "fatigue" are added.
     """
     out: dict[str, Any] = {} if solved.residual_state is None else {"plastic": _plastic(solved)}
     if solved.result is not None and not solved.plan.contact.half_space:
@@ -225,7 +226,55 @@ def _more(solved: Solved) -> dict[str, Any]:
         out["friction"] = found | axle | stresses
     if solved.passes is not None and solved.passes.rows:
         out |= solved.passes.summary()
-    return out | {"yield": _yield(solved, out.get("friction", {}))}
+    return (
+        out
+        | _fatigue(solved, out.get("friction", {}), accuracy)
+        | {"yield": _yield(solved, out.get("friction", {}))}
+    )
+
+
+def _fatigue(
+    solved: Solved, friction: Mapping[str, Any], accuracy: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Entry "fatigue" of "result" in summary.json, in a dictionary; empty where stresses are not
+    read, where steel yields, and of sections along which no wheel rolls. friction: "friction" of
+    the result. accuracy: as of `_more`; errors are those of the stresses and of the paths.
+    """
+    plan, found, result = solved.plan, solved.findings, solved.result
+    line = plan.contact.line and not getattr(plan.hertz, "across", False)
+    if solved.residual_state is not None or not (found and result and found.largest):
+        return {}
+    if not (line or found.patch.each):
+        return {}
+    answer = solved.solution if isinstance(solved, MeshSolution) else solved
+    planes = () if solved.fields is None else solved.fields.mirrors
+    body = found.axis.body
+    section = plan.scene.rail if body == "rail" else plan.scene.wheel
+    given = {"dang_van": section.dang_van, "findley": section.findley}
+    out = fatigue.read(
+        found,
+        symmetry.surface(found.surface, planes),
+        answer.friction and symmetry.tractions(answer.friction, planes),
+        plan.context.stressed[body].poisson_ratio,
+        slopes=[(given[name] or (slope,))[0] for name, slope in fatigue.SLOPES.items()],
+        line=line,
+        body=body,
+    )
+    bound, parts = accuracy["bound"], accuracy["parts"]
+    other = bound.get("tau_max_MPa", bound.get("max_MPa"))
+    for key, own in out["estimate"].items() if other is not None else ():
+        bound[key], parts[key] = own + other, {"stresses": other, "paths": own}
+    out |= {
+        f"{name}_over_limit": out[f"{name}_MPa"] / limit[1]
+        for name, limit in given.items()
+        if limit
+    }
+    pressure, shear = result["pressure"]["max_MPa"], material.shear_yield(plan.context)
+    used = friction.get("traction_coefficient", 0.0)
+    index = None if line else damage.subsurface_fatigue_index(pressure, used)
+    traction = friction.get("traction_max_MPa", 0.0)
+    surface = None if shear is None else damage.surface_fatigue_index(traction, pressure, shear)
+    return {"fatigue": {**out, "fi_surface": surface, "fi_subsurface_MPa": index}}
 
 
 def _yield(solved: Solved, friction: Mapping[str, Any]) -> dict[str, Any]:

@@ -110,6 +110,11 @@ def _pairs(value: Any) -> object:
     return tuple(tuple(each) for each in value)
 
 
+Fatigue = Annotated[
+    tuple[Annotated[float, Range(units.NUMBER, 0, 10)], units.Stress], BeforeValidator(_two)
+]
+"""Weight of a normal stress beside the shear stress, and limit of their sum, MPa."""
+
 Law = tuple[Sequence[tuple[float, float]], float, tuple[float, float]]
 """Pairs (C in MPa, g) of back stresses, their recall exponent, and Voce's (Q in MPa, b)."""
 
@@ -213,6 +218,10 @@ class BodySection(Section):
         None: 0. Only beside backstress.
     isotropic: Voce's (Q in MPa, b), by which the yield stress grows. None: it does not. Only beside
         yield_stress.
+    dang_van: weight of the hydrostatic stress in Dang Van's stress, and its limit, MPa, both of a
+        test of the steel. None: the weight is 0.33, and nothing is compared with a limit.
+    findley: weight of the normal stress in Findley's stress, and its limit, MPa. None: the weight
+        is 0.3, and nothing is compared with a limit.
     stress_strain: path of a .csv file, a row of plastic strain and true stress (MPa) a line, whose
         header may name another order and units, or an array (n, 2) of them; None: no curve.
     profile_unit: unit of the file's numbers: "auto", "mm", "m" or "inch".
@@ -243,6 +252,8 @@ class BodySection(Section):
     ) = None
     recall_exponent: Annotated[float, Range(units.NUMBER, 0, 30)] | None = None
     isotropic: Annotated[tuple[units.Hardening, units.Recall], BeforeValidator(_two)] | None = None
+    dang_van: Fatigue | None = None
+    findley: Fatigue | None = None
     stress_strain: Annotated[str, BeforeValidator(_curve)] | None = None
     profile_unit: Literal["auto", "mm", "m", "inch"] = "auto"
     profile_mirror: Switch = "auto"

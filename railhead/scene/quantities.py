@@ -486,6 +486,53 @@ class SurfaceShapeQuantities:
 
 
 @dataclass(frozen=True, kw_only=True)
+class FatigueDepths:
+    """Depths below the surface at which the stresses of a criterion are largest, mm.
+
+    dang_van: of Dang Van's stress.
+    findley: of Findley's stress.
+    """
+
+    dang_van: float = steel("dang_van", "mm", "depth of the Dang Van stress")
+    findley: float = steel("findley", "mm", "depth of the Findley stress")
+
+
+@dataclass(frozen=True, kw_only=True)
+class FatigueQuantities:
+    """Fatigue of the steel below the patch with the largest pressure while the wheel rolls over it,
+    elastic and without residual stress; of the rail, of the wheel where the rail is rigid.
+
+    dang_van: largest stress of Dang Van, tau + c s_h, MPa.
+    findley: largest stress of Findley, shear amplitude plus k times the normal stress of a plane,
+        MPa.
+    depth: of each, mm.
+    fi_subsurface: subsurface fatigue index p0 (1 + f^2)/6, f tangential over normal force, MPa;
+        None of a line.
+    fi_surface: surface fatigue index, largest traction less k over the largest pressure; None
+        without a yield stress.
+    dang_van_over_limit, findley_over_limit: over the limits that the scene gives; None without.
+    """
+
+    dang_van: float = steel("dang_van_MPa", "MPa", "largest Dang Van stress", column="Dang Van")
+    findley: float = steel("findley_MPa", "MPa", "largest Findley stress", column="Findley")
+    depth: FatigueDepths = steel("depth_mm", record=FatigueDepths)
+    fi_subsurface: float | None = steel(
+        "fi_subsurface_MPa",
+        "MPa",
+        "subsurface fatigue index",
+        column="subsurface fatigue index",
+        like="max_MPa",
+    )
+    fi_surface: float | None = steel("fi_surface")
+    dang_van_over_limit: float | None = steel(
+        "dang_van_over_limit", "", "Dang Van stress over its limit", like="dang_van_MPa"
+    )
+    findley_over_limit: float | None = steel(
+        "findley_over_limit", "", "Findley stress over its limit", like="findley_MPa"
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
 class Answer:
     """The quantities of one method for a scene, as under "result" or "hertz" of summary.json.
 
@@ -504,6 +551,7 @@ class Answer:
     friction: None without friction.
     plastic: None without yield.
     surface_shape: None where nothing that varies is added to the surfaces.
+    fatigue: None without stresses, of steel that yields, and where no wheel rolls along x.
     """
 
     patch: PatchQuantities = quantity("patch", record=PatchQuantities)
@@ -522,6 +570,7 @@ class Answer:
     surface_shape: SurfaceShapeQuantities | None = quantity(
         "surface_shape", record=SurfaceShapeQuantities
     )
+    fatigue: FatigueQuantities | None = quantity("fatigue", record=FatigueQuantities)
 
 
 def read(record: type[T], values: Mapping[str, Any]) -> T:

@@ -151,25 +151,33 @@ def lattice(patch: PatchSolution) -> Array:
     return np.column_stack([each.ravel() for each in places])
 
 
-def at_surface(patch: PatchSolution, poisson: float, traction: Array) -> list[tuple[Array, float]]:
-    """Places (3,), mm, and values (MPa) of the largest shear and of the largest von Mises stress,
-    in this order, just below the surface in the middle of pressed cells; arguments are those of
-    `stress`. Fast Fourier transforms sum over the corners of all cells at once.
+def layer(patch: PatchSolution, poisson: float, traction: Array | None, depth: float) -> Array:
+    """Stress (nx, ns, 6), as of `stress`, below the middle of each cell at a depth > 0, mm. Fast
+    Fourier transforms sum over the corners of all cells at once.
     """
-    (nx, ns), depth = patch.pressure.shape, SURFACE * (patch.x[1] - patch.x[0])
-    size = 2 * nx, 2 * ns
-    jumps = rfft2(_jumps(patch, traction), size)
+    (nx, ns), jumps = patch.pressure.shape, _jumps(patch, traction)
+    size, count = (2 * nx, 2 * ns), len(jumps)
+    waves = rfft2(jumps, size)
 
     def summed(kernel: Array) -> Array:
-        """Sums (nx ns, 3) at all cells of values (2 nx, 2 ns) at all distances from corners."""
-        sums = irfft2(rfft2(kernel) * jumps, size)[:, nx:, ns:]
-        return np.asarray(sums.reshape(3, -1).T)
+        """Sums (nx ns, k) at all cells of values (2 nx, 2 ns) at all distances from corners."""
+        sums = irfft2(rfft2(kernel) * waves, size)[:, nx:, ns:]
+        return np.asarray(sums.reshape(count, -1).T)
 
     X, Y = (
         (axis[1] - axis[0]) * (np.arange(2 * axis.size) - axis.size + 0.5)
         for axis in (patch.x, patch.s)
     )
-    known = _stress(X[:, None], Y, depth, poisson, summed)
+    return _stress(X[:, None], Y, depth, poisson, summed).reshape(nx, ns, 6)
+
+
+def at_surface(patch: PatchSolution, poisson: float, traction: Array) -> list[tuple[Array, float]]:
+    """Places (3,), mm, and values (MPa) of the largest shear and of the largest von Mises stress,
+    in this order, just below the surface in the middle of pressed cells; arguments are those of
+    `stress`.
+    """
+    (nx, ns), depth = patch.pressure.shape, SURFACE * (patch.x[1] - patch.x[0])
+    known = layer(patch, poisson, traction, depth).reshape(-1, 6)
     found = []
     for invariant in (subsurface.max_shear, subsurface.von_mises):
         values = np.where(patch.pressure.ravel() > 0, invariant(known), -np.inf)

@@ -35,6 +35,7 @@ CAPTIONS = {
     "depth": "Stresses below the contact.",
     "passes_section": "Plastic strain and residual stress across the rail after the last pass.",
     "wheel_rail": "The bodies that were solved, cut open, and their mesh at the contact.",
+    "fatigue": "Stresses of two criteria of fatigue over the depth, while the wheel rolls on.",
     "shakedown": "Pressure and traction against the limits of repeated rolling.",
 }
 """Captions by name of the picture; a report of one page has the first two of these pictures that

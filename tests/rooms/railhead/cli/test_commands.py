@@ -49,8 +49,9 @@ def result(tmp_path_factory) -> Path:
 
 def test_result_folder_is_complete(result) -> None:
     assert files(result) == sorted(
-        [".railhead", "contact.vtu", "depth.png", "patch.png", "pictures.npz"]
+        [".railhead", "contact.vtu", "depth.png", "fatigue.png", "patch.png"]
         + [
+            "pictures.npz",
             "pressure.png",
             "report.html",
             "result.csv",
@@ -72,7 +73,7 @@ STRESS |= {f"{name}_max_{key}" for name in ("tau", "von_mises") for key in ("bod
 #: All keys of tables of summary.json, and some of others.
 ALL_KEYS = {
     **dict.fromkeys(THREE, PART),
-    "result": PART | {"patches", "side_force_N", "yield"},
+    "result": PART | {"fatigue", "patches", "side_force_N", "yield"},
     **{f"{part}.patch": {"a_mm", "b_mm", "area_mm2"} for part in THREE},
     **{f"{part}.pressure": {"max_MPa", "mean_MPa"} for part in THREE},
     **{f"{part}.stress": STRESS for part in THREE},

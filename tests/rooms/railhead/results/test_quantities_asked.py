@@ -51,7 +51,7 @@ def test_forces_alone_are_the_same_forces(monkeypatch) -> None:
     rubbed = every["result"]["friction"]
     assert some["result"]["friction"] == {key: rubbed[key] for key in rubbed.keys() - missing}
     assert "stress" in every["result"] and "stress" not in some["result"]
-    names = {"tau_max_MPa", "von_mises_max_MPa"}
+    names = {"tau_max_MPa", "von_mises_max_MPa", "dang_van_MPa", "findley_MPa"}
     assert every["accuracy"]["bound"].keys() - some["accuracy"]["bound"].keys() == names
     assert some["half_space_friction"] == {} != every["half_space_friction"]
     left_out = some["checks"]["not_made"].keys() - every["checks"]["not_made"].keys()

@@ -1,0 +1,168 @@
+"""Fatigue of the steel below a contact: stress paths while the wheel rolls over it, and the largest
+stresses of Dang Van and Findley on them.
+
+The paths are those of half-spaces under the pressure and the tractions that were found, along the
+rail through the patch with the largest pressure, and end without stress. Below a line they are sums
+over strips that narrow towards the edges, below other patches over the cells of a grid. They begin
+at 0.01 of the smaller half length: nearer to the surface a sliding edge makes a cusp of the model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator, PchipInterpolator
+
+from railhead.postprocess.findings import Array, Findings, Frame, Surface
+from railhead.theory import fatigue
+from railhead.theory.bem import grid_stress
+from railhead.theory.bem.grid_patch import PatchSolution
+from railhead.theory.elastic.line import Strips
+from railhead.theory.elastic.subsurface import von_mises
+from railhead.theory.friction.solution import FrictionSolution
+
+DEPTHS = np.array([0.01, 0.02, 0.04, 0.07, 0.11, 0.15, *np.arange(4, 17) / 20, 0.9, 1.0, 1.2, 1.5])
+"""Over the smaller half length."""
+STRIPS = 400
+CELLS = {False: (64, 24), True: (256, 24)}  # along and across a patch, by whether it has tractions
+LINES = 5  # paths side by side, from -0.8 to 0.8 of the half length across
+DEEP = 0.2  # least depth at which finite bodies are compared, over the smaller half length
+SLOPES = {"dang_van": 0.33, "findley": 0.3}
+"""Weights of the hydrostatic stress and of the normal stress where a scene gives none."""
+
+
+def read(
+    found: Findings,
+    surface: Surface,
+    friction: FrictionSolution | None,
+    poisson: float,
+    *,
+    slopes: Sequence[float],
+    line: bool,
+    body: str,
+) -> dict[str, Any]:
+    """The largest stresses of Dang Van and Findley, MPa ("dang_van_MPa", "findley_MPa"), their
+    depths, mm ("depth_mm") and the angles of their planes to the surface, degrees ("plane_deg"), by
+    criterion; both over the depth ("profile"); and the relative error of each ("estimate"): the
+    change from half as many strips or cells, and by how much the largest von Mises stress deeper
+    than 0.2 (DEEP) of the smaller half length differs from that of the bodies on the axis.
+
+    found: findings. surface, friction: of the whole patch. poisson: Poisson's ratio of `body`,
+        "rail" or "wheel". slopes: weights of the hydrostatic stress (Dang Van) and of the normal
+        stress (Findley). line: whether the contact is a line across the rail.
+    """
+    sign = 1.0 if body == "rail" else -1.0
+    fine, coarse = (
+        _along_line(found, friction, poisson, sign, STRIPS // parts)
+        if line
+        else _below_patch(found, surface, friction, poisson, sign, parts)
+        for parts in (1, 2)
+    )
+    (depth, paths, axis), (_, before, _) = fine, coarse
+    bodies = 0.0
+    if body in found.depth:
+        own = found.depth[body]
+        deep = depth > DEEP * depth[-1] / DEPTHS[-1]
+        there = np.interp(depth[deep], own.depth, von_mises(own.stress))
+        bodies = float(np.abs(von_mises(axis[deep]) / there.max() - there / there.max()).max())
+    values, normals = _criteria(paths, slopes)
+    change = np.abs(_criteria(before, slopes)[0].max(axis=0) / values.max(axis=0) - 1)
+    worst = values.argmax(axis=0)
+    upright = np.abs([normals[n][k][2] for n, k in enumerate(worst)]).clip(max=1.0)
+    names = [f"{name}_MPa" for name in SLOPES]
+    largest = values.max(axis=0).tolist()
+    return {
+        **dict(zip(names, largest, strict=True)),
+        "depth_mm": dict(zip(SLOPES, depth[worst].tolist(), strict=True)),
+        "plane_deg": dict(zip(SLOPES, np.degrees(np.arccos(upright)).tolist(), strict=True)),
+        "profile": {"depth_mm": depth.tolist(), **dict(zip(names, values.T.tolist(), strict=True))},
+        "estimate": dict(zip(names, (change + bodies).tolist(), strict=True)),
+    }
+
+
+def _criteria(paths: Array, slopes: Sequence[float]) -> tuple[Array, list[Array]]:
+    """Stresses (d, 2) of Dang Van and Findley, MPa, at d depths, each the largest of k paths side
+    by side, paths (d, k, t, 6), and the normals (d, 3) of their planes.
+    """
+    deep, each = paths.shape[:2], np.arange(len(paths))
+    found, _, normals = fatigue.dang_van(paths.reshape(-1, *paths.shape[2:]), slopes[0])
+    values, planes = found.reshape(deep), normals.reshape(*deep, 3)
+    worst = values.argmax(axis=1)
+    others = [fatigue.findley(side_by_side, slopes[1]) for side_by_side in paths]
+    both = np.column_stack([values[each, worst], [value for value, _ in others]])
+    return both, [planes[each, worst], np.array([normal for _, normal in others])]
+
+
+def _ratios(friction: FrictionSolution, frame: Frame) -> tuple[Array, Array]:
+    """Places (n, 2), mm, in the plane of a frame and tractions over the pressure (n, 2) there."""
+    touches = friction.pressure > 0
+    local, traction = (
+        values[touches] @ frame.axes.T[:, :2]
+        for values in (friction.points - np.array(frame.origin), friction.traction)
+    )
+    return local, traction / friction.pressure[touches, None]
+
+
+def _along_line(
+    found: Findings, friction: FrictionSolution | None, poisson: float, sign: float, count: int
+) -> tuple[Array, Array, Array]:
+    """Depths (d,), mm, paths (d, 1, t, 6) below a line across the rail by `count` strips, and the
+    stress (d, 6) below its middle. Arguments as of `read`; sign: of the tractions on the body.
+    """
+    half, middle, along = found.patch.a, found.patch.centre[0], found.along
+    edges = middle - half * np.cos(np.pi * np.arange(count + 1) / count)
+    x = (edges[1:] + edges[:-1]) / 2
+    inside = np.abs(along.coordinate - middle) < (1 - 1e-9) * half
+    squares = np.pad(along.pressure[inside] ** 2, 1)
+    nodes = np.array([edges[0], *along.coordinate[inside], edges[-1]])
+    pressure = np.sqrt(PchipInterpolator(nodes, squares)(x).clip(min=0.0))
+    traction = None
+    if friction is not None:
+        places, ratios = _ratios(friction, found.frame)
+        order = places[:, 0].argsort()
+        traction = sign * pressure * np.interp(x, places[order, 0], ratios[order, 0])
+    beside = half * np.cosh(np.linspace(0.0, 3.0, count // 8))
+    x = np.concatenate([middle - beside[::-1], x, middle + beside])
+    depth, paths = half * DEPTHS, np.zeros((DEPTHS.size, 1, x.size + 1, 6))
+    for path, deep in zip(paths[:, 0], depth, strict=True):
+        strips = Strips(edges, x, np.full_like(x, deep), poisson)
+        path[:-1, [0, 1, 2, 4]] = strips.stress(pressure, traction)
+    return depth, paths, paths[:, 0, np.abs(x - middle).argmin()]
+
+
+def _below_patch(
+    found: Findings,
+    surface: Surface,
+    friction: FrictionSolution | None,
+    poisson: float,
+    sign: float,
+    parts: int,
+) -> tuple[Array, Array, Array]:
+    """Depths (d,), mm, paths (d, k, t, 6) below k lines along the patch with the largest pressure,
+    and the stress (d, 6) below its middle. Arguments as of `read`; sign: of the tractions on the
+    body; parts: of the numbers of cells.
+    """
+    one = max(found.patch.each, key=lambda each: each.max_pressure)
+    frame = Frame(one.centre, one.angle)
+    along, across = (count // parts for count in CELLS[friction is not None])
+    x = one.a * (2 * np.arange(-along // 4, along + along // 4) + 1 - along) / along
+    s = one.b * (2 * np.arange(across) + 1 - across) / across
+    places = np.stack(np.meshgrid(x, s, indexing="ij"), axis=-1)
+    if found.hertzian:
+        squares = one.max_pressure**2 * (1 - ((places / (one.a, one.b)) ** 2).sum(axis=-1))
+    else:
+        local = frame.local(surface.points)
+        near = np.isfinite(local).all(axis=1)
+        squares = LinearNDInterpolator(local[near, :2], surface.pressure[near] ** 2, 0.0)(places)
+    pressure, traction = np.sqrt(squares.clip(min=0.0)), None
+    if friction is not None:
+        ratios = NearestNDInterpolator(*_ratios(friction, frame))(places)
+        traction = sign * pressure * np.moveaxis(ratios, -1, 0)
+    window = PatchSolution(x, s, 0 * s, pressure, 0 * pressure, 0.0)
+    rows = np.rint((across - 1) / 2 * (1 + np.linspace(-0.8, 0.8, LINES))).astype(int)
+    depth = min(one.a, one.b) * DEPTHS
+    layers = [grid_stress.layer(window, poisson, traction, deep)[:, rows] for deep in depth]
+    paths = np.pad(np.stack(layers).swapaxes(1, 2), ((0, 0), (0, 0), (0, 1), (0, 0)))
+    return depth, paths, paths[:, LINES // 2, np.abs(x).argmin()]

@@ -1,0 +1,109 @@
+"""Fatigue of steel by rolling: criteria of stress paths, by Dang Van and by Findley.
+
+A path is the stress at one material point while a load passes. Stresses are in MPa, tension
+positive, in columns xx, yy, zz, xy, xz, yz. Neither criterion knows a limit of a steel.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from scipy.optimize import minimize
+
+from railhead.theory.array_types import Array
+from railhead.theory.elastic.subsurface import directions, principal
+
+CENTRING = 1000  # steps towards the centre of a path
+STEP = math.radians(15)  # between the planes of Findley's first search
+TWICE = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])  # a shear stress stands twice in the tensor
+
+
+def dang_van(paths: Array, slope: float) -> tuple[Array, Array, Array]:
+    """Dang Van's stress at each of n points, (n,), the largest shear stress of it, (n,), and the
+    normal of its plane, (n, 3).
+
+    paths: (n, t, 6). slope: c, of the hydrostatic stress.
+    With s the deviator and s0 the centre of the smallest sphere around its path, Dang Van's stress
+    is the largest tau + c s_h of the path: tau is the largest shear stress of s - s0, s_h the
+    hydrostatic stress (Dang Van, ASTM STP 1191, 1993). The shear stress is the largest tau alone.
+    The normal is that of the flatter one of the two planes of tau where tau + c s_h is largest, z
+    being upright. Steps towards the farthest point find the centre to about 1e-3 of the radius
+    (Badoiu and Clarkson, 2003).
+    """
+    hydrostatic = paths[..., :3].mean(axis=-1)
+    deviator = paths.copy()
+    deviator[..., :3] -= hydrostatic[..., None]
+    scaled, each = deviator * np.sqrt(TWICE), np.arange(len(paths))
+    centre, squares = scaled.mean(axis=1), (scaled**2).sum(axis=-1)
+    for step in range(1, CENTRING + 1):
+        farthest = (squares - 2 * (scaled @ centre[..., None])[..., 0]).argmax(axis=1)
+        centre += (scaled[each, farthest] - centre) / (step + 1)
+    alternating = deviator - (centre / np.sqrt(TWICE))[:, None]
+    ends = principal(alternating.reshape(-1, 6))
+    shear = (ends[:, 0] - ends[:, 2]).reshape(hydrostatic.shape) / 2
+    total = shear + slope * hydrostatic
+    worst = total.argmax(axis=1)
+    axes = directions(alternating[each, worst])
+    planes = np.stack([axes[:, 0] + axes[:, 2], axes[:, 0] - axes[:, 2]]) / math.sqrt(2)
+    flatter = np.abs(planes[:, :, 2]).argmax(axis=0)
+    return total[each, worst], shear.max(axis=1), planes[flatter, each]
+
+
+def findley(paths: Array, slope: float) -> tuple[float, Array]:
+    """Findley's stress, MPa, at the worst of n points and the normal (3,) of its plane: the largest
+    amplitude of the shear stress on a plane plus k times the largest normal stress on it (Findley,
+    J. Eng. Ind. 81, 1959).
+
+    paths: (n, t, 6). slope: k.
+    The amplitude is half the longest chord of the shear stress' path on the plane. Planes and
+    directions of chords are tried 15 degrees apart (STEP). From the best one the simplex method
+    climbs.
+    """
+    quarter, half = round(math.pi / 2 / STEP), round(math.pi / STEP)
+    steps = np.arange(quarter + 1), np.arange(2 * half), np.arange(half)
+    angles = STEP * np.stack(np.meshgrid(*steps, indexing="ij"), axis=-1).reshape(-1, half, 3)
+    lattice = _weights(angles)
+    values = np.array([_on_planes(path, *lattice, slope).ravel() for path in paths])
+    point, best = np.unravel_index(int(values.argmax()), values.shape)
+    start = angles.reshape(-1, 3)[best]
+
+    def lower(angles: Array) -> float:
+        """Minus Findley's stress, MPa, of one plane and direction at the worst point."""
+        return -float(_on_planes(paths[point], *_weights(angles[None, None]), slope)[0, 0])
+
+    simplex = start + STEP / 2 * np.vstack([np.zeros(3), np.eye(3)])
+    options = {"initial_simplex": simplex, "xatol": 1e-3, "fatol": 1e-5 * values.max()}
+    found = minimize(lower, start, method="Nelder-Mead", options=options)
+    return -float(found.fun), _vectors(found.x)[0]
+
+
+def _on_planes(path: Array, shear: Array, normal: Array, slope: float) -> Array:
+    """Findley's stress (m, k), MPa, of a path (t, 6) on m planes with chords in k directions, by
+    the weights of `_weights`.
+    """
+    chords = np.ptp(path @ shear.reshape(-1, 6).T, axis=0).reshape(shear.shape[:2])
+    return np.asarray(chords / 2 + slope * (path @ normal.T).max(axis=0)[:, None])
+
+
+def _weights(angles: Array) -> tuple[Array, Array]:
+    """Weights of xx, yy, zz, xy, xz, yz in the shear stress on m planes along k directions each,
+    (m, k, 6), and in the normal stress (m, 6). angles: (m, k, 3), as of `_vectors`.
+    """
+    normals, along = _vectors(angles)
+    i, j = np.array([0, 1, 2, 0, 0, 1]), np.array([0, 1, 2, 1, 2, 2])
+    shear, normal = (
+        (normals[..., i] * each[..., j] + normals[..., j] * each[..., i]) * TWICE / 2
+        for each in (along, normals)
+    )
+    return shear, normal[:, 0]
+
+
+def _vectors(angles: Array) -> tuple[Array, Array]:
+    """Unit normals (..., 3) of planes and unit vectors (..., 3) in them, by angles (..., 3), rad:
+    tilt of the normal from z, its turn about z, and turn of the vector in the plane.
+    """
+    (a, b, c), (u, v, w) = (np.moveaxis(each(angles), -1, 0) for each in (np.cos, np.sin))
+    normals = np.stack([u * b, u * v, a], axis=-1)
+    along = np.stack([w * -v + c * a * b, w * b + c * a * v, -c * u], axis=-1)
+    return normals, along
