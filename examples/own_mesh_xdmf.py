@@ -3,8 +3,10 @@
 docs/solver.md writes the file. Run it: mpirun -n 2 python examples/own_mesh_xdmf.py
 """
 
+from mpi4py import MPI  # first: dolfinx of PyPI finds MPI by it
+
+# isort: split
 from dolfinx.io import XDMFFile
-from mpi4py import MPI
 
 import railhead.solver as rs
 

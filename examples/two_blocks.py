@@ -8,10 +8,12 @@ hexahedra. Needs dolfinx and this package. Run it: python examples/two_blocks.py
 
 import math
 
+from mpi4py import MPI  # first: dolfinx of PyPI finds MPI by it
+
+# isort: split
 import matplotlib.pyplot as plt
 import numpy as np
 from dolfinx import mesh
-from mpi4py import MPI
 
 import railhead.solver as rs
 from railhead.solver import compat

@@ -128,7 +128,7 @@ class Solution:
     plastic_strain, back_stress: (3, 3), Functions of the same kind; None where nothing yields.
     points: (n, c) on the secondary surfaces, undeformed. weights: area of each (n,).
     contact: number of the contact of each point (n,), in the order in which they were added.
-    normals: outward unit normals (n, c) of the secondary surfaces.
+    normals: unit normals (n, c) of the contacts, out of the secondary bodies.
     pressure: (n,), never negative. traction: (n, c) on the secondary surface, with friction.
     sticking: (n,) whether a point with friction touches and does not slide.
     slip: (n, c) of the secondary surface past the primary one since rest, where points slide with

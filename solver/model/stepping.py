@@ -177,15 +177,14 @@ def _with_history(
             for e in fields(History)
         )
     )
-    dyads, normals = model.kinematics.dyads, np.repeat(pairing.normals, shape[1], axis=0)
-    along = pairing.tangents.reshape(normals.shape)
-    sheared = (dyads(along + normals) - dyads(along) - dyads(normals)) / 2
+    dyads, outward = model.kinematics.dyads, np.repeat(pairing.outward, shape[1], axis=0)
+    sheared = dyads(pairing.tangents.reshape(outward.shape), outward)
     slipped = prescribed - before.displacement
     friction = np.array([each.friction for each in model.surfaces.contacts])
     return {
         "bulk": bulk,
         "surface": surface,
-        "normal_dyads": dyads(pairing.normals),
+        "normal_dyads": dyads(pairing.normals, pairing.outward),
         "coefficient": friction[pairing.contact],
         "slip": pairing.slip.matMult(p),
         "shear": pairing.shear.matMult(p),

@@ -419,7 +419,7 @@ def plastic_problem(system: ContactSystem, path: LoadPath) -> PlasticProblem:
         surface=surface_points(
             system.interface, hardening, system.bulk, system.reduction, system.comm
         ),
-        normal_dyads=system.setup.kinematics.dyads(system.interface.normals),
+        normal_dyads=system.setup.kinematics.dyads(*[system.interface.normals] * 2),
     )
 
 

@@ -135,8 +135,8 @@ class Interface:
     points: position (n, c), mm.
     weights: area of each point (n,) in the meshed part, mm2, see `FacetSet.quadrature`.
     initial_gap: initial gap g0 (n,) along the normals, mm.
-    normals: (n, c) outward unit normals of the slave's surface.
-    tangents: unit tangents there (n, k, c), k = c - 1.
+    normals: (n, c) unit normals of the contact, out of the slave. outward: of the slave's surface.
+    tangents: unit tangents to the contact there (n, k, c), k = c - 1.
     contact: number of the contact that each point belongs to (n,).
     missed: share of the slave's surface of each contact that has nothing opposite.
     trace_bound: smallest stable parameter of Nitsche's method (n,), MPa/mm, of the cell of each
@@ -154,6 +154,7 @@ class Interface:
     weights: Array
     initial_gap: Array
     normals: Array
+    outward: Array
     tangents: Array
     contact: Index
     missed: list[float]
@@ -213,9 +214,7 @@ class Interface:
     @cached_property
     def stress(self) -> PETSc.Mat:
         """S, normal stress n . sigma(u_slave) . n, MPa/mm."""
-        reference = self.slave.reference(self.facet, self.xi)
-        values = normal_stress(self.slave, self.facet, reference, self.normals)
-        return self.matrix([self.slave.rows(self.facet, values[:, None])])
+        return self._stress(self.normals[:, None])
 
     @cached_property
     def slip(self) -> PETSc.Mat:
@@ -225,13 +224,19 @@ class Interface:
     @cached_property
     def shear(self) -> PETSc.Mat:
         """Shear stress t . sigma(u_slave) . n along the tangents t, n k rows, MPa/mm."""
-        reference = self.slave.reference(self.facet, self.xi)
-        values = shear_stress(self.slave, self.facet, reference, self.normals, self.tangents)
+        return self._stress(self.tangents)
+
+    def _stress(self, directions: Array) -> PETSc.Mat:
+        """Stress e . sigma(u_slave) . n along directions e (n, k, c), n k rows (collective)."""
+        at = self.facet, self.slave.reference(self.facet, self.xi)
+        values = traction(self.slave, *at, directions, self.outward)
         return self.matrix([self.slave.rows(self.facet, values)])
 
     def restricted(self, points: Index, tangents: Array) -> Interface:
         """The interface of points with these numbers (m,), with other tangents (m, k, c)."""
-        names = "facet xi partner eta points weights initial_gap normals contact trace_bound"
+        names = (
+            "facet xi partner eta points weights initial_gap normals outward contact trace_bound"
+        )
         own: dict[str, Any] = {name: getattr(self, name)[points] for name in names.split()}
         return replace(self, **own, tangents=tangents)
 
@@ -280,9 +285,9 @@ def trace_bound(slave: FacetSet, at: tuple[Index, Array], weights: Array, normal
     count = len(slave)
     if not count:  # this rank holds no part of the contact surface
         return np.zeros(0)
-    traction = normal_stress(slave, at[0], slave.reference(*at), normals)
+    stress = traction(slave, at[0], slave.reference(*at), normals[:, None], normals)
     size = slave.kinematics.dim * slave.dofs.shape[1]
-    rows = traction.reshape(count, len(weights) // count, size)
+    rows = stress.reshape(count, len(weights) // count, size)
     rows = rows * np.sqrt(weights).reshape(*rows.shape[:2], 1)
     energy = _cell_stiffness(slave)
     solved = np.linalg.solve(energy, rows.transpose(0, 2, 1))
@@ -315,29 +320,20 @@ def _cell_stiffness(slave: FacetSet) -> Array:
     return regular
 
 
-def shear_stress(
-    slave: FacetSet, facet: Index, reference: Array, normals: Array, tangents: Array
+def traction(
+    slave: FacetSet, facet: Index, reference: Array, directions: Array, normals: Array
 ) -> Array:
-    """Coefficients (n, k, d, c) of the shear stress t . sigma(u) . n along k tangents t per
-    displacement of the d dofs of a cell, MPa/mm; tangents: (n, k, c), the rest as in
-    `normal_stress`.
-    """
-    _, gradient = slave.basis(facet, reference)
-    along = np.einsum("ndc,nkc->nkd", gradient, tangents)[..., None] * normals[:, None, None, :]
-    across = np.einsum("ndc,nc->nd", gradient, normals)[:, None, :, None] * tangents[:, :, None, :]
-    return np.asarray(slave.lame[facet, 1][:, None, None, None] * (along + across))
-
-
-def normal_stress(slave: FacetSet, facet: Index, reference: Array, normals: Array) -> Array:
-    """Coefficients (n, d, c) of the normal stress n . sigma(u) . n per displacement of the d dofs
-    of a cell, MPa/mm.
+    """Coefficients (n, k, d, c) of the stresses e . sigma(u) . n along k directions e per
+    displacement of the d dofs of a cell, MPa/mm.
 
     facet: facet of the slave at each of n points.
     reference: reference coordinates (n, c) of the points in the cells.
-    normals: unit normals (n, c).
+    directions: e (n, k, c). normals: unit normals n (n, c).
     """
     _, gradient = slave.basis(facet, reference)
-    trace = slave.divergence(facet, reference)
-    lam, mu = slave.lame[facet].T[..., None, None]
-    along = np.einsum("ndc,nc->nd", gradient, normals)
-    return np.asarray(lam * trace + 2 * mu * along[:, :, None] * normals[:, None, :])
+    trace = slave.divergence(facet, reference)[:, None]
+    lam, mu = slave.lame[facet].T[..., None, None, None]
+    facing = np.einsum("nkc,nc->nk", directions, normals)[..., None, None]
+    along = np.einsum("ndc,nkc->nkd", gradient, directions)[..., None] * normals[:, None, None]
+    across = np.einsum("ndc,nc->nd", gradient, normals)[:, None, :, None] * directions[:, :, None]
+    return np.asarray(lam * facing * trace + mu * (along + across))

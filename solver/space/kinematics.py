@@ -111,14 +111,15 @@ class Kinematics:
         axes = self.axes if self.dim == 3 else np.vstack([self.axes, np.cross(*self.axes)])
         return np.asarray(axes.T @ own @ axes)
 
-    def dyads(self, vectors: Array) -> Array:
-        """Dyads v x v (n, m) of vectors v (n, d) in the mesh, in Mandel's notation as in `tensors`;
-        the component normal to a section is zero.
+    def dyads(self, vectors: Array, others: Array) -> Array:
+        """Symmetric dyads sym(v x w) (n, m) of vectors v, w (n, d) in the mesh, in Mandel's
+        notation as in `tensors`; the component normal to a section is zero.
         """
         out = np.zeros((len(vectors), 3 + len(self.shears)))
-        out[:, : self.dim] = vectors**2
+        out[:, : self.dim] = vectors * others
         for column, (i, j) in enumerate(self.shears, 3):
-            out[:, column] = np.sqrt(2) * vectors[:, i] * vectors[:, j]
+            both = vectors[:, i] * others[:, j] + vectors[:, j] * others[:, i]
+            out[:, column] = both / np.sqrt(2)
         return out
 
     def measure(self, points: Array) -> Array:

@@ -28,6 +28,7 @@ SECTION_QUADRATURE = 15  # degree of the contact quadrature in a section, where 
 BENT = 1e-3  # 1 - cosine between facets of degree 1 that stand for a curved surface
 FACING = -0.1  # largest product of the normals of surfaces that face each other
 OUTWARD = 0.5  # product, at least in the mean, of normals given with a gap and those of facets
+ALMOST = 1e-9  # least product of the normals of a surface and a rigid one that it meets
 ROUNDING = 1e-13  # of the largest coordinate, by which no gap is known
 GapFunction = Callable[[Array], tuple[Array, Array]]
 """Points (n, c) of the secondary surface -> gap (n,) along its outward normals, infinite where
@@ -41,11 +42,14 @@ class Plane:
     point: Direction
     normal: Direction
 
-    def distance(self, points: Array, normals: Array) -> Array:
-        """Distance (n,) from points (n, c) along unit normals (n, c), infinite where they miss."""
+    def distance(self, points: Array, normals: Array) -> tuple[Array, Array]:
+        """Distance (n,) from points (n, c) along unit normals (n, c), infinite where they miss, and
+        unit normals (n, c) of the plane.
+        """
         up = unit("normal", self.normal)
         down = -normals @ up
-        return np.where(down > 0, (points - self.point) @ up / np.where(down > 0, down, 1), np.inf)
+        far = np.where(down > 0, (points - self.point) @ up / np.where(down > 0, down, 1), np.inf)
+        return far, np.tile(up, (len(points), 1))
 
 
 @dataclass(frozen=True)
@@ -60,13 +64,16 @@ class Sphere:
         if finite("Sphere", "radius", self.radius) <= 0:
             raise ValueError(f"radius must be positive, not {self.radius!r}")
 
-    def distance(self, points: Array, normals: Array) -> Array:
-        """Distance (n,) from points (n, c) along unit normals (n, c), infinite where they miss."""
+    def distance(self, points: Array, normals: Array) -> tuple[Array, Array]:
+        """Distance (n,) from points (n, c) along unit normals (n, c), infinite where they miss, and
+        unit normals (n, c) of the sphere there.
+        """
         apart = np.asarray(self.centre) - points
         along = np.einsum("nc,nc->n", apart, normals)
         square = self.radius**2 - np.einsum("nc,nc->n", apart, apart) + along**2
         hit = (square >= 0) & (along > 0)
-        return np.where(hit, along - np.sqrt(np.maximum(square, 0)), np.inf)
+        far = np.where(hit, along - np.sqrt(np.maximum(square, 0)), np.inf)
+        return far, (np.where(hit, far, along)[:, None] * normals - apart) / self.radius
 
 
 @dataclass(frozen=True)
@@ -188,7 +195,7 @@ class Surfaces:
                 at, weights, known = pieces.quadrature(here, other.moved(displacement), order)
                 if here is not slave:
                     weights = weights * slave.measure(*at) / here.measure(*at)
-            normals, now, change, foot = self.opposite(number, at, displacement, known)
+            normals, outward, now, change, foot = self.opposite(number, at, displacement, known)
             keep, gap = np.isfinite(now), now - change
             whole, met = self.comm.allreduce(np.array([whole, weights[keep].sum()]))
             deep = self.comm.allreduce(int(np.isneginf(now).sum()))
@@ -200,11 +207,11 @@ class Surfaces:
             missed.append(1 - met / whole)
             facet, partner = at[0][keep] + slaves, foot[0][keep]
             partner = np.where(partner >= 0, partner + others, -1)
-            every = at[1], weights, normals, gap, foot[1]
+            every = at[1], weights, normals, outward, gap, foot[1]
             numbers = np.full(len(facet), number)
             found.append((numbers, facet, partner, *(each[keep] for each in every)))
             slaves, others = slaves + len(slave), others + len(other)
-        numbers, facet, partner, xi, weights, normals, gap, eta = (
+        numbers, facet, partner, xi, weights, normals, outward, gap, eta = (
             np.concatenate(each) for each in zip(*found, strict=True)
         )
         index_map = self.bulk.space.dofmap.index_map
@@ -219,6 +226,7 @@ class Surfaces:
             weights=weights,
             initial_gap=gap,
             normals=normals,
+            outward=outward,
             tangents=tangents_of(normals),
             contact=numbers,
             missed=missed,
@@ -229,22 +237,27 @@ class Surfaces:
 
     def opposite(
         self, number: int, at: tuple[Index, Array], displacement: Array, known: Index | None
-    ) -> tuple[Array, Array, Array, tuple[Index, Array]]:
+    ) -> tuple[Array, Array, Array, Array, tuple[Index, Array]]:
         """What points of a contact's secondary surface meet along their outward unit normals.
+
+        The contact's normal n is between those of both surfaces: bodies in contact bend towards
+        each other by their compliances c = (1 - nu^2)/E, so that n ~ c_p n_s - c_s n_p is normal to
+        their interface (Hertz), whichever surface is secondary. A gap of one's own has its own n.
 
         number: of the contact. at: facets (n,) and coordinates (n, c - 1) of the points.
         displacement: (dofs, c) of all block dofs. known: see `pair`.
-        Returns the normals (n, c), the gap now (n,), infinite where nothing is opposite and -inf
-        where surfaces overlap by more than a facet, the part of it that the displacement makes
+        Returns n and n_s (n, c), the gap now along n (n,), infinite where nothing is opposite and
+        -inf where surfaces overlap by more than a facet, the part of it that the displacement makes
         (n,), and facet (n,) and coordinates (n, c - 1) opposite.
         """
         contact, slave, other = self.contacts[number], self.secondary[number], self.primary[number]
-        x, tangent = slave.tangents(*at)
-        normals, own = slave.normals(at[0], tangent), slave.values(*at, displacement)
+        here, (x, tangent) = at[0], slave.tangents(*at)
+        normals, own = slave.normals(here, tangent), slave.values(*at, displacement)
         partner, eta = np.full(len(x), -1), np.zeros_like(at[1])
         if isinstance(contact.primary, Plane | Sphere):
-            now = contact.primary.distance(x + own, normals)
-            return normals, now, -np.einsum("nc,nc->n", normals, own), (partner, eta)
+            far, up = contact.primary.distance(x + own, normals)
+            now = far * np.maximum(-np.einsum("nc,nc->n", normals, up), ALMOST)
+            return -up, normals, now, np.einsum("nc,nc->n", up, own), (partner, eta)
         if contact.gap is None:
             moved = other.moved(displacement)
             partner, eta = pair(x + own, normals, moved, known)
@@ -255,15 +268,19 @@ class Surfaces:
                 partner, eta = pair(x, normals, other, known)
         foot, at = (partner, eta), (np.maximum(partner, 0), eta)
         opposite = other.values(*at, displacement) if len(other) else np.zeros_like(own)
-        change = np.einsum("nc,nc->n", normals, opposite - own)
         if contact.gap is not None:
+            change = np.einsum("nc,nc->n", normals, opposite - own)
             met = np.isfinite(gap) & ((partner >= 0) | (not len(other)))
-            return normals, np.where(met, gap + change, np.inf), change, foot
-        now = np.einsum("nc,nc->n", normals, moved.tangents(*at)[0] - x - own)
+            return normals, normals, np.where(met, gap + change, np.inf), change, foot
+        shares = _compliance(other.lame[at[0]]), _compliance(slave.lame[here])
+        between = shares[0] * normals - shares[1] * other.normals(at[0], other.tangents(*at)[1])
+        between = between / np.linalg.norm(between, axis=1)[:, None]
+        change = np.einsum("nc,nc->n", between, opposite - own)
+        now = np.einsum("nc,nc->n", between, moved.tangents(*at)[0] - x - own)
         reach = np.linalg.norm(moved.vertices[:, 1] - moved.vertices[:, 0], axis=1)[at[0]]
         facing = np.einsum("nc,nc->n", normals, moved.flat_normals[at[0]]) < FACING
         now = np.where((partner >= 0) & facing, now, np.inf)
-        return normals, np.where(now > -reach, now, -np.inf), change, foot
+        return between, normals, np.where(now > -reach, now, -np.inf), change, foot
 
     def outdated(
         self, face: Interface, displacement: Array, gap: Array, pressure: Array
@@ -288,7 +305,7 @@ class Surfaces:
                 continue
             at = face.facet[on] - starts[number], face.xi[on]
             old = face.partner[on] - begins[number], face.eta[on]
-            _, now, _, new = self.opposite(number, at, displacement, old[0])
+            _, _, now, _, new = self.opposite(number, at, displacement, old[0])
             met = np.isfinite(now)
             moved = np.abs(now - gap[on]) - ROUNDING * np.abs(face.points[on]).max()
             change = max(change, float(np.max(moved[met], initial=0.0)))
@@ -303,6 +320,12 @@ class Surfaces:
         drift, change = (self.comm.allreduce(each, op=MPI.MAX) for each in (drift, change))
         lost, total = self.comm.allreduce(np.array([lost, force.sum()]))
         return drift, change, lost / total if lost else 0.0
+
+
+def _compliance(lame: Array) -> Array:
+    """(1 - nu^2)/E (n, 1), from Lame's constants (n, 2)."""
+    lam, mu = lame.T[..., None]
+    return np.asarray((lam + 2 * mu) / (4 * mu * (lam + mu)))
 
 
 def _fits(gap: GapFunction, surface: FacetSet) -> bool:

@@ -307,6 +307,50 @@ def test_a_block_slides_over_ten_elements_and_back() -> None:
     np.testing.assert_allclose(np.linalg.norm(along, axis=1), limit, atol=1e-6 * limit.max())
 
 
+def disc_on_block(radius: float, b: float, n: int):
+    """Half a disc on a block of 40 x 20 mm with 2 n elements over the contact: 12 its arc, 22 its
+    flat face, 11 and 21 the upper and lower face of the block."""
+
+    def make(occ) -> list[int]:
+        box = [(2, occ.addRectangle(-radius, 0, 0, 2 * radius, radius))]
+        disc = occ.intersect([(2, occ.addDisk(0, radius, 0, radius, radius))], box)[0][0][1]
+        return [occ.addRectangle(-20, -20, 0, 40, 20), disc]
+
+    def tag(body: int, box: tuple[float, float, float, float]) -> int:
+        _, low, _, high = box
+        if body == 2:
+            return 22 if low > radius - 1e-6 else 12
+        return 11 if low > -1e-6 else 21 if high < -19.9 else 0
+
+    return meshed(make, tag, f"{b / n}+0.3*Max(0,Sqrt(x*x+y*y)-{1.4 * b})")
+
+
+def test_friction_of_like_bodies_is_cattaneos_for_either_role() -> None:
+    """Pressing like bodies makes next to no tangential traction: with the normals of one surface
+    alone it was 0.16 of mu p0. Shifted until T = 0.469 mu N, sqrt(1 - T/(mu N)) of the contact
+    sticks (C. Cattaneo 1938)."""
+    radius, young, mu, load = 8.0, 200.0, 0.2, 10.0
+    modulus = young / (2 * (1 - NU**2))
+    b = np.sqrt(4 * load * radius / (np.pi * modulus))
+    soft, shares = rs.Elastic(young, NU), []
+    mesh = disc_on_block(radius, b, 8)
+    for tag in (12, 11):
+        pair = rs.Contact(secondary=tag, primary=23 - tag, friction=mu)
+        model = model_of(mesh, rs.Body(1, soft), rs.Body(2, soft), pair, section="plane strain")
+        floor, top = model.add(rs.Clamp(21), rs.Hub(22, free=(0, -1)))
+        pressed = model.solve({top: rs.Force(load)}, steps=1)
+        across = pressed.traction + pressed.pressure[:, None] * pressed.normals
+        near = np.abs(pressed.points[:, 0]) < 0.6 * b
+        assert np.abs(across[near]).max() < 0.03 * mu * pressed.pressure.max()
+        found = pressed.then({top: rs.Force(load, move=(0.0292, 0))}, steps=3)
+        exact = np.sqrt(1 + found.force(floor)[0] / (mu * load))
+        touches = found.weights[found.pressure > 0].sum()
+        shares.append(found.weights[found.sticking].sum() / touches)
+        assert exact == pytest.approx(0.729, abs=0.005)
+        assert shares[-1] == pytest.approx(exact, abs=0.02)
+    assert shares[0] == pytest.approx(shares[1], abs=0.01)
+
+
 JACKSON_GREEN = {2.83: (2.0, 2.02), 10.13: (5.0, 5.77), 25.89: (10.0, 12.78), 64.2: (20.0, 28.31)}
 """Load of a rigid sphere on a perfectly plastic half-space over the critical load -> approach and
 area over the critical ones (R. L. Jackson and I. Green, Journal of Tribology 127, 2005; from
