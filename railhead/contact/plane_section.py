@@ -21,7 +21,6 @@ from railhead.contact.solid import RAIL_HALF_WIDTH, TREAD_HALF_WIDTH, Contact
 from railhead.geometry import outlines, profiles
 from railhead.geometry.placement import ProfilePair, parabolic_contact, upright
 from railhead.geometry.profiles import Profile
-from railhead.geometry.surfaces import ExactGap, ParabolicGap, RailSurface, StraightTread
 from railhead.meshing.bodies import RAIL, WHEEL, Body
 from railhead.scene.scene import (
     NOMINAL_RADIUS,
@@ -414,16 +413,6 @@ class TransverseSection(SectionContact):
     def why_asymmetric_in_x(self) -> str | None:
         """Why x = 0 is no plane of symmetry of the section: the section has no direction x."""
         return "the section runs across the rail"
-
-    def gap(self, slave: int) -> ExactGap | ParabolicGap:
-        """Exact gap from the slave body (RAIL or WHEEL) to the other one; a parabola between
-        half-planes. The wheel is a straight bar.
-        """
-        if self.pair is None:
-            return super().gap(slave)
-        rail = RailSurface(self.pair.rail)
-        wheel = StraightTread(self.pair.wheel, self.lift, self.scene.wheelset.shift)
-        return ExactGap(rail, wheel) if slave == RAIL else ExactGap(wheel, rail)
 
     def exact_approach(self, hertz: Hertz) -> float | None:
         """Approach of the supports along the vertical, mm, for a closed form; None unless both

@@ -14,7 +14,6 @@ from scipy.interpolate import RectBivariateSpline
 
 from railhead.geometry import tables
 from railhead.geometry.placement import Pose
-from railhead.geometry.profiles import Profile
 from railhead.geometry.tables import Column, mm_of
 from railhead.theory.array_types import Array, read_arrays
 
@@ -235,30 +234,7 @@ class WheelSurface:
         return value, gradient @ self.pose.rotation.T
 
 
-@dataclass(frozen=True)
-class StraightTread:
-    """A wheel of infinite rolling radius: the same profile at every x, and solid above it.
-
-    profile: profile of the wheel; its height counts downwards from the nominal rolling radius, mm.
-    lift: z of the nominal rolling radius, mm.
-    shift: y of the origin of the profile, mm.
-    """
-
-    profile: Profile
-    lift: float
-    shift: float = 0.0
-
-    def implicit(self, points: Array) -> tuple[Array, Array]:
-        """Values (n,) of lift - height(y - shift) - z in mm, positive below the tread, outside the
-        wheel, and gradients (n, 3), at points (n, 3) in mm; NaN beyond the profile.
-        """
-        y = points[:, 1] - self.shift
-        one = np.ones_like(y)
-        gradient = np.column_stack([0.0 * one, -self.profile.slope(y), -one])
-        return self.lift - self.profile.height(y) - points[:, 2], gradient
-
-
-Surface = RailSurface | WheelSurface | StraightTread
+Surface = RailSurface | WheelSurface
 """A surface as the zero set of a function that is positive outside the solid."""
 
 
