@@ -123,7 +123,7 @@ def solve_developed(
         of `cells` cells along each axis and displace each other.
     angle: maps s (n,) to the tilt (n,) of the surface's normal, rad, within +-pi/2.
     load: component of the contact force along the load's direction, N; None: approach is given.
-    approach: along the load, mm; None: load is given.
+    approach: along the load, mm, that closes the gap somewhere in `windows`; None: load is given.
     tolerance: of the gap in the patch, over the largest displacement.
     split: whether separate patches get domains of their own.
     lines: compliance of the lines along x, which adds to u(p) lines(s) times the integral of p
@@ -153,12 +153,9 @@ def solve_developed(
             break
         grids = [Grid(x, s, np.asarray(angle(s))) for x, s in axes]
         undeformed = [_sample(gap, grid) for grid in grids]
-        if approach is not None:
-            above = [h - approach * g.normals[0] for h, g in zip(undeformed, grids, strict=True)]
-            lowest = int(np.argmin([each.min() for each in above]))
-            if above[lowest].min() >= 0:
-                where = [_towards(above[lowest], where[lowest], grids[lowest])]
-                continue
+        closing = zip(undeformed, grids, strict=True)
+        if approach is not None and all((h >= approach * g.normals[0]).all() for h, g in closing):
+            break
         solved = equilibrium(
             grids, undeformed, contact_modulus, load, approach, tolerance, found, lines
         )
@@ -324,16 +321,6 @@ def _merged(domains: Sequence[Array]) -> list[Array]:
     around them.
     """
     return [_around(np.array(group)) for group in _groups(domains, 1.0)]
-
-
-def _towards(gap: Array, domain: Array, grid: Grid) -> Array:
-    """Domain (2, 2) around the cell of the smallest gap (n, n). Where that cell lies on the border,
-    the domain becomes twice as wide in that direction; else an eighth as wide in both directions.
-    """
-    i, j = np.unravel_index(int(np.argmin(gap)), gap.shape)
-    border = np.isin((i, j), (0, gap.shape[0] - 1))
-    factor = np.where(border, 2, 1) if border.any() else 1 / 8
-    return np.array([(grid.x[i], grid.s[j]), factor * domain[1]])
 
 
 def _apart(touching: Mask, domain: Array) -> list[Array]:

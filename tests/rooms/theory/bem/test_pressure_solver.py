@@ -190,7 +190,8 @@ def test_signorini_conditions_and_equilibrium(gap, control: str) -> None:
     ("control", "centre", "half_size"),
     [
         pytest.param("load", (0, 0), (1e-4, 1e-4), marks=pytest.mark.slow),
-        ("approach", (60, -25), (1, 3)),
+        ("load", (60, -25), (1, 3)),
+        ("approach", (0.1, 0), (0.1, 0.1)),
         ("load", (0.1, 0), (1e5, 0.1)),
     ],
 )
@@ -213,6 +214,7 @@ def test_domain_is_found_from_a_poor_guess(
         ({"load": LOAD, "tolerance": 1e-19}, "no equilibrium to 1e-19"),
         ({"approach": -0.1}, "must fall below the approach"),
         ({"approach": 0.0}, "must fall below the approach"),
+        ({"approach": 1e-3, "centre": (60.0, 0.0)}, "must fall below the approach"),
         ({"load": LOAD, "gap": lambda x, s: s**2 / 600}, "grow around the patch"),
         pytest.param(
             {"load": LOAD, "gap": lambda x, s: 0 * x},
