@@ -118,7 +118,6 @@ def test_passes_with_back_stresses_are_those_of_another_program(case):
         assert found.rate["forward_mm_per_pass"] == row["forward_mm"]
 
 
-@pytest.mark.slow
 def test_in_contact_the_resistance_is_what_yield_takes():
     found = rolled(4.5, 0.0, 0.0, count=3, keeps=False)
     assert found.energy_error < 0.03
