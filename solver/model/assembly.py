@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -52,6 +53,11 @@ from railhead.solver.system.surfaces import Surfaces
 from railhead.theory.array_types import Array, Mask
 
 SECTIONS = (None, "plane strain", "plane stress", "axisymmetric")
+STIFFER = 2.0  # than the primary body, from which on the roles are exchanged (degree 1: + 10 %)
+LOCKS = 0.49  # Poisson's ratio from which on cells without mean dilatation are warned of
+LEAST_FACETS = {1: 5.0, 2: 1.2}  # on the half width of discs, of a degree: below, pressures are off
+# by a tenth and more
+FLAT, ALL = 1e-6, 0.9  # range of the gap over a facet, and share of points, of contacts at once
 ON_AXIS = 1e-9  # radius of a node on the axis, over the largest
 
 
@@ -59,7 +65,8 @@ class Assembly:
     """A model on its mesh. Its arguments are those of `Model`; raises ValueError as `Model.solve`.
 
     bulk, stiffness: displacement space, and the stiffness on all dofs.
-    surfaces: of all contacts. secondary: material of the secondary body of each.
+    contacts: as they were given. surfaces: of all contacts, with the roles that are solved.
+    secondary: material of the secondary body of each.
     law: contact law of all contacts: symmetric, or with theta = 0 where something has friction.
     body_force: of bodies and loaded facets, on all dofs, with that of thermal strain.
     thermal: stress (cells,) that thermal strain has where it is held, of all local cells.
@@ -105,6 +112,12 @@ class Assembly:
         self.springs: dict[Spring, FacetSet] = {}
         for load in loads:
             self._load(load)
+        for tag in tags:
+            nu = self._typical(self.materials[tag]).poisson_ratio
+            if nu > LOCKS and not kinematics.mean_dilatation:
+                text = f"body {tag} with Poisson's ratio {nu:.5g} may be far too stiff"
+                self.warn(f"{text}: cells lock without mean_dilatation=True")
+        self.contacts, contacts = contacts, [self._softer_first(each) for each in contacts]
         on = [self._bodies_at(each.secondary) for each in contacts]
         for each, found in zip(contacts, on, strict=True):
             if len(found) > 1:
@@ -123,6 +136,49 @@ class Assembly:
         self.remembers = yields or rubs
         self._unknowns: dict[tuple[Hub, ...], Unknowns] = {}
         self._factors: tuple[Interface, Unknowns, Direct] | None = None
+
+    def warn(self, text: str) -> None:
+        """A warning, of the first rank."""
+        if not self.comm.rank:
+            warnings.warn(text, stacklevel=4)
+
+    def _softer_first(self, contact: Contact) -> Contact:
+        """A contact whose secondary body is not the stiffer one by far, or a gap is given for it
+        (collective). Nitsche's parameter goes with the stiffness of the secondary body: beside a
+        soft one its pressure would be that of the mesh (ten times as stiff, degree 1: + 35 %).
+        """
+        bodies = [self._bodies_at(tag) for tag in contact.tags]
+        if contact.gap is not None or [len(each) for each in bodies] != [1, 1]:
+            return contact
+        secondary, primary = (self._typical(self.materials[tag]) for (tag,) in bodies)
+        if plane_modulus(secondary) <= STIFFER * plane_modulus(primary):
+            return contact
+        self.warn(
+            f"surface {contact.secondary} is that of the stiffer body: the contact points lie on "
+            f"surface {contact.primary}, as with secondary={contact.primary}"
+        )
+        return replace(contact, secondary=contact.primary, primary=contact.secondary)
+
+    def coarse(self, pairing: Interface, pressure: Array) -> None:
+        """Warn of contacts that touch on a part of a curved surface with too few facets from the
+        largest pressure to the edge (collective); pressure: at the points (n,).
+        """
+        on = pressure > 0
+        size = np.bincount(pairing.facet, pairing.weights)[pairing.facet[on]]
+        size = size / self.kinematics.measure(pairing.points[on])
+        found = pairing.contact[on], pressure[on], size, pairing.initial_gap[on], pairing.points[on]
+        every = [np.concatenate(parts) for parts in zip(*self.comm.allgather(found), strict=True)]
+        least, dim = LEAST_FACETS[self.bulk.degree], self.kinematics.dim
+        for number in np.unique(every[0]):
+            p, sizes, gap, x = (each[every[0] == number] for each in every[1:])
+            length = float(np.mean(sizes)) ** (1 / (dim - 1))
+            facets = np.linalg.norm(x - x[p.argmax()], axis=1).max() / length
+            whole = self.comm.allreduce(int((pairing.contact == number).sum()))
+            if facets < least and np.ptp(gap) > FLAT * length and len(p) < ALL * whole:
+                self.warn(
+                    f"contact {number} has {facets:.1f} facets from its largest pressure to its "
+                    f"edge: with less than {least} its pressure may be off by a tenth"
+                )
 
     def _materials(self) -> dict[int, Material]:
         """Material of each body by its tag (collective). Raises ValueError on all ranks for values
@@ -327,8 +383,7 @@ class Assembly:
             """Number of points that carry the force of all hubs."""
             total, material = np.cumsum(area), self.secondary[number]
             size = np.sqrt(total) if self.kinematics.load_power == 3 else 1.0
-            modulus = material.young_modulus / (1 - material.poisson_ratio**2)
-            modulus /= len(self.surfaces.contacts[number].tags)
+            modulus = plane_modulus(material) / len(self.surfaces.contacts[number].tags)
             over = gaps - gaps[0]
             carried = modulus * size * (2 * over - np.cumsum(over * area) / total)
             return int(np.searchsorted(carried, force))
@@ -400,6 +455,11 @@ class Unknowns:
             self.reduction,
             model.comm,
         )
+
+
+def plane_modulus(material: Material) -> float:
+    """Modulus E/(1 - nu^2) of a material."""
+    return float(material.young_modulus / (1 - material.poisson_ratio**2))
 
 
 def _compatible(

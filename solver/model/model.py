@@ -151,6 +151,8 @@ class Solution:
         along = np.einsum("nk,nkc->nc", size, state.pairing.tangents)
         self.traction = along - state.pressure[:, None] * face.normals
         self.converged, self.reason = state.result.converged, state.result.reason
+        if self.converged:
+            model.coarse(state.pairing, state.pressure)
         self.history: tuple[NewtonStep, ...] = state.history
         self.touching = bool(model.comm.allreduce(int((state.pressure > 0).sum())))
         self.u = compat.function(model.bulk.space, state.displacement)
@@ -168,9 +170,12 @@ class Solution:
         """
         if isinstance(part, Spring) and part in self._model.springs:
             return self._model.spring_force(part, self._state.displacement)
-        if isinstance(part, Contact) and part in self._model.surfaces.contacts:
-            own = self.contact == self._model.surfaces.contacts.index(part)
-            return self._model.comm.allreduce(self.weights[own] @ self.traction[own])
+        if isinstance(part, Contact) and part in self._model.contacts:
+            number = self._model.contacts.index(part)
+            own = self.contact == number
+            same = self._model.surfaces.contacts[number].secondary == part.secondary
+            total = self._model.comm.allreduce(self.weights[own] @ self.traction[own])
+            return total if same else -total
         if not isinstance(part, Clamp | Slide | Hub) or part not in self._forces:
             raise ValueError(f"{part!r} is no support or contact of the model")
         total, free = np.asarray(self._forces[part]), getattr(part, "free", None)

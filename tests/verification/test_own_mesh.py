@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 from boxes import LOWER, UPPER, two_boxes
@@ -239,6 +241,48 @@ def test_ball_on_a_block_under_a_load_from_afar(gap: float, secondary: int) -> N
     assert found.pressure.max() == pytest.approx(3 * load / (2 * np.pi * a**2), rel=0.01)
     assert found.force(ball) == pytest.approx(load, rel=1e-8)
     assert found.weights @ found.pressure == pytest.approx(load, rel=1e-3)
+
+
+@pytest.mark.parametrize("secondary, degree", [(11, 2), (12, 2), (12, 1)])
+def test_the_stiffer_body_may_be_secondary(secondary: int, degree: int) -> None:
+    """A disc 30 times as stiff as the block: with its points the largest pressure was 85 % off
+    (degree 1). The roles are exchanged then, which is told; forces are those of the given pair."""
+    radius, a = 10.0, 0.5
+    load = np.pi * a**2 / (4 * radius) / (1 / STRAIN + 1 / (30 * STRAIN))
+    pair = rs.Contact(secondary=secondary, primary=23 - secondary)
+    bodies = rs.Body(1, SOFT), rs.Body(2, rs.Elastic(30 * E, NU))
+    model = model_of(
+        ball_on_block(radius, a, 12, 0.0), *bodies, rs.Clamp(21), rs.Slide(30, normal=(1, 0)), pair,
+        section="plane strain", degree=degree,
+    )  # fmt: skip
+    disc = model.add(rs.Hub(22, free=(0, -1)))
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        found = model.solve({disc: rs.Force(load / 2)})
+    assert ["stiffer body" in str(w.message) for w in told] == [True] * (secondary == 12)
+    assert found.pressure.max() == pytest.approx(2 * load / (np.pi * a), rel=0.02 * (3 - degree))
+    side = 1 if secondary == 12 else -1
+    assert found.force(pair)[1] == pytest.approx(side * load / 2, rel=1e-3)
+
+
+def test_a_mesh_that_is_too_coarse_is_told() -> None:
+    """Discs with so many elements on the half width: warned where the largest pressure is a tenth
+    off, not where it is right."""
+    radius, a = 10.0, 0.5
+    load = np.pi * a**2 / (8 * radius) * STRAIN
+    for n, degree in ((3, 1), (12, 1), (3, 2)):
+        pair = rs.Contact(secondary=12, primary=11)
+        model = model_of(
+            ball_on_block(radius, a, n, 0.0), *BOTH, rs.Clamp(21), pair,
+            rs.Slide(30, normal=(1, 0)), section="plane strain", degree=degree,
+        )  # fmt: skip
+        disc = model.add(rs.Hub(22, free=(0, -1)))
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
+            found = model.solve({disc: rs.Force(load / 2)})
+        off = abs(found.pressure.max() / (2 * load / (np.pi * a)) - 1)
+        assert any("facets from its" in str(w.message) for w in told) == (off > 0.1)
+        assert (off > 0.1) == (n == 3 and degree == 1)
 
 
 def test_bodies_that_do_not_touch_and_a_rigid_sphere() -> None:

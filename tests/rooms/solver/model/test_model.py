@@ -339,6 +339,17 @@ def test_straight_facets_on_an_arc_are_warned_of_and_what_misses_is_told() -> No
     assert all(0.2 < each < 0.9 for each in missed[1::2])
 
 
+def test_nearly_incompressible_bodies_are_told_to_lock() -> None:
+    for mean in (False, True):
+        made = rs.Model(*boxes(), section="plane strain", mean_dilatation=mean)
+        made.add(rs.Body(LOWER, SOFT), rs.Body(UPPER, rs.Elastic(1.0, 0.4999)), rs.Clamp(21))
+        made.add(rs.Contact(12, 11))
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
+            made.solve()
+        assert any("mean_dilatation=True" in str(w.message) for w in told) != mean
+
+
 def test_tangents_are_orthonormal_whatever_the_normal() -> None:
     for normals in (np.eye(3), -np.eye(3), np.array([[0.6, 0.8, 0.0]])):
         frame = np.concatenate([normals[:, None], tangents_of(normals)], axis=1)
