@@ -45,7 +45,6 @@ if TYPE_CHECKING:
 CLEARANCE = 0.05  # mm, largest gap of a contact, of the size of elastic approaches
 SHIFTS = np.linspace(-10.0, 10.0, 81)  # mm, of pictures and positions.csv
 ROW_STEP = 0.25  # mm between the rows of profile.csv
-NOTHING = 1e-9  # mm, 1/mm or degrees: rounding, printed as 0
 
 CONTACT_ROWS = (
     ("rail: y from the crown centre", "mm", "rail_y_mm"),
@@ -226,7 +225,12 @@ class Location(Examined):
         if self.shifts is None:
             self._show_contacts(console, units, summary)
         else:
-            _show_rows(console, units, summary)
+            columns = {name: (head, digits) for name, head, digits in COLUMNS.values()}
+            title = f"contacts of {self.scene.name}"
+            console.print(terminal.column_table(title, self.positions(), columns, units))
+            for each in summary["left_out"]:
+                shift = units.text(each["shift_mm"], "mm")
+                terminal.labelled(console, f"left out   {shift}: {each['why']}")
         jumps = ", ".join(f"{units.value(each, 'mm'):.4g}" for each in summary["jumps_mm"])
         text = f"at shifts of {jumps} {units.unit('mm')}" if jumps else "none"
         terminal.labelled(console, f"jumps      {text}")
@@ -252,7 +256,7 @@ class Location(Examined):
         rows = []
         for label, unit, key in CONTACT_ROWS:
             factor = math.degrees(1) if unit == "deg" else 1.0
-            values = (_exact(factor * contact[key]) for contact in contacts.values())
+            values = (terminal.exact(factor * contact[key]) for contact in contacts.values())
             cells = (f"{units.value(each, unit):.6g}" for each in values)
             rows.append([label, units.unit(unit), *cells])
         header = "quantity", "unit", *contacts
@@ -266,30 +270,6 @@ class Location(Examined):
             f"(gap below {units.text(CLEARANCE, 'mm')}); y to the field side",
             highlight=False,
         )
-
-
-def _exact(value: float) -> float:
-    """A number of a table, 0 where it is but rounding."""
-    return value if abs(value) > NOTHING else 0.0
-
-
-def _show_rows(console: Console, units: Units, summary: dict[str, Any]) -> None:
-    """Print a table with a row for each shift, below it those that are left out."""
-    header, columns = [], COLUMNS.items()
-    for column, head, _ in COLUMNS.values():
-        unit = column.partition("[")[2].removesuffix("]")
-        header.append(f"{head}\n{units.unit(unit)}")
-    rows = [
-        [
-            f"{units.value(_exact(row[key]), column):.{digits}g}"
-            for key, (column, _, digits) in columns
-        ]
-        for row in summary["rows"]
-    ]
-    console.print(terminal.number_table(f"contacts of {summary['case']}", header, rows))
-    for each in summary["left_out"]:
-        shift = units.text(each["shift_mm"], "mm")
-        terminal.labelled(console, f"left out   {shift}: {each['why']}")
 
 
 def locate(scene: Scene, over: Mapping[str, Sequence[object]] | None = None) -> Location | Passage:

@@ -101,22 +101,13 @@ class Passage(Examined):
 
     def show(self, console: Console, units: Units = BASE_UNITS) -> None:
         """Print a row for each position, and where the wheel goes over. units: of the numbers."""
-        header = [f"position\n{units.unit('mm')}", f"height\n{units.unit('mm')}"]
+        columns = {"position [mm]": ("position", 6), "height [mm]": ("height", 5)}
         for name in self.names:
-            header += [f"{name} {word}\n{units.unit(unit)}" for word, _, unit, _ in PLACES]
-        rows = []
-        for row in self.rows:
-            cells = [f"{units.value(row['position_mm'], 'mm'):.6g}"]
-            cells.append(f"{units.value(row['wheel_height_mm'], 'mm'):.5g}")
-            for name in self.names:
-                head = row["heads"].get(name, {})
-                cells += [
-                    f"{units.value(head[key], unit):.{digits}g}" if key in head else ""
-                    for _, key, unit, digits in PLACES
-                ]
-            rows.append([*cells, row["touching"]])
+            columns |= {f"{name} {w} [{unit}]": (f"{name} {w}", k) for w, _, unit, k in PLACES}
         title = f"path of {self.scene.name}, x along the sections"
-        console.print(terminal.number_table(title, [*header, "touches"], rows))
+        (rows,) = self.tables().values()
+        columns["touching"] = "touches", 0
+        console.print(terminal.column_table(title, rows, columns, units))
         overs = ", ".join(f"{units.value(each, 'mm'):.5g}" for each in self.overs)
         if overs:
             text = f"goes over  from one head to the other at {overs} {units.unit('mm')}"

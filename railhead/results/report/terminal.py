@@ -36,6 +36,7 @@ TABLES = {
 """Titles of the tables below the one of the contact, by their names in `quantity_rows.rows`."""
 NO_ESTIMATE = "passes (without an estimate)"
 STEEP = 0.1  # side force over the load from which it is printed
+NOTHING = 1e-9  # mm, 1/mm or degrees: rounding, printed as 0
 PASSES_SHOWN = 10  # rows of the table of passes, and the last one
 
 
@@ -464,6 +465,33 @@ def number_table(
     for row in rows:
         table.add_row(*row)
     return table
+
+
+def column_table(
+    title: str,
+    rows: Sequence[Mapping[str, Any]],
+    columns: Mapping[str, tuple[str, int]],
+    units: Units,
+) -> Table:
+    """Table of rows of a file: of each column, by its name with the base unit in brackets, the head
+    that is shown and the digits of its numbers. units: of the numbers.
+    """
+
+    def cell(value: float | str, name: str, digits: int) -> str:
+        """A number as text; words stay."""
+        if isinstance(value, str):
+            return value
+        return f"{units.value(exact(value), name):.{digits}g}"
+
+    shown = {name: units.unit(name.partition("[")[2].removesuffix("]")) for name in columns}
+    header = [f"{head}\n{shown[name]}".rstrip() for name, (head, _) in columns.items()]
+    cells = [[cell(row[name], name, k) for name, (_, k) in columns.items()] for row in rows]
+    return number_table(title, header, cells)
+
+
+def exact(value: float) -> float:
+    """A number of a table, 0 where it is but rounding."""
+    return value if abs(value) > NOTHING else 0.0
 
 
 def _wide(table: Table, console: Console) -> int:
