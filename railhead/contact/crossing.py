@@ -377,7 +377,8 @@ def _slopes(wheel: WheelSurface, surface: Lofted, x: Array, y: Array) -> tuple[A
     z, *slopes = surface(x, y)
     points = np.column_stack([x, y, z])
     height = along(wheel, points, np.tile(UP, (len(x), 1)))
-    gradient = wheel.implicit(points + height[:, None] * UP)[1]
+    with np.errstate(invalid="ignore"):  # the wheel may be missed
+        gradient = wheel.implicit(points + height[:, None] * UP)[1]
     return height, -(gradient[:, :2] / gradient[:, 2:]).T, np.array(slopes)
 
 

@@ -94,7 +94,7 @@ def test_the_left_wheel_of_the_mirrored_wheelset_rolls_as_the_right_one() -> Non
 
 
 def test_without_such_a_motion_the_answer_says_so_and_fails(monkeypatch) -> None:
-    monkeypatch.setattr(torque_free, "PRESSINGS", 0)
+    monkeypatch.setattr(torque_free, "BALANCE", -1.0)
     result = rh.solve(unlike(), quiet=True)
     assert result.summary["checks"]["failed"] == ["axle_torque"] and not result.passed
     assert "none without torque was found" in result.summary["plan"]["effects"]["friction"]["why"]
