@@ -39,8 +39,9 @@ IN_WORKERS = {
     "share": views.half_spaces,
     "plan": views.plan,
 }
-"""Views by the word under which a page asks for them; "rigid", which follows a slider, is of this
-process."""
+"""Views by the word under which a page asks for them."""
+AT_ONCE = {"described": views.described, "rigid": views.rigid}
+"""The same of this process: they follow a slider."""
 POOL = web.AppKey("pool", ProcessPool)
 CASE = web.AppKey("case", str)
 PAGES = web.AppKey("pages", set)
@@ -79,8 +80,8 @@ class Page:
         self, kind: str, values: dict[str, str], asked: dict[str, Any]
     ) -> dict[str, Any]:
         """The data of an answer. Raises SceneError for wrong input."""
-        if kind == "rigid":
-            return await asyncio.to_thread(views.rigid, self.case, values)
+        if kind in AT_ONCE:
+            return await asyncio.to_thread(AT_ONCE[kind], self.case, values)
         if kind == "solve":
             return await self._solved(values)
         if kind == "stop":

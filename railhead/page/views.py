@@ -110,21 +110,27 @@ def _text(scene: Scene, slider: Slider) -> str:
     return f"{value / slider.factor:.12g} {slider.unit}" if isinstance(value, float) else ""
 
 
-def rigid(case: str, values: Values) -> dict[str, Any]:
-    """The scene as TOML, the command that gives its answer by half-spaces, questions about its
-    units, in words where the wheel stands, and panels with the bodies before any load: outlines
-    [y, z] in mm by body and contact points; no panels between half-spaces.
+def described(case: str, values: Values) -> dict[str, Any]:
+    """The scene as TOML, the command that gives its answer by half-spaces, and questions about its
+    units.
     """
     scene = scene_of(case, values)
-    said = {
+    return {
         "scene": tomli_w.dumps(scene.model_dump(exclude_none=True, exclude_defaults=True)),
         "command": shlex.join(["railhead", *arguments(case, values), "--fast"]),
-        "questions": list(unit_questions(scene)),
+        "questions": " ".join(unit_questions(scene)),
     }
+
+
+def rigid(case: str, values: Values) -> dict[str, Any]:
+    """In words where the wheel stands, and panels with the bodies before any load: outlines [y, z]
+    in mm by body and contact points; no panels between half-spaces.
+    """
+    scene = scene_of(case, values)
     kind = _kind(scene)
     if kind == "half-space":
-        return said | {"place": "half-spaces have no profiles", "panels": []}
-    return said | (_on_sections(scene) if kind == "sections" else _on_track(scene))
+        return {"place": "half-spaces have no profiles", "panels": []}
+    return _on_sections(scene) if kind == "sections" else _on_track(scene)
 
 
 def _on_track(scene: Scene) -> dict[str, Any]:

@@ -150,3 +150,20 @@ def test_the_folder_of_a_result_opens_where_its_sliders_were(browser, tmp_path) 
         assert shown.script("return [at('shift').value, at('shift-text').value]") == ["3", "3 mm"]
         kept = json.loads((tmp_path / "kept" / "summary.json").read_text())
         assert shown.text("max-pressure") == str(kept["result"]["pressure"]["max_MPa"])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [1300, 420])
+def test_the_layout_fits_and_every_control_has_a_name(browser, tmp_path, width: int) -> None:
+    """Its pictures are those of docs/page, at fewer colours."""
+    size = {"width": width, "height": 960, "deviceScaleFactor": 1, "mobile": False}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    with showing(browser, tmp_path, "s1002_60e1") as shown:
+        shown.put("load-text", "60 kN")
+        shown.put("shift", "6", "input")
+        shown.answered()
+        shown.until("at('plan').textContent && at('jumps').textContent && !jobs.plan.busy")
+        assert shown.script("return document.documentElement.scrollWidth <= innerWidth")
+        for each in browser.find_elements("css selector", "input, select, textarea, button"):
+            assert not each.is_displayed() or each.accessible_name, each.get_attribute("id")
+        browser.save_screenshot(str(tmp_path / f"{width}.png"))

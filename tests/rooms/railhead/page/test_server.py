@@ -4,6 +4,7 @@ import asyncio
 import base64
 import json
 import shlex
+import socket
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager, contextmanager
 from pathlib import Path
@@ -15,6 +16,7 @@ import pytest
 from aiohttp import WSServerHandshakeError
 from aiohttp.test_utils import TestClient, TestServer
 
+from railhead.cli import commands
 from railhead.page import server
 
 TOKEN, ROOT = "a-token", Path(__file__).parents[4]
@@ -56,9 +58,9 @@ def asked(root, kind, case="s1002_60e1", more=None, **values):
     root.mkdir(exist_ok=True)
 
     async def ask():
-        async with serving(root, case) as client, client.ws_connect(f"/{TOKEN}/socket") as socket:
-            await socket.send_json({"kind": kind, "number": 1, "values": values, **(more or {})})
-            return await socket.receive_json()
+        async with serving(root, case) as client, client.ws_connect(f"/{TOKEN}/socket") as page:
+            await page.send_json({"kind": kind, "number": 1, "values": values, **(more or {})})
+            return await page.receive_json()
 
     return asyncio.run(ask())
 
@@ -76,7 +78,7 @@ def test_without_the_token_the_answer_is_403(tmp_path, path: str) -> None:
 
 def test_numbers_are_those_of_the_command_that_is_shown(tmp_path, capsys) -> None:
     values = {"wheelset.shift": "3 mm", "load": "50 kN"}
-    shown = asked(tmp_path, "rigid", **values)["data"]["command"]
+    shown = asked(tmp_path, "described", **values)["data"]["command"]
     found = asked(tmp_path, "half_spaces", **values)["data"]
     words = [*shlex.split(shown)[1:], "--json", "--out", str(tmp_path / "out")]
     assert command.status(*words) == 1
@@ -104,7 +106,7 @@ def test_wrong_input_names_its_key_in_the_line_of_the_command(tmp_path, capsys, 
 def test_the_scene_that_is_shown_is_the_one_that_is_answered(tmp_path) -> None:
     values = {"wheelset.yaw": "2 mrad", "rail.profile": "54E1"}
     toml = tmp_path / "s1002_60e1.toml"
-    toml.write_text(asked(tmp_path, "rigid", **values)["data"]["scene"])
+    toml.write_text(asked(tmp_path, "described", **values)["data"]["scene"])
     again = asked(tmp_path, "rigid", case=str(toml))["data"]
     there = asked(tmp_path, "rigid", **values)["data"]
     assert again["panels"] == there["panels"]
@@ -167,13 +169,13 @@ def test_a_file_that_is_too_large_or_cut_off_is_not_kept(tmp_path, size: int) ->
 def test_a_run_ends_with_its_page(tmp_path, ending: str) -> None:
     async def running() -> None:
         async with serving(tmp_path, "hertz_ellipse") as client:
-            async with client.ws_connect(f"/{TOKEN}/socket") as socket:
-                await socket.send_json({"kind": "solve", "number": 1, "values": {}})
-                assert "meshing" in (await socket.receive_json())["data"]
+            async with client.ws_connect(f"/{TOKEN}/socket") as page:
+                await page.send_json({"kind": "solve", "number": 1, "values": {}})
+                assert "meshing" in (await page.receive_json())["data"]
                 begun = psutil.Process().children(recursive=True)
                 if ending == "stop":
-                    await socket.send_json({"kind": "stop", "number": 1, "values": {}})
-                    replies = [await socket.receive_json() for _ in range(2)]
+                    await page.send_json({"kind": "stop", "number": 1, "values": {}})
+                    replies = [await page.receive_json() for _ in range(2)]
                     (solved,) = (each for each in replies if each["kind"] == "solve")
                     assert solved["data"]["report"] == ""
             _, left = await asyncio.to_thread(psutil.wait_procs, begun, 5)
@@ -187,3 +189,17 @@ def test_a_run_that_is_refused_names_its_key_in_the_line_of_the_command(tmp_path
     found = asked(tmp_path, "solve", **{"load": "wrong"})["error"]
     line = command.refused(capsys, "run", "s1002_60e1", "--set", "load=wrong")
     assert found == {"key": "load", "line": line}
+
+
+def test_a_missing_extra_a_port_in_use_and_an_unknown_case_are_one_line(
+    tmp_path, capsys, monkeypatch
+) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = str(taken.getsockname()[1])
+        ran = command.process("page", "--port", port, "--no-open", cwd=tmp_path)
+    assert ran.returncode == 2 and ran.stdout == ""
+    assert ran.stderr.startswith(f"railhead: --port: {port} cannot be used")
+    ran = command.process("page", "nowhere", "--no-open", cwd=tmp_path)
+    assert ran.returncode == 2 and ran.stderr.startswith("railhead: case: 'nowhere' is unknown")
+    monkeypatch.setattr(commands, "find_spec", lambda _: None)
+    assert "pip install 'railhead-contact[page]'" in command.refused(capsys, "page")
