@@ -242,10 +242,15 @@ def _pressure(surface: Any) -> dict[str, Any]:
 
 
 def plan(case: str, values: Values) -> dict[str, Any]:
-    """What `railhead plan` prints: effects, mesh and price."""
+    """What `railhead plan` prints, effects, mesh and price, and the price alone."""
     from railhead import api
+    from railhead.planning import simulation_plan as planning
 
-    return {"text": str(api.plan(scene_of(case, values)))}
+    planned = api.Planned(planning.make(scene_of(case, values)))
+    price = (
+        f"{planned.plan.unknowns} unknowns, about {planned.plan.seconds:.1f} s of processor time"
+    )
+    return {"text": str(planned), "price": price}
 
 
 def profile(path: str, body: str) -> dict[str, Any]:

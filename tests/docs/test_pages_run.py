@@ -86,9 +86,10 @@ SHORTER = {"wheelset.shift=0:10:0.5mm": "wheelset.shift=0:10:5mm"}
 
 
 def commands(page: Path) -> list[list[str]]:
-    """The words of each command of a page."""
+    """The words of each command of a page that comes to an end: a page in a browser does not."""
     text = page.read_text(encoding="utf-8").replace("\\\n", " ")
-    return [[FEWER.get(word, word) for word in shlex.split(line)] for line in LINE.findall(text)]
+    lines = [line for line in LINE.findall(text) if not line.startswith("page ")]
+    return [[FEWER.get(word, word) for word in shlex.split(line)] for line in lines]
 
 
 PAGES = [page for page in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
