@@ -55,6 +55,40 @@ def drawings(columns: Sequence[str], rows: Rows, subject: Subject) -> dict[str, 
     return {"sweep.png": partial(curves, columns, rows, subject)} if len(columns) < 3 else {}
 
 
+def samples(
+    columns: Sequence[str],
+    rows: Rows,
+    name: str,
+    quantiles: Mapping[str, Any],
+    subject: Subject,
+    target: Target = None,
+) -> Figure:
+    """How often a quantity has which value, with its quantiles, and its values over each sampled
+    column of at most five; columns of words have a place for each word.
+
+    columns: headers of the sampled columns. rows: of sweep.csv. name: header of the quantity, whose
+        label is in PANELS. quantiles: by share, with "value".
+    """
+    shown = columns[:5]
+    height = math.ceil((len(shown) + 1) / 2)
+    with new_figure(target, 11, 3.8 * height, subject) as figure:
+        first, *others = figure.subplots(height, 2, squeeze=False).ravel()
+        values = _cells(rows, name)
+        first.hist(values[np.isfinite(values)], bins="auto", color=FE)
+        for share, own in quantiles.items():
+            first.axvline(own["value"], color=HERTZ, lw=1)
+            first.text(
+                own["value"], 1.0, f"{float(share):.0%}", transform=first.get_xaxis_transform()
+            )
+        first.set(xlabel=PANELS[name], ylabel="samples")
+        for axes, column in zip(others, shown, strict=False):
+            axes.plot([row[column] for row in rows], values, ".", color=FE, ms=4)
+            axes.set(xlabel=column, ylabel=PANELS[name])
+        for axes in others[len(shown) :]:
+            axes.set_axis_off()
+    return figure
+
+
 def panels(rows: Rows) -> dict[str, str]:
     """Labels of the panels of `curves` by column: with friction its forces and, where it rolls,
     T-gamma; of surfaces that vary along the rail where they touch, and the approach; of a crossing

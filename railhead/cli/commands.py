@@ -28,11 +28,13 @@ from railhead.results import result_folder
 from railhead.run import process
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene, SceneError, unit_questions
+from railhead.scene.sections import refuse_first
 
 if TYPE_CHECKING:
     from railhead.cli.examined import Examined
     from railhead.postprocess.findings import Units
     from railhead.sweeps.grid import ParameterGrid
+    from railhead.sweeps.sampling import Law
 
 KEPT = "what is solved is kept in {}/; the same command goes on"
 PROCESSES = click.IntRange(1)
@@ -219,6 +221,13 @@ def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: b
 @options.over_file
 @options.out("results/<case>_sweep")
 @options.force
+@click.option(
+    "--sample", "count", type=click.IntRange(1), metavar="NUMBER", help="Of --over KEY=LAW."
+)
+@options.samples_file
+@click.option(
+    "--sobol", is_flag=True, help="Shares of variance by key; takes KEYS + 2 times as many."
+)
 @click.option("--fields", is_flag=True, help="Write pressure and tractions of all into fields.npz.")
 @options.no_pictures
 @options.picture_format
@@ -227,8 +236,11 @@ def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: b
 @options.prints_json("the rows")
 def sweep(
     scene: Scene,
-    lists: Mapping[str, list[object]],
+    lists: Mapping[str, list[object] | Law],
     rows: Sequence[dict[str, object]],
+    count: int | None,
+    samples: Sequence[dict[str, object]],
+    sobol: bool,
     out: Path | None,
     force: bool,
     fields: bool,
@@ -239,8 +251,16 @@ def sweep(
 ) -> int:
     """Solve a case for every combination of values, side by side."""
     from railhead.sweeps import passages
+    from railhead.sweeps.grid import ParameterGrid
+    from railhead.sweeps.sampling import Law
 
-    grid = _grid(scene, lists if rows else passages.refined(scene, lists), rows)
+    values = {key: each for key, each in lists.items() if not isinstance(each, Law)}
+    if count or samples or sobol or len(values) < len(lists):
+        refuse_first((bool(rows), "--over-file", "is not allowed beside samples; leave it out"))
+        grid = ParameterGrid.sampled(scene, lists, samples, count, sobol=sobol)
+        _ask(*grid.scenes)
+    else:
+        grid = _grid(scene, values if rows else passages.refined(scene, values), rows)
     folder = out if out is not None else Path("results") / f"{scene.name}_sweep"
     result_folder.check_folder(folder)
 
@@ -261,7 +281,7 @@ def sweep(
             failed = True
     _print(
         found.as_dict(),
-        partial(click.echo, "\n".join(sweep_table.verdict(found.rows(), units))),
+        partial(click.echo, "\n".join(found.verdict(units))),
         as_json=as_json,
         quiet=quiet,
         folder=folder,

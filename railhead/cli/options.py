@@ -23,6 +23,7 @@ from railhead.scene.sections import refuse_first
 
 if TYPE_CHECKING:
     from railhead.postprocess.findings import Units
+    from railhead.sweeps.sampling import Law
 
 
 def _completing(words: Callable[[], Iterable[str]]) -> Callable[..., list[str]]:
@@ -37,17 +38,24 @@ def _keys() -> list[str]:
     return [f"{key}=" for key, _ in dotted(Scene(load=1.0).model_dump())]
 
 
-def _lists(_: click.Context, __: click.Parameter, texts: Sequence[str]) -> dict[str, list[object]]:
-    """Lists of values of --over by dotted key. Raises SceneError for wrong ones."""
+def _lists(
+    context: click.Context, _: click.Parameter, texts: Sequence[str]
+) -> dict[str, list[object] | Law]:
+    """Lists of values of --over, or laws, by dotted key. Raises SceneError for wrong ones."""
     if not texts:
         return {}
     from railhead.sweeps.grid import parse_values
+    from railhead.sweeps.sampling import Law
 
-    return parse_values(texts)
+    lists = parse_values(texts)
+    laws = [key for key, each in lists.items() if isinstance(each, Law)]
+    alone = "is a law, which railhead sweep alone takes, with --sample; give values"
+    refuse_first(*((context.info_name != "sweep", key, alone) for key in laws))
+    return lists
 
 
 def _rows(_: click.Context, __: click.Parameter, file: Path | None) -> list[dict[str, object]]:
-    """Rows of values of --over-file by dotted key. Raises SceneError for a file without any."""
+    """Rows of values of a file by dotted key. Raises SceneError for a file without any."""
     if file is None:
         return []
     from railhead.sweeps.grid import read_rows
@@ -70,6 +78,13 @@ over_file = click.option(
     callback=_rows,
     type=click.Path(path_type=Path),
     help="Rows of values: a .csv file, its first line keys.",
+)
+samples_file = click.option(
+    "--samples-file",
+    "samples",
+    callback=_rows,
+    type=click.Path(path_type=Path),
+    help="Rows that are samples, whose keys may depend on each other: a .csv file.",
 )
 
 
@@ -205,9 +220,10 @@ def takes_scene(command: Callable[..., Any]) -> Any:
         switches = [f"effects.{name}=on" for name in switched_on]
         switches += [f"effects.{name}=off" for name in switched_off]
         asked: dict[str, object] = {} if only is None else {"quantities": only}
-        for row in values.get("rows", [])[:1]:
+        for row in [*values.get("rows", [])[:1], *values.get("samples", [])[:1]]:
             asked |= row
-        asked |= {key: each[0] for key, each in values.get("lists", {}).items()}
+        for key, each in values.get("lists", {}).items():
+            asked[key] = getattr(each, "values", each)[0]
         scene = catalogue.find(case).replace([*assignments, *switches], **asked)
         return command(*arguments, scene=scene, **values)
 

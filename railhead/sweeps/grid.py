@@ -17,6 +17,7 @@ from pathlib import Path
 from railhead.geometry.tables import lines_of
 from railhead.scene.scene import Scene, SceneError, assignment, checked, unit
 from railhead.scene.sections import refuse_first
+from railhead.sweeps.sampling import Law, draw, law
 
 MAX_COMBINATIONS = 10_000
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
@@ -32,12 +33,16 @@ class ParameterGrid:
     scenes: one for each combination of values; the last key changes fastest.
     listed: whether the scenes come from rows of a table, which need not be all combinations of the
         values of each key.
+    laws: texts of the laws by key of which the rows are samples; None where they are none.
+    sobol: whether the samples come in groups as of `sampling.draw`.
     """
 
     base: Scene
     keys: list[str]
     scenes: list[Scene]
     listed: bool = False
+    laws: Mapping[str, str] | None = None
+    sobol: bool = False
 
     @classmethod
     def combine(
@@ -45,10 +50,14 @@ class ParameterGrid:
         scene: Scene,
         lists: Mapping[str, Sequence[object]],
         rows: Sequence[Mapping[str, object]] = (),
+        laws: Mapping[str, str] | None = None,
+        *,
+        sobol: bool = False,
     ) -> ParameterGrid:
         """Grid of all combinations of lists of values by dotted key; rows change slowest.
 
-        rows: values by dotted key, each combined with all of the lists.
+        rows: values by dotted key, each combined with all of the lists. laws, sobol: as of the
+            grid; samples may be alike.
         Raises SceneError for a wrong key or value, a key in both or without values, more than
         10 000 combinations and two scenes with the same values.
         """
@@ -76,13 +85,46 @@ class ParameterGrid:
             for row in rows or ({},)
             for values in product(*lists.values())
         ]
-        grid = cls(base=scene, keys=[*first, *lists], scenes=scenes, listed=bool(rows))
+        keys = [*first, *lists]
+        grid = cls(base=scene, keys=keys, scenes=scenes, listed=bool(rows), laws=laws, sobol=sobol)
         every = Counter(tuple(grid.values(number).items()) for number in range(total))
         values, count = every.most_common(1)[0]
-        if count > 1:
+        if count > 1 and laws is None:
             text = ", ".join(f"{key}={value}" for key, value in values)
             raise SceneError("--over", f"gives {text} twice; give each value once")
         return grid
+
+    @classmethod
+    def sampled(
+        cls,
+        scene: Scene,
+        lists: Mapping[str, Sequence[object] | Law],
+        rows: Sequence[Mapping[str, object]],
+        count: int | None,
+        *,
+        sobol: bool,
+    ) -> ParameterGrid:
+        """Grid of samples: `count` of the laws, or the rows with one sample of the laws for each.
+        sobol: as of `sampling.draw`. Raises SceneError as `combine`, for lists of values, and where
+        number or laws are missing or too many.
+        """
+        laws = {key: each for key, each in lists.items() if isinstance(each, Law)}
+        refuse_first(
+            *((key not in laws, key, "has values beside --sample; give a law") for key in lists),
+            *((key in laws, key, "is in the file of samples, too") for key in (rows or [{}])[0]),
+            (not (laws or rows), "--sample", "has no laws; give --over KEY=LAW"),
+            (count is None and not rows, "--sample", "is missing; give the number of samples"),
+            (
+                bool(rows) and (count is not None or sobol),
+                "--samples-file",
+                "has all samples, which may depend on each other; leave --sample and --sobol out",
+            ),
+        )
+        size = count or len(rows)
+        drawn = draw(laws, size, sobol=sobol) if laws else [{}] * size
+        both = zip(rows or [{}] * len(drawn), drawn, strict=True)
+        texts = {key: each.text for key, each in laws.items()}
+        return cls.combine(scene, {}, [{**row, **own} for row, own in both], texts, sobol=sobol)
 
     def values(self, number: int) -> dict[str, object]:
         """Values of the changing keys in scene `number` by dotted key, in base units."""
@@ -133,15 +175,15 @@ def shown(key: str, value: object) -> object:
     return value
 
 
-def parse_values(texts: Sequence[str]) -> dict[str, list[object]]:
-    """Lists of values by dotted key from texts "key=value,value,...".
+def parse_values(texts: Sequence[str]) -> dict[str, list[object] | Law]:
+    """Lists of values, or laws, by dotted key from texts "key=value,value,..." or "key=law".
 
     Each value is a scalar with or without unit, or a range first:last:step with one unit at its
     end, "0:10:0.5mm". Values are int, float, bool or text: a value with a unit stays text ("25kN"),
     as do all values of keys that take words. Raises SceneError for any other text, a key given
     twice, and a number without a unit, other than 0, beside numbers with units.
     """
-    lists: dict[str, list[object]] = {}
+    lists: dict[str, list[object] | Law] = {}
     for text in texts:
         key, equals, values = (part.strip() for part in text.partition("="))
         shape = f"{text!r} is not key=values; write e.g. load=25kN,50kN or 0:10:0.5mm"
@@ -149,6 +191,9 @@ def parse_values(texts: Sequence[str]) -> dict[str, list[object]]:
             (not (key and equals and values), "--over", shape),
             (key in lists, key, "is given twice with --over; give one list of values"),
         )
+        if (found := law(key, values)) is not None:
+            lists[key] = found
+            continue
         items = [each for item in values.split(",") for each in _expand(key, item.strip())]
         _check_units(key, items)
         lists[key] = [assignment(f"{key}={item}")[1] for item in items]

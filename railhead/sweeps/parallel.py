@@ -26,15 +26,17 @@ from railhead.scene.scene import Scene, SceneError, checked, warn_of_units
 from railhead.scene.sections import refuse_first
 from railhead.sweeps import passages, runner, store, sweep_table, worker_pool
 from railhead.sweeps.grid import ParameterGrid
+from railhead.sweeps.sampling import SEED
 from railhead.sweeps.sweep_table import Sweep
 from railhead.theory.array_types import packed
 
-TABLE, FIELDS = "sweep.csv", "fields.npz"
+TABLE, FIELDS, SAMPLE = "sweep.csv", "fields.npz", "sample.json"
+WORST = [f"worst_{number}.toml" for number in range(1, 6)]  # scenes of the largest pressures
 DRAWN = (
     sweep_table.REPORT,
     *(f"sweep.{kind}" for kind in ("png", "svg", "pdf")),
 )
-LATER = (TABLE, FIELDS, *DRAWN)
+LATER = (TABLE, FIELDS, SAMPLE, *WORST, *DRAWN)
 """Names of what is written into the folder of a sweep."""
 POLL = 0.5  # s between two looks at the finished jobs
 LOST_RECORD = "its record is gone: something else has written into the folder"
@@ -79,11 +81,14 @@ class ParallelSweep:
         over = {key: [row[key] for row in rows] for key in self.grid.keys}
         if not self.grid.listed:
             over = {key: list(dict.fromkeys(values)) for key, values in over.items()}
+        if (laws := self.grid.laws) is not None:
+            over |= {key: [text] for key, text in laws.items()}
         return {
             "railhead": result_folder.VERSION,
             "scene": portable(self.grid.base),
             "over": over,
             **({"fields": True} if self.fields else {}),
+            **({"sample": {"seed": SEED, "sobol": self.grid.sobol}} if laws is not None else {}),
         }
 
 
@@ -110,11 +115,15 @@ def run(
 
         def solve(submit: worker_pool.Submit) -> Sweep:
             """Plan all scenes, get the folder ready for their records, and solve them."""
-            plans = runner.plan_all(sweep.grid, progress, submit)
+            refused: dict[int, SceneError] | None = None if sweep.grid.laws is None else {}
+            plans = runner.plan_all(sweep.grid, progress, submit, refused)
             stack.enter_context(result_folder.claimed(sweep.folder))
             store.begin(sweep.folder, sweep.request, other, LATER)
             copy_files(map(Path, sweep.files), sweep.folder)
             _check_records(sweep)
+            for number, error in (refused or {}).items():
+                over = sweep.values(number), sweep.grid.names[number]
+                store.write(sweep.folder, number, sweep_table.record(*over, error))
             _solve_all(sweep, plans, submit, progress)
             return Sweep(sweep.folder)
 
@@ -131,6 +140,8 @@ def _check_records(sweep: ParallelSweep) -> None:
     """
     for number, (record, _) in sweep_table.records(sweep.folder).items():
         path = store.record_path(sweep.folder, number)
+        if sweep.grid.laws is not None and number >= len(sweep.grid.scenes):
+            raise SceneError("--sample", f"{str(sweep.folder)!r} has more samples; give as many")
         if record["fault"]:
             path.unlink()
         elif number >= len(sweep.grid.scenes) or record["over"] != json.loads(
@@ -140,13 +151,14 @@ def _check_records(sweep: ParallelSweep) -> None:
 
 
 def _solve_all(
-    sweep: ParallelSweep, plans: Sequence[Plan], submit: worker_pool.Submit, progress: Progress
+    sweep: ParallelSweep, plans: Mapping[int, Plan], submit: worker_pool.Submit, progress: Progress
 ) -> None:
     """Let other processes solve the scenes that have no record, and wait. A crash takes the rest of
     its group with it: each of these is tried again alone. A scene that still has no record gets one
     with the reason.
 
-    plans: of all scenes. submit: starts a job. OSError: a reason cannot be written.
+    plans: of all scenes that make a contact problem, by number. submit: starts a job. OSError: a
+        reason cannot be written.
     """
     folder, names = sweep.folder, sweep.grid.names
     done = store.done(folder)
@@ -157,7 +169,7 @@ def _solve_all(
         planned = {number: plans[number] for number in group}
         return submit(_solve, folder, over, planned, sweep.fields)
 
-    progress.jobs(len(done), len(plans))
+    progress.jobs(len(done), len(sweep.grid.scenes))
     groups = runner.group_by_mesh(plans)
     missing = [[number for number in group if number not in done] for group in groups]
     busy, workers = sum(map(bool, missing)), worker_pool.workers(MPI.COMM_WORLD.size)
@@ -176,7 +188,7 @@ def _solve_all(
                 else:
                     over = sweep.values(number), names[number]
                     store.write(folder, number, sweep_table.record(*over, RuntimeError(fault)))
-        progress.jobs(len(store.done(folder)), len(plans))
+        progress.jobs(len(store.done(folder)), len(sweep.grid.scenes))
 
 
 def split_among_workers(numbers: Sequence[int], groups: int, workers: int) -> list[Sequence[int]]:
@@ -226,6 +238,11 @@ def _write(sweep: ParallelSweep, found: Sweep, *, pictures: bool) -> None:
     over = found.as_dict().get(store.TRANSFER)
     whole = result_folder.to_json(sweep.request | ({store.TRANSFER: over} if over else {}))
     store.write_whole(folder, folder / store.REQUEST, whole.encode())
+    if sweep.grid.laws is not None:
+        store.write_whole(folder, folder / SAMPLE, result_folder.to_json(found.sample).encode())
+        for name, number in zip(WORST, found.worst(), strict=False):
+            text = result_folder.scene_toml("run", sweep.grid.scenes[number])
+            store.write_whole(folder, folder / name, text.encode())
     for name in DRAWN:
         (folder / name).unlink(missing_ok=True)
     if pictures:

@@ -56,10 +56,14 @@ def plan_each(scenes: Sequence[Scene]) -> list[Plan | SceneError]:
 
 
 def plan_all(
-    grid: ParameterGrid, progress: Progress, submit: worker_pool.Submit | None = None
-) -> list[Plan]:
-    """Plans of all scenes of a grid. Raises SceneError, with the values of the scene, for the first
-    scene that makes no contact problem. submit: as of `worker_pool.together`.
+    grid: ParameterGrid,
+    progress: Progress,
+    submit: worker_pool.Submit | None = None,
+    refused: dict[int, SceneError] | None = None,
+) -> dict[int, Plan]:
+    """Plans of all scenes of a grid by number. Raises SceneError, with the values of the scene, for
+    the first scene that makes no contact problem; where there is a table of the `refused`, it is
+    put there instead. submit: as of `worker_pool.together`.
 
     The approach of a whole rail is to its foot, that of a head to its cut. So that one sweep has
     one datum, `effects.rail_section` is set to on in the grid's scenes that leave it to the plan,
@@ -72,14 +76,17 @@ def plan_all(
     for part in worker_pool.together(submit, plan_each, jobs):
         planned += part
         progress.stage(f"planning: {len(planned)} of {total} scenes")
-    plans = []
+    plans = {}
     for number, plan in enumerate(planned):
-        if isinstance(plan, SceneError):
+        if not isinstance(plan, SceneError):
+            plans[number] = plan
+        elif refused is None:
             raise SceneError(plan.key, f"{plan.text} ({grid.label(number)})")
-        plans.append(plan)
-    sections = [plan.effects["rail_section"] for plan in plans]
-    if any(each.on for each in sections) and "effects.rail_section" not in grid.keys:
-        for number, each in enumerate(sections):
+        else:
+            refused[number] = plan
+    sections = {number: plan.effects["rail_section"] for number, plan in plans.items()}
+    if any(each.on for each in sections.values()) and "effects.rail_section" not in grid.keys:
+        for number, each in sections.items():
             scene = grid.scenes[number]
             if not each.on and "on" not in each.refused and scene.effects.rail_section == "auto":
                 grid.scenes[number] = scene.replace(["effects.rail_section=on"])
@@ -87,15 +94,15 @@ def plan_all(
     return plans
 
 
-def group_by_mesh(plans: Sequence[Plan]) -> list[list[int]]:
+def group_by_mesh(plans: Mapping[int, Plan]) -> list[list[int]]:
     """Groups of numbers of plans that share a mesh, each by rising load, of at most 30 loads
     (MAX_GROUP) whose largest is at most 8 times (MAX_LOAD_RATIO) the smallest. A plan that shares
     no mesh is a group of its own.
     """
     alike: dict[str, list[int]] = {}
-    for number, plan in enumerate(plans):
+    for number, plan in plans.items():
         alike.setdefault(_mesh_key(number, plan), []).append(number)
-    load = [plan.scene.load or 0.0 for plan in plans]
+    load = {number: plan.scene.load or 0.0 for number, plan in plans.items()}
     groups: list[list[int]] = []
     for numbers in alike.values():
         group: list[int] = []
@@ -114,12 +121,13 @@ def forecast(grid: ParameterGrid, workers: int, progress: Progress) -> dict[str,
     share a mesh as if each had its own. Raises SceneError for a scene that makes no contact
     problem.
     """
-    plans = plan_all(grid, progress)
+    numbered = plan_all(grid, progress)
+    plans = [*numbered.values()]
     seconds = [plan.solving_seconds - cost.START for plan in plans]
     on = Counter(name for plan in plans for name, effect in plan.effects.items() if effect.on)
     return {
         "combinations": len(plans),
-        "meshes": len(group_by_mesh(plans)),
+        "meshes": len(group_by_mesh(numbered)),
         "unknowns": [plan.unknowns for plan in plans],
         "seconds": cost.START + max(sum(seconds) / workers, *seconds),
         "processes": workers,

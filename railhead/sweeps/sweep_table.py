@@ -8,6 +8,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,7 +26,7 @@ from railhead.results.result import Result
 from railhead.scene import quantities
 from railhead.scene.catalogue import as_path
 from railhead.scene.scene import Scene, SceneError
-from railhead.sweeps import store
+from railhead.sweeps import sampling, store
 from railhead.sweeps.grid import column, shown
 
 if TYPE_CHECKING:
@@ -36,6 +37,7 @@ COLUMNS = [each for each in quantities.QUANTITIES if each.column]
 CHECKS, PASSED, WARNINGS, BELOW = "checks", "passed", "warnings", "below resolution"
 STEEL = "steel"  # column: whether a steel that was solved as elastic would yield
 REPORT = "report.html"
+LARGEST = "p_max [MPa]"
 POSITION, NOTHING = "rail.position [mm]", 0.01  # of the load
 NOTE = re.compile(rf"(?:^|; )({'|'.join(EFFECTS)}): ")  # begin of a warning in a cell
 
@@ -241,6 +243,52 @@ def cell(row: Mapping[str, Any], name: str, units: Units) -> str:
     return f"{text} ({BELOW})" if text and short in _hidden(row) else text
 
 
+def _sampled(rows: Mapping[int, Row], request: Mapping[str, Any]) -> dict[str, Any]:
+    """What samples say together (`sampling.summary`), of rows by number, with those errors of each
+    row that sweep.csv has. request: content of sweep.json.
+    """
+    size = max(rows, default=-1) + 1
+    keys = list(request["over"]) if request["sample"]["sobol"] else []
+    size += -size % (len(keys) + 2) if keys else 0
+    answers = {}
+    for each in COLUMNS:
+        values, errors = np.full((2, size), np.nan)
+        for number, row in rows.items():
+            value, error = row.get(each.header), row.get(f"{each.column} estimate")
+            if isinstance(value, float):
+                over = row["mu N [N]"] if each.over_friction_limit else value
+                scale = 1.0 if each.absolute else abs(over)
+                values[number], errors[number] = value, np.nan if error is None else error * scale
+        if np.isfinite(values).any():
+            answers[each.header] = values, errors
+    failed = {number: row[CHECKS] for number, row in rows.items() if row[CHECKS] != PASSED}
+    return sampling.summary(answers, failed, keys)
+
+
+def _said(sample: Mapping[str, Any], units: Units) -> list[str]:
+    """Lines with median and 95 % of what short tables have, with both errors, and of the largest
+    pressure the shares of its variance. sample: as of `sampling.summary`, or empty.
+    """
+    from railhead.postprocess.pictures.sweep_plots import PANELS
+
+    lines = []
+    for name, own in sample.get("quantiles", {}).items():
+        if name not in PANELS:
+            continue
+        texts = []
+        for share, word in (("0.5", "half"), ("0.95", "95 %")):
+            text, *wide = (
+                "?" if own[share][key] is None else f"{units.value(own[share][key], name):.{n}g}"
+                for key, n in (("value", 5), ("error", 2), ("estimate", 2))
+            )
+            texts.append(f"{word} below {text} (sampling {wide[0]}, runs {wide[1]})")
+        lines.append(f"{units.unit(name)}: {', '.join(texts)}")
+    for key, own in sample.get("sobol", {}).get(LARGEST, {}).items():
+        shares = f"{own['first']:.3f} alone, {own['total']:.3f} in all, within {own['error']:.3f}"
+        lines.append(f"variance of the largest pressure by {key}: {shares}")
+    return lines
+
+
 class Sweep(terminal.Drawn, list[Result]):
     """List of the results of all combinations that were solved, the last key changing fastest. A
     combination without a result is missing in the list, but has a row, so positions need not be
@@ -248,6 +296,7 @@ class Sweep(terminal.Drawn, list[Result]):
 
     keys: dotted keys that are set, in order.
     failures: a line for each file that could not be drawn or stamped.
+    sample: what samples say together, as `sampling.summary`; empty where they are none.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -269,6 +318,9 @@ class Sweep(terminal.Drawn, list[Result]):
         self._title = f"sweep of {name} over {' and '.join(self.keys)}"
         self._columns = [column(key) for key in self.keys]
         self._rows = [row for _, row in known.values()]
+        self.sample: dict[str, Any] = {}
+        if "sample" in request:
+            self.sample = _sampled(dict(zip(known, self._rows, strict=True)), request)
         if any(name not in row for name in self._columns for row in self._rows):
             raise SceneError("load", f"{str(folder)!r} holds records of another sweep")
         self.failures: list[str] = []
@@ -285,7 +337,7 @@ class Sweep(terminal.Drawn, list[Result]):
         for row in self._rows:
             table.add_row(*(Text(cell(row, name, units)) for name in names))
         console.print(table)
-        for line in verdict(self._rows, units):
+        for line in self.verdict(units):
             console.print(line, markup=False, highlight=False)
 
     def drawings(self, units: Units = BASE_UNITS) -> dict[str, Drawing]:
@@ -298,6 +350,10 @@ class Sweep(terminal.Drawn, list[Result]):
         methods = sorted({each["method"] for each in said})
         title = ", ".join([self._title, *[" to ".join(ends)] * bool(loads), *methods])
         subject = Subject(title, units=units)
+        if self.sample:
+            own = self.sample["quantiles"].get(LARGEST, {})
+            drawn = partial(plots.samples, self._columns, self._rows, LARGEST, own, subject)
+            return {"sweep.png": drawn}
         return plots.drawings(self._columns, self._rows, subject)
 
     def write_report(self, folder: Path, scenes: Sequence[Scene], units: Units) -> None:
@@ -310,7 +366,7 @@ class Sweep(terminal.Drawn, list[Result]):
         text = html.template("sweep.html.j2").render(
             title=self._title,
             units=units,
-            verdict=verdict(rows, units),
+            verdict=self.verdict(units),
             passed=all(row[CHECKS] == PASSED for row in rows),
             pictures=[html.picture(path.read_bytes()) for path in drawn if path.exists()],
             columns=[*columns, *short(rows), WARNINGS],
@@ -328,9 +384,22 @@ class Sweep(terminal.Drawn, list[Result]):
         (folder / REPORT).write_text(text, encoding="utf-8")
 
     def as_dict(self) -> dict[str, Any]:
-        """The rows as plain data, and of a crossing where the load goes over (`transfer`)."""
-        over = transfer(self._rows)
-        return {"rows": self._rows, **({store.TRANSFER: over} if over else {})}
+        """The rows as plain data, of a crossing where the load goes over (`transfer`), and of
+        samples what they say together ("sample").
+        """
+        more = {store.TRANSFER: transfer(self._rows), "sample": self.sample}
+        return {"rows": self._rows, **{key: each for key, each in more.items() if each}}
+
+    def verdict(self, units: Units) -> list[str]:
+        """Lines that say of all rows what a run says of one, and quantiles and shares of samples.
+        units: of the numbers.
+        """
+        return verdict(self._rows, units) + _said(self.sample, units)
+
+    def worst(self) -> list[int]:
+        """Numbers of the rows with the largest pressures, the largest first."""
+        known = [n for n, row in enumerate(self._rows) if row.get(LARGEST) is not None]
+        return sorted(known, key=lambda number: -self._rows[number][LARGEST])
 
     def rows(self) -> list[Row]:
         """The table of `railhead sweep`: a row for each combination that has a record, in their

@@ -208,7 +208,7 @@ def test_a_sweep_has_one_datum_of_the_approach() -> None:
     alone = [planning.make(scene).effects["rail_section"].on for scene in grid.scenes]
     plans = runner.plan_all(grid, Progress(quiet=True))
     assert alone == [True, True, False]
-    assert [plan.effects["rail_section"].on for plan in plans] == [True, True, True]
+    assert [plan.effects["rail_section"].on for plan in plans.values()] == [True] * 3
     assert [scene.effects.rail_section for scene in grid.scenes] == ["auto", "auto", "on"]
 
 
@@ -238,7 +238,7 @@ def test_the_mesh_of_several_loads_is_no_coarser_than_their_own(in_this_process)
 def test_loads_far_apart_have_meshes_of_their_own() -> None:
     """Within a patch, elements are at most about twice as long here as there."""
     given = ["100N", "1kN", "799N", "801N", "10kN", "8kN"]
-    plans = [planned("hertz_ellipse", f"load={load}") for load in given]
+    plans = {n: planned("hertz_ellipse", f"load={load}") for n, load in enumerate(given)}
     assert runner.group_by_mesh(plans) == [[0, 2], [3, 1], [5, 4]]
 
 
@@ -250,10 +250,8 @@ def test_loads_far_apart_have_meshes_of_their_own() -> None:
 )  # fmt: skip
 def test_loads_that_want_unlike_meshes_share_none(case: str, key: str, given: list[str]) -> None:
     scene = rh.find(case).replace([key, "effects.plasticity=off"])
-    assert runner.group_by_mesh([planning.make(scene.replace(load=load)) for load in given]) == [
-        [0],
-        [1],
-    ]
+    plans = {n: planning.make(scene.replace(load=load)) for n, load in enumerate(given)}
+    assert runner.group_by_mesh(plans) == [[0], [1]]
 
 
 @pytest.fixture
