@@ -4,8 +4,9 @@ Relative, for the largest pressure and the area, in named parts from the geometr
 size        the curvature that held and free faces of the bodies add (theory.elastic)
 conformity  1 - cos of half the range of the normals in the patch, on the rail and, by the slope of
             the gap, on the wheel: what a developed plane neglects
-share       of several patches: their compliances differ by where the bodies end, and with them the
-            loads they carry (F ~ d^(3/2), p ~ F^(1/3), area ~ F^(2/3))
+share       of several patches: their compliances differ by where the bodies end, and those on two
+            rails displace each other through the wheel; with them the loads change that they carry
+            (F ~ d^(3/2), p ~ F^(1/3), area ~ F^(2/3))
 twist       the change by the rotation and the movement aside of the bodies where they touch
 
 A load beside the web twists a rail: a wheel that only moves down presses along the contact normal,
@@ -24,6 +25,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from railhead.contact import closed_forms, placed_bodies
 from railhead.contact.solid import Contact
@@ -31,7 +33,7 @@ from railhead.geometry import profiles
 from railhead.half_spaces.heads import APART, Heads
 from railhead.half_spaces.pressing import HalfSpacePair
 from railhead.half_spaces.surface import Developed, Span
-from railhead.meshing.bodies import BODY_NAMES, RAIL
+from railhead.meshing.bodies import BODY_NAMES, RAIL, WHEEL
 from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.theory.array_types import Array
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
@@ -68,12 +70,14 @@ def added_stress(
 class _Body:
     """A deformable body of finite size.
 
+    wheel: whether it is the wheel.
     weight: its (1 - nu^2)/E over the sum of those of both bodies, 0 to 1.
     poisson: Poisson's ratio.
     depth: nominal depth at which it is held, mm, as `placed_bodies.depth`.
     ends: positions s of its free edges on the developed rail, mm.
     """
 
+    wheel: bool
     weight: float
     poisson: float
     depth: float
@@ -105,6 +109,7 @@ class _Patch(NamedTuple):
     force: N.
     area: mm2.
     s: of its centre, mm.
+    place: of its centre in space, mm.
     half_extents: along the rail and across it, mm.
     normals: range of the angles of the rail's normals in it, largest less smallest, rad.
     """
@@ -113,6 +118,7 @@ class _Patch(NamedTuple):
     force: float
     area: float
     s: float
+    place: Array
     half_extents: tuple[float, float]
     normals: float
 
@@ -133,13 +139,28 @@ def allowance(
     twist: relative change of pressure and area by the rotation and the movement of the bodies,
         which is taken over as a part.
     """
-    found: list[tuple[_Patch, Allowance]] = []
-    for span in pair.facing.spans:
-        patches = _patches(pair.facing, solved, span)
-        changes = _changes(patches, _bodies(pair, deformable, span), solved.contact_modulus, twist)
-        found += zip(patches, changes, strict=True)
-    if not found:
+    spans = [
+        (_patches(pair.facing, solved, span), _bodies(pair, deformable, span))
+        for span in pair.facing.spans
+    ]
+    patches = [each for patches, _ in spans for each in patches]
+    if not patches:
         return {}
+    forces = np.zeros(1) if len(patches) == 1 else _force_changes(spans)
+    changes = [
+        {
+            "size": _size(patch, around),
+            "conformity": _conformity(patch, solved.contact_modulus),
+            "twist": twist,
+        }
+        for patches, around in spans
+        for patch in patches
+    ]
+    # A force is in the largest pressure to the power 1/3, and in the area to the power 2/3.
+    found = [
+        (patch, {**parts, "share": float(force) / 3})
+        for patch, parts, force in zip(patches, changes, forces, strict=True)
+    ]
     _, top = max(found, key=lambda each: each[0].pressure * (1 + sum(each[1].values())))
     areas = [patch.area for patch, _ in found]
     mean = {
@@ -147,24 +168,6 @@ def allowance(
     }
     allowed = {"max_MPa": top, "area_mm2": {**mean, "share": 2 * mean["share"]}}
     return {key: {**parts, "total": sum(parts.values())} for key, parts in allowed.items()}
-
-
-def _changes(
-    patches: list[_Patch], around: list[_Body], contact_modulus: float, twist: float
-) -> list[Allowance]:
-    """Relative changes of the largest pressures of the patches on one body, in parts by name. The
-    force on a patch is in that to the power 1/3, and in the area to the power 2/3.
-    """
-    forces = _force_changes(patches, around) if patches else ()
-    return [
-        {
-            "size": _size(patch, around),
-            "conformity": _conformity(patch, contact_modulus),
-            "share": float(force) / 3,
-            "twist": twist,
-        }
-        for patch, force in zip(patches, forces, strict=True)
-    ]
 
 
 def _patches(
@@ -178,13 +181,15 @@ def _patches(
             return []
         ends = surface.angle(span.middle + np.array([-solved.b, solved.b]))
         half = solved.a, solved.b
-        return [_Patch(solved.p0, solved.load, solved.area, 0.0, half, float(np.ptp(ends)))]
+        angles, place = float(np.ptp(ends)), np.zeros(3)
+        return [_Patch(solved.p0, solved.load, solved.area, 0.0, place, half, angles)]
     return [
         _Patch(
             each.max_pressure,
             each.force,
             each.area,
             each.centroid[1] - span.middle,
+            surface.points(*np.atleast_2d(each.centroid).T)[0],
             each.half_extents,
             float(np.ptp(each.angle[each.pressure.any(axis=0)])),
         )
@@ -202,7 +207,7 @@ def _bodies(pair: HalfSpacePair, deformable: Sequence[int], span: Span) -> list[
     modulus = closed_forms.contact_modulus(scene)
     found = []
     for tag in deformable:
-        part = scene.bodies[BODY_NAMES[tag]]
+        part, depth = scene.bodies[BODY_NAMES[tag]], placed_bodies.depth(scene, tag)
         weight = modulus / closed_forms.plane_strain_modulus(scene, tag)
         if tag == RAIL:
             ends = span.ends
@@ -210,7 +215,7 @@ def _bodies(pair: HalfSpacePair, deformable: Sequence[int], span: Span) -> list[
             low, high = contact.profiles["wheel"][0].domain
             half = (scene.wheel.width or math.inf) / 2
             ends = max(low - touch.wheel_y, -half), min(high - touch.wheel_y, half)
-        found.append(_Body(weight, part.poisson_ratio, placed_bodies.depth(scene, tag), ends))
+        found.append(_Body(tag == WHEEL, weight, part.poisson_ratio, depth, ends))
     return found
 
 
@@ -233,17 +238,26 @@ def _conformity(patch: _Patch, contact_modulus: float) -> float:
     return sum(1 - math.cos(slope) for slope in (patch.normals / 2, a * along, b * across))
 
 
-def _force_changes(patches: list[_Patch], around: list[_Body]) -> Array:
+def _force_changes(spans: Sequence[tuple[list[_Patch], list[_Body]]]) -> Array:
     """Magnitude (n,) of the relative change of the force on each of n patches by held and free
-    faces, the sum of forces being fixed; 0 for a single patch. A force changes by 3/2 of the
-    relative change of its patch's compression.
+    faces, the sum of forces being fixed. A force changes by 3/2 of the relative change of its
+    patch's compression.
+    spans: patches on each rail, and the bodies there. Patches on unlike rails displace each other
+        through the wheel alone, as on a half-space.
     """
-    force = np.array([patch.force for patch in patches])
-    if len(patches) == 1:
-        return np.zeros(1)
-    s = np.array([patch.s for patch in patches])
-    rest = sum(body.influence(s) @ force for body in around)
+    patches = [each for patches, _ in spans for each in patches]
+    force, places = (np.array([getattr(p, name) for p in patches]) for name in ("force", "place"))
+    own = [
+        sum(body.influence(np.array([each.s for each in patches])) for body in around)
+        for patches, around in spans
+        if patches
+    ]
+    same = block_diag(*(np.ones_like(each) for each in own)) > 0
+    apart = np.linalg.norm(places[:, None] - places, axis=-1)
+    wheel = sum(body.weight for body in spans[0][1] if body.wheel)
+    influence = np.where(same, block_diag(*own), wheel / np.where(same, np.inf, apart))
     stiffness = [1.5 / halfspace.own_approach(*patch.half_extents) for patch in patches]
+    rest = influence @ force
     return np.asarray(np.abs(rest - np.average(rest, weights=stiffness)) * stiffness / force)
 
 

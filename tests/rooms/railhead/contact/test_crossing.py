@@ -168,6 +168,19 @@ def test_two_heads_share_the_load_under_one_sink(
     assert places["wing"][:2] == pytest.approx([-5.7383, aside], abs=1e-3)
 
 
+@pytest.mark.parametrize(("position", "one", "other"), [(193.0, 1131.4, 2.1), (196.0, 1830.5, 4.8)])
+def test_the_estimate_holds_what_a_wheel_that_is_one_half_space_changes(
+    nose: str, wing: str, position: float, one: float, other: float
+) -> None:
+    """The largest pressure where both heads displace the same wheel (c = 0.5 of case 6)."""
+    fast = scene(position, nose, wing).replace(effects={"finite_bodies": "off"}, quantities="patch")
+    found = rh.solve(fast, quiet=True).summary
+    parts, p = found["accuracy"]["parts"]["max_MPa"], found["result"]["pressure"]["max_MPa"]
+    change = one / p - 1
+    assert change * p == pytest.approx(other, abs=0.4)
+    assert change < parts["share"] < 0.05
+
+
 def test_a_slope_along_the_rail_makes_a_force_along_it(tmp_path: Path) -> None:
     """Case 3, slope 0.05: 1137.85 MPa, 105.59 mm2, sink 0.09076 mm; N = F/nz has the part F s."""
     table = drawn.write(tmp_path, range(-80, 101, 20), lambda x: drawn.arcs(0.0) + [0.0, 0.05 * x])
