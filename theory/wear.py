@@ -1,4 +1,4 @@
-"""Wear and damage of rolling surfaces: laws, and the worn height after a step in one contact solve.
+"""Wear and damage of rolling surfaces: laws, and the worn depth after a step in one contact solve.
 
 A line of a surface along the rolling direction loses the depth
 
@@ -6,9 +6,12 @@ A line of a surface along the rolling direction loses the depth
 
 in dn passages; w is the density of the dissipated energy and k the worn volume over that energy,
 mm3/(N mm). With w = p x (w/p) and w/p frozen in a step, the depth of the step is linear in the
-pressure p of its end (backward Euler): the surfaces part by c int p dx, c = k dn int w dx / int p
-dx. That is a compliance of each line beside that of the half-spaces (`bem.influence.Lines`). The
-matrix stays symmetric and positive definite: any step is stable, and nothing is smoothed.
+pressure p of its end (backward Euler): dh = c int p dx, c = k dn int w dx / int p dx.
+
+The depth is a cubic spline whose knots stay where they are on the profile: dh is projected onto
+these splines by least squares (`Splines`). So the surfaces part by sqrt(c) P sqrt(c) int p dx, with
+the projection P: a compliance of lines beside that of the half-spaces (`bem.influence.Lines`). The
+matrix stays symmetric and positive definite: any step is stable.
 Lengths in mm, forces in N, stresses in MPa.
 """
 
@@ -17,9 +20,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator, make_interp_spline
+from scipy.interpolate import BSpline, make_interp_spline
+from scipy.sparse.linalg import splu
 
 from railhead.theory.array_types import Array
 from railhead.theory.friction_laws import DENSITY
@@ -34,10 +40,8 @@ USFD: Pairs = ((55.0 / 5.3, 55.0), (77.2, 55.0), (78.2, 116.9))
 #: T-gamma of a patch, N, and damage of one passage: no cracks up to 15 N, and beyond 175 N wear
 #: takes them off. Burstow's whole-life rail model, from memory; others begin at 20 N.
 DAMAGE: Pairs = ((15.0, 0.0), (65.0, 1e-5), (175.0, 0.0))
-FIRST, DEEPEST = 0.125, 0.02  # largest share, and depth in mm, of the first step
-LEAST = 6  # lines of a patch
-ENDS, SMOOTH = 0.75, 0.1  # spacings from the outermost line to the end; of the value beside it
-SHORTEST, GROWTH = 1e-5, 3.0  # share of a step that is not made shorter; largest growth
+FIRST, DEEPEST = 0.25, 0.02  # largest share, and depth in mm, of the first step
+SHORT, SHORTEST, GROWTH = 2e-3, 1e-5, 3.0  # shares of steps (`march_freely`); largest growth
 
 
 @dataclass(frozen=True)
@@ -68,51 +72,68 @@ def damage(t_gamma: float) -> float:
     return float(np.interp(t_gamma, *np.transpose(DAMAGE)))
 
 
-def onto(places: Array, s: Array, values: Array) -> Array:
-    """Values (n,) at places (n,) of a curve through values (m,), none below 0, at s (m,), evenly
-    spaced, mm, by cubic pieces that make no new extremes; zero beyond its ends, which follow from
-    the outermost values above 0 (`_ended`).
+@dataclass(frozen=True)
+class Splines:
+    """Cubic splines over evenly spaced places, with evenly spaced knots.
+
+    places: number of places, n.
+    knots: number of intervals between knots.
     """
-    (used,) = np.nonzero(values)
-    if used.size < LEAST:
-        return np.zeros_like(places)
-    low, left = _ended(s[used[0] :], values[used[0] :])
-    high, right = _ended(s[used[-1] :: -1], values[used[-1] :: -1])
-    inner = slice(used[0] + left, used[-1] + 1 - right)
-    x = np.concatenate([[low], s[inner], [high]])
-    return np.nan_to_num(PchipInterpolator(x, np.pad(values[inner], 1), extrapolate=False)(places))
+
+    places: int
+    knots: int
+
+    @cached_property
+    def _basis(self) -> tuple[Any, Any]:
+        """Values (n, knots + 3) of the B-splines at the places, and the factors of their normal
+        equations.
+        """
+        inner = np.linspace(0.0, 1.0, self.knots + 1)
+        x = np.linspace(0.0, 1.0, self.places).clip(max=1 - 1e-12)
+        basis = BSpline.design_matrix(x, np.pad(inner, 3, mode="edge"), 3)
+        return basis.tocsr(), splu((basis.T @ basis).tocsc())
+
+    def projected(self, values: Array) -> Array:
+        """The spline (n,) that is nearest to values (n,) by least squares: P values."""
+        basis, factors = self._basis
+        return np.asarray(basis @ factors.solve(np.asarray(basis.T @ values)))
+
+    def between(self, weights: Array) -> Array:
+        """weights^T P weights (m, m) of weights (n, m): symmetric, none of its eigenvalues below
+        0.
+        """
+        basis, factors = self._basis
+        moments = np.asarray(basis.T @ weights)
+        return np.asarray(moments.T @ factors.solve(moments))
 
 
-def _ended(s: Array, values: Array) -> tuple[float, int]:
-    """Place at which values at s, mm, from the outermost one on, end, and how many of them do not
-    count. The outermost line, which a smooth patch covers in part, does not where the parabola
-    through the three next ones goes through it and is 0 close to it. Else the end is where the
-    straight line through the last two is 0, or one spacing beyond.
+def averaged(values: Array, step: float, width: float) -> Array:
+    """Values (n, ...) that are `step` mm apart, and zero beyond, averaged with weights that fall
+    linearly to zero at a width, mm, to each side.
     """
-    edge, one, two, three = values[:4].tolist()
-    bend, rise = (one - 2 * two + three) / 2, (one - three) / 2
-    smooth = abs(two + 2 * rise + 4 * bend - edge) <= SMOOTH * one
-    for root in np.roots([bend, rise, two]) if smooth else ():  # s[1] is at 1, the outermost at 2
-        if root.imag == 0 and abs(root.real - 2) <= ENDS:
-            return float(s[2] + root.real * (s[1] - s[2])), 1
-    return float(s[0] + (s[0] - s[1]) * min(1.0, edge / max(one - edge, edge))), 0
+    more = math.ceil(width / step) + 1
+    padded = np.pad(values, [(more, more)] + [(0, 0)] * (values.ndim - 1))
+    s = step * np.arange(-more, len(values) + more)
+    twice, s = make_interp_spline(s, padded, k=1).antiderivative(2), s[more:-more]
+    return np.asarray((twice(s + width) + twice(s - width) - 2 * twice(s)) / width**2)
 
 
-def seen(values: Array, step: float, width: Array) -> Array:
-    """Values (n,) that are `step` mm apart, as lines of the width (n,), mm, see them: averages with
-    weights that fall linearly to zero at one width to each side. With values as of `onto` this
-    keeps the influence of several grids on each other symmetric; what is shorter than a line cannot
-    be taken for a longer wave.
+def peak(values: Array, step: float, width: float) -> float:
+    """Largest value (n, ...) that are `step` mm apart, averaged over a width (`averaged`), without
+    what this takes from a parabola: a sixth of the fall within the width to the side on which they
+    fall less.
     """
-    s = step * np.arange(values.size)
-    twice = make_interp_spline(s, values, k=1).antiderivative(2)
-    ends = twice(s + width) + twice(s - width) - 2 * twice(s)
-    return np.asarray(ends / width**2)
+    mean = averaged(values, step, width).reshape(len(values), -1)
+    n, which = np.unravel_index(int(np.argmax(mean)), mean.shape)
+    s, line = step * np.arange(len(mean)), mean[:, which]
+    beside = np.interp([s[n] - width, s[n] + width], s, line, left=0.0, right=0.0)
+    return float(line[n] + (line[n] - beside.max()) / 6)
 
 
-Advance = Callable[[Array, Sequence[float]], list[Array]]
-"""Worn depth (n,), mm, and shares of the whole wear -> depth (n,) after one step of backward Euler
-from there for each of the shares."""
+Advance = Callable[[Array, float], tuple[Array, float]]
+"""Worn depth (n,), mm, and a share of the whole wear -> depth (n,) after a step of backward Euler
+from there, and its change: how far the rate of wear at the start of the step is from that at its
+end, over the latter."""
 
 
 @dataclass(frozen=True)
@@ -121,7 +142,7 @@ class Stage:
 
     done: share of the whole wear, 0 to 1.
     depth: (n,), mm.
-    change: largest change of the depth by two half steps in the place of the step, mm.
+    change: of the step, as of `Advance`.
     share: of the whole wear that the next step should take.
     """
 
@@ -132,49 +153,37 @@ class Stage:
 
 
 def march(advance: Advance, start: Stage, ends: Sequence[float]) -> Iterator[Stage]:
-    """Worn depth after each of some shares of the whole wear, ascending and after that of `start`.
-
-    A step is made whole and in two halves; twice the second less the first has an error of second
-    order. Depth never falls.
+    """Worn depth after each of some shares of the whole wear, ascending and after that of `start`,
+    by backward Euler.
     """
     stage = start
     for end in ends:
-        stage = _step(advance, stage, end - stage.done)
+        depth, change = advance(stage.depth, end - stage.done)
+        stage = Stage(end, depth, change, end - stage.done)
         yield stage
 
 
-def march_freely(
-    advance: Advance, start: Stage, accuracy: float, largest: float = math.inf
-) -> Iterator[Stage]:
-    """Worn depth as of `march` after steps that are chosen: halving a step changes the depth by no
-    more than about the accuracy, a fraction of the largest depth that is expected at the end, and
-    no more than about `largest`, mm. A step in which `advance` raises ValueError is made shorter;
-    from SHORTEST on it is raised.
+def march_freely(advance: Advance, start: Stage, largest: float) -> Iterator[Stage]:
+    """Worn depth as of `march` after steps that are chosen: the change of each is about `largest`,
+    and no more than twice that unless it is as short as SHORT. A step in which `advance` raises
+    ValueError is made shorter; from SHORTEST on it is raised.
     """
     stage = start
     while stage.done < 1.0:
         count = math.ceil((1.0 - stage.done) / stage.share - 1e-9)
         share = (1.0 - stage.done) / count
         try:
-            found = _step(advance, stage, share)
+            depth, change = advance(stage.depth, share)
         except ValueError:
             if share <= SHORTEST:
                 raise
             stage = replace(stage, share=share / GROWTH)
             continue
-        most = min(accuracy * float(found.depth.max()) / found.done, largest)
-        factor = 0.9 * math.sqrt(most / found.change) if found.change > 0 else GROWTH
-        if found.change > 2 * most and share > SHORTEST:
-            stage = replace(stage, share=share * max(factor, 1 / GROWTH))
+        factor = min(max(largest / max(change, 1e-9), 1 / GROWTH), GROWTH)
+        following = max(share * factor, SHORT)
+        if change > 2 * largest and following < share:
+            stage = replace(stage, share=following)
             continue
-        stage = replace(found, share=share * min(factor, GROWTH))
+        done = 1.0 if count == 1 else stage.done + share
+        stage = Stage(done, depth, change, following)
         yield stage
-
-
-def _step(advance: Advance, stage: Stage, share: float) -> Stage:
-    """The stage after a step from another one."""
-    whole, half = advance(stage.depth, (share, share / 2))
-    (halves,) = advance(half, (share / 2,))
-    depth = np.maximum(2 * halves - whole, stage.depth)
-    done = 1.0 if stage.done + share > 1.0 - 1e-9 else stage.done + share
-    return Stage(done, depth, float(np.abs(halves - whole).max()), share)

@@ -3,14 +3,16 @@
 A position bears a share of all passages. It sees the depth that all positions wore before, and in a
 step its own wear by the pressure of the step's end (`theory.wear`). What the others wear in the
 step is taken to grow with the position's own pressure on each line: alike positions then wear as
-one, and any step is stable.
+one, and any step is stable. Pressures are averaged across over three spacings of the knots of the
+worn depth: what is narrower, as at the edge of a groove, is not known.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -28,10 +30,12 @@ from railhead.theory.bem.influence import Lines
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.damage import surface_fatigue_index
 from railhead.theory.elastic.line import Hertz
-from railhead.theory.wear import WearLaw
+from railhead.theory.wear import Splines, WearLaw
 
 BODIES = ("rail", "wheel")
-BROAD, FAINT = 8.0, 0.05
+BROAD, FAINT = 3.0, 0.05
+PLACES = 4001  # along each profile
+LEAST = 4  # places from knot to knot
 FIELDS = ("pressure", "index", "energy", "damage", "rate", "force")
 Fields = dict[str, Array]
 """Values (2, n) at the places along the profiles of rail and wheel, by name."""
@@ -59,41 +63,21 @@ class Position:
 class Fineness:
     """Resolution of a solution.
 
-    places: along each profile, at which the depth is given.
     cells: of the pressure of a patch each way; the tractions have half as many.
+    knots: mm between the knots of the splines of the worn depth.
     """
 
-    places: int
     cells: int
+    knots: float
+
+    def splines(self, along: Places) -> Splines:
+        """Splines of the worn depth at places along a profile."""
+        intervals = len(along.points) - 1
+        wanted = round(along.step * intervals / self.knots)
+        return _splines(intervals + 1, min(max(wanted, 1), intervals // LEAST))
 
 
-@dataclass(frozen=True, kw_only=True)
-class Known:
-    """What a solution of a position tells the next one.
-
-    rises: vertical force that the tractions carry, N.
-    lines: by body, y of the middle of each window and the width of its lines, mm, by rising y.
-    """
-
-    rises: float = 0.0
-    lines: dict[str, list[tuple[float, float]]] = field(default_factory=dict)
-
-    def depths(self, along: Mapping[str, Places], depths: Array) -> Array:
-        """Worn depths (2, n) as the lines of this position see them (`theory.wear.seen`);
-        unchanged before the first solution.
-        """
-        if not self.lines:
-            return depths
-        return np.array(
-            [
-                wear.seen(
-                    depth,
-                    places.step,
-                    np.interp(places.points[:, 0], *np.transpose(self.lines[body])),
-                )
-                for (body, places), depth in zip(along.items(), depths, strict=True)
-            ]
-        )
+_splines = lru_cache(maxsize=8)(Splines)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,20 +90,21 @@ class Seen:
     fields: by name, (2, n) at the places along rail and wheel: 'pressure', largest of the line,
         MPa; 'index', largest surface fatigue index of the line, NaN without pressure or yield
         stress; by all passages at the present rate 'energy', the sum of T-gamma per width, N/mm,
-        and 'damage'; and as averages over 8 (BROAD) lines 'rate', the depth by all passages, mm,
-        and 'force' per width, N/mm, at least 5 % (FAINT) of its largest value.
-    known: what the next solution of this position begins with.
+        and 'damage'; 'rate', the depth by all passages, mm; and 'force' per width, N/mm, at least
+        5 % (FAINT) of its largest value. 'pressure', 'rate' and 'force' are averages over 3 (BROAD)
+        spacings of knots to each side.
+    rises: vertical force that the tractions carry, N; the next solution begins with it.
     """
 
     values: dict[str, float]
     fields: Fields
-    known: Known
+    rises: float
 
 
-def places(scene: Scene, count: int) -> dict[str, Places]:
-    """Places along the new profiles of 'rail' and 'wheel' of a scene, `count` along each."""
+def places(scene: Scene) -> dict[str, Places]:
+    """4001 places (PLACES) along each of the new profiles of 'rail' and 'wheel' of a scene."""
     new = solid.pair(scene)
-    return {body: profiles.places_along(getattr(new, body), count) for body in BODIES}
+    return {body: profiles.places_along(getattr(new, body), PLACES) for body in BODIES}
 
 
 def pairs(scene: Scene, along: Mapping[str, Places], depths: Array) -> solid.Pairs:
@@ -137,22 +122,23 @@ class WornContact:
     seen: what is read of pressure and tractions.
     """
 
-    def __init__(self, position: Position, fineness: Fineness, depths: Array, known: Known) -> None:
-        """depths: (2, n) worn so far, mm. known: of an earlier solution of this position.
+    def __init__(self, position: Position, fineness: Fineness, depths: Array, rises: float) -> None:
+        """depths: (2, n) worn so far, mm. rises: of an earlier solution of this position.
         Raises ValueError where a profile folds, the wheelset does not stand on its track, or no
         pressure or tractions are found.
         """
-        scene, along = position.scene, places(position.scene, fineness.places)
-        depths = known.depths(along, depths)
+        scene, along = position.scene, places(position.scene)
         self._position, self._cells = position, fineness.cells
         placed = solid.place(scene, both=pairs(scene, along, depths))
         self._contact = torque_free.balanced(solid.on_side(scene, placed, line=True))
         self._pair = HalfSpacePair(self._contact, position.hertz)
         self._surface = self._pair.developed
         self._steps = {body: along[body].step for body in BODIES}
+        self._splines = {body: fineness.splines(along[body]) for body in BODIES}
+        self._width = BROAD * fineness.knots
         worn = zip(along.items(), depths, strict=True)
         self._across = {body: each.worn(depth)[:, 0] for (body, each), depth in worn}
-        self._load = float(scene.load or 0.0) + known.rises
+        self._load = float(scene.load or 0.0) + rises
         self._pressed = self._press(None)
         self._windows = sorted(self._pressed.windows, key=lambda window: window.centroid[1])
         self._middle = np.array([window.centroid for window in self._windows]).T
@@ -165,17 +151,19 @@ class WornContact:
         """
 
         def opening(s: Array) -> Array:
-            """Compliance (n,), mm2/N, of the lines at s (n,), mm."""
-            rest = sum(
-                np.interp(self._y(body, s), self._across[body], other)
-                for body, other in zip(BODIES, others, strict=True)
-            )
-            return np.asarray(share * (sum(self._line(body, s) for body in BODIES) + rest))
+            """Compliance (n, n), mm2/N, of the lines at s (n,), mm."""
+            total = np.zeros((s.size, s.size))
+            for body, other in zip(BODIES, others, strict=True):
+                lines = self._line(body, s)
+                lines = lines + np.interp(self._y(body, s), self._across[body], other)
+                seen = self._hats(body, s) * np.sqrt(share * lines)
+                total += self._splines[body].between(seen) * self._steps[body] / (s[1] - s[0])
+            return total
 
         after = self._press(opening).windows
         worn = [[self._line(body, each.s) * _force(each) for each in after] for body in BODIES]
         pairs = zip(BODIES, worn, strict=True)
-        return share * np.array([self._field(body, after, lines) for body, lines in pairs])
+        return share * np.array([self._worn(body, after, lines) for body, lines in pairs])
 
     def _press(self, lines: Lines | None) -> BoundaryElementSolution:
         """The pressure on the present profiles, with a compliance of the lines or without."""
@@ -210,13 +198,21 @@ class WornContact:
         """Depth by all passages over the force per width, (n,), mm2/N, of the lines at s (n,)."""
         return self._passes(body, s) * self._rate(s)
 
+    def _hats(self, body: str, s: Array) -> Array:
+        """Weights (n, m) of straight lines through values at s (m,), evenly spaced, mm, at the
+        places along the profile of a body; zero beyond.
+        """
+        own = np.interp(self._across[body], self._y(body, s), s, left=np.inf, right=np.inf)
+        return np.maximum(1 - np.abs(own[:, None] - s) / (s[1] - s[0]), 0.0)
+
     def _field(self, body: str, windows: Sequence[PatchSolution], values: Sequence[Array]) -> Array:
         """Sum (n,) of values of the lines of windows at the places along the profile of a body."""
-        total = np.zeros_like(self._across[body])
-        for window, value in zip(windows, values, strict=True):
-            s = np.interp(self._across[body], self._y(body, window.s), window.s)
-            total += wear.onto(s, window.s, value)
-        return total
+        pairs = zip(windows, values, strict=True)
+        return np.sum([self._hats(body, window.s) @ value for window, value in pairs], axis=0)
+
+    def _worn(self, body: str, windows: Sequence[PatchSolution], values: Sequence[Array]) -> Array:
+        """As `_field`, projected onto the splines of the worn depth."""
+        return self._splines[body].projected(self._field(body, windows, values))
 
     def _sheared(self) -> Seen:
         """Tractions under the pressure, and what is read from both."""
@@ -257,14 +253,8 @@ class WornContact:
         return Seen(
             values=self._values(windows, lines),
             fields={name: np.array([each[name] for each in bodies]) for name in FIELDS},
-            known=Known(rises=found.upwards, lines={body: self._widths(body) for body in BODIES}),
+            rises=found.upwards,
         )
-
-    def _widths(self, body: str) -> list[tuple[float, float]]:
-        """`Known.lines` of a body."""
-        middles = self._y(body, self._middle[1])
-        steps = [float(window.s[1] - window.s[0]) for window in self._windows]
-        return sorted(zip(map(float, middles), steps, strict=True))
 
     def _values(
         self, windows: Sequence[PatchSolution], lines: Sequence[Mapping[str, Array]]
@@ -282,7 +272,10 @@ class WornContact:
         }
         energy = [(step, each["energy"]) for step, each in zip(steps, lines, strict=True)]
         return {
-            "pressure_max_MPa": self._pressed.max_pressure,
+            "pressure_max_MPa": max(
+                wear.peak(window.pressure.T, float(window.s[1] - window.s[0]), self._width)
+                for window in self._windows
+            ),
             "area_mm2": self._pressed.area,
             "t_gamma_N": sum(step * float(line.sum()) for step, line in energy),
             **worn,
@@ -316,10 +309,11 @@ class WornContact:
         for name in ("worn", "energy", "damage"):
             found[name] = [number * each[name] for number, each in zip(passes, lines, strict=True)]
         fields = {name: self._field(body, windows, values) for name, values in found.items()}
-        width = BROAD * np.interp(self._across[body], *np.transpose(self._widths(body)))
-        forces = self._field(body, self._windows, [_force(window) for window in self._windows])
-        fields["rate"] = wear.seen(fields["worn"], self._steps[body], width).clip(0.0)
-        fields["force"] = wear.seen(forces, self._steps[body], width).clip(FAINT * forces.max())
+        fields["rate"] = fields.pop("worn")
+        fields["force"] = self._field(body, self._windows, [_force(w) for w in self._windows])
+        for name in ("pressure", "traction", "rate", "force"):
+            fields[name] = wear.averaged(fields[name], self._steps[body], self._width)
+        fields["force"] = fields["force"].clip(FAINT * fields["force"].max())
         touches = fields["pressure"] > 0
         fields["index"] = np.full(touches.shape, np.nan)
         if steel.yields:
@@ -335,15 +329,15 @@ def solve(
     position: Position,
     fineness: Fineness,
     depths: Array,
-    known: Known,
-    shares: Sequence[float],
+    rises: float,
+    share: float,
     others: Array,
-) -> tuple[Seen, list[Array]]:
-    """A position on profiles that are worn by some depths, and the depth that it wears in each of
-    some shares of its passages, from there. Arguments and errors as of `WornContact`.
+) -> tuple[Seen, Array]:
+    """A position on profiles that are worn by some depths, and the depth (2, n) that it wears in a
+    share of its passages, from there. Arguments and errors as of `WornContact`.
     """
-    contact = WornContact(position, fineness, depths, known)
-    return contact.seen, [contact.wear(share, others) for share in shares]
+    contact = WornContact(position, fineness, depths, rises)
+    return contact.seen, contact.wear(share, others) if share else np.zeros_like(depths)
 
 
 def _force(window: PatchSolution) -> Array:

@@ -460,7 +460,8 @@ class Wear(Section):
     positions: path of a .csv file of the route: a row a position, its first line keys of a scene,
         and "share" of the passages, of which the sum counts as 1; without it all are alike. None:
         the scene alone.
-    step: number of equal steps; "auto": as many as the accuracy needs.
+    step: number of equal steps, each solved whole and in two halves; "auto": as many as the
+        accuracy needs.
     accuracy: largest relative error of largest depth and worn area, by steps and grids.
     depth_limit: mm; None: none. The result says when each limit is reached.
     flange_limit: mm, least thickness of the flange; None: none.

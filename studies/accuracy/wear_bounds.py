@@ -10,18 +10,17 @@ from pathlib import Path
 import numpy as np
 
 import railhead as rh
-from railhead.half_spaces.worn_contact import BODIES, Fineness
+from railhead.half_spaces.worn_contact import BODIES
 from railhead.run.progress import Progress
 from railhead.sweeps.wear import wear_run
 from railhead.sweeps.wear.wear_result import WearResult
+from railhead.sweeps.wear.wear_run import Grid
 from studies.processes import attempts
 from studies.tables import Row, groups, publish, render
 
 SEED, ROUTES, STEPS, FINER = 20261127, 20, 2, 4
-COARSE, MAIN, TRUTH = (
-    Fineness(places=places, cells=cells) for places, cells in ((1501, 32), (3001, 64), (6001, 128))
-)
-RUNS = {"main": MAIN, "coarse": COARSE, "halved": COARSE}
+RUNS: dict[str, Grid] = {"coarse": (32, 7.5), "main": (64, 15.0)}
+TRUTH: dict[str, Grid] = {"coarse": (64, 15.0), "main": (128, 30.0)}
 NUMBERS = (
     "pressure_max_MPa",
     "area_mm2",
@@ -116,10 +115,8 @@ def measure(index: int) -> list[Row]:
         folder = Path(name)
         given = scene(index, folder)
         own = _solved(given, folder / "own", RUNS)
-        truth = _solved(
-            given.replace(**{"wear.step": FINER * STEPS}), folder / "truth", {"main": TRUTH}
-        )
-    exact = truth.rows_of(truth.runs["main"])[::FINER]
+        truth = _solved(given.replace(**{"wear.step": FINER * STEPS}), folder / "truth", TRUTH)
+    exact = truth.rows[::FINER]
     rows = []
     for stage, (known, other) in enumerate(zip(own.rows, exact, strict=True)):
         for number in NUMBERS:
@@ -139,7 +136,7 @@ def measure(index: int) -> list[Row]:
     return rows
 
 
-def _solved(given: rh.Scene, folder: Path, runs: dict[str, Fineness]) -> WearResult:
+def _solved(given: rh.Scene, folder: Path, runs: dict[str, Grid]) -> WearResult:
     """The answer of a route on some grids, with records in a new folder."""
     folder.mkdir()
     route = wear_run.read(given)
@@ -176,7 +173,7 @@ def page(records: list[Row]) -> str:
         holds=sum(whole),
         routes=len(whole),
         seed=SEED,
-        cells=[each.cells for each in (COARSE, MAIN, TRUTH)],
+        cells=[runs[name][0] for runs, name in ((RUNS, "coarse"), (RUNS, "main"), (TRUTH, "main"))],
         steps=(STEPS, FINER * STEPS),
     )
 

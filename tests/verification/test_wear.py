@@ -10,17 +10,19 @@ from railhead.theory import wear
 from railhead.theory.bem import pressure_solver
 from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.elastic import hertz
-from railhead.theory.wear import Stage, WearLaw
+from railhead.theory.wear import Splines, Stage, WearLaw
 
 RADIUS, CROWN, LOAD, SLIP, RATE = 460.0, 300.0, 80e3, 0.3 * 0.01, 6.75e-7
 MODULUS = hertz.contact_modulus(207e3, 0.3, 207e3, 0.3)
 PASSES = 0.3565 / (RATE * SLIP * LOAD)
 PLACES = np.linspace(-20.0, 20.0, 4001)
+STEP = PLACES[1] - PLACES[0]
+SPLINES = Splines(PLACES.size, 80)
 
 
-def opening(patch: PatchSolution, lines) -> np.ndarray:
-    """Opening of each line, mm, by the force per width of a pressed patch."""
-    return lines(patch.s) * (patch.x[1] - patch.x[0]) * patch.pressure.sum(axis=0)
+def hats(s: np.ndarray) -> np.ndarray:
+    """Weights (n, m) of straight lines through values at s (m,) at PLACES."""
+    return np.maximum(1 - np.abs(PLACES[:, None] - s) / (s[1] - s[0]), 0.0)
 
 
 @dataclass
@@ -39,67 +41,103 @@ class Crown:
             load=LOAD,
             cells=self.cells,
             tolerance=1e-7,
-            lines=self.lines(passes),
+            lines=lambda s: RATE * SLIP * passes * STEP / (s[1] - s[0]) * SPLINES.between(hats(s)),
         )
         return found.windows[0]
 
-    def lines(self, passes: float):
-        """Compliance of the lines."""
-        return lambda s: np.full(s.shape, RATE * SLIP * passes)
-
-    def advance(self, depth, shares):
+    def advance(self, depth, share):
         """As of `wear.Advance`."""
-        after = []
-        for share in shares:
-            patch = self.press(depth, share * PASSES)
-            worn = opening(patch, self.lines(share * PASSES))
-            after.append(depth + wear.onto(PLACES, patch.s, worn))
-        return after
+        passes = share * PASSES
+        patch = self.press(depth, passes)
+        force = (patch.x[1] - patch.x[0]) * patch.pressure.sum(axis=0)
+        worn = RATE * SLIP * passes * SPLINES.projected(hats(patch.s) @ force)
+        return depth + worn, share
 
     def worn(self, count: int) -> tuple[np.ndarray, float]:
         """Depth at PLACES and largest pressure after the whole wear in equal steps."""
         start = Stage(0.0, np.zeros_like(PLACES), 0.0, 1.0)
         ends = [(n + 1) / count for n in range(count)]
         *_, last = wear.march(self.advance, start, ends)
-        return last.depth, self.press(last.depth).max_pressure
+        patch = self.press(last.depth)
+        return last.depth, wear.peak(patch.pressure.T, patch.s[1] - patch.s[0], 1.0)
 
 
 def test_one_passage_in_full_slip_takes_the_chords_of_hertz():
     ellipse = hertz.point_contact(1 / RADIUS, 1 / CROWN, MODULUS, LOAD)
     crown = Crown(cells=128)
     passes = 1e-6 * PASSES
-    (depth,) = crown.advance(np.zeros_like(PLACES), [1e-6])
+    depth, _ = crown.advance(np.zeros_like(PLACES), 1e-6)
     peak = RATE * passes * SLIP * ellipse.p0 * np.pi / 2 * ellipse.a
     known = peak * np.maximum(1 - (PLACES / ellipse.b) ** 2, 0.0)
-    assert np.abs(depth - known).max() < 3e-3 * peak
-    area = (PLACES[1] - PLACES[0]) * depth.sum()
+    inside = np.abs(PLACES) < ellipse.b - 1.0  # splines round the kink at its end
+    assert np.abs(depth - known)[inside].max() < 3e-3 * peak
+    assert np.abs(depth - known).max() < 0.02 * peak
+    area = STEP * depth.sum()
     assert area == pytest.approx(RATE * passes * SLIP * LOAD, rel=1e-3)
 
 
-def test_worn_crown_has_the_pressure_and_depth_of_the_prototype_at_any_step():
-    few, more = Crown().worn(3), Crown().worn(12)
-    assert more[1] == pytest.approx(840, abs=4)
-    assert more[0].max() == pytest.approx(0.0416, abs=3e-4)
-    # First order at the ends of the patch: three steps are off by no more than twelve change.
-    assert 0 < few[1] - more[1] < 4
-    assert 0 < more[0].max() - few[0].max() < 2e-4
-    half = np.flatnonzero(more[0] > 1e-6)[[0, -1]]
+def test_worn_crown_has_the_pressure_and_depth_of_the_prototype_at_first_order():
+    few, more = Crown().worn(6), Crown().worn(12)
+    limits = [
+        2 * late - early
+        for early, late in zip((few[1], few[0].max()), (more[1], more[0].max()), strict=True)
+    ]
+    assert limits == pytest.approx([840.0, 0.0416], rel=3e-3)
+    assert 0 < few[1] - more[1] < 0.015 * 840 and 0 < more[0].max() - few[0].max() < 6e-4
+    half = np.flatnonzero(more[0] > 5e-4)[[0, -1]]
     assert np.ptp(PLACES[half]) == pytest.approx(13.5, abs=0.3)
-    area = (PLACES[1] - PLACES[0]) * more[0].sum()
+    area = STEP * more[0].sum()
     assert area == pytest.approx(RATE * SLIP * LOAD * PASSES, rel=5e-4)
 
 
-def test_chosen_steps_reach_the_accuracy_and_go_on_from_any_of_them():
-    crown = Crown(cells=48)
-    start = Stage(0.0, np.zeros_like(PLACES), 0.0, wear.FIRST)
-    whole = list(wear.march_freely(crown.advance, start, 0.02))
-    again = list(wear.march_freely(crown.advance, whole[1], 0.02))
+@pytest.mark.parametrize("cells", [48, 96])
+def test_much_wear_has_its_pressure_on_any_grid_though_its_groove_ends_in_a_corner(cells):
+    """0.15 mm deep and 600 MPa by a solution on lines that stay in place."""
+    crown, depth = Crown(cells=cells), np.zeros_like(PLACES)
+    for _ in range(12):
+        depth, _ = crown.advance(depth, 2.0 / 0.3565 / 12)
+    patch = crown.press(depth)
+    assert depth.max() == pytest.approx(0.15, rel=4e-3)
+    assert wear.peak(patch.pressure.T, patch.s[1] - patch.s[0], 1.5) == pytest.approx(598, abs=6)
+
+
+def test_chosen_steps_reach_the_change_that_is_asked_and_go_on_from_any_of_them():
+    """The rate of a depth 1 - exp(-4 t) falls; backward Euler is of first order."""
+
+    def advance(depth, share):
+        after = (depth + 4 * share) / (1 + 4 * share)
+        return after, float((1 - depth[0]) / (1 - after[0]) - 1)
+
+    start = Stage(0.0, np.zeros(1), 0.0, wear.FIRST)
+    whole = list(wear.march_freely(advance, start, 0.1))
+    again = list(wear.march_freely(advance, whole[1], 0.1))
     assert whole[-1].done == 1.0 and len(again) == len(whole) - 2
     assert np.array_equal(again[-1].depth, whole[-1].depth)
-    fine, _ = crown.worn(4 * len(whole))
-    assert np.abs(whole[-1].depth - fine).max() < 0.02 * fine.max()
-    loose = list(wear.march_freely(crown.advance, start, 0.2))
-    assert len(loose) < len(whole)
+    assert max(stage.change for stage in whole) <= 0.2 and 20 < len(whole) < 60
+    ends = [stage.done for stage in whole]
+    *_, same = wear.march(advance, start, ends)
+    assert same.depth == pytest.approx(whole[-1].depth)
+
+
+def test_splines_keep_area_and_parabolas_and_their_matrix_is_symmetric():
+    parabola = 1 + PLACES - PLACES**2
+    assert np.abs(SPLINES.projected(parabola) - parabola).max() < 1e-8
+    bump = np.where(np.abs(PLACES) < 3.3, 1.0, 0.0)
+    assert SPLINES.projected(bump).sum() == pytest.approx(bump.sum(), rel=1e-9)
+    weights = hats(np.linspace(-8, 8, 60))
+    matrix = SPLINES.between(weights)
+    assert np.abs(matrix - matrix.T).max() < 1e-9 * matrix.max()
+    assert matrix == pytest.approx(weights.T @ SPLINES.projected(weights))
+    assert np.linalg.eigvalsh(matrix).min() > -1e-9 * matrix.max()
+
+
+def test_peak_is_that_of_a_parabola_and_leaves_out_what_is_narrow():
+    s = np.arange(-10, 10, 0.1)
+    smooth = np.maximum(100 - s**2, 0.0)
+    assert wear.peak(smooth, 0.1, 2.0) == pytest.approx(100.0, abs=0.02)
+    flat = np.where(np.abs(s) < 5, 80.0, 0.0)
+    flat[np.argmin(np.abs(s - 4.9))] = 160.0
+    assert wear.peak(flat, 0.1, 2.0) == pytest.approx(80.0, rel=0.05)
 
 
 def test_laws_have_the_rates_of_their_sources():

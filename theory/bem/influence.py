@@ -19,8 +19,8 @@ from railhead.theory.array_types import Array, Complex
 from railhead.theory.bem.grid_patch import Grid
 
 Lines = Callable[[Array], Array]
-"""Places s (n,), mm -> compliance (n,), mm2/N, not negative: opening of the line along the rail at
-s, the same at all of its cells, over the force per width that the line carries."""
+"""Places s (n,), mm -> compliance (n, n), mm2/N, symmetric, no eigenvalue below 0: opening of the
+lines along the rail at s, the same at all cells of a line, over the force per width of each."""
 NODES = 16  # an axis, to which a grid gathers its pressure for other grids
 SOFTER = 0.25  # of the compliance of a cell: so much softer cells have a bounded inverse
 
@@ -64,7 +64,7 @@ class Influence:
                 if j != i:
                     moved[i] = moved[i] + nodes.spread(force @ self._kernels[i, j].T)
         for i, (line, piece) in enumerate(zip(self._lines, pieces, strict=False)):
-            moved[i] = moved[i] + line * piece.sum(axis=0)
+            moved[i] = moved[i] + line @ piece.sum(axis=0)
         return np.concatenate([piece.ravel() for piece in moved])
 
     def inverse(self, displacement: Array) -> Array:

@@ -23,12 +23,13 @@ from railhead.results import checks
 from railhead.results.checks import Check
 from railhead.scene.catalogue import portable
 from railhead.scene.scene import SceneError
-from railhead.sweeps.wear.wear_run import RUNS, SETTLES, Route, Run
+from railhead.sweeps.wear.wear_run import RUNS, Route, Run
 from railhead.theory.array_types import Array
 
 ROW_STEP = 0.1  # mm between the rows of tables
 AMPLITUDE, REACH = 3.0, 8.0  # mm: of the equivalent conicity, and of the shifts it is read from
 VOLUME = 0.02  # relative: of the worn area, by the passages between two steps
+FACTOR = 2.0  # of the change from the coarse run to the main one, an error
 USEFUL = 0.25  # largest relative error of a pressure that says something
 EDGE = 2.0  # cells between a patch and the end of a profile, at least
 STEEP = 0.2  # least y between two places of the worn profile, over that of the new one
@@ -48,7 +49,7 @@ Row = dict[str, Any]
 
 @dataclass(frozen=True)
 class WearResult:
-    """Wear over a route, with what is read from its three runs.
+    """Wear over a route, with what is read from its two runs.
 
     route: the route.
     runs: by name, `wear_run.solve`.
@@ -72,7 +73,7 @@ class WearResult:
         return {
             "case": scene.name,
             "scene": portable(scene),
-            "steps": len(run.stages) - 1,
+            "steps": len(self.rows) - 1,
             "done": last["done"],
             "reason": self._reason,
             **{
@@ -135,32 +136,23 @@ class WearResult:
 
     @cached_property
     def rows(self) -> list[Row]:
-        """`rows_of` the main run, each number with its estimate in the same unit; those of contacts
-        are of the estimates of all positions, as the numbers are.
+        """`rows_of` the main run at the stages of the coarse one, each number with its estimate in
+        the same unit; those of contacts are of the estimates of all positions, as the numbers are.
         """
-        main, coarse, halved = (dict(enumerate(self._every[name])) for name in RUNS)
         return [
-            _estimated(row, coarse.get(n, {}), halved.get(2 * n, {}), row)
-            | self._together(self._contacts(n), " estimate")
-            for n, row in main.items()
+            _estimated(row, other) | self._together(self._contacts(n), " estimate")
+            for n, (row, other) in enumerate(
+                zip(self._every["main"][::2], self._every["coarse"], strict=True)
+            )
         ]
 
     def _contacts(self, number: int) -> list[Row]:
-        """Values of the contacts of all positions at a stage of the main run, with their estimates;
-        empty where they are not known.
+        """Values of the contacts of all positions at a row, with their estimates; empty where they
+        are not known.
         """
-        main, coarse, halved = (dict(enumerate(self.runs[name].seen)) for name in RUNS)
-        again = self.runs["again"].seen[0] if "again" in self.runs else None
-        last = number + 1 == len(self.runs["main"].stages)
-        own = main.get(number)
-        every = own, coarse.get(number), halved.get(2 * number), again if last else own
-        known = [each.values for each in every if each is not None]
-        return [_estimated(*each) for each in zip(*known, strict=True)] if own else []
-
-    @cached_property
-    def _complete(self) -> bool:
-        """Whether all runs came to the same end."""
-        return len(self.runs) > len(RUNS) and not any(run.reason for run in self.runs.values())
+        main, coarse = self.runs["main"].seen[2 * number :], self.runs["coarse"].seen[number:]
+        known = [each[0].values for each in (main, coarse) if each]
+        return [_estimated(*each) for each in zip(*known, strict=True)] if main else []
 
     @property
     def _reason(self) -> str:
@@ -224,10 +216,8 @@ class WearResult:
             ("conicity_limit", ("conicity",), 1),
         ):
             if (limit := getattr(given, name)) is not None:
-                at, coarse, halved = (
-                    _crossing(self._every[run], columns, limit, rising) for run in RUNS
-                )
-                off = None if None in (at, coarse, halved) else _error(at, coarse, halved, at)
+                coarse, at = (_crossing(self._every[run], columns, limit, rising) for run in RUNS)
+                off = None if at is None or coarse is None else _error(at, coarse)
                 found[name] = {"limit": limit} | {
                     f"{key}{end}": None if share is None or amount is None else share * amount
                     for end, share in (("", at), (" estimate", off))
@@ -265,14 +255,6 @@ class WearResult:
             source="wear.accuracy; largest error of area and depth by steps and grids",
             advice="ask for less; where wear.step is given, give more steps or leave it out",
         )
-        approach = min(position.hertz.approach for position in self.route.positions)
-        yield Check(
-            name="steps",
-            value=max(stage.change for stage in run.stages) / approach,
-            limit=2 * SETTLES,
-            source="change of the worn depth by half a step, over the smallest approach",
-            advice="leave wear.step to the program, or give more steps",
-        )
         known = self._bounds["pressure_max_MPa"].values()
         yield Check(
             name="pressure_estimate",
@@ -287,9 +269,9 @@ class WearResult:
             done = [stage.done for stage in run.stages][: len(rates)]
             yield Check(
                 name=f"{body}_volume",
-                value=abs(float(trapezoid(rates, done)) / area - 1) if len(done) > 1 else math.nan,
+                value=abs(float(np.diff(done) @ rates[1:]) / area - 1),
                 limit=max(VOLUME, given.accuracy),
-                source="worn area: rate times T-gamma and passages, by trapezoids over the steps",
+                source="worn area: rate times T-gamma and passages, at the ends of the steps",
                 advice="give more steps",
             )
         yield Check(
@@ -322,12 +304,12 @@ class WearResult:
         none.
         """
         main = self.runs["main"]
-        every = [_fields(self.runs[name] if self._complete else main) for name in RUNS if main.seen]
+        every = [_fields(self.runs[name]) for name in ("main", "coarse") if main.seen]
         for number, (body, places) in enumerate(main.places.items() if every else ()):
             steel, columns = self.route.scene.bodies[body], {"y [mm]": places.points[:, 0]}
             for name in every[0]:
                 values = [each[name][number] for each in every]
-                columns |= {name: values[0], f"{name} estimate": self._errors(*values)}
+                columns |= {name: values[0], f"{name} estimate": _error(*values)}
             k = steel.first_yield / math.sqrt(3) if steel.yields else math.nan
             columns["p0/k"] = columns["p_max [MPa]"] / k
             step = max(1, math.ceil(ROW_STEP / places.step))
@@ -378,17 +360,6 @@ class WearResult:
             f"checks: {'FAILED ' + ', '.join(failed) if failed else 'all passed'}",
         ]
 
-    def _errors(self, main: Array, *others: Array) -> Array:
-        """`_error` (n,) of values (n,) from those of the other runs, which have fewer places; NaN
-        where it is not known.
-        """
-        shares = np.linspace(0.0, 1.0, len(main))
-        coarse, halved = (
-            np.interp(shares, np.linspace(0.0, 1.0, len(each)), each) for each in others
-        )
-        error = _error(main, coarse, halved, main)
-        return np.asarray(error if self._complete else np.full_like(main, math.nan))
-
 
 def _geometry(run: Run, depths: Array) -> Row:
     """Equivalent conicity at 3 mm (AMPLITUDE), of level axles, and flange thickness in mm after a
@@ -419,24 +390,20 @@ def _fields(run: Run) -> Fields:
     }
 
 
-def _error(main: Any, coarse: Any, halved: Any, again: Any) -> Any:
-    """Error of a number or an array of the main run: the change by the grid on the same profiles
-    and by other profiles on the same grid, and twice that by steps half as long, as of first order.
-
-    again: on the profiles of the main run and the cells of the coarse one.
-    """
-    return abs(main - again) + abs(again - coarse) + 2 * abs(coarse - halved)
+def _error(main: Any, coarse: Any) -> Any:
+    """Error of a number or an array of the main run, from that of the coarse run."""
+    return FACTOR * abs(main - coarse)
 
 
-def _estimated(row: Row, *others: Row) -> Row:
-    """A row, with `_error` of each of its numbers but those that are given, from those of others:
-    coarse, halved, again; None where it is not known.
+def _estimated(row: Row, coarse: Row | None = None) -> Row:
+    """A row, with `_error` of each of its numbers but those that are given; None where it is not
+    known.
     """
     found = dict(row)
     for key in [key for key in row if key not in GIVEN]:
-        values = [row[key], *(each.get(key) for each in others)]
-        known = len(values) == 4 and None not in values
-        found[f"{key} estimate"] = float(_error(*values)) if known else None
+        value, other = row[key], (coarse or {}).get(key)
+        known = value is not None and other is not None
+        found[f"{key} estimate"] = float(_error(value, other)) if known else None
     return found
 
 

@@ -2,9 +2,9 @@
 
 A route has positions that wear the same profiles, each with its share.
 
-The route is solved three times: with its own steps, with these on a grid that is half as fine, and
-there with steps half as long. The differences are the errors. The last contacts are those on the
-profiles as they are written, which a reader of these finds again.
+The route is solved twice. The coarse run chooses the steps. The main run halves them, has twice as
+many cells each way, and three times as many knots of the worn depth. It is the answer; the
+difference between both is its error.
 """
 
 from __future__ import annotations
@@ -12,8 +12,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
@@ -27,7 +26,6 @@ from railhead.half_spaces.worn_contact import (
     BODIES,
     Fields,
     Fineness,
-    Known,
     Position,
     Seen,
 )
@@ -43,17 +41,17 @@ from railhead.theory import wear
 from railhead.theory.array_types import Array
 from railhead.theory.wear import Stage, WearLaw
 
-FINE, COARSE = Fineness(places=4001, cells=96), Fineness(places=2001, cells=48)
-RUNS = {"main": FINE, "coarse": COARSE, "halved": COARSE}
-SETTLES = 0.03  # of the smallest approach: a depth by which halving a step may change the profile
-QUICK = Fineness(places=1001, cells=24)
+Grid = tuple[int, float]
+"""Cells each way, and knots over the smallest half width of a patch."""
+RUNS: dict[str, Grid] = {"coarse": (48, 7.5), "main": (96, 15.0)}
+QUICK = (24, 4.0)  # of the forecast
+CHANGE = 6.0  # of the rate in a step, over the accuracy
 DEEP = 20.0  # mm, a depth that no wheel or rail has to give
-DEPTH = 0.1  # mm that a step takes, about, over the root of the accuracy
 NOTHING = 1e-5  # mm, a depth that no one measures
 LIGHT, HEAVY = 1e-9, 1e9  # shares that a table may give
 COST = 35.0  # processor time of a step in all runs, over that of the first contacts on QUICK
 APART = 10_000  # numbers of records from one run to the next
-LARGEST, SUMMED = ("pressure", "index"), ("energy", "damage")
+LARGEST, SUMMED = ("pressure", "index"), ("energy", "damage", "rate")
 SHARE, AMOUNT = "share", {"rail": "axles", "wheel": "distance"}
 FILE_KEYS = (
     *(f"profile_{key}" for key in ("unit", "mirror", "flip", "origin", "shift")),
@@ -102,7 +100,7 @@ def read(scene: Scene) -> Route:
             text = needed if body in worn else f"is not allowed beside wear.on = {given.on}"
             raise SceneError(f"wear.{key}", text)
     if given.flange_limit is not None:
-        wheel = worn_contact.places(scene, QUICK.places)["wheel"].points
+        wheel = worn_contact.places(scene)["wheel"].points
         if "wheel" not in worn or flange_thickness(wheel, solid.tape_circle(scene)) is None:
             raise SceneError("wear.flange_limit", "needs a wheel that has a flange and is worn")
     laws = {"energy": WearLaw.of_energy(given.rate), "usfd": WearLaw(wear.USFD)}
@@ -193,15 +191,15 @@ class Contacts:
     """The contacts of all positions at a stage; fields are those of `Seen`.
 
     values: of each position.
-    known: of each position.
+    rises: of each position.
     others: of each position (positions, 2, n): 'rate' of all others over its own 'force', mm2/N.
     deepest: largest depth that all positions wear in all passages at this rate, mm.
-    fields: by name (2, n), of all positions: 'pressure' and 'index' the largest, 'energy' and
-        'damage' the sum.
+    fields: by name (2, n), of all positions: 'pressure' and 'index' the largest, 'energy', 'damage'
+        and 'rate' the sum.
     """
 
     values: list[dict[str, float]]
-    known: list[Known]
+    rises: list[float]
     others: Array
     deepest: float
     fields: Fields
@@ -215,7 +213,8 @@ class Run:
     fineness: its grids.
     submit: starts a job of another process; None: all is done here.
     stages: worn depths (2, n) of rail and wheel, from the new profiles on.
-    seen: the contacts at each of the stages; of a run that goes on, at all but the last.
+    seen: the contacts at each of the stages; of a run that goes on or has stopped, at all but the
+        last.
     reason: why it ended early; empty where it did not.
     """
 
@@ -227,53 +226,51 @@ class Run:
     reason: str = ""
 
     @classmethod
-    def begun(cls, route: Route, fineness: Fineness, submit: worker_pool.Submit | None) -> Run:
+    def begun(cls, route: Route, grid: Grid, submit: worker_pool.Submit | None = None) -> Run:
         """A run on new profiles."""
-        new = np.zeros((len(BODIES), fineness.places))
+        cells, knots = grid
+        half = min(position.hertz.b for position in route.positions)
+        new = np.zeros((len(BODIES), worn_contact.PLACES))
         stages = [Stage(0.0, new, 0.0, wear.FIRST)]
+        fineness = Fineness(cells=cells, knots=half / knots)
         return cls(route=route, fineness=fineness, submit=submit, stages=stages)
 
     @cached_property
     def places(self) -> dict[str, Places]:
         """Places along the new profiles of 'rail' and 'wheel'."""
-        return worn_contact.places(self.route.scene, self.fineness.places)
+        return worn_contact.places(self.route.scene)
 
     @property
     def depths(self) -> Fields:
         """Worn depth (n,) of 'rail' and 'wheel' at the end, mm."""
         return dict(zip(BODIES, self.stages[-1].depth, strict=True))
 
-    def advance(self, depth: Array, shares: Sequence[float]) -> list[Array]:
-        """As of `wear.Advance`; the contacts at the start of a step are kept."""
-        contacts, worn = self.contacts(depth, shares, self.seen[-1])
-        if len(shares) > 1:
-            self.seen[len(self.stages) - 1 :] = [contacts]
-        return [depth + each for each in worn]
-
-    def as_written(self) -> Contacts:
-        """The contacts on the last profiles as they are written, with no lines of an earlier grid
-        in between.
+    def advance(self, depth: Array, share: float) -> tuple[Array, float]:
+        """As of `wear.Advance`; the contacts at the start of a step are kept. A change of half the
+        area that a step wears is 1.
         """
-        bare = [replace(each, lines={}) for each in self.seen[-1].known]
-        return self.contacts(self.stages[-1].depth, (), replace(self.seen[-1], known=bare))[0]
+        contacts, worn = self.contacts(depth, share)
+        self.seen[len(self.stages) - 1 :] = [contacts]
+        width = worn_contact.BROAD * self.fineness.knots
+        pairs = zip(self.places.values(), worn, strict=True)
+        after = np.array([wear.averaged(each, along.step, width) for along, each in pairs])
+        change = np.abs(after - share * contacts.fields["rate"]).sum() / after.sum()
+        return depth + worn, float(change)
 
-    def contacts(
-        self, depth: Array, shares: Sequence[float], known: Contacts | None
-    ) -> tuple[Contacts, list[Array]]:
+    def contacts(self, depth: Array, share: float) -> tuple[Contacts, Array]:
         """Contacts of all positions at a depth, solved side by side, and the depth that all wear in
-        each of some shares of the passages from there. known: the contacts before; None at first.
-        Raises ValueError as of `worn_contact.WornContact`.
+        a share of the passages from there. Raises ValueError as of `worn_contact.WornContact`.
         """
         positions = self.route.positions
-        others = np.zeros((len(positions), *depth.shape)) if known is None else known.others
-        begin = [Known()] * len(positions) if known is None else known.known
+        count, known = len(positions), self.seen[-1] if self.seen else None
+        others = np.zeros((count, *depth.shape)) if known is None else known.others
+        rises = [0.0] * count if known is None else known.rises
         jobs = [
-            (position, self.fineness, depth, each, shares, other)
-            for position, each, other in zip(positions, begin, others, strict=True)
+            (position, self.fineness, depth, each, share, other)
+            for position, each, other in zip(positions, rises, others, strict=True)
         ]
         answers = list(worker_pool.together(self.submit, worn_contact.solve, jobs))
-        total = [np.sum([worn[n] for _, worn in answers], axis=0) for n in range(len(shares))]
-        return _joined([each for each, _ in answers]), total
+        return _joined([each for each, _ in answers]), np.sum([w for _, w in answers], axis=0)
 
     def write(self, folder: Path, number: int) -> None:
         """Write the record of the last stage, with the contacts of the stage before. number: of the
@@ -282,8 +279,7 @@ class Run:
         stage, contacts = self.stages[-1], self.seen[-1]
         record = {
             "stage": {"done": stage.done, "change": stage.change, "share": stage.share},
-            "seen": {"values": contacts.values, "deepest": contacts.deepest},
-            "known": [asdict(each) for each in contacts.known],
+            "seen": {name: getattr(contacts, name) for name in ("values", "rises", "deepest")},
         }
         arrays = {"depth": stage.depth, "others": contacts.others, **contacts.fields}
         store.write(folder, number, record, arrays)
@@ -297,9 +293,7 @@ class Run:
             record, arrays = store.read(folder, number), store.read_arrays(folder, number)
             try:
                 stage = Stage(depth=arrays.pop("depth"), **record["stage"])
-                known = [Known(**each) for each in record["known"]]
-                others = arrays.pop("others")
-                seen = Contacts(known=known, others=others, fields=arrays, **record["seen"])
+                seen = Contacts(others=arrays.pop("others"), fields=arrays, **record["seen"])
             except (LookupError, TypeError):
                 raise store.broken(store.record_path(folder, number)) from None
             self.stages.append(stage)
@@ -308,11 +302,12 @@ class Run:
 
 def expected(route: Route) -> str:
     """Words that say about how many steps and minutes a route takes, from contacts on the new
-    profiles. Raises SceneError for wear that is deeper than profiles are at their rates.
+    profiles and on those after all wear in one step. Raises SceneError for wear that is deeper than
+    profiles are at their rates.
     """
-    start, given, run = time.process_time(), route.scene.wear, Run.begun(route, QUICK, None)
+    start, given, run = time.process_time(), route.scene.wear, Run.begun(route, QUICK)
     try:
-        deepest = run.contacts(run.stages[0].depth, (), None)[0].deepest
+        deepest = run.contacts(run.stages[0].depth, 0.0)[0].deepest
     except ValueError:
         return "first contacts"  # they fail again, with their reason
     if deepest > DEEP:
@@ -322,12 +317,17 @@ def expected(route: Route) -> str:
     if deepest < NOTHING:
         text = f"wears {deepest:.1g} mm, as hardly anything slips; give creepages or spin"
         raise SceneError("rolling", text)
-    steps = math.ceil(deepest / (DEPTH * math.sqrt(given.accuracy))) + 1
-    if given.step != "auto":
-        steps = given.step
+    seconds = time.process_time() - start
+    steps = given.step
+    if steps == "auto":
+        try:
+            _, change = run.advance(run.stages[0].depth, 1.0)
+        except ValueError:
+            return "steps"
+        steps = math.ceil(math.log1p(change) / (CHANGE * given.accuracy)) + 1
     side_by_side = min(worker_pool.workers(1), len(route.positions))
-    seconds = COST * steps * (time.process_time() - start) / side_by_side
-    return f"about {steps} steps, {seconds / 60:.1g} min"
+    minutes = COST * steps * seconds / side_by_side / 60
+    return f"two runs, about {steps} and {2 * steps} steps, {minutes:.1g} min"
 
 
 def solve(
@@ -335,39 +335,42 @@ def solve(
     folder: Path,
     submit: worker_pool.Submit | None,
     progress: Progress,
-    runs: Mapping[str, Fineness] | None = None,
+    runs: Mapping[str, Grid] | None = None,
 ) -> dict[str, Run]:
-    """The runs of a route by name, as far as they go. Stages with a record in the folder are not
-    solved again.
-
-    submit: as of `Run`.
-    runs: grids by name; None: RUNS. After "coarse" steps are half as long. Beside it comes "again":
-        the contacts on the worn profiles of the main run, on coarse cells.
+    """The runs of a route by name, as far as the contacts of both are known. Stages with a record
+    in the folder are not solved again. submit: as of `Run`. runs: grids by name; None: RUNS.
     """
     step, found = route.scene.wear.step, dict[str, Run]()
     ends = None if step == "auto" else [n / step for n in range(1, step + 1)]
-    given = runs or RUNS
-    for number, (name, fineness) in enumerate(given.items()):
-        run = found[name] = Run.begun(route, fineness, submit)
+    for number, (name, grid) in enumerate((runs or RUNS).items()):
+        run = found[name] = Run.begun(route, grid, submit)
         run.read(folder, APART * number)
         try:
             for stage in _stages(run, ends):
                 run.stages.append(stage)
                 run.write(folder, APART * number + len(run.stages) - 1)
-                progress.stage(f"run {number + 1} of {len(given)}: {stage.done:.1%} worn")
-            run.seen.append(run.as_written())
+                progress.stage(_said(number, name, stage, ends))
+            run.seen.append(run.contacts(run.stages[-1].depth, 0.0)[0])
         except ValueError as error:
             run.reason = " ".join(str(error).split())
-        ends = [stage.done for stage in run.stages]
-        if name == "coarse":
-            ends = [end for pair in pairwise(ends) for end in (sum(pair) / 2, pair[1])]
-            main = found["main"]
-            if not main.reason:
-                cells = replace(main.fineness, cells=fineness.cells)
-                again = replace(main, fineness=cells, stages=main.stages[-1:], seen=main.seen[-1:])
-                with suppress(ValueError):
-                    found["again"] = replace(again, seen=[again.as_written()])
+        done = [stage.done for stage in run.stages]
+        ends = [end for pair in pairwise(done) for end in (sum(pair) / 2, pair[1])]
+    coarse, main = found.values()
+    steps = max(min(len(coarse.seen), (len(main.seen) + 1) // 2) - 1, 0)
+    for run, last in ((coarse, steps), (main, 2 * steps)):
+        del run.stages[last + 1 :], run.seen[last + 1 :]
     return found
+
+
+def _said(number: int, name: str, stage: Stage, ends: Sequence[float] | None) -> str:
+    """Words on the progress of a run whose last stage is given; of all runs, whose main one takes
+    about four fifths of the time.
+    """
+    parts = (0.2, 0.8)
+    whole = sum(parts[:number]) + parts[number] * stage.done
+    left = math.ceil((1.0 - stage.done) / stage.share - 1e-9)
+    more = f", about {left} steps left" if ends is None and left else ""
+    return f"{whole:.0%} of both runs; {name}: {stage.done:.1%} worn{more}"
 
 
 def _stages(run: Run, ends: Sequence[float] | None) -> Iterator[Stage]:
@@ -376,13 +379,12 @@ def _stages(run: Run, ends: Sequence[float] | None) -> Iterator[Stage]:
     """
     last, given = run.stages[-1], run.route.scene.wear
     if not run.seen:  # what the others wear in the first step
-        run.seen.append(run.contacts(last.depth, (), None)[0])
+        run.seen.append(run.contacts(last.depth, 0.0)[0])
         share = min(wear.FIRST, wear.DEEPEST / max(run.seen[0].deepest, 1e-9))
         last = replace(last, share=share)
     if ends is not None:
         return wear.march(run.advance, last, [end for end in ends if end > last.done])
-    approach = min(position.hertz.approach for position in run.route.positions)
-    return wear.march_freely(run.advance, last, given.accuracy, SETTLES * approach)
+    return wear.march_freely(run.advance, last, CHANGE * given.accuracy)
 
 
 def _joined(seen: Sequence[Seen]) -> Contacts:
@@ -396,7 +398,7 @@ def _joined(seen: Sequence[Seen]) -> Contacts:
     total = rates.sum(axis=0)
     return Contacts(
         values=[each.values for each in seen],
-        known=[each.known for each in seen],
+        rises=[each.rises for each in seen],
         others=(total - rates).clip(0.0) / rows("force"),
         deepest=float(total.max()),
         fields={

@@ -11,7 +11,6 @@ from scipy.integrate import quad
 from solved import friction, passed, solved
 
 import railhead as rh
-from railhead.half_spaces.worn_contact import Fineness
 from railhead.planning import simulation_plan
 from railhead.sweeps.wear import wear, wear_run
 from railhead.theory.friction.rolling import (
@@ -270,8 +269,7 @@ def test_lines_start_at_the_bulk_temperatures_coefficient(pairs, bulk, least, mo
 
 def test_wear_has_the_coefficient_of_its_slip(tmp_path, monkeypatch) -> None:
     """A crown that slips at 0.1 m/s everywhere wears by mu, 0.225 of 0.3."""
-    grids = {name: Fineness(places=501, cells=24) for name in wear_run.RUNS}
-    monkeypatch.setattr(wear_run, "RUNS", grids)
+    monkeypatch.setattr(wear_run, "RUNS", dict.fromkeys(wear_run.RUNS, (24, 5.0)))
     monkeypatch.setattr(wear.worker_pool, "workers", lambda ranks: 1)
     keys = (*SLIP_LAW[:3], "friction.slip_half=100", "friction.memory=0.01")
     bodies = "rail.profile=arc", "rail.crown_radius=300", "wheel.profile=cylinder"

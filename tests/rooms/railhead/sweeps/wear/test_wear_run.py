@@ -14,17 +14,12 @@ from csv_rows import rows
 from railhead.cli.commands import main
 from railhead.contact import solid
 from railhead.half_spaces import worn_contact
-from railhead.half_spaces.worn_contact import Fineness
 from railhead.scene.scene import Effects, Friction, Rail, Rolling, Scene, SceneError, Wear, Wheel
 from railhead.sweeps.wear import wear as sweep
 from railhead.sweeps.wear import wear_run
 
 AXLES = 2200.6  # worn area 0.3565 mm2 at a creepage of 1 %
-COARSE = {
-    "main": Fineness(places=2001, cells=48),
-    "coarse": Fineness(places=1001, cells=24),
-    "halved": Fineness(places=1001, cells=24),
-}
+COARSE = {"coarse": (32, 7.5), "main": (64, 15.0)}
 
 
 def crown(**wear: object) -> Scene:
@@ -64,8 +59,7 @@ def test_own_steps_give_pressure_and_depth_of_the_prototype_within_their_errors(
     first, last = (summary["pressure_max_MPa"][key] for key in ("first", "last"))
     bound = summary["accuracy"]["bound"]
     assert first == pytest.approx(1137.9, abs=2)
-    assert last == pytest.approx(840, abs=4)
-    assert abs(last - 840.0) < bound["pressure_max_MPa"]["last"] * last + 0.5
+    assert abs(last - 840.0) < bound["pressure_max_MPa"]["last"] * last + 0.5 < 0.015 * 840
     depth = summary["depth_max_mm"]
     assert depth["rail"] == pytest.approx(0.0416, abs=3e-4) and depth["wheel"] == 0.0
     assert summary["worn_mm2"]["rail"] == pytest.approx(0.3565, rel=5e-3)
@@ -93,7 +87,7 @@ def test_tables_hold_the_worn_depth_over_y_with_its_error(worn):
         for name in ("y [mm]", "depth [mm]", "depth [mm] estimate")
     )
     assert abs(y[np.argmax(depth)]) < 1 and depth.max() == pytest.approx(0.0416, abs=3e-4)
-    half = np.ptp(y[depth > 1e-6]) / 2
+    half = np.ptp(y[depth > 5e-4]) / 2
     assert half == pytest.approx(6.75, abs=0.2)
     assert 0 < off.max() < 0.1 * depth.max()
     damage = [row for row in rows(folder / "damage.csv") if row["body"] == "rail"]
@@ -110,13 +104,6 @@ def test_tables_hold_the_worn_depth_over_y_with_its_error(worn):
     assert middle["p0/k"] == ""
 
 
-def test_one_step_for_all_the_wear_fails_a_check(worn, tmp_path):
-    """It gives 1341 MPa, more than unworn, where many steps give 599."""
-    assert "steps" not in worn[0].summary["checks"]["failed"]
-    found = sweep.wear(crown(step=1, axles=10 * AXLES, accuracy=0.2), tmp_path / "one")
-    assert "steps" in found.summary["checks"]["failed"]
-
-
 def test_another_limit_goes_on_from_the_records(worn, tmp_path):
     folder = tmp_path / "again"
     shutil.copytree(worn[1], folder)
@@ -125,16 +112,24 @@ def test_another_limit_goes_on_from_the_records(worn, tmp_path):
     assert np.array_equal(found.rows[-1]["depth_rail_mm"], worn[0].rows[-1]["depth_rail_mm"])
 
 
-def test_a_check_run_that_fails_at_once_leaves_the_files(worn):
-    found = worn[0]
-    coarse = found.runs["coarse"]
-    failed = replace(coarse, stages=coarse.stages[:1], seen=[], reason="no patch")
-    cut = replace(found, runs={**found.runs, "coarse": failed})
-    lines = list(cut.lines())
-    assert lines and not any(row["depth [mm] estimate"] for row in lines)
-    assert {"accuracy", "converged"} < {*cut.summary["checks"]["failed"]}
-    reason = "coarse run, after 0.0%: no patch"
-    assert cut.summary["reason"] == reason and f"stopped: {reason}" in cut.words()
+def test_a_run_that_stops_keeps_what_it_has_with_its_error_and_says_why(tmp_path, monkeypatch):
+    solve, calls = worn_contact.solve, []
+
+    def fails(*job):
+        calls.append(job)
+        if len(calls) > 11:
+            raise ValueError("no patch")
+        return solve(*job)
+
+    monkeypatch.setattr(worn_contact, "solve", fails)
+    monkeypatch.setattr(sweep.wear_run, "expected", lambda route: "")
+    found = sweep.wear(crown(step=3, accuracy=0.1), tmp_path / "out", pictures=False)
+    summary = found.summary
+    assert summary["reason"] == "main run, after 66.7%: no patch"
+    assert f"stopped: {summary['reason']}" in found.words()
+    assert summary["done"] == pytest.approx(2 / 3) and summary["checks"]["failed"] == ["converged"]
+    assert 0 < summary["accuracy"]["bound"]["depth_max_mm"]["rail"] < 0.1
+    assert summary["rows"][-1]["axles"] == pytest.approx(2 / 3 * AXLES)
 
 
 def test_limits_are_reached_where_the_depth_passes_them(worn):
@@ -145,8 +140,7 @@ def test_limits_are_reached_where_the_depth_passes_them(worn):
         for way, each in ((False, found.rows[::-1]), (True, found.rows))
     )
     assert before["axles"] < limit["axles"] < after["axles"] and limit["limit"] == 0.02
-    # A tenth of the wheels between two steps is what straight lines may be off.
-    assert 0 < limit["axles estimate"] < 0.1 * (after["axles"] - before["axles"])
+    assert 0 < limit["axles estimate"] < 0.03 * limit["axles"]
 
 
 def test_worn_profiles_are_read_back_to_a_micrometre(worn):
@@ -167,14 +161,14 @@ def test_the_last_pressure_is_that_of_the_profile_that_is_written(tmp_path):
     table.write_text("share,load [kN],rolling.creepage_along\n1,40,0.01\n0.02,120,0.001\n")
     scene = crown(step=2, positions=str(table), accuracy=0.2)
     found = sweep.wear(scene, tmp_path / "out")
-    last = found.summary["positions"][1]["last"]
+    run, last = found.runs["main"], found.summary["positions"][1]["last"]
     worn = {"rail.profile": str(tmp_path / "out" / "rail_profile.csv"), "rail.crown_radius": "none"}
     again = found.route.positions[1].scene.replace(**worn, **{"rail.profile_mirror": "off"})
-    begin = np.zeros((2, COARSE["main"].places))
+    begin = np.zeros((2, worn_contact.PLACES))
     (position,) = (replace(each, scene=again) for each in found.route.positions[1:])
-    read = worn_contact.solve(position, COARSE["main"], begin, worn_contact.Known(), (), begin)[0]
-    assert read.values["pressure_max_MPa"] == pytest.approx(last["pressure_max_MPa"], rel=1e-3)
-    assert last["pressure_max_MPa estimate"] > 0
+    read = worn_contact.solve(position, run.fineness, begin, 0.0, 0.0, begin)[0]
+    off = abs(read.values["pressure_max_MPa"] - last["pressure_max_MPa"])
+    assert off < min(5.0, last["pressure_max_MPa estimate"])
 
 
 def test_under_mpirun_it_is_refused(tmp_path, monkeypatch):
@@ -185,7 +179,7 @@ def test_under_mpirun_it_is_refused(tmp_path, monkeypatch):
 
 def test_a_rail_that_leans_is_written_as_it_stood_before(tmp_path):
     scene = Scene(load=1e4, rail=Rail(profile="60E1", inclination=0.05))
-    places = worn_contact.places(scene, 2001)["rail"]
+    places = worn_contact.places(scene)["rail"]
     depth = 0.1 * np.exp(-((places.points[:, 0] / 5) ** 2))
     file = tmp_path / "rail.csv"
     file.write_text(sweep._profile(places, depth, 0.05))
@@ -219,9 +213,9 @@ def test_a_run_goes_on_after_its_last_record(worn, tmp_path, monkeypatch):
 
 def test_two_runs_are_one(worn, tmp_path):
     found, _ = worn
-    first = sweep.wear(crown(axles=AXLES / 2, step=3), tmp_path / "first")
+    first = sweep.wear(crown(axles=AXLES / 2, step=8), tmp_path / "first")
     profile = {"profile": str(tmp_path / "first" / "rail_profile.csv"), "profile_mirror": "off"}
-    then = crown(axles=AXLES / 2, step=3).model_copy(update={"rail": Rail(**profile)})
+    then = crown(axles=AXLES / 2, step=8).model_copy(update={"rail": Rail(**profile)})
     second = sweep.wear(then, tmp_path / "second")
     assert second.passed
     total = sum(each.summary["depth_max_mm"]["rail"] for each in (first, second))
