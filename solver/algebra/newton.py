@@ -268,20 +268,21 @@ def _clear(result: NewtonResult) -> None:
     result.pressure = np.zeros_like(result.pressure)
 
 
-def in_steps(goals: Iterable[float], done: float, step: Callable[[float], bool]) -> bool:
+def in_steps(goals: Iterable[float], done: float, step: Callable[[float], bool | None]) -> bool:
     """Go to shares of a load, one after the other. A step that fails is halved, down to 1/64
     (SMALLEST_STEP) of it; then all of the rest is tried again. Returns whether the last goal was
     reached.
 
     done: share where the first step starts.
-    step: goes to a share from the last one that was reached, and says whether it succeeded.
+    step: goes to a share from the last one that was reached, and says whether it succeeded; None: a
+        smaller one fails, too.
     """
     for goal in goals:
         least = abs(goal - done) * SMALLEST_STEP
         while done != goal:
             target = goal
-            while not step(target):
-                if abs(target - done) <= least:
+            while not (went := step(target)):
+                if went is None or abs(target - done) <= least:
                     return False
                 target = (target + done) / 2
             done = target

@@ -147,17 +147,18 @@ class Assembly:
         (collective). Nitsche's parameter goes with the stiffness of the secondary body: beside a
         soft one its pressure would be that of the mesh (ten times as stiff, degree 1: + 35 %).
         """
-        bodies = [self._bodies_at(tag) for tag in contact.tags]
+        tags = contact.tags
+        bodies = [self._bodies_at(tag) for tag in tags]
         if contact.gap is not None or [len(each) for each in bodies] != [1, 1]:
             return contact
         secondary, primary = (self._typical(self.materials[tag]) for (tag,) in bodies)
         if plane_modulus(secondary) <= STIFFER * plane_modulus(primary):
             return contact
         self.warn(
-            f"surface {contact.secondary} is that of the stiffer body: the contact points lie on "
-            f"surface {contact.primary}, as with secondary={contact.primary}"
+            f"surface {tags[0]} is that of the stiffer body: the contact points lie on surface "
+            f"{tags[1]}, as with secondary={tags[1]}"
         )
-        return replace(contact, secondary=contact.primary, primary=contact.secondary)
+        return replace(contact, secondary=tags[1], primary=tags[0])
 
     def coarse(self, pairing: Interface, pressure: Array) -> None:
         """Warn of contacts that touch on a part of a curved surface with too few facets from the

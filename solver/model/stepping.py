@@ -14,6 +14,7 @@ from railhead.solver.algebra import newton
 from railhead.solver.algebra.problem import ContactProblem
 from railhead.solver.material import History
 from railhead.solver.model.assembly import Assembly
+from railhead.solver.model.loose import LOOSE, loose_motion
 from railhead.solver.model.problem import FrictionalProblem, HubLoads, State
 from railhead.solver.plasticity.plastic_problem import surface_points
 from railhead.solver.space.contact_interface import Interface
@@ -34,18 +35,21 @@ def advance(model: Assembly, state: State, target: HubLoads, steps: int) -> Stat
     forces grow with them. Where a step fails, the last state that converged, with the result that
     did not (collective).
     """
-    start, first = _continued(state, target), state.share
+    start, first, loose = _continued(state, target), state.share, 0
 
-    def step(share: float) -> bool:
-        """Go to the loads at a share of the way; returns whether that converged."""
-        nonlocal state
+    def step(share: float) -> bool | None:
+        """Go to the loads at a share of the way; returns whether that converged, None where nothing
+        holds a body in a smaller step, too.
+        """
+        nonlocal state, loose
         grown = first + share * (1 - first)
         loads = {hub: start[hub] + share * (load - start[hub]) for hub, load in target.items()}
         new = _step(model, state, loads, grown)
         history = state.history + tuple(new.result.history)
         converged = new.result.converged
         state = replace(new if converged else state, result=new.result, history=history)
-        return converged
+        loose = loose + 1 if new.result.reason.startswith(LOOSE) else 0
+        return None if loose > 1 else converged
 
     newton.in_steps(np.linspace(0.0, 1.0, steps + 1)[1:], 0.0, step)
     return state
@@ -88,6 +92,8 @@ def _step(model: Assembly, before: State, loads: HubLoads, share: float) -> Stat
         if not result.converged:
             if isinstance(problem, FrictionalProblem) and problem.all_slides(result.pressure > 0):
                 result.reason = "everything slides: a force is above what friction carries"
+            elif words := loose_motion(model, problem, active, loads):
+                result.reason = words
             break
         every = model.gathered(u)
         drift, change, lost = model.surfaces.outdated(pairing, every, gap, result.pressure)

@@ -339,6 +339,30 @@ def test_straight_facets_on_an_arc_are_warned_of_and_what_misses_is_told() -> No
     assert all(0.2 < each < 0.9 for each in missed[1::2])
 
 
+def test_a_roller_that_nothing_holds_along_its_plates_is_named() -> None:
+    """Pushed aside between plates without friction; the linear solver stalled, and no more."""
+
+    def make(occ) -> list[int]:
+        low, high = (occ.addRectangle(-2, y, 0, 4, 1) for y in (-2, 1))
+        return [low, occ.addDisk(0, 0, 0, 1, 1), high]
+
+    def tag(body: int, box: tuple[float, float, float, float]) -> int:
+        if body == 2 or box[3] - box[1] > 1e-3:
+            return 12 * (body == 2)
+        return 10 + body if abs(box[1]) < 1.5 else 20 + body
+
+    made = rs.Model(*meshed(make, tag, "0.3"), section="plane strain", degree=1)
+    made.add(*(rs.Body(k, SOFT, (0.1 * (k == 2), 0)) for k in (1, 2, 3)), rs.Clamp(21))
+    made.add(*(rs.Contact(12, plate) for plate in (11, 13)))
+    hub = made.add(rs.Hub(23, free=(0, -1)))
+    found = made.solve({hub: rs.Force(4.0)})
+    assert not found.converged and len(found.history) < 100
+    told = re.fullmatch(r"nothing holds the body around (.*): it may move along (.*)", found.reason)
+    place, along = (np.array([float(x) for x in told[k][1:-1].split(",")]) for k in (1, 2))
+    np.testing.assert_allclose(place, 0, atol=0.05)
+    np.testing.assert_allclose(along, [1, 0], atol=0.1)
+
+
 def test_nearly_incompressible_bodies_are_told_to_lock() -> None:
     for mean in (False, True):
         made = rs.Model(*boxes(), section="plane strain", mean_dilatation=mean)
