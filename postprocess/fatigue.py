@@ -9,13 +9,13 @@ at 0.01 of the smaller half length: nearer to the surface a sliding edge makes a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator, PchipInterpolator
 
-from railhead.postprocess.findings import Array, Findings, Frame, Surface
+from railhead.postprocess.findings import Array, Findings, Frame, OnePatch, Surface
 from railhead.theory import fatigue
 from railhead.theory.bem import grid_stress
 from railhead.theory.bem.grid_patch import PatchSolution
@@ -46,21 +46,26 @@ def read(
     """The largest stresses of Dang Van and Findley, MPa ("dang_van_MPa", "findley_MPa"), their
     depths, mm ("depth_mm") and the angles of their planes to the surface, degrees ("plane_deg"), by
     criterion; both over the depth ("profile"); and the relative error of each ("estimate"): the
-    change from half as many strips or cells, and by how much the largest von Mises stress deeper
-    than 0.2 (DEEP) of the smaller half length differs from that of the bodies on the axis.
+    change from half as many strips or cells at these depths and beside, and by how much the largest
+    von Mises stress deeper than 0.2 (DEEP) of the smaller half length differs from that of the
+    bodies on the axis.
 
     found: findings. surface, friction: of the whole patch. poisson: Poisson's ratio of `body`,
         "rail" or "wheel". slopes: weights of the hydrostatic stress (Dang Van) and of the normal
         stress (Findley). line: whether the contact is a line across the rail.
     """
     sign = 1.0 if body == "rail" else -1.0
-    fine, coarse = (
-        _along_line(found, friction, poisson, sign, STRIPS // parts)
-        if line
-        else _below_patch(found, surface, friction, poisson, sign, parts)
-        for parts in (1, 2)
-    )
-    (depth, paths, axis), (_, before, _) = fine, coarse
+    one = max(found.patch.each, key=lambda each: each.max_pressure, default=None)
+    tractions = one and _on_patch(found, surface, friction, one, sign)
+
+    def below(depths: Array, parts: int) -> tuple[Array, Array, Array]:
+        """Paths below the contact, at depths over the smaller half length."""
+        if line or one is None or tractions is None:
+            return _along_line(found, friction, poisson, sign, STRIPS // parts, depths)
+        along, across = (count // parts for count in CELLS[friction is not None])
+        return _below_patch(one, tractions, poisson, (along, across), depths)
+
+    depth, paths, axis = below(DEPTHS, 1)
     bodies = 0.0
     if body in found.depth:
         own = found.depth[body]
@@ -68,8 +73,10 @@ def read(
         there = np.interp(depth[deep], own.depth, von_mises(own.stress))
         bodies = float(np.abs(von_mises(axis[deep]) / there.max() - there / there.max()).max())
     values, normals = _criteria(paths, slopes)
-    change = np.abs(_criteria(before, slopes)[0].max(axis=0) / values.max(axis=0) - 1)
     worst = values.argmax(axis=0)
+    near = np.unique((worst + [[-1], [0], [1]]).clip(0, DEPTHS.size - 1))
+    before, _ = _criteria(below(DEPTHS[near], 2)[1], slopes)
+    change = np.abs(before.max(axis=0) / values.max(axis=0) - 1)
     upright = np.abs([normals[n][k][2] for n, k in enumerate(worst)]).clip(max=1.0)
     names = [f"{name}_MPa" for name in SLOPES]
     largest = values.max(axis=0).tolist()
@@ -106,10 +113,16 @@ def _ratios(friction: FrictionSolution, frame: Frame) -> tuple[Array, Array]:
 
 
 def _along_line(
-    found: Findings, friction: FrictionSolution | None, poisson: float, sign: float, count: int
+    found: Findings,
+    friction: FrictionSolution | None,
+    poisson: float,
+    sign: float,
+    count: int,
+    depths: Array,
 ) -> tuple[Array, Array, Array]:
     """Depths (d,), mm, paths (d, 1, t, 6) below a line across the rail by `count` strips, and the
-    stress (d, 6) below its middle. Arguments as of `read`; sign: of the tractions on the body.
+    stress (d, 6) below its middle. Arguments as of `read`; sign: of the tractions on the body;
+    depths: (d,) over the half width.
     """
     half, middle, along = found.patch.a, found.patch.centre[0], found.along
     edges = middle - half * np.cos(np.pi * np.arange(count + 1) / count)
@@ -125,44 +138,62 @@ def _along_line(
         traction = sign * pressure * np.interp(x, places[order, 0], ratios[order, 0])
     beside = half * np.cosh(np.linspace(0.0, 3.0, count // 8))
     x = np.concatenate([middle - beside[::-1], x, middle + beside])
-    depth, paths = half * DEPTHS, np.zeros((DEPTHS.size, 1, x.size + 1, 6))
+    depth, paths = half * depths, np.zeros((depths.size, 1, x.size + 1, 6))
     for path, deep in zip(paths[:, 0], depth, strict=True):
         strips = Strips(edges, x, np.full_like(x, deep), poisson)
         path[:-1, [0, 1, 2, 4]] = strips.stress(pressure, traction)
     return depth, paths, paths[:, 0, np.abs(x - middle).argmin()]
 
 
-def _below_patch(
+Tractions = Callable[[Array], tuple[Array, Array | None]]
+"""Places (nx, ns, 2), mm, in the plane of a patch -> pressure (nx, ns) and tractions (2, nx, ns) on
+the body, MPa."""
+
+
+def _on_patch(
     found: Findings,
     surface: Surface,
     friction: FrictionSolution | None,
-    poisson: float,
+    one: OnePatch,
     sign: float,
-    parts: int,
-) -> tuple[Array, Array, Array]:
-    """Depths (d,), mm, paths (d, k, t, 6) below k lines along the patch with the largest pressure,
-    and the stress (d, 6) below its middle. Arguments as of `read`; sign: of the tractions on the
-    body; parts: of the numbers of cells.
-    """
-    one = max(found.patch.each, key=lambda each: each.max_pressure)
+) -> Tractions:
+    """Pressure and tractions around a patch; arguments as of `_along_line`."""
     frame = Frame(one.centre, one.angle)
-    along, across = (count // parts for count in CELLS[friction is not None])
-    x = one.a * (2 * np.arange(-along // 4, along + along // 4) + 1 - along) / along
-    s = one.b * (2 * np.arange(across) + 1 - across) / across
-    places = np.stack(np.meshgrid(x, s, indexing="ij"), axis=-1)
-    if found.hertzian:
-        squares = one.max_pressure**2 * (1 - ((places / (one.a, one.b)) ** 2).sum(axis=-1))
-    else:
+    nearest = None if friction is None else NearestNDInterpolator(*_ratios(friction, frame))
+    squares_of = None
+    if not found.hertzian:
         local = frame.local(surface.points)
         near = np.isfinite(local).all(axis=1)
-        squares = LinearNDInterpolator(local[near, :2], surface.pressure[near] ** 2, 0.0)(places)
-    pressure, traction = np.sqrt(squares.clip(min=0.0)), None
-    if friction is not None:
-        ratios = NearestNDInterpolator(*_ratios(friction, frame))(places)
-        traction = sign * pressure * np.moveaxis(ratios, -1, 0)
+        squares_of = LinearNDInterpolator(local[near, :2], surface.pressure[near] ** 2, 0.0)
+
+    def at(places: Array) -> tuple[Array, Array | None]:
+        """Pressure and tractions at places."""
+        if squares_of is None:
+            squares = one.max_pressure**2 * (1 - ((places / (one.a, one.b)) ** 2).sum(axis=-1))
+        else:
+            squares = squares_of(places)
+        pressure = np.sqrt(squares.clip(min=0.0))
+        if nearest is None:
+            return pressure, None
+        return pressure, sign * pressure * np.moveaxis(nearest(places), -1, 0)
+
+    return at
+
+
+def _below_patch(
+    one: OnePatch, tractions: Tractions, poisson: float, cells: tuple[int, int], depths: Array
+) -> tuple[Array, Array, Array]:
+    """Depths (d,), mm, paths (d, k, t, 6) below k lines along a patch, and the stress (d, 6) below
+    its middle. tractions: pressure and tractions around it. cells: along and across it. depths:
+    (d,) over the smaller half length.
+    """
+    along, across = cells
+    x = one.a * (2 * np.arange(-along // 4, along + along // 4) + 1 - along) / along
+    s = one.b * (2 * np.arange(across) + 1 - across) / across
+    pressure, traction = tractions(np.stack(np.meshgrid(x, s, indexing="ij"), axis=-1))
     window = PatchSolution(x, s, 0 * s, pressure, 0 * pressure, 0.0)
     rows = np.rint((across - 1) / 2 * (1 + np.linspace(-0.8, 0.8, LINES))).astype(int)
-    depth = min(one.a, one.b) * DEPTHS
+    depth = min(one.a, one.b) * depths
     layers = [grid_stress.layer(window, poisson, traction, deep)[:, rows] for deep in depth]
     paths = np.pad(np.stack(layers).swapaxes(1, 2), ((0, 0), (0, 0), (0, 1), (0, 0)))
     return depth, paths, paths[:, LINES // 2, np.abs(x).argmin()]

@@ -7,15 +7,16 @@ positive, in columns xx, yy, zz, xy, xz, yz. Neither criterion knows a limit of 
 from __future__ import annotations
 
 import math
+from itertools import product
 
 import numpy as np
-from scipy.optimize import minimize
 
 from railhead.theory.array_types import Array
 from railhead.theory.elastic.subsurface import directions, principal
 
 CENTRING = 1000  # steps towards the centre of a path
 STEP = math.radians(15)  # between the planes of Findley's first search
+FINEST = math.radians(0.1)  # step at which its last search ends
 TWICE = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])  # a shear stress stands twice in the tensor
 
 
@@ -57,8 +58,8 @@ def findley(paths: Array, slope: float) -> tuple[float, Array]:
 
     paths: (n, t, 6). slope: k.
     The amplitude is half the longest chord of the shear stress' path on the plane. Planes and
-    directions of chords are tried 15 degrees apart (STEP). From the best one the simplex method
-    climbs.
+    directions of chords are tried 15 degrees apart (STEP); then those beside the best one, in
+    steps that are halved where none is better, down to 0.1 degrees (FINEST).
     """
     quarter, half = round(math.pi / 2 / STEP), round(math.pi / STEP)
     steps = np.arange(quarter + 1), np.arange(2 * half), np.arange(half)
@@ -68,14 +69,13 @@ def findley(paths: Array, slope: float) -> tuple[float, Array]:
     point, best = np.unravel_index(int(values.argmax()), values.shape)
     start = angles.reshape(-1, 3)[best]
 
-    def lower(angles: Array) -> float:
-        """Minus Findley's stress, MPa, of one plane and direction at the worst point."""
-        return -float(_on_planes(paths[point], *_weights(angles[None, None]), slope)[0, 0])
-
-    simplex = start + STEP / 2 * np.vstack([np.zeros(3), np.eye(3)])
-    options = {"initial_simplex": simplex, "xatol": 1e-3, "fatol": 1e-5 * values.max()}
-    found = minimize(lower, start, method="Nelder-Mead", options=options)
-    return -float(found.fun), _vectors(found.x)[0]
+    beside, size = np.array([*product((0.0, -1.0, 1.0), repeat=3)]), STEP / 2
+    while size > FINEST:
+        near = start + size * beside
+        around = _on_planes(paths[point], *_weights(near[:, None]), slope)[:, 0]
+        size /= 1 if around.argmax() else 2
+        start = near[around.argmax()]
+    return float(around.max()), _vectors(start)[0]
 
 
 def _on_planes(path: Array, shear: Array, normal: Array, slope: float) -> Array:
