@@ -41,9 +41,14 @@ PROCESSES = click.IntRange(1)
 PROCESSES.name = "number of processes; give a whole number from 1 on"
 PORT = click.IntRange(0, 65535)
 PORT.name = "port; give a whole number up to 65535"
+BACKS, CYCLES = click.IntRange(1, 5), click.IntRange(1, 1000)
+BACKS.name = "number of back stresses; give 1 to 5"
+CYCLES.name = "number of cycles; give 1 to 1000"
+EXPONENT = click.FloatRange(0, 30)
+EXPONENT.name = "recall exponent; give 0, or 1 to 30"
 START_BYTES = 750_000_000  # address space with which libraries start and half-spaces are solved
 # Commands of which MPI prints one copy.
-SERIAL = ("list", "plan", "show", "diff", "locate", "profile")
+SERIAL = ("list", "plan", "show", "diff", "locate", "profile", "steel")
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -447,6 +452,39 @@ def profile(file: Path, body: str | None, assignments: Sequence[str], **options:
     from railhead.cli import geometry
 
     _report(geometry.profile(str(file), body, assignments), file.stem, "profile", **options)
+
+
+@railhead.command()
+@click.argument("source", metavar="NAME|SCENE|FILE")
+@options.assign
+@click.option("--backstresses", type=BACKS, default=2, help="Of the steel of a FILE [2].")
+@click.option("--recall-exponent", type=EXPONENT, default=0.0, help="Of the steel of a FILE [0].")
+@click.option("--mean", help="Mean stress of cycles, e.g. 50MPa.")
+@click.option("--amplitude", help="Their amplitude, e.g. 400MPa.")
+@click.option("--cycles", type=CYCLES, default=50, help="Their number [50].")
+@options.takes_report
+def steel(
+    source: str,
+    assignments: Sequence[str],
+    backstresses: int,
+    recall_exponent: float,
+    mean: str | None,
+    amplitude: str | None,
+    cycles: int,
+    **options: Any,
+) -> None:
+    """Show what a steel does, or fit it to a test (a FILE with columns strain, stress)."""
+    from railhead.cli.steels import steel_tests
+    from railhead.scene.units import STRESS, to_base
+
+    stress: dict[str, float] = {}
+    for name, given in {"mean": mean, "amplitude": amplitude}.items():
+        try:
+            stress |= {} if given is None else {name: to_base(given, STRESS)}
+        except ValueError as error:
+            raise SceneError(f"--{name}", str(error)) from None
+    found = steel_tests(source, assignments, backstresses, recall_exponent, cycles=cycles, **stress)
+    _report(found, Path(source).stem, "steel", **options)
 
 
 def _report(

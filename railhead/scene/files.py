@@ -101,6 +101,11 @@ CURVE = (
     _column("stress", "((true|flow|yield) )?stress|sigma", STRESS),
 )
 """Columns of a curve of plastic strain and true stress."""
+TEST = (
+    _column("strain", "((true|total|axial|engineering) )?strain|e(ps(ilon)?)?", FRACTION),
+    _column("stress", "((true|axial|engineering) )?stress|s(igma)?", STRESS),
+)
+"""Columns of a test of a bar: its whole strain and its stress."""
 LAW = (
     _column("T-gamma/A", "(t ?gamma|tγ)( (a|over the area|per area))?|density", STRESS, "N/mm2"),
     _column("rate", "(wear )?rate|mass|wear", WEAR_RATE),
@@ -145,6 +150,15 @@ def read_curve(path: str) -> tuple[Pair, ...]:
     if len(points) < 2:
         raise ValueError(f"{path} has {len(points)} points; give at least two")
     return tuple(points)
+
+
+def read_test(path: str) -> list[Pair]:
+    """Rows (strain, stress in MPa) of a test of a bar in a table, by its header in other units.
+    Raises ValueError (one line) as `tables.read`, OSError where the file cannot be read.
+    """
+    file = Path(path)
+    table = tables.read(file.name, tables.lines_of(file), TEST)
+    return [(one, other) for one, other in tables.in_units(file.name, table, TEST)]
 
 
 def wear_pairs(path: str) -> tuple[Pair, ...]:

@@ -1,0 +1,174 @@
+"""A bar of steel in tension and compression, driven by its strain or by its stress, and the
+constants of a steel from measured bars.
+
+The radial return of a solid with the shear modulus E/3 and the strains eps (1, -1/2, -1/2) is that
+of a bar: its trial stress is E (eps - eps_p), its plastic strains are eps_p (1, -1/2, -1/2).
+"""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+from scipy.optimize import least_squares, nnls
+
+from railhead.solver.material import Hardening, History, Material, backs, radial_return
+from railhead.theory.array_types import Array
+
+ALONG = np.array([1.0, -0.5, -0.5])
+EXACT = 1e-9  # of the yield stress: error of a given stress
+STEPS = 60  # most steps of Newton's method
+SOFT = 1e-7  # slope over Young's modulus from which a bar carries no more
+LINEAR = 0.4  # of the largest stress, up to which the start of a test is elastic
+WITHIN, TINY = 5, 1e-9  # steps between two points, least phi, of the back stresses there
+GRID = 12  # recalls from which a fit may start
+BEGUN = 0.05  # of the range of plastic strain: from there on after a turn, yield goes on
+SOLUTIONS = 25  # most evaluations of a fit, without those of derivatives
+MOST = 100  # rows of a test that count in a fit
+SAME = 1e-3  # relative change of misfit and constants at which a fit ends
+FAR = 3.0  # of a fit's logarithms from where it starts
+WORTH = 1e-2  # of the largest stress: Voce's part is left out below
+LEAST = 1e-5  # plastic strain of a test that goes beyond yield
+ZERO = 0.05  # of the largest stress: what a test may start with
+
+
+class Bar:
+    """A bar that remembers what it went through.
+
+    material: elastic constants and flow curve.
+    strain, stress: where it is; stress in MPa.
+    """
+
+    def __init__(self, material: Material) -> None:
+        """A bar without strain, stress and history."""
+        assert material.hardening is not None
+        self.young, self.law = material.young_modulus, material.hardening
+        self.state = History.virgin(1, 3, backs([material]))
+        self.strain = self.stress = 0.0
+
+    def strained(self, strain: float) -> tuple[History, float, float]:
+        """State, stress (MPa) and slope of the stress (MPa) of the bar at a strain; it stays where
+        it is.
+        """
+        shear = np.array([self.young / 3])
+        after, less = radial_return(strain * ALONG[None], shear, self.state, self.law)
+        slope = self.young - sum(1.5 * float((each @ ALONG)[0]) for each in less.matrix)
+        return after, self.young * (strain - float(after.plastic[0, 0])), slope
+
+    def to_strain(self, strain: float) -> float:
+        """Stress, MPa, after the way to a strain in one step, which the bar takes."""
+        self.state, self.stress, _ = self.strained(strain)
+        self.strain = strain
+        return self.stress
+
+    def to_stress(self, stress: float) -> float:
+        """Strain after the way to a stress (MPa) in one step, which the bar takes. Raises
+        ValueError (one line) for a stress that the steel does not carry.
+        """
+        strain = self.strain + (stress - self.stress) / self.young
+        for _ in range(STEPS):
+            state, found, slope = self.strained(strain)
+            if abs(stress - found) <= EXACT * self.law.initial_yield_stress:
+                self.state, self.strain, self.stress = state, strain, stress
+                return strain
+            if slope < SOFT * self.young:
+                break
+            strain += (stress - found) / slope
+        raise ValueError(f"the steel does not carry {stress:.4g} MPa")
+
+
+def stresses(material: Material, strains: Array) -> Array:
+    """Stresses (n,), MPa, of a new bar at strains (n,), one after the other."""
+    bar = Bar(material)
+    return np.array([bar.to_strain(float(each)) for each in strains])
+
+
+def turns(values: Array, least: float) -> Array:
+    """Numbers (k,) of the values (n,) at which they turn back by more than `least`."""
+    found, way, top = [], 0.0, 0
+    for at, value in enumerate(values):
+        if way * (value - values[top]) >= 0 and value != values[top]:
+            way, top = (way or np.sign(value - values[top])), at
+        elif abs(value - values[top]) > least:
+            found.append(top)
+            way, top = -way, at
+    return np.array(found, dtype=np.int64)
+
+
+def _begun(plastic: Array, stress: Array, back: Array, count: int, exponent: float) -> Array:
+    """Constants from which a fit starts: yield stress, moduli and recalls of `count` back stresses,
+    and where the strain turns back, Voce's Q and b. The best of some recalls and rates, of which
+    the stress is linear in the others: sgn [sy + Q (1 - exp(-b p))] + sum X.
+
+    plastic: strain (n,). stress: (n,), MPa. back: numbers (k,) of the points where it turns.
+    """
+    step = np.diff(plastic, prepend=0.0)
+    leg = np.searchsorted(back, np.arange(len(plastic)), side="left")
+    way = np.where(leg % 2, -1.0, 1.0) * np.sign(stress[back[0]] if len(back) else stress[-1])
+    since = np.concatenate([[0.0], plastic[back]])[leg]
+    flows = np.abs(plastic - since) > BEGUN * np.ptp(plastic)
+    travelled = np.cumsum(np.abs(step))
+    recalls = np.geomspace(0.5, 500.0, GRID) / np.ptp(plastic)
+    parts = np.zeros((len(plastic), GRID))  # back stresses of the modulus 1
+    for at, whole in enumerate(step[1:], 1):
+        part = parts[at - 1]
+        for _ in range(WITHIN):
+            phi = np.abs(recalls * part) ** exponent + TINY
+            kept = np.exp(-recalls * phi * abs(whole) / WITHIN)
+            part = kept * part + np.sign(whole) * (1 - kept) / (recalls * phi)
+        parts[at] = part
+    rates = np.geomspace(0.5, 20.0, 4) / travelled[-1] if len(back) else np.zeros(1)
+    best, found = np.inf, np.zeros(0)
+    for rate in rates:
+        voce = way * -np.expm1(-rate * travelled)
+        for chosen in combinations(range(GRID), count):
+            columns = np.column_stack([way, parts[:, chosen], voce])[flows]
+            values, misfit = nnls(columns, stress[flows])
+            if misfit < best:
+                best = misfit
+                found = np.concatenate([values[:-1], recalls[list(chosen)], [values[-1], rate]])
+    return found
+
+
+def fitted(strain: Array, stress: Array, count: int, exponent: float = 0.0) -> Material:
+    """Elastic constants and flow curve with `count` back stresses of a recall exponent, and with
+    Voce's part where the strain turns back, which fit a measured bar best: least squares of its
+    stresses (n,), MPa, at its strains (n,), of which some 100 (MOST) count, the turns among them.
+
+    Raises ValueError (one line) for a test that does not start at zero stress, that stays elastic,
+    or that has fewer rows than constants.
+    """
+    top = float(np.abs(stress).max())
+    if abs(stress[0]) > ZERO * top:
+        raise ValueError(f"the test starts at {stress[0]:.4g} MPa; give it from zero stress on")
+    if len(strain) < 2 * count + 4:
+        text = f"give {2 * count + 4} or more for {count} back stresses"
+        raise ValueError(f"the test has {len(strain)} rows; {text}")
+    start = slice(0, max(int(np.argmax(np.abs(stress) > LINEAR * top)), 2))
+    young = float(np.polyfit(strain[start], stress[start], 1)[0])
+    plastic = strain - stress / young
+    if not (young > 0 and np.ptp(plastic) > LEAST):
+        raise ValueError("the test stays elastic; give one that goes beyond yield")
+    back = turns(strain, ZERO * float(np.ptp(strain)))
+    first = _begun(plastic, stress, back, count, exponent)
+    kept = first[:-2] if first[-2] < WORTH * top else first
+
+    def made(logarithms: Array) -> Material:
+        """The steel with these logarithms of constants."""
+        least, *rest = np.exp(logarithms)
+        pairs = list(zip(rest[:count], rest[count : 2 * count], strict=True))
+        isotropic = rest[2 * count :] or (0.0, 0.0)
+        law = Hardening.linear(least).cyclic(pairs, exponent, isotropic)
+        return Material(young, 0.3, law)
+
+    begin = np.log(np.maximum(kept, WORTH * top))
+    some = np.union1d(np.linspace(0, len(strain) - 1, min(len(strain), MOST)).astype(int), back)
+    best = least_squares(
+        lambda values: (stresses(made(values), strain[some]) - stress[some]) / top,
+        begin,
+        bounds=(begin - FAR, begin + FAR),
+        max_nfev=SOLUTIONS,
+        ftol=SAME,
+        xtol=SAME,
+    )
+    return made(best.x)
