@@ -493,8 +493,10 @@ class FatigueDepths:
     findley: of Findley's stress.
     """
 
-    dang_van: float = steel("dang_van", "mm", "depth of the Dang Van stress")
-    findley: float = steel("findley", "mm", "depth of the Findley stress")
+    dang_van: float = steel(
+        "dang_van", "mm", "depth of the Dang Van stress", column="Dang Van depth"
+    )
+    findley: float = steel("findley", "mm", "depth of the Findley stress", column="Findley depth")
 
 
 @dataclass(frozen=True, kw_only=True)
