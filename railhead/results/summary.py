@@ -67,7 +67,7 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
             "bound": {name: each.total for name, each in known.items() if name not in unresolved}
             | _first_yield_error(solved),
             "reached": reached,
-            "reason": ending.reason + estimates.not_asked(plan, known.keys() | {*unresolved}),
+            "reason": ending.reason,
             "would_cost": cost and {"unknowns": cost[0], "seconds": cost[1]},
             "source": source,
             "parts": {name: each.parts for name, each in known.items()},
@@ -116,8 +116,7 @@ def summarise_half_spaces(solved: HalfSpaceSolution) -> dict[str, Any]:
             "asked": asked,
             "bound": bound,
             "reached": reached,
-            "reason": "half-spaces are solved once"
-            + estimates.not_asked(solved.plan, bound.keys() | {*unresolved}),
+            "reason": "half-spaces are solved once",
             "would_cost": None,
             "source": HALF_SPACE_SOURCE,
             "parts": solved.error_parts,
@@ -159,7 +158,8 @@ def _summary(
     cost: dict[str, Any],
 ) -> dict[str, Any]:
     """summary.json of a solution; the arguments are its entries of the same names. Where another
-    problem was chosen, the "source" of `accuracy` is changed in place to say so.
+    problem was chosen, the "source" of `accuracy` is changed in place to say so; its "reason" is
+    followed by what a wanted accuracy is not asked of.
     """
     result, reference, found = solved.result, solved.elastic_reference, solved.findings
     hertz = exact_quantities(solved)
@@ -167,13 +167,16 @@ def _summary(
         accuracy["source"] += f"; of the problem that was chosen ({', '.join(other)})"
     name = "elastic" if solved.residual_state is not None else "frictionless"
     rubbed = {} if half_space_friction is None else {"half_space_friction": half_space_friction}
+    more = {} if result is None else _more(solved, accuracy)
+    told = {*accuracy["bound"], *more.get("friction", {}).get("below_resolution", ())}
+    accuracy["reason"] += estimates.not_asked(solved.plan, told)
     return {
         "case": solved.plan.scene.name,
         "method": method,
         **origin(),
         "scene": portable(solved.plan.scene),
         "plan": solved.plan.summary(),
-        "result": result and {**result, **_more(solved, accuracy)},
+        "result": result and {**result, **more},
         **({} if reference is None else {name: reference.result}),
         "hertz": hertz,
         "half_space": half_space,

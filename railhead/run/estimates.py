@@ -94,11 +94,15 @@ def largest_bound(bound: Mapping[str, float]) -> float:
 
 
 def not_asked(plan: Plan, keys: Set[str]) -> str:
-    """Words that follow the reason why meshes ended: those of the keys of summary.json that a
-    wanted accuracy does not count (`PROMISED`). Empty where none is wanted.
+    """Words that follow the reason why meshes ended: that errors of forces count over mu N, and
+    those of the keys of summary.json that a wanted accuracy does not count (`PROMISED`). Empty
+    where none is wanted.
     """
+    if not plan.scene.accuracy:
+        return ""
+    forces = "; forces are counted over mu N" if keys & FRICTION_SHARES else ""
     rest = sorted(keys - PROMISED)
-    return f"; not asked of {', '.join(rest)}" if rest and plan.scene.accuracy else ""
+    return forces + (f"; not asked of {', '.join(rest)}" if rest else "")
 
 
 def of_grids(found: Findings | None, result: Mapping[str, Any] | None) -> float:

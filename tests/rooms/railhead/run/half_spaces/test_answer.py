@@ -14,6 +14,7 @@ from solved import planned
 import railhead as rh
 from railhead.half_spaces.pressing import HalfSpacePair
 from railhead.run import mesh_solution
+from railhead.run.half_spaces import answer
 from railhead.scene import quantities
 from railhead.theory.bem import grid_stress, pressure_solver
 from railhead.theory.friction import coulomb_solver, kalker, tangential
@@ -195,6 +196,14 @@ def test_tractions_on_an_inclined_contact_carry_a_part_of_the_load() -> None:
     turning = np.cross(found.points - result.plan.contact.origin, found.traction)
     moment = found.weights @ turning @ [0.0, -math.sin(angle), math.cos(angle)]
     assert moment == pytest.approx(found.moment, rel=1e-3)
+
+
+def test_the_curvature_of_the_bodies_counts_where_the_pressure_is_largest() -> None:
+    """At 5 mm that is the narrow patch on the gauge corner, of radius 13 mm, not the wide one."""
+    summary = fast("s1002_60e1", "wheelset.shift=5mm", "quantities=patch,stresses").summary
+    narrow = summary["result"]["patches"][1]
+    part = summary["accuracy"]["parts"]["tau_max_MPa"]["curvature"]
+    assert part == pytest.approx(answer.CURVED * narrow["b_mm"] / 13, rel=1e-3)
 
 
 def test_unlike_half_spaces_that_roll_are_within_their_estimate() -> None:
