@@ -8,6 +8,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -28,6 +29,7 @@ from railhead.scene.catalogue import as_path
 from railhead.scene.scene import Scene, SceneError
 from railhead.sweeps import sampling, store
 from railhead.sweeps.grid import column, shown
+from railhead.theory.array_types import Array
 
 if TYPE_CHECKING:
     from railhead.postprocess.pictures.diagrams import Drawing
@@ -247,20 +249,22 @@ def _sampled(rows: Mapping[int, Row], request: Mapping[str, Any]) -> dict[str, A
     """What samples say together (`sampling.summary`), of rows by number, with those errors of each
     row that sweep.csv has. request: content of sweep.json.
     """
-    size = max(rows, default=-1) + 1
     keys = list(request["over"]) if request["sample"]["sobol"] else []
-    size += -size % (len(keys) + 2) if keys else 0
-    answers = {}
+    size, group = max(rows, default=-1) + 1, len(keys) + 2 if keys else 1
+    numbers, answers = range(size + -size % group), {}
+
+    def cells(name: str) -> Array:
+        """Numbers of a column, NaN where a row has none. ValueError: a word."""
+        return np.array([rows.get(number, {}).get(name) for number in numbers], dtype=float)
+
     for each in COLUMNS:
-        values, errors = np.full((2, size), np.nan)
-        for number, row in rows.items():
-            value, error = row.get(each.header), row.get(f"{each.column} estimate")
-            if isinstance(value, float):
-                over = row["mu N [N]"] if each.over_friction_limit else value
-                scale = 1.0 if each.absolute else abs(over)
-                values[number], errors[number] = value, np.nan if error is None else error * scale
-        if np.isfinite(values).any():
-            answers[each.header] = values, errors
+        with suppress(ValueError):
+            values = cells(each.header)
+            over = cells("mu N [N]") if each.over_friction_limit else values
+            error = cells(f"{each.column.removeprefix('found ')} estimate")
+            scaled = error * (1.0 if each.absolute else np.abs(over))
+            if np.isfinite(values).any():
+                answers[each.header] = values, scaled
     failed = {number: row[CHECKS] for number, row in rows.items() if row[CHECKS] != PASSED}
     return sampling.summary(answers, failed, keys)
 
@@ -273,20 +277,22 @@ def _said(sample: Mapping[str, Any], units: Units) -> list[str]:
 
     lines = []
     for name, own in sample.get("quantiles", {}).items():
-        if name not in PANELS:
-            continue
-        texts = []
-        for share, word in (("0.5", "half"), ("0.95", "95 %")):
-            text, *wide = (
-                "?" if own[share][key] is None else f"{units.value(own[share][key], name):.{n}g}"
-                for key, n in (("value", 5), ("error", 2), ("estimate", 2))
-            )
-            texts.append(f"{word} below {text} (sampling {wide[0]}, runs {wide[1]})")
-        lines.append(f"{units.unit(name)}: {', '.join(texts)}")
-    for key, own in sample.get("sobol", {}).get(LARGEST, {}).items():
-        shares = f"{own['first']:.3f} alone, {own['total']:.3f} in all, within {own['error']:.3f}"
-        lines.append(f"variance of the largest pressure by {key}: {shares}")
-    return lines
+        texts = [
+            f"{word} below {value} (sampling {error}, runs {estimate})"
+            for word, share in (("half", "0.5"), ("95 %", "0.95"))
+            for value, error, estimate in [
+                [
+                    "?" if each is None else f"{units.value(each, name):.4g}"
+                    for each in own[share].values()
+                ]
+            ]
+        ]
+        lines += [f"{units.unit(name)}: {', '.join(texts)}"] if name in PANELS else []
+    return lines + [
+        f"variance of the largest pressure by {key}: {own['first']:.3f} alone, {own['total']:.3f} "
+        f"in all, within {own['error']:.3f}"
+        for key, own in sample.get("sobol", {}).get(LARGEST, {}).items()
+    ]
 
 
 class Sweep(terminal.Drawn, list[Result]):
