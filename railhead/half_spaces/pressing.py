@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -129,6 +129,8 @@ class HalfSpacePair:
         x, s, height = surface.locus(2 * FIRST_REACH * rigid)
         if start is None:
             windows = _boxes(contact, x, s, np.maximum(FIRST_REACH * rigid - height, 0))
+            if isinstance(surface, Developed):
+                windows = _around(contact, surface, FIRST_REACH * rigid) + windows
         else:
             windows = [_window(window.x, window.s) for window in start.windows]
         for _ in range(MAX_SOLUTIONS):
@@ -202,4 +204,22 @@ def _boxes(contact: Contact, x: Array, s: Array, depth: Array) -> list[Window]:
         low, high = s[run].min() - step, s[run].max() + step
         middle, spread = (x[run].min() + x[run].max()) / 2, np.ptp(x[run]) / 2
         found.append(((float(middle), (low + high) / 2), (half + float(spread), (high - low) / 2)))
+    return found
+
+
+def _around(contact: Contact, surface: Developed, rigid: float) -> list[Window]:
+    """Rectangles around the contact points at which paraboloids would lie in the rail after a
+    closure `rigid` (mm): centre (x, s) and half sizes (x, s), mm.
+    """
+    found: list[Window] = []
+    touches = contact.touches(rigid)
+    if contact.shape is not None:  # the smooth bodies touch elsewhere
+        x, y = contact.shape.first
+        touches = [replace(contact.touch, x=x, y=y)]
+    for touch in touches:
+        depth = 2 * (rigid - touch.gap) * math.cos(touch.angle)
+        least = 0.1 / contact.scene.wheel.rolling_radius
+        halves = [math.sqrt(depth / max(c, least)) for c in (touch.curvature_x, touch.curvature_y)]
+        s = float(np.interp(touch.y, surface.y, surface.s))
+        found.append(((touch.x, s), (halves[0], halves[1])))
     return found
