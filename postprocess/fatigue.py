@@ -56,7 +56,7 @@ def read(
     """
     sign = 1.0 if body == "rail" else -1.0
     one = max(found.patch.each, key=lambda each: each.max_pressure, default=None)
-    tractions = one and _on_patch(found, surface, friction, one, sign)
+    tractions = None if one is None else _on_patch(found, surface, friction, one, sign)
 
     def below(depths: Array, parts: int) -> tuple[Array, Array, Array]:
         """Paths below the contact, at depths over the smaller half length."""

@@ -183,8 +183,9 @@ class Sheared:
         touches = [each.pressure > 0 for each in self.found]
         found = at_cells(self.found, places, tangents, touches, self.scale, centred=centred)
         along_rail, aside, moment = map(float, self.forces)
-        coarse = self.coarse and self.coarse.solution(points, centred=centred, line=line)
         turns = 0.0 if line else moment  # a strip's arms only magnify rounding
+        less = self.coarse
+        coarse = None if less is None else less.solution(points, centred=centred, line=line)
         return replace(found, force=(along_rail, aside), moment=turns, coarse=coarse)
 
 

@@ -170,9 +170,10 @@ def test_a_run_ends_with_its_page(tmp_path, ending: str) -> None:
     async def running() -> None:
         async with serving(tmp_path, "hertz_ellipse") as client:
             async with client.ws_connect(f"/{TOKEN}/socket") as page:
+                before = psutil.Process().children(recursive=True)
                 await page.send_json({"kind": "solve", "number": 1, "values": {}})
                 assert "meshing" in (await page.receive_json())["data"]
-                begun = psutil.Process().children(recursive=True)
+                begun = {*psutil.Process().children(recursive=True)} - {*before}
                 if ending == "stop":
                     await page.send_json({"kind": "stop", "number": 1, "values": {}})
                     replies = [await page.receive_json() for _ in range(2)]

@@ -56,7 +56,7 @@ ROLLS = ("friction.coefficient=0.3", "rolling.creepage_along=0.1%")
     ("case", "assignments", "pictures"),
     [
         ("sphere_on_plane", (), {"patch.png"}),
-        ("long_roller", ("rail.extent=half-space",), {"pressure.png"}),
+        ("long_roller", ("rail.extent=half-space",), {"fatigue.png", "pressure.png"}),
         pytest.param("hertz_ellipse", ROLLS, {"patch.png", "friction.png"}, marks=pytest.mark.slow),
     ],
 )
