@@ -257,8 +257,9 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
         if said := side_force(summary["result"], units):
             console.print(f"{said}.", highlight=False)
         if varies := summary["result"].get("surface_shape"):
-            ahead, height = (units.text(round(value, 4), "mm") for value in varies.values())
-            text = f"They touch {ahead} ahead of the smooth ones; heights there vary by {height}."
+            at, height = (units.text(round(abs(each), 4), "mm") for each in varies.values())
+            side = "behind" if varies["position_mm"] < 0 else "ahead of"
+            text = f"They touch {at} {side} the smooth ones; heights there vary by {height}."
             console.print(text, highlight=False)
         for name, title in TABLES.items():
             if rows := quantity_rows.rows(summary, name):
