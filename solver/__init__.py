@@ -23,6 +23,7 @@ if warnings.showwarning is not _shown:
     logging.captureWarnings(False)
 
 _NAMES = {
+    "compat": "model_to_mesh",
     "model.model": "Model Solution",
     "model.parts": "Body Elastic Force Move Plastic Pressure Spring Traction",
     "space.supports": "Clamp Hub Slide",

@@ -54,6 +54,7 @@ class NewtonStep:
         (`ContactLaw.stages`).
     problem: why there is no residual: nothing touches, a value is not finite, or the linear solve
         failed; otherwise empty.
+    share: of the way from the loads of the last solution to those that are solved.
     """
 
     residual: float | None
@@ -62,6 +63,7 @@ class NewtonStep:
     length: float
     factor: float
     problem: str = ""
+    share: float = 1.0
 
 
 @dataclass

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -33,6 +33,7 @@ from railhead.theory.array_types import Array
 
 VECTORS = ("free", "normal", "force", "point", "centre")  # of parts and of rigid surfaces
 ALONG = 1e-9  # of a motion, that may lie across a direction by rounding
+Progress = Callable[[str], Any]
 STEPS = {False: 1, True: 10}  # of loads, without and with yield or friction
 
 
@@ -108,16 +109,21 @@ class Model:
         return parts[0] if len(parts) == 1 else parts
 
     def solve(
-        self, loads: Mapping[Hub, Load] | None = None, *, steps: int | None = None
+        self,
+        loads: Mapping[Hub, Load] | None = None,
+        *,
+        steps: int | None = None,
+        progress: Progress = lambda line: None,
     ) -> Solution:
         """Solution from rest under loads of hubs (collective). steps: into which the loads are cut;
-        None: 1, and 10 with yield or friction. Raises ValueError for tags that nothing carries, for
+        None: 1, and 10 with yield or friction. progress: called with a line of each, on the first
+        rank; `print` shows them. Raises ValueError for tags that nothing carries, for
         a cell without a body, and for loads that do not fit their hub.
         """
         if self._assembly is None:
             self._assembly = Assembly(*self._mesh, self.parts)
         start = Solution(self._assembly, self._assembly.rest())
-        return start.then({} if loads is None else loads, steps=steps)
+        return start.then({} if loads is None else loads, steps=steps, progress=progress)
 
 
 class Solution:
@@ -198,7 +204,13 @@ class Solution:
         """
         write(self._model, self._state, self._fields, path)
 
-    def then(self, loads: Mapping[Hub, Load], *, steps: int | None = None) -> Solution:
+    def then(
+        self,
+        loads: Mapping[Hub, Load],
+        *,
+        steps: int | None = None,
+        progress: Progress = lambda line: None,
+    ) -> Solution:
         """Solution under further loads, from this state on: slip, plastic strain and unloading go
         on. Hubs that are not named keep their load. Arguments and errors as `Model.solve`.
         """
@@ -212,7 +224,7 @@ class Solution:
             raise ValueError(f"steps must be a whole number from 1 on, not {steps!r}")
         target = {**state.loads, **{hub: _checked(model, hub, load) for hub, load in loads.items()}}
         state = replace(state, history=(), number=state.number + 1)
-        return Solution(model, advance(model, state, target, count))
+        return Solution(model, advance(model, state, target, count, progress))
 
 
 def _checked(model: Assembly, hub: Hub, load: Load) -> Array:

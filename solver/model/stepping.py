@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import fields, replace
 from typing import Any
 
@@ -30,10 +31,12 @@ MISMATCH = 0.01  # of the largest pressure, that the gap of a pairing may be off
 STEPS = 50  # Newton's, at most
 
 
-def advance(model: Assembly, state: State, target: HubLoads, steps: int) -> State:
+def advance(
+    model: Assembly, state: State, target: HubLoads, steps: int, progress: Callable[[str], Any]
+) -> State:
     """State under other loads, which change evenly in steps, see `in_steps`; from rest the bodies'
     forces grow with them. Where a step fails, the last state that converged, with the result that
-    did not (collective).
+    did not (collective). progress: called on the first rank with a line of each step.
     """
     start, first, loose = _continued(state, target), state.share, 0
 
@@ -45,8 +48,12 @@ def advance(model: Assembly, state: State, target: HubLoads, steps: int) -> Stat
         grown = first + share * (1 - first)
         loads = {hub: start[hub] + share * (load - start[hub]) for hub, load in target.items()}
         new = _step(model, state, loads, grown)
-        history = state.history + tuple(new.result.history)
-        converged = new.result.converged
+        done = [replace(each, share=share) for each in new.result.history]
+        history, converged = state.history + tuple(done), new.result.converged
+        if not model.comm.rank:
+            said = "" if converged else f": {new.result.reason}"
+            touch = done[-1].active if done else 0
+            progress(f"share {share:.4g}: {len(done)} Newton steps, {touch} points touch{said}")
         state = replace(new if converged else state, result=new.result, history=history)
         loose = loose + 1 if new.result.reason.startswith(LOOSE) else 0
         return None if loose > 1 else converged
