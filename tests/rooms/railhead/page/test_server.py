@@ -96,6 +96,12 @@ def test_the_picture_of_the_pressure_carries_the_load(tmp_path) -> None:
     assert carried == pytest.approx(10e3, rel=0.01)
 
 
+def test_without_an_answer_the_page_gets_the_reason(tmp_path, half_spaces_fail) -> None:
+    found = asked(tmp_path, "half_spaces", case="uic54_thesis")["data"]
+    assert found["result"] == {} and found["pressure"] is None
+    assert "NOT CONVERGED: boundary elements: no bounded contact found" in found["failed"]
+
+
 @pytest.mark.parametrize("kind", ["rigid", "half_spaces"])
 def test_wrong_input_names_its_key_in_the_line_of_the_command(tmp_path, capsys, kind: str) -> None:
     found = asked(tmp_path, kind, **{"wheelset.shift": "60 mm"})["error"]
@@ -179,7 +185,7 @@ def test_a_run_ends_with_its_page(tmp_path, ending: str) -> None:
                     replies = [await page.receive_json() for _ in range(2)]
                     (solved,) = (each for each in replies if each["kind"] == "solve")
                     assert solved["data"]["report"] == ""
-            _, left = await asyncio.to_thread(psutil.wait_procs, begun, 5)
+            _, left = await asyncio.to_thread(psutil.wait_procs, begun, 30)
             assert begun and not left
 
     asyncio.run(running())
