@@ -14,14 +14,14 @@ from mpi4py import MPI
 
 from railhead.contact.solid import Contact
 from railhead.half_spaces import pressing
-from railhead.half_spaces.allowance import allowance
 from railhead.meshing.mesh import MeshError
 from railhead.planning import simulation_plan as planning
+from railhead.planning.effects.shape import half_space_errors
 from railhead.results import pipeline
 from railhead.results.checks import ESTIMATE_FACTOR, deviation
 from railhead.results.summary import summarise
-from railhead.run.half_spaces.second_method import frictionless, twist_change
-from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
+from railhead.run.half_spaces.second_method import frictionless
+from railhead.run.mesh_solution import mesh_and_solve
 from railhead.run.progress import Progress
 from railhead.run.refinement import Ending
 from railhead.scene.quantities import numeric_values
@@ -135,10 +135,10 @@ def against_hertz(scene: Scene, n: float = 4.0, limit: float = LIMIT) -> CaseErr
     return measure(result, deviations(result.summary, exact, HALF_SPACE, limit))
 
 
-def half_space(scene: Scene, solution: MeshSolution) -> Summary:
+def half_space(scene: Scene) -> Summary:
     """Boundary elements on the profiles of a scene with a load, twice as fine as beside a result,
-    nested as "half_space" of a summary; solution: one of the scene. Raises ValueError where
-    boundary elements have no answer."""
+    nested as "half_space" of a summary. Raises ValueError where boundary elements have no
+    answer."""
     plan = planning.make(scene)
     contact = plan.contact
     assert isinstance(contact, Contact) and isinstance(plan.hertz, Ellipse)
@@ -146,7 +146,7 @@ def half_space(scene: Scene, solution: MeshSolution) -> Summary:
     found = pair.pressed(scene.load, 2 * pressing.FINE)
     return {
         **frictionless(pair, found),
-        "allowance": allowance(pair, plan.deformable, found, twist_change(solution)),
+        "allowance": half_space_errors(plan.context),
     }
 
 
@@ -154,7 +154,7 @@ def half_space(scene: Scene, solution: MeshSolution) -> Summary:
 def against_half_space(scene: Scene, n: float = 4.0) -> CaseErrors:
     """Real bodies at n elements per smaller semi-axis (0: as planned) against boundary elements."""
     result = pipeline.run(resolved(scene, n))
-    other = half_space(scene, result.mesh_solution)
+    other = half_space(scene)
     return measure(result, against_boundary_elements(result.summary, other))
 
 
@@ -178,7 +178,7 @@ def positioned(scene: Scene) -> CaseErrors:
     """The largest pressure at default settings against boundary elements, within the limits for
     one patch and for several."""
     result = pipeline.run(scene)
-    second = half_space(scene, result.mesh_solution)
+    second = half_space(scene)
     pressure = deviation(result.pressure.max, second["pressure"]["max_MPa"])
     patches = len(second["patches"])
     allowed = Deviation(pressure, SINGLE if patches == 1 else SEVERAL)
@@ -196,7 +196,7 @@ def outgrown(scene: Scene, meshed: str, fine: float = 0.0) -> CaseErrors:
     result = pipeline.Result(solution, summarise([solution], Ending("one mesh")))
     if fine:
         return against_fine_mesh(result, pipeline.run(resolved(scene, fine)).summary, 0.02)
-    other = half_space(scene, solution)
+    other = half_space(scene)
     return measure(result, against_boundary_elements(result.summary, other))
 
 

@@ -35,23 +35,6 @@ def mirrored(points: Array, *, upwards: bool) -> tuple[Array, Array]:
     return lower, mirror
 
 
-def boussinesq_displacement(points: ArrayLike, load: float, young: float, poisson: float) -> Array:
-    """Displacement (n, 3), mm, components x, y, z (z up), at points (n, 3), z <= 0, under a point
-    force of `load` N at the origin that acts in -z. young: MPa.
-
-    With depth z, rho the distance and G the shear modulus (Johnson, Contact Mechanics, 3.18): u_x =
-    F/(4 pi G) (x z/rho^3 - (1 - 2 nu) x/(rho (rho + z))), u_y the same with y for x, and downwards
-    F/(4 pi G) (z^2/rho^3 + 2 (1 - nu)/rho). ValueError: a point above the surface, at the origin,
-    or another shape.
-    """
-    xyz, rho = _from_origin(points)
-    depth = -xyz[:, 2]
-    radial = depth / rho**3 - (1 - 2 * poisson) / (rho * (rho + depth))
-    down = depth**2 / rho**3 + 2 * (1 - poisson) / rho
-    scale = load * (1 + poisson) / (2 * np.pi * young)
-    return scale * np.column_stack((radial * xyz[:, 0], radial * xyz[:, 1], -down))
-
-
 def cerruti_displacement(
     points: ArrayLike, load: float, young: float, poisson: float, *, across: bool = False
 ) -> Array:
@@ -65,7 +48,10 @@ def cerruti_displacement(
     x (z/rho^3 + (1 - 2 nu)/(rho (rho + z))). ValueError: a point above the surface, at the origin,
     or another shape.
     """
-    xyz, rho = _from_origin(points)
+    xyz = half_space_points(points)
+    rho = np.linalg.norm(xyz, axis=1)
+    if np.any(rho == 0):
+        raise ValueError("points must lie away from the point force at the origin")
     x, y = xyz[:, 1 if across else 0], xyz[:, 0 if across else 1]
     depth, free = -xyz[:, 2], 1 - 2 * poisson
     sum_ = rho + depth
@@ -75,17 +61,6 @@ def cerruti_displacement(
     scale = load * (1 + poisson) / (2 * np.pi * young)
     columns = (aside, along, -down) if across else (along, aside, -down)
     return scale * np.column_stack(columns)
-
-
-def _from_origin(points: ArrayLike) -> tuple[Array, Array]:
-    """Points (n, 3) as an array and their distances (n,) from the origin, mm. ValueError: a point
-    above the surface, at the origin, or another shape.
-    """
-    xyz = half_space_points(points)
-    rho = np.linalg.norm(xyz, axis=1)
-    if np.any(rho == 0):
-        raise ValueError("points must lie away from the point force at the origin")
-    return xyz, rho
 
 
 def hertz_displacement(

@@ -14,16 +14,15 @@ from typing import Any
 import numpy as np
 
 from railhead.contact import closed_forms
-from railhead.half_spaces import allowance, shearing
+from railhead.half_spaces import shearing
 from railhead.half_spaces.pressing import FINE, HalfSpacePair, Pressed
 from railhead.half_spaces.shearing import PressedPatch
-from railhead.meshing.bodies import RAIL
-from railhead.planning.effects import interface
+from railhead.planning.effects import interface, shape
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess import friction
 from railhead.postprocess.findings import Findings
 from railhead.postprocess.friction import LOADS
-from railhead.postprocess.patch import body_motion, compare
+from railhead.postprocess.patch import compare
 from railhead.postprocess.patch import half_space as findings
 from railhead.run.mesh_solution import MeshSolution
 from railhead.scene.quantities import SCATTER
@@ -69,8 +68,8 @@ def half_space(
     solved: MeshSolution, solution: BoundaryElementSolution | str | None
 ) -> dict[str, Any] | None:
     """Entry "half_space" of summary.json: quantities of the half-space `solution`, and by quantity
-    the "allowance" for what half-spaces leave out; or {"reason": ...}. None where `solution` is
-    None. solved: finite elements, of which the twist of the bodies is read.
+    the "allowance" for what half-spaces leave out, as the plan has it; or {"reason": ...}. None
+    where `solution` is None.
     """
     found = solved.findings
     if solution is None or found is None:
@@ -80,10 +79,9 @@ def half_space(
     pair = solved.plan.context.half_spaces
     quantities = frictionless(pair, solution)
     try:
-        twist = twist_change(solved)
+        allowed = shape.half_space_errors(solved.plan.context)
     except ValueError as error:
-        return {**quantities, "allowance": {"reason": f"twist: {error}"}}
-    allowed = allowance.allowance(pair, solved.plan.deformable, solution, twist)
+        return {**quantities, "allowance": {"reason": str(error)}}
     if found.hertzian:  # half lengths are those of ellipses
         allowed |= dict.fromkeys(("a_mm", "b_mm"), allowed["area_mm2"])
     return {**quantities, "allowance": allowed}
@@ -101,36 +99,6 @@ def frictionless(pair: HalfSpacePair, solution: BoundaryElementSolution) -> dict
 def grid_errors(found: Findings) -> dict[str, float]:
     """Relative change from the coarser grids of a solution, by key; empty where it has none."""
     return {key: found.patch.scatter[name] for key, name in SCATTER.items() if found.patch.scatter}
-
-
-def twist_change(solved: MeshSolution) -> float:
-    """Relative change of the largest pressure or of the area, the larger one, by the rotation and
-    the movement of the bodies in the solution (rank 0). It is 0 for a contact that is symmetric
-    about y = 0. Raises ValueError where it cannot be computed.
-    """
-    contact, moved = solved.plan.contact, motion(solved)
-    if contact.why_asymmetric_in_y() is None:
-        return 0.0
-    context = solved.plan.context
-    return allowance.change(context.half_spaces, context.boundary_elements, *moved)
-
-
-def motion(solved: MeshSolution) -> tuple[float, float]:
-    """Rotation of the rail relative to the wheel about x, from y to z (rad), and movement of the
-    wheel relative to the rail along y (mm), in the solution. The movement is that at the height of
-    the crown, z = 0. Zeros in a section, which is symmetric. For rank 0 only, where bodies touch.
-    """
-    found, fields = solved.findings, solved.fields
-    assert found is not None and fields is not None
-    if solved.plan.plane_model:
-        return 0.0, 0.0
-    force = found.patch.mean_pressure * found.patch.area
-    angle = aside = 0.0
-    for tag in solved.plan.deformable:
-        sign = 1.0 if tag == RAIL else -1.0
-        turned, moved = body_motion.motion(fields, tag, found.patch.each, force)
-        angle, aside = angle + sign * turned, aside - sign * moved
-    return angle, aside - angle * found.patch.each[0].centre[2]
 
 
 def half_space_friction(

@@ -10,16 +10,14 @@ from types import SimpleNamespace
 import basix
 import numpy as np
 import pytest
-from painted import POISSON, YOUNG, measured, painted
+from painted import measured, painted
 
 from railhead.postprocess import read
-from railhead.postprocess.findings import Array, Frame, OnePatch, Patch
+from railhead.postprocess.findings import Array, Frame, Patch
 from railhead.postprocess.patch import moments as pressure
 from railhead.postprocess.patch import patch, reconstruct, surface
-from railhead.postprocess.patch.body_motion import motion
 from railhead.postprocess.patch.separate_patches import separate_patches
 from railhead.postprocess.pictures import diagrams, render
-from railhead.theory.elastic.halfspace import boussinesq_displacement
 
 FRAME = Frame((0.0, 0.0, 0.0), 0.0)
 SHAPES = {
@@ -236,41 +234,6 @@ def test_the_triangles_of_a_facet_cover_it_once(cell: str, degree: int) -> None:
     assert np.abs(areas) == pytest.approx(whole / len(areas))
     middle = (first + second + third).mean(axis=0) / 3
     assert middle == pytest.approx(np.full(2, 1 / 3 if cell == "tetrahedron" else 1 / 2))
-
-
-LOAD = 25000.0
-
-
-def _patch(centre: tuple[float, float, float], angle: float, a: float, b: float) -> OnePatch:
-    return OnePatch(centre=centre, angle=angle, a=a, b=b, area=1.0, max_pressure=1.0, share=1.0)
-
-
-@pytest.mark.parametrize("body", [1, 2])
-@pytest.mark.parametrize("angle", [0.0, 0.2])
-def test_a_rigid_motion_is_found_below_a_load(blocks, body, angle) -> None:
-    case = blocks("tetrahedron", 2)
-    b = case.ellipse.b / 2
-    patch = _patch((0.0, 0.3, 0.0), angle, 0.8 * b, b)
-    frame = Frame(patch.centre, patch.angle)
-    points = case.fields.points
-    turned, aside, sink = 3e-4, 0.02, -0.05
-    y, z = points[:, 1] - 0.3, points[:, 2]
-    rigid = np.column_stack([0 * y, aside - turned * z, sink + turned * y])
-    mirror = np.array([1.0, 1.0, 1.0 if body == 1 else -1.0])
-    local = frame.local(points) * mirror
-    local[:, 2] = np.minimum(local[:, 2], 0.0)
-    local[:, 0] += 1e-9 * (np.linalg.norm(local, axis=1) == 0)
-    elastic = boussinesq_displacement(local, LOAD, YOUNG, POISSON) * mirror @ frame.axes
-    fields = replace(case.fields, displacement=rigid + elastic)
-    assert motion(fields, body, (patch,), LOAD) == pytest.approx((turned, aside), rel=1e-9)
-    halved = motion(fields, body, (patch,), LOAD / 2)
-    assert abs(halved[1] / aside - 1) > 1e-3 or angle == 0.0
-
-
-def test_a_body_that_ends_within_its_patch_tells_no_motion(blocks) -> None:
-    case = blocks("tetrahedron", 1)
-    patch = _patch((0.0, 0.0, 0.0), 0.0, 1e3, 1e3)
-    assert motion(case.fields, 1, (patch,), LOAD) == (0.0, 0.0)
 
 
 def lopsided(case):

@@ -3,7 +3,6 @@
 import math
 from dataclasses import replace
 from functools import partial
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,9 +10,7 @@ from friction_cases import MU, friction_found
 
 import railhead as rh
 from railhead.half_spaces import shearing
-from railhead.meshing.bodies import RAIL, WHEEL
 from railhead.planning import simulation_plan as planning
-from railhead.postprocess.patch import body_motion
 from railhead.results import checks
 from railhead.results.report import terminal
 from railhead.run.half_spaces import second_method
@@ -196,27 +193,3 @@ def test_what_is_not_known_is_said_below_the_table(strip: rh.Result) -> None:
     text = terminal.recorded(partial(terminal.show_result, summary)).export_text()
     assert "Not checked: second_opinion_shift (no reason)." in " ".join(text.split())
     assert "0.8348" in text
-
-
-def test_motion_takes_the_normal_force_and_not_the_load(monkeypatch: pytest.MonkeyPatch) -> None:
-    """At a contact inclined by 60 degrees the normal force is twice the load."""
-    forces = []
-
-    def motion(fields, body: int, patches, load: float) -> tuple[float, float]:
-        forces.append(load)
-        return (3e-4, 0.02) if body == RAIL else (1e-4, 0.05)
-
-    monkeypatch.setattr(body_motion, "motion", motion)
-    patch = SimpleNamespace(
-        mean_pressure=500.0, area=100.0, each=(SimpleNamespace(centre=(0.0, 30.0, -10.0)),)
-    )
-    solved = SimpleNamespace(
-        plan=SimpleNamespace(plane_model=False, deformable=(RAIL, WHEEL)),
-        findings=SimpleNamespace(patch=patch),
-        fields=SimpleNamespace(),
-        solution=SimpleNamespace(load=25e3),
-    )
-    angle, aside = second_method.motion(solved)
-    assert forces == [50e3, 50e3]
-    assert angle == pytest.approx(3e-4 - 1e-4)
-    assert aside == pytest.approx(0.05 - 0.02 + angle * 10.0)
