@@ -6,6 +6,7 @@ import asyncio
 import base64
 import hmac
 import json
+import os
 import re
 import secrets
 import shutil
@@ -223,7 +224,7 @@ async def _close(app: web.Application) -> None:
 def serve(case: str, port: int, *, opened: bool) -> None:
     """Serve the page of a case until Ctrl-C, and print its address.
     case: as of `railhead run`, or the folder of a result. port: 0: one that is free.
-    opened: whether a browser is opened.
+    opened: whether a browser is opened, where there is a display.
     Raises SceneError for an unknown case and a port that cannot be used.
     """
     if Path(case).is_dir():
@@ -237,7 +238,7 @@ def serve(case: str, port: int, *, opened: bool) -> None:
     token = secrets.token_urlsafe(24)
     address = f"http://127.0.0.1:{listening.getsockname()[1]}/{token}/"
     print(f"{address}\nCtrl-C ends it", flush=True)
-    if opened:
+    if opened and os.environ.keys() & {"DISPLAY", "WAYLAND_DISPLAY"}:
         webbrowser.open(address)
     with tempfile.TemporaryDirectory(prefix="railhead-page-") as root:
         app = application(case, token, Path(root))

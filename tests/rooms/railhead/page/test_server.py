@@ -170,6 +170,24 @@ def test_a_file_that_is_too_large_or_cut_off_is_not_kept(tmp_path, size: int) ->
     assert found["key"] == "upload" and str(server.LARGEST) in found["line"]
 
 
+def test_two_pages_have_folders_of_their_own(tmp_path) -> None:
+    async def left() -> list[bool]:
+        file = (ROOT / "examples" / "worn_60e1.csv").read_bytes()
+        sent = {"kind": "upload", "number": 1, "values": {}, **_file("a.csv", file)}
+        async with serving(tmp_path) as client, client.ws_connect(f"/{TOKEN}/socket") as one:
+            async with client.ws_connect(f"/{TOKEN}/socket") as other:
+                found = []
+                for page in (one, other):
+                    await page.send_json(sent)
+                    found.append(Path((await page.receive_json())["data"]["path"]))
+            for _ in range(100):
+                if found[1].exists():
+                    await asyncio.sleep(0.1)
+            return [path.exists() for path in found]
+
+    assert asyncio.run(left()) == [True, False]
+
+
 @pytest.mark.system
 @pytest.mark.parametrize("ending", ["stop", "close"])
 def test_a_run_ends_with_its_page(tmp_path, ending: str) -> None:
