@@ -64,10 +64,10 @@ def decide_passes(context: Context) -> Effect:
 
 def _refuse_what_has_no_passes(context: Context, given: str) -> None:
     """Raise SceneError for what passes cannot simulate: a rigid rail, one without yield stress, a
-    wheel that only its effect makes rigid, a force of [friction], and a section across the way;
-    given: the beginning of the message.
+    wheel that only its effect makes rigid, a force of [friction], several patches, and a section
+    across the way; given: the beginning of the message.
     """
-    friction, wheel = context.scene.friction, context.scene.wheel
+    friction, wheel, elastic = context.scene.friction, context.scene.wheel, context.elastic
     rules = (
         ("rail" not in context.deformable, "the rail is rigid; give effects.deformable_rail=auto"),
         (
@@ -81,6 +81,10 @@ def _refuse_what_has_no_passes(context: Context, given: str) -> None:
         (
             friction.force_along or friction.force_across,
             "a force of [friction] shifts a wheel that rests; give it in [rolling]",
+        ),
+        (
+            not isinstance(elastic, str) and len(elastic.patches) > 1,
+            "there are several patches; passes know one; give another wheelset.shift or profile",
         ),
         (
             0 not in context.contact.slips,

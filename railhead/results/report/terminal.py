@@ -389,6 +389,8 @@ def passes_title(result: Mapping[str, Any]) -> str:
     """
     errors = result["passes_after"]["estimate"]
     told = [f"{PASS_COLUMNS[key][0]} {errors[key]:.1%}" for key in PASS_ERRORS if key in errors]
+    share = (result.get("rate") or {}).get("estimate")
+    told += [] if share is None else [f"rate {share:.1%}"]
     return f"passes (estimate after the last: {', '.join(told)})" if told else NO_ESTIMATE
 
 

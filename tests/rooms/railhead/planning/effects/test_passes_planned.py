@@ -92,3 +92,10 @@ def test_what_cannot_roll_is_refused_in_one_line(changes, text):
 def test_hardening_has_an_answer_where_perfect_plasticity_has_none():
     scene = LINE.replace(["load=3000kN", "rail.hardening_modulus=6000", "rolling.passes=3"])
     assert planning.make(scene).effects["passes"].on
+
+
+def test_several_patches_are_refused_before_anything_is_solved():
+    scene = rh.find("s1002_60e1").replace(
+        ["wheelset.shift=5mm", "rail.steel=R260", "wheel.steel=none", "rolling.passes=2"]
+    )
+    assert "passes know one" in refusal(lambda: planning.make(scene))
