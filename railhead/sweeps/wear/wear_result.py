@@ -31,6 +31,7 @@ AMPLITUDE, REACH = 3.0, 8.0  # mm: of the equivalent conicity, and of the shifts
 VOLUME = 0.02  # relative: of the worn area, by the passages between two steps
 FACTOR = 2.0  # of the change from the coarse run to the main one, an error
 USEFUL = 0.25  # largest relative error of a pressure that says something
+ALONE, THIN = 0.8, 2.0  # part of the wear of a place; depth of a groove, over the approach
 EDGE = 2.0  # cells between a patch and the end of a profile, at least
 STEEP = 0.2  # least y between two places of the worn profile, over that of the new one
 KM, MILLION = 1e6, 1e6  # mm; wheels
@@ -255,6 +256,17 @@ class WearResult:
             source="wear.accuracy; largest error of area and depth by steps and grids",
             advice="ask for less; where wear.step is given, give more steps or leave it out",
         )
+        if len(self.route.positions) > 1:
+            approach = min(position.hertz.approach for position in self.route.positions)
+            depth = max(float(run.depths[body].max()) for body in self.route.worn)
+            alone = bool(run.seen) and run.seen[-1].alone > ALONE
+            yield Check(
+                name="positions",
+                value=depth / approach if alone else 0.0,
+                limit=THIN,
+                source="largest depth over the smallest approach, where one position does the wear",
+                advice="positions wear grooves of their own: give more of them, or less wear",
+            )
         known = self._bounds["pressure_max_MPa"].values()
         yield Check(
             name="pressure_estimate",

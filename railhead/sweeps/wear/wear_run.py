@@ -194,6 +194,7 @@ class Contacts:
     rises: of each position.
     others: of each position (positions, 2, n): 'rate' of all others over its own 'force', mm2/N.
     deepest: largest depth that all positions wear in all passages at this rate, mm.
+    alone: the part of it that one position wears.
     fields: by name (2, n), of all positions: 'pressure' and 'index' the largest, 'energy', 'damage'
         and 'rate' the sum.
     """
@@ -202,6 +203,7 @@ class Contacts:
     rises: list[float]
     others: Array
     deepest: float
+    alone: float
     fields: Fields
 
 
@@ -277,9 +279,10 @@ class Run:
         record. OSError: it cannot be written.
         """
         stage, contacts = self.stages[-1], self.seen[-1]
+        seen = "values", "rises", "deepest", "alone"
         record = {
             "stage": {"done": stage.done, "change": stage.change, "share": stage.share},
-            "seen": {name: getattr(contacts, name) for name in ("values", "rises", "deepest")},
+            "seen": {name: getattr(contacts, name) for name in seen},
         }
         arrays = {"depth": stage.depth, "others": contacts.others, **contacts.fields}
         store.write(folder, number, record, arrays)
@@ -396,11 +399,13 @@ def _joined(seen: Sequence[Seen]) -> Contacts:
 
     rates = rows("rate")
     total = rates.sum(axis=0)
+    most = np.unravel_index(int(total.argmax()), total.shape)
     return Contacts(
         values=[each.values for each in seen],
         rises=[each.rises for each in seen],
         others=(total - rates).clip(0.0) / rows("force"),
-        deepest=float(total.max()),
+        deepest=float(total[most]),
+        alone=float(rates[:, *most].max() / total[most]) if total[most] > 0 else 0.0,
         fields={
             **{name: np.fmax.reduce(rows(name), axis=0) for name in LARGEST},
             **{name: rows(name).sum(axis=0) for name in SUMMED},
