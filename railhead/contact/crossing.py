@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -46,6 +47,7 @@ READ_BY = {
     "position",
     *(f"profile_{key}" for key in ("unit", "mirror", "flip", "shift")),
 }
+SECTIONS = "a rail of sections"
 UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -162,6 +164,8 @@ class HeadContact(Contact):
     crossing: wheel and heads without load.
     """
 
+    never_symmetric: ClassVar[tuple[str | None, str | None]] = None, SECTIONS
+
     crossing: Crossing
 
     @property
@@ -169,16 +173,14 @@ class HeadContact(Contact):
         """Distance of x = 0 from the axle, mm."""
         return self.crossing.heads[self.crossing.lowest].touches[0].x
 
-    def why_asymmetric_in_y(self) -> str | None:
-        """Reason why y = 0 is no plane of symmetry."""
-        return "a rail of sections"
-
 
 @dataclass(frozen=True, kw_only=True)
 class CrossingContact(HeadContact):
     """First contact of a wheel on all heads of a rail of sections; x = 0 below its axle.
     The profile of the rail in `pair` is its section at the first contact.
     """
+
+    never_symmetric = SECTIONS, SECTIONS
 
     @property
     def ahead(self) -> float:
@@ -196,10 +198,6 @@ class CrossingContact(HeadContact):
         heads = self.crossing.heads.values()
         rails = [("rail", _section(head.surface, head.touches[0]), 0.0) for head in heads]
         return [*rails, ("wheel", *self.profiles["wheel"])]
-
-    def why_asymmetric_in_x(self) -> str | None:
-        """Reason why x = 0 is no plane of symmetry."""
-        return "a rail of sections"
 
     def touches(self, clearance: float) -> list[ContactPoint]:
         """Contact points on all heads as of `Contact`."""

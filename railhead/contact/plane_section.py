@@ -40,6 +40,7 @@ SLENDER = 5.0  # predicted semi-axis across over half the contact length that ma
 LEVEL = 0.1  # largest slope of either surface within the contact length of a line contact
 EQUAL = 1e-9  # relative difference of the curvatures of a circular contact
 ANY_RADIUS = 1e4  # mm: the section across a straight bar does not depend on it
+ALONG = "the section runs along the rail"
 WIDE = 1e4  # mm: what is flat across has no end in a section
 
 
@@ -303,6 +304,7 @@ class LongitudinalSection(SectionContact):
     load_power = 2
     prescribed_length: ClassVar[str | None] = "b_mm"
     error_family_shape = "plane strain"
+    never_symmetric: ClassVar[tuple[str | None, str | None]] = None, ALONG
 
     @property
     def cross_profiles(self) -> list[tuple[str, Profile, float]]:
@@ -314,14 +316,6 @@ class LongitudinalSection(SectionContact):
         strain for bodies that end.
         """
         return super().exact_approach(hertz) if self.half_space or self.revolved else None
-
-    def why_asymmetric_in_x(self) -> str | None:
-        """None: a cylinder on a flat crown is symmetric about x = 0."""
-        return None
-
-    def why_asymmetric_in_y(self) -> str | None:
-        """Why y = 0 is no plane of symmetry of the section: the section has no direction y."""
-        return "the section runs along the rail"
 
     def bodies(
         self, reach: float, deformable: Sequence[int], *, whole_section: bool, half: bool
@@ -386,16 +380,11 @@ class MeridianSection(LongitudinalSection):
     load_power = 3
     prescribed_length = None
     error_family_shape = "meridian"
+    never_symmetric = "the axis of revolution bounds the section", ALONG
 
     def line_contact(self, load: float | None) -> LineContact | None:
         """None: the contact of a meridian section is a point, for any load."""
         return None
-
-    def why_asymmetric_in_x(self) -> str | None:
-        """Why x = 0 is no plane of symmetry of the section: it is the axis of revolution, which
-        bounds the section.
-        """
-        return "the axis of revolution bounds the section"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -409,10 +398,7 @@ class TransverseSection(SectionContact):
     load_power = 2
     prescribed_length = "a_mm"
     error_family_shape = "plane strain"
-
-    def why_asymmetric_in_x(self) -> str | None:
-        """Why x = 0 is no plane of symmetry of the section: the section has no direction x."""
-        return "the section runs across the rail"
+    never_symmetric = "the section runs across the rail", None
 
     def exact_approach(self, hertz: Hertz) -> float | None:
         """Approach of the supports along the vertical, mm, for a closed form; None unless both

@@ -206,6 +206,8 @@ class Contact:
         3, of a line 2.
     prescribed_length: key in summary.json of the half length that is prescribed, not solved for;
         None where there is none.
+    never_symmetric: reasons why x = 0 and y = 0 are no planes of symmetry, whatever the bodies;
+        None where it depends on them.
     error_family_shape: shape of the error envelopes, `Plan.setting`, of bodies that end; solid
         half-spaces have one of their own.
     """
@@ -216,6 +218,7 @@ class Contact:
     load_power: ClassVar[int] = 3
     prescribed_length: ClassVar[str | None] = None
     error_family_shape: ClassVar[str] = "bodies"
+    never_symmetric: ClassVar[tuple[str | None, str | None]] = (None, None)
 
     scene: Scene
     touch: ContactPoint
@@ -317,27 +320,31 @@ class Contact:
         """Reason why y = 0 is not a plane of symmetry of the bodies, as text; None if it is one, as
         of half-spaces. Friction is not looked at.
         """
-        if self.half_space:
-            return None
-        scene = self.scene
-        if scene.rail.gauge is not None:
-            return f"a track of gauge {scene.rail.gauge:g} mm"
-        rails, wheels = (*profiles.STANDARD_RAILS, "arc"), ("cylinder", "arc")
-        if scene.rail.profile not in rails or scene.wheel.profile not in wheels:
-            return f"wheel {Path(scene.wheel.profile).stem} on rail {Path(scene.rail.profile).stem}"
-        if scene.rail.inclination:
-            return f"rail inclined {scene.rail.inclination:g}"
-        if scene.wheelset.shift:
-            return f"wheel shifted {scene.wheelset.shift:g} mm"
-        if self.placed and self.placed.roll:
-            return f"axle rolled by {1e3 * self.placed.roll:g} mrad"
-        return self._yawed or self._uneven(1)
+        scene, (_, of_its_kind) = self.scene, self.never_symmetric
+        if self.half_space or of_its_kind:
+            return of_its_kind
+        given, roll = scene.rail, self.placed.roll if self.placed else 0.0
+        known = given.profile in (*profiles.STANDARD_RAILS, "arc")
+        known = known and scene.wheel.profile in ("cylinder", "arc")
+        named = f"wheel {Path(scene.wheel.profile).stem} on rail {Path(given.profile).stem}"
+        reasons = (
+            (given.gauge is not None, f"a track of gauge {given.gauge or 0.0:g} mm"),
+            (
+                not known or scene.wheel.profile not in ("cylinder", "arc"),
+                f"wheel {' on rail '.join(named)}",
+            ),
+            (given.inclination, f"rail inclined {given.inclination:g}"),
+            (scene.wheelset.shift, f"wheel shifted {scene.wheelset.shift:g} mm"),
+            (roll, f"axle rolled by {1e3 * roll:g} mrad"),
+        )
+        found = next((why for odd, why in reasons if odd), None)
+        return found or self._yawed or self._uneven(1)
 
     def why_asymmetric_in_x(self) -> str | None:
         """Reason why x = 0 is not a plane of symmetry of the bodies, as text; None if it is one.
         Friction is not looked at.
         """
-        return self._yawed or self._uneven(0)
+        return self.never_symmetric[0] or self._yawed or self._uneven(0)
 
     def _uneven(self, axis: int) -> str | None:
         """Text that the heights on the surfaces are no mirror images along (0) or across (1)."""
