@@ -27,7 +27,7 @@ _NAMES = {
     "model.model": "Model Solution",
     "model.parts": "Body Elastic Force Move Plastic Pressure Spring Traction",
     "space.supports": "Clamp Hub Slide",
-    "system.surfaces": "Contact Plane Sphere",
+    "system.surfaces": "Contact Plane Sphere Tie",
 }
 __all__ = [name for names in _NAMES.values() for name in names.split()]  # noqa: PLE0604
 

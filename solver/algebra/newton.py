@@ -180,7 +180,7 @@ def solve(
             )
         for step in range(1, max_steps + 1):
             indicator = problem.indicator(y)
-            result.pressure = pressure = np.maximum(indicator, 0.0)
+            result.pressure = pressure = np.maximum(indicator, problem.floor)
             residual = problem.residual(y, pressure)
             contact = problem.contact_force(pressure)
             largest = max(largest, contact)
@@ -190,7 +190,7 @@ def solve(
                 scale = problem.force.norm() or largest or residual.norm() or 1.0
             norm = residual.norm() / scale
             rounding = min(ROUNDING * (diagonal * y).norm(), MOST_ROUNDING * largest)
-            active = pressure > 0.0
+            active = pressure > problem.floor
             failure = ""
             if apart:
                 rounding = 0.0  # of bodies that nothing holds

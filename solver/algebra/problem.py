@@ -77,6 +77,7 @@ class ContactProblem:
     start_stress: normal stress at zero free unknowns, s0 = S u0 (n,), MPa.
     reference_force: force that the residual may be divided by where nothing, or hardly anything,
         touches, N: of an earlier state.
+    floor: least pressure, of all points or of each (n,): 0, or -inf of those that cannot part.
     tangent_depends_on_state: whether the tangent changes while the active set stays.
     """
 
@@ -90,6 +91,7 @@ class ContactProblem:
     start_gap: Array
     start_stress: Array
     reference_force: float = 0.0
+    floor: Any = 0.0
     _tangents: list[Any] = field(init=False, repr=False, default_factory=list)
     tangent_depends_on_state: ClassVar[bool] = False
 
@@ -208,7 +210,7 @@ class ContactProblem:
         """Contact pressure p(y) (n,), MPa: the positive part of the indicator at the free unknowns
         y.
         """
-        return np.maximum(self.indicator(y), 0.0)
+        return np.maximum(self.indicator(y), self.floor)
 
     def residual(self, y: PETSc.Vec, pressure: Array) -> PETSc.Vec:
         """Residual R(y) of equilibrium in the free unknowns y, N: internal forces less applied and
@@ -252,7 +254,7 @@ class ContactProblem:
             the active set, N.
             """
             q = indicator - (self.normal_operator * x).array
-            change = self.weight * (np.maximum(q, 0.0) - active * q)
+            change = self.weight * (np.maximum(q, self.floor) - active * q)
             return float(transposed(self.test_operator, change).norm())
 
         return left

@@ -49,7 +49,7 @@ from railhead.solver.space.supports import (
     unit,
 )
 from railhead.solver.system.contact_system import DIRECT_BELOW
-from railhead.solver.system.surfaces import Surfaces
+from railhead.solver.system.surfaces import Surfaces, Tie
 from railhead.theory.array_types import Array, Mask
 
 SECTIONS = (None, "plane strain", "plane stress", "axisymmetric")
@@ -72,7 +72,8 @@ class Assembly:
     thermal: stress (cells,) that thermal strain has where it is held, of all local cells.
     springs: facets of each spring on this rank.
     masks: of each clamp, slide and hub, the nodes of this rank on its facets.
-    remembers: whether the answer depends on the way of the loads: with yield or friction.
+    remembers: whether states have a history or surfaces have tangential tractions.
+    stepped: whether the answer depends on the way of the loads: with yield or friction.
     """
 
     def __init__(
@@ -134,6 +135,7 @@ class Assembly:
         self.surfaces = Surfaces(contacts, self.bulk, facet_tags, self.comm, factors)
         yields = any(each.hardening for each in self.materials.values())
         self.remembers = yields or rubs
+        self.stepped = yields or any(0 < each.friction < np.inf for each in contacts)
         self._unknowns: dict[tuple[Hub, ...], Unknowns] = {}
         self._factors: tuple[Interface, Unknowns, Direct] | None = None
 
@@ -175,7 +177,8 @@ class Assembly:
             length = float(np.mean(sizes)) ** (1 / (dim - 1))
             facets = np.linalg.norm(x - x[p.argmax()], axis=1).max() / length
             whole = self.comm.allreduce(int((pairing.contact == number).sum()))
-            if facets < least and np.ptp(gap) > FLAT * length and len(p) < ALL * whole:
+            tied = isinstance(self.contacts[number], Tie)
+            if not tied and facets < least and np.ptp(gap) > FLAT * length and len(p) < ALL * whole:
                 self.warn(
                     f"contact {number} has {facets:.1f} facets from its largest pressure to its "
                     f"edge: with less than {least} its pressure may be off by a tenth"

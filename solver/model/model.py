@@ -135,7 +135,8 @@ class Solution:
     points: (n, c) on the secondary surfaces, undeformed. weights: area of each (n,).
     contact: number of the contact of each point (n,), in the order in which they were added.
     normals: unit normals (n, c) of the contacts, out of the secondary bodies.
-    pressure: (n,), never negative. traction: (n, c) on the secondary surface, with friction.
+    pressure: (n,), never negative but in a Tie, which can be pulled.
+    traction: (n, c) on the secondary surface, with friction.
     sticking: (n,) whether a point with friction touches and does not slide.
     slip: (n, c) of the secondary surface past the primary one since rest, where points slide with
         friction; 0 where they stuck all the time.
@@ -217,7 +218,7 @@ class Solution:
         model, state = self._model, self._state
         if not self.converged:
             raise ValueError(f"there is no state to go on from: {self.reason}")
-        count = STEPS[model.remembers] if steps is None else steps
+        count = STEPS[model.stepped] if steps is None else steps
         if not isinstance(loads, Mapping):
             raise TypeError(f"loads must be a dict of hubs and their loads, not {loads!r}")
         if type(count) is not int or count < 1:

@@ -71,7 +71,7 @@ class State:
 class FrictionalProblem(PlasticProblem):
     """Contact problem with friction and yield, in one load step. n points have k tangents.
 
-    coefficient: of friction (n,).
+    coefficient: of friction (n,), infinite at points that are bonded.
     slip: matrix of the slip s, n k rows, per free unknown.
     shear: matrix of t . sigma n, n k rows, per free unknown.
     start_slip, start_shear: at zero free unknowns (n, k); of the slip since the last step.
@@ -93,6 +93,7 @@ class FrictionalProblem(PlasticProblem):
         tau.array[:] = -np.repeat(self.tau, self.start_slip.shape[1])
         self.trial_operator.diagonalScale(L=tau)
         self.trial_operator.axpy(1.0, self.shear, DIFFERENT)
+        self.bonded = np.isinf(self.coefficient)
         self.stick()
 
     def stick(self) -> None:
@@ -127,9 +128,10 @@ class FrictionalProblem(PlasticProblem):
         trial = trial + self.start_shear - self.tau[:, None] * self.start_slip
         plastic = np.einsum("nkm,nm->nk", self.shear_dyads, self._surface[0].plastic)
         trial = trial - 2 * self.surface.mu[:, None] * plastic
-        bound = self.coefficient * pressure
+        rubs = np.where(self.bonded, 0.0, self.coefficient)
+        bound = np.where(self.bonded, np.inf, rubs * pressure)
         self.traction, self.derivative, direction, self.slides = projected(trial, bound)
-        self.pull, self.excess = self.coefficient[:, None] * direction, self.traction - trial
+        self.pull, self.excess = rubs[:, None] * direction, self.traction - trial
 
     def projection(self, active: Mask) -> Array:
         """Derivative (n, k, k) of the traction by the trial traction: 1 where points stick, the

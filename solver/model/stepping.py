@@ -87,9 +87,11 @@ def _step(model: Assembly, before: State, loads: HubLoads, share: float) -> Stat
         problem, prescribed = _problem(model, before, pairing, loads, share)
         pressed = _carried(before.pressure, before.pairing, pairing)
         problem.reference_force = problem.contact_force(pressed)
-        active = pressed > 0
+        bonded = np.isneginf(np.broadcast_to(problem.floor, len(pressed)))
+        active = (pressed > 0) & ~bonded
         if not model.comm.allreduce(int(active.sum())):
             active = model.first_touch(pairing, loads)
+        active = active | bonded
         preconditioner = model.preconditioner(problem, pairing, loads)
         result = newton.solve(problem, preconditioner, active, y, rtol=TOLERANCE, max_steps=STEPS)
         done += result.history
@@ -193,15 +195,19 @@ def _with_history(
     dyads, outward = model.kinematics.dyads, np.repeat(pairing.outward, shape[1], axis=0)
     sheared = dyads(pairing.tangents.reshape(outward.shape), outward)
     slipped = prescribed - before.displacement
-    friction = np.array([each.friction for each in model.surfaces.contacts])
+    friction = np.array([each.friction for each in model.surfaces.contacts])[pairing.contact]
+    bonded = np.isinf(friction)
+    start = (pairing.slip * slipped).array.reshape(shape).copy()
+    start[bonded] = (pairing.slip * prescribed).array.reshape(shape)[bonded]
     return {
         "bulk": bulk,
         "surface": surface,
         "normal_dyads": dyads(pairing.normals, pairing.outward),
-        "coefficient": friction[pairing.contact],
+        "coefficient": friction,
+        "floor": np.where(bonded, -np.inf, 0.0),
         "slip": pairing.slip.matMult(p),
         "shear": pairing.shear.matMult(p),
-        "start_slip": (pairing.slip * slipped).array.reshape(shape).copy(),
+        "start_slip": start,
         "start_shear": (pairing.shear * prescribed).array.reshape(shape).copy(),
         "shear_dyads": sheared.reshape(*shape, sheared.shape[1]),
     }
@@ -229,7 +235,7 @@ def _state(
     if isinstance(problem, FrictionalProblem):
         bulk, surface = problem.state
         traction = problem.traction
-        sticking = (pressure > 0) & (problem.coefficient > 0) & ~problem.slides
+        sticking = (pressure > problem.floor) & (problem.coefficient > 0) & ~problem.slides
         slip = slip + np.einsum("nk,nkc->nc", problem.slip_increment, pairing.tangents)
         lost = lost + problem.plastic_normal_stress(surface.plastic)
         stress = -2 * problem.bulk.mu[:, None] * bulk.plastic * problem.bulk.weights[:, None]

@@ -8,6 +8,7 @@ their material points until the next pairing, so that
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -97,7 +98,11 @@ class Contact:
         itself, and where the primary surface is given neither by a tag, a shape nor a gap, or by
         a shape and a gap.
         """
-        if finite("Contact", "friction", self.friction) < 0:
+        if isinstance(self, Tie):
+            whole = [isinstance(each, int | np.integer) for each in (self.secondary, self.primary)]
+            if not all(whole) or self.friction != math.inf or self.gap is not None:
+                raise ValueError("Tie takes two tags: Tie(secondary=, primary=)")
+        elif finite("Contact", "friction", self.friction) < 0:
             raise ValueError(f"friction must not be negative, not {self.friction!r}")
         if self.primary == self.secondary:
             raise ValueError(f"surface {self.secondary} on itself: self-contact is not there")
@@ -112,6 +117,15 @@ class Contact:
         if isinstance(self.primary, Plane | Sphere | None):
             return [self.secondary]
         return [self.secondary, self.primary]
+
+
+@dataclass(frozen=True)
+class Tie(Contact):
+    """Two surfaces that are bonded where they lie opposite each other at rest: they neither part
+    nor slip, and keep their distance.
+    """
+
+    friction: float = math.inf
 
 
 class Surfaces:
@@ -183,8 +197,10 @@ class Surfaces:
         (collective). A contact whose surfaces have left each other has no points. Raises ValueError
         where a contact has nothing opposite at rest, or overlaps by more than a facet.
         """
-        found, missed, slaves, others = [], [], 0, 0
+        found, missed, slaves, others, now_at = [], [], 0, 0, displacement
         for number, contact in enumerate(self.contacts):
+            bonded = isinstance(contact, Tie)
+            displacement = 0 * now_at if bonded else now_at
             slave, other = self.secondary[number], self.primary[number]
             order = 2 * slave.degree + 1 if slave.kinematics.dim == 3 else SECTION_QUADRATURE
             known = None
@@ -196,7 +212,7 @@ class Surfaces:
                 if here is not slave:
                     weights = weights * slave.measure(*at) / here.measure(*at)
             normals, outward, now, change, foot = self.opposite(number, at, displacement, known)
-            keep, gap = np.isfinite(now), now - change
+            keep, gap = np.isfinite(now), np.where(bonded & np.isfinite(now), 0.0, now - change)
             whole, met = self.comm.allreduce(np.array([whole, weights[keep].sum()]))
             deep = self.comm.allreduce(int(np.isneginf(now).sum()))
             if not met and (deep or not self.comm.allreduce(int(displacement.any()))):
@@ -297,7 +313,7 @@ class Surfaces:
         begins = np.cumsum([0, *(len(each) for each in self.primary)])
         for number, (contact, other) in enumerate(zip(self.contacts, self.primary, strict=True)):
             on = np.flatnonzero((face.contact == number) & (pressure > 0))
-            if contact.gap is not None:
+            if contact.gap is not None or isinstance(contact, Tie):
                 continue
             if not self.comm.allreduce(len(on)):
                 drift = np.inf

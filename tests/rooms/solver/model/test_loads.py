@@ -124,3 +124,26 @@ def test_fields_that_do_not_fit_are_refused() -> None:
         model.add(rs.Contact(12, 11))
         with pytest.raises(ValueError, match=f"{name} must be finite"):
             model.solve()
+
+
+@pytest.mark.parametrize("secondary", [11, 12])
+def test_a_tie_is_pulled_and_sheared_like_one_piece(secondary: int) -> None:
+    """Boxes that do not match: every point carries the uniform tension, and the surface the shear
+    force, after a second solution, too."""
+    made, _ = columns("quadrilateral", "plane strain")
+    made.add(*(rs.Body(tag, rs.Elastic(1000.0, 0.0)) for tag in BODIES), rs.Slide(30, (1, 0)))
+    made.add(rs.Clamp(21), rs.Tie(secondary, 23 - secondary), rs.Traction(22, (0, 2.0)))
+    pulled = made.solve()
+    assert pulled.converged and len(pulled.history) <= 3
+    np.testing.assert_allclose(pulled.pressure, -2.0, rtol=1e-8)
+    assert pulled.u.x.array.reshape(-1, 2)[:, 1].max() == pytest.approx(2 * 2.0 / 1000)
+    sheared, _ = columns("quadrilateral", "plane strain")
+    sheared.add(*(rs.Body(tag, rs.Elastic(1000.0, 0.0)) for tag in BODIES))
+    sheared.add(rs.Tie(secondary, 23 - secondary), rs.Slide(30, normal=(0, 1)), rs.Clamp(21))
+    sheared.add(rs.Slide(22, normal=(0, 1)), rs.Traction(22, (3.0, 0)))
+    found = sheared.solve().then({})
+    assert found.converged and found.sticking.all() and not found.slip.any()
+    side = 1 if secondary == 12 else -1
+    assert found.weights @ found.traction[:, 0] == pytest.approx(-3.0 * side, rel=1e-9)
+    with pytest.raises(ValueError, match="Tie takes two tags"):
+        rs.Tie(11, rs.Plane((0, 0), (0, 1)))
