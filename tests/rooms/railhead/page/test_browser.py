@@ -86,7 +86,7 @@ def showing(browser, folder, case: str):
 def test_after_ten_moves_the_number_is_that_of_the_command_for_the_last_one(
     browser, here, capsys
 ) -> None:
-    with showing(browser, here, "s1002_60e1") as shown:
+    with showing(browser, here, "uic54_thesis") as shown:
         (listening,) = (each for each in shown.process.net_connections() if each.status == "LISTEN")
         assert listening.laddr.ip == "127.0.0.1"
         for tenth in range(10):
