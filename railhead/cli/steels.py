@@ -30,7 +30,8 @@ if TYPE_CHECKING:
 
 CARRIER = "long_roller"  # case whose rail is of a steel that no scene has
 PLASTIC = (0.002, 0.01)  # plastic strains of proof stresses
-CURVE = np.linspace(0.0, 0.02, 201)  # strains of the curve in tension
+TENSION = np.append(0.0, np.geomspace(1e-3, 0.04, 80))  # strains on the way to them
+CURVE = np.linspace(0.0, 0.02, 101)  # strains of the curve in tension
 RANGE, LOOPS, STEPS = 0.006, 3, 30  # largest strain of the loops, their number, steps each way
 SHARE = 0.1  # of the amplitude: the mean stress that is not asked for; and less than the loop
 ROUNDING = 12  # decimals of strains that cycles add
@@ -103,25 +104,12 @@ class SteelTests(Examined):
             raise SceneError("--mean", f"{error}; give a smaller one, or --amplitude") from None
         return np.round(ends, ROUNDING) + 0.0
 
-    def proof(self, plastic: float) -> float:
-        """Stress of the bar in tension at a plastic strain, MPa."""
-        strain = np.linspace(0.0, 2 * plastic + 0.01, 400)
-        stress = stresses(self.steel, strain)
-        return float(np.interp(plastic, strain - stress / self.steel.young_modulus, stress))
-
     @property
-    def keys(self) -> dict[str, Any]:
-        """Keys and values of the steel in [rail] or [wheel]."""
-        law = self.steel.hardening
-        assert law is not None
-        found: dict[str, Any] = {
-            "young_modulus": self.steel.young_modulus,
-            "yield_stress": law.initial_yield_stress,
-            "backstress": [[each.modulus, each.recall] for each in law.backstresses],
-            "recall_exponent": law.recall_exponent,
-            "isotropic": list(law.isotropic) if law.isotropic[0] else None,
-        }
-        return {key: value for key, value in found.items() if value}
+    def proof(self) -> dict[str, float]:
+        """Stress of the bar in tension, MPa, by the plastic strain (PLASTIC)."""
+        stress = stresses(self.steel, TENSION)
+        plastic = TENSION - stress / self.steel.young_modulus
+        return {f"{each:g}": float(np.interp(each, plastic, stress)) for each in PLASTIC}
 
     @property
     def misfit(self) -> tuple[float, float]:
@@ -144,9 +132,9 @@ class SteelTests(Examined):
         found = {
             "case": self.scene.name,
             "scene": portable(self.scene),
-            "steel": self.keys,
+            "steel": _keys(self.steel),
             "rule": rule(self.steel.hardening),
-            "proof_MPa": {f"{each:g}": self.proof(each) for each in PLASTIC},
+            "proof_MPa": self.proof,
             "loop_MPa": float(self.loops[-2 * STEPS :, 1].max()),
             "ratchetting": cycles,
         }
@@ -222,17 +210,7 @@ def steel_tests(
             raise SceneError(source, f"cannot be read: {error.strerror}") from None
         except ValueError as error:
             raise SceneError("FILE", " ".join(str(error).split())) from None
-        law = steel.hardening
-        assert law is not None
-        pairs = [[_short(each.modulus), _short(each.recall)] for each in law.backstresses]
-        keys = {
-            "young_modulus": _short(steel.young_modulus),
-            "yield_stress": _short(law.initial_yield_stress),
-            "backstress": pairs,
-            "recall_exponent": exponent or None,
-            "isotropic": [_short(each) for each in law.isotropic] if law.isotropic[0] else None,
-        }
-        scene = scene.replace(rail={key: value for key, value in keys.items() if value is not None})
+        scene = scene.replace(rail=_keys(steel))
     elif source.endswith(".toml") or source in catalogue.shipped():
         scene = catalogue.find(source)
     else:
@@ -241,6 +219,21 @@ def steel_tests(
     return SteelTests(scene.replace(list(assignments)), source, measured=measured, **stress)
 
 
+def _keys(steel: Material) -> dict[str, Any]:
+    """Keys and values of a steel in [rail] or [wheel], with six digits."""
+    law = steel.hardening
+    assert law is not None
+    parts = [(each.modulus, each.recall) for each in law.backstresses]
+    found: dict[str, Any] = {
+        "young_modulus": _short(steel.young_modulus),
+        "yield_stress": _short(law.initial_yield_stress),
+        "backstress": [[_short(each) for each in pair] for pair in parts],
+        "recall_exponent": law.recall_exponent,
+        "isotropic": [_short(each) for each in law.isotropic] if law.isotropic[0] else [],
+    }
+    return {key: value for key, value in found.items() if value}
+
+
 def _short(value: float) -> float:
-    """A constant with five digits."""
-    return float(f"{value:.5g}")
+    """A value with six digits."""
+    return float(f"{value:.6g}")

@@ -7,7 +7,7 @@ of a bar: its trial stress is E (eps - eps_p), its plastic strains are eps_p (1,
 
 from __future__ import annotations
 
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 from scipy.optimize import least_squares, nnls
@@ -118,16 +118,13 @@ def _begun(plastic: Array, stress: Array, back: Array, count: int, exponent: flo
             part = kept * part + np.sign(whole) * (1 - kept) / (recalls * phi)
         parts[at] = part
     rates = np.geomspace(0.5, 20.0, 4) / travelled[-1] if len(back) else np.zeros(1)
-    best, found = np.inf, np.zeros(0)
-    for rate in rates:
+    found = []
+    for rate, chosen in product(rates, combinations(range(GRID), count)):
         voce = way * -np.expm1(-rate * travelled)
-        for chosen in combinations(range(GRID), count):
-            columns = np.column_stack([way, parts[:, chosen], voce])[flows]
-            values, misfit = nnls(columns, stress[flows])
-            if misfit < best:
-                best = misfit
-                found = np.concatenate([values[:-1], recalls[list(chosen)], [values[-1], rate]])
-    return found
+        columns = np.column_stack([way, parts[:, chosen], voce])[flows]
+        values, misfit = nnls(columns, stress[flows])
+        found.append((misfit, [*values[:-1], *recalls[list(chosen)], values[-1], rate]))
+    return np.array(min(found)[1])
 
 
 def fitted(strain: Array, stress: Array, count: int, exponent: float = 0.0) -> Material:
