@@ -329,10 +329,7 @@ class Contact:
         named = f"wheel {Path(scene.wheel.profile).stem} on rail {Path(given.profile).stem}"
         reasons = (
             (given.gauge is not None, f"a track of gauge {given.gauge or 0.0:g} mm"),
-            (
-                not known or scene.wheel.profile not in ("cylinder", "arc"),
-                f"wheel {' on rail '.join(named)}",
-            ),
+            (not known, named),
             (given.inclination, f"rail inclined {given.inclination:g}"),
             (scene.wheelset.shift, f"wheel shifted {scene.wheelset.shift:g} mm"),
             (roll, f"axle rolled by {1e3 * roll:g} mrad"),
