@@ -237,6 +237,16 @@ def rail_head(name: str, inclination: float = 0.0) -> Profile:
     return rolled(Profile(name, tuple(pieces)), inclination)
 
 
+def head_side(name: str) -> float:
+    """Length of the straight side of the head of a standard rail, below the end of `rail_head`, mm;
+    0 for another rail.
+    """
+    if name not in STANDARD_RAILS:
+        return 0.0
+    side = json_data("rails.json")[name]["half_section"][3]
+    return math.dist(side["start"], side["end"])
+
+
 def rolled(profile: Profile, slope: float) -> Profile:
     """The profile turned about the origin by the angle arctan(slope), from y to z, so that its top
     leans to y < 0. Arcs stay arcs, without ends that no longer face upwards; else the result is a

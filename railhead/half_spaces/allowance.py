@@ -44,6 +44,9 @@ from railhead.theory.elastic.line import Hertz
 MEASURED = json.loads((Path(__file__).parent / "data" / "twist.json").read_text(encoding="utf-8"))
 COMPLIANCE: dict[str, float] = MEASURED["compliance"]  # twist times E over the moment, 1/mm3
 CENTRE: float = MEASURED["centre_mm"]  # depth of the centre of twist below the crown (67 to 76 mm)
+SIDE = 0.5
+"""Share of the straight side of a head up to which it ends. On five flanges on 54E1 and 60E1 the
+pressure of finite elements differs by 0.3 to 1.1 %, and the allowance is 0.7 to 2.2 %."""
 Allowance = dict[str, float]
 """Relative difference allowed between finite elements and half-spaces: parts by name, and their
 "total"."""
@@ -200,7 +203,8 @@ def _patches(
 
 def _bodies(pair: HalfSpacePair, deformable: Sequence[int], span: Span) -> list[_Body]:
     """The deformable bodies of a contact, by their tags, with the places of their free edges on the
-    developed surface of the rail, from the first contact of this part of it.
+    developed surface of the rail, from the first contact of this part of it. The head of a standard
+    rail ends on its straight sides (SIDE), below the profile.
     """
     contact, touch = pair.contact, span.touch
     scene = contact.scene
@@ -210,7 +214,8 @@ def _bodies(pair: HalfSpacePair, deformable: Sequence[int], span: Span) -> list[
         part, depth = scene.bodies[BODY_NAMES[tag]], placed_bodies.depth(scene, tag)
         weight = modulus / closed_forms.plane_strain_modulus(scene, tag)
         if tag == RAIL:
-            ends = span.ends
+            side = SIDE * profiles.head_side(scene.rail.profile)
+            ends = span.ends[0] - side, span.ends[1] + side
         else:
             low, high = contact.profiles["wheel"][0].domain
             half = (scene.wheel.width or math.inf) / 2
