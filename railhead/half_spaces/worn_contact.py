@@ -4,7 +4,8 @@ A position bears a share of all passages. It sees the depth that all positions w
 step its own wear by the pressure of the step's end (`theory.wear`). What the others wear in the
 step is taken to grow with the position's own pressure on each line: alike positions then wear as
 one, and any step is stable. Pressures are averaged across over three spacings of the knots of the
-worn depth: what is narrower, as at the edge of a groove, is not known.
+worn depth, or of lines where these are wider: what is narrower, as at the edge of a groove, is not
+known.
 """
 
 from __future__ import annotations
@@ -69,6 +70,11 @@ class Fineness:
 
     cells: int
     knots: float
+
+    @property
+    def width(self) -> float:
+        """Width of averages, mm: their weights fall linearly to zero there, to each side."""
+        return BROAD * self.knots
 
     def splines(self, along: Places) -> Splines:
         """Splines of the worn depth at places along a profile."""
@@ -135,7 +141,7 @@ class WornContact:
         self._surface = self._pair.developed
         self._steps = {body: along[body].step for body in BODIES}
         self._splines = {body: fineness.splines(along[body]) for body in BODIES}
-        self._width = BROAD * fineness.knots
+        self._width = fineness.width
         worn = zip(along.items(), depths, strict=True)
         self._across = {body: each.worn(depth)[:, 0] for (body, each), depth in worn}
         self._load = float(scene.load or 0.0) + rises
@@ -273,8 +279,8 @@ class WornContact:
         energy = [(step, each["energy"]) for step, each in zip(steps, lines, strict=True)]
         return {
             "pressure_max_MPa": max(
-                wear.peak(window.pressure.T, float(window.s[1] - window.s[0]), self._width)
-                for window in self._windows
+                wear.peak(window.pressure.T, step, max(self._width, BROAD * step))
+                for step, window in zip(steps, self._windows, strict=True)
             ),
             "area_mm2": self._pressed.area,
             "t_gamma_N": sum(step * float(line.sum()) for step, line in energy),

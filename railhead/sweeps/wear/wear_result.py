@@ -30,6 +30,7 @@ ROW_STEP = 0.1  # mm between the rows of tables
 AMPLITUDE, REACH = 3.0, 8.0  # mm: of the equivalent conicity, and of the shifts it is read from
 VOLUME = 0.02  # relative: of the worn area, by the passages between two steps
 FACTOR = 2.0  # of the change from the coarse run to the main one, an error
+CORNER = 0.05  # relative error of a pressure that only the edge of a groove explains
 USEFUL = 0.25  # largest relative error of a pressure that says something
 ALONE, THIN = 0.8, 2.0  # part of the wear of a place; depth of a groove, over the approach
 EDGE = 2.0  # cells between a patch and the end of a profile, at least
@@ -81,6 +82,7 @@ class WearResult:
                 name: {key: self.rows[at][column] for key, (at, column) in group.items()}
                 for name, group in NUMBERS.items()
             },
+            "pressure_width_mm": run.fineness.width,
             "worn_mm2_by_part": {
                 body: places.parts(body, run.depths[body]) for body, places in run.places.items()
             },
@@ -117,7 +119,8 @@ class WearResult:
 
     def _together(self, contacts: Sequence[Row], end: str) -> Row:
         """Largest pressure, and mean area and T-gamma by share of the passages, of the contacts of
-        all positions; None where one has none. end: of the names of these numbers.
+        all positions; None where one has none. end: of the names of these numbers; " estimate" has
+        how far the largest of pressures within their estimates may be from the largest.
         """
         row: Row = {}
         for name in ("pressure_max_MPa", "area_mm2", "t_gamma_N"):
@@ -125,7 +128,9 @@ class WearResult:
             if None in values or not values:
                 row[f"{name}{end}"] = None
             elif name == "pressure_max_MPa":
-                row[f"{name}{end}"] = max(values)
+                own = np.array([each[name] for each in contacts])
+                ends = [float(np.max(own + sign * np.array(values))) for sign in (-1, 1)]
+                row[f"{name}{end}"] = float(np.abs(ends - own.max()).max()) if end else max(values)
             else:
                 row[f"{name}{end}"] = math.fsum(np.multiply(self.route.shares, values))
         return row
@@ -347,7 +352,12 @@ class WearResult:
             depth, area = within("depth_max_mm", body, "mm"), within("worn_mm2", body, "mm2")
             lines.append(f"{body}: at most {depth} deep along the normal, {area} of the section")
         first, last = (within("pressure_max_MPa", key, "MPa") for key in ("first", "last"))
-        lines.append(f"largest pressure: {first}, then {last}")
+        width = f"averaged over {summary['pressure_width_mm']:.2g} mm across"
+        lines.append(f"largest pressure, {width}: {first}, then {last}")
+        if (bound["pressure_max_MPa"]["last"] or 0.0) > CORNER:
+            lines.append(
+                "its error is large: it lies at the edge of a groove, where no width is right"
+            )
         for name, limit in summary["limits_reached"].items():
             after = [
                 f"{limit[key]:.4g} +- {limit[f'{key} estimate'] or math.nan:.2g} {key}"

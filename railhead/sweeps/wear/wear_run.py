@@ -253,8 +253,7 @@ class Run:
         """
         contacts, worn = self.contacts(depth, share)
         self.seen[len(self.stages) - 1 :] = [contacts]
-        width = worn_contact.BROAD * self.fineness.knots
-        pairs = zip(self.places.values(), worn, strict=True)
+        pairs, width = zip(self.places.values(), worn, strict=True), self.fineness.width
         after = np.array([wear.averaged(each, along.step, width) for along, each in pairs])
         change = np.abs(after - share * contacts.fields["rate"]).sum() / after.sum()
         return depth + worn, float(change)

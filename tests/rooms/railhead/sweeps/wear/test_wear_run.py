@@ -16,7 +16,7 @@ from railhead.contact import solid
 from railhead.half_spaces import worn_contact
 from railhead.scene.scene import Effects, Friction, Rail, Rolling, Scene, SceneError, Wear, Wheel
 from railhead.sweeps.wear import wear as sweep
-from railhead.sweeps.wear import wear_run
+from railhead.sweeps.wear import wear_result, wear_run
 
 AXLES = 2200.6  # worn area 0.3565 mm2 at a creepage of 1 %
 COARSE = {"coarse": (32, 7.5), "main": (64, 15.0)}
@@ -169,6 +169,31 @@ def test_the_last_pressure_is_that_of_the_profile_that_is_written(tmp_path):
     read = worn_contact.solve(position, run.fineness, begin, 0.0, 0.0, begin)[0]
     off = abs(read.values["pressure_max_MPa"] - last["pressure_max_MPa"])
     assert off < min(5.0, last["pressure_max_MPa estimate"])
+
+
+@pytest.mark.parametrize(("alone", "fails"), [(0.9, True), (0.5, False)])
+def test_a_route_of_a_few_grooves_is_named(worn, alone, fails, monkeypatch):
+    """One position on purpose is not."""
+    found = worn[0]
+    assert "positions" not in found.summary["checks"]
+    monkeypatch.setattr(wear_result, "THIN", 0.2)  # the depth is 0.3 of the approach
+    route = replace(found.route, positions=found.route.positions * 2, shares=(0.5, 0.5))
+    twice = {
+        name: replace(
+            run, seen=[replace(each, values=each.values * 2, alone=alone) for each in run.seen]
+        )
+        for name, run in found.runs.items()
+    }
+    thin = wear_result.WearResult(route, twice)
+    assert ("positions" in thin.summary["checks"]["failed"]) is fails
+
+
+def test_the_largest_of_pressures_is_as_uncertain_as_those_that_may_be_the_largest(worn):
+    contacts = [
+        {"pressure_max_MPa": value, "pressure_max_MPa estimate": off}
+        for value, off in ((900.0, 10.0), (890.0, 50.0), (300.0, 200.0))
+    ]
+    assert worn[0]._together(contacts, " estimate")["pressure_max_MPa estimate"] == 40.0
 
 
 def test_under_mpirun_it_is_refused(tmp_path, monkeypatch):
