@@ -44,6 +44,10 @@ from railhead.theory.elastic.line import Hertz
 MEASURED = json.loads((Path(__file__).parent / "data" / "twist.json").read_text(encoding="utf-8"))
 COMPLIANCE: dict[str, float] = MEASURED["compliance"]  # twist times E over the moment, 1/mm3
 CENTRE: float = MEASURED["centre_mm"]  # depth of the centre of twist below the crown (67 to 76 mm)
+STEEP = 0.1  # rad, angle of contacts up to which the centre of twist was measured
+SIDEWAYS = {"54E1": 0.5, "60E1": 0.7}
+"""Movement of a head beside that by its twist, times E over the side force, 1/mm: 0.4 to 0.5 and
+0.65 to 0.75 around the patches of finite elements with the foot held, at 0.35 to 0.5 rad."""
 SIDE = 0.5
 """Share of the straight side of a head up to which it ends. On five flanges on 54E1 and 60E1 the
 pressure of finite elements differs by 0.3 to 1.1 %, and the allowance is 0.7 to 2.2 %."""
@@ -284,6 +288,16 @@ def twist(contact: Contact, ellipse: Hertz) -> float:
     rail = contact.scene.rail
     compliance = COMPLIANCE.get(rail.profile, max(COMPLIANCE.values()))
     return compliance * moment / rail.young_modulus
+
+
+def sideways(contact: Contact, ellipse: Hertz) -> float:
+    """Movement of the wheel along y relative to the rail head, mm, as the side force of a contact
+    with the load of `ellipse` bends the web, beside that by `twist`. It is 0 for other than
+    standard rails, and up to 0.1 rad (STEEP).
+    """
+    rail, angle = contact.scene.rail, contact.touch.angle
+    force = ellipse.load * math.sin(angle) if abs(angle) > STEEP else 0.0
+    return -SIDEWAYS.get(rail.profile, 0.0) * force / rail.young_modulus
 
 
 def twisted(contact: Contact, angle: float, aside: float) -> Contact:

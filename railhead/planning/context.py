@@ -170,14 +170,27 @@ class Context:
         one radius each.
         Raises ValueError where boundary elements cannot tell.
         """
-        rail = self.scene.rail
-        shaped = rail.profile == "arc" or bool(rail.sections)
-        still = self.one_radius or shaped or math.isinf(rail.young_modulus)
-        if still or self.contact.why_asymmetric_in_y() is None:
+        if self._still:
             return 0.0
         angle = allowance.twist(self.contact, self.hertz)
         aside = allowance.CENTRE * angle
         return allowance.change(self.half_spaces, self.boundary_elements, angle, aside)
+
+    @cached_property
+    def sideways_change(self) -> float:
+        """The same as the side force of the contact moves the rail head (`allowance.sideways`)."""
+        aside = 0.0 if self._still else allowance.sideways(self.contact, self.hertz)
+        if not aside:
+            return 0.0
+        return allowance.change(self.half_spaces, self.boundary_elements, 0.0, aside)
+
+    @property
+    def _still(self) -> bool:
+        """Whether a motion of the rail head changes nothing."""
+        rail = self.scene.rail
+        shaped = rail.profile == "arc" or bool(rail.sections)
+        still = self.one_radius or shaped or math.isinf(rail.young_modulus)
+        return still or self.contact.why_asymmetric_in_y() is None
 
     @property
     def one_radius(self) -> bool:

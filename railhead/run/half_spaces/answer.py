@@ -223,6 +223,8 @@ def _error_parts(
         own = key if key in grid else other
         parts[key] = {**expected.get(other, {}), "grid": grid.get(own, 0.0)}
         parts[key].pop("total", None)
+        if ends and (moved := plan.context.sideways_change):
+            parts[key]["sideways"] = moved
         if plan.profile_error:
             parts[key]["profile"] = plan.profile_error
     if not (ends and "stress" in result):
