@@ -97,9 +97,8 @@ def _criteria(paths: Array, slopes: Sequence[float]) -> tuple[Array, list[Array]
     found, _, normals = fatigue.dang_van(paths.reshape(-1, *paths.shape[2:]), slopes[0])
     values, planes = found.reshape(deep), normals.reshape(*deep, 3)
     worst = values.argmax(axis=1)
-    others = [fatigue.findley(side_by_side, slopes[1]) for side_by_side in paths]
-    both = np.column_stack([values[each, worst], [value for value, _ in others]])
-    return both, [planes[each, worst], np.array([normal for _, normal in others])]
+    others, normals = fatigue.findley(paths, slopes[1])
+    return np.column_stack([values[each, worst], others]), [planes[each, worst], normals]
 
 
 def _ratios(friction: FrictionSolution, frame: Frame) -> tuple[Array, Array]:

@@ -16,7 +16,7 @@ from railhead.theory.elastic.subsurface import directions, principal
 
 CENTRING = 1000  # steps towards the centre of a path
 STEP = math.radians(15)  # between the planes of Findley's first search
-FINEST = math.radians(0.1)  # step at which its last search ends
+FINEST = math.radians(0.25)  # step at which its last search ends
 TWICE = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])  # a shear stress stands twice in the tensor
 
 
@@ -51,44 +51,53 @@ def dang_van(paths: Array, slope: float) -> tuple[Array, Array, Array]:
     return total[each, worst], shear.max(axis=1), planes[flatter, each]
 
 
-def findley(paths: Array, slope: float) -> tuple[float, Array]:
-    """Findley's stress, MPa, at the worst of n points and the normal (3,) of its plane: the largest
-    amplitude of the shear stress on a plane plus k times the largest normal stress on it (Findley,
-    J. Eng. Ind. 81, 1959).
+def findley(paths: Array, slope: float) -> tuple[Array, Array]:
+    """Findley's stress, MPa, at the worst of n points and the normal (..., 3) of its plane: the
+    largest amplitude of the shear stress on a plane plus k times the largest normal stress on it
+    (Findley, J. Eng. Ind. 81, 1959).
 
-    paths: (n, t, 6). slope: k.
+    paths: (..., n, t, 6); each n points by themselves. slope: k.
     The amplitude is half the longest chord of the shear stress' path on the plane. Planes and
     directions of chords are tried 15 degrees apart (STEP); then those beside the best one, in
-    steps that are halved where none is better, down to 0.1 degrees (FINEST).
+    steps that are halved where none is better, down to 0.25 degrees (FINEST).
     """
+    groups = paths.reshape(-1, *paths.shape[-3:])
     quarter, half = round(math.pi / 2 / STEP), round(math.pi / STEP)
     steps = np.arange(quarter + 1), np.arange(2 * half), np.arange(half)
     angles = STEP * np.stack(np.meshgrid(*steps, indexing="ij"), axis=-1).reshape(-1, half, 3)
     lattice = _weights(angles)
-    values = np.array([_on_planes(path, *lattice, slope).ravel() for path in paths])
-    point, best = np.unravel_index(int(values.argmax()), values.shape)
-    start = angles.reshape(-1, 3)[best]
+    worst, start = [], []
+    for group in groups:
+        values = np.array([_on_planes(path, *lattice, slope).ravel() for path in group])
+        point, best = np.unravel_index(int(values.argmax()), values.shape)
+        worst.append(group[point])
+        start.append(angles.reshape(-1, 3)[best])
 
-    beside, size = np.array([*product((0.0, -1.0, 1.0), repeat=3)]), STEP / 2
-    while size > FINEST:
-        near = start + size * beside
-        around = _on_planes(paths[point], *_weights(near[:, None]), slope)[:, 0]
-        size /= 1 if around.argmax() else 2
-        start = near[around.argmax()]
-    return float(around.max()), _vectors(start)[0]
+    path, at, each = np.array(worst), np.array(start), np.arange(len(groups))
+    beside, size = np.array([*product((0.0, -1.0, 1.0), repeat=3)]), np.full(len(groups), STEP / 2)
+    while (size > FINEST).any():
+        near = at[:, None] + size[:, None, None] * beside
+        around = _on_planes(path, *_weights(near[:, :, None]), slope)[..., 0]
+        best = around.argmax(axis=1)
+        size = np.where(best == 0, size / 2, size)
+        at = near[each, best]
+    shape = paths.shape[:-3]
+    return around.max(axis=1).reshape(shape), _vectors(at)[0].reshape(*shape, 3)
 
 
 def _on_planes(path: Array, shear: Array, normal: Array, slope: float) -> Array:
-    """Findley's stress (m, k), MPa, of a path (t, 6) on m planes with chords in k directions, by
-    the weights of `_weights`.
+    """Findley's stress (..., m, k), MPa, of a path (..., t, 6) on m planes with chords in k
+    directions, by the weights of `_weights`.
     """
-    chords = np.ptp(path @ shear.reshape(-1, 6).T, axis=0).reshape(shear.shape[:2])
-    return np.asarray(chords / 2 + slope * (path @ normal.T).max(axis=0)[:, None])
+    flat = shear.reshape(*shear.shape[:-3], -1, 6)
+    chords = np.ptp(path @ np.swapaxes(flat, -1, -2), axis=-2).reshape(shear.shape[:-1])
+    pulled = (path @ np.swapaxes(normal, -1, -2)).max(axis=-2)
+    return np.asarray(chords / 2 + slope * pulled[..., None])
 
 
 def _weights(angles: Array) -> tuple[Array, Array]:
     """Weights of xx, yy, zz, xy, xz, yz in the shear stress on m planes along k directions each,
-    (m, k, 6), and in the normal stress (m, 6). angles: (m, k, 3), as of `_vectors`.
+    (..., m, k, 6), and in the normal stress (..., m, 6). angles: (..., m, k, 3), as of `_vectors`.
     """
     normals, along = _vectors(angles)
     i, j = np.array([0, 1, 2, 0, 0, 1]), np.array([0, 1, 2, 1, 2, 2])
@@ -96,7 +105,7 @@ def _weights(angles: Array) -> tuple[Array, Array]:
         (normals[..., i] * each[..., j] + normals[..., j] * each[..., i]) * TWICE / 2
         for each in (along, normals)
     )
-    return shear, normal[:, 0]
+    return shear, normal[..., 0, :]
 
 
 def _vectors(angles: Array) -> tuple[Array, Array]:
