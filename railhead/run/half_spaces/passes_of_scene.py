@@ -62,6 +62,7 @@ DEEP, ASIDE = {True: 3.4, False: 2.6}, 2.2  # plastic strain is followed, over h
 INNER, BELOW = 1.5, {True: 2.2, False: 1.4}  # where the elements are small
 TOLD = 5e-4  # strain of the first pass from which its energy is compared
 SETTLED = 2e-3  # of the first plastic work: less is no longer compared with the resistance
+RATE_ERROR = 0.03  # least of a rate: lines on 8 elements are up to 1.7 % off those on 14
 COARSER = 0.75  # size of the block by which errors are estimated: elements and reach, relative
 
 
@@ -94,7 +95,7 @@ def solve_passes(solved: Solved, progress: Progress) -> Passes:
             errors = {key: factor * abs(1 - two / one) for key, (one, two) in pairs.items() if one}
             if found.rate is not None and found.rate["estimate"] is not None:
                 coarse = [abs(1 - other.rows[-1][key] / found.rows[-1][key]) for key in RATES]
-                estimate = found.rate["estimate"] + factor * max(coarse)
+                estimate = found.rate["estimate"] + max(factor * max(coarse), RATE_ERROR)
                 found = replace(found, rate=found.rate | {"estimate": estimate})
     except ValueError as error:
         return Passes(rows=[], verdict="", reason=" ".join(str(error).split()))

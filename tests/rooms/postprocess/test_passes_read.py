@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from railhead.postprocess.pass_rows import Passes, RailState, rail_state, verdict, words
+from railhead.postprocess.pass_rows import Passes, RailState, rail_state, rate, verdict, words
 from railhead.solver.material import Hardening, Material
 from railhead.solver.plasticity.block import Block
 from railhead.solver.plasticity.rolling_block import RollingBlock
@@ -142,3 +142,40 @@ SAID = {
 def test_what_still_turns_grows_or_moves_is_no_steady_end(increments, forward, hardens, said):
     """What hardens without end neither ratchets nor is at a limit."""
     assert verdict(increments, forward, 1.0, 1e-7, hardens=hardens) == said
+
+
+#: Of an independent program: C 40 GPa, g 100 at p0/k 5; two back stresses and isotropic growth.
+ONE = (
+    [0.0088482, 0.0090853, 0.0093518, 0.0092485, 0.0092451],
+    [-0.00058982, -0.0013251, -0.00071483, -0.00069422, -0.00068929],
+)
+TWO = (
+    [0.014192, 0.013651, 0.013132, 0.012673, 0.012283, 0.011936, 0.011632, 0.011366],
+    [-0.0037259, -0.0029588, -0.0026031, -0.0023771, -0.00222, -0.0021005, -0.0020055, -0.001926],
+)
+
+
+def test_steel_that_recalls_ratchets_from_where_later_passes_change_little():
+    """A rate that falls as 1/n is never steady, however slowly it falls."""
+
+    def said(increments, forward):
+        return verdict(increments, forward, 1.0, 1e-7, hardens=False, recalls=True)
+
+    assert said(*ONE) == "ratchets"
+    assert said(*(each[:3] for each in ONE)) == "not steady after 3 passes"
+    assert said(*TWO) == "not steady after 8 passes"
+    falls = [1e-3 / number for number in range(1, 51)]
+    assert said([0.01] * 50, falls) == "not steady after 50 passes"
+    assert said([0.01] * 50, [1e-9 * each for each in falls]) == "closed cycles"
+
+
+def test_a_rate_has_the_name_of_its_rule_and_what_later_passes_may_add():
+    names = "strain_increment_max", "shear_increment_max", "forward_mm"
+    rows = [dict(zip(names, (0.01, 0.001, each), strict=True)) for each in (0.4, 0.2, 0.1)]
+    law = Hardening.linear(480.0).cyclic([(4e4, 100.0)], 5)
+    found = rate(rows, 1e-7, 1.0, law)
+    assert found["rule"] == "Jiang and Sehitoglu's rule, exponent 5"
+    assert found["forward_mm_per_pass"] == 0.1 and found["strain_per_pass"] == 0.01
+    assert found["estimate"] == pytest.approx(1.0)  # 0.05 + 0.025 + ... of 0.1
+    grows = [row | {"forward_mm": each} for row, each in zip(rows, (0.1, 0.2, 0.4), strict=True)]
+    assert rate(grows, 1e-7, 1.0, law)["estimate"] is None

@@ -134,3 +134,16 @@ def test_without_the_key_nothing_of_it_is_there():
     assert not any("passes" in key for key in plain.summary["result"])
     assert not any("passes" in key for key in plain.summary["checks"])
     assert plain.solved.passes is None
+
+
+@pytest.mark.slow
+def test_passes_that_ratchet_have_a_rate_with_an_estimate():
+    """Without an accuracy too: the passes are rolled again on a coarser block."""
+    keys = (*KEYS[1:3], "load=1080kN", "rail.backstress=[[40000, 100]]", "mesh.patch_size=2")
+    fast = "rolling.passes=6", "effects.finite_bodies=off", "rail.yield_stress=400"
+    result = pipeline.run(scene_of("long_roller", *keys, *fast)).summary["result"]
+    rate = result["rate"]
+    assert result["passes_verdict"] == "ratchets" and rate["rule"].startswith("Armstrong")
+    assert rate["forward_mm_per_pass"] == result["passes"][-1]["forward_mm"]
+    assert rate["forward_mm_per_pass"] == pytest.approx(-0.00276, rel=0.03)
+    assert 0.03 < rate["estimate"] < 0.5
