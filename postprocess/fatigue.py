@@ -25,9 +25,11 @@ from railhead.theory.friction.solution import FrictionSolution
 
 DEPTHS = np.array([0.01, 0.02, 0.04, 0.07, 0.11, 0.15, *np.arange(4, 17) / 20, 0.9, 1.0, 1.2, 1.5])
 """Over the smaller half length."""
+ROUGH = 50  # steps to the centre of a path that find the worst of several
 STRIPS = 400
 CELLS = {False: (64, 24), True: (256, 24)}  # along and across a patch, by whether it has tractions
 LINES = 5  # paths side by side, from -0.8 to 0.8 of the half length across
+BESIDE = 1.6  # half lengths of a patch, up to which its pressure is looked at
 DEEP = 0.2  # least depth at which finite bodies are compared, over the smaller half length
 SLOPES = {"dang_van": 0.33, "findley": 0.3}
 """Weights of the hydrostatic stress and of the normal stress where a scene gives none."""
@@ -93,12 +95,12 @@ def _criteria(paths: Array, slopes: Sequence[float]) -> tuple[Array, list[Array]
     """Stresses (d, 2) of Dang Van and Findley, MPa, at d depths, each the largest of k paths side
     by side, paths (d, k, t, 6), and the normals (d, 3) of their planes.
     """
-    deep, each = paths.shape[:2], np.arange(len(paths))
-    found, _, normals = fatigue.dang_van(paths.reshape(-1, *paths.shape[2:]), slopes[0])
-    values, planes = found.reshape(deep), normals.reshape(*deep, 3)
-    worst = values.argmax(axis=1)
+    flat = paths.reshape(-1, *paths.shape[2:])
+    rough = fatigue.dang_van(flat, slopes[0], ROUGH)[0].reshape(paths.shape[:2])
+    worst = paths[np.arange(len(paths)), rough.argmax(axis=1)]
+    values, _, planes = fatigue.dang_van(worst, slopes[0])
     others, normals = fatigue.findley(paths, slopes[1])
-    return np.column_stack([values[each, worst], others]), [planes[each, worst], normals]
+    return np.column_stack([values, others]), [planes, normals]
 
 
 def _ratios(friction: FrictionSolution, frame: Frame) -> tuple[Array, Array]:
@@ -163,6 +165,7 @@ def _on_patch(
     if not found.hertzian:
         local = frame.local(surface.points)
         near = np.isfinite(local).all(axis=1)
+        near &= (np.abs(local[:, :2]) < BESIDE * np.array([one.a, one.b])).all(axis=1)
         squares_of = LinearNDInterpolator(local[near, :2], surface.pressure[near] ** 2, 0.0)
 
     def at(places: Array) -> tuple[Array, Array | None]:

@@ -14,13 +14,12 @@ import numpy as np
 from railhead.theory.array_types import Array
 from railhead.theory.elastic.subsurface import directions, principal
 
-CENTRING = 1000  # steps towards the centre of a path
 STEP = math.radians(15)  # between the planes of Findley's first search
 FINEST = math.radians(0.25)  # step at which its last search ends
 TWICE = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])  # a shear stress stands twice in the tensor
 
 
-def dang_van(paths: Array, slope: float) -> tuple[Array, Array, Array]:
+def dang_van(paths: Array, slope: float, steps: int = 1000) -> tuple[Array, Array, Array]:
     """Dang Van's stress at each of n points, (n,), the largest shear stress of it, (n,), and the
     normal of its plane, (n, 3).
 
@@ -29,15 +28,15 @@ def dang_van(paths: Array, slope: float) -> tuple[Array, Array, Array]:
     is the largest tau + c s_h of the path: tau is the largest shear stress of s - s0, s_h the
     hydrostatic stress (Dang Van, ASTM STP 1191, 1993). The shear stress is the largest tau alone.
     The normal is that of the flatter one of the two planes of tau where tau + c s_h is largest, z
-    being upright. Steps towards the farthest point find the centre to about 1e-3 of the radius
-    (Badoiu and Clarkson, 2003).
+    being upright. As many steps towards the farthest point find the centre to about their inverse
+    of the radius (Badoiu and Clarkson, 2003).
     """
     hydrostatic = paths[..., :3].mean(axis=-1)
     deviator = paths.copy()
     deviator[..., :3] -= hydrostatic[..., None]
     scaled, each = deviator * np.sqrt(TWICE), np.arange(len(paths))
     centre, squares = scaled.mean(axis=1), (scaled**2).sum(axis=-1)
-    for step in range(1, CENTRING + 1):
+    for step in range(1, steps + 1):
         farthest = (squares - 2 * (scaled @ centre[..., None])[..., 0]).argmax(axis=1)
         centre += (scaled[each, farthest] - centre) / (step + 1)
     alternating = deviator - (centre / np.sqrt(TWICE))[:, None]

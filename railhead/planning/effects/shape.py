@@ -191,16 +191,18 @@ def _cut_matters(context: Context) -> tuple[bool, str]:
 
 
 def _twists(context: Context) -> tuple[bool, str]:
-    """Whether pressure or area change by more than the accuracy as the load twists the rail, or may
-    do so, and a sentence that says so.
+    """Whether pressure or area change by more than the accuracy as the load twists the rail and
+    moves its head aside, or may do so, and a sentence that says so.
     """
     limit = context.accuracy
     try:
-        change = context.twist_change
+        twist, aside = context.twist_change, context.sideways_change
     except ValueError as error:
         return True, f"what its twist changes cannot be judged ({error})"
-    side = "above" if change > limit else "below"
-    return change > limit, f"its twist changes pressure or area by {change:.2g}, {side} {limit:g}"
+    side = "above" if twist + aside > limit else "below"
+    said = f", and its way aside by {aside:.2g}" if aside else ""
+    why = f"its twist changes pressure or area by {twist:.2g}{said}, {side} {limit:g}"
+    return twist + aside > limit, why
 
 
 def decide_surface_shape(context: Context) -> Effect:
