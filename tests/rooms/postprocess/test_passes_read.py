@@ -164,7 +164,7 @@ def test_steel_that_recalls_ratchets_from_where_later_passes_change_little():
     assert said(*ONE) == "ratchets"
     assert said(*(each[:3] for each in ONE)) == "not steady after 3 passes"
     assert said(*TWO) == "not steady after 8 passes"
-    falls = [1e-3 / number for number in range(1, 51)]
+    falls = [1e-2 / number for number in range(1, 51)]
     assert said([0.01] * 50, falls) == "not steady after 50 passes"
     assert said([0.01] * 50, [1e-9 * each for each in falls]) == "closed cycles"
 
