@@ -101,11 +101,11 @@ class FrictionalProblem(PlasticProblem):
         count, size = self.start_slip.shape
         self.derivative, self.slides = np.eye(size)[None], np.zeros(count, dtype=bool)
         self.pull, self.traction = np.zeros((count, size)), np.zeros((count, size))
-        self.excess = np.zeros((count, size))
+        self.excess, self.direction = np.zeros((count, size)), np.zeros((count, size))
 
     def branches(self, active: Mask) -> Mask:
         """State of the points that the tangent depends on (2, n): which touch, and which slide."""
-        return np.stack([active, active & self.slides])
+        return np.stack([active, active & self.direction.any(axis=1)])
 
     def all_slides(self, active: Mask) -> bool:
         """Whether all points of all ranks that touch, (n,), with friction slide (collective)."""
@@ -123,7 +123,9 @@ class FrictionalProblem(PlasticProblem):
         return np.asarray(self.excess * (slides / self.tau)[:, None])
 
     def _friction(self, y: PETSc.Vec, pressure: Array) -> None:
-        """Tangential tractions (n, k) and their derivatives at the free unknowns y."""
+        """Tangential tractions (n, k) and their derivatives at the free unknowns y. A point that
+        would slide the other way round than in the last step is linearised as one that sticks.
+        """
         trial = (self.trial_operator * y).array.reshape(self.start_slip.shape)
         trial = trial + self.start_shear - self.tau[:, None] * self.start_slip
         plastic = np.einsum("nkm,nm->nk", self.shear_dyads, self._surface[0].plastic)
@@ -131,6 +133,9 @@ class FrictionalProblem(PlasticProblem):
         rubs = np.where(self.bonded, 0.0, self.coefficient)
         bound = np.where(self.bonded, np.inf, rubs * pressure)
         self.traction, self.derivative, direction, self.slides = projected(trial, bound)
+        turned = (direction * self.direction).sum(axis=1) < 0
+        self.derivative[turned], direction[turned] = np.eye(trial.shape[1]), 0.0
+        self.direction = direction
         self.pull, self.excess = rubs[:, None] * direction, self.traction - trial
 
     def projection(self, active: Mask) -> Array:
