@@ -124,7 +124,8 @@ class FrictionalProblem(PlasticProblem):
 
     def _friction(self, y: PETSc.Vec, pressure: Array) -> None:
         """Tangential tractions (n, k) and their derivatives at the free unknowns y. A point that
-        would slide the other way round than in the last step is linearised as one that sticks.
+        would slide the other way round than in the last step is linearised as one that sticks; not
+        in sections, where many turn at once and this doubles the steps.
         """
         trial = (self.trial_operator * y).array.reshape(self.start_slip.shape)
         trial = trial + self.start_shear - self.tau[:, None] * self.start_slip
@@ -133,7 +134,7 @@ class FrictionalProblem(PlasticProblem):
         rubs = np.where(self.bonded, 0.0, self.coefficient)
         bound = np.where(self.bonded, np.inf, rubs * pressure)
         self.traction, self.derivative, direction, self.slides = projected(trial, bound)
-        turned = (direction * self.direction).sum(axis=1) < 0
+        turned = (trial.shape[1] > 1) & ((direction * self.direction).sum(axis=1) < 0)
         self.derivative[turned], direction[turned] = np.eye(trial.shape[1]), 0.0
         self.direction = direction
         self.pull, self.excess = rubs[:, None] * direction, self.traction - trial
