@@ -30,6 +30,7 @@ from railhead.scene import catalogue
 from railhead.scene.scene import SceneError
 from railhead.sweeps import worker_pool
 
+HOSTS = "127.0.0.1", "localhost"
 HEARTBEAT = 10.0  # s: a page that does not answer so long is gone
 WORKERS = 2  # one for half-spaces, one for what is beside them
 LARGEST = 2_000_000  # bytes of a profile file
@@ -105,7 +106,7 @@ class Page:
             text = f"has {asked['size']} bytes; give a profile of at most {LARGEST}"
             raise SceneError("upload", text)
         self.files += 1
-        name = re.sub(r"[^\w.-]", "_", Path(asked["name"]).name).lstrip(".")[-80:]
+        name = re.sub(r"[^\w.-]", "_", Path(asked["name"]).name).lstrip(".")[-60:]
         path = self.folder / f"file{self.files}" / (name or "profile")
         path.parent.mkdir()
         path.write_bytes(content)
@@ -176,9 +177,13 @@ def application(case: str, token: str, root: Path) -> web.Application:
     async def with_token(
         request: web.Request, handler: Callable[[web.Request], Awaitable[web.StreamResponse]]
     ) -> web.StreamResponse:
-        """The answer of `handler`; 403 without the token."""
-        if not hmac.compare_digest(request.path.split("/")[1].encode(), token.encode()):
+        """The answer of `handler`; 403 without the token, and for the page of another site."""
+        first = request.path.strip("/").partition("/")[0]
+        if not hmac.compare_digest(first.encode(), token.encode()):
             raise web.HTTPForbidden(text="railhead: the address has a wrong token\n")
+        origin = request.headers.get("Origin", f"http://{request.host}")
+        if request.url.host not in HOSTS or origin != f"http://{request.host}":
+            raise web.HTTPForbidden(text=f"railhead: give an address of {' or '.join(HOSTS)}\n")
         return await handler(request)
 
     async def page(_: web.Request) -> web.FileResponse:
@@ -221,15 +226,25 @@ async def _close(app: web.Application) -> None:
         await each.close()
 
 
+def _anywhere(case: str) -> str:
+    """A case as the command finds it from every folder: its name, or the absolute path of its file,
+    which is the scene of a folder. Raises SceneError for a folder without one.
+    """
+    path = Path(case)
+    if case in catalogue.shipped() or not path.exists():
+        return case
+    if path.is_dir() and not (path := path / result_folder.SCENE).exists():
+        raise SceneError("case", f"{case!r} has no {result_folder.SCENE}; give the folder of a run")
+    return str(path.resolve())
+
+
 def serve(case: str, port: int, *, opened: bool) -> None:
     """Serve the page of a case until Ctrl-C, and print its address.
     case: as of `railhead run`, or the folder of a result. port: 0: one that is free.
     opened: whether a browser is opened, where there is a display.
     Raises SceneError for an unknown case and a port that cannot be used.
     """
-    if Path(case).is_dir():
-        case = str(Path(case) / result_folder.SCENE)
-    catalogue.find(case)
+    catalogue.find(case := _anywhere(case))
     try:
         listening = socket.create_server(("127.0.0.1", port))
     except OSError as error:

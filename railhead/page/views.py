@@ -58,9 +58,8 @@ ON_TRACK = (
     Slider("yaw", "wheelset.yaw", "Yaw", "mrad", 1e-3, -20, 20, 0.5),
     Slider("roll", "wheelset.roll", "Roll (empty: it follows)", "mrad", 1e-3, -10, 10, 0.1),
 )
-
-
 POSITION = Slider("position", "rail.position", "Position of the axle", "mm", 1.0, 0, 0, 0.5)
+SLIDERS = (POSITION, *ON_TRACK, LOAD)
 
 
 def scene_of(case: str, values: Values) -> Scene:
@@ -78,23 +77,41 @@ def controls(case: str, values: Values) -> dict[str, Any]:
     the texts of its own values, and its choices by key, its own first.
     """
     scene = scene_of(case, values)
-    kind, sliders = _kind(scene), [*ON_TRACK, LOAD]
+    kind, sliders = _kind(scene), _sliders(scene)
     choices: dict[str, list[str]] = {
         "rail.profile": [scene.rail.profile, *profiles.STANDARD_RAILS],
         "wheel.profile": [scene.wheel.profile, *WHEELS],
         "wheelset.side": [scene.wheelset.side, "right", "left"],
     }
-    if kind == "half-space":
-        sliders, choices = [LOAD], {}
-    elif kind == "sections":
-        x = np.concatenate([head.x for head in crossing.heads(scene).values()])
-        sliders, choices = [POSITION._replace(low=x.min(), high=x.max()), *sliders], {}
+    if kind != "track":
+        choices = {}
     return {
         "name": scene.name,
         "kind": kind,
         "sliders": [each._asdict() | {"text": _text(scene, each)} for each in sliders],
         "choices": {key: list(dict.fromkeys(each)) for key, each in choices.items()},
     }
+
+
+def _sliders(scene: Scene) -> list[Slider]:
+    """Sliders that move a scene, wide enough for its own values."""
+    sliders = [*ON_TRACK, LOAD]
+    if scene.rail.sections:
+        x = np.concatenate([head.x for head in crossing.heads(scene).values()])
+        sliders = [POSITION._replace(low=x.min(), high=x.max()), *sliders]
+    elif scene.rail.extent == "half-space":
+        sliders = [LOAD]
+    values = [(each, _number(scene, each)) for each in sliders]
+    return [
+        each if at is None else each._replace(low=min(each.low, at), high=max(each.high, at))
+        for each, at in values
+    ]
+
+
+def _number(scene: Scene, slider: Slider) -> float | None:
+    """The value of a slider in a scene, in its unit; None where there is none."""
+    value = scene.value(slider.key)
+    return value / slider.factor if isinstance(value, float) else None
 
 
 def _kind(scene: Scene) -> str:
@@ -106,19 +123,20 @@ def _kind(scene: Scene) -> str:
 
 def _text(scene: Scene, slider: Slider) -> str:
     """The value of a slider in a scene, with its unit; empty where there is none."""
-    value = scene.value(slider.key)
-    return f"{value / slider.factor:.12g} {slider.unit}" if isinstance(value, float) else ""
+    value = _number(scene, slider)
+    return "" if value is None else f"{value:.12g} {slider.unit}"
 
 
 def described(case: str, values: Values) -> dict[str, Any]:
-    """The scene as TOML, the command that gives its answer by half-spaces, and questions about its
-    units.
+    """The scene as TOML, the command that gives its answer by half-spaces, questions about its
+    units, and where its sliders stand, by id and in their units.
     """
     scene = scene_of(case, values)
     return {
         "scene": tomli_w.dumps(scene.model_dump(exclude_none=True, exclude_defaults=True)),
         "command": shlex.join(["railhead", *arguments(case, values), "--fast"]),
         "questions": " ".join(unit_questions(scene)),
+        "stand": {each.id: _number(scene, each) for each in SLIDERS},
     }
 
 
@@ -219,6 +237,7 @@ def half_spaces(case: str, values: Values) -> dict[str, Any]:
         "estimates": summary["accuracy"]["bound"],
         "sentence": terminal.yields(result),
         "failed": failed.export_text(),
+        "position": scene.rail.position,
         "pressure": _pressure(found.surface) if result else None,
     }
 

@@ -17,6 +17,7 @@ from selenium.webdriver.support.ui import WebDriverWait
 
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 FLAGS = "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"
+CONTROLS = "input, select, textarea, button, pre[tabindex], .plot"
 ROOT = Path(__file__).parents[4]
 pytestmark = [
     pytest.mark.system,
@@ -111,6 +112,15 @@ def test_wrong_input_marks_its_field(browser, tmp_path) -> None:
         assert shown.script(f"return {marked}") == ["load-text"]
         shown.put("load-text", "20 kN")
         shown.until("!at('error').textContent")
+        shown.put("more", "wheel.profile=none\nload=0")  # the radii do not depend on the load
+        shown.until("errors.radii && errors.rigid")
+        shown.put("more", "wheel.profile=none\nload=10")
+        shown.until("!at('error').textContent")
+        shown.put("more", "")
+        shown.put("roll-text", "2 mrad")
+        shown.until("at('command').textContent.includes('roll')")
+        shown.put("roll-text", "")  # none is set
+        shown.until("!at('command').textContent.includes('roll')")
         (tmp_path / "bad.csv").write_text("nothing\n")
         browser.find_element("id", "upload").send_keys(str(tmp_path / "bad.csv"))
         shown.until("at('error').textContent.includes('bad.csv')")
@@ -164,6 +174,6 @@ def test_the_layout_fits_and_every_control_has_a_name(browser, tmp_path, width: 
         shown.answered()
         shown.until("at('plan').textContent && at('jumps').textContent && !jobs.plan.busy")
         assert shown.script("return document.documentElement.scrollWidth <= innerWidth")
-        for each in browser.find_elements("css selector", "input, select, textarea, button"):
+        for each in browser.find_elements("css selector", CONTROLS):
             assert not each.is_displayed() or each.accessible_name, each.get_attribute("id")
         browser.save_screenshot(str(tmp_path / f"{width}.png"))

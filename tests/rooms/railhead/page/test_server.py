@@ -18,6 +18,7 @@ from aiohttp.test_utils import TestClient, TestServer
 
 from railhead.cli import commands
 from railhead.page import server
+from railhead.scene.scene import SceneError
 
 TOKEN, ROOT = "a-token", Path(__file__).parents[4]
 
@@ -74,6 +75,42 @@ def test_without_the_token_the_answer_is_403(tmp_path, path: str) -> None:
             return [(await client.get(each)).status for each in (path, f"/{TOKEN}/")]
 
     assert asyncio.run(statuses()) == [403, 200]
+
+
+@pytest.mark.parametrize(
+    "header", [{"Host": "rebound.example"}, {"Origin": "http://other.example"}]
+)
+def test_a_page_of_another_site_gets_403_with_the_token_too(tmp_path, header: dict) -> None:
+    async def tried() -> int:
+        async with serving(tmp_path) as client:
+            with pytest.raises(WSServerHandshakeError, match="403"):
+                await client.ws_connect(f"/{TOKEN}/socket", headers=header)
+            return (await client.get(f"/{TOKEN}/", headers=header)).status
+
+    assert asyncio.run(tried()) == 403
+
+
+def test_the_command_names_a_scene_so_that_every_folder_finds_it(tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "kept").mkdir()
+    (tmp_path / "kept" / "scene.toml").write_text("load = 4000.0\n")
+    served: list[str] = []
+    monkeypatch.setattr(server, "application", lambda case, *_: served.append(case))
+    monkeypatch.setattr(server.web, "run_app", lambda *_, sock, **__: sock.close())
+    for case in ("kept", "s1002_60e1"):
+        server.serve(case, 0, opened=False)
+    assert served == [str(tmp_path / "kept" / "scene.toml"), "s1002_60e1"]
+    (tmp_path / "sweep").mkdir()
+    with pytest.raises(SceneError, match="case: 'sweep' has no scene.toml; give the folder of a"):
+        server.serve("sweep", 0, opened=False)
+
+
+def test_sliders_reach_the_values_of_their_scene_and_stand_where_units_say(tmp_path) -> None:
+    sliders = asked(tmp_path, "controls", load="300 kN")["data"]["sliders"]
+    assert {each["id"]: each["high"] for each in sliders}["load"] == 300.0
+    values = {"load": "20000 N", "wheelset.shift": "0.3 cm"}
+    stand = asked(tmp_path, "described", **values)["data"]["stand"]
+    assert stand == {"position": 0.0, "shift": 3.0, "yaw": 0.0, "roll": None, "load": 20.0}
 
 
 def test_numbers_are_those_of_the_command_that_is_shown(tmp_path, capsys) -> None:
