@@ -41,7 +41,8 @@ USFD: Pairs = ((55.0 / 5.3, 55.0), (77.2, 55.0), (78.2, 116.9))
 #: takes them off. Burstow's whole-life rail model, from memory; others begin at 20 N.
 DAMAGE: Pairs = ((15.0, 0.0), (65.0, 1e-5), (175.0, 0.0))
 FIRST, DEEPEST = 0.25, 0.02  # largest share, and depth in mm, of the first step
-SHORT, SHORTEST, GROWTH = 2e-3, 1e-5, 3.0  # shares of steps (`march_freely`); largest growth
+SHORT, SHORTEST = 0.1, 1e-3  # least steps: of what is done before, and where none is found
+GROWTH = 3.0  # largest, from one step to the next
 
 
 @dataclass(frozen=True)
@@ -165,8 +166,8 @@ def march(advance: Advance, start: Stage, ends: Sequence[float]) -> Iterator[Sta
 
 def march_freely(advance: Advance, start: Stage, largest: float) -> Iterator[Stage]:
     """Worn depth as of `march` after steps that are chosen: the change of each is about `largest`,
-    and no more than twice that unless it is as short as SHORT. A step in which `advance` raises
-    ValueError is made shorter; from SHORTEST on it is raised.
+    and no more than twice that, but a step is at least SHORT of what is done before. A step in
+    which `advance` raises ValueError is made shorter; from SHORTEST on it is raised.
     """
     stage = start
     while stage.done < 1.0:
@@ -180,7 +181,7 @@ def march_freely(advance: Advance, start: Stage, largest: float) -> Iterator[Sta
             stage = replace(stage, share=share / GROWTH)
             continue
         factor = min(max(largest / max(change, 1e-9), 1 / GROWTH), GROWTH)
-        following = max(share * factor, SHORT)
+        following = max(share * factor, SHORT * stage.done)
         if change > 2 * largest and following < share:
             stage = replace(stage, share=following)
             continue

@@ -29,6 +29,7 @@ from railhead.theory.array_types import Array
 ROW_STEP = 0.1  # mm between the rows of tables
 AMPLITUDE, REACH = 3.0, 8.0  # mm: of the equivalent conicity, and of the shifts it is read from
 VOLUME = 0.02  # relative: of the worn area, by the passages between two steps
+LEAST = 0.003  # relative error that is always expected
 FACTOR = 2.0  # of the change from the coarse run to the main one, an error
 CORNER = 0.05  # relative error of a pressure that only the edge of a groove explains
 USEFUL = 0.25  # largest relative error of a pressure that says something
@@ -412,9 +413,11 @@ def _fields(run: Run) -> Fields:
     }
 
 
-def _error(main: Any, coarse: Any) -> Any:
-    """Error of a number or an array of the main run, from that of the coarse run."""
-    return FACTOR * abs(main - coarse)
+def _error(main: Any, coarse: Any, least: float = LEAST) -> Any:
+    """Error of a number or an array of the main run, from that of the coarse run. Errors of steps
+    and of grids may cancel each other in the difference: it is at least a part of the number.
+    """
+    return np.hypot(FACTOR * (main - coarse), least * main)
 
 
 def _estimated(row: Row, coarse: Row | None = None) -> Row:
@@ -425,7 +428,8 @@ def _estimated(row: Row, coarse: Row | None = None) -> Row:
     for key in [key for key in row if key not in GIVEN]:
         value, other = row[key], (coarse or {}).get(key)
         known = value is not None and other is not None
-        found[f"{key} estimate"] = float(_error(value, other)) if known else None
+        least = 0.0 if key == "flange_thickness_mm" else LEAST  # of which wear takes a small part
+        found[f"{key} estimate"] = float(_error(value, other, least)) if known else None
     return found
 
 

@@ -45,7 +45,7 @@ Grid = tuple[int, float]
 """Cells each way, and knots over the smallest half width of a patch."""
 RUNS: dict[str, Grid] = {"coarse": (48, 7.5), "main": (96, 15.0)}
 QUICK = (24, 4.0)  # of the forecast
-CHANGE = 6.0  # of the rate in a step, over the accuracy
+CHANGE = 5.5  # of the rate in a step, over the accuracy
 DEEP = 20.0  # mm, a depth that no wheel or rail has to give
 NOTHING = 1e-5  # mm, a depth that no one measures
 LIGHT, HEAVY = 1e-9, 1e9  # shares that a table may give
