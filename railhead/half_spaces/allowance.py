@@ -22,7 +22,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -30,15 +29,15 @@ from scipy.linalg import block_diag
 from railhead.contact import closed_forms, placed_bodies
 from railhead.contact.solid import Contact
 from railhead.geometry import profiles
-from railhead.half_spaces.heads import APART, Heads
+from railhead.half_spaces.heads import APART
 from railhead.half_spaces.pressing import HalfSpacePair
-from railhead.half_spaces.surface import Developed, Span
+from railhead.half_spaces.surface import Span
 from railhead.meshing.bodies import BODY_NAMES, RAIL, WHEEL
 from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.theory.array_types import Array
+from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.elastic import halfspace
-from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.line import Hertz
 
 MEASURED = json.loads((Path(__file__).parent / "data" / "twist.json").read_text(encoding="utf-8"))
@@ -57,19 +56,18 @@ Allowance = dict[str, float]
 
 
 def added_stress(
-    pair: HalfSpacePair, deformable: Sequence[int], solved: BoundaryElementSolution | Ellipse
+    pair: HalfSpacePair, deformable: Sequence[int], solved: BoundaryElementSolution
 ) -> float:
     """Stress, MPa, that held and free faces of the bodies add under a patch of force F: F/(2 pi
     H^2) of a face held at the depth H, half of that of an edge at the distance H, as
     Boussinesq's stresses fall. The face that adds most counts. Arguments: as in `allowance`.
     """
-    spans = [(span, _bodies(pair, deformable, span)) for span in pair.facing.spans]
     return max(
         patch.force / (2 * math.pi * square)
-        for span, around in spans
-        for patch in _patches(pair.facing, solved, span)
-        for body in around
-        for square in (body.depth**2, *(2 * (end - patch.s) ** 2 for end in body.ends))
+        for span in pair.facing.spans
+        for patch in _patches(solved, span)
+        for body in _bodies(pair, deformable, span)
+        for square in (body.depth**2, *(2 * (end - patch.centroid[1]) ** 2 for end in body.ends))
     )
 
 
@@ -109,31 +107,10 @@ class _Body:
         return np.asarray(self.weight * (edges + below))
 
 
-class _Patch(NamedTuple):
-    """A patch of half-spaces on the developed surface of the rail.
-
-    pressure: largest one, MPa.
-    force: N.
-    area: mm2.
-    s: of its centre, mm.
-    place: of its centre in space, mm.
-    half_extents: along the rail and across it, mm.
-    normals: range of the angles of the rail's normals in it, largest less smallest, rad.
-    """
-
-    pressure: float
-    force: float
-    area: float
-    s: float
-    place: Array
-    half_extents: tuple[float, float]
-    normals: float
-
-
 def allowance(
     pair: HalfSpacePair,
     deformable: Sequence[int],
-    solved: BoundaryElementSolution | Ellipse,
+    solved: BoundaryElementSolution,
     twist: float,
 ) -> dict[str, Allowance]:
     """Allowed relative differences by "max_MPa" and "area_mm2", of a solid contact of profiles.
@@ -142,18 +119,17 @@ def allowance(
 
     pair: of a solid contact that is none of half-spaces.
     deformable: tags of the bodies that deform.
-    solved: the contact between half-spaces, by boundary elements or exact Hertz.
+    solved: the contact between half-spaces.
     twist: relative change of pressure and area by the rotation and the movement of the bodies,
         which is taken over as a part.
     """
     spans = [
-        (_patches(pair.facing, solved, span), _bodies(pair, deformable, span))
-        for span in pair.facing.spans
+        (_patches(solved, span), _bodies(pair, deformable, span)) for span in pair.facing.spans
     ]
     patches = [each for patches, _ in spans for each in patches]
     if not patches:
         return {}
-    forces = np.zeros(1) if len(patches) == 1 else _force_changes(spans)
+    forces = np.zeros(1) if len(patches) == 1 else _force_changes(pair, spans)
     changes = [
         {
             "size": _size(patch, around),
@@ -168,7 +144,7 @@ def allowance(
         (patch, {**parts, "share": float(force) / 3})
         for patch, parts, force in zip(patches, changes, forces, strict=True)
     ]
-    _, top = max(found, key=lambda each: each[0].pressure * (1 + sum(each[1].values())))
+    _, top = max(found, key=lambda each: each[0].max_pressure * (1 + sum(each[1].values())))
     areas = [patch.area for patch, _ in found]
     mean = {
         name: float(np.average([parts[name] for _, parts in found], weights=areas)) for name in top
@@ -177,29 +153,12 @@ def allowance(
     return {key: {**parts, "total": sum(parts.values())} for key, parts in allowed.items()}
 
 
-def _patches(
-    surface: Developed | Heads, solved: BoundaryElementSolution | Ellipse, span: Span
-) -> list[_Patch]:
+def _patches(solved: BoundaryElementSolution, span: Span) -> list[PatchSolution]:
     """The patches of a half-space solution on a body but those with at most 0.2 % (SMALLEST) of the
-    force, or Hertz's patch at s = 0; their s are counted from the body's first contact.
+    force.
     """
-    if isinstance(solved, Ellipse):
-        if span.touch != surface.contact.touch:
-            return []
-        ends = surface.angle(span.middle + np.array([-solved.b, solved.b]))
-        half = solved.a, solved.b
-        angles, place = float(np.ptp(ends)), np.zeros(3)
-        return [_Patch(solved.p0, solved.load, solved.area, 0.0, place, half, angles)]
     return [
-        _Patch(
-            each.max_pressure,
-            each.force,
-            each.area,
-            each.centroid[1] - span.middle,
-            surface.points(*np.atleast_2d(each.centroid).T)[0],
-            each.half_extents,
-            float(np.ptp(each.angle[each.pressure.any(axis=0)])),
-        )
+        each
         for each in solved.patches
         if each.force > SMALLEST * solved.force and abs(each.centroid[1] - span.middle) < APART / 2
     ]
@@ -207,8 +166,8 @@ def _patches(
 
 def _bodies(pair: HalfSpacePair, deformable: Sequence[int], span: Span) -> list[_Body]:
     """The deformable bodies of a contact, by their tags, with the places of their free edges on the
-    developed surface of the rail, from the first contact of this part of it. The head of a standard
-    rail ends on its straight sides (SIDE), below the profile.
+    developed surface of the rail. The head of a standard rail ends on its straight sides (SIDE),
+    below the profile.
     """
     contact, touch = pair.contact, span.touch
     scene = contact.scene
@@ -219,24 +178,25 @@ def _bodies(pair: HalfSpacePair, deformable: Sequence[int], span: Span) -> list[
         weight = modulus / closed_forms.plane_strain_modulus(scene, tag)
         if tag == RAIL:
             side = SIDE * profiles.head_side(scene.rail.profile)
-            ends = span.ends[0] - side, span.ends[1] + side
+            low, high = span.ends[0] - side, span.ends[1] + side
         else:
-            low, high = contact.profiles["wheel"][0].domain
             half = (scene.wheel.width or math.inf) / 2
-            ends = max(low - touch.wheel_y, -half), min(high - touch.wheel_y, half)
+            tread = np.array(contact.profiles["wheel"][0].domain) - touch.wheel_y
+            low, high = np.clip(tread, -half, half)
+        ends = span.middle + low, span.middle + high
         found.append(_Body(tag == WHEEL, weight, part.poisson_ratio, depth, ends))
     return found
 
 
-def _size(patch: _Patch, around: list[_Body]) -> float:
+def _size(patch: PatchSolution, around: list[_Body]) -> float:
     """Relative change of the largest pressure of a patch, as `halfspace.pressure_rise`, by held
     and free faces of the bodies, whose curvatures add up.
     """
-    curvature = sum(body.curvature(patch.s) for body in around)
+    curvature = sum(body.curvature(patch.centroid[1]) for body in around)
     return halfspace.pressure_rise(curvature, *patch.half_extents)
 
 
-def _conformity(patch: _Patch, contact_modulus: float) -> float:
+def _conformity(patch: PatchSolution, contact_modulus: float) -> float:
     """Sum of 1 - cos of three slopes: half the range of the normals in a patch, and the slopes of
     the gap at its ends along and across, by Hertz's pressure on the half lengths of the patch and
     its force. contact_modulus: E*, MPa.
@@ -244,10 +204,13 @@ def _conformity(patch: _Patch, contact_modulus: float) -> float:
     a, b = patch.half_extents
     unit = patch.force / (math.pi * contact_modulus)
     along, across = (unit * each for each in halfspace.own_curvatures(a, b))
-    return sum(1 - math.cos(slope) for slope in (patch.normals / 2, a * along, b * across))
+    normals = np.ptp(patch.angle[patch.pressure.any(axis=0)])
+    return sum(1 - math.cos(slope) for slope in (normals / 2, a * along, b * across))
 
 
-def _force_changes(spans: Sequence[tuple[list[_Patch], list[_Body]]]) -> Array:
+def _force_changes(
+    pair: HalfSpacePair, spans: Sequence[tuple[list[PatchSolution], list[_Body]]]
+) -> Array:
     """Magnitude (n,) of the relative change of the force on each of n patches by held and free
     faces, the sum of forces being fixed. A force changes by 3/2 of the relative change of its
     patch's compression.
@@ -255,9 +218,10 @@ def _force_changes(spans: Sequence[tuple[list[_Patch], list[_Body]]]) -> Array:
         through the wheel alone, as on a half-space.
     """
     patches = [each for patches, _ in spans for each in patches]
-    force, places = (np.array([getattr(p, name) for p in patches]) for name in ("force", "place"))
+    force = np.array([each.force for each in patches])
+    places = pair.facing.points(*np.transpose([each.centroid for each in patches]))
     own = [
-        sum(body.influence(np.array([each.s for each in patches])) for body in around)
+        sum(body.influence(np.array([each.centroid[1] for each in patches])) for body in around)
         for patches, around in spans
         if patches
     ]

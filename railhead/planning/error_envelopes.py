@@ -30,7 +30,6 @@ from railhead.contact import closed_forms, crossing, solid
 from railhead.contact.crossing import Crossing, HeadContact
 from railhead.half_spaces.pressing import HalfSpacePair
 from railhead.planning.context import Context
-from railhead.postprocess.findings import FLAT
 from railhead.scene.scene import Scene
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.elastic import hertz
@@ -49,14 +48,6 @@ USUAL = {"half-spaces": "ellipse", "bodies": "soft bodies"}
 """Family of solids by shape (`Plan.setting`), with quadratic tetrahedra and the default law, of all
 materials."""
 LAWS = Path(__file__).with_name("data") / "laws.json"
-
-
-def drop_beside_maximum(beside: float) -> float:
-    """Relative drop of a quantity beside its maximum, which is taken for a parabola.
-    beside: distance from the maximum over the half range in which the quantity stays within 1 %
-        (FLAT) of the maximum.
-    """
-    return FLAT * beside**2
 
 
 @dataclass(frozen=True)

@@ -21,16 +21,11 @@ from railhead.contact.solid import measured_bodies
 from railhead.half_spaces.pressing import FINE
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.planning import effects
-from railhead.planning.error_envelopes import RANGE
+from railhead.planning.error_envelopes import PLACES, RANGE
 from railhead.planning.forecast import LINEAR_REFINEMENT
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.findings import Frame
-from railhead.run.estimates import (
-    Estimate,
-    largest_bound,
-    largest_error,
-    resolved_values,
-)
+from railhead.run.estimates import largest_bound, largest_error, resolved_values
 from railhead.run.half_spaces.answer import HalfSpaceSolution, Solved
 from railhead.run.mesh_solution import MeshSolution
 from railhead.scene.bodies import STEEL_MODULI
@@ -104,7 +99,7 @@ def deviation(value: float, target: float) -> float:
 
 def run(
     solved: MeshSolution,
-    estimates: Mapping[str, Estimate],
+    estimates: Mapping[str, float],
     second: Mapping[str, Any],
     *,
     reached: bool | None,
@@ -124,9 +119,8 @@ def run(
         checks += physics(solved)
         checks += second_method(elastic, estimates, second)
     if solved.result is not None:
-        bound = {key: each.value_error for key, each in estimates.items()}
         unread = solved.result.get("friction", {}).get("below_resolution", ())
-        read = {key: bound[key] for key in bound.keys() - {*unread}}
+        read = {key: estimates[key] for key in estimates.keys() - {*unread, *PLACES}}
         checks += useful(solved.plan, read, FINER if solved.plan.scene.accuracy is None else MORE)
     if reached is not None:
         error, wanted = largest_error(estimates, solved), float(solved.plan.scene.accuracy or 0.0)
@@ -144,7 +138,7 @@ def run(
 
 def friction(
     solved: MeshSolution,
-    estimates: Mapping[str, Estimate],
+    estimates: Mapping[str, float],
     second: Mapping[str, Mapping[str, Any]] | None,
 ) -> list[Check]:
     """Checks of a solution with friction; empty without friction, and where nothing touches.
@@ -493,7 +487,7 @@ def half_spaces(solved: HalfSpaceSolution, bound: dict[str, float]) -> Iterator[
 
 
 def second_method(
-    solved: MeshSolution, estimates: Mapping[str, Estimate], second: Mapping[str, Any]
+    solved: MeshSolution, estimates: Mapping[str, float], second: Mapping[str, Any]
 ) -> Iterator[Check]:
     """Checks of the compared quantities of an elastic, frictionless solution against another
     method, within the errors of both and the allowance. second: quantities of the other method,
@@ -508,7 +502,7 @@ def second_method(
             continue
         if second["allowance"] and key not in second["allowance"]:
             continue  # nobody has computed what the method leaves out of it
-        mine = ESTIMATE_FACTOR * estimates[key].total if key in estimates else DEFAULT_TOLERANCE
+        mine = ESTIMATE_FACTOR * estimates[key] if key in estimates else DEFAULT_TOLERANCE
         allowance = second["allowance"].get(key, {}).get("total", 0.0)
         allowance += second.get("grid_error", {}).get(key, 0.0)
         yield Check(
@@ -545,7 +539,7 @@ def tangential_flux(solved: MeshSolution) -> Iterator[Check]:
 
 
 def forces(
-    solved: MeshSolution, estimates: Mapping[str, Estimate], other: Mapping[str, Any]
+    solved: MeshSolution, estimates: Mapping[str, float], other: Mapping[str, Any]
 ) -> Iterator[Check]:
     """Check of the tangential forces of the wheel on the rail in rolling against half-spaces, over
     mu N; none of a shift, and where the other method has no forces. other: quantities of one
@@ -559,7 +553,7 @@ def forces(
     force = dict(zip(("force_along_N", "force_across_N"), found.force, strict=True))
     tolerance = DEFAULT_TOLERANCE
     if still := solved.result.get("friction", {}).get("without_creepage"):
-        estimated = [ESTIMATE_FACTOR * estimates[key].total for key in force if key in estimates]
+        estimated = [ESTIMATE_FACTOR * estimates[key] for key in force if key in estimates]
         tolerance *= math.hypot(*found.force) / found.friction_limit
         tolerance = max(estimated, default=tolerance)
         unresolved = math.hypot(*(still[key] for key in force)) / found.friction_limit

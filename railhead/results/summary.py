@@ -33,7 +33,8 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
     """
     solved = levels[-1]
     plan, newton = solved.plan, solved.solution.newton
-    known, source = estimates.estimate(levels)
+    parts, source = estimates.estimate(levels)
+    known = estimates.totals(parts)
     unresolved = (solved.result or {}).get("friction", {}).get("below_resolution", [])
     reached = None
     if plan.scene.accuracy is not None and solved.result is not None:
@@ -64,13 +65,13 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
         half_space_friction=rubbed,
         accuracy={
             "asked": plan.scene.accuracy,
-            "bound": {name: each.total for name, each in known.items() if name not in unresolved}
+            "bound": {name: each for name, each in known.items() if name not in unresolved}
             | _first_yield_error(solved),
             "reached": reached,
             "reason": ending.reason,
             "would_cost": cost and {"unknowns": cost[0], "seconds": cost[1]},
             "source": source,
-            "parts": {name: each.parts for name, each in known.items()},
+            "parts": parts,
             "levels": [_trace(each) for each in levels],
         },
         checks={
@@ -98,11 +99,8 @@ def summarise_half_spaces(solved: HalfSpaceSolution) -> dict[str, Any]:
     is compared with a second method.
     """
     unresolved = (solved.result or {}).get("friction", {}).get("below_resolution", [])
-    bound = {
-        key: sum(parts.values())
-        for key, parts in solved.error_parts.items()
-        if key not in unresolved
-    }
+    known = estimates.totals(solved.error_parts)
+    bound = {key: each for key, each in known.items() if key not in unresolved}
     asked, reached = solved.plan.scene.accuracy, None
     if asked is not None and solved.result is not None:
         reached = estimates.largest_bound(bound) <= asked

@@ -21,10 +21,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence, Set
-from dataclasses import dataclass
 from typing import Any
 
-from railhead.planning.error_envelopes import PLACES, STEP, Family, drop_beside_maximum
+from railhead.planning.error_envelopes import PLACES, STEP, Family
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.findings import RIVAL, Findings
 from railhead.postprocess.friction import MOTION, RISE
@@ -47,43 +46,25 @@ ALWAYS = "mesh", "reading", "contact_law", "left_out", "geometry", "algebraic"
 NARROWEST_PEAK = 0.02  # least width of a maximum of the shear stress, over the element size
 
 
-@dataclass(frozen=True)
-class Estimate:
-    """Relative error of one quantity.
-
-    parts: by name, parts that add up (see above); those that are not in `ALWAYS` only where they
-        are not zero.
-    flatness: where the quantity is the depth of a maximum, half the range of depths in which values
-        are close to that maximum, over its depth; None for other quantities.
-    """
-
-    parts: Mapping[str, float]
-    flatness: float | None = None
-
-    @property
-    def total(self) -> float:
-        """Sum of all parts."""
-        return sum(self.parts.values())
-
-    @property
-    def value_error(self) -> float:
-        """Error that tells whether a number is of use: the total; for the place of a maximum, the
-        relative loss of the quantity at the misplaced maximum, without the reading error.
-        """
-        if self.flatness is None:
-            return self.total
-        return drop_beside_maximum((self.total - self.parts["reading"]) / self.flatness)
+Parts = dict[str, dict[str, float]]
+"""Relative error of quantities by their keys in summary.json, in parts that add up (see above).
+Those that are not in `ALWAYS` are there only where they are not zero."""
 
 
-def largest_error(estimated: Mapping[str, Estimate], solved: MeshSolution) -> float:
-    """Largest total of the estimates by key, places left out, which is compared with a wanted
+def totals(parts: Parts) -> dict[str, float]:
+    """Relative errors by key: the sums of their parts."""
+    return {key: sum(each.values()) for key, each in parts.items()}
+
+
+def largest_error(bound: Mapping[str, float], solved: MeshSolution) -> float:
+    """Largest of the estimates by key, places left out, which is compared with a wanted
     accuracy; infinite off rank 0, where nothing touches, and where a quantity that the mesh
     resolves has no estimate.
     """
     wanted = set() if solved.result is None else resolved_values(solved).keys() - {*PLACES}
-    if not wanted or not wanted <= estimated.keys():
+    if not wanted or not wanted <= bound.keys():
         return math.inf
-    return max(estimated[key].total for key in wanted)
+    return max(bound[key] for key in wanted)
 
 
 def largest_bound(bound: Mapping[str, float]) -> float:
@@ -305,7 +286,7 @@ def _of_rigid_bodies(solved: MeshSolution) -> set[str]:
     return {key for key in keys if stress.get(key.replace("_MPa", "_body")) in solved.plan.rigid}
 
 
-def estimate(meshes: Sequence[MeshSolution]) -> tuple[dict[str, Estimate], str]:
+def estimate(meshes: Sequence[MeshSolution]) -> tuple[Parts, str]:
     """Error estimates of the last of a scene's meshes by key, and the source of their mesh parts in
     words (rank 0; empty elsewhere). meshes: coarsest first.
 
@@ -355,10 +336,8 @@ def estimate(meshes: Sequence[MeshSolution]) -> tuple[dict[str, Estimate], str]:
             before = errors.get(name, dict.fromkeys(ALWAYS, 0.0))
             errors[name] = {**before, "mesh": max(mesh, before["mesh"]), "grid": grid}
     estimates = {
-        name: Estimate(
-            {part: value for part, value in each.items() if value or part in ALWAYS},
-            scale.get(name),
-        )
+        name: {part: value for part, value in each.items() if value or part in ALWAYS}
         for name, each in errors.items()
+        if math.isfinite(sum(each.values()))
     }
-    return {name: each for name, each in estimates.items() if math.isfinite(each.total)}, source
+    return estimates, source

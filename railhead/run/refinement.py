@@ -60,7 +60,8 @@ def refine(
     spent = sum(meshes[0].seconds.values())
     while True:
         done = meshes[-1]
-        worst = comm.bcast(estimates.largest_error(estimates.estimate(meshes)[0], done))
+        known, _ = estimates.estimate(meshes)
+        worst = comm.bcast(estimates.largest_error(estimates.totals(known), done))
         if not done.solution.newton.converged:
             return meshes, Ending("Newton's method did not converge")
         if scene.accuracy is not None and worst <= scene.accuracy:

@@ -26,7 +26,6 @@ from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.postprocess.findings import Findings
 from railhead.scene.scene import SceneError
 from railhead.scene.sections import refuse_first
-from railhead.theory.elastic.line import LineContact
 
 SECTION = "half-spaces know no section of bodies that end"
 APPROACH = "the approach of bodies that end depends on where they are held; with a load they answer"
@@ -137,14 +136,11 @@ def decide_finite_bodies(context: Context) -> Effect:
 
 def half_space_errors(context: Context) -> dict[str, Allowance]:
     """Differences between half-spaces and finite bodies by "max_MPa" and "area_mm2", relative,
-    before anything is meshed: of exact Hertz where it gives the patch, else of boundary elements.
-    For solids that end only. Raises ValueError where boundary elements find no closed patch, also
-    after the twist of the rail.
+    before anything is meshed, by boundary elements. For solids that end only. Raises ValueError
+    where these find no closed patch, also after the twist of the rail.
     """
     tags = [tag for tag, name in BODY_NAMES.items() if context.decided[f"deformable_{name}"].on]
-    solved = context.hertz if context.hertzian else context.boundary_elements
-    assert not isinstance(solved, LineContact)
-    return allowance(context.half_spaces, tags, solved, context.twist_change)
+    return allowance(context.half_spaces, tags, context.boundary_elements, context.twist_change)
 
 
 def decide_rail_section(context: Context) -> Effect:

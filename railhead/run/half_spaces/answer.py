@@ -26,7 +26,7 @@ from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.findings import Findings
 from railhead.postprocess.pass_rows import Passes
 from railhead.postprocess.patch import compare, half_space
-from railhead.run.estimates import friction_errors
+from railhead.run.estimates import Parts, friction_errors
 from railhead.run.half_spaces import second_method
 from railhead.run.mesh_solution import MeshSolution, read_friction
 from railhead.run.progress import Progress
@@ -44,9 +44,6 @@ CURVED = 0.3
 # contact is a line, whose pressure stays Hertz's. From 64 to 256 cells 0.5 to 1.6 % were measured.
 COUPLED = {False: 0.05, True: 1.25}
 STRESSES = "tau_max_MPa", "von_mises_max_MPa"
-
-Parts = dict[str, dict[str, float]]
-"""Relative error of quantities by their keys in summary.json, in parts that add up."""
 
 
 @dataclass(frozen=True, kw_only=True)

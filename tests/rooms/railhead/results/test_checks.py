@@ -33,7 +33,7 @@ UNKNOWN = {"reason": "nobody knows"}
 
 
 def failed(mesh_solution: MeshSolution, second=UNKNOWN, reached=None) -> list[str]:
-    known, _ = estimates.estimate([mesh_solution])
+    known = estimates.totals(estimates.estimate([mesh_solution])[0])
     judged = checks.run(mesh_solution, known, second, reached=reached)
     return [check.name for check in judged if not check.passed]
 
@@ -142,7 +142,7 @@ def test_another_second_opinion_fails(mesh_solution, quantity) -> None:
     second = {**exact_quantities(mesh_solution), "allowance": {}}
     tables = {"max_MPa": "pressure"} | dict.fromkeys(("a_mm", "b_mm", "area_mm2"), "patch")
     table = tables.get(quantity, "stress")
-    bound = estimates.estimate([mesh_solution])[0][quantity].total
+    bound = estimates.totals(estimates.estimate([mesh_solution])[0])[quantity]
     for factor, names in ((1 + 0.9 * bound, []), (1 + 3 * bound, [f"second_opinion_{quantity}"])):
         other = {**second, table: {**second[table]}}
         other[table][quantity] = mesh_solution.result[table][quantity] * factor
@@ -162,7 +162,7 @@ def test_what_a_second_opinion_leaves_out_unknown_is_not_compared(mesh_solution)
     """Half-spaces know no approach of bodies that are held."""
     second = {**exact_quantities(mesh_solution), "allowance": {"max_MPa": {"total": 0.01}}}
     second["approach_mm"] = 2 * mesh_solution.result["approach_mm"]
-    known, _ = estimates.estimate([mesh_solution])
+    known = estimates.totals(estimates.estimate([mesh_solution])[0])
     judged = checks.run(mesh_solution, known, second, reached=None)
     assert all(check.passed for check in judged)
     missing = checks.not_made(mesh_solution, judged, second, None)

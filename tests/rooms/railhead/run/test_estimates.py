@@ -215,14 +215,6 @@ def test_the_width_of_a_line_across_the_rail_is_b() -> None:
     assert bounds[0]["a_mm"] > 1e-4 and bounds[1]["b_mm"] > 1e-4
 
 
-def test_a_place_counts_by_the_stress_that_is_lost_there() -> None:
-    """A parabola that has lost FLAT = 1 % at its flatness; another hill counts elsewhere."""
-    place = estimates.Estimate({"mesh": 0.08, "reading": 0.5}, 0.16)
-    assert place.total == pytest.approx(0.58)
-    assert place.value_error == pytest.approx(0.01 / 4)
-    assert replace(place, flatness=None).value_error == place.total
-
-
 def test_every_default_run_carries_estimates_whose_parts_add_up() -> None:
     summary = solved("sphere_on_plane").summary
     found = summary["accuracy"]
