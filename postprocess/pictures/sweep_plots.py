@@ -73,8 +73,9 @@ def samples(
     height = math.ceil((len(shown) + 1) / 2)
     with new_figure(target, 11, 3.8 * height, subject) as figure:
         first, *others = figure.subplots(height, 2, squeeze=False).ravel()
-        values = _cells(rows, name)
-        first.hist(values[np.isfinite(values)], bins="auto", color=FE)
+        found = [row for row in rows if row.get(name) is not None]
+        values = _cells(found, name)
+        first.hist(values, bins="auto", color=FE)
         for share, own in quantiles.items():
             first.axvline(own["value"], color=HERTZ, lw=1)
             first.text(
@@ -82,7 +83,7 @@ def samples(
             )
         first.set(xlabel=PANELS[name], ylabel="samples")
         for axes, column in zip(others, shown, strict=False):
-            axes.plot([row[column] for row in rows], values, ".", color=FE, ms=4)
+            axes.plot([row[column] for row in found], values, ".", color=FE, ms=4)
             axes.set(xlabel=column, ylabel=PANELS[name])
         for axes in others[len(shown) :]:
             axes.set_axis_off()

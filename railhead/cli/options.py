@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -196,10 +196,26 @@ takes_report = functools.partial(_with_options, options=_report_options)
 """Adds the options that `_report` takes, and --format."""
 
 
+def _first_scene(
+    case: Scene, assignments: Sequence[str], rows: Sequence[Mapping[str, object]]
+) -> Scene:
+    """The case with the assignments and the first row of values by dotted key that makes a scene.
+    Raises SceneError, that of the first row, where none does.
+    """
+    first: SceneError | None = None
+    for row in rows:
+        try:
+            return case.replace(assignments, **row)
+        except SceneError as error:
+            first = first or error
+    raise first or SceneError("--samples-file", "has no rows; give one or more")
+
+
 def takes_scene(command: Callable[..., Any]) -> Any:
     """The command with the argument CASE and the options --set, --with, --without, --fast and
     --only, which it gets as one argument `scene`; keys of --over and --over-file have their first
-    value there. Raises SceneError for a wrong case, key, value, effect or quantity.
+    value there, those of laws the median, those of samples the first row that makes a scene.
+    Raises SceneError for a wrong case, key, value, effect or quantity.
     """
 
     @functools.wraps(command)
@@ -220,11 +236,12 @@ def takes_scene(command: Callable[..., Any]) -> Any:
         switches = [f"effects.{name}=on" for name in switched_on]
         switches += [f"effects.{name}=off" for name in switched_off]
         asked: dict[str, object] = {} if only is None else {"quantities": only}
-        for row in [*values.get("rows", [])[:1], *values.get("samples", [])[:1]]:
+        for row in values.get("rows", [])[:1]:
             asked |= row
         for key, each in values.get("lists", {}).items():
-            asked[key] = getattr(each, "values", each)[0]
-        scene = catalogue.find(case).replace([*assignments, *switches], **asked)
+            asked[key] = each[0] if isinstance(each, list) else each.median
+        rows = [asked | row for row in values.get("samples") or [{}]]
+        scene = _first_scene(catalogue.find(case), [*assignments, *switches], rows)
         return command(*arguments, scene=scene, **values)
 
     return _with_options(call, _scene_options)

@@ -7,7 +7,7 @@ import io
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from decimal import Decimal
 from functools import cached_property
 from itertools import product
@@ -17,11 +17,10 @@ from pathlib import Path
 from railhead.geometry.tables import lines_of
 from railhead.scene.scene import Scene, SceneError, assignment, checked, unit
 from railhead.scene.sections import refuse_first
-from railhead.sweeps.sampling import Law, draw, law
+from railhead.sweeps.sampling import NUMBER, Law, check_units, draw, law
 
 MAX_COMBINATIONS = 10_000
-_NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
-_RANGE = re.compile(r"\s*:\s*".join([f"({_NUMBER.pattern})"] * 3) + r"\s*(.*)")
+_RANGE = re.compile(r"\s*:\s*".join([f"({NUMBER.pattern})"] * 3) + r"\s*(.*)")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,6 +34,8 @@ class ParameterGrid:
         values of each key.
     laws: texts of the laws by key of which the rows are samples; None where they are none.
     sobol: whether the samples come in groups as of `sampling.draw`.
+    refused: values by dotted key, and the reason, of those samples that make no scene, by number;
+        in `scenes` the base is in their place.
     """
 
     base: Scene
@@ -43,6 +44,7 @@ class ParameterGrid:
     listed: bool = False
     laws: Mapping[str, str] | None = None
     sobol: bool = False
+    refused: Mapping[int, tuple[Mapping[str, object], SceneError]] = field(default_factory=dict)
 
     @classmethod
     def combine(
@@ -57,7 +59,7 @@ class ParameterGrid:
         """Grid of all combinations of lists of values by dotted key; rows change slowest.
 
         rows: values by dotted key, each combined with all of the lists. laws, sobol: as of the
-            grid; samples may be alike.
+            grid; samples may be alike, and some of them may make no scene.
         Raises SceneError for a wrong key or value, a key in both or without values, more than
         10 000 combinations and two scenes with the same values.
         """
@@ -80,13 +82,21 @@ class ParameterGrid:
                 f"makes {total} combinations; give at most {MAX_COMBINATIONS}",
             ),
         )
-        scenes = [
-            checked(scene).replace(**row, **dict(zip(lists, values, strict=True)))
-            for row in rows or ({},)
-            for values in product(*lists.values())
-        ]
-        keys = [*first, *lists]
-        grid = cls(base=scene, keys=keys, scenes=scenes, listed=bool(rows), laws=laws, sobol=sobol)
+        scenes, refused = [], {}
+        for row, values in product(rows or ({},), product(*lists.values())):
+            asked = {**row, **dict(zip(lists, values, strict=True))}
+            try:
+                scenes.append(checked(scene).replace(**asked))
+            except SceneError as error:
+                if laws is None:
+                    raise
+                refused[len(scenes)] = asked, error
+                scenes.append(scene)
+        if refused and len(refused) == len(scenes):
+            raise refused[0][1]
+        keys, listed = [*first, *lists], bool(rows)
+        of_samples = {"laws": laws, "sobol": sobol, "refused": refused}
+        grid = cls(base=scene, keys=keys, scenes=scenes, listed=listed, **of_samples)
         every = Counter(tuple(grid.values(number).items()) for number in range(total))
         values, count = every.most_common(1)[0]
         if count > 1 and laws is None:
@@ -105,8 +115,8 @@ class ParameterGrid:
         sobol: bool,
     ) -> ParameterGrid:
         """Grid of samples: `count` of the laws, or the rows with one sample of the laws for each.
-        sobol: as of `sampling.draw`. Raises SceneError as `combine`, for lists of values, and where
-        number or laws are missing or too many.
+        sobol: as of `sampling.draw`. Raises SceneError as `combine`, for lists of values, where
+        number or laws are missing or too many, and where no sample makes a scene.
         """
         laws = {key: each for key, each in lists.items() if isinstance(each, Law)}
         refuse_first(
@@ -127,7 +137,11 @@ class ParameterGrid:
         return cls.combine(scene, {}, [{**row, **own} for row, own in both], texts, sobol=sobol)
 
     def values(self, number: int) -> dict[str, object]:
-        """Values of the changing keys in scene `number` by dotted key, in base units."""
+        """Values of the changing keys in scene `number` by dotted key, in base units; of a refused
+        sample as they were given.
+        """
+        if number in self.refused:
+            return dict(self.refused[number][0])
         return {key: self.scenes[number].value(key) for key in self.keys}
 
     @cached_property
@@ -138,7 +152,7 @@ class ParameterGrid:
         found: list[dict[str, str]] = [{} for _ in self.scenes]
         files = {file for scene in self.scenes for file in scene.files}
         for key in self.keys:
-            paths = [Path(str(scene.value(key))) for scene in self.scenes]
+            paths = [Path(str(self.values(number)[key])) for number in range(len(found))]
             if files.isdisjoint(paths):
                 continue
             last = 1
@@ -195,7 +209,7 @@ def parse_values(texts: Sequence[str]) -> dict[str, list[object] | Law]:
             lists[key] = found
             continue
         items = [each for item in values.split(",") for each in _expand(key, item.strip())]
-        _check_units(key, items)
+        check_units(key, items)
         lists[key] = [assignment(f"{key}={item}")[1] for item in items]
     return lists
 
@@ -255,15 +269,3 @@ def _expand(key: str, item: str) -> Iterator[str]:
         raise SceneError(key, f"{item!r} has too many values; give at most {MAX_COMBINATIONS}")
     for number in range(int(count) + 1):
         yield f"{first + number * step}{match[4]}"
-
-
-def _check_units(key: str, items: Sequence[str]) -> None:
-    """Raise SceneError where some numbers of a list have a unit and others, not zero, have none,
-    e.g. "25,50kN", which would be 25 N and 50 kN.
-    """
-    numbers = [item for item in items if _NUMBER.match(item)]
-    bare = [item for item in numbers if _NUMBER.fullmatch(item)]
-    without_unit = next((item for item in bare if Decimal(item)), None)
-    if unit(key) and without_unit and len(bare) < len(numbers):
-        text = f"{without_unit!r} has no unit and others have one; give each its unit"
-        raise SceneError(key, text)

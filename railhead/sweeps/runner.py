@@ -77,6 +77,8 @@ def plan_all(
         planned += part
         progress.stage(f"planning: {len(planned)} of {total} scenes")
     plans = {}
+    for number, (_, error) in grid.refused.items():
+        planned[number] = error
     for number, plan in enumerate(planned):
         if not isinstance(plan, SceneError):
             plans[number] = plan

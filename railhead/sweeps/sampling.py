@@ -12,6 +12,7 @@ import re
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from decimal import Decimal
 from typing import Any
 
 import numpy as np
@@ -19,11 +20,12 @@ from scipy.special import ndtri
 from scipy.stats import binom, qmc
 
 from railhead.scene import units
-from railhead.scene.scene import unit
+from railhead.scene.scene import SceneError, unit
 from railhead.scene.sections import refuse_first
 from railhead.theory.array_types import Array
 
 _LAW = re.compile(r"(normal|lognormal|uniform|choice)\s*\((.*)\)", re.DOTALL)
+NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 KINDS = {
     kind.unit: kind
     for kind in (
@@ -54,6 +56,11 @@ class Law:
     values: tuple[Any, ...]
     weights: tuple[float, ...] = ()
 
+    @property
+    def median(self) -> object:
+        """Value below which half of the law lies."""
+        return self.at(np.array([0.5]))[0]
+
     def at(self, shares: Array) -> list[object]:
         """Values (n,) below which these shares (n,) of the law lie; of a choice in its order."""
         first, second = self.values[:2] if self.name != "choice" else (0, 0)
@@ -72,7 +79,7 @@ class Law:
 def law(key: str, text: str) -> Law | None:
     """The law of a text "normal(mean, sd)", "lognormal(median, sigma)", "uniform(a, b)" or
     "choice(a, b*weight, ...)" for a dotted key; None for any other text. Raises SceneError for
-    wrong numbers.
+    wrong numbers, and for one without a unit beside one with a unit.
     """
     if not (match := _LAW.fullmatch(text.strip())):
         return None
@@ -82,18 +89,34 @@ def law(key: str, text: str) -> Law | None:
             pairs = [item.partition("*") for item in items]
             weights = [float(weight or "1") for _, _, weight in pairs]
             found = Law(text, name, tuple(value.strip() for value, _, _ in pairs), tuple(weights))
-            wrong = min(weights) <= 0 or not all(found.values)
+            wrong = not (all(0 < each < np.inf for each in weights) and all(found.values))
+            bare = [str(value) for value in found.values]
         else:
             first, second = items
             kinds = KINDS[unit(key)], units.NUMBER if name == "lognormal" else KINDS[unit(key)]
             low, high = map(units.to_base, (first, second), kinds)
             found = Law(text, name, (low, high))
             wrong = high <= (low if name == "uniform" else 0) or (name == "lognormal" and low <= 0)
+            wrong |= not np.isfinite([low, high]).all()
+            bare = items[: 1 if name == "lognormal" else 2]
     except (KeyError, ValueError):
-        wrong = True
+        wrong, bare = True, []
     laws = "normal(mean, sd), lognormal(median, sigma), uniform(a, b) or choice(a, b*weight, c)"
     refuse_first((wrong, key, f"{text!r} is no law; give {laws}, e.g. normal(25kN, 2kN)"))
+    check_units(key, bare)
     return found
+
+
+def check_units(key: str, items: Sequence[str]) -> None:
+    """Raise SceneError where some numbers of a list have a unit and others, not zero, have none,
+    e.g. "25,50kN", which would be 25 N and 50 kN.
+    """
+    numbers = [item for item in items if NUMBER.match(item)]
+    bare = [item for item in numbers if NUMBER.fullmatch(item)]
+    without_unit = next((item for item in bare if Decimal(item)), None)
+    if unit(key) and without_unit and len(bare) < len(numbers):
+        text = f"{without_unit!r} has no unit and others have one; give each its unit"
+        raise SceneError(key, text)
 
 
 def draw(laws: Mapping[str, Law], count: int, *, sobol: bool) -> list[dict[str, object]]:

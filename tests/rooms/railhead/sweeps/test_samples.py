@@ -79,3 +79,18 @@ def test_rows_of_a_file_are_samples_whose_keys_depend_on_each_other(tmp_path) ->
         row["friction.coefficient"] for row in drawn
     ]
     assert (out / "sweep.png").exists() and "half below" in (out / "report.html").read_text()
+
+
+def test_a_refused_value_is_a_failed_sample_and_not_the_end(tmp_path, capsys) -> None:
+    file, out = tmp_path / "rows.csv", tmp_path / "out"
+    file.write_text("load [kN],rail.profile\nnan,60E1\n20,60E1\n-5,60E1\n20,missing.csv\n")
+    given = *S1002, "--only", "pictures", "--samples-file", str(file), "--out", str(out)
+    assert command.status(*given) == 1
+    names = json.loads((out / "sample.json").read_text())["failed"]["names"]
+    assert list(names) == ["0", "2", "3"]
+    assert "nankN" in names["0"] and "-5kN" in names["2"] and "missing.csv" in names["3"]
+    assert [row["rail.profile"] for row in rh.load(out).rows()][2:] == ["60E1", "missing.csv"]
+    assert (out / "sweep.png").exists() and "NOT SOLVED" in capsys.readouterr().err
+    assert command.status(*given) == 1  # goes on
+    file.write_text("load [kN]\n-20\n-5\n")
+    assert command.status(*S1002, "--samples-file", str(file), "--out", str(out)) == 2

@@ -25,7 +25,7 @@ def laws(**texts: str) -> dict[str, sampling.Law]:
         ("normal(25kN, 2kN)", [25e3 + 2e3 * ndtri(0.05), 25e3, 25e3 + 2e3 * ndtri(0.95)]),
         ("lognormal(25kN, 0.2)", [25e3 * math.exp(0.2 * ndtri(0.05)), 25e3,
                                   25e3 * math.exp(0.2 * ndtri(0.95))]),
-        ("uniform(20kN,30000)", [20.5e3, 25e3, 29.5e3]),
+        ("uniform(20kN,30kN)", [20.5e3, 25e3, 29.5e3]),
     ],
 )  # fmt: skip
 def test_a_sample_has_the_quantiles_of_its_law(text, quantiles) -> None:
@@ -52,12 +52,19 @@ def test_more_samples_keep_the_first_ones(sobol) -> None:
 @pytest.mark.parametrize(
     "text",
     ["normal(25kN)", "normal(25kN, 0)", "normal(25kN, 2mm)", "uniform(2kN, 1kN)", "lognormal(0, 1)",
-     "lognormal(25kN, 2kN)", "choice()", "choice(1kN*0, 2kN)", "choice(1kN*x)"],
+     "lognormal(25kN, 2kN)", "choice()", "choice(1kN*0, 2kN)", "choice(1kN*x)",
+     "choice(1kN*nan)", "choice(1kN*inf)", "normal(25kN, inf)"],
 )  # fmt: skip
 def test_a_wrong_law_is_one_line(text) -> None:
     with pytest.raises(SceneError, match=r"^load: .*is no law; give"):
         sampling.law("load", text)
     assert sampling.law("load", "25kN,50kN") is None
+
+
+@pytest.mark.parametrize("text", ["normal(25kN, 2)", "uniform(2, 1kN)", "choice(1kN*2, 2*3)"])
+def test_a_number_without_unit_beside_one_with_unit_is_refused(text) -> None:
+    with pytest.raises(SceneError, match="has no unit and others have one"):
+        sampling.law("load", text)
 
 
 def pressures(count: int) -> np.ndarray:
