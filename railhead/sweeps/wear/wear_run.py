@@ -398,13 +398,14 @@ def _joined(seen: Sequence[Seen]) -> Contacts:
 
     rates = rows("rate")
     total = rates.sum(axis=0)
-    most = np.unravel_index(int(total.argmax()), total.shape)
+    place = int(total.argmax())
+    deepest, every = float(total.flat[place]), rates.reshape(len(rates), -1)[:, place]
     return Contacts(
         values=[each.values for each in seen],
         rises=[each.rises for each in seen],
         others=(total - rates).clip(0.0) / rows("force"),
-        deepest=float(total[most]),
-        alone=float(rates[:, *most].max() / total[most]) if total[most] > 0 else 0.0,
+        deepest=deepest,
+        alone=float(every.max()) / deepest if deepest > 0 else 0.0,
         fields={
             **{name: np.fmax.reduce(rows(name), axis=0) for name in LARGEST},
             **{name: rows(name).sum(axis=0) for name in SUMMED},
