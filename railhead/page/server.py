@@ -119,7 +119,8 @@ class Page:
         """
         self.files += 1
         out = self.folder / f"result{self.files}"
-        words, said = [*views.arguments(self.case, values), "--out", str(out)], list[str]()
+        words = views.arguments(self.case, views.on_meshes(self.case, values))
+        words, said = [*words, "--out", str(out)], list[str]()
         async for line in self.run.lines(words):
             if line.startswith("["):
                 await self.send({"kind": "progress", "data": line})

@@ -72,6 +72,12 @@ def arguments(case: str, values: Values) -> list[str]:
     return ["run", case, *(word for pair in values.items() for word in ("--set", "=".join(pair)))]
 
 
+def on_meshes(case: str, values: Values) -> Values:
+    """Values with which finite elements solve a scene, that of a --fast result too."""
+    off = scene_of(case, values).effects.finite_bodies == "off"
+    return {**values, "effects.finite_bodies": "auto"} if off else values
+
+
 def controls(case: str, values: Values) -> dict[str, Any]:
     """Name and kind of a scene ("track", "sections" or "half-space"), the sliders that move it with
     the texts of its own values, and its choices by key, its own first.
@@ -265,7 +271,7 @@ def plan(case: str, values: Values) -> dict[str, Any]:
     from railhead import api
     from railhead.planning import simulation_plan as planning
 
-    planned = api.Planned(planning.make(scene_of(case, values)))
+    planned = api.Planned(planning.make(scene_of(case, on_meshes(case, values))))
     price = (
         f"{planned.plan.unknowns} unknowns, about {planned.plan.seconds:.1f} s of processor time"
     )

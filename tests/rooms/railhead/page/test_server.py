@@ -133,6 +133,13 @@ def test_the_picture_of_the_pressure_carries_the_load(tmp_path) -> None:
     assert carried == pytest.approx(10e3, rel=0.01)
 
 
+def test_what_half_spaces_have_solved_is_planned_for_finite_elements(tmp_path) -> None:
+    plans = [asked(tmp_path / name, "plan", **values)["data"]["price"] for name, values in (
+        ("as it is", {}), ("as --fast leaves it", {"effects.finite_bodies": "off"}),
+    )]  # fmt: skip
+    assert plans[0] == plans[1] and not plans[0].startswith("0 ")
+
+
 def test_without_an_answer_the_page_gets_the_reason(tmp_path, half_spaces_fail) -> None:
     found = asked(tmp_path, "half_spaces", case="uic54_thesis")["data"]
     assert found["result"] == {} and found["pressure"] is None
