@@ -35,3 +35,6 @@ if [ "$(cat .venv/installed 2>/dev/null || true)" != "$stamp" ]; then
         --target .venv/stubs numpy==1.24.4
     printf '%s' "$stamp" > .venv/installed
 fi
+
+# Where the environment forbids Python to keep compiled modules, every run would compile them anew.
+.venv/bin/python -m compileall -q railhead cases meshing postprocess solver theory

@@ -4,20 +4,30 @@
 nothing of scenes, files or pictures.
 
 PETSc's signal handlers, and the log handler and the way of Python's warnings into the log that ffcx
-brings, belong to a program, not to a library: none is left behind.
+brings, belong to a program, not to a library: none is left behind. From pkg_resources the ffcx and
+ufl of Debian 12 want their own versions alone. Its import takes longer than theirs, so they are
+given `importlib.metadata.distribution` under its name.
 """
 
 import importlib
 import logging
+import sys
 import warnings
+from importlib import metadata
+from types import SimpleNamespace
 from typing import Any
 
 import petsc4py
 
 petsc4py.init(["railhead", "-no_signal_handler"])  # without effect where PETSc runs already
 _handlers, _shown = logging.root.handlers[:], warnings.showwarning
+_stand_in: Any = SimpleNamespace(get_distribution=metadata.distribution)
+_stands_in = sys.modules.setdefault("pkg_resources", _stand_in) is _stand_in
 import ffcx  # noqa: E402, F401
+import ufl  # noqa: E402, F401
 
+if _stands_in:
+    del sys.modules["pkg_resources"]
 logging.root.handlers[:] = _handlers
 if warnings.showwarning is not _shown:
     logging.captureWarnings(False)

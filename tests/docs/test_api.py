@@ -75,7 +75,8 @@ def test_every_public_name_has_an_example() -> None:
 
 def test_importing_and_planning_change_nothing() -> None:
     """Neither do the libraries below: PETSc catches signals, and ffcx logs, warnings too, if they
-    may. (MPI does catch crashes, and where it uses UCX a hangup.)"""
+    may. (MPI does catch crashes, and where it uses UCX a hangup.) Nor is pkg_resources imported,
+    which takes longer than ffcx and ufl, or what stands in for it left behind."""
     code = """
 import logging, os, pathlib, signal, sys, warnings
 from mpi4py import MPI
@@ -85,7 +86,7 @@ def host():
     ends = signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGPIPE, signal.SIGTERM
     caught = [mask >> (number - 1) & 1 for mask in masks for number in ends]
     logs = logging.root.manager.disable, logging.root.handlers[:], warnings.showwarning
-    return dict(os.environ), logs, caught
+    return dict(os.environ), logs, caught, sys.modules.get("pkg_resources")
 before = host()
 import railhead
 railhead.plan(railhead.find("s1002_60e1"))
