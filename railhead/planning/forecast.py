@@ -224,21 +224,25 @@ def body_reach(contact: Contact, hertz: Hertz, forecast: Forecast, *, friction: 
 
 @dataclass(frozen=True, kw_only=True)
 class Sizing:
-    """Rules of the element sizes of a plan, and what they depend on.
-    contact: first contact of the undeformed bodies.
-    forecast: patches around which the mesh is refined.
-    cell: 'tetrahedron' or 'hexahedron'; in a section these stand for triangles and quadrilaterals.
+    """Decisions that make the element sizes of a plan.
+    context: scene, contact, and decisions on all effects.
     order: polynomial order of the displacement, 1 or 2.
     patch_size: element size in the most loaded patch, mm.
-    reach: half length of the bodies along the rail where the scene gives none, mm (`Plan.reach`).
+    reach: half length of the bodies along the rail, mm, where the scene gives none; of half-spaces
+        half the edge of the blocks.
+    forecast: patches that are expected.
     """
 
-    contact: Contact
-    forecast: Forecast
-    cell: str
+    context: Context
     order: int
     patch_size: float
     reach: float
+    forecast: Forecast
+
+    @property
+    def contact(self) -> Contact:
+        """First contact of the undeformed bodies."""
+        return self.context.contact
 
     @property
     def resolution(self) -> float:
@@ -283,7 +287,7 @@ class Sizing:
         if len(self.forecast.zones) == 1:
             return self._stretched(most)
         tried = (self._stretched(float(k)) for k in np.linspace(1.0, most, STRETCHES))
-        hexahedra = self.cell == "hexahedron"
+        hexahedra = self.context.scene.mesh.cell == "hexahedron"
         return min(tried, key=lambda g: g.predicted_cells(self.reach, hexahedra=hexahedra))
 
     def _stretched(self, stretch: float) -> Grading:
@@ -309,7 +313,9 @@ class Sizing:
             )
 
         first, *others = (around(zone) for zone in self.forecast.zones)
-        if self.cell == "tetrahedron":  # rows of hexahedra would run across everything
+        if (
+            self.context.scene.mesh.cell == "tetrahedron"
+        ):  # rows of hexahedra would run across everything
             for zone, patch in zip(self.forecast.zones, (first, *others), strict=True):
                 width, size = RIDGE_WIDTH * patch.size, RIDGE_SHARE * patch.size
                 others += [

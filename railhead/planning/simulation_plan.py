@@ -12,7 +12,6 @@ import numpy as np
 
 from railhead.contact import closed_forms, placed_bodies, plane_section, solid, wheelset_kinematics
 from railhead.contact.plane_section import SectionContact
-from railhead.contact.solid import Contact
 from railhead.half_spaces import torque_free
 from railhead.meshing.bodies import (
     BODY_NAMES,
@@ -24,12 +23,11 @@ from railhead.meshing.bodies import (
     Body,
     Options,
 )
-from railhead.meshing.grading import Grading
 from railhead.planning import cost, effects, error_envelopes
-from railhead.planning.context import Context, Effect
+from railhead.planning.context import Effect
 from railhead.planning.effects import interface, material
 from railhead.planning.error_envelopes import Family
-from railhead.planning.forecast import Forecast, Sizing, body_reach, forecast
+from railhead.planning.forecast import Sizing, body_reach, forecast
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.elastic.line import Hertz
 
@@ -50,26 +48,15 @@ MEMORY_SHARE = 0.8  # largest predicted memory over the free memory
 
 
 @dataclass(frozen=True, kw_only=True)
-class Plan:
-    """Decisions for one scene.
+class Plan(Sizing):
+    """Decisions for one scene, those on element sizes (`Sizing`) included.
 
-    context: scene, contact, and decisions on all effects.
-    order: polynomial order of the displacement, 1 or 2.
-    patch_size: element size in the most loaded patch, mm.
-    reach: half length of the bodies along the rail, mm, where the scene gives none; of half-spaces
-        half the edge of the blocks.
-    forecast: patches that are expected.
     load_steps: number of load steps from first yield to the load; it counts only where yield is on.
 
     Where half-spaces answer (`by_half_spaces`), there is no mesh, and sizes and order have no
     effect.
     """
 
-    context: Context
-    order: int
-    patch_size: float
-    reach: float
-    forecast: Forecast
     load_steps: int
 
     @property
@@ -81,11 +68,6 @@ class Plan:
     def effects(self) -> Mapping[str, Effect]:
         """Decisions on effects by name, in the order of `effects.EFFECTS`."""
         return self.context.decided
-
-    @property
-    def contact(self) -> Contact:
-        """First contact of the undeformed bodies."""
-        return self.context.contact
 
     @property
     def hertz(self) -> Hertz:
@@ -403,24 +385,6 @@ class Plan:
         return section.on and not section.refused and RAIL in self.deformable
 
     @cached_property
-    def sizing(self) -> Sizing:
-        """The rules of element size for the contact, forecast, cells, patch size and reach of this
-        plan.
-        """
-        return Sizing(
-            contact=self.contact,
-            forecast=self.forecast,
-            cell=self.scene.mesh.cell,
-            order=self.order,
-            patch_size=self.patch_size,
-            reach=self.reach,
-        )
-
-    def grading(self) -> Grading:
-        """Element sizes around the patches of the forecast."""
-        return self.sizing.grading
-
-    @cached_property
     def unknowns(self) -> int:
         """Predicted number of unknowns of the mesh, from the density of elements and the symmetry
         planes; 0 where half-spaces answer.
@@ -430,10 +394,10 @@ class Plan:
         cell = self.scene.mesh.cell
         share = 0.5 ** len(self.planes)
         if self.plane_model:
-            triangles = len(self.deformable) * self.grading().predicted_triangles(self.reach)
+            triangles = len(self.deformable) * self.grading.predicted_triangles(self.reach)
             each = cost.unknowns_per_cell("section", cell, self.order)
             return int(share * triangles * each)
-        cells = self.grading().predicted_cells(self.reach, hexahedra=cell == "hexahedron")
+        cells = self.grading.predicted_cells(self.reach, hexahedra=cell == "hexahedron")
         cells *= len(self.deformable)
         if self.with_foot:
             half = placed_bodies.rail_reach(self.contact, self.reach, whole_section=True)
@@ -449,7 +413,7 @@ class Plan:
         envelopes, or with yield, it is the accuracy of the scene. Without an accuracy, and with
         friction, the tolerance is 1e-6 (DEFAULT_TOLERANCE).
         """
-        family, n = self.family, self.forecast.minor / self.patch_size
+        family, n = self.family, self.resolution
         if self.scene.solver.tolerance is not None:
             return self.scene.solver.tolerance
         if family is not None and self.elastic_laws_hold:
@@ -475,7 +439,7 @@ class Plan:
         """Predicted seconds of the whole process without pictures: imports, passes, and this mesh.
         For an accuracy or a budget without error laws also two coarser ones, each by 1.6 (STEP).
         """
-        seconds, n = cost.START + self.seconds_of_one, self.sizing.resolution
+        seconds, n = cost.START + self.seconds_of_one, self.resolution
         if self.scene.one_mesh or self.by_half_spaces or self.family is not None:
             return seconds
         before = (self.at_resolution(n / error_envelopes.STEP**k) for k in (1, 2))
@@ -577,7 +541,7 @@ class Plan:
             others, widest, total, mesh = planned.error_without_meshes, None, 0.0, 0.0
             if self.profile_error < accuracy and accuracy >= family.least + others:
                 fine = planned
-                total, widest, mesh = family.expected(fine.sizing.resolution)
+                total, widest, mesh = family.expected(fine.resolution)
             rows.append(
                 {
                     "accuracy": accuracy,
@@ -714,5 +678,5 @@ def _decided(scene: Scene) -> Plan:
     )
     if scene.mesh.patch_size:
         return plan
-    plan = plan.at_resolution(plan.sizing.default_resolution)
+    plan = plan.at_resolution(plan.default_resolution)
     return plan if scene.accuracy is None else plan.for_accuracy(scene.accuracy)

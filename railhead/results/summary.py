@@ -400,7 +400,7 @@ def _trace(solved: MeshSolution) -> dict[str, Any]:
     """
     return {
         "elements_per_semi_axis": solved.resolution,
-        "patch_size_mm": solved.mesh.share * solved.plan.grading().size,
+        "patch_size_mm": solved.mesh.share * solved.plan.grading.size,
         "unknowns": solved.unknowns,
         "seconds": sum(solved.seconds.values()),
         "result": solved.result,

@@ -114,7 +114,7 @@ def resolved_values(solved: MeshSolution) -> dict[str, float]:
     if depth is None or solved.findings is None or solved.result is None:
         return values
     flatness = depth * error_scales(solved.findings, solved.result)["tau_max_depth_mm"]
-    if depth < solved.plan.grading().size or flatness < NARROWEST_PEAK * solved.plan.grading().size:
+    if depth < solved.plan.grading.size or flatness < NARROWEST_PEAK * solved.plan.grading.size:
         del values["tau_max_depth_mm"]
     return values
 

@@ -124,7 +124,7 @@ class MeshSolution:
         """Elements per smaller semi-axis of the forecast patch that the mesh was made for, not of
         the solved one.
         """
-        return self.plan.grading().resolution
+        return self.plan.grading.resolution
 
     @property
     def family(self) -> Family | None:
@@ -191,8 +191,8 @@ def mesh_and_solve(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> MeshS
     """
     clock = _Clock()
     for attempt in range(1, MAX_MESHES + 1):
-        progress.stage(f"meshing ({plan.grading().size:.3g} mm in the patch)")
-        mesh = generate(plan, plan.grading(), comm)
+        progress.stage(f"meshing ({plan.grading.size:.3g} mm in the patch)")
+        mesh = generate(plan, plan.grading, comm)
         clock.lap("mesh")
         progress.stage("assembling")
         model = assemble(plan, mesh)
@@ -443,7 +443,7 @@ def _remesh_for_found_patch(plan: Plan, fields: Fields) -> Plan | None:
         return None
     expected = forecast_from_solution(fields, found, frame)
     if plan.scene.mesh.patch_size is None:
-        plan = replace(plan, patch_size=expected.minor / plan.grading().resolution)
+        plan = replace(plan, patch_size=expected.minor / plan.grading.resolution)
     return replace(plan, forecast=expected)
 
 

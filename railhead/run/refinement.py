@@ -90,7 +90,7 @@ def refine(
 
 def _first(plan: Plan) -> Plan:
     """The plan of the first mesh for an accuracy or a budget."""
-    n = plan.sizing.resolution if plan.scene.budget is None else _affordable(plan)
+    n = plan.resolution if plan.scene.budget is None else _affordable(plan)
     if plan.family is not None:
         return plan.at_resolution(n)
     low = error_envelopes.RANGE[0] * (LINEAR_REFINEMENT if plan.order == 1 else 1.0)
@@ -133,7 +133,7 @@ def _affordable(plan: Plan) -> float:
     accuracy, else the finest that the error laws cover, or 60 without laws.
     """
     known, budget = plan.family, BUDGET_SHARE * float(plan.scene.budget or 0.0)
-    limit = plan.sizing.resolution
+    limit = plan.resolution
     if plan.scene.accuracy is None:
         limit = error_envelopes.STEP * known.resolution[1] if known else error_envelopes.RANGE[1]
     best = n = known.resolution[0] if known else error_envelopes.RANGE[0] * error_envelopes.STEP**2

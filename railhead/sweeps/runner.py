@@ -162,7 +162,7 @@ def _mesh_key(number: int, plan: Plan) -> str:
     if scene.load is None or scene.accuracy or scene.budget or not meshed:
         return str(number)
     on = {name: effect.on for name, effect in plan.effects.items()}
-    return json.dumps([scene.model_dump(exclude={"load"}), on, plan.grading().stretch])
+    return json.dumps([scene.model_dump(exclude={"load"}), on, plan.grading.stretch])
 
 
 def solve_group(
@@ -201,8 +201,8 @@ def _assemble(
         return None
     # The patches set the smallest elements, the bodies of the largest load the largest: those of a
     # small load's own block, throughout a large load's, would be most of the mesh.
-    first, *others = (plan.grading() for plan in plans)
-    shared = replace(first, coarsest=largest.sizing.coarsest, also=(*first.also, *others))
+    first, *others = (plan.grading for plan in plans)
+    shared = replace(first, coarsest=largest.coarsest, also=(*first.also, *others))
     progress.stage(f"meshing for {len(plans)} loads ({first.size:.3g} mm in the patch)")
     try:
         mesh = mesh_solution.generate(largest, shared, comm)

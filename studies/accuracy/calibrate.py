@@ -289,7 +289,7 @@ def share(name: str, *changes: str) -> float:
     to keys of its scene."""
     plan = planning.make(catalogue.find(name).replace(changes))
     mesh = mesh_solution.generate(
-        plan, plan.grading(), MPI.COMM_WORLD
+        plan, plan.grading, MPI.COMM_WORLD
     )  # holds the model's communicator
     model = mesh_solution.assemble(plan, mesh)
     unknowns = model.unknowns

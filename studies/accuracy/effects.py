@@ -212,9 +212,7 @@ def compare(repeats: int, patch_size: float = 0.25) -> list[dict[str, Any]]:
 def _planned(scene: Scene) -> tuple[int, float]:
     """Unknowns and largest pressure, MPa, by way of a plan."""
     plan = planning.make(scene)
-    model = mesh_solution.assemble(
-        plan, mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
-    )
+    model = mesh_solution.assemble(plan, mesh_solution.generate(plan, plan.grading, MPI.COMM_WORLD))
     solution = mesh_solution.solve(plan, model)
     return model.unknowns, float(solution.pressure.max())
 

@@ -32,9 +32,7 @@ def measure(patch_size: float) -> dict[str, Any]:
     plan = planning.make(catalogue.find("hertz_ellipse").replace([f"mesh.patch_size={patch_size}"]))
     frame = Frame(plan.contact.origin, 0.0)
     clock = [time.perf_counter()]
-    model = mesh_solution.assemble(
-        plan, mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
-    )
+    model = mesh_solution.assemble(plan, mesh_solution.generate(plan, plan.grading, MPI.COMM_WORLD))
     clock.append(time.perf_counter())
     solution = mesh_solution.solve(plan, model)
     clock.append(time.perf_counter())

@@ -55,7 +55,7 @@ def valid(seed: int) -> str:
             continue
         if (made := plans(given)) is not None:
             share = source.choice([FINE, FINE, FINE, FINE, source.number(0.05, 1.5)])
-            made = made.at_resolution(share * made.sizing.default_resolution)
+            made = made.at_resolution(share * made.default_resolution)
             if made.unknowns <= MOST:
                 scene = given.replace([f"mesh.patch_size={made.patch_size!r}"])
                 return tomli_w.dumps(scene.model_dump(exclude_none=True))
@@ -84,7 +84,7 @@ def _affordable(file: Path) -> list[str] | None:
         return []
     options = []
     if given.mesh.patch_size is None:
-        made = made.at_resolution(FINE * made.sizing.default_resolution)
+        made = made.at_resolution(FINE * made.default_resolution)
         options = ["--set", f"mesh.patch_size={made.patch_size!r}"]
     dear = made.unknowns > MOST or given.accuracy is not None or given.budget is not None
     return None if dear else options

@@ -137,7 +137,7 @@ def runnable(seed: int, fits: Callable[[Scene], bool], most: int = MOST) -> Scen
         made = plans(given) if fits(given) else None
         if made is None:
             continue
-        coarse = made.at_resolution(FINE * made.sizing.default_resolution)
+        coarse = made.at_resolution(FINE * made.default_resolution)
         if coarse.unknowns <= most:
             return given.replace([f"mesh.patch_size={coarse.patch_size!r}"])
     raise AssertionError

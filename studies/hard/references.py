@@ -239,7 +239,7 @@ def finer_plastic(scene: Scene, multiple: float = 0.0) -> CaseErrors:
 
     def finer() -> dict[str, float]:
         plan = planning.make(scene)
-        plan = plan.at_resolution(FINE * plan.sizing.resolution)
+        plan = plan.at_resolution(FINE * plan.resolution)
         plan = replace(plan, load_steps=2 * plan.load_steps)
         solved = mesh_and_solve(plan, Progress(quiet=True), MPI.COMM_WORLD)
         return plastic(summarise([solved], Ending("one mesh")))

@@ -105,9 +105,7 @@ class Sampled:
 def sampled(plan: Plan) -> Sampled:
     """Friction of the solids of a plan, pressed on its mesh."""
     start = time.process_time()
-    model = mesh_solution.assemble(
-        plan, mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
-    )
+    model = mesh_solution.assemble(plan, mesh_solution.generate(plan, plan.grading, MPI.COMM_WORLD))
     built = time.process_time()
     case = LoadCase(
         load=plan.scene.load or 0.0, active=plan.forecast.touching(model.interface.points)

@@ -87,7 +87,7 @@ def around_smallest(plan: Plan, lowest: float) -> Grading:
     larger patches."""
     small = closed_forms.hertz_contact(plan.scene, plan.contact, lowest)
     size = min(small.a, small.b) / ELEMENTS_PER_SEMI_AXIS
-    angle, coarsest = plan.contact.touch.angle, plan.sizing.coarsest
+    angle, coarsest = plan.contact.touch.angle, plan.coarsest
     return Grading(
         centre=plan.contact.origin,
         a=small.a,

@@ -148,7 +148,7 @@ def _row(elements: str, result: Result) -> Row:
 
     return {
         "elements": elements,
-        "per_semi_axis": result.ellipse.b / solved.plan.grading().size,
+        "per_semi_axis": result.ellipse.b / solved.plan.grading.size,
         "load": found["load_N"],
         "unknowns": solved.unknowns,
         "seconds": sum(solved.seconds.values()),

@@ -43,7 +43,7 @@ def passed(scene: rh.Scene | str, *assignments: str) -> rh.Result:
 
 def assembled(plan: planning.Plan):
     """The contact model of a plan on a mesh of its own."""
-    made = mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
+    made = mesh_solution.generate(plan, plan.grading, MPI.COMM_WORLD)
     return mesh_solution.assemble(plan, made)
 
 

@@ -42,7 +42,7 @@ def test_tread_and_gauge_corner_are_two_patches_of_the_right_size() -> None:
 
 def test_nearly_round_patches_keep_their_elements() -> None:
     for name in ("hertz_ellipse", "sphere_on_plane", "uic54_thesis", "s1002_60e1"):
-        assert planned(name).grading().stretch == 1
+        assert planned(name).grading.stretch == 1
 
 
 @pytest.mark.parametrize(
@@ -57,9 +57,9 @@ def test_nearly_round_patches_keep_their_elements() -> None:
 )
 def test_unknowns_of_stretched_meshes_are_foreseen(radius: float, cell: str) -> None:
     plan = planned("hertz_ellipse", f"rail.crown_radius={radius}", f"mesh.cell={cell}")
-    plan = plan.at_resolution(plan.sizing.default_resolution / 2)
-    assert plan.grading().stretch > 1
-    made = mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
+    plan = plan.at_resolution(plan.default_resolution / 2)
+    assert plan.grading.stretch > 1
+    made = mesh_solution.generate(plan, plan.grading, MPI.COMM_WORLD)
     assert made.quality > (0.3 if cell == "tetrahedron" else 0.25) > 2.5 * mesh.MIN_QUALITY
     assert 1 / 1.5 < plan.unknowns / mesh_solution.assemble(plan, made).unknowns < 1.5
 

@@ -64,7 +64,7 @@ def in_the_place_of_gmsh(*_, meanwhile, **__):
 isolated_process.run = in_the_place_of_gmsh
 plan = simulation_plan.make(catalogue.find("long_roller"))
 with suppress(InterruptedError):
-    mesh_solution.generate(plan, plan.grading(), MPI.COMM_SELF)
+    mesh_solution.generate(plan, plan.grading, MPI.COMM_SELF)
 """
 
 

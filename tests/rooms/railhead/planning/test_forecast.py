@@ -18,7 +18,7 @@ def test_hertz_is_the_forecast_where_the_gap_is_his_parabola(name: str) -> None:
     assert plan.forecast.hertzian
     (zone,) = plan.forecast.zones
     assert (zone.a, zone.b) == (plan.hertz.a, plan.hertz.b)
-    assert plan.grading().also == ()
+    assert plan.grading.also == ()
 
 
 @pytest.mark.parametrize(
@@ -54,7 +54,7 @@ def test_tread_and_gauge_corner_share_the_load() -> None:
     tread, corner = plan.forecast.zones
     assert tread.angle == pytest.approx(0.127, abs=0.002)
     assert corner.angle == pytest.approx(0.300, abs=0.002)
-    (other,) = plan.grading().also
+    (other,) = plan.grading.also
     assert 0.5 * plan.patch_size <= other.size < plan.patch_size
     centres = np.array([tread.centre, corner.centre])
     assert plan.forecast.touching(centres).all()
@@ -80,7 +80,7 @@ CROSSING = "rail.inclination=1:40"  # the contact point is 2.5 mm from the R300-
 
 def test_the_mesh_is_finer_along_the_joint_in_the_patch_and_nowhere_else() -> None:
     plan = planned("uic54_22t5_axle", CROSSING)
-    grading, rail = plan.grading(), plan.contact.profiles["rail"][0]
+    grading, rail = plan.grading, plan.contact.profiles["rail"][0]
     (zone,), (line,) = plan.forecast.zones, grading.also
     assert line.centre[1] in rail.joints and line.centre[2] == rail.height(line.centre[1])
     across = (line.centre[1] - zone.centre[1]) / (zone.b * math.cos(zone.angle))
@@ -95,10 +95,9 @@ def test_the_width_of_the_profiles_bounds_the_elements_of_long_bodies() -> None:
     that cut through the fillets of the head, and meshing did not end."""
     plan = planned("uic54_22t5_axle", "wheel.young_modulus=300", "load=75e3")
     assert plan.reach > 500
-    assert plan.sizing.coarsest < 25
+    assert plan.coarsest < 25
     assert (
-        planned("uic54_22t5_axle").sizing.coarsest
-        == forecast.COARSEST * planned("uic54_22t5_axle").reach
+        planned("uic54_22t5_axle").coarsest == forecast.COARSEST * planned("uic54_22t5_axle").reach
     )
 
 
@@ -112,4 +111,4 @@ def test_the_width_of_the_profiles_bounds_the_elements_of_long_bodies() -> None:
 def test_without_a_joint_in_the_patch_or_with_hexahedra_nothing_is_finer(
     assignments: tuple[str, ...],
 ) -> None:
-    assert planned("uic54_22t5_axle", *assignments).grading().also == ()
+    assert planned("uic54_22t5_axle", *assignments).grading.also == ()

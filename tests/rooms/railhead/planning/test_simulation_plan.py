@@ -128,7 +128,7 @@ def test_what_is_left_out_is_part_of_the_bound() -> None:
     """The compliance of the wheel. Meshes may take 0.95 (AIM) of the accuracy that it leaves."""
     scene = catalogue.find("hertz_ellipse").replace(["wheel.young_modulus=2e8", "accuracy=1.1%"])
     plan = planned(scene)
-    assert plan.family.expected(plan.sizing.resolution)[0] == pytest.approx(
+    assert plan.family.expected(plan.resolution)[0] == pytest.approx(
         0.95 * (0.011 - 207 / 200_207), rel=1e-4
     )
     summary = pipeline.run(scene).summary
@@ -260,7 +260,7 @@ def test_what_is_off_is_not_meshed_and_holds_no_unknowns() -> None:
     for off in ("nothing", "deformable_wheel", "deformable_rail"):
         choice = [] if off == "nothing" else [f"effects.{off}=off"]
         plan = planned("hertz_ellipse", "mesh.patch_size=1.2", *choice)
-        made = mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
+        made = mesh_solution.generate(plan, plan.grading, MPI.COMM_WORLD)
         model = mesh_solution.assemble(plan, made)
         present = {tag for tag in (RAIL, WHEEL) if len(made.cell_tags.find(tag))}
         assert present == set(plan.deformable)
@@ -275,7 +275,7 @@ def test_a_metre_of_rail_costs_little_more_than_its_head_as_predicted() -> None:
     for on in ("off", "on"):
         choice = ["effects.plasticity=off", f"effects.rail_section={on}"]
         plan = planned("uic54_22t5_axle", *choice)
-        made = mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
+        made = mesh_solution.generate(plan, plan.grading, MPI.COMM_WORLD)
         unknowns[on] = mesh_solution.assemble(plan, made).unknowns
         assert plan.unknowns == pytest.approx(unknowns[on], rel=0.1)
         assert made.quality > 0.15

@@ -91,7 +91,7 @@ def test_where_a_law_holds_one_mesh_meets_an_accuracy_and_the_reason_names_what_
 @pytest.mark.parametrize("more", [[], ["load=80kN", "rail.steel=R260", "wheel.steel=ER7"]])
 def test_the_first_mesh_is_the_planned_one_and_load_steps_take_a_quarter_at_most(more) -> None:
     plan = planning.make(catalogue.find("uic54_thesis").replace(["accuracy=2%", *more]))
-    assert refinement._first(plan).sizing.resolution == pytest.approx(plan.sizing.resolution)
+    assert refinement._first(plan).resolution == pytest.approx(plan.resolution)
     assert plan.effects["plasticity"].on == bool(more) and plan.error_without_meshes <= 0.005
     assert bool(plan.load_step_errors) == bool(more)
     coarser = plan.for_accuracy(0.1)

@@ -127,7 +127,7 @@ def test_the_mesh_does_not_depend_on_what_memory_held() -> None:
     found = []
     for byte in (0xFF, 0x55):
         LIBC.mallopt(M_PERTURB, byte)
-        made = mesh_solution.generate(decided, decided.grading(), MPI.COMM_WORLD)
+        made = mesh_solution.generate(decided, decided.grading, MPI.COMM_WORLD)
         found.append((made.cells, np.sort(compat.node_points(made.mesh), axis=0)))
     (cells, points), (others, their_points) = found
     assert cells == others

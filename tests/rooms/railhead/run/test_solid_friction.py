@@ -23,9 +23,7 @@ def sampled(case: str, *keys: str) -> tuple[SolidFriction, LoadCase]:
     """Friction of a coarse model of a case, sampled, with its load case."""
     scene = rh.find(case).replace([f"friction.coefficient={MU}", *keys])
     plan = planning.make(scene)
-    model = mesh_solution.assemble(
-        plan, mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
-    )
+    model = mesh_solution.assemble(plan, mesh_solution.generate(plan, plan.grading, MPI.COMM_WORLD))
     load = LoadCase(load=scene.load, active=plan.forecast.touching(model.interface.points))
     pressed = model.press(load)
     half_space = plan.contact.half_space

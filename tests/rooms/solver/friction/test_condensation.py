@@ -14,9 +14,7 @@ from railhead.solver.system.contact_system import LoadCase
 def condensed(case: str, *keys: str) -> ContactCompliance:
     keys = ("friction.coefficient=0.3", "friction.force_along=6000", *keys)
     plan = planning.make(catalogue.find(case).replace(list(keys)))
-    model = mesh_solution.assemble(
-        plan, mesh_solution.generate(plan, plan.grading(), MPI.COMM_WORLD)
-    )
+    model = mesh_solution.assemble(plan, mesh_solution.generate(plan, plan.grading, MPI.COMM_WORLD))
     settings, response = model.setup.friction, model.response()
     touching = plan.forecast.touching(model.setup.kinematics.lift(model.interface.points))
     pressed = response.press(LoadCase(load=plan.scene.load or 0.0, active=touching))
