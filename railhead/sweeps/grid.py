@@ -95,8 +95,15 @@ class ParameterGrid:
         if refused and len(refused) == len(scenes):
             raise refused[0][1]
         keys, listed = [*first, *lists], bool(rows)
-        of_samples = {"laws": laws, "sobol": sobol, "refused": refused}
-        grid = cls(base=scene, keys=keys, scenes=scenes, listed=listed, **of_samples)
+        grid = cls(
+            base=scene,
+            keys=keys,
+            scenes=scenes,
+            listed=listed,
+            laws=laws,
+            sobol=sobol,
+            refused=refused,
+        )
         every = Counter(tuple(grid.values(number).items()) for number in range(total))
         values, count = every.most_common(1)[0]
         if count > 1 and laws is None:
