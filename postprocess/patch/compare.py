@@ -12,7 +12,6 @@ from railhead.postprocess.findings import (
     Findings,
     Frame,
     Largest,
-    OnePatch,
     Peak,
     Place,
 )
@@ -37,39 +36,43 @@ def from_findings(found: Findings, load: float, approach: float) -> Quantities:
     patch, stress = found.patch, {}
     below: Sequence[DepthAxis | None] = [None] * len(patch.each)
     if found.largest:
-        axis = found.axis
-        below = [axis, *found.also][: len(patch.each)]
+        shown = found.axis
+        below = [shown, *found.also][: len(patch.each)]
         stress["stress"] = {
             **_largest_stresses(
-                found.largest, _largest_in(axis.body, axis.largest), axis.stress[0, :3]
+                found.largest, _largest_in(shown.body, shown.largest), shown.stress[0, :3]
             ),
-            "at_edges": _edge_stresses(found.largest),
+            "at_edges": [
+                {
+                    "quantity": f"{name}_MPa",
+                    "body": body,
+                    "value_MPa": peak.value,
+                    "place_mm": peak.place,
+                }
+                for body, each in found.largest.items()
+                for name, peak in zip(NAMES.values(), each.edges, strict=True)
+                if peak is not None
+            ],
         }
     return {
         "load_N": load,
         "approach_mm": approach,
         "contact_point_mm": list(found.frame.place(*patch.centre)),
         "patch": {"a_mm": patch.a, "b_mm": patch.b, "area_mm2": patch.area},
-        "patches": [_one(*each) for each in zip(patch.each, below, strict=True)],
+        "patches": [
+            {
+                "centre_mm": list(one.centre),
+                "contact_angle_rad": one.angle,
+                "a_mm": one.a,
+                "b_mm": one.b,
+                "area_mm2": one.area,
+                "max_MPa": one.max_pressure,
+                "load_share": one.share,
+                **({"stress": _largest_in(axis.body, axis.largest)} if axis else {}),
+            }
+            for one, axis in zip(patch.each, below, strict=True)
+        ],
         "pressure": {"max_MPa": patch.max_pressure, "mean_MPa": patch.mean_pressure},
-        **stress,
-    }
-
-
-def _one(patch: OnePatch, axis: DepthAxis | None = None) -> Quantities:
-    """Quantities of one separate patch: centre, contact angle, half lengths, area, largest
-    pressure, share of the normal force, and the largest stresses on the axis below the patch, if
-    given.
-    """
-    stress = {} if axis is None else {"stress": _largest_in(axis.body, axis.largest)}
-    return {
-        "centre_mm": list(patch.centre),
-        "contact_angle_rad": patch.angle,
-        "a_mm": patch.a,
-        "b_mm": patch.b,
-        "area_mm2": patch.area,
-        "max_MPa": patch.max_pressure,
-        "load_share": patch.share,
         **stress,
     }
 
@@ -146,18 +149,6 @@ def _largest_in(body: str, largest: Largest) -> dict[str, Any]:
         peak: Peak = getattr(largest, attribute)
         values[f"{name}_MPa"], values[f"{name}_depth_mm"] = peak.value, peak.depth
     return values
-
-
-def _edge_stresses(bodies: Mapping[str, Largest]) -> list[dict[str, Any]]:
-    """Entries of summary.json for stresses near sharp edges that exceed those elsewhere: quantity,
-    body, value (MPa), place (mm).
-    """
-    return [
-        {"quantity": f"{name}_MPa", "body": body, "value_MPa": peak.value, "place_mm": peak.place}
-        for body, each in bodies.items()
-        for name, peak in zip(NAMES.values(), each.edges, strict=True)
-        if peak is not None
-    ]
 
 
 def _exact_stresses(contact: Hertz, poisson: Mapping[str, float], frame: Frame) -> dict[str, Any]:

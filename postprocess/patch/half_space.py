@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -116,8 +116,20 @@ def of_boundary_elements(
     chords along and across differ by; that of a and b is always 0.4 % (EXTENTS); empty where there
     are no coarser grids.
     """
-    each = tuple(_patches(solution, points))
-    main = solution.patches[0]
+    kept = [one for one in solution.patches if one.force > SMALLEST * solution.force]
+    centres, main = points(*np.transpose([one.centroid for one in kept])), kept[0]
+    each = tuple(
+        OnePatch(
+            centre=(float(x), float(y), float(z)),
+            angle=one.plane,
+            a=one.half_extents_on(one.plane)[0],
+            b=one.half_extents_on(one.plane)[1],
+            area=one.area,
+            max_pressure=one.max_pressure,
+            share=one.force / solution.force,
+        )
+        for one, (x, y, z) in zip(kept, centres, strict=True)
+    )
     if has_own_plane([one.angle for one in each], frame.angle):
         frame = Frame(each[0].centre, each[0].angle)
     error, (a, b) = _shape_error(main), main.half_extents_on(frame.angle)
@@ -138,7 +150,7 @@ def of_boundary_elements(
     coarse = solution.coarse or solution
     axes = [
         {body: _below(coarse.windows, patch, points, body, nu) for body, nu in poisson.items()}
-        for patch in solution.patches[: len(each)]
+        for patch in kept
     ]
     shown = next(iter(poisson), "")
     return Findings(
@@ -155,7 +167,7 @@ def of_boundary_elements(
             scatter=scatter,
         ),
         surface=_surface(
-            [_centres(window, points) for window in solution.windows],
+            [points(*window.places) for window in solution.windows],
             [window.pressure for window in solution.windows],
             [window.gap for window in solution.windows],
             frame,
@@ -176,25 +188,6 @@ def _area(solution: BoundaryElementSolution, plane: float) -> float:
     """
     patches = solution.patches
     return patches[0].area_on(plane) if len(patches) == 1 else solution.area
-
-
-def _patches(solution: BoundaryElementSolution, points: SurfaceMap) -> Iterator[OnePatch]:
-    """The separate patches of boundary elements with more than 0.2 % (SMALLEST) of the force, most
-    loaded first; half lengths are half extents. points: maps x, s (n,) to points (n, 3), mm.
-    """
-    for patch in solution.patches:
-        if patch.force > SMALLEST * solution.force:
-            ((x, y, z),) = points(*np.array(patch.centroid)[:, None])
-            a, b = patch.half_extents_on(patch.plane)
-            yield OnePatch(
-                centre=(float(x), float(y), float(z)),
-                angle=patch.plane,
-                a=a,
-                b=b,
-                area=patch.area,
-                max_pressure=patch.max_pressure,
-                share=patch.force / solution.force,
-            )
 
 
 def with_rigid_bodies(found: Findings, poisson: Mapping[str, float]) -> Findings:
@@ -432,12 +425,6 @@ def _line(frame: Frame, body: str) -> tuple[Place, Place]:
     """Origin of a frame, mm, and the unit vector along its normal into a body."""
     into = frame.axes[2] * (-1.0 if body == "rail" else 1.0)
     return frame.place(0.0, 0.0), (float(into[0]), float(into[1]), float(into[2]))
-
-
-def _centres(window: PatchSolution, points: SurfaceMap) -> Array:
-    """Points (nx ns, 3) on the surface, mm, at the centres of the cells of a window."""
-    x, s = np.meshgrid(window.x, window.s, indexing="ij")
-    return points(x.ravel(), s.ravel())
 
 
 def _surface(

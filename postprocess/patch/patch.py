@@ -31,7 +31,6 @@ from railhead.postprocess.patch.reconstruct import (
     ROUGHNESS,
     Samples,
     SquaredPressure,
-    blend,
     ellipsoid,
     misfit,
     reconstruct,
@@ -386,7 +385,8 @@ def smooth_square(
             shape, scatter = replace(shape, max_pressure=peak), scatter | {"max_pressure": off}
         return square, shape, scatter
     ellipse, errors = elliptic(square)
-    mixed = blend(square, ellipse, share)
+    mean = share * square.coefficients + (1 - share) * ellipse.coefficients
+    mixed = replace(square, coefficients=mean)
     shape = measure(mixed)
     if share > 0:
         errors = {key: share * scatter[key] + (1 - share) * errors[key] for key in MEASURES}

@@ -374,14 +374,6 @@ def ellipsoid(
     return replace(like, coefficients=peak**2 * c.T)
 
 
-def blend(one: SquaredPressure, other: SquaredPressure, weight: float) -> SquaredPressure:
-    """Weighted mean of two p^2 with the same box, knots and powers: weight times `one` plus (1 -
-    weight) times `other`.
-    """
-    mixed = weight * one.coefficients + (1 - weight) * other.coefficients
-    return replace(one, coefficients=mixed)
-
-
 def _start(samples: Samples, like: SquaredPressure) -> Array:
     """Coefficients (kn,) of Hertz's ellipsoid with the force and second moments of the samples,
     divided by the largest computed pressure squared.

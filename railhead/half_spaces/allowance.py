@@ -127,8 +127,6 @@ def allowance(
         (_patches(solved, span), _bodies(pair, deformable, span)) for span in pair.facing.spans
     ]
     patches = [each for patches, _ in spans for each in patches]
-    if not patches:
-        return {}
     forces = np.zeros(1) if len(patches) == 1 else _force_changes(pair, spans)
     changes = [
         {

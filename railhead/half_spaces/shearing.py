@@ -174,10 +174,9 @@ class Sheared:
         """
         places, tangents = [], []
         for window in (patch.pressed for patch in self.patches):
-            x, s = np.meshgrid(window.x, window.s, indexing="ij")
-            places.append(points(x.ravel(), s.ravel()).reshape(*x.shape, 3))
-            slope = np.broadcast_to(window.angle, x.shape)
-            across = np.stack([0 * x, np.cos(slope), np.sin(slope)], axis=-1)
+            slope = np.broadcast_to(window.angle, window.pressure.shape)
+            places.append(points(*window.places).reshape(*slope.shape, 3))
+            across = np.stack([0 * slope, np.cos(slope), np.sin(slope)], axis=-1)
             along = np.broadcast_to([1.0, 0.0, 0.0], across.shape)
             tangents.append(np.stack([along, across], axis=2))
         touches = [each.pressure > 0 for each in self.found]
@@ -228,10 +227,7 @@ def _pressed(known: Sequence[PatchSolution], gap: Gap, modulus: float) -> list[P
     """Pressures by boundary elements on the grids of nearly known ones, under the same load. gap:
     undeformed, mm, of places x (n,), s (n,), mm. modulus: E*, MPa.
     """
-    gaps = []
-    for each in known:
-        x, s = np.meshgrid(each.x, each.s, indexing="ij")
-        gaps.append(gap(x.ravel(), s.ravel()).reshape(x.shape))
+    gaps = [gap(*each.places).reshape(each.pressure.shape) for each in known]
     load, guess = sum(each.load for each in known), BoundaryElementSolution(tuple(known), modulus)
     return pressure_solver.equilibrium(known, gaps, modulus, load, None, TOLERANCE, guess)
 

@@ -124,8 +124,7 @@ def forecast(context: Context) -> Forecast:
         return replace(_hertz(contact, context.hertz), reason=reason)
     surface, points, forces = context.half_spaces.facing, [], []
     for window in found.windows:
-        places = (each.ravel() for each in np.meshgrid(window.x, window.s, indexing="ij"))
-        points.append(surface.points(*places))
+        points.append(surface.points(*window.places))
         forces.append(window.cell * window.pressure.ravel())
     everything, force = np.concatenate(points), np.concatenate(forces)
     known = np.isfinite(everything).all(axis=1)  # cells beyond the profile carry nothing
@@ -313,9 +312,8 @@ class Sizing:
             )
 
         first, *others = (around(zone) for zone in self.forecast.zones)
-        if (
-            self.context.scene.mesh.cell == "tetrahedron"
-        ):  # rows of hexahedra would run across everything
+        # Rows of hexahedra would run across everything.
+        if self.context.scene.mesh.cell == "tetrahedron":
             for zone, patch in zip(self.forecast.zones, (first, *others), strict=True):
                 width, size = RIDGE_WIDTH * patch.size, RIDGE_SHARE * patch.size
                 others += [

@@ -13,7 +13,7 @@ from railhead.postprocess.findings import BASE_UNITS, Units
 from railhead.postprocess.pass_rows import Passes
 from railhead.results import quantity_rows, result_folder
 from railhead.results.subject import subject
-from railhead.run.half_spaces.answer import HalfSpaceSolution, Solved
+from railhead.run.half_spaces.answer import Solved
 from railhead.run.mesh_solution import MeshSolution
 
 if TYPE_CHECKING:
@@ -156,24 +156,21 @@ def _shown(solved: Solved, units: Units) -> Shown | None:
 
     after = solved.after.items()
     needed = tuple(f"{name.replace('_', ' ')}: {each.why}" for name, each in after if each.needed)
-    found = replace(found, notes=needed, subject=subject(plan, solved.load, units))
-    passes = solved.passes if solved.passes is not None and solved.passes.rows else None
-    fields = solved.fields if isinstance(solved, MeshSolution) else None
-    answer = solved if isinstance(solved, HalfSpaceSolution) else solved.solution
-    planes = () if fields is None else fields.mirrors
-    shown = gallery.Shown(
-        found=found,
+    return gallery.Shown(
+        found=replace(
+            found,
+            notes=needed,
+            subject=subject(plan, solved.load, units),
+            surface=symmetry.surface(found.surface, solved.mirrors),
+        ),
         # Hertz's ellipse lies at the first contact, which need not be the most loaded of several.
         exact=solved.ellipse if len(found.patch.each) < 2 else None,
         poisson=next(iter(plan.poisson_ratios.values())),
-        friction=answer.friction and symmetry.tractions(answer.friction, planes),
-        passes=passes,
+        friction=solved.friction and symmetry.tractions(solved.friction, ()),  # finest grids alone
+        passes=solved.passes if solved.passes is not None and solved.passes.rows else None,
+        axes=(0, 1) if solved.fields is None else solved.fields.kinematics.varying,
+        unloaded=solved.unloaded_fields is not None,
     )
-    if fields is None or isinstance(solved, HalfSpaceSolution):
-        return shown
-    found = replace(found, surface=symmetry.surface(found.surface, planes))
-    unloaded = solved.unloaded_fields is not None
-    return replace(shown, found=found, axes=fields.kinematics.varying, unloaded=unloaded)
 
 
 def _cells(solved: Solved, made: Mapping[str, meshio.Mesh]) -> meshio.Mesh:

@@ -228,7 +228,7 @@ class Result(terminal.Drawn):
         """
         if self.findings is None:
             raise ValueError("there is no contact surface: nothing touches, or this is not rank 0")
-        return symmetry.surface(self.findings.surface, self.fields.mirrors if self.fields else ())
+        return symmetry.surface(self.findings.surface, self.solved.mirrors)
 
     @property
     def tractions(self) -> FrictionSolution | None:
@@ -238,11 +238,7 @@ class Result(terminal.Drawn):
         of the wheel over the rail, mm, rolling without dimension; `sticks` (n,). None without
         friction. ValueError: the result was loaded.
         """
-        solved = self.solved
-        if not isinstance(solved, MeshSolution):
-            return solved.friction
-        found, planes = solved.solution.friction, [normal for _, normal in solved.plan.planes]
-        return found and symmetry.tractions(found, planes)
+        return self.solved.friction
 
     @property
     def contact_points(self) -> dict[str, Array]:

@@ -72,7 +72,16 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
             "would_cost": cost and {"unknowns": cost[0], "seconds": cost[1]},
             "source": source,
             "parts": parts,
-            "levels": [_trace(each) for each in levels],
+            "levels": [
+                {
+                    "elements_per_semi_axis": each.resolution,
+                    "patch_size_mm": each.mesh.share * each.plan.grading.size,
+                    "unknowns": each.unknowns,
+                    "seconds": sum(each.seconds.values()),
+                    "result": each.result,
+                }
+                for each in levels
+            ],
         },
         checks={
             **checks.summary(judged, missing),
@@ -247,15 +256,13 @@ def _fatigue(
         return {}
     if not (line or found.patch.each):
         return {}
-    answer = solved.solution if isinstance(solved, MeshSolution) else solved
-    planes = () if solved.fields is None else solved.fields.mirrors
     body = found.axis.body
     section = plan.scene.rail if body == "rail" else plan.scene.wheel
     given = {"dang_van": section.dang_van, "findley": section.findley}
     out = fatigue.read(
         found,
-        symmetry.surface(found.surface, planes),
-        answer.friction and symmetry.tractions(answer.friction, planes),
+        symmetry.surface(found.surface, solved.mirrors),
+        solved.friction,
         plan.context.stressed[body].poisson_ratio,
         slopes=[(given[name] or (slope,))[0] for name, slope in fatigue.SLOPES.items()],
         line=line,
@@ -313,16 +320,9 @@ def _heads(contact: HeadContact, result: Mapping[str, Any]) -> dict[str, Any]:
     share, largest pressure and area of each head, height of the wheel, and force along the rail.
     """
     crossing = contact.crossing
-    first = {
-        "centre_mm": result["contact_point_mm"],
-        "load_share": 1.0,
-        "contact_angle_rad": math.acos(contact.touch.upright),
-        "max_MPa": result["pressure"]["max_MPa"],
-        **result["patch"],
-    }
     patches = [
         {**each, "centre_mm": [x + contact.ahead, *rest], "head": crossing.nearest([x, *rest])}
-        for each in result["patches"] or [first]
+        for each in result["patches"]
         for x, *rest in [each["centre_mm"]]
     ]
     upwards = [each["load_share"] * math.cos(each["contact_angle_rad"]) for each in patches]
@@ -392,19 +392,6 @@ def exact_quantities(solved: Solved) -> dict[str, Any]:
     stresses = scene.asks("stresses") or scene.asks("friction_stresses")
     poisson = solved.plan.poisson_ratios if stresses else {}
     return compare.from_exact(hertz, poisson, angle, contact.origin, approach)
-
-
-def _trace(solved: MeshSolution) -> dict[str, Any]:
-    """Resolution, element size (mm), unknowns, seconds and "result" (None where nothing touches) of
-    one mesh.
-    """
-    return {
-        "elements_per_semi_axis": solved.resolution,
-        "patch_size_mm": solved.mesh.share * solved.plan.grading.size,
-        "unknowns": solved.unknowns,
-        "seconds": sum(solved.seconds.values()),
-        "result": solved.result,
-    }
 
 
 def _seconds(levels: list[MeshSolution]) -> dict[str, float]:

@@ -24,7 +24,7 @@ from railhead.planning.effects import interface
 from railhead.planning.error_envelopes import Family
 from railhead.planning.forecast import Forecast, Zone, touches_nearby
 from railhead.planning.simulation_plan import Plan
-from railhead.postprocess import friction
+from railhead.postprocess import friction, symmetry
 from railhead.postprocess.findings import Findings, Frame
 from railhead.postprocess.patch import compare, half_space
 from railhead.postprocess.patch.separate_patches import contact_frame, separate_patches
@@ -49,10 +49,34 @@ APPROACH_TOLERANCE = 1e-9  # largest relative error of that approach
 
 
 @dataclass(frozen=True, kw_only=True)
-class MeshSolution:
+class Answered:
+    """What solutions by finite elements and by half-spaces have in common.
+
+    plan: the plan that was solved; its forecast is the one that a mesh was made for.
+    findings: patch, pressure and stresses; None where nothing touches, and of finite elements off
+        rank 0.
+    result: "result" of summary.json, without "plastic" and what friction does to the steel; None
+        where `findings` is.
+    passes: of the wheel over the rail; None where there are none, and off rank 0.
+    """
+
+    plan: Plan
+    findings: Findings | None = None
+    result: dict[str, Any] | None = None
+    passes: Passes | None = None
+
+    @cached_property
+    def after(self) -> dict[str, PostSolveVerdict]:
+        """Verdicts by name of the effect or assumption (`effects.check`); empty without
+        findings.
+        """
+        return effects.check(self.plan.context, self.findings)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeshSolution(Answered):
     """A scene solved on one mesh, and the quantities read from the solution.
 
-    plan: the plan that was solved; its forecast is the one that the mesh was made for.
     mesh: the mesh with its tags; None after pickling.
     space: function space of the displacement (dolfinx); None after pickling.
     unknowns: number of free unknowns of all ranks.
@@ -62,17 +86,12 @@ class MeshSolution:
     mesh_fits_patch: whether the patch lies where the mesh is fine.
     seconds: time by stage "mesh", "assemble", "solve" and "postprocess", s, of all meshes that were
         tried.
-    findings: patch, pressure and stresses; None off rank 0 and where nothing touches.
-    result: "result" of summary.json, without "plastic" and what friction does to the steel; None
-        where `findings` is.
     elastic_reference: the same scene without yield and friction, on the same mesh; None where it
         has neither.
     residual_state: yield, and the stresses and shapes that remain after it; None where nothing
         yields and off rank 0.
-    passes: of the wheel over the rail; None where there are none, and off rank 0.
     """
 
-    plan: Plan
     mesh: ContactMesh
     space: Any
     unknowns: int
@@ -80,11 +99,8 @@ class MeshSolution:
     fields: Fields | None
     mesh_fits_patch: bool
     seconds: dict[str, float]
-    findings: Findings | None = None
-    result: dict[str, Any] | None = None
     elastic_reference: MeshSolution | None = None
     residual_state: ResidualState | None = None
-    passes: Passes | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         """The attributes without mesh and space of dolfinx, which cannot be pickled."""
@@ -112,13 +128,6 @@ class MeshSolution:
         target = self.plan.scene.approach
         return abs(self.solution.approach / target - 1) if target else 0.0
 
-    @cached_property
-    def after(self) -> dict[str, PostSolveVerdict]:
-        """Verdicts by name of the effect or assumption (`effects.check`); empty off rank 0 and
-        where nothing touches.
-        """
-        return effects.check(self.plan.context, self.findings)
-
     @property
     def resolution(self) -> float:
         """Elements per smaller semi-axis of the forecast patch that the mesh was made for, not of
@@ -137,6 +146,19 @@ class MeshSolution:
             return plan.family
         setting = {**plan.setting, "ellipse": found.hertzian}
         return error_envelopes.family(setting, parabolic=plan.parabolic)
+
+    @property
+    def mirrors(self) -> tuple[Any, ...]:
+        """Unit normals of the symmetry planes of the meshed part; none off rank 0."""
+        return () if self.fields is None else self.fields.mirrors
+
+    @property
+    def friction(self) -> FrictionSolution | None:
+        """Tractions at the contact points, images of the meshed part behind it; None without
+        friction.
+        """
+        found, planes = self.solution.friction, [normal for _, normal in self.plan.planes]
+        return found and symmetry.tractions(found, planes)
 
     @property
     def unloaded_fields(self) -> Fields | None:

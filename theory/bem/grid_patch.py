@@ -37,6 +37,11 @@ class Grid:
         return float((self.x[1] - self.x[0]) * (self.s[1] - self.s[0]))
 
     @property
+    def places(self) -> Array:
+        """Places (2, nx ns), x and s, of the cell centres, mm."""
+        return np.array([np.repeat(self.x, self.s.size), np.tile(self.s, self.x.size)])
+
+    @property
     def edges(self) -> tuple[Array, Array]:
         """Ends of the cells along x (nx + 1,) and across (ns + 1,), mm."""
         x, s = (

@@ -193,14 +193,13 @@ def _sample(gap: Gap, grid: Grid) -> Array:
     """Undeformed gap (nx, ns), mm, at the cell centres; infinite above FAR. Raises ValueError for
     NaN and values out of range.
     """
-    x, s = grid.x, grid.s
-    values = np.asarray(gap(np.repeat(x, s.size), np.tile(s, x.size)), dtype=float)
+    values = np.asarray(gap(*grid.places), dtype=float)
     if np.isnan(values).any() or not -FAR < values.min() < FAR:
         raise ValueError(
             f"gap must be above {-FAR} mm everywhere and below {FAR} mm somewhere, got "
-            f"{values.min()}..{values.max()} around x = {x.mean()}, s = {s.mean()}"
+            f"{values.min()}..{values.max()} around x = {grid.x.mean()}, s = {grid.s.mean()}"
         )
-    return np.where(values < FAR, values, np.inf).reshape(x.size, s.size)
+    return np.where(values < FAR, values, np.inf).reshape(grid.x.size, grid.s.size)
 
 
 def equilibrium(
@@ -238,7 +237,11 @@ def equilibrium(
     gap = np.where(facing, initial, 0)
     p = facing.astype(float) if approach is None else np.zeros_like(gap)
     if guess is not None:
-        known = facing * np.concatenate([_interpolated(guess, grid).ravel() for grid in grids])
+        before = [
+            RegularGridInterpolator((w.x, w.s), w.pressure, "linear", False, 0.0)
+            for w in guess.windows
+        ]
+        known = facing * sum(one(np.hstack([g.places for g in grids]).T) for one in before)
         p = known if known.any() else p
     p = p if load is None else p * (load / np.sum(weight * c * p))
     u, direction, previous = influence(p), np.zeros_like(p), math.inf
@@ -276,19 +279,6 @@ def equilibrium(
         f"no equilibrium to {tolerance} in {ITERATIONS} iterations around "
         f"{[(g.x.mean(), g.s.mean()) for g in grids]} mm: the tolerance is below rounding or "
         "the gap has no minimum"
-    )
-
-
-def _interpolated(guess: BoundaryElementSolution, grid: Grid) -> Array:
-    """Pressure (nx, ns), MPa, of an earlier solution, interpolated to the cells of a grid; 0
-    outside.
-    """
-    places = tuple(np.meshgrid(grid.x, grid.s, indexing="ij"))
-    return np.asarray(
-        sum(
-            RegularGridInterpolator((old.x, old.s), old.pressure, "linear", False, 0.0)(places)
-            for old in guess.windows
-        )
     )
 
 

@@ -91,9 +91,7 @@ def _symmetry(asymmetric: str, symmetric: str) -> Effect:
     """Symmetry is used where the reason against it (`asymmetric`) is empty. symmetric: the reason
     for it.
     """
-    if asymmetric:
-        return Effect.absent(asymmetric)
-    return Effect(True, True, symmetric)
+    return Effect.absent(asymmetric) if asymmetric else Effect(True, True, symmetric)
 
 
 def decide_far_field(context: Context) -> Effect:

@@ -432,7 +432,7 @@ def _show_rows(title: str, rows: Sequence[Row], console: Console, units: Units) 
     """Print rows with as many columns as fit, and further columns in tables below. Empty columns
     are left out.
     """
-    width = min(console.width, WIDEST)
+    width, whole = min(console.width, WIDEST), console.options.update(max_width=10**6)
     left, above = quantity_rows.filled(rows), title
 
     def table(names: Sequence[str]) -> Table:
@@ -444,7 +444,7 @@ def _show_rows(title: str, rows: Sequence[Row], console: Console, units: Units) 
 
     while left:
         count = len(left)
-        while count > 1 and _wide(table(left[:count]), console) > width:
+        while count > 1 and table(left[:count]).__rich_measure__(console, whole).maximum > width:
             count -= 1
         if not above:
             console.print()
@@ -495,11 +495,6 @@ def column_table(
 def exact(value: float) -> float:
     """A number of a table, 0 where it is but rounding."""
     return value if abs(value) > NOTHING else 0.0
-
-
-def _wide(table: Table, console: Console) -> int:
-    """Number of characters of the full width of a table."""
-    return table.__rich_measure__(console, console.options.update(max_width=10**6)).maximum
 
 
 def show_failure(summary: dict[str, Any], console: Console) -> None:

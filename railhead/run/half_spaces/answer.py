@@ -9,7 +9,6 @@ import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
@@ -19,16 +18,13 @@ from railhead.half_spaces import shearing
 from railhead.half_spaces.allowance import added_stress
 from railhead.half_spaces.pressing import FINE, Pressed
 from railhead.half_spaces.shearing import Sheared
-from railhead.planning import effects
-from railhead.planning.context import PostSolveVerdict
 from railhead.planning.effects import interface, shape
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.findings import Findings
-from railhead.postprocess.pass_rows import Passes
 from railhead.postprocess.patch import compare, half_space
 from railhead.run.estimates import Parts, friction_errors
 from railhead.run.half_spaces import second_method
-from railhead.run.mesh_solution import MeshSolution, read_friction
+from railhead.run.mesh_solution import Answered, MeshSolution, read_friction
 from railhead.run.progress import Progress
 from railhead.scene.quantities import numeric_values
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
@@ -47,17 +43,13 @@ STRESSES = "tau_max_MPa", "von_mises_max_MPa"
 
 
 @dataclass(frozen=True, kw_only=True)
-class HalfSpaceSolution:
+class HalfSpaceSolution(Answered):
     """A scene solved between half-spaces, and the quantities read from the solution; all of it on
     every rank.
 
-    plan: the plan that was solved.
     ellipse: exact Hertz for the curvatures at the first contact, an ellipse or a line contact,
         under the load or approach of the scene.
     reason: why there is no solution; empty where there is one.
-    findings: patch, pressure and stresses; None without a solution.
-    result: "result" of summary.json, without what friction does to the steel; None without a
-        solution.
     error_parts: relative error estimates by key of summary.json, in parts that add up: what finite
         bodies would change, and the error of the grid. Empty without a solution.
     friction: tractions at the cells that touch; None without friction.
@@ -65,35 +57,26 @@ class HalfSpaceSolution:
         summary.json; empty where there are none.
     elastic_reference: the same scene without friction; None where it has none.
     seconds: of the solution and of its reading, s.
-    passes: of the wheel over the rail; None where there are none.
-    fields, residual_state: None; there is no mesh, and no yield is simulated.
+    fields, unloaded_fields, residual_state, mirrors: None or empty; there is no mesh, no yield is
+        simulated, and nothing is cut.
     """
 
-    plan: Plan
     ellipse: Hertz
     reason: str = ""
-    findings: Findings | None = None
-    result: dict[str, Any] | None = None
     error_parts: Parts = field(default_factory=dict)
     friction: FrictionSolution | None = None
     other_friction: Mapping[str, dict[str, Any]] = field(default_factory=dict)
     elastic_reference: HalfSpaceSolution | None = None
     seconds: float = 0.0
-    passes: Passes | None = None
     fields: ClassVar[None] = None
+    unloaded_fields: ClassVar[None] = None
     residual_state: ClassVar[None] = None
+    mirrors: ClassVar[tuple[Any, ...]] = ()
 
     @property
     def load(self) -> float:
         """Vertical load that pressure and tractions carry, N; 0 without a solution."""
         return 0.0 if self.result is None else float(self.result["load_N"])
-
-    @cached_property
-    def after(self) -> dict[str, PostSolveVerdict]:
-        """Verdicts by name of the effect or assumption (`effects.check`); empty without a
-        solution.
-        """
-        return effects.check(self.plan.context, self.findings)
 
 
 Solved = MeshSolution | HalfSpaceSolution

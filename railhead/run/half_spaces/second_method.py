@@ -233,13 +233,6 @@ def solve_by_boundary_elements(
     return {**out, "grid_error": error / sheared.limit}
 
 
-def _by_key(forces: Array, stick: float) -> Numbers:
-    """Forces along, across (N) and moment (N mm), (3,), and stick share (of the area) by the keys
-    of "friction" in summary.json.
-    """
-    return dict(zip((*LOADS, BOTH[0]), map(float, (*forces, stick)), strict=True))
-
-
 def fastsim(
     patches: Sequence[PressedPatch], limit: float, pair: MaterialPair, motion: Sequence[float]
 ) -> Numbers:
@@ -259,8 +252,8 @@ def fastsim(
         *forces, stick = kalker.fastsim(a, b, carried, pair.shear_modulus, linear, local)
         total = total + _work(patch, forces)
         sticks, touches = sticks + stick * a * b, touches + a * b
-    wear = float(total @ [*motion, 1.0])
-    return {**_by_key(total[:3], sticks / touches), "t_gamma_N": wear}
+    known = *total[:3], sticks / touches, total @ [*motion, 1.0]
+    return dict(zip((*LOADS, BOTH[0], "t_gamma_N"), map(float, known), strict=True))
 
 
 def linear(patches: Sequence[PressedPatch], pair: MaterialPair, motion: Sequence[float]) -> Array:
