@@ -45,7 +45,7 @@ from railhead.solver.system.surfaces import Contact, Surfaces
 from railhead.theory.array_types import Array, Mask
 
 STAGE_TOLERANCE = 0.1  # residual over the contact force for the softer laws before a stiff one
-DIRECT_BELOW = {(3, 2): 12_000, (3, 1): 80_000, (2, 2): 200_000, (2, 1): 200_000}
+DIRECT_BELOW = {(3, 2): 6_000, (3, 1): 80_000, (2, 2): 200_000, (2, 1): 200_000}
 """Unknowns, by number of coordinates and degree, below which a factorisation is the cheapest
 preconditioner: multigrid is slow on stretched linear cells, factors of a section stay sparse."""
 
