@@ -1,7 +1,6 @@
 """Links, files, tests and rooms that pages name exist; lines are short; what README tells."""
 
 import re
-import shutil
 import subprocess
 import tomllib
 from importlib import metadata
@@ -110,17 +109,6 @@ def test_no_line_of_prose_is_wider(page: Path) -> None:
 
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-
-
-@pytest.mark.parametrize("target", ["run", "test", "deb"])
-def test_make_targets_exist(target: str) -> None:
-    make = shutil.which("make")
-    assert f"    make {target} " in README
-    done = subprocess.run(
-        [make, "-n", target], cwd=ROOT, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0
-    assert "./setup.sh" in done.stdout
 
 
 def peers() -> list[dict[str, str]]:

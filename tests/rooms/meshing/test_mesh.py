@@ -5,7 +5,6 @@ import os
 import signal
 from dataclasses import replace
 
-import gmsh
 import numpy as np
 import pytest
 from dolfinx import fem
@@ -86,14 +85,6 @@ def _points(made: mesh.ContactMesh, tag: int) -> np.ndarray:
     space = compat.vector_space(made.mesh, 1)
     corners = fem.locate_dofs_topological(space, 2, made.facet_tags.find(tag))
     return compat.dof_points(space)[corners]
-
-
-def test_the_same_input_gives_the_same_mesh() -> None:
-    def digits() -> np.ndarray:
-        with blocks.model(bodies("head", half=True), GRADING, Options("tetrahedron", 1, True)):
-            return np.asarray(gmsh.model.mesh.getNodes()[1])
-
-    np.testing.assert_array_equal(digits(), digits())
 
 
 def test_flat_elements_are_refused_loudly() -> None:

@@ -130,30 +130,6 @@ def test_an_ellipse_that_slips_everywhere_reaches_its_exact_temperature() -> Non
         assert (found[0] == found[1]).all()
 
 
-def test_the_field_holds_the_heat_that_the_bodies_took() -> None:
-    """Abel: what a line took up to S is e sqrt(V/pi) int_0^S T(s)/sqrt(S - s) ds, here at S one
-    patch length behind the patch; no factor of the field is used."""
-    count = 256
-    x, y, pressure = ellipse(count)
-    width, room = x[1] - x[0], count // 2
-    x = np.concatenate([x[0] - width * np.arange(room, 0, -1), x])
-    flux = np.concatenate([np.zeros((room, count)), 0.3 * pressure])
-    end = x[0] - width / 2
-    for body in STEEL.temperatures(x, flux):
-        weight = 2 * (np.sqrt(x - end + width / 2) - np.sqrt(x - end - width / 2))
-        line = EFFUSIVITY * math.sqrt(SPEED / math.pi) * math.sqrt(1e-3) * (weight @ body)  # W/m
-        power = line.sum() * (y[1] - y[0]) * 1e-3
-        assert 2 * power == pytest.approx(0.3 * LOAD * 1.0, rel=3e-3)
-
-
-def test_bodies_of_unlike_warmth_share_their_mean() -> None:
-    warm = Heat(speed=SPEED, bulk_wheel=150.0)
-    x, _, pressure = ellipse(16)
-    assert (warm.temperatures(x, 0 * pressure) == 75.0).all()
-    added = warm.temperatures(x, pressure) - STEEL.temperatures(x, pressure)
-    np.testing.assert_allclose(added, 75.0)
-
-
 def test_heat_follows_the_constants_and_not_the_direction_across() -> None:
     """Rises fall with the root of V lambda rho c; lines across do not heat each other."""
     x, _, pressure = ellipse(16)

@@ -78,8 +78,10 @@ def test_all_patches_are_in_every_picture(blocks, sheets: list[Figure], tmp_path
     render.bodies(volume, 1, found, tmp_path / "w.png")
     render.fringes(volume, 1, render.STRESSES, found, tmp_path / "s.png")
     diagrams.patch(found, None, tmp_path / "p.png")
+    diagrams.depth(found, case.ellipse, 0.3, tmp_path / "d.png")
+    assert not any(map(cut_off, sheets))
     places = (1, 0, 0)  # of the panel
-    for figure, place in zip(sheets, places, strict=True):
+    for figure, place in zip(sheets[:3], places, strict=True):
         axes = figure.axes[place]
         lines = [line for line in axes.lines if len(line.get_xydata()) > 1]
         assert len(lines) >= 2
@@ -87,7 +89,6 @@ def test_all_patches_are_in_every_picture(blocks, sheets: list[Figure], tmp_path
             x, y = np.asarray(line.get_xydata()).T
             (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
             assert left <= x.min() and x.max() <= right and low <= y.min() and y.max() <= high
-        assert not cut_off(figure)
 
 
 def test_a_cut_along_the_rail_says_where_it_is(blocks, sheets: list[Figure], tmp_path) -> None:
@@ -102,14 +103,6 @@ def test_a_cut_along_the_rail_says_where_it_is(blocks, sheets: list[Figure], tmp
     legend = figure.subfigs[1].legends[0] if figure.subfigs else figure.legends[0]
     assert legend.get_texts()[-1].get_text().endswith("cut at s = 0.5 mm")
     assert not cut_off(figure)
-
-
-def test_long_labels_do_not_leave_the_sheet(blocks, sheets: list[Figure], tmp_path) -> None:
-    case = blocks(cut=False)
-    found = replace(case.findings, subject=Subject(TITLE, gauge=True))
-    render.fringes(case.volume, 1, render.STRESSES, found, tmp_path / "s.png")
-    diagrams.depth(found, case.ellipse, 0.3, tmp_path / "d.png")
-    assert not any(map(cut_off, sheets))
 
 
 @pytest.mark.parametrize(

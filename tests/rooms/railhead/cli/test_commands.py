@@ -8,14 +8,13 @@ import operator
 import os
 import subprocess
 import sys
-import tomllib
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 
 import command
 import pytest
 from click.shell_completion import BashComplete
-from solved import scene_of, solved
+from solved import solved
 
 import railhead as rh
 from railhead.cli.commands import railhead
@@ -107,11 +106,6 @@ def test_summary_differs_from_hertz_by_shares(summary) -> None:
     assert summary["difference"]["patch"]["a_mm"] == pytest.approx((a - exact) / exact)
     assert exact == pytest.approx(4.33609754384)
     assert summary["difference"]["contact_point_mm"] is None  # coordinates have none
-
-
-def test_scene_toml_is_the_scene_that_was_solved(result) -> None:
-    assert tomllib.loads((result / "scene.toml").read_text())["mesh"]["patch_size"] == 1.2
-    assert rh.find(result / "scene.toml") == scene_of("uic54_thesis", "mesh.patch_size=1.2")
 
 
 NO_HALF_SPACE = {"two_cylinders": 0.01}  # patch over radius 0.12

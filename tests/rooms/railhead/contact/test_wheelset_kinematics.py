@@ -12,6 +12,7 @@ import railhead as rh
 from railhead.contact import solid, wheelset_kinematics
 from railhead.contact.solid import Contact, place
 from railhead.half_spaces import shearing
+from railhead.half_spaces.surface import develop
 from railhead.planning import simulation_plan as planning
 from railhead.run import model_setup
 from railhead.run.half_spaces.second_method import solve_by_boundary_elements
@@ -181,6 +182,34 @@ def test_finite_elements_roll_as_half_spaces_do(shift: float) -> None:
     rolled = independent(contact, [each.pressed for each in pressed], 460.0)
     for name in FORCES:
         assert answer[name] / answer["limit_N"] == pytest.approx(rolled[name], abs=0.02)
+
+
+YOUNG = 207e3
+
+
+@pytest.mark.parametrize("rail, wheel, share", [
+    (YOUNG, YOUNG, 0.5), (YOUNG, math.inf, 0.0), (math.inf, YOUNG, 1.0), (YOUNG, 3 * YOUNG, 0.25),
+])  # fmt: skip
+def test_the_wheels_own_displacement_moves_its_points(
+    rail: float, wheel: float, share: float
+) -> None:
+    """Along h/R and across -x h'/R, with h between the tread and the crown by the wheel's share of
+    the compliance. Finite elements, whose strains hold that displacement, have the tread's h."""
+    crown = {"profile": "arc", "crown_radius": 300.0, "young_modulus": rail}
+    tread = {"profile": "arc", "rolling_radius": 420.0, "transverse_radius": -900.0}
+    moves = {"friction": {"coefficient": MU}, "rolling": {"creepage_along": 1e-3}}
+    given = rh.Scene(load=25e3, rail=crown, wheel=tread | {"young_modulus": wheel}, **moves)
+    contact = planning.make(given.replace(["effects.plasticity=off"])).contact
+    x, s = np.array([-3.0, 0.0, 2.0]), np.linspace(-4, 4, 161)
+    slip = develop(contact).slip(x, s)
+    lower, upper = (math.copysign(1, r) * (r**2 - s**2) ** 0.5 - r for r in (300.0, 900.0))
+    height = share * lower + (1 - share) * upper
+    bent = np.gradient(height, s)
+    np.testing.assert_allclose(slip[3, 0, 1], height / 420.0, atol=2e-8)
+    np.testing.assert_allclose(slip[3, 1], -x[:, None] * bent / 420.0, atol=1e-6)
+    points = develop(contact).points(0 * s, s)
+    still = wheelset_kinematics.rigid_slip(contact)(points)
+    np.testing.assert_allclose(still[3, :, 0], upper / 420.0, atol=2e-8)
 
 
 def test_the_plan_says_the_numbers_and_the_axle() -> None:

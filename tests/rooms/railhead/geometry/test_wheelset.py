@@ -1,7 +1,6 @@
 """A wheelset on its track, against the Manchester geometry and a search in three dimensions."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -111,16 +110,6 @@ def test_a_curve_of_150_m_moves_contacts_by_less_than_0_06_mm() -> None:
     off, gap = deviation(*at_random(41), curve=1 / 150e3)
     assert 0.05 < off < 0.06
     assert 4e-4 < gap < 5e-4
-
-
-@pytest.mark.parametrize("roll", [None, 2e-3])
-def test_the_mirror_of_unlike_sides_is_the_same_to_the_bit(roll: float | None) -> None:
-    given = WheelsetOnTrack(right=PAIR, left=UNLIKE, track=TRACK, yaw=4e-3, roll=roll)
-    mirror = replace(given, right=UNLIKE, left=PAIR, yaw=-4e-3, roll=roll and -roll)
-    one, two = given.place(3.0, 0.05), mirror.place(-3.0, 0.05)
-    assert one.right.touches == two.left.touches and one.left.touches == two.right.touches
-    assert one.roll == -two.roll
-    assert one.rolling_radius_difference == -two.rolling_radius_difference
 
 
 def test_a_larger_wheel_rolls_the_axle_by_what_it_is_larger() -> None:

@@ -6,7 +6,6 @@ from pathlib import Path
 import command
 import numpy as np
 import pytest
-import pyvista
 from one_line import refusal
 from PIL import Image
 from solved import solved
@@ -33,16 +32,6 @@ def refused(folder: Path) -> str:
 
 def run(*arguments: str) -> int:
     return command.status("run", *arguments, *FAST)
-
-
-def test_a_result_is_replaced_as_a_whole(tmp_path: Path) -> None:
-    folder = tmp_path / "out"
-    write(folder, "old", "summary.json", "patch.png")
-    result_folder.check_folder(folder)
-    write(folder, "new")
-    assert sorted(os.listdir(folder)) == [".railhead", "scene.toml", "summary.json"]
-    assert (folder / "summary.json").read_text() == "new"
-    assert os.listdir(tmp_path) == ["out"]
 
 
 def test_a_scene_beside_its_result_survives(tmp_path: Path, capsys) -> None:
@@ -195,13 +184,6 @@ def test_a_folder_stands_alone(here: Path) -> None:
     with Image.open("sent/profile.png") as picture:
         picture.verify()
         assert picture.info["Comment"].startswith(f"railhead {rh.__version__}, 20")
-
-
-def test_grids_say_where_they_are_from(tmp_path: Path) -> None:
-    solved("sphere_on_plane").save(tmp_path / "out", pictures=False)
-    text = (tmp_path / "out" / "contact.vtu").read_bytes()[:200].decode()
-    assert f"<!-- railhead {rh.__version__}, 20" in text and "N, mm, MPa" in text
-    assert pyvista.read(tmp_path / "out" / "contact.vtu").n_points > 0
 
 
 def test_no_text_of_a_table_is_a_formula_of_a_spreadsheet() -> None:

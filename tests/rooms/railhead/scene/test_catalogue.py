@@ -2,6 +2,7 @@
 
 import math
 import os
+import re
 from pathlib import Path
 
 import pytest
@@ -171,6 +172,16 @@ def test_profile_path_starts_at_the_file(here: Path, monkeypatch: pytest.MonkeyP
     monkeypatch.chdir("/")
     path.write_text(tomli_w.dumps(scene.model_dump(exclude_none=True)))
     assert read_scene(path) == scene
+
+
+def test_another_profile_under_the_same_name_is_another_scene(tmp_path) -> None:
+    """Else old numbers and new ones would stand in one table of a sweep that goes on."""
+    places = set()
+    for text in ("0,0\n", "0,1\n"):
+        (tmp_path / "p.csv").write_text(text)
+        scene = Scene(load=1, rail={"profile": str(tmp_path / "p.csv")})
+        places.add(portable(scene)["rail"]["profile"])
+    assert len(places) == 2 and all(re.fullmatch("input/.+/p.csv", each) for each in places)
 
 
 @pytest.mark.parametrize(

@@ -12,10 +12,9 @@ from concurrent.futures import Future
 from contextlib import contextmanager
 from pathlib import Path
 
-import numpy as np
 import pytest
 from solved import planned, solved
-from sweep_command import COMMAND, KEYS, ROLLER, refused, rows, solved_sweep, sweep
+from sweep_command import COMMAND, KEYS, ROLLER, refused, rows, sweep
 
 import railhead as rh
 from railhead.planning import simulation_plan as planning
@@ -36,17 +35,6 @@ def test_a_row_for_each_combination(swept: Path) -> None:
     )
     for row in found:
         assert float(row["found load [N]"]) == pytest.approx(float(row["load [N]"]))
-
-
-def test_combinations_with_a_mesh_of_their_own_are_single_runs(tmp_path: Path) -> None:
-    over = ("--over", "wheel.rolling_radius=420mm,460mm", "--no-pictures")
-    row = rows(solved_sweep(tmp_path / "out", *ROLLER, *over))[1]
-    one = solved("long_roller", "mesh.patch_size=0.4", "wheel.rolling_radius=460")
-    assert row[KEYS["wheel.rolling_radius"]] == "460.0"
-    for name, value in (("p_max [MPa]", one.pressure.max), ("a [mm]", one.patch.a),
-                        ("tau_max [MPa]", one.stress.tau_max),
-                        ("found approach [mm]", one.approach)):  # fmt: skip
-        assert float(row[name]) == pytest.approx(value, rel=1e-9), name
 
 
 def test_one_group_of_loads_is_shared_among_idle_processes() -> None:
@@ -93,26 +81,6 @@ def checks(found: rh.Sweep) -> list[str]:
 
 
 def _nothing(*_: object) -> None: ...
-
-
-def test_another_profile_under_the_same_name_is_another_sweep(
-    capsys, tmp_path: Path, monkeypatch, in_this_process
-) -> None:
-    """Else old numbers and new ones would stand in one table."""
-    monkeypatch.setattr(parallel, "_solve", _nothing)
-    y = np.linspace(-30.0, 30.0, 121)
-    file, out = tmp_path / "p.csv", tmp_path / "out"
-    scene = tmp_path / "scene.toml"
-    scene.write_text('load = "25 kN"\n[rail]\nprofile = "p.csv"\n')
-    asked = (str(scene), "--over", "load=25kN,30kN", "--set", "mesh.patch_size=2mm", "--quiet",
-             "--no-pictures", "--out", str(out))  # fmt: skip
-    np.savetxt(file, np.column_stack([y, -(y**2) / 600]), delimiter=",")
-    assert sweep(*asked) == 1
-    capsys.readouterr()
-    np.savetxt(file, np.column_stack([y, -(y**2) / 400]), delimiter=",")
-    assert sweep(*asked) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert "holds another sweep, with scene.rail.profile input/" in line and "p.csv" in line
 
 
 def test_one_that_does_not_converge_leaves_the_others(

@@ -75,19 +75,6 @@ def weighted(rows: PETSc.Mat, weights: np.ndarray, y: PETSc.Vec) -> np.ndarray:
     return np.array(out.array)
 
 
-@pytest.mark.parametrize("theta", [1, -1])
-def test_the_stiffness_has_the_part_of_the_law_that_all_active_sets_share(theta: int) -> None:
-    """K - theta S^T w S, with K of a penalty; of the softer laws of stages as well."""
-    laws = ContactLaw("penalty"), *(ContactLaw("nitsche", theta, factor) for factor in (1, 7))
-    plain, soft, stiff = (contact_model(law=law).problem for law in laws)
-    y = plain.force.duplicate()
-    y.setRandom()
-    for problem in (soft, stiff, soft.with_law(stiff.law), stiff.with_law(soft.law)):
-        expected = (plain.stiffness * y).array - theta * weighted(problem.stress, problem.weight, y)
-        size = np.abs(expected).max()
-        np.testing.assert_allclose((problem.stiffness * y).array, expected, atol=1e-12 * size)
-
-
 def test_what_is_added_to_the_stiffness_may_couple_to_the_approach() -> None:
     """As the normal stress of cells beside the hub does."""
     problem = contact_model().problem

@@ -7,7 +7,7 @@ from railhead.geometry.surfaces import ParabolicGap
 from railhead.meshing.bodies import CONTACT, RAIL, WHEEL
 from railhead.solver.space import contact_interface
 from railhead.solver.space.contact_interface import ContactLaw
-from railhead.solver.space.facets import FacetSet, facet_closure, pair
+from railhead.solver.space.facets import FacetSet, pair
 from studies.hard.block_pairs import contact_model
 
 
@@ -26,14 +26,6 @@ def test_only_nitsches_parameter_is_doubled_where_cells_lie_in_layers(model) -> 
 
 def surface(model, tag: int) -> FacetSet:
     return FacetSet.on(model.bulk, model.facet_tags.find(CONTACT + tag))
-
-
-def test_closure_lists_the_dofs_on_the_facet(model) -> None:
-    cell, degree = model.interface.slave.cell, 2
-    facets = surface(model, RAIL)
-    points = facets.dof_points()
-    closure = facet_closure(cell, degree)[facets.local_facet]
-    assert np.abs(np.take_along_axis(points[..., 2], closure, axis=1)).max() < 1e-12
 
 
 def test_each_point_is_paired_with_the_one_straight_above(model) -> None:

@@ -71,25 +71,6 @@ def test_largest_stresses_below_a_strip_are_those_in_its_middle(coefficient: flo
         assert value == pytest.approx(invariant(known).max(), rel=1e-3)
 
 
-def test_stress_is_in_equilibrium_and_free_beside_the_patch() -> None:
-    """Of one cell with pressure: tractions of the surface, and forces on a plane below."""
-    _, found = pair(1.0)
-    pressure = np.zeros_like(found.pressure)
-    pressure[20, 30] = 700.0
-    cell = PatchSolution(found.x, found.s, found.angle, pressure, found.gap, found.approach)
-    x, s = found.x[20], found.s[30]
-    step = found.x[1] - found.x[0]
-    below, beside = grid_stress.stress(
-        cell, 0.3, np.array([[x, s, -1e-6], [x + 3 * step, s, -1e-6]])
-    )
-    assert below[2] == pytest.approx(-700, rel=1e-4)
-    assert np.abs(beside[[2, 4, 5]]).max() < 0.1
-    u = np.linspace(-150, 150, 301) * step
-    plane = np.array([[x + a, s + b, -4 * step] for a in u for b in u])
-    force = -grid_stress.stress(cell, 0.3, plane)[:, 2].sum() * step**2
-    assert force == pytest.approx(cell.force, rel=0.01)
-
-
 @pytest.mark.parametrize("across", [False, True])
 def test_stress_below_tractions_is_that_of_a_sliding_ellipse(across: bool) -> None:
     """`theory.friction.sliding` sums plane waves."""

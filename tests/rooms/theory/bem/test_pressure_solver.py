@@ -101,16 +101,6 @@ def test_a_flat_circular_punch_presses_as_johnson_says() -> None:
     assert np.all(patch.pressure[outside] == 0) and np.all(np.isinf(patch.gap[outside]))
 
 
-@pytest.mark.parametrize("gap", [paraboloid(3.0), lopsided])
-def test_load_and_approach_control_agree(gap) -> None:
-    by_load = solve(gap, MODULUS, load=LOAD)
-    by_approach = solve(gap, MODULUS, approach=by_load.approach)
-    assert by_approach.approach == by_load.approach
-    assert by_approach.load == pytest.approx(LOAD, rel=5e-5)
-    assert by_approach.max_pressure == pytest.approx(by_load.max_pressure, rel=1e-4)
-    assert by_approach.semi_axes == pytest.approx(by_load.semi_axes, rel=1e-4)
-
-
 def test_another_load_on_the_same_grids_is_that_load() -> None:
     """Without a gap; two windows press each other, and the coarser solution is pressed, too."""
 

@@ -13,6 +13,7 @@ from railhead.theory.elastic.hertz import (
     point_contact_from_approach,
 )
 
+ARGUMENTS = 1e-3, 1e-3, 1e5, 1e3
 RATIOS = [1e-9, 1e-6, 1e-3, 0.3, 0.999999, 1.0, 1.0000001, 4.0, 1e6]
 
 
@@ -62,21 +63,13 @@ def test_contact_modulus_with_a_rigid_body() -> None:
     assert contact_modulus(7e4, 0.33, 2e5, 0.28) == contact_modulus(2e5, 0.28, 7e4, 0.33)
 
 
-@pytest.mark.parametrize("wrong", [0.0, -1.0, math.nan, math.inf])
-@pytest.mark.parametrize(
-    ("position", "name"),
-    [(0, "curvature_x"), (1, "curvature_y"), (2, "contact_modulus"), (3, "load")],
-)
-def test_point_contact_refuses(wrong: float, position: int, name: str) -> None:
-    arguments = [1e-3, 1e-3, 1e5, 1e3]
-    arguments[position] = wrong
-    with pytest.raises(ValueError, match=f"{name} must be positive and finite"):
-        point_contact(*arguments)
-
-
 @pytest.mark.parametrize(
     ("call", "words"),
     [
+        *((lambda k=k, wrong=wrong: point_contact(*ARGUMENTS[:k], wrong, *ARGUMENTS[k + 1 :]),
+           f"{name} must be positive and finite")
+          for k, name in enumerate(("curvature_x", "curvature_y", "contact_modulus", "load"))
+          for wrong in (0.0, -1.0, math.nan, math.inf)),
         (lambda: point_contact_from_approach(1e-3, 1e-3, 1e5, -0.1), "approach must be positive"),
         (lambda: line_contact(1e-3, 1e5, 0), "load_per_length must be positive"),
         (lambda: line_contact(0.0, 1e5, 10.0), "curvature"),
@@ -84,7 +77,7 @@ def test_point_contact_refuses(wrong: float, position: int, name: str) -> None:
         (lambda: contact_modulus(1, 0.3, 1, 0.51), r"Poisson's ratio must lie in \(-1, 0.5\]"),
         (lambda: contact_modulus(math.inf, 0.3, math.inf, 0.3), "one body must be elastic"),
     ],
-)
-def test_other_wrong_input_is_refused(call, words: str) -> None:
+)  # fmt: skip
+def test_wrong_input_is_refused(call, words: str) -> None:
     with pytest.raises(ValueError, match=words):
         call()

@@ -115,23 +115,26 @@ def test_far_creepages_slip_wholly_along_their_direction(table) -> None:
     assert np.hypot(*far[:2]) == pytest.approx(1.0, abs=0.02)
 
 
-@pytest.mark.parametrize("place", [(0, 0, 30.0), (0, 10.0, -30.0), (math.nan, 0, 0)])
-def test_spin_beyond_the_table_is_refused(table, place) -> None:
-    """There the forces go on falling with spin, whatever the law."""
-    with pytest.raises(ValueError, match="is not allowed; give finite ones, S within -10 to 10"):
-        table.scaled(1.0, np.array(place))
+ABOVE = ".* not allowed; give a finite one above 0"
+SPIN = "is not allowed; give finite ones, S within -10 to 10"
 
 
 @pytest.mark.parametrize(
-    ("contact", "text"),
+    ("place", "text"),
     [
-        ((-6.0, -6.0, 82e3, 24e3), "a = -6.0 is"), ((6.0, 0.0, 82e3, 24e3), "b = 0.0 is"),
-        ((6.0, 6.0, math.inf, 24e3), "shear_modulus = inf"), ((6.0, 6.0, 82e3, -24e3), "limit = -"),
+        ((-6.0, -6.0, 82e3, 24e3), f"^a = -6.0 is{ABOVE}"),
+        ((6.0, 0.0, 82e3, 24e3), f"^b = 0.0 is{ABOVE}"),
+        ((6.0, 6.0, math.inf, 24e3), f"^shear_modulus = inf{ABOVE}"),
+        ((6.0, 6.0, 82e3, -24e3), f"^limit = -{ABOVE}"),
+        ((1.0, (0, 0, 30.0)), SPIN), ((1.0, (0, 10.0, -30.0)), SPIN),
+        ((1.0, (math.nan, 0, 0)), SPIN),
+        ((2.0, (0, 0, 0)), "a/b = 2 is outside of the table, 1 to 1"),
     ],
 )  # fmt: skip
-def test_what_is_no_contact_is_refused(table, contact, text) -> None:
-    with pytest.raises(ValueError, match=f"^{text}.* not allowed; give a finite one above 0"):
-        table(*contact, along=1e-3)
+def test_what_is_no_place_of_the_table_is_refused(table, place, text) -> None:
+    """No contact, and scaled places beyond: there forces go on falling with spin."""
+    with pytest.raises(ValueError, match=text):
+        table(*place, along=1e-3) if len(place) > 2 else table.scaled(place[0], np.array(place[1]))
 
 
 def test_the_stated_error_holds_at_other_places(table) -> None:
@@ -215,11 +218,6 @@ def test_a_wrong_request_is_one_line_and_writes_nothing(keys, text, tmp_path) ->
     with pytest.raises(SceneError, match=f"^{text}"):
         creep_tables.creep_table(tmp_path / "none", **keys)
     assert not (tmp_path / "none").exists()
-
-
-def test_an_axis_ratio_outside_is_refused(table) -> None:
-    with pytest.raises(ValueError, match="a/b = 2 is outside of the table, 1 to 1"):
-        table.scaled(2.0, np.zeros(3))
 
 
 LAW = (0.4, 5.0, 0.2)

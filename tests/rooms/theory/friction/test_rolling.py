@@ -234,12 +234,6 @@ def test_extreme_patches_and_creepages_hold_the_law_of_friction(
     assert rolled.t_gamma > 0
 
 
-def test_nothing_slips_where_nothing_is_asked(small: HalfSpaceFriction) -> None:
-    rest = small.solve(Creepage())
-    assert np.divide(*rest.areas) == 1.0
-    assert rest.forces == (0.0, 0.0, 0.0)
-
-
 def test_given_forces_are_met_and_those_beyond_the_limit_refused(small: HalfSpaceFriction) -> None:
     limit = small.solve(Creepage()).limit
     for along, across in ((0.5, None), (None, -0.7), (0.6, 0.3), (0.0, 0.0), (0.99, None)):

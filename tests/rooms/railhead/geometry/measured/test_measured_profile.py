@@ -135,19 +135,6 @@ def test_faces_are_kept_up_to_a_limit(slope: float, is_kept: bool) -> None:
     assert profile.domain[1] - points[-1, 0] == pytest.approx(reach, abs=0.15)
 
 
-def test_undercut_sides_are_cut_off() -> None:
-    """A head with vertical and undercut sides keeps the part that faces upwards."""
-    points = rail()
-    down = np.arange(-12.0, -30.0, -0.25)
-    left = np.column_stack([points[0, 0] + 0.1 * (-12 - down), down])[::-1]
-    right = np.column_stack([points[-1, 0] - 0.1 * (-12 - down), down])
-    _, profile = measured.from_points("rail", np.concatenate([left[:-8], points, right[8:]]))
-    start, end = profile.domain
-    assert (start, end) == pytest.approx((points[0, 0], points[-1, 0]), abs=0.5)
-    y = np.linspace(-30, 30, 61)
-    np.testing.assert_allclose(profile.height(y), profiles.rail_head("60E1").height(y), atol=2e-3)
-
-
 @pytest.mark.parametrize(
     ("points", "words"),
     [

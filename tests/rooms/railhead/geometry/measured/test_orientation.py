@@ -323,37 +323,27 @@ def test_simpack_bounds_and_inches(tmp_path) -> None:
     np.testing.assert_allclose(found.points[:, 0], -y[6:22], atol=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("text", "line", "words"),
-    [
-        ("header.begin\n", 1, "without point.begin"),
-        ("point.begin\n1 2\n", 2, "without point.end"),
-        ("point.begin\n1 2\n3 x\npoint.end", 3, "no point"),
-        ("mirror.y = yes\npoint.begin\n1 2\npoint.end", 1, "give a number"),
-        ("units.ang.f = 0\npoint.begin\n1 2\npoint.end", 1, "give a number"),
-        ("units.len.f = 1e999\npoint.begin\n1 2\npoint.end", 1, "give a number"),
-        ("point.begin\npoint.end", 2, "no points"),
-    ],
-)
-def test_broken_simpack_files_are_refused(text, line, words, tmp_path) -> None:
-    with pytest.raises(FormatError, match=f"rail.prr, line {line}: .*{words}"):
-        read(tmp_path, text, "rail.prr")
-
-
 ROWS = "1 2\n3 4\n5 6\n"
 
 
 @pytest.mark.parametrize(
-    ("text", "words"),
+    ("text", "name", "line", "words"),
     [
-        ("1 2\n3 4\n", "line 2: ends after 2 points"),
-        (f"XYPoints=2\n\n{ROWS}3 four\n", "line 6: .*no point"),
-        (f"[Profile1Data]\n{ROWS}[Profile2Data]\n{ROWS}", "line 6: begins another profile"),
+        ("header.begin\n", "rail.prr", 1, "without point.begin"),
+        ("point.begin\n1 2\n", "rail.prr", 2, "without point.end"),
+        ("point.begin\n1 2\n3 x\npoint.end", "rail.prr", 3, "no point"),
+        ("mirror.y = yes\npoint.begin\n1 2\npoint.end", "rail.prr", 1, "give a number"),
+        ("units.ang.f = 0\npoint.begin\n1 2\npoint.end", "rail.prr", 1, "give a number"),
+        ("units.len.f = 1e999\npoint.begin\n1 2\npoint.end", "rail.prr", 1, "give a number"),
+        ("point.begin\npoint.end", "rail.prr", 2, "no points"),
+        ("1 2\n3 4\n", "rail.mpt", 2, "ends after 2 points"),
+        (f"XYPoints=2\n\n{ROWS}3 four\n", "rail.mpt", 6, "no point"),
+        (f"[Profile1Data]\n{ROWS}[Profile2Data]\n{ROWS}", "rail.mpt", 6, "begins another profile"),
     ],
 )
-def test_broken_miniprof_files_are_refused(text: str, words: str, tmp_path) -> None:
-    with pytest.raises(FormatError, match=f"rail.mpt, {words}"):
-        read(tmp_path, text, "rail.mpt")
+def test_broken_files_of_instruments_are_refused(text, name, line, words, tmp_path) -> None:
+    with pytest.raises(FormatError, match=f"{name}, line {line}: .*{words}"):
+        read(tmp_path, text, name)
 
 
 HEADERS = {

@@ -189,15 +189,6 @@ def test_lines_fit_eighty_columns(arguments: list[str], capsys, here, monkeypatc
         assert any(line.startswith(11 * " ") for line in lines)  # words go on below their column
 
 
-def test_effects_that_have_no_part_in_a_scene_are_one_line(capsys) -> None:
-    """One that a person chose is told."""
-    command.status("plan", "hertz_ellipse")
-    out = capsys.readouterr().out
-    assert "no part    plane_strain, axisymmetry, surface_shape," in out and "│ symmetry_x " in out
-    command.status("plan", "hertz_ellipse", "--without", "mean_dilatation")
-    assert "│ mean_dilatation " in capsys.readouterr().out
-
-
 def test_what_a_person_switched_off_is_no_failing(capsys) -> None:
     """Yield is called for, and half-spaces cannot have it; whoever switched it off knows."""
     plan = "plan", "uic54_22t5_axle", "--without", "finite_bodies"

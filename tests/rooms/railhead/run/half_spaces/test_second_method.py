@@ -15,7 +15,7 @@ from railhead.results import checks
 from railhead.results.report import terminal
 from railhead.run.half_spaces import second_method
 from railhead.run.half_spaces.second_method import solve_by_boundary_elements
-from railhead.theory.friction import kalker, partial_slip
+from railhead.theory.friction import kalker
 from railhead.theory.friction.kalker import fastsim
 from railhead.theory.friction.rolling import Creepage
 
@@ -46,23 +46,6 @@ def two() -> planning.Plan:
 @pytest.fixture(scope="module")
 def patches(two: planning.Plan):
     return shearing.patches(two.context.half_spaces, pressure(two), 32)
-
-
-def test_boundary_elements_shift_as_mindlin() -> None:
-    plan, force = ellipse(), (3000.0, -2000.0)
-    found = friction_found(MU * 25e3, force=force)
-    answer = solve_by_boundary_elements(plan, found, plan.hertz, (16, 32))
-    size = math.hypot(*force)
-    pair = plan.context.tangential_pair
-    compliances = partial_slip.initial_compliance(
-        plan.hertz.a, plan.hertz.b, pair.shear_modulus, pair.poisson
-    )
-    for way, part, each in zip(("along", "across"), force, compliances, strict=True):
-        known = partial_slip.ellipse_shift(each, 7500.0, size / 7500.0)
-        assert answer[f"force_{way}_N"] == pytest.approx(part, abs=0.1)
-        assert answer[f"shift_{way}_mm"] == pytest.approx(known * part / size, rel=0.02)
-    assert answer["stick_share"] == pytest.approx((1 - size / 7500) ** (2 / 3), abs=0.04)
-    assert answer["grid_error"] < 1e-5 and "t_gamma_N" not in answer
 
 
 def test_what_sticks_in_any_patch_is_the_patch_of_the_force_that_is_left() -> None:
