@@ -6,6 +6,7 @@ Modules that a command needs are imported when it runs: imports are half of a sh
 from __future__ import annotations
 
 import io
+import math
 import os
 import shutil
 import sys
@@ -472,7 +473,7 @@ def steel(
     amplitude: str | None,
     cycles: int,
     **options: Any,
-) -> None:
+) -> int:
     """Show what a steel does, or fit it to a test (a FILE with columns strain, stress)."""
     from railhead.cli.steels import steel_tests
     from railhead.scene.units import STRESS, to_base
@@ -483,8 +484,13 @@ def steel(
             stress |= {} if given is None else {name: to_base(given, STRESS)}
         except ValueError as error:
             raise SceneError(f"--{name}", str(error)) from None
+    refuse_first(
+        (stress.get("amplitude", 1.0) <= 0, "--amplitude", f"{amplitude} is not above 0"),
+        (math.isnan(recall_exponent), "--recall-exponent", "nan is no number; give 0 to 30"),
+    )
     found = steel_tests(source, assignments, backstresses, recall_exponent, cycles=cycles, **stress)
     _report(found, Path(source).stem, "steel", **options)
+    return SOLVED if found.fits else CHECK_FAILED
 
 
 def _report(

@@ -34,6 +34,7 @@ TENSION = np.append(0.0, np.geomspace(1e-3, 0.04, 80))  # strains on the way to 
 CURVE = np.linspace(0.0, 0.02, 101)  # strains of the curve in tension
 RANGE, LOOPS, STEPS = 0.006, 3, 30  # largest strain of the loops, their number, steps each way
 SHARE = 0.1  # of the amplitude: the mean stress that is not asked for; and less than the loop
+POOR = 0.1  # of the largest stress: misfit from which the keys do not describe the test
 ROUNDING = 12  # decimals of strains that cycles add
 TABLES = (".csv", ".txt", ".dat")
 
@@ -118,6 +119,11 @@ class SteelTests(Examined):
         wrong = np.abs(self.curve[:, 1] - self.measured[:, 1])
         return float(wrong.max()), float(self.measured[np.argmax(wrong), 0])
 
+    @property
+    def fits(self) -> bool:
+        """Whether the model is within a tenth (POOR) of the largest stress of the test, if any."""
+        return self.measured is None or self.misfit[0] <= POOR * np.abs(self.measured[:, 1]).max()
+
     def summary(self) -> dict[str, Any]:
         """Content of summary.json: "steel" (its keys), "rule", "proof_MPa" at 0.2 and 1 % of
         plastic strain, "loop_MPa", "ratchetting", and of a test "misfit_MPa" and its strain.
@@ -184,7 +190,8 @@ class SteelTests(Examined):
             most, at = self.misfit
             share = most / float(np.abs(self.measured[:, 1]).max())
             text = f"{units.text(most, 'MPa')} at most, {share:.1%} of the largest stress, at the"
-            lines.append(f"misfit     {text} strain {at:.4g}")
+            poor = "" if self.fits else ": THESE KEYS DO NOT DESCRIBE THE TEST"
+            lines.append(f"misfit     {text} strain {at:.4g}{poor}")
         for line in lines:
             terminal.labelled(console, line)
 

@@ -30,6 +30,7 @@ FAR = 3.0  # of a fit's logarithms from where it starts
 WORTH = 1e-2  # of the largest stress: Voce's part is left out below
 LEAST = 1e-5  # plastic strain of a test that goes beyond yield
 ZERO = 0.05  # of the largest stress: what a test may start with
+STIFF = 1e4, 1e6  # MPa, Young's moduli of metals: others are tests in other units
 
 
 class Bar:
@@ -133,7 +134,7 @@ def fitted(strain: Array, stress: Array, count: int, exponent: float = 0.0) -> M
     stresses (n,), MPa, at its strains (n,), of which some 100 (MOST) count, the turns among them.
 
     Raises ValueError (one line) for a test that does not start at zero stress, that stays elastic,
-    or that has fewer rows than constants.
+    that has fewer rows than constants, or whose Young's modulus is not that of a metal (STIFF).
     """
     top = float(np.abs(stress).max())
     if abs(stress[0]) > ZERO * top:
@@ -142,9 +143,13 @@ def fitted(strain: Array, stress: Array, count: int, exponent: float = 0.0) -> M
         text = f"give {2 * count + 4} or more for {count} back stresses"
         raise ValueError(f"the test has {len(strain)} rows; {text}")
     start = slice(0, max(int(np.argmax(np.abs(stress) > LINEAR * top)), 2))
-    young = float(np.polyfit(strain[start], stress[start], 1)[0])
+    flat = not np.ptp(strain[start])
+    young = 0.0 if flat else float(np.polyfit(strain[start], stress[start], 1)[0])
+    if not STIFF[0] <= young <= STIFF[1]:
+        text = "give strain and stress in MPa, or name the units in the header: strain [%]"
+        raise ValueError(f"the test starts with a Young's modulus of {young:.4g} MPa; {text}")
     plastic = strain - stress / young
-    if not (young > 0 and np.ptp(plastic) > LEAST):
+    if np.ptp(plastic) <= LEAST:
         raise ValueError("the test stays elastic; give one that goes beyond yield")
     back = turns(strain, ZERO * float(np.ptp(strain)))
     first = _begun(plastic, stress, back, count, exponent)

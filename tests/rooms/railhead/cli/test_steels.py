@@ -89,6 +89,14 @@ def test_what_is_no_steel_is_refused_in_one_line(here) -> None:
     ):
         Path(name).write_text(text)
         assert said in refusal(lambda name=name: steel_tests(name, [], 1, 0.0)), name
+    rows = exact_test()
+    for scales in ((100.0, 1.0), (1.0, 1e-3), (1.0, 0.0)):  # per cent, GPa, no slope
+        file = Path("units.csv")
+        np.savetxt(file, rows * scales, delimiter=",", header="strain,stress", comments="")
+        text = refusal(lambda: steel_tests("units.csv", [], 1, 0.0))
+        assert "Young's modulus of" in text and "strain [%]" in text
+    for option, value in (("--amplitude", "0"), ("--recall-exponent", "nan")):
+        assert command.status("steel", "1070", option, value) == 2
     assert "give a steel (R260" in refusal(lambda: steel_tests("R999", [], 1, 0.0))
     assert "cannot be read" in refusal(lambda: steel_tests("none.csv", [], 1, 0.0))
     assert "rail.steel: is not given" in refusal(
@@ -106,3 +114,13 @@ def test_the_command_writes_keys_tables_and_a_picture(here, capsys) -> None:
     assert found["ratchetting"]["mean_MPa"] == 50.0
     names = {path.name for path in Path("results/1070_steel").iterdir()}
     assert {"steel.png", "curve.csv", "loops.csv", "cycles.csv", "scene.toml"} < names
+
+
+def test_a_test_that_softens_is_no_fit(here, capsys) -> None:
+    rows = [(i * 5e-4, i * 100.0) for i in range(6)] + [
+        (i * 0.01, 700.0 - 40 * i) for i in range(1, 12)
+    ]
+    np.savetxt("soft.csv", rows, delimiter=",", header="strain,stress", comments="")
+    fit = "steel", "soft.csv", "--backstresses", "1", "--no-pictures"
+    assert command.status(*fit, "--cycles", "1", "--amplitude", "100MPa") == 1
+    assert "DO NOT DESCRIBE THE TEST" in " ".join(capsys.readouterr().out.split())
