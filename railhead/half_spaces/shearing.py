@@ -150,12 +150,6 @@ class Sheared:
         return np.asarray(self.scale * np.sum([each.forces for each in self.found], axis=0))
 
     @property
-    def stick_share(self) -> float:
-        """Share of the area of all patches that sticks."""
-        sticks, touches = np.sum([each.areas for each in self.found], axis=0)
-        return float(sticks / touches)
-
-    @property
     def upwards(self) -> float:
         """Vertical component of the tractions of the wheel on the rail, N, positive upwards; the
         load is that of the pressure less this.

@@ -170,27 +170,21 @@ class Context:
         one radius each.
         Raises ValueError where boundary elements cannot tell.
         """
-        if self._still:
-            return 0.0
         angle = allowance.twist(self.contact, self.hertz)
-        aside = allowance.CENTRE * angle
-        return allowance.change(self.half_spaces, self.boundary_elements, angle, aside)
+        return self._moved(angle, allowance.CENTRE * angle)
 
     @cached_property
     def sideways_change(self) -> float:
         """The same as the side force of the contact moves the rail head (`allowance.sideways`)."""
-        aside = 0.0 if self._still else allowance.sideways(self.contact, self.hertz)
-        if not aside:
-            return 0.0
-        return allowance.change(self.half_spaces, self.boundary_elements, 0.0, aside)
+        return self._moved(0.0, allowance.sideways(self.contact, self.hertz))
 
-    @property
-    def _still(self) -> bool:
-        """Whether a motion of the rail head changes nothing."""
+    def _moved(self, angle: float, aside: float) -> float:
+        """The same where the rail head turns by `angle` (rad) and moves by -aside (mm)."""
         rail = self.scene.rail
-        shaped = rail.profile == "arc" or bool(rail.sections)
-        still = self.one_radius or shaped or math.isinf(rail.young_modulus)
-        return still or self.contact.why_asymmetric_in_y() is None
+        still = not (angle or aside) or rail.profile == "arc" or bool(rail.sections)
+        if still or self.one_radius or self.contact.why_asymmetric_in_y() is None:
+            return 0.0
+        return allowance.change(self.half_spaces, self.boundary_elements, angle, aside)
 
     @property
     def one_radius(self) -> bool:
@@ -210,19 +204,13 @@ class Context:
         curved = self.contact.curved_solid
         return closed_forms.gap_deviation(self.contact, self.hertz) if curved else 0.0
 
-    @property
-    def hertzian(self) -> bool:
-        """Whether exact Hertz gives the patch before anything is solved: where the gap is Hertz's
-        parabola within 2 % (HERTZ).
-        """
-        return self.gap_deviation < HERTZ
-
     @cached_property
     def elastic(self) -> BoundaryElementSolution | str:
-        """Boundary-element solution where the patch is not Hertz's; else text: empty where the
-        patch is Hertz's, or the reason why boundary elements find no closed patch.
+        """Boundary-element solution where the gap differs from Hertz's parabola by 2 % (HERTZ) or
+        more; else text: empty, as exact Hertz gives the patch before anything is solved, or the
+        reason why boundary elements find no closed patch.
         """
-        if self.hertzian:
+        if self.gap_deviation < HERTZ:
             return ""
         try:
             return self.boundary_elements

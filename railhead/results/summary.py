@@ -56,6 +56,7 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
     judged = checks.run(solved, known, second, reached=reached)
     judged += checks.friction(solved, known, beside)
     judged += checks.passes(solved)
+    stages = {key: sum(each.seconds[key] for each in levels) for key in solved.seconds}
     cost, missing = ending.would_cost, checks.not_made(solved, judged, second, beside)
     missing |= checks.not_asked(plan)
     return _summary(
@@ -98,7 +99,7 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
             "newton_iterations": len(newton.history),
             "linear_iterations": sum(step.linear_iterations for step in newton.history),
             "peak_rss_MB": _peak_memory(),
-            "seconds": _seconds(levels),
+            "seconds": {**stages, "total": sum(stages.values())},
         },
     )
 
@@ -392,9 +393,3 @@ def exact_quantities(solved: Solved) -> dict[str, Any]:
     stresses = scene.asks("stresses") or scene.asks("friction_stresses")
     poisson = solved.plan.poisson_ratios if stresses else {}
     return compare.from_exact(hertz, poisson, angle, contact.origin, approach)
-
-
-def _seconds(levels: list[MeshSolution]) -> dict[str, float]:
-    """Seconds of all meshes together by stage, and "total"."""
-    stages = {key: sum(solved.seconds[key] for solved in levels) for key in levels[-1].seconds}
-    return {**stages, "total": sum(stages.values())}

@@ -188,10 +188,11 @@ def _others(plan: Plan, curve: CreepCurve) -> Iterator[Point]:
     for motion in curve.motions:
         given = motion.along, motion.across, motion.spin
         sheared = shearing.shear(patches, pair, motion, (None, None), rolling=True)
+        sticks, touches = np.sum([each.areas for each in sheared.found], axis=0)
         quick = second_method.fastsim(patches, limit, pair, given)
         straight = second_method.linear(patches, pair, given)
         for by, forces, sticking in (
-            ("boundary elements", sheared.forces, sheared.stick_share),
+            ("boundary elements", sheared.forces, sticks / touches),
             ("FASTSIM", np.array([*quick.values()][:3]), quick["stick_share"]),
             ("linear theory", straight, None),
         ):

@@ -21,7 +21,7 @@ from railhead.planning.effects import interface, shape
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess import friction
 from railhead.postprocess.findings import Findings
-from railhead.postprocess.friction import LOADS
+from railhead.postprocess.friction import AT_BORDER, LOADS
 from railhead.postprocess.patch import compare
 from railhead.postprocess.patch import half_space as findings
 from railhead.run.mesh_solution import MeshSolution
@@ -36,8 +36,6 @@ from railhead.theory.friction.rolling import CELLS, Creepage
 from railhead.theory.friction.solution import FrictionSolution
 from railhead.theory.friction.tangential import MaterialPair
 
-BOTH = friction.AT_BORDER
-"""Keys of numbers that do not grow with the force."""
 SLENDER = 20.0  # largest axis ratio in the tables of the linear theory
 GROWING_PATCH = "unlike bodies slip while the patch grows, which is not followed there"
 STRIP_ACROSS = "a strip of unlike bodies across the rail"
@@ -223,12 +221,12 @@ def solve_by_boundary_elements(
     like = rolling and pair.like
     solution = sheared.solution(points, centred=like, line=contact.line)
     numbers = friction.quantities(solution, rolling=rolling, like=pair.like, speed=None)
-    keys = [LOADS[0], *BOTH] if contact.line else [*LOADS, *BOTH]
+    keys = [LOADS[0], *AT_BORDER] if contact.line else [*LOADS, *AT_BORDER]
     keys += ["t_gamma_N"] * like
     if not rolling and contact.solid_half_space:
         keys += friction.MOTION[False][:2]
     scale = found.friction_limit / sheared.limit if rolling else 1.0  # finite bodies' normal force
-    out = {key: numbers[key] * (1.0 if key in BOTH else scale) for key in keys}
+    out = {key: numbers[key] * (1.0 if key in AT_BORDER else scale) for key in keys}
     error = max(numbers["grid_error"][way] for way in LOADS[:2])
     return {**out, "grid_error": error / sheared.limit}
 
@@ -253,7 +251,7 @@ def fastsim(
         total = total + _work(patch, forces)
         sticks, touches = sticks + stick * a * b, touches + a * b
     known = *total[:3], sticks / touches, total @ [*motion, 1.0]
-    return dict(zip((*LOADS, BOTH[0], "t_gamma_N"), map(float, known), strict=True))
+    return dict(zip((*LOADS, AT_BORDER[0], "t_gamma_N"), map(float, known), strict=True))
 
 
 def linear(patches: Sequence[PressedPatch], pair: MaterialPair, motion: Sequence[float]) -> Array:
