@@ -54,13 +54,13 @@ def _lists(
     return lists
 
 
-def _rows(_: click.Context, __: click.Parameter, file: Path | None) -> list[dict[str, object]]:
+def _rows(_: click.Context, option: click.Parameter, file: Path | None) -> list[dict[str, object]]:
     """Rows of values of a file by dotted key. Raises SceneError for a file without any."""
     if file is None:
         return []
     from railhead.sweeps.grid import read_rows
 
-    return read_rows(file)
+    return read_rows(file, option.opts[0])
 
 
 over = click.option(

@@ -221,11 +221,11 @@ def parse_values(texts: Sequence[str]) -> dict[str, list[object] | Law]:
     return lists
 
 
-def read_rows(path: Path) -> list[dict[str, object]]:
+def read_rows(path: Path, option: str = "--over-file") -> list[dict[str, object]]:
     """Rows of values by dotted key from a table of comma-separated values (or semicolons).
 
     The first line names the keys, each with a unit in brackets where the numbers below have none,
-    "wheelset.shift [mm]". Raises SceneError for a file that is no such table.
+    "wheelset.shift [mm]". option: for messages. Raises SceneError for a file that is no such table.
     """
     try:
         lines = lines_of(path)
@@ -236,17 +236,18 @@ def read_rows(path: Path) -> list[dict[str, object]]:
         reason = getattr(error, "strerror", None) or error
         advice = "give a .csv file in UTF-8, with a closing quote for each"
         text = f"{str(path)!r} is no table: {reason}; {advice}"
-        raise SceneError("--over-file", text) from None
-    heads = [head.rstrip("]").partition(" [") for head in (table[0][1] if table else ())]
-    if len(table) < 2 or len({key for key, _, _ in heads}) < len(heads):
+        raise SceneError(option, text) from None
+    pairs = [head.rstrip("]").partition("[") for head in (table[0][1] if table else ())]
+    heads = [(key.strip(), of) for key, _, of in pairs]
+    if len(table) < 2 or len({key for key, _ in heads}) < len(heads):
         text = f"{str(path)!r} is no table; give a line of different keys and lines of values"
-        raise SceneError("--over-file", text)
+        raise SceneError(option, text)
     rows = []
     for number, line in table[1:]:
         if len(line) != len(heads) or not all(line):
             text = f"line {number} of {str(path)!r} has no {len(heads)} values; give one a key"
-            raise SceneError("--over-file", text)
-        texts = (f"{key}={cell}{of}" for (key, _, of), cell in zip(heads, line, strict=True))
+            raise SceneError(option, text)
+        texts = (f"{key}={cell}{of}" for (key, of), cell in zip(heads, line, strict=True))
         rows.append(dict(map(assignment, texts)))
     return rows
 

@@ -39,6 +39,7 @@ DRAWN = (
 LATER = (TABLE, FIELDS, SAMPLE, *WORST, *DRAWN)
 """Names of what is written into the folder of a sweep."""
 POLL = 0.5  # s between two looks at the finished jobs
+ROWS = "rows of a file"  # stands for the values of a key that has no law
 LOST_RECORD = "its record is gone: something else has written into the folder"
 
 
@@ -81,8 +82,8 @@ class ParallelSweep:
         over = {key: [row[key] for row in rows] for key in self.grid.keys}
         if not self.grid.listed:
             over = {key: list(dict.fromkeys(values)) for key, values in over.items()}
-        if (laws := self.grid.laws) is not None:
-            over |= {key: [text] for key, text in laws.items()}
+        if (laws := self.grid.laws) is not None:  # records tell whether rows are those of before
+            over = {key: [laws.get(key, ROWS)] for key in over}
         return {
             "railhead": result_folder.VERSION,
             "scene": portable(self.grid.base),
@@ -147,7 +148,10 @@ def _check_records(sweep: ParallelSweep) -> None:
         elif number >= len(sweep.grid.scenes) or record["over"] != json.loads(
             result_folder.to_json(sweep.values(number))
         ):
-            raise store.broken(path)
+            if sweep.grid.laws is None:
+                raise store.broken(path)
+            text = f"{str(sweep.folder)!r} has another sample {number}; {store.ADVICE}"
+            raise SceneError("--out", text)
 
 
 def _solve_all(

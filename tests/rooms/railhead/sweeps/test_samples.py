@@ -66,7 +66,7 @@ def test_rows_of_a_file_are_samples_whose_keys_depend_on_each_other(tmp_path) ->
     rows = [(1.0, 20.0), (2.0, 25.0), (3.0, 30.0)]
     file, out = tmp_path / "rows.csv", tmp_path / "out"
     file.write_text(
-        "load [kN],rolling.creepage_along [%]\n" + "".join(f"{b},{a}\n" for a, b in rows)
+        "load [kN],rolling.creepage_along[%]\n" + "".join(f"{b},{a}\n" for a, b in rows)
     )
     given = "--samples-file", str(file), "--over", "friction.coefficient=normal(0.3, 0.01)"
     fast = "sweep", "hertz_ellipse", "--fast", "--only", "pictures", "--quiet"
@@ -94,3 +94,21 @@ def test_a_refused_value_is_a_failed_sample_and_not_the_end(tmp_path, capsys) ->
     assert command.status(*given) == 1  # goes on
     file.write_text("load [kN]\n-20\n-5\n")
     assert command.status(*S1002, "--samples-file", str(file), "--out", str(out)) == 2
+
+
+def test_more_rows_keep_the_first_ones_and_other_rows_are_refused(tmp_path, capsys) -> None:
+    file, out = tmp_path / "rows.csv", tmp_path / "out"
+    asked = "sweep", "hertz_ellipse", "--fast", "--only", "patch", "--quiet"
+    asked = *asked, "--samples-file", str(file), "--out", str(out)
+    file.write_text("load [kN]\n20\n")
+    assert command.status(*asked) == 0
+    first = (out / "records" / "00000.json").read_text()
+    file.write_text("load [kN]\n20\n30\n")
+    assert command.status(*asked) == 0 and len(rh.load(out).rows()) == 2
+    assert (out / "records" / "00000.json").read_text() == first
+    file.write_text("load [kN]\n20\n35\n")
+    assert command.status(*asked) == 2
+    assert "has another sample 1" in capsys.readouterr().err
+    file.write_text("load [kN],load [N]\n25\n")
+    assert command.status(*asked) == 2
+    assert capsys.readouterr().err.startswith("railhead: --samples-file: ")
