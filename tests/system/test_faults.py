@@ -225,8 +225,7 @@ def test_names_that_the_output_does_not_know_are_escaped(tmp_path) -> None:
 def test_a_command_in_a_folder_in_use_is_refused(tmp_path, capsys) -> None:
     folder = str(tmp_path / "out")
     with result_folder.claimed(tmp_path / "link" / ".." / "out"):
-        assert command.status("run", *CASE, folder) == 2
-    (line,) = capsys.readouterr().err.splitlines()
+        line = command.refused(capsys, "run", *CASE, folder)
     assert (
         line
         == f"railhead: --out: {folder!r} is in use by another command; wait for it, or give another"

@@ -45,6 +45,8 @@ def test_verdict_names_what_was_wrongly_left_out() -> None:
     ]
     assert effects.wrong(fine) == []
     assert effects.verdict(fine).startswith("Yes: of 1 effects")
+    told = effects.verdict([run("", True, 0.0), run("far_field", False, 0.001)])
+    assert "0 change p_max" in told and "less:\n\n- `far_field`" in told  # kept without need
     bad = [*fine, run("plasticity", True, 0.03), run("symmetry_y", False, -0.02)]
     assert [row["effect"] for row in effects.wrong(bad)] == ["plasticity", "symmetry_y"]
     assert effects.verdict(bad).startswith("**No.**")
@@ -56,8 +58,3 @@ def test_what_the_scene_switched_off_is_no_fault_of_the_plan() -> None:
     told = effects.verdict([run("", True, 0.0), run("friction", True, 0.001), overruled])
     assert told.startswith("Yes: of 1 effects")
     assert "`plasticity` of made_up. The scene switches it off. It would change 30 %." in told
-
-
-def test_an_effect_kept_without_need_is_named_too() -> None:
-    told = effects.verdict([run("", True, 0.0), run("far_field", False, 0.001)])
-    assert "0 change p_max" in told and "less:\n\n- `far_field`" in told

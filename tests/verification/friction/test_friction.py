@@ -294,10 +294,3 @@ def test_what_slips_everywhere_carries_the_integral_over_hertz_s_pressure(kind: 
     assert answer["force_along_N"] / 60e3 == pytest.approx(integral(0), rel=within)
     assert answer["coefficient"] == pytest.approx(integral(0), rel=within)
     assert answer["moment_Nmm"] / 60e3 == pytest.approx(-integral(1), rel=10 * within)
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_pairs_of_one_coefficient_are_that_number(kind: str) -> None:
-    one, other = (friction(slides(kind, each)) for each in (0.3, [[-3, 0.3], [2, 0.3]]))
-    for name in ("force_along_N", "limit_N", "traction_max_MPa"):
-        assert other[name] == pytest.approx(one[name], rel=1e-12)

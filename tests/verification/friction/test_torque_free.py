@@ -84,15 +84,6 @@ def test_the_force_that_pulls_a_wheelset_without_torque_is_what_it_dissipates(gi
     assert sum(forces) == pytest.approx(dissipated, abs=2e-4 * limit)
 
 
-def test_the_left_wheel_of_the_mirrored_wheelset_rolls_as_the_right_one() -> None:
-    one, other = passed(scene(4.0, 0.0096)), passed(scene(-4.0, -0.0096, "left"))
-    for name in ("axle_radius_mm", "creepage_along", "creepage_across", "spin_per_mm"):
-        assert wheelset(other)[name] == pytest.approx(wheelset(one)[name], rel=1e-6)
-    for name in ("force_along_N", "force_across_N", "moment_Nmm"):
-        limit = friction(one)["limit_N"]
-        assert friction(other)[name] == pytest.approx(friction(one)[name], abs=1e-6 * limit)
-
-
 def test_without_such_a_motion_the_answer_says_so_and_fails(monkeypatch) -> None:
     monkeypatch.setattr(torque_free, "BALANCE", -1.0)
     result = rh.solve(unlike(), quiet=True)

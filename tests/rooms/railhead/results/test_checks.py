@@ -32,9 +32,9 @@ def mesh_solution() -> MeshSolution:
 UNKNOWN = {"reason": "nobody knows"}
 
 
-def failed(mesh_solution: MeshSolution, second=UNKNOWN, reached=None) -> list[str]:
+def failed(mesh_solution: MeshSolution, second=UNKNOWN) -> list[str]:
     known = estimates.totals(estimates.estimate([mesh_solution])[0])
-    judged = checks.run(mesh_solution, known, second, reached=reached)
+    judged = checks.run(mesh_solution, known, second, reached=None)
     return [check.name for check in judged if not check.passed]
 
 
@@ -190,12 +190,6 @@ def test_the_second_opinion_is_about_the_problem_of_the_scene(given, checked) ->
     assert ("of the problem that was chosen" in summary["accuracy"]["source"]) != checked
 
 
-def test_a_missed_accuracy_fails(mesh_solution) -> None:
-    accurate = asked(mesh_solution, "accuracy=5%")
-    assert failed(accurate, reached=True) == []
-    assert failed(accurate, reached=False) == ["accuracy"]
-
-
 def test_the_range_of_shear_over_pressure_is_that_of_hertz() -> None:
     ratios = [
         contact.axis_extrema(nu).tau_max / contact.p0
@@ -205,19 +199,6 @@ def test_the_range_of_shear_over_pressure_is_that_of_hertz() -> None:
     ]
     low, high = checks.SHEAR_OVER_PRESSURE
     assert low < min(ratios) and max(ratios) < high
-
-
-@pytest.mark.parametrize(
-    ("case", "assignments", "name"),
-    [
-        ("hertz_ellipse", ["mesh.patch_size=5"], "elements_across"),
-        ("long_roller", ["mesh.patch_size=1e6"], "elements_across"),
-        ("sphere_on_plane", ["mesh.patch_size=0.8"], "elements_across"),
-    ],
-)
-def test_coarse_meshes_are_not_signed(case, assignments, name) -> None:
-    result = solved(case, *assignments)
-    assert not result.passed and name in result.failed
 
 
 @pytest.mark.parametrize(

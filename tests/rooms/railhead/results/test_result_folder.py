@@ -41,8 +41,7 @@ def test_a_scene_beside_its_result_survives(tmp_path: Path, capsys) -> None:
     scene = folder / "mine.toml"
     scene.write_text("load = 25000\n")
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
-    assert run(str(scene), "--out", str(folder)) == 2
-    (line,) = capsys.readouterr().err.splitlines()
+    line = command.refused(capsys, "run", str(scene), "--out", str(folder), *FAST)
     assert "'mine.toml'" in line
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
 
@@ -146,8 +145,8 @@ def test_another_result_is_never_replaced_unasked(here: Path, capsys) -> None:
     assert "another kind of result" in refusal(
         lambda: result_folder.check_free(out, "locate", result.plan.scene, force=False)
     )
-    assert run("sphere_on_plane", "--out", "out") == 2  # another size of the elements
-    (line,) = capsys.readouterr().err.splitlines()
+    # Another size of the elements.
+    line = command.refused(capsys, "run", "sphere_on_plane", "--out", "out", *FAST)
     assert "--out: 'out' holds a result of another scene" in line and "--force" in line
     (out / "scene.toml").write_text(kept.replace("[rail]", "# mine\n[rail]"))
     assert "or an edited scene.toml" in refusal(lambda: result.save(out, pictures=False))
