@@ -126,21 +126,20 @@ def allowance(
     spans = [
         (_patches(solved, span), _bodies(pair, deformable, span)) for span in pair.facing.spans
     ]
-    patches = [each for patches, _ in spans for each in patches]
-    forces = np.zeros(1) if len(patches) == 1 else _force_changes(pair, spans)
-    changes = [
-        {
-            "size": _size(patch, around),
-            "conformity": _conformity(patch, solved.contact_modulus),
-            "twist": twist,
-        }
-        for patches, around in spans
-        for patch in patches
-    ]
+    pairs = [(patch, around) for patches, around in spans for patch in patches]
+    forces = np.zeros(1) if len(pairs) == 1 else _force_changes(pair, spans)
     # A force is in the largest pressure to the power 1/3, and in the area to the power 2/3.
     found = [
-        (patch, {**parts, "share": float(force) / 3})
-        for patch, parts, force in zip(patches, changes, forces, strict=True)
+        (
+            patch,
+            {
+                "size": _size(patch, around),
+                "conformity": _conformity(patch, solved.contact_modulus),
+                "twist": twist,
+                "share": float(force) / 3,
+            },
+        )
+        for (patch, around), force in zip(pairs, forces, strict=True)
     ]
     _, top = max(found, key=lambda each: each[0].max_pressure * (1 + sum(each[1].values())))
     areas = [patch.area for patch, _ in found]

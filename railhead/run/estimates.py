@@ -282,8 +282,11 @@ def _of_rigid_bodies(solved: MeshSolution) -> set[str]:
     """
     assert solved.result is not None
     stress = solved.result.get("stress", {})
-    keys = [each.key for each in QUANTITIES if each.ridge_stress]
-    return {key for key in keys if stress.get(key.replace("_MPa", "_body")) in solved.plan.rigid}
+    return {
+        each.key
+        for each in QUANTITIES
+        if each.ridge_stress and stress.get(each.key.replace("_MPa", "_body")) in solved.plan.rigid
+    }
 
 
 def estimate(meshes: Sequence[MeshSolution]) -> tuple[Parts, str]:

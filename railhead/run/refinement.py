@@ -121,9 +121,7 @@ def unplanned_yield(solved: MeshSolution, comm: MPI.Intracomm) -> str:
     """
     effect, after = solved.plan.effects["plasticity"], solved.after.get("plasticity")
     kept = effect.on or effect.override or "on" in effect.refused
-    if after is None or not after.needed or kept:
-        return comm.bcast("")
-    return comm.bcast(after.why)
+    return comm.bcast("" if after is None or not after.needed or kept else after.why)
 
 
 def _affordable(plan: Plan) -> float:

@@ -495,11 +495,8 @@ def _symmetric(power: int, way: int, mirrors: tuple[Array, ...]) -> bool:
     """Whether the smooth traction of P = 1, u, v (power 0, 1, 2) along (way 0) or across (1) is its
     own image in each symmetry plane.
     """
-    for plane in mirrors:
-        axis = int(np.argmax(np.abs(plane)))
-        if (power == axis + 1) != (way == axis):
-            return False
-    return True
+    axes = (int(np.argmax(np.abs(plane))) for plane in mirrors)
+    return all((power == axis + 1) == (way == axis) for axis in axes)
 
 
 def _places(x: Array, y: Array) -> Array:
