@@ -16,9 +16,6 @@ SIX = ("--over", "load=50kN,80kN,110kN", "--over", "wheel.rolling_radius=420mm,4
 ROLLER = ("long_roller", "--set", "mesh.patch_size=0.4", "--quiet")
 
 
-COMMAND = [*command.START, "sweep"]
-
-
 KEYS = {"load": "load [N]", "wheel.rolling_radius": "wheel.rolling_radius [mm]"}
 
 

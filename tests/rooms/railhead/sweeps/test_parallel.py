@@ -3,18 +3,14 @@
 Scenes that share a mesh, and those that do not.
 """
 
-import json
 import os
-import signal
-import subprocess
-import time
 from concurrent.futures import Future
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 from solved import planned, solved
-from sweep_command import COMMAND, KEYS, ROLLER, refused, rows, sweep
+from sweep_command import KEYS, ROLLER, refused, rows, sweep
 
 import railhead as rh
 from railhead.planning import simulation_plan as planning
@@ -142,31 +138,6 @@ def test_what_has_no_memory_now_is_tried_again(tmp_path, monkeypatch, in_this_pr
         (short,) = checks(parallel.run(task, pictures=False, quiet=True))
     assert "NOT SOLVED" in short and "GB free" in short
     assert checks(parallel.run(task, pictures=False, quiet=True)) == ["passed"]
-
-
-@pytest.mark.system
-def test_a_kill_loses_only_what_was_running(tmp_path: Path, in_this_process) -> None:
-    """SIGKILL after the first records; the same command leaves these as they are."""
-    out = tmp_path / "out"
-    arguments = ["--over", "load=60kN,80kN", "--over", "wheel.rolling_radius=420mm,460mm",
-                 "--no-pictures", "--out", str(out)]  # fmt: skip
-    started = subprocess.Popen([*COMMAND, *ROLLER, *arguments], stderr=subprocess.DEVNULL)
-    while not store.done(out):
-        assert started.poll() is None
-        time.sleep(0.02)
-    started.send_signal(signal.SIGKILL)
-    started.wait()
-    time.sleep(1.0)  # processes of the sweep die with it
-    done = {path.name: path.stat().st_mtime_ns for path in (out / "records").glob("[0-9]*")}
-    assert 1 <= len(done) < 4
-    stamp = json.loads((out / "records" / min(done)).read_text())
-    stamp["summary"]["result"]["pressure"]["max_MPa"] = 1234.5  # to be found in the table
-    (out / "records" / min(done)).write_text(json.dumps(stamp))
-    assert sweep(*ROLLER, *arguments) == 0
-    found = rows(out)
-    assert len(found) == 4 and {row["checks"] for row in found} == {"passed"}
-    assert [row["p_max [MPa]"] for row in found].count("1234.5") == 1
-    assert not list((out / "records").glob(".*"))
 
 
 def test_a_sweep_has_one_datum_of_the_approach() -> None:

@@ -316,6 +316,22 @@ def test_a_record_that_is_none_of_its_combination_is_said(
     assert "00000.json' is broken; delete it and start again" in line
 
 
+def test_a_killed_sweep_loses_only_what_was_running(copied: Path, in_this_process) -> None:
+    """A record that was being written goes; the same command leaves whole ones as they are."""
+    records, kept = copied / "records", copied / "records" / "00000.json"
+    for path in records.glob("0000[2-5].*"):
+        path.unlink()
+    (records / ".00002.json.7").write_text("{")
+    stamp = json.loads(kept.read_text())
+    stamp["summary"]["result"]["pressure"]["max_MPa"] = 1234.5  # to be found in the table
+    kept.write_text(json.dumps(stamp))
+    assert command.status("sweep", *ROLLER, *SIX, "--no-pictures", "--out", str(copied)) == 0
+    found = rows(copied)
+    assert len(found) == 6 and {row["checks"] for row in found} == {"passed"}
+    assert [row["p_max [MPa]"] for row in found].count("1234.5") == 1
+    assert not list(records.glob(".*"))
+
+
 def test_what_else_lies_among_the_records_is_left_alone(copied: Path) -> None:
     shutil.copy(copied / "records" / "00001.json", copied / "records" / "00001 (copy).json")
     assert len(store.done(copied)) == len(rh.load(copied).rows()) == 6
