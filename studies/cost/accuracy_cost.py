@@ -29,6 +29,7 @@ ELEMENTS = {
 """Name: cell, order, elements per smaller semi-axis of the patch."""
 ASKED = ("none", "10%", "5%", "2%", "1%", "0.2%")  # none: as the case ships
 MAX_UNKNOWNS = 200_000  # predicted; finer meshes are left out
+REPEATS, SHORT = 3, 5.0  # runs below so many seconds are repeated; the least seconds count
 MAIN = ("a", "b", "p_max")
 ESTIMATED = ("a_mm", "b_mm", "area_mm2", "max_MPa")  # whose largest estimate is "estimate"
 DEFAULT, SOLID185 = ("nitsche", "tetrahedron 2"), ("penalty", "hexahedron 1")
@@ -106,8 +107,7 @@ def fixed_meshes(
                 predicted = planning.make(one).unknowns
                 progress.stage(f"{base.name}: {method}, {element}, b/{n:g}, about {predicted}")
                 run = _run(base, method, element, None, n, minor / n, predicted)
-                start = tables.processor_seconds()
-                yield _recorded(run, _solve(one), exact, start)
+                yield _timed(run, one, exact)
 
 
 def asked_accuracies(
@@ -120,11 +120,9 @@ def asked_accuracies(
     for asked in ASKED[:count]:
         progress.stage(f"{scene.name}: asked accuracy {asked}")
         accurate = scene.replace([f"accuracy={asked}"])
-        start = tables.processor_seconds()
-        done = _solve(accurate)
-        if isinstance(done, str) or done["accuracy"]["bound"]:
-            run = _run(scene, *DEFAULT, accurate.accuracy, None, None, None)
-            yield _recorded(run, done, exact, start)
+        row = _timed(_run(scene, *DEFAULT, accurate.accuracy, None, None, None), accurate, exact)
+        if row["seconds"] is None or row["estimate"] is not None:
+            yield row
 
 
 def _run(scene: Scene, *setting: Any) -> dict[str, Any]:
@@ -144,9 +142,18 @@ def _solve(scene: Scene) -> dict[str, Any] | str:
         return " ".join(f"{type(error).__name__}: {error}".split())
 
 
-def _recorded(run: dict[str, Any], done: dict[str, Any] | str, exact: Exact, start: float) -> Row:
-    """The run that has just ended with its price and its errors, or with the reason of its failure;
-    start: processor seconds before it."""
+def _timed(run: dict[str, Any], scene: Scene, exact: Exact) -> Row:
+    """The run of a scene, where it is short (SHORT) the quickest of REPEATS."""
+    rows = [_recorded(run, scene, exact)]
+    while len(rows) < REPEATS and (rows[0]["seconds"] or SHORT) < SHORT:
+        rows.append(_recorded(run, scene, exact))
+    return min(rows, key=lambda row: row["seconds"] or 0.0)
+
+
+def _recorded(run: dict[str, Any], scene: Scene, exact: Exact) -> Row:
+    """The run of a scene with its price and its errors, or with the reason of its failure."""
+    start = tables.processor_seconds()
+    done = _solve(scene)
     if isinstance(done, str):
         return run | {"failure": done}
     cost, converged = done["cost"], done["checks"]["converged"]
@@ -193,6 +200,8 @@ def page(rows: Sequence[Row], max_unknowns: int) -> str:
     return tables.render(
         "accuracy_cost",
         max_unknowns=max_unknowns,
+        short=f"{SHORT:g}",
+        repeats=REPEATS,
         asymptotic=ASYMPTOTIC,
         fronts={case: _factor_ten(own) for case, own in groups(rows, "case").items()},
         solid185=_rival(rows),
@@ -307,11 +316,21 @@ def _panel(axes: Axes, rows: Sequence[Row]) -> None:
             zorder=1,
         )
     halo = [patheffects.withStroke(linewidth=3, foreground="white")]
-    for number, row in enumerate(row for row in rows if row["asked"] is not None):
-        at = (row["seconds"], 100 * row["error"])
-        axes.plot(*at, "*", color=STAR, mec="black", ms=15, lw=0, label="asked accuracy", zorder=5)
+    asked = [row for row in rows if row["asked"] is not None]
+    for number, same in enumerate(groups(asked, "unknowns").values()):  # the same mesh
+        at = (same[0]["seconds"], 100 * same[0]["error"])
+        axes.plot(
+            *_curve(same),
+            "*",
+            color=STAR,
+            mec="black",
+            ms=15,
+            lw=0,
+            label="asked accuracy",
+            zorder=5,
+        )
         axes.annotate(
-            f"{100 * row['asked']:g} %",
+            ", ".join(f"{100 * row['asked']:g}" for row in same) + " %",
             at,
             xytext=(0, 15 * (-1) ** number),  # above and below by turns: neighbours may be close
             textcoords="offset points",
