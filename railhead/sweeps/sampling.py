@@ -36,6 +36,7 @@ KINDS = {
 SEED = 1
 SHARES = 0.05, 0.5, 0.95, 0.99
 DRAWS = 200  # of the bootstrap
+FEW = 8  # groups of samples below which shares of variance have no error
 SURE = 0.95  # share of samples in which the error of sampling holds
 LEAST = 1e-12  # share of a law, and distance from 1
 
@@ -147,7 +148,7 @@ def summary(
     """
     size = len(keys) + 2 if keys else 1
     out: dict[str, Any] = {
-        "samples": max((len(values) for values, _ in answers.values()), default=0),
+        "samples": max((len(values) for values, _ in answers.values()), default=len(failed)),
         "failed": {"count": len(failed), "names": {str(n): why for n, why in failed.items()}},
         "quantiles": {},
     }
@@ -178,12 +179,13 @@ def _quantiles(values: Array, errors: Array) -> dict[str, dict[str, float | None
     return found
 
 
-def _shares(groups: Array, keys: Sequence[str]) -> dict[str, dict[str, float]]:
+def _shares(groups: Array, keys: Sequence[str]) -> dict[str, dict[str, float | None]]:
     """Shares of variance by key, of groups (n, d + 2) of values as of `draw`: "first" of the key
-    alone, "total" with all others together, and "error", the larger one of both by bootstrap.
+    alone, "total" with all others together, and "error", the larger one of both by bootstrap, None
+    of fewer than 8 (FEW) groups, and where draws have no variance. Empty where nothing varies.
     """
     known = groups[np.isfinite(groups).all(axis=1)]
-    if len(known) < 2 or not known.var():
+    if len(known) < 2 or not known[:, :2].var():
         return {}
 
     def both(of: Array) -> Array:
@@ -193,7 +195,10 @@ def _shares(groups: Array, keys: Sequence[str]) -> dict[str, dict[str, float]]:
         return np.stack([1 - rest, total])
 
     chance = np.random.default_rng(SEED)
-    drawn = [both(known[chance.integers(len(known), size=len(known))]) for _ in range(DRAWS)]
-    error = ndtri((1 + SURE) / 2) * np.std(drawn, axis=0).max(axis=0)
-    columns = zip(keys, *both(known).tolist(), error.tolist(), strict=True)
+    drawn = [known[chance.integers(len(known), size=len(known))] for _ in range(DRAWS)]
+    error: list[float | None] = [None] * len(keys)
+    if len(known) >= FEW and all(of[:, :2].var() > 0 for of in drawn):
+        spread = np.std([both(of) for of in drawn], axis=0).max(axis=0)
+        error = (ndtri((1 + SURE) / 2) * spread).tolist()
+    columns = zip(keys, *both(known).tolist(), error, strict=True)
     return {key: {"first": one, "total": all_, "error": wide} for key, one, all_, wide in columns}

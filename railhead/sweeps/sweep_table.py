@@ -290,7 +290,7 @@ def _said(sample: Mapping[str, Any], units: Units) -> list[str]:
         lines += [f"{units.unit(name)}: {', '.join(texts)}"] if name in PANELS else []
     return lines + [
         f"variance of the largest pressure by {key}: {own['first']:.3f} alone, {own['total']:.3f} "
-        f"in all, within {own['error']:.3f}"
+        f"in all, within {'?' if own['error'] is None else format(own['error'], '.3f')}"
         for key, own in sample.get("sobol", {}).get(LARGEST, {}).items()
     ]
 

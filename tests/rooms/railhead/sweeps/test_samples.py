@@ -96,6 +96,15 @@ def test_a_refused_value_is_a_failed_sample_and_not_the_end(tmp_path, capsys) ->
     assert command.status(*S1002, "--samples-file", str(file), "--out", str(out)) == 2
 
 
+def test_too_few_samples_tell_no_error_of_shares(tmp_path, capsys) -> None:
+    asked = "sweep", "hertz_ellipse", "--fast", "--only", "patch", "--sobol", "--sample", "2"
+    over = "--over", "load=choice(20kN, 30kN)", "--out", str(tmp_path / "out")
+    assert command.status(*asked, *over) == 0
+    assert "in all, within ?" in " ".join(capsys.readouterr().out.split())
+    shares = json.loads((tmp_path / "out" / "sample.json").read_text())["sobol"]
+    assert shares["p_max [MPa]"]["load"]["error"] is None
+
+
 def test_more_rows_keep_the_first_ones_and_other_rows_are_refused(tmp_path, capsys) -> None:
     file, out = tmp_path / "rows.csv", tmp_path / "out"
     asked = "sweep", "hertz_ellipse", "--fast", "--only", "patch", "--quiet"
