@@ -107,7 +107,7 @@ def fixed_meshes(
                 predicted = planning.make(one).unknowns
                 progress.stage(f"{base.name}: {method}, {element}, b/{n:g}, about {predicted}")
                 run = _run(base, method, element, None, n, minor / n, predicted)
-                yield _timed(run, one, exact)
+                yield _timed(run, one, exact, 1 if sizes else REPEATS)
 
 
 def asked_accuracies(
@@ -120,7 +120,8 @@ def asked_accuracies(
     for asked in ASKED[:count]:
         progress.stage(f"{scene.name}: asked accuracy {asked}")
         accurate = scene.replace([f"accuracy={asked}"])
-        row = _timed(_run(scene, *DEFAULT, accurate.accuracy, None, None, None), accurate, exact)
+        run = _run(scene, *DEFAULT, accurate.accuracy, None, None, None)
+        row = _timed(run, accurate, exact, REPEATS)
         if row["seconds"] is None or row["estimate"] is not None:
             yield row
 
@@ -142,10 +143,10 @@ def _solve(scene: Scene) -> dict[str, Any] | str:
         return " ".join(f"{type(error).__name__}: {error}".split())
 
 
-def _timed(run: dict[str, Any], scene: Scene, exact: Exact) -> Row:
-    """The run of a scene, where it is short (SHORT) the quickest of REPEATS."""
+def _timed(run: dict[str, Any], scene: Scene, exact: Exact, repeats: int) -> Row:
+    """The run of a scene, where it is short (SHORT) the quickest of several (`repeats`)."""
     rows = [_recorded(run, scene, exact)]
-    while len(rows) < REPEATS and (rows[0]["seconds"] or SHORT) < SHORT:
+    while len(rows) < repeats and (rows[0]["seconds"] or SHORT) < SHORT:
         rows.append(_recorded(run, scene, exact))
     return min(rows, key=lambda row: row["seconds"] or 0.0)
 
