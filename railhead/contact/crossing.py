@@ -42,11 +42,13 @@ DIFFERENCE = 0.02  # mm, of slopes that make curvatures
 APART = 0.05  # mm: two lowest places as close are one
 NEAR = 0.3  # mm of height in which further contact points of a head are kept
 SAMPLES = 401  # points of a section at a contact
-READ_BY = {
+ELASTIC = {"young_modulus", "poisson_ratio"}
+PLACED = {
     "sections",
     "position",
     *(f"profile_{key}" for key in ("unit", "mirror", "flip", "shift")),
 }
+"""Keys of [rail] and [wing] that say where a head is; all others say what it is made of."""
 SECTIONS = "a rail of sections"
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -126,7 +128,8 @@ class Crossing:
 class OverSection(Height):
     """Height of a head over its section at a contact, swept straight along the rail, mm.
 
-    surface: of the head. section: at the contact. `position` is the contact's x, mm.
+    surface: of the head.
+    section: of it at the contact; the contact's x, mm, is `position`.
     """
 
     surface: Lofted
@@ -218,14 +221,12 @@ def contact(scene: Scene) -> HeadContact:
     else with the head that it touches first. Raises SceneError as `touch`, and for what is not
     simulated on such a rail.
     """
-    fast, wing = scene.effects.finite_bodies == "off", scene.wing
-    elastic = ("young_modulus", "poisson_ratio")
-    unlike = [key for key in elastic if wing and getattr(wing, key) != getattr(scene.rail, key)]
+    fast = scene.effects.finite_bodies == "off"
     text = "is not simulated yet on a rail of sections; "
     refuse_first(
         (scene.rubs, "friction.coefficient", f"{text}give 0, or --only patch,stresses"),
         (scene.load is None, "approach", f"{text}give a load"),
-        (unlike, f"wing.{(unlike or [''])[0]}", f"{text}give that of the rail"),
+        _unlike(scene, ELASTIC, f"{text}give that of the rail"),
         *(
             (part.surface, f"{body}.surface", f"{text}leave it out")
             for body, part in scene.bodies.items()
@@ -241,16 +242,23 @@ def contact(scene: Scene) -> HeadContact:
     room = float(np.abs(np.subtract(over.ends, at.x)).min())
     text = f"{scene.rail.position:g} is {room:.3g} mm from the end of the head or of the sections "
     text += f"at the contact; finite elements need {STRETCH:g} mm: give another, or --fast"
-    other = wing is not None and found.lowest == "wing"
-    rail, steel = (each.model_dump(exclude=READ_BY) for each in (scene.rail, wing or scene.rail))
-    unlike = [key for key in rail if other and steel[key] != rail[key]]
-    steels = "is not that of the rail, and finite elements know one; give that, or --fast"
-    refuse_first(
-        (room < STRETCH, "rail.position", text), (unlike, f"wing.{(unlike or [''])[0]}", steels)
-    )
+    refuse_first((room < STRETCH, "rail.position", text))
+    if found.lowest == "wing":
+        text = "is not that of the rail, and finite elements know one; give that, or --fast"
+        refuse_first(_unlike(scene, {*type(scene.rail).model_fields} - PLACED, text))
     shape = SurfaceShape(rail=over, wheel=None, pose=pose, first=(0.0, at.y), odd=(True, True))
     at = replace(at, x=0.0)
     return HeadContact(scene=scene, touch=at, pair=pair, pose=pose, crossing=found, shape=shape)
+
+
+def _unlike(scene: Scene, keys: set[str], text: str) -> tuple[str, str, str]:
+    """Condition for `refuse_first` with a text: the first of some keys in which [wing], if there is
+    one, differs from [rail].
+    """
+    rail, wing = scene.rail, scene.wing or scene.rail
+    unlike = (key for key in sorted(keys) if getattr(wing, key) != getattr(rail, key))
+    first = next(unlike, "")
+    return first, f"wing.{first}", text
 
 
 def _section(surface: Lofted, at: ContactPoint) -> Profile:

@@ -54,14 +54,17 @@ def depth(scene: Scene, body: int) -> float:
     """
     if body == WHEEL:
         return scene.wheel.rim_depth or min(RIM_DEPTH, 0.5 * scene.wheel.rolling_radius)
-    if _standard(scene):
-        return outlines.head_depth(scene.rail.profile)
+    if name := standard_rail(scene):
+        return outlines.head_depth(name)
     return scene.rail.depth or HEAD_DEPTH
 
 
-def _standard(scene: Scene) -> bool:
-    """Whether the rail has a standard profile."""
-    return scene.rail.profile in profiles.STANDARD_RAILS and not scene.rail.sections
+def standard_rail(scene: Scene) -> str:
+    """Name of the standard profile of a scene's rail; empty for another one and for sections,
+    beside which `rail.profile` says nothing.
+    """
+    name = scene.rail.profile
+    return name if name in profiles.STANDARD_RAILS and not scene.rail.sections else ""
 
 
 def rail_reach(contact: Contact, reach: float, *, whole_section: bool) -> float:
@@ -83,9 +86,9 @@ def _rail(contact: Contact, reach: float, *, whole_section: bool, half: bool) ->
     scene = contact.scene
     if contact.pair is None:
         return _half_space(RAIL, reach, half=half)
-    if _standard(scene):
+    if name := standard_rail(scene):
         extent = "section" if whole_section else "head"
-        section = outlines.rail_section(scene.rail.profile, extent, half=half)
+        section = outlines.rail_section(name, extent, half=half)
         if whole_section:
             section = outlines.sharpened(section, SHARP_BELOW)
         angle = math.atan(scene.rail.inclination)

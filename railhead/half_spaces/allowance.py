@@ -174,7 +174,7 @@ def _bodies(pair: HalfSpacePair, deformable: Sequence[int], span: Span) -> list[
         part, depth = scene.bodies[BODY_NAMES[tag]], placed_bodies.depth(scene, tag)
         weight = modulus / closed_forms.plane_strain_modulus(scene, tag)
         if tag == RAIL:
-            side = SIDE * profiles.head_side(scene.rail.profile)
+            side = SIDE * profiles.head_side(placed_bodies.standard_rail(scene))
             low, high = span.ends[0] - side, span.ends[1] + side
         else:
             half = (scene.wheel.width or math.inf) / 2

@@ -9,6 +9,8 @@ import pytest
 
 import railhead as rh
 from railhead.contact import crossing
+from railhead.half_spaces.allowance import added_stress
+from railhead.meshing.bodies import RAIL
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene, SceneError
 
@@ -188,6 +190,17 @@ def test_the_estimate_holds_what_a_wheel_that_is_one_half_space_changes(
     change = one / p - 1
     assert change * p == pytest.approx(other, abs=0.4)
     assert change < parts["share"] < 0.05
+
+
+def test_a_head_ends_where_its_section_does(nose: str) -> None:
+    """The stress that the free sides of a nose add is that of their distance from the patch,
+    F/(4 pi d^2), whatever the profile of a plain rail."""
+    plan = rh.plan(scene(180.0, nose).replace(effects={"finite_bodies": "off"})).plan
+    pair, pressed = plan.context.half_spaces, plan.context.boundary_elements
+    (span,) = pair.facing.spans
+    apart = min(abs(end - pressed.patches[0].centroid[1]) for end in span.ends)
+    own = pressed.patches[0].force / (4 * np.pi * apart**2)
+    assert added_stress(pair, [RAIL], pressed) == pytest.approx(own, rel=1e-9)
 
 
 def test_a_slope_along_the_rail_makes_a_force_along_it(tmp_path: Path) -> None:
