@@ -29,9 +29,8 @@ from scipy.linalg import block_diag
 from railhead.contact import closed_forms, placed_bodies
 from railhead.contact.solid import Contact
 from railhead.geometry import profiles
-from railhead.half_spaces.heads import APART
 from railhead.half_spaces.pressing import HalfSpacePair
-from railhead.half_spaces.surface import Span
+from railhead.half_spaces.surface import APART, Span
 from railhead.meshing.bodies import BODY_NAMES, RAIL, WHEEL
 from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.theory.array_types import Array

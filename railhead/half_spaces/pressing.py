@@ -10,15 +10,16 @@ from functools import cached_property
 import numpy as np
 from scipy.ndimage import find_objects, label
 
+from railhead.contact import closed_forms
 from railhead.contact.crossing import CrossingContact
 from railhead.contact.solid import Contact
-from railhead.half_spaces.heads import Heads
-from railhead.half_spaces.surface import Developed, Plane, develop
+from railhead.half_spaces.surface import Developed, Heads, Plane, develop
 from railhead.theory.array_types import Array
 from railhead.theory.bem import pressure_solver
 from railhead.theory.bem.influence import Lines
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution, Window
 from railhead.theory.elastic.line import Hertz
+from railhead.theory.friction.tangential import MaterialPair
 
 FIRST_REACH = 1.2  # closure up to which patches are searched at first, over Hertz's approach
 PENETRATION = 1e-3  # least overlap, over the approach, that shows a missed patch
@@ -62,17 +63,26 @@ class HalfSpacePair:
         return Heads(self.contact) if crossing else self.developed  # type: ignore[arg-type]
 
     @property
+    def exact(self) -> bool:
+        """Whether exact Hertz is the pressure: between half-spaces and of a line."""
+        return self.contact.half_space or self.contact.line
+
+    @cached_property
     def surface(self) -> Developed | Plane:
         """The surface on which the bodies meet, of a rail that is straight."""
-        return Plane(self.contact) if self.contact.half_space else self.developed
+        return Plane(self.contact) if self.exact else self.developed
 
     @property
     def points(self) -> Callable[[Array, Array], Array]:
         """Function of places x, s (n,), mm, that gives points (n, 3) in space, mm; on the plane
         z = 0 between half-spaces and of a line.
         """
-        flat = self.contact.half_space or self.contact.line
-        return Plane(self.contact).points if flat else self.facing.points
+        return self.surface.points if self.exact else self.facing.points
+
+    @cached_property
+    def materials(self) -> MaterialPair:
+        """Both materials of the scene combined for tangential contact."""
+        return closed_forms.tangential_pair(self.contact.scene)
 
     def pressed(self, load: float | None, cells: int = CELLS) -> BoundaryElementSolution:
         """Boundary elements with all patches under a vertical load (N), None for Hertz's approach
@@ -89,8 +99,7 @@ class HalfSpacePair:
         """The pressure of an answer under a vertical load (N), as of `pressed`: boundary elements
         on 128 cells (FINE), or exact Hertz between half-spaces and of a line.
         """
-        exact = self.contact.half_space or self.contact.line
-        return self.hertz if exact else self.pressed(load, FINE)
+        return self.hertz if self.exact else self.pressed(load, FINE)
 
     def near(
         self, before: BoundaryElementSolution, load: float, cells: int

@@ -8,43 +8,62 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import zoom
 
-from railhead.contact import wheelset_kinematics
+from railhead.contact import closed_forms, wheelset_kinematics
 from railhead.contact.solid import Contact
-from railhead.half_spaces.pressing import HalfSpacePair, Pressed
+from railhead.half_spaces.pressing import FINE, HalfSpacePair, Pressed
 from railhead.postprocess.friction import at_cells
-from railhead.postprocess.patch.half_space import SurfaceMap
 from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.theory.array_types import Array
 from railhead.theory.bem import pressure_solver
 from railhead.theory.bem.grid_patch import Grid, PatchSolution, on_grid
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution, Gap
-from railhead.theory.elastic.hertz import Strip
 from railhead.theory.elastic.line import LineContact
 from railhead.theory.friction.rolling import (
+    CELLS,
     Creepage,
-    HalfSpaceFriction,
     TangentialSolution,
     grid_over,
-    plane_modes,
-    solve_dissimilar,
-    solve_for_forces,
+    solve_patches,
 )
 from railhead.theory.friction.solution import FrictionSolution
-from railhead.theory.friction.tangential import MaterialPair
-from railhead.theory.friction_laws import Interface
 
 LENGTH = 1e4  # of a strip over its half width
 WIDER = 1.25  # grid of unlike bodies over the patch, which tractions widen
 TOLERANCE = 1e-8  # of the displacement
-PLANE = np.array([[0.0] * 3, [0.0] * 3, [0.0, 0.0, 1.0], [0.0] * 3])
-"""`PressedPatch.angular` on the plane z = 0: about z for unit spin, zero for the other modes."""
-TURNS = 12  # between pressing and shearing
+TURNS, BALANCE = 12, 1e-6  # between pressing and shearing; of the load
 SEVERAL = "how several patches share a force depends on the compliance of the bodies"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Motion:
+    """What moves a wheel over its rail.
+
+    creepage: per rolled length, or one shift; without effect where a force is prescribed.
+    along, across: prescribed force of the wheel on the rail, of all patches together, N; None where
+        the creepage is prescribed.
+    rolling: steady rolling; else one shift.
+    """
+
+    creepage: Creepage = Creepage()
+    along: float | None = None
+    across: float | None = None
+    rolling: bool = True
+
+
+def motion(contact: Contact) -> Motion:
+    """The motion that a scene prescribes."""
+    scene = contact.scene
+    rolls = scene.rolling.prescribed
+    table = scene.rolling if rolls else scene.friction
+    creepage = wheelset_kinematics.creepage(contact)
+    return Motion(
+        creepage=creepage, along=table.force_along, across=table.force_across, rolling=rolls
+    )
 
 
 @dataclass(frozen=True)
@@ -63,7 +82,7 @@ class PressedPatch:
     pressed: PatchSolution
     modes: Array
     friction: Array
-    angular: Array = field(default_factory=lambda: PLANE)
+    angular: Array
 
     @property
     def limit(self) -> float:
@@ -84,21 +103,6 @@ class PressedPatch:
         plane = self.pressed.plane
         return np.asarray(self.angular @ [0.0, -math.sin(plane), math.cos(plane)])
 
-    def body(
-        self, pair: MaterialPair, *, rolling: bool, interface: Interface | None
-    ) -> HalfSpaceFriction:
-        """The tangential contact under the pressure; arguments are those of `shear`."""
-        return HalfSpaceFriction(
-            self.pressed.x,
-            self.pressed.s,
-            self.pressed.pressure,
-            self.friction,
-            pair,
-            rolling=rolling,
-            modes=self.modes,
-            interface=interface,
-        )
-
     def parts(self) -> Iterator[PressedPatch]:
         """Connected patches, each by itself, but those with less than SMALLEST of the force."""
         for part in self.pressed.separate():
@@ -110,6 +114,8 @@ class PressedPatch:
 class Sheared:
     """Tractions on pressed patches of half-spaces.
 
+    pair: the half-spaces.
+    rolling: whether they roll.
     patches: the pressed patches.
     found: the tractions of each.
     scale: factor on areas and forces: load of the contact over that of the patches, as the strip of
@@ -117,6 +123,8 @@ class Sheared:
     coarse: the same on a grid of half as many cells each way; None on that grid itself.
     """
 
+    pair: HalfSpacePair
+    rolling: bool
     patches: Sequence[PressedPatch]
     found: Sequence[TangentialSolution]
     scale: float = 1.0
@@ -131,13 +139,14 @@ class Sheared:
             for each, solved in pairs
         ]
 
-    def pressure(self, modulus: float) -> BoundaryElementSolution:
-        """The pressure beside the tractions, by the contact modulus E* (MPa), and that of the
-        coarser grid; its gap is not known (NaN).
+    @property
+    def pressure(self) -> BoundaryElementSolution:
+        """The pressure beside the tractions, and that of the coarser grid; its gap is not known
+        (NaN).
         """
         windows = tuple(replace(each, gap=math.nan * each.gap) for each, _ in self.stressed)
-        coarse = None if self.coarse is None else self.coarse.pressure(modulus)
-        return BoundaryElementSolution(windows, modulus, coarse)
+        coarse = None if self.coarse is None else self.coarse.pressure
+        return BoundaryElementSolution(windows, self.pair.hertz.contact_modulus, coarse)
 
     @property
     def limit(self) -> float:
@@ -160,90 +169,77 @@ class Sheared:
             for patch, each in pairs
         )
 
-    def solution(self, points: SurfaceMap, *, centred: bool, line: bool) -> FrictionSolution:
+    @property
+    def solution(self) -> FrictionSolution:
         """Tractions at the cells that touch, with vectors in space, with forces along, across and
-        moment of the wheel on the rail, and those of coarser grids.
-        points: maps x, s (n,) to points (n, 3) on the rail's surface, mm. centred: whether slip is
-        taken at the cell centres. line: whether it is a line contact, which has no moment.
+        moment of the wheel on the rail, and those of coarser grids. Slip is taken at the cell
+        centres where bodies of like materials roll. A line contact has no moment.
         """
         places, tangents = [], []
         for window in (patch.pressed for patch in self.patches):
             slope = np.broadcast_to(window.angle, window.pressure.shape)
-            places.append(points(*window.places).reshape(*slope.shape, 3))
+            places.append(self.pair.points(*window.places).reshape(*slope.shape, 3))
             across = np.stack([0 * slope, np.cos(slope), np.sin(slope)], axis=-1)
             along = np.broadcast_to([1.0, 0.0, 0.0], across.shape)
             tangents.append(np.stack([along, across], axis=2))
         touches = [each.pressure > 0 for each in self.found]
+        centred = self.rolling and self.pair.materials.like
         found = at_cells(self.found, places, tangents, touches, self.scale, centred=centred)
         along_rail, aside, moment = map(float, self.forces)
-        turns = 0.0 if line else moment  # a strip's arms only magnify rounding
-        less = self.coarse
-        coarse = None if less is None else less.solution(points, centred=centred, line=line)
+        turns = 0.0 if self.pair.contact.line else moment  # a strip's arms only magnify rounding
+        coarse = None if self.coarse is None else self.coarse.solution
         return replace(found, force=(along_rail, aside), moment=turns, coarse=coarse)
 
 
-def patches(
-    pair: HalfSpacePair, pressed: Pressed, cells: int, *, like: bool = True
-) -> list[PressedPatch]:
+def patches(pair: HalfSpacePair, pressed: Pressed, cells: int) -> list[PressedPatch]:
     """Patches under a known pressure, each on a grid of about `cells` x `cells` cells
-    (`cells_over`); that of a line contact is a strip, see `_strip`. pressed: boundary elements of
-    the pair, or exact Hertz between half-spaces and of a line.
+    (`cells_over`); of a line contact a strip of `cells` cells by two, see `strip_grid`. Its load is
+    the load per length times the length of the strip.
 
-    like: whether tractions do not change the pressure: the grid then ends with the patch, and the
-        pressure is sampled. Else the grid is 1.25 (WIDER) times as wide, and the pressure is solved
-        on it by boundary elements.
-    Raises ValueError where the patches are not known.
+    pressed: boundary elements of the pair, or exact Hertz between half-spaces and of a line.
+    Where tractions do not change the pressure (like materials), the grid ends with the patch, and
+    the pressure is sampled. Else the grid is 1.25 (WIDER) times as wide, and the pressure is solved
+    on it by boundary elements. Raises ValueError where the patches are not known.
     """
-    if isinstance(pressed, LineContact):
-        return [_strip(pair.contact, pressed, cells, like=like)]
-    surface, wider = pair.surface, 1.0 if like else WIDER
+    surface, like = pair.surface, pair.materials.like
+    wider = 1.0 if like else WIDER
     if isinstance(pressed, BoundaryElementSolution):
-        developed, known = pair.developed, []
+        known = []
         for each in pressed.windows:
             if each.force > SMALLEST * pressed.force:
                 grid = grid_over(*each.middle_and_half_extents, cells, wider)
-                known.append(each.sampled(replace(grid, angle=developed.angle(grid.s))))
-        gap: Gap = developed.gap
-        angular = wheelset_kinematics.rigid_slip(pair.contact).angular
+                known.append(each.sampled(replace(grid, angle=pair.developed.angle(grid.s))))
+        gap: Gap = pair.developed.gap
+    elif isinstance(pressed, LineContact):
+        half = pressed.half_width
+        grid, strip = strip_grid(half, pressed.curvature, cells, wider)
+        exact = np.repeat(pressed.pressure_across(grid.x)[:, None], 2, axis=1)
+        known = [on_grid(grid, exact, pressed.load_per_length * LENGTH * half)]
+        gap = lambda x, s: strip.ravel()  # noqa: E731
     else:
         grid = grid_over((0.0, 0.0), (pressed.a, pressed.b), cells, wider)
         known = [on_grid(grid, pressed.pressure(grid.x[:, None], grid.s), pressed.load)]
-        gap, angular = pressed.gap, PLANE
+        gap = pressed.gap
+    if not like:
+        gaps = [gap(*each.places).reshape(each.pressure.shape) for each in known]
+        modulus, load = pressed.contact_modulus, sum(each.load for each in known)
+        guess = BoundaryElementSolution(tuple(known), modulus)
+        known = pressure_solver.equilibrium(known, gaps, modulus, load, None, TOLERANCE, guess)
     return [
         PressedPatch(
-            each, surface.slip(each.x, each.s), surface.friction_coefficient(each.s), angular
+            each,
+            surface.slip(each.x, each.s),
+            surface.friction_coefficient(each.s),
+            surface.angular,
         )
-        for each in (known if like else _pressed(known, gap, pressed.contact_modulus))
+        for each in known
     ]
-
-
-def _pressed(known: Sequence[PatchSolution], gap: Gap, modulus: float) -> list[PatchSolution]:
-    """Pressures by boundary elements on the grids of nearly known ones, under the same load. gap:
-    undeformed, mm, of places x (n,), s (n,), mm. modulus: E*, MPa.
-    """
-    gaps = [gap(*each.places).reshape(each.pressure.shape) for each in known]
-    load, guess = sum(each.load for each in known), BoundaryElementSolution(tuple(known), modulus)
-    return pressure_solver.equilibrium(known, gaps, modulus, load, None, TOLERANCE, guess)
-
-
-def _strip(contact: Contact, line: Strip, cells: int, *, like: bool) -> PressedPatch:
-    """Patch of a line contact on a grid of `cells` cells along x, and two cells along the line.
-    These are so long that each is a strip; the load is the load per length times their length.
-    Pressure and width of the grid follow from `like` as of `patches`.
-    """
-    grid, gap = strip_grid(line.half_width, line.curvature, cells, 1.0 if like else WIDER)
-    exact = np.repeat(line.pressure_across(grid.x)[:, None], 2, axis=1)
-    found = on_grid(grid, exact, line.load_per_length * LENGTH * line.half_width)
-    if not like:
-        (found,) = _pressed([found], lambda x, s: gap.ravel(), line.contact_modulus)
-    scene, angle = contact.scene, np.full(grid.s.size, contact.touch.angle)
-    friction = scene.friction.at(angle, scene.heat.bulk)
-    return PressedPatch(found, plane_modes(grid.x, grid.s), friction)
 
 
 def strip_grid(half_width: float, curvature: float, cells: int, wider: float) -> tuple[Grid, Array]:
     """Grid of a line contact, `cells` over its width, taken along x, by two along the line, which
-    is 1e4 (LENGTH) half widths long. Also the undeformed gap (cells, 2) at the cells, mm.
+    is 1e4 (LENGTH) half widths long: so long that each is a strip. Also the undeformed gap
+    (cells, 2) at the cells, mm.
 
     half_width: of the contact, mm.
     curvature: relative curvature across the line, 1/mm.
@@ -255,95 +251,68 @@ def strip_grid(half_width: float, curvature: float, cells: int, wider: float) ->
 
 
 def shear(
+    pair: HalfSpacePair,
     patches: Sequence[PressedPatch],
-    pair: MaterialPair,
-    creepage: Creepage,
-    forces: tuple[float | None, float | None],
-    *,
-    rolling: bool,
-    interface: Interface | None = None,
+    motion: Motion,
     start: Sequence[TangentialSolution] | None = None,
 ) -> Sheared:
-    """Tractions of pressed patches of half-spaces under one rigid motion, by boundary elements.
+    """Tractions of pressed patches of half-spaces under one motion, by boundary elements, with the
+    law of friction, heat and layer of the scene.
 
-    pair: materials.
-    forces: prescribed force of the wheel on the rail along and across, of all patches together, N;
-        None where the creepage is prescribed.
-    rolling: steady rolling; else one shift, of like bodies.
-    interface: law of friction, heat and layer; None: Coulomb's law alone.
     start: tractions of similar patches of like bodies on as many cells, from which the iterations
         begin; None: without.
-    Raises ValueError where tractions are not found, and for forces on several patches of unlike
-    bodies, or in a shift.
+    Raises ValueError where tractions are not found, and for forces on several patches in a shift.
     """
-    along, across = forces
-    if len(patches) > 1 and forces != (None, None) and not (rolling and pair.like):
+    if len(patches) > 1 and not motion.rolling and (motion.along, motion.across) != (None, None):
         raise ValueError(SEVERAL)
-    if pair.like:
-        known = [each.body(pair, rolling=rolling, interface=interface) for each in patches]
-        found = solve_for_forces(known, creepage, along=along, across=across, start=start)
-        return Sheared(patches=patches, found=found)
-    found = [
-        solve_dissimilar(
-            each.pressed,
-            pair,
-            each.friction,
-            lambda body: solve_for_forces([body], creepage, along=along, across=across)[0],
-            modes=each.modes,
-            interface=interface,
-        )
-        for each in patches
-    ]
-    return Sheared(patches=patches, found=found)
+    found = solve_patches(
+        [each.pressed for each in patches],
+        pair.materials,
+        [each.friction for each in patches],
+        motion.creepage,
+        along=motion.along,
+        across=motion.across,
+        rolling=motion.rolling,
+        modes=[each.modes for each in patches],
+        interface=closed_forms.interface(pair.contact.scene),
+        start=start,
+    )
+    return Sheared(pair=pair, rolling=motion.rolling, patches=patches, found=found)
 
 
-def on_grids(
-    half_spaces: HalfSpacePair,
+def sheared(
+    pair: HalfSpacePair,
     pressed: Pressed,
-    counts: Sequence[int],
-    pair: MaterialPair,
-    creepage: Creepage,
-    forces: tuple[float | None, float | None],
-    *,
-    rolling: bool,
-    interface: Interface | None,
-    known: dict[int, Sheared] | None = None,
+    motion: Motion,
+    counts: Sequence[int] = CELLS,
+    start: Sheared | None = None,
 ) -> Sheared:
     """Tractions under a known pressure on grids of `counts` cells along each axis, coarsest first,
-    by `shear`: those of the last, with the others as `Sheared.coarse`. Raises ValueError where
-    patches or tractions are not found.
-
-    forces: of the whole contact.
-    known: by numbers of cells, tractions under nearly the same pressure, from which the iterations
-        start; those that are found take their places.
+    by `shear`: those of the last, with the others as `Sheared.coarse`. Forces are those of the
+    whole contact. start: tractions under nearly the same pressure, from which the iterations begin.
+    Raises ValueError where patches or tractions are not found.
     """
-    found, known = None, {} if known is None else known
+    found, near = None, start
     for cells in counts:
-        each = patches(half_spaces, pressed, cells, like=pair.like)
+        each = patches(pair, pressed, cells)
         longer = sum(one.pressed.load for one in each) / pressed.load
-        along, across = (None if force is None else longer * force for force in forces)
-        start = known.get(cells) or found or next(iter(known.values()), None)
-        sheared = shear(
-            each,
-            pair,
-            creepage,
-            (along, across),
-            rolling=rolling,
-            interface=interface,
-            start=_onto(None if start is None else start.found, each),
+        along, across = (
+            None if force is None else longer * force for force in (motion.along, motion.across)
         )
-        found = known[cells] = replace(sheared, scale=1 / longer, coarse=found)
+        begins = None if near is None else _onto(near.found, each)
+        now = shear(pair, each, replace(motion, along=along, across=across), begins)
+        found = near = replace(now, scale=1 / longer, coarse=found)
     assert found is not None
     return found
 
 
 def _onto(
-    found: Sequence[TangentialSolution] | None, patches: Sequence[PressedPatch]
+    found: Sequence[TangentialSolution], patches: Sequence[PressedPatch]
 ) -> list[TangentialSolution] | None:
     """Tractions, with pressure and bound, in the cells of patches, linear between their own cells;
-    None without tractions, and where patches or cells are no multiple of these.
+    None where patches or cells are no multiple of these.
     """
-    if found is None or len(found) != len(patches):
+    if len(found) != len(patches):
         return None
     placed = []
     for each, patch in zip(found, patches, strict=True):
@@ -357,6 +326,32 @@ def _onto(
         )
         placed.append(replace(each, pressure=pressure, bound=bound, traction=np.array(traction)))
     return placed
+
+
+def answer(pair: HalfSpacePair, pressed: Pressed) -> tuple[Pressed, Sheared]:
+    """Pressure and tractions under load and motion of the scene: the pressure carries what the
+    tractions leave of the load, to 1e-6 (BALANCE) of it. Exact Hertz, or a given approach, stays.
+    pressed: without tractions. Raises ValueError where patches, tractions or a balance are not
+    found.
+    """
+    scene, moves = pair.contact.scene, motion(pair.contact)
+    if scene.load is None or not isinstance(pressed, BoundaryElementSolution):
+        return pressed, sheared(pair, pressed, moves)
+    found: list[Sheared] = []
+
+    def tractions(now: Sequence[BoundaryElementSolution]) -> list[Sheared]:
+        """Those of the finest grid; first of the coarsest, whose balance is nearly the same."""
+        counts, near = (CELLS[-1:], found[-1]) if found else (CELLS[:1], None)
+        found.append(sheared(pair, now[0], moves, counts, near))
+        return found[-1:]
+
+    carried = scene.tangential_forces[2] * math.sin(pair.contact.touch.angle)
+    first = pair.near(pressed, scene.load + carried, FINE)  # of a prescribed force it is known
+    (pressed,), (fine,), turns = balanced([pair], [first], scene.load, FINE, tractions, BALANCE)
+    coarse = sheared(pair, pressed, moves, CELLS[:-1], found[0])
+    if turns == 1:
+        fine = sheared(pair, pressed, moves, CELLS[-1:], coarse)
+    return pressed, replace(fine, coarse=coarse)
 
 
 def balanced(

@@ -22,9 +22,8 @@ from railhead.contact import closed_forms, solid, wheelset_kinematics
 from railhead.contact.solid import Contact, FreeAxle
 from railhead.half_spaces import shearing
 from railhead.half_spaces.pressing import HalfSpacePair
-from railhead.half_spaces.shearing import PressedPatch, Sheared
+from railhead.half_spaces.shearing import Motion, PressedPatch, Sheared
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
-from railhead.theory.friction.rolling import Creepage, solve_for_forces
 
 CELLS = 32  # of a patch each way; with 64 the radius is 2e-3 mm off at most (S1002 on 60E1)
 BALANCE = 1e-3  # of the load, between pressure and tractions
@@ -54,8 +53,6 @@ def _solve(pairs: Sequence[HalfSpacePair], load: float, radius: float) -> FreeAx
     """The motion of the axle of wheels under a vertical load each, N, from a radius near its own,
     mm. Raises ValueError where none is found.
     """
-    scene = pairs[0].contact.scene
-    material, interface = closed_forms.tangential_pair(scene), closed_forms.interface(scene)
 
     def tractions(pressed: Sequence[BoundaryElementSolution]) -> list[Sheared]:
         """Those of both wheels, which turn as one."""
@@ -63,13 +60,14 @@ def _solve(pairs: Sequence[HalfSpacePair], load: float, radius: float) -> FreeAx
             [_turning(pair.contact, patch, radius) for patch in shearing.patches(pair, each, CELLS)]
             for pair, each in zip(pairs, pressed, strict=True)
         ]
-        bodies = [
-            patch.body(material, rolling=True, interface=interface)
-            for wheel in wheels
-            for patch in wheel
+        both = shearing.shear(
+            pairs[0], [patch for wheel in wheels for patch in wheel], Motion(along=0.0)
+        )
+        left = iter(both.found)
+        return [
+            replace(both, pair=pair, patches=one, found=[next(left) for _ in one])
+            for pair, one in zip(pairs, wheels, strict=True)
         ]
-        left = iter(solve_for_forces(bodies, Creepage(), along=0.0))
-        return [Sheared(patches=wheel, found=[next(left) for _ in wheel]) for wheel in wheels]
 
     first = [pair.pressed(load, CELLS) for pair in pairs]
     _, wheels, solves = shearing.balanced(pairs, first, load, CELLS, tractions, BALANCE)

@@ -17,7 +17,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from railhead.contact import closed_forms, solid, wheelset_kinematics
+from railhead.contact import solid
 from railhead.geometry import profiles
 from railhead.geometry.placement import ProfilePair
 from railhead.geometry.profiles import Places
@@ -222,22 +222,14 @@ class WornContact:
 
     def _sheared(self) -> Seen:
         """Tractions under the pressure, and what is read from both."""
-        scene, contact = self._position.scene, self._contact
-        pair, rolling = closed_forms.tangential_pair(scene), scene.rolling
-        patches = shearing.patches(self._pair, self._pressed, self._cells // 2, like=pair.like)
-        found = shearing.shear(
-            patches,
-            pair,
-            wheelset_kinematics.creepage(contact),
-            (rolling.force_along, rolling.force_across),
-            rolling=True,
-            interface=closed_forms.interface(scene),
-        )
+        pair = self._pair
+        patches = shearing.patches(pair, self._pressed, self._cells // 2)
+        found = shearing.shear(pair, patches, shearing.motion(self._contact))
         windows, curves = [patch.pressed for patch in patches], []
         lines: list[dict[str, Array]] = []
         for window, each in zip(windows, found.found, strict=True):
             energy = (each.traction * each.slip).sum(axis=0)
-            if pair.like and energy.any():  # what the grid adds to the slip has no part
+            if pair.materials.like and energy.any():  # what the grid adds to the slip has no part
                 energy *= each.t_gamma / (each.cell * float(energy.sum()))
             total = each.cell * float(energy.sum())
             rate = self._position.law.rate(total / window.area)

@@ -21,8 +21,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from railhead.contact.solid import Contact
-from railhead.half_spaces.heads import Heads
-from railhead.half_spaces.surface import Developed
+from railhead.half_spaces.surface import Developed, Heads
 from railhead.meshing.grading import Grading, suited_stretch
 from railhead.planning.context import Context
 from railhead.postprocess.findings import Frame

@@ -26,7 +26,7 @@ from railhead.planning.forecast import LINEAR_REFINEMENT
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.findings import Frame
 from railhead.run.estimates import largest_bound, largest_error, resolved_values
-from railhead.run.half_spaces.answer import HalfSpaceSolution, Solved
+from railhead.run.half_space_answer import HalfSpaceSolution, Solved
 from railhead.run.mesh_solution import MeshSolution
 from railhead.scene.bodies import STEEL_MODULI
 from railhead.scene.quantities import GROUPS, QUANTITIES, numeric_values

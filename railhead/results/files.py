@@ -13,7 +13,7 @@ from railhead.postprocess.findings import BASE_UNITS, Units
 from railhead.postprocess.pass_rows import Passes
 from railhead.results import quantity_rows, result_folder
 from railhead.results.subject import subject
-from railhead.run.half_spaces.answer import Solved
+from railhead.run.half_space_answer import Solved
 from railhead.run.mesh_solution import MeshSolution
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.pass_rows import Passes
 from railhead.results.result import Result
 from railhead.results.summary import summarise, summarise_half_spaces
-from railhead.run.half_spaces import answer
-from railhead.run.half_spaces.answer import Solved
+from railhead.run import half_space_answer
+from railhead.run.half_space_answer import Solved
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.progress import Progress
 from railhead.run.refinement import Ending, refine, unplanned_yield
@@ -40,7 +40,7 @@ def solve(plan: Plan, progress: Progress, comm: MPI.Intracomm = MPI.COMM_WORLD) 
     MeshError where gmsh fails.
     """
     if plan.by_half_spaces:
-        solved = answer.solve(plan, progress)
+        solved = half_space_answer.solve(plan, progress)
         solved = replace(solved, passes=_passes(solved, progress))
         return Result(solved, summarise_half_spaces(solved))
     begun = sum(os.times()[:4])  # of the processor, by this process and those it started
@@ -73,7 +73,7 @@ def _passes(solved: Solved, progress: Progress) -> Passes | None:
     """
     if not solved.plan.effects["passes"].on or solved.result is None:
         return None
-    from railhead.run.half_spaces import passes_of_scene
+    from railhead.run import passes_of_scene
 
     return passes_of_scene.solve_passes(solved, progress)
 

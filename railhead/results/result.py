@@ -14,7 +14,7 @@ from railhead.planning.simulation_plan import Plan
 from railhead.postprocess import symmetry
 from railhead.postprocess.findings import BASE_UNITS, Array, Findings, Surface, Units
 from railhead.results.report import terminal
-from railhead.run.half_spaces.answer import Solved
+from railhead.run.half_space_answer import Solved
 from railhead.run.mesh_solution import MeshSolution
 from railhead.scene import quantities
 from railhead.scene.catalogue import as_path

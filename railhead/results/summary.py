@@ -14,9 +14,8 @@ from railhead.postprocess import fatigue, friction, symmetry
 from railhead.postprocess.patch import compare
 from railhead.results import checks
 from railhead.results.result_folder import origin
-from railhead.run import estimates
-from railhead.run.half_spaces import second_method
-from railhead.run.half_spaces.answer import HalfSpaceSolution, Solved
+from railhead.run import estimates, half_space_answer
+from railhead.run.half_space_answer import HalfSpaceSolution, Solved
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.refinement import Ending
 from railhead.scene.catalogue import portable
@@ -41,9 +40,7 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
         reached = bool(estimates.largest_error(known, solved) <= plan.scene.accuracy)
     profiles = rubbed = None
     if plan.scene.asks("second_method"):
-        half_spaces = second_method.solve(solved)
-        profiles = second_method.half_space(solved, half_spaces)
-        rubbed = second_method.half_space_friction(solved, half_spaces)
+        profiles, rubbed = half_space_answer.beside(solved)
     second = {**exact_quantities(solved), "allowance": {}} if plan.contact.half_space else profiles
     second, beside = second or NO_SECTION, rubbed
     if not plan.scene.asks("second_method"):

@@ -10,8 +10,7 @@ from mpi4py import MPI
 from railhead.planning import cost, error_envelopes
 from railhead.planning.forecast import LINEAR_REFINEMENT
 from railhead.planning.simulation_plan import Plan
-from railhead.run import estimates
-from railhead.run.half_spaces import answer
+from railhead.run import estimates, half_space_answer
 from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
 from railhead.run.progress import Progress
 from railhead.scene.scene import SceneError
@@ -104,7 +103,7 @@ def _refuse(plan: Plan, progress: Progress) -> None:
     """
     wanted, fixed = plan.scene.accuracy or math.inf, {"the measured profile": plan.profile_error}
     if plan.scene.accuracy and plan.effects["friction"].on and not plan.condenses:
-        foreseen = answer.solve(plan, progress)
+        foreseen = half_space_answer.solve(plan, progress)
         fixed["the grid of tractions"] = estimates.of_grids(foreseen.findings, foreseen.result)
     for what, error in fixed.items():
         if error >= wanted:

@@ -20,7 +20,7 @@ from railhead.planning.effects.shape import half_space_errors
 from railhead.results import pipeline
 from railhead.results.checks import ESTIMATE_FACTOR, deviation
 from railhead.results.summary import summarise
-from railhead.run.half_spaces.second_method import frictionless
+from railhead.run.half_space_answer import frictionless
 from railhead.run.mesh_solution import mesh_and_solve
 from railhead.run.progress import Progress
 from railhead.run.refinement import Ending

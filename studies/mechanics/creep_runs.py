@@ -12,12 +12,11 @@ import numpy as np
 from mpi4py import MPI
 
 import railhead as rh
-from railhead.contact import closed_forms
-from railhead.half_spaces import shearing
+from railhead.half_spaces import second_opinion, shearing
+from railhead.half_spaces.shearing import Motion
 from railhead.planning import simulation_plan as planning
 from railhead.planning.simulation_plan import Plan
 from railhead.run import mesh_solution, solid_friction
-from railhead.run.half_spaces import second_method
 from railhead.scene import catalogue
 from railhead.solver.system.contact_system import LoadCase
 from railhead.solver.system.fields import gather
@@ -181,16 +180,15 @@ def _others(plan: Plan, curve: CreepCurve) -> Iterator[Point]:
     """Points by boundary elements, FASTSIM and linear theory, at each motion of a curve."""
     scene, ellipse = plan.scene, plan.hertz
     assert isinstance(ellipse, Ellipse) and scene.load is not None
-    pair = plan.context.tangential_pair
     half_spaces = plan.context.half_spaces
     patches = shearing.patches(half_spaces, half_spaces.pressure(scene.load), CELLS)
     limit = sum(each.limit for each in patches)
     for motion in curve.motions:
         given = motion.along, motion.across, motion.spin
-        sheared = shearing.shear(patches, pair, motion, (None, None), rolling=True)
+        sheared = shearing.shear(half_spaces, patches, Motion(creepage=motion))
         sticks, touches = np.sum([each.areas for each in sheared.found], axis=0)
-        quick = second_method.fastsim(patches, limit, pair, given)
-        straight = second_method.linear(patches, pair, given)
+        quick = second_opinion.fastsim(patches, limit, half_spaces.materials, given)
+        straight = second_opinion.linear(patches, half_spaces.materials, given)
         for by, forces, sticking in (
             ("boundary elements", sheared.forces, sticks / touches),
             ("FASTSIM", np.array([*quick.values()][:3]), quick["stick_share"]),
@@ -339,15 +337,8 @@ def half_spaces(speed: float, creepages: tuple[float, ...]) -> list[Row]:
     rows = []
     for way, values in (("upwards", creepages), ("downwards", creepages[::-1])):
         for value in values:
-            found = shearing.shear(
-                patches,
-                of.context.tangential_pair,
-                Creepage(value),
-                (None, None),
-                rolling=True,
-                interface=closed_forms.interface(of.scene),
-                start=found,
-            ).found
+            motion = Motion(creepage=Creepage(value))
+            found = shearing.shear(of.context.half_spaces, patches, motion, found).found
             rows.append(_falling_row(speed, value, way, found[0]))
     return rows
 

@@ -12,7 +12,7 @@ import numpy as np
 import railhead as rh
 from railhead.half_spaces import pass_contact
 from railhead.postprocess.pictures.diagrams import FE, GREY, HERTZ, new_figure
-from railhead.run.half_spaces import passes_of_scene
+from railhead.run import passes_of_scene
 from railhead.scene import catalogue
 from railhead.solver.material import Hardening, Material
 from railhead.theory import damage

@@ -11,7 +11,7 @@ import pytest
 from scipy.optimize import brentq
 
 from railhead.half_spaces import pass_contact
-from railhead.run.half_spaces import passes_of_scene
+from railhead.run import passes_of_scene
 from railhead.solver.material import Hardening, Material
 from railhead.theory.elastic import hertz
 

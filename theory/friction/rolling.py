@@ -366,49 +366,65 @@ def change(found: Sequence[TangentialSolution], before: Sequence[TangentialSolut
     return changed / sum(each.limit for each in found)
 
 
-def solve_dissimilar(
-    patch: PatchSolution,
+def solve_patches(
+    patches: Sequence[PatchSolution],
     pair: MaterialPair,
-    friction: Array | float,
-    shear: Callable[[HalfSpaceFriction], TangentialSolution],
+    friction: Sequence[Array | float],
+    creepage: Creepage,
     *,
-    modes: Array | None = None,
+    along: float | None = None,
+    across: float | None = None,
+    rolling: bool = True,
+    modes: Sequence[Array | None] | None = None,
     interface: Interface | None = None,
-) -> TangentialSolution:
-    """Tractions of a rolling patch of different materials whose pressure depends on the tractions.
+    start: Sequence[TangentialSolution] | None = None,
+) -> list[TangentialSolution]:
+    """Tractions of patches that share one rigid motion, and of different materials the pressure
+    beside them, in turns.
 
-    patch: the same contact without friction.
+    patches: the same contact without friction; of different materials on grids with room beside.
     pair: materials.
-    friction: coefficient, or that of each cell as of `HalfSpaceFriction`.
-    shear: returns the tractions under the pressure of the `HalfSpaceFriction` that it is given,
-        e.g. `lambda body: body.solve(creepage)`.
-    modes: rigid slip (4, 2, nx, ny) of unit creepages, unit spin and the fixed mode; None: a plane.
+    friction: of each patch the coefficient, or that of each cell as of `HalfSpaceFriction`.
+    creepage, along, across, start: as of `solve_for_forces`.
+    rolling: steady rolling; else one shift.
+    modes: of each patch the rigid slip (4, 2, nx, ny) of unit creepages, unit spin and the fixed
+        mode; None: a plane.
     interface: as of `HalfSpaceFriction`.
-    The load along its direction stays that of `patch`; the pressure found is that of the result.
-    The contact modulus is G/(1 - nu) of the pair. ValueError: no convergence in 40 turns.
+    The load of each patch along its direction stays; the pressure found is that of the result. The
+    contact modulus is G/(1 - nu) of the pair. ValueError: as of `solve_for_forces`; no convergence
+    in 40 turns.
     """
-    modulus = pair.shear_modulus / (1 - pair.poisson)
-    influence = TractionInfluence(patch.x, patch.s, pair, rolling=False)
-    pressed = Influence([patch], modulus)(patch.pressure.ravel()).reshape(patch.pressure.shape)
-    undeformed = patch.gap - pressed + patch.approach * patch.normals[0]
-    now = patch
+    modulus, now = pair.shear_modulus / (1 - pair.poisson), [*patches]
+    contacts = []
+    for each in [] if pair.like else patches:
+        moved = Influence([each], modulus)(each.pressure.ravel()).reshape(each.pressure.shape)
+        undeformed = each.gap - moved + each.approach * each.normals[0]
+        influence = TractionInfluence(each.x, each.s, pair, rolling=False)
+        contacts.append((each, undeformed, influence))
     before: list[TangentialSolution] = []
     for _ in range(TURNS):
-        body = HalfSpaceFriction(
-            now.x,
-            now.s,
-            now.pressure,
-            friction,
-            pair,
-            rolling=True,
-            modes=modes,
-            interface=interface,
-        )
-        found = shear(body)
-        if change([found], before) <= TRACTION_CHANGE:
+        bodies = [
+            HalfSpaceFriction(
+                each.x,
+                each.s,
+                each.pressure,
+                coefficient,
+                pair,
+                rolling=rolling,
+                modes=slips,
+                interface=interface,
+            )
+            for each, coefficient, slips in zip(
+                now, friction, modes or [None] * len(now), strict=True
+            )
+        ]
+        found = solve_for_forces(bodies, creepage, along=along, across=across, start=start)
+        if pair.like or change(found, before) <= TRACTION_CHANGE:
             return found
-        gap, before = undeformed + influence.opening(found.traction), [found]
-        (now,) = equilibrium([patch], [gap], modulus, patch.load, None, PRESSED, None)
+        before, now = found, []
+        for (each, gap, influence), one in zip(contacts, found, strict=True):
+            opened = gap + influence.opening(one.traction)
+            now += equilibrium([each], [opened], modulus, each.load, None, PRESSED, None)
     raise ValueError(f"pressure and tractions still change after {TURNS} turns")
 
 

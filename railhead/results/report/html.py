@@ -18,7 +18,7 @@ from railhead.results import quantity_rows, result_folder
 from railhead.results.checks import SECOND
 from railhead.results.quantity_rows import Row
 from railhead.results.report import terminal
-from railhead.run.half_spaces.answer import Solved
+from railhead.run.half_space_answer import Solved
 from railhead.scene.catalogue import portable
 from railhead.scene.scene import Scene, dotted
 

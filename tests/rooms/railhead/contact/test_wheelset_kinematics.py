@@ -12,10 +12,10 @@ import railhead as rh
 from railhead.contact import solid, wheelset_kinematics
 from railhead.contact.solid import Contact, place
 from railhead.half_spaces import shearing
+from railhead.half_spaces.second_opinion import boundary_elements
 from railhead.half_spaces.surface import develop
 from railhead.planning import simulation_plan as planning
 from railhead.run import model_setup
-from railhead.run.half_spaces.second_method import solve_by_boundary_elements
 from railhead.theory.friction import tangential
 from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction
 
@@ -153,7 +153,7 @@ def test_patches_and_a_flange_roll_as_half_spaces_do(shift: float, patches: int)
     moves = wheelset_kinematics.wheelset_creepage(plan.contact).creepage
     limit = MU * sum(each.pressed.force for each in pressed)
     given = friction_found(limit, tuple(moves.motion[:3]))
-    answer = solve_by_boundary_elements(plan, given, coarse, (16, 32))
+    answer = boundary_elements(pair, given, coarse, (16, 32))
     for name in FORCES:
         assert answer[name] / limit == pytest.approx(rolled[name], abs=0.002)
     assert answer["t_gamma_N"] == pytest.approx(rolled["t_gamma_N"], rel=0.002)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from railhead.half_spaces import pass_contact
-from railhead.run.half_spaces import passes_of_scene
+from railhead.run import passes_of_scene
 from railhead.solver.material import Hardening, Material
 from railhead.theory.elastic import hertz
 from railhead.theory.friction import sliding

@@ -12,7 +12,7 @@ from railhead.contact import closed_forms, solid
 from railhead.half_spaces import pressing
 from railhead.half_spaces.pressing import HalfSpacePair
 from railhead.half_spaces.surface import develop
-from railhead.run.half_spaces.second_method import frictionless, half_space, solve
+from railhead.run.half_space_answer import beside, frictionless
 from railhead.run.mesh_solution import MeshSolution
 from railhead.scene import catalogue
 
@@ -137,7 +137,7 @@ def test_a_second_opinion_that_fails_says_why(half_spaces_fail) -> None:
     contact, ellipse = located(MANCHESTER)
     context = SimpleNamespace(half_spaces=HalfSpacePair(contact, ellipse))
     plan = SimpleNamespace(contact=contact, context=context, scene=contact.scene)
-    load = SimpleNamespace(load=10e3)
+    load = SimpleNamespace(load=10e3, friction=None)
     mesh_solution = SimpleNamespace(plan=plan, solution=load, ellipse=ellipse, findings=object())
-    found = half_space(cast(MeshSolution, mesh_solution), solve(cast(MeshSolution, mesh_solution)))
-    assert found == {"reason": "boundary elements: no bounded contact found"}
+    reason = {"reason": "boundary elements: no bounded contact found"}
+    assert beside(cast(MeshSolution, mesh_solution)) == (reason, None)

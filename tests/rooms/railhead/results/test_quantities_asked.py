@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import railhead as rh
-from railhead.half_spaces import shearing
+from railhead.half_spaces import second_opinion, shearing
 from railhead.postprocess import read
 from railhead.postprocess.patch import half_space
-from railhead.run.half_spaces import second_method
+from railhead.run import half_space_answer
 from railhead.theory.bem import grid_stress
 
 ROLLS = [
@@ -43,7 +43,7 @@ def answer(case: str, *assignments: str, **keys: object) -> dict:
 
 def test_forces_alone_are_the_same_forces(monkeypatch) -> None:
     every = answer("hertz_ellipse", *ROLLS)
-    searches = (half_space, "largest"), (grid_stress, "below"), (second_method, "fastsim")
+    searches = (half_space, "largest"), (grid_stress, "below"), (second_opinion, "fastsim")
     forbid(monkeypatch, *searches)
     some = answer("hertz_ellipse", *ROLLS, quantities="patch,forces")
     missing = {"von_mises_max_MPa", "von_mises_max_depth_mm", "von_mises_max_at",
@@ -100,7 +100,7 @@ def test_without_stresses_those_of_the_plan_tell_of_yield(
 def test_the_patch_of_bodies_alone_has_no_stresses_and_no_second_method(
     monkeypatch, tmp_path
 ) -> None:
-    searches = (read, "Search"), (read, "_below"), (second_method, "solve")
+    searches = (read, "Search"), (read, "_below"), (half_space_answer, "beside")
     forbid(monkeypatch, *searches)
     scene = rh.find("uic54_thesis").replace(SOLID, quantities="patch")
     result = rh.solve(scene, quiet=True)

@@ -28,8 +28,8 @@ from railhead.theory.friction.rolling import (
     HalfSpaceFriction,
     TangentialSolution,
     cells_over,
-    solve_dissimilar,
     solve_for_forces,
+    solve_patches,
 )
 from railhead.theory.friction.tangential import MaterialPair, TractionInfluence, pair
 
@@ -295,7 +295,7 @@ def rolling(
     wheel: tuple[float, float], rail: tuple[float, float], creepage: Creepage
 ) -> TangentialSolution:
     materials = pair(*wheel, *rail)
-    return solve_dissimilar(pressed(materials), materials, 0.3, lambda body: body.solve(creepage))
+    return solve_patches([pressed(materials)], materials, [0.3], creepage)[0]
 
 
 def pressed(materials: MaterialPair) -> pressure_solver.PatchSolution:

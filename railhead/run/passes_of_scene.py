@@ -37,7 +37,7 @@ from railhead.postprocess.pass_rows import (
     verdict,
     words,
 )
-from railhead.run.half_spaces.answer import Solved
+from railhead.run.half_space_answer import Solved
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.model_setup import hardening
 from railhead.run.progress import Progress

@@ -9,12 +9,11 @@ import pytest
 from friction_cases import MU, friction_found
 
 import railhead as rh
-from railhead.half_spaces import shearing
+from railhead.half_spaces import second_opinion, shearing
+from railhead.half_spaces.second_opinion import boundary_elements
 from railhead.planning import simulation_plan as planning
 from railhead.results import checks
 from railhead.results.report import terminal
-from railhead.run.half_spaces import second_method
-from railhead.run.half_spaces.second_method import solve_by_boundary_elements
 from railhead.theory.friction import kalker
 from railhead.theory.friction.kalker import fastsim
 from railhead.theory.friction.rolling import Creepage
@@ -25,8 +24,7 @@ def ellipse(*keys: str) -> planning.Plan:
 
 
 def hertz(plan: planning.Plan, cells: int):
-    like = plan.context.tangential_pair.like
-    return shearing.patches(plan.context.half_spaces, plan.hertz, cells, like=like)
+    return shearing.patches(plan.context.half_spaces, plan.hertz, cells)
 
 
 def pressure(plan: planning.Plan):
@@ -57,7 +55,7 @@ def test_what_sticks_in_any_patch_is_the_patch_of_the_force_that_is_left() -> No
     whole, half = (pair.pressed(load, 128) for load in (1e4, 5e3))
     limit = MU * whole.force
     found = friction_found(limit, force=(0.5 * limit, 0.0))
-    answer = solve_by_boundary_elements(plan, found, whole, (24, 48))
+    answer = boundary_elements(plan.context.half_spaces, found, whole, (24, 48))
     share = half.area / whole.area
     assert answer["stick_share"] == pytest.approx(share, abs=0.03)
     assert abs(share - 0.5 ** (2 / 3)) > 0.01
@@ -68,7 +66,7 @@ def test_unlike_bodies_are_extrapolated_and_say_how_far() -> None:
     """A rigid wheel at a creepage of 0.001: 0.228 of mu N from 64 and 96 cells."""
     plan = ellipse("wheel.young_modulus=inf", "rolling.creepage_along=0.1%")
     found = friction_found(MU * 25e3, (1e-3, 0.0, 0.0))
-    coarse = solve_by_boundary_elements(plan, found, plan.hertz, (16, 32))
+    coarse = boundary_elements(plan.context.half_spaces, found, plan.hertz, (16, 32))
     assert coarse["force_along_N"] / 7500 == pytest.approx(0.237, abs=0.03)
     assert 0.005 < coarse["grid_error"] < 0.05
     assert abs(coarse["force_along_N"] / 7500 - 0.228) < coarse["grid_error"]
@@ -81,9 +79,9 @@ def test_the_ellipse_of_an_ellipse_is_itself() -> None:
     linear = kalker.coefficients(exactly.a / exactly.b, pair.poisson)
     known = linear.forces(exactly.a, exactly.b, pair.shear_modulus, Creepage(*motion))
     patch = hertz(plan, 64)
-    np.testing.assert_allclose(second_method.linear(patch, pair, motion), known, rtol=5e-3)
+    np.testing.assert_allclose(second_opinion.linear(patch, pair, motion), known, rtol=5e-3)
     followed = fastsim(exactly.a, exactly.b, 7500.0, pair.shear_modulus, linear, Creepage(*motion))
-    *forces, stick, wear = second_method.fastsim(patch, 7500.0, pair, motion).values()
+    *forces, stick, wear = second_opinion.fastsim(patch, 7500.0, pair, motion).values()
     np.testing.assert_allclose([*forces, stick], followed, rtol=5e-3)
     assert wear == pytest.approx(np.dot(forces, motion))
 
@@ -92,14 +90,14 @@ def test_two_patches_roll_as_their_ellipses_nearly_do(two: planning.Plan, patche
     limit, pressed = MU * sum(each.pressed.force for each in patches), pressure(two)
     for motion in ((1e-4, 0.0, 0.0), (1e-3, 5e-4, 1e-4), (0.0, -3e-3, 0.0)):
         found = friction_found(limit, motion)
-        answer = solve_by_boundary_elements(two, found, pressed, (16, 32))
-        rolled = second_method.fastsim(patches, limit, two.context.tangential_pair, motion)
+        answer = boundary_elements(two.context.half_spaces, found, pressed, (16, 32))
+        rolled = second_opinion.fastsim(patches, limit, two.context.tangential_pair, motion)
         for name in ("force_along_N", "force_across_N"):
             assert answer[name] == pytest.approx(rolled[name], abs=0.05 * limit)
         assert answer["t_gamma_N"] == pytest.approx(rolled["t_gamma_N"], rel=0.05)
     shifted = planning.make(two.scene.replace(rolling={"spin": 0.0}))
     with pytest.raises(ValueError, match=shearing.SEVERAL[:20]):
-        solve_by_boundary_elements(shifted, found, pressed, (16, 32))
+        boundary_elements(shifted.context.half_spaces, found, pressed, (16, 32))
 
 
 @pytest.mark.parametrize("wheel", [math.inf, pytest.param(3000.0, marks=pytest.mark.slow)])

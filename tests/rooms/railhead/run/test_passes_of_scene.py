@@ -12,7 +12,7 @@ from railhead.half_spaces import pass_contact
 from railhead.half_spaces.surface import develop
 from railhead.postprocess.pass_rows import Passes, RailState
 from railhead.results import pipeline
-from railhead.run.half_spaces import passes_of_scene
+from railhead.run import passes_of_scene
 from railhead.theory.elastic import hertz
 
 FAST = ("effects.finite_bodies=off", "wheel.steel=none", "mesh.patch_size=4", "rolling.passes=1")

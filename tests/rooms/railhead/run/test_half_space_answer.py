@@ -13,8 +13,7 @@ from solved import planned
 
 import railhead as rh
 from railhead.half_spaces.pressing import HalfSpacePair
-from railhead.run import mesh_solution
-from railhead.run.half_spaces import answer
+from railhead.run import half_space_answer, mesh_solution
 from railhead.scene import quantities
 from railhead.theory.bem import grid_stress, pressure_solver
 from railhead.theory.friction import coulomb_solver, kalker, tangential
@@ -216,7 +215,7 @@ def test_the_curvature_of_the_bodies_counts_where_the_pressure_is_largest() -> N
     summary = fast("s1002_60e1", "wheelset.shift=5mm", "quantities=patch,stresses").summary
     narrow = summary["result"]["patches"][1]
     part = summary["accuracy"]["parts"]["tau_max_MPa"]["curvature"]
-    assert part == pytest.approx(answer.CURVED * narrow["b_mm"] / 13, rel=1e-3)
+    assert part == pytest.approx(half_space_answer.CURVED * narrow["b_mm"] / 13, rel=1e-3)
 
 
 def test_unlike_half_spaces_that_roll_are_within_their_estimate() -> None:

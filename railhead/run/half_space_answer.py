@@ -1,4 +1,5 @@
-"""Half-spaces answer in the place of finite bodies: exact Hertz, or boundary elements.
+"""Half-spaces answer in the place of finite bodies, or beside them: exact Hertz, or boundary
+elements.
 
 Friction is Kalker's exact theory at the scene's own creepages or forces.
 """
@@ -7,32 +8,29 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 import numpy as np
 
-from railhead.contact import closed_forms, wheelset_kinematics
-from railhead.half_spaces import shearing
+from railhead.contact import closed_forms
+from railhead.half_spaces import second_opinion, shearing
 from railhead.half_spaces.allowance import added_stress
-from railhead.half_spaces.pressing import FINE, Pressed
+from railhead.half_spaces.pressing import FINE, HalfSpacePair, Pressed
 from railhead.half_spaces.shearing import Sheared
-from railhead.planning.effects import interface, shape
+from railhead.planning.effects import shape
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.findings import Findings
 from railhead.postprocess.patch import compare, half_space
 from railhead.run.estimates import Parts, friction_errors
-from railhead.run.half_spaces import second_method
 from railhead.run.mesh_solution import Answered, MeshSolution, read_friction
 from railhead.run.progress import Progress
-from railhead.scene.quantities import numeric_values
+from railhead.scene.quantities import SCATTER, numeric_values
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.elastic.line import Hertz
-from railhead.theory.friction.rolling import CELLS
 from railhead.theory.friction.solution import FrictionSolution
 
-BALANCE = 1e-6  # of the load, between pressing and shearing
 # Relative error of stresses over half width times curvature of a body, where the pressure is
 # largest: 0.26 measured.
 CURVED = 0.3
@@ -102,41 +100,18 @@ def _solve(plan: Plan) -> HalfSpaceSolution:
     """The solution of a plan; its elastic reference is solved, too, where there is friction. Raises
     ValueError where boundary elements fail, or where pressure and tractions find no balance.
     """
-    scene, context = plan.scene, plan.context
-    alone = context.half_spaces.pressure(scene.load)
+    scene, pair = plan.scene, plan.context.half_spaces
+    alone = pair.pressure(scene.load)
     frictionless = _read(plan, alone, stresses=scene.asks("stresses"))
     if not plan.effects["friction"].on:
         return frictionless
-    pressed, sheared = _balanced(plan, alone)
+    pressed, sheared = shearing.answer(pair, alone)
+    if not (pair.materials.like or plan.contact.line):
+        pressed = sheared.pressure
     plain, rubbed = frictionless, scene.asks("friction_stresses")
-    if not (context.tangential_pair.like or plan.contact.line):
-        plain = _read(plan, sheared.pressure(plan.hertz.contact_modulus), stresses=rubbed)
-    elif pressed is not alone or rubbed > scene.asks("stresses"):
+    if pressed is not alone or rubbed > scene.asks("stresses"):
         plain = _read(plan, pressed, stresses=rubbed)
     return replace(_with_friction(plain, sheared), elastic_reference=frictionless)
-
-
-def _balanced(plan: Plan, pressed: Pressed) -> tuple[Pressed, Sheared]:
-    """The pressure that carries what the tractions leave of the load, to 1e-6 (BALANCE) of it, and
-    these. Exact Hertz, or a given approach, stays. pressed: without tractions. Raises ValueError
-    without a balance.
-    """
-    load, pair = plan.scene.load, plan.context.half_spaces
-    known: dict[int, Sheared] = {}
-    if load is not None and isinstance(pressed, BoundaryElementSolution):
-
-        def tractions(now: Sequence[BoundaryElementSolution]) -> list[Sheared]:
-            """Those of the finest grid; first of the coarsest, whose balance is nearly the same."""
-            return [_tractions(plan, now[0], CELLS[-1:] if known else CELLS[:1], known)]
-
-        carried = plan.scene.tangential_forces[2] * math.sin(plan.contact.touch.angle)
-        first = pair.near(pressed, load + carried, FINE)  # of a prescribed force it is known
-        (pressed,), (found,), turns = shearing.balanced(
-            [pair], [first], load, FINE, tractions, BALANCE
-        )
-        if turns > 1:  # it is that of the finest grid
-            return pressed, replace(found, coarse=_tractions(plan, pressed, CELLS[:-1], known))
-    return pressed, _tractions(plan, pressed, CELLS, known)
 
 
 def _read(plan: Plan, pressed: Pressed, *, stresses: bool) -> HalfSpaceSolution:
@@ -150,7 +125,7 @@ def _read(plan: Plan, pressed: Pressed, *, stresses: bool) -> HalfSpaceSolution:
         points = plan.context.half_spaces.points
         found = half_space.of_boundary_elements(pressed, points, contact.frame, poisson)
         found = replace(found, edge_distance=_edge_distance(plan, found))
-        grid = second_method.grid_errors(found)
+        grid = grid_errors(found)
     else:
         found = half_space.of_hertz(hertz, contact.frame, poisson, section=plan.plane_model)
     result = compare.from_findings(found, pressed.load, pressed.approach)
@@ -227,24 +202,30 @@ def _with_friction(plain: HalfSpaceSolution, sheared: Sheared) -> HalfSpaceSolut
     """
     plan, found, result = plain.plan, plain.findings, plain.result
     assert found is not None and result is not None and sheared.coarse is not None
-    points, rolling = plan.context.half_spaces.points, plan.scene.rolling.prescribed
-    centred = rolling and plan.context.tangential_pair.like
-    solution = sheared.solution(points, centred=centred, line=plan.contact.line)
+    solution, pair = sheared.solution, sheared.pair
     if plan.scene.asks("friction_stresses"):
         found = half_space.with_tractions(
-            found, sheared.stressed, points, plan.poisson_ratios, sheared.coarse.stressed
+            found, sheared.stressed, pair.points, plan.poisson_ratios, sheared.coarse.stressed
         )
     else:
         found = replace(found, largest={}, depth={}, also=())
     found, tractions = read_friction(plan, found, solution)
     load, approach = result["load_N"] - sheared.upwards, result["approach_mm"]
+    beside = {}
+    simple = pair.materials.like and closed_forms.coulomb(plan.scene) and not plan.contact.line
+    if sheared.rolling and simple and plan.scene.asks("second_method"):
+        beside["FASTSIM (equal ellipses)"] = second_opinion.or_reason(
+            lambda: second_opinion.fastsim(
+                sheared.patches, solution.friction_limit, pair.materials, solution.rigid_motion
+            )
+        )
     return replace(
         plain,
         findings=found,
         result={**compare.from_findings(found, load, approach), "friction": tractions},
         error_parts=_friction_parts(plain, sheared, found, tractions, solution),
         friction=solution,
-        other_friction=_beside(plan, sheared, solution),
+        other_friction=beside,
     )
 
 
@@ -268,7 +249,7 @@ def _friction_parts(
     area = max(area, pressure)  # a small patch may carry most of the load
     for key, (bodies, grid) in friction_errors(tractions, solution.used, area, pressure).items():
         parts[key] = {"bodies": bodies, "grid": grid}
-    if not plan.context.tangential_pair.like:
+    if not sheared.pair.materials.like:
         before = max(each.pressed.max_pressure for each in sheared.patches)
         change = abs(max(each.max_pressure for each, _ in sheared.stressed) / before - 1)
         for key in parts.keys() & {"max_MPa", "mean_MPa", "area_mm2", "a_mm", "b_mm"}:
@@ -276,36 +257,54 @@ def _friction_parts(
     return parts
 
 
-def _beside(plan: Plan, sheared: Sheared, solution: FrictionSolution) -> dict[str, Any]:
-    """Quantities of friction by FASTSIM, in rolling of alike solids by Coulomb's law; else none."""
-    scene, pair = plan.scene, plan.context.tangential_pair
-    known = scene.rolling.prescribed and closed_forms.coulomb(scene) and not plan.contact.line
-    if not (known and scene.asks("second_method")) or interface.unlike(plan.context):
-        return {}
-    limit, motion = solution.friction_limit, solution.rigid_motion
-    return {
-        "FASTSIM (equal ellipses)": second_method.or_reason(
-            lambda: second_method.fastsim(sheared.patches, limit, pair, motion)
-        )
-    }
-
-
-def _tractions(
-    plan: Plan, pressed: Pressed, counts: Sequence[int], known: dict[int, Sheared]
-) -> Sheared:
-    """Tractions of half-spaces under a known pressure, at the creepages or forces of a plan. Raises
-    ValueError where patches or tractions are not found. counts, known: as of `shearing.on_grids`.
+def beside(solved: MeshSolution) -> tuple[dict[str, Any] | None, dict[str, Any] | None]:
+    """Entries "half_space" and "half_space_friction" of summary.json: what half-spaces have under
+    the load of finite elements, and under their motion or tangential forces. Each is None where
+    there is nothing to compare: where nothing touches, and off rank 0; the first between half-
+    spaces and of a line, whose pressure is exact Hertz; the second without friction. {"reason":
+    ...} where boundary elements fail.
     """
-    scene = plan.scene
-    table = scene.rolling if scene.rolling.prescribed else scene.friction
-    return shearing.on_grids(
-        plan.context.half_spaces,
-        pressed,
-        counts,
-        plan.context.tangential_pair,
-        wheelset_kinematics.creepage(plan.contact),
-        (table.force_along, table.force_across),
-        rolling=scene.rolling.prescribed,
-        interface=closed_forms.interface(scene),
-        known=known,
+    plan, findings, rubbed = solved.plan, solved.findings, solved.solution.friction
+    if findings is None:
+        return None, None
+    pair, profiles = plan.context.half_spaces, None
+    pressed: Pressed = solved.ellipse
+    if not pair.exact:
+        try:
+            pressed = found = pair.pressed(plan.scene.load or solved.solution.load, FINE)
+        except ValueError as error:
+            reason = {"reason": f"boundary elements: {error}"}
+            return reason, None if rubbed is None else {"boundary elements": reason}
+        profiles = {**frictionless(pair, found), "allowance": _allowed(plan, findings)}
+    if rubbed is None:
+        return profiles, None
+    return profiles, second_opinion.friction(
+        pair, rubbed, pressed, solved.ellipse, hertzian=findings.hertzian
     )
+
+
+def _allowed(plan: Plan, findings: Findings) -> dict[str, Any]:
+    """By quantity of a patch, what half-spaces leave out, relative, in parts; or {"reason": ...}.
+    Half lengths are those of ellipses.
+    """
+    try:
+        allowed = shape.half_space_errors(plan.context)
+    except ValueError as error:
+        return {"reason": str(error)}
+    if findings.hertzian:
+        allowed |= dict.fromkeys(("a_mm", "b_mm"), allowed["area_mm2"])
+    return allowed
+
+
+def frictionless(pair: HalfSpacePair, solution: BoundaryElementSolution) -> dict[str, Any]:
+    """Quantities of boundary elements, without stresses, nested and named as under "result" in
+    summary.json, and as "grid_error" their `grid_errors`.
+    """
+    found = half_space.of_boundary_elements(solution, pair.points, pair.contact.frame, {})
+    values = compare.from_findings(found, solution.load, solution.approach)
+    return {**values, "grid_error": grid_errors(found)}
+
+
+def grid_errors(found: Findings) -> dict[str, float]:
+    """Relative change from the coarser grids of a solution, by key; empty where it has none."""
+    return {key: found.patch.scatter[name] for key, name in SCATTER.items() if found.patch.scatter}

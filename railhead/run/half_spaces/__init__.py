@@ -1,1 +1,0 @@
-"""Half-spaces in the place of finite bodies, or beside them: normal and tangential contact."""
