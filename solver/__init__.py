@@ -35,7 +35,7 @@ if warnings.showwarning is not _shown:
 _NAMES = {
     "compat": "model_to_mesh",
     "model.model": "Model Solution",
-    "model.parts": "Body Elastic Force Move Plastic Pressure Spring Traction",
+    "model.parts": "Body Elastic Energy Force Move Plastic Pressure Spring Traction",
     "space.supports": "Clamp Hub Slide",
     "system.surfaces": "Contact Plane Sphere Tie",
 }

@@ -198,6 +198,18 @@ def form(expression: ufl.Form, mesh: Any) -> Any:
         return fem.form(expression, **how)
 
 
+def expression(value: Any, points: NDArray[np.float64], mesh: Any) -> Any:
+    """Compile a UFL expression at reference points (g, c) of the cells of a mesh."""
+    with _compiling(mesh) as how:
+        return fem.Expression(value, points, **how)
+
+
+def evaluated(made: Any, mesh: Any, cells: NDArray[Any]) -> NDArray[np.float64]:
+    """Values of a compiled expression (m, g values) in local cells of its mesh (m,)."""
+    cells = cells.astype(np.int32)
+    return np.asarray(made.eval(cells) if _OLD else made.eval(mesh, cells)).reshape(len(cells), -1)
+
+
 def collect(comm: MPI.Comm) -> None:
     """Free PETSc objects that Python no longer refers to (collective). PETSc 3.18 keeps them until
     this is called."""

@@ -489,6 +489,7 @@ def assemble(
     degree: int,
     kinematics: Kinematics = SOLID,
     rule: int | None = None,
+    space: Any = None,
 ) -> tuple[Bulk, PETSc.Mat]:
     """Displacement space, and stiffness matrix K of a(u, v) = int sigma(u) : eps(v) dx
     (collective).
@@ -502,6 +503,7 @@ def assemble(
     kinematics: meaning of the mesh coordinates: a solid, plane strain, or a section that is
         revolved.
     rule: degree of the quadrature; None: that which suits `degree`.
+    space: displacement space; None: a new one.
     Raises ValueError for a cell that belongs to no body, and for mean dilatation in hexahedra or
     quadrilaterals of degree 2, whose divergence at the centroid is not the mean.
     K has one block a node (BAIJ), in N/mm, and no boundary condition is applied. It is that of the
@@ -520,7 +522,7 @@ def assemble(
     lam = compat.cellwise_constant(mesh, lame[:, 0])
     mu = compat.cellwise_constant(mesh, lame[:, 1])
 
-    space = compat.vector_space(mesh, degree)
+    space = space or compat.vector_space(mesh, degree)
     u, v = ufl.TrialFunction(space), ufl.TestFunction(space)
     order = rule or quadrature_degree(compat.cell_type(mesh), degree, kinematics)
     form = compat.form(kinematics.energy(u, v, lam, mu, mesh, order), mesh)

@@ -7,7 +7,7 @@ K_A, each step solves
 
 (inexact steps: Eisenstat and Walker, SIAM J. Sci. Comput. 17, 1996). A symmetric method
 has a convex energy, and t nearly minimises it along s. An unsymmetric one takes t = 1, and halves t
-whenever an active set comes back.
+whenever an active set comes back, until it stays.
 """
 
 from __future__ import annotations
@@ -32,6 +32,7 @@ MOST_ROUNDING = 1e-4  # of the largest contact force so far, above which no resi
 OVERSHOOT = 0.3  # slope past the minimum, relative to the slope at the start, that is let pass
 LEAST_FORCE = 1e-3  # of the contact, over that of an earlier state, by which a residual is divided
 MOST_RETURNED = 8  # halves of steps that lose contact
+SETTLED = 2  # steps with the same active set, after which they are whole again
 MOST_RETURNS = 3  # times an active set may come back before the method gives up
 SMALLEST_STEP = 1 / 64  # of a load, over a step of it, below which that is cut no further
 CONVERGED = "residual below tolerance"
@@ -135,6 +136,7 @@ def solve(
     rtol: float,
     max_steps: int = 30,
     progress: Callable[[int, float], None] = lambda step, residual: None,
+    anew: Callable[[PETSc.Vec], ContactProblem] | None = None,
 ) -> NewtonResult:
     """Solve R(y) = 0 for the free unknowns y by semismooth Newton's method (collective).
 
@@ -148,6 +150,7 @@ def solve(
     max_steps: largest number of states.
     progress: called with the number and the relative residual of each state, infinite where
         nothing touches.
+    anew: equations that are exact at free unknowns, made linear there; None: they stay as they are.
 
     A linear solve ends early where its solution changes the active set so much that this leaves
     more in R than the linear residual. Where the tangent changes within a set, see
@@ -161,7 +164,8 @@ def solve(
     y, factor = result.y, problem.law.gamma_factor
     y.set(0.0)
     iterations, length = 0, 1.0
-    seen, last = Counter[bytes](), b""  # active sets of all ranks, and the last one
+    seen, last, stays = Counter[bytes](), b"", 0  # active sets of all ranks, the last one, and for
+    # how many steps it has been the same
     diagonal, increment = problem.stiffness.diagonal(), None
     largest = problem.reference_force  # of the contact so far
     returned, before = 0, np.inf  # steps taken back; residual in the last state without contact
@@ -179,6 +183,9 @@ def solve(
                 problem.active_set_residual(active, -problem.offset),
             )
         for step in range(1, max_steps + 1):
+            if anew is not None:
+                problem = preconditioner.problem = anew(y)
+                preconditioner.state = None
             indicator = problem.indicator(y)
             result.pressure = pressure = np.maximum(indicator, problem.floor)
             residual = problem.residual(y, pressure)
@@ -203,6 +210,10 @@ def solve(
                     failure = "the bodies do not touch"
                 before = norm
             elif not np.isfinite(norm):
+                if increment is not None and returned < MOST_RETURNED:
+                    returned, length = returned + 1, length / 2  # of cells turned inside out
+                    y.axpy(-length, increment)
+                    continue
                 failure = "the residual is not a number"
             result.history.append(
                 NewtonStep(
@@ -241,11 +252,12 @@ def solve(
                 state = np.packbits(problem.branches(active)).tobytes()
                 key = b"".join(comm.allgather(state))
                 seen[key] += key != last
+                stays = stays + 1 if key == last else 0
                 last, returns = key, seen[key] - 1
                 if returns > MOST_RETURNS:
                     result.reason = "the active set cycles"
                     return result
-                length = 0.5**returns
+                length = 1.0 if stays >= SETTLED else 0.5**returns
             y.axpy(length, increment)
     except StalledError as error:
         result.reason, result.stalled = str(error), True

@@ -13,6 +13,7 @@ import ufl
 from dolfinx.fem.petsc import assemble_vector
 from mpi4py import MPI
 from petsc4py import PETSc
+from ufl.algorithms import extract_coefficients
 
 from railhead.solver import compat
 from railhead.solver.algebra.linear import Direct, Preconditioner
@@ -21,10 +22,14 @@ from railhead.solver.algebra.newton import CONVERGED, NewtonResult
 from railhead.solver.algebra.problem import ContactProblem
 from railhead.solver.algebra.reduced_stiffness import DIFFERENT, Stiffness
 from railhead.solver.material import Hardening, History, Material, assemble, backs
+from railhead.solver.model.energy import Energies
 from railhead.solver.model.parts import (
     Body,
     Contact,
+    Elastic,
+    Energy,
     Part,
+    Plastic,
     Pressure,
     Spring,
     Traction,
@@ -85,6 +90,7 @@ class Assembly:
         degree: int,
         kinematics: Kinematics,
         parts: Sequence[Part],
+        u: Any = None,
     ) -> None:
         self.comm, self.section = mesh.comm, section
         self.cell_tags, self.facet_tags = cell_tags, facet_tags
@@ -103,16 +109,19 @@ class Assembly:
         loads = [each for each in parts if isinstance(each, Pressure | Traction | Spring)]
         for tag in [e.tag for e in supports + loads] + [tag for c in contacts for tag in c.tags]:
             must_exist("facet", facet_tags, tag, self.comm)
+        self.energies = self._energies(u, degree, contacts)
         self.materials = self._materials()
         self.bulk, self.stiffness = assemble(
-            mesh, cell_tags, self.materials, degree, self.kinematics
+            mesh, cell_tags, self.materials, degree, self.kinematics, space=u and u.function_space
         )
         self.masks = masks(self.bulk.space, facet_tags, supports)
         self.thermal = self._thermal()
         self.body_force = self._body_force()
         self.springs: dict[Spring, FacetSet] = {}
+        self._foundations: list[PETSc.Mat] = []
         for load in loads:
             self._load(load)
+        self.stiffness = self._sprung(self.stiffness)
         for tag in tags:
             nu = self._typical(self.materials[tag]).poisson_ratio
             if nu > LOCKS and not kinematics.mean_dilatation:
@@ -130,11 +139,14 @@ class Assembly:
         self.secondary = [self._typical(self.materials[tag]) for tag in self._tags]
         suited = [ContactLaw().suited(each.young_modulus, each.lame) for each in self.secondary]
         rubs = any(each.friction for each in contacts)
-        self.law = ContactLaw(theta=0 if rubs else min(law.theta or 0 for law in suited))
+        rubs_or_bends = rubs or self.energies
+        self.law = ContactLaw(theta=0 if rubs_or_bends else min(law.theta or 0 for law in suited))
         factors = [law.gamma_factor for law in suited]
-        self.surfaces = Surfaces(contacts, self.bulk, facet_tags, self.comm, factors)
+        self.surfaces = Surfaces(
+            contacts, self.bulk, facet_tags, self.comm, factors, deformed=bool(self.energies)
+        )
         yields = any(each.hardening for each in self.materials.values())
-        self.remembers = yields or rubs
+        self.remembers = yields or rubs or bool(self.energies)
         self.stepped = yields or any(0 < each.friction < np.inf for each in contacts)
         self._unknowns: dict[tuple[Hub, ...], Unknowns] = {}
         self._factors: tuple[Interface, Unknowns, Direct] | None = None
@@ -191,13 +203,43 @@ class Assembly:
         found, problem = {}, ""
         try:
             for body in self.bodies:
-                own = body.material.over(self.cell_tags.find(body.tag))
-                found[body.tag] = own.material(self.section)
+                cells = self.cell_tags.find(body.tag)
+                if self.energies and isinstance(body.material, Energy):
+                    found[body.tag] = Material(*self.energies.moduli(cells))
+                elif isinstance(body.material, Elastic):
+                    found[body.tag] = body.material.over(cells).material(self.section)
         except ValueError as error:
             problem = str(error)
         for each in filter(None, self.comm.allgather(problem)):
             raise ValueError(each)
         return found
+
+    def _energies(self, u: Any, degree: int, contacts: Sequence[Contact]) -> Energies | None:
+        """Energies of all bodies where one has its own; None: all have a linear law (collective).
+        Raises ValueError for what does not go with an energy.
+        """
+        if not any(isinstance(body.material, Energy) for body in self.bodies):
+            return None
+        mean, no = self.kinematics.mean_dilatation, "does not go with an Energy"
+        for problem, wrong in {
+            "plane stress": self.section == "plane stress",
+            "mean_dilatation": mean,
+            "Plastic": any(isinstance(body.material, Plastic) for body in self.bodies),
+            "a gap": any(each.gap is not None for each in contacts),
+            "Tie": any(isinstance(each, Tie) for each in contacts),
+        }.items():
+            if wrong:
+                raise ValueError(f"{problem} {no}")
+        psi = {}
+        for body in self.bodies:
+            if isinstance(body.material, Energy):
+                psi[body.tag] = body.material.psi
+                if u is None or u not in extract_coefficients(psi[body.tag]):
+                    raise ValueError(f"the energy of body {body.tag} must depend on model.u")
+            else:
+                lam, mu = Material(body.material.young_modulus, body.material.poisson_ratio).lame
+                psi[body.tag] = self.kinematics.stored(u, lam, mu)
+        return Energies(u, degree, self.cell_tags, self.kinematics.revolved, psi)
 
     def _typical(self, material: Material) -> Material:
         """A material with the mean of Young's moduli and the largest of Poisson's ratios of the
@@ -231,7 +273,7 @@ class Assembly:
         return self.thermal[pairing.slave.numbers[pairing.facet]]
 
     def _load(self, load: Pressure | Traction | Spring) -> None:
-        """Add a load of facets to the forces, or a spring to the stiffness (collective). Raises
+        """Add a load of facets to the forces, or a spring to the foundations (collective). Raises
         ValueError for values that do not fit.
         """
         dim, space = self.kinematics.dim, self.bulk.space
@@ -245,11 +287,7 @@ class Assembly:
         if isinstance(load, Spring):
             self.springs[load] = facets
             each = weights[:, None] * _at_points(load, "stiffness", load.stiffness, x, dim)
-            matrix = self.stiffness.convert("aij")
-            matrix.axpy(1.0, weighted_product(rows, each.ravel(), rows), DIFFERENT)
-            matrix.setBlockSize(dim)
-            self.stiffness = matrix.convert("baij")
-            self.stiffness.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+            self._foundations.append(weighted_product(rows, each.ravel(), rows))
             return
         if isinstance(load, Pressure):
             value = _at_points(load, "value", load.value, x, 1)
@@ -257,6 +295,18 @@ class Assembly:
         else:
             values = _at_points(load, "vector", load.vector, x, dim)
         self.body_force.axpy(1.0, transposed(rows, (weights[:, None] * values).ravel()))
+
+    def _sprung(self, stiffness: PETSc.Mat) -> PETSc.Mat:
+        """Stiffness on all dofs with that of the springs (collective)."""
+        if not self._foundations:
+            return stiffness
+        matrix = stiffness.convert("aij")
+        for each in self._foundations:
+            matrix.axpy(1.0, each, DIFFERENT)
+        matrix.setBlockSize(self.kinematics.dim)
+        matrix = matrix.convert("baij")
+        matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        return matrix
 
     def spring_force(self, spring: Spring, displacement: PETSc.Vec) -> Array:
         """Force (c,) of a spring on the bodies (collective)."""
@@ -366,6 +416,23 @@ class Assembly:
         every = self.comm.allgather(displacement.array)
         return np.concatenate(every).reshape(-1, self.kinematics.dim)
 
+    def tangent(self, displacement: PETSc.Vec) -> tuple[PETSc.Mat, PETSc.Vec]:
+        """Stiffness of bodies and springs at a displacement, and the forces that this needs, on all
+        dofs (collective).
+        """
+        if self.energies is None:
+            return self.stiffness, self.stiffness * displacement
+        tangent, forces = self.energies.linear(displacement)
+        for each in self._foundations:
+            forces.axpy(1.0, each * displacement)
+        return self._sprung(tangent), forces
+
+    def pair(self, displacement: PETSc.Vec) -> Interface:
+        """Contact points at a displacement, see `Surfaces.pair` (collective)."""
+        every = self.gathered(displacement)
+        face = self.surfaces.pair(every)
+        return self.energies.deformed(face, displacement, every) if self.energies else face
+
     def first_touch(self, pairing: Interface, loads: HubLoads) -> Mask:
         """Points (n,) of this rank that touch first where hubs move along their forces; see
         `Interface.nearest` (collective).
@@ -400,7 +467,7 @@ class Assembly:
         zero = {hub: moved for hub in self.masks if isinstance(hub, Hub)}
         u = self.stiffness.createVecLeft()
         u.set(0.0)
-        pairing = self.surfaces.pair(self.gathered(u))
+        pairing = self.pair(u)
         count, size = len(pairing.contact), 3 + len(self.kinematics.shears)
         count_backs = backs(self.materials.values())
         gauss = len(self.unknowns(zero).points.points) if self.remembers else 0

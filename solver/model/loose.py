@@ -41,6 +41,8 @@ def loose_motion(model: Assembly, problem: ContactProblem, active: Mask, loads: 
                 found.append((body, k, y))
     pairs = [[(a.dot(tangent * b), a.dot(diagonal * b)) for *_, b in found] for *_, a in found]
     stiff, mass = np.moveaxis(np.array(pairs), 2, 0)
+    if not np.isfinite(stiff).all():  # of cells that are turned inside out
+        return ""
     bodies = np.array([body for body, *_ in found])
     for body in set(bodies):
         own = np.ix_(bodies == body, bodies == body)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from railhead.solver.model.parts import (
     Clamp,
     Contact,
     Elastic,
+    Energy,
     Force,
     Hub,
     Load,
@@ -80,6 +82,14 @@ class Model:
         self.parts: list[Part] = []
         self._assembly: Assembly | None = None
 
+    @cached_property
+    def u(self) -> Any:
+        """Displacement, a dolfinx Function that energies are expressions of; a solution has its
+        own.
+        """
+        mesh, degree = self._mesh[0], self._mesh[4]
+        return compat.fem.Function(compat.vector_space(mesh, degree))
+
     def add(self, *parts: Part) -> Any:
         """Add parts; returns the part or, of several, all of them. Raises ValueError for a vector
         that does not fit the mesh, a tag that is no whole number and once solved, TypeError for
@@ -90,8 +100,8 @@ class Model:
         for each in parts:
             if not isinstance(each, Part):
                 raise TypeError(f"{each!r} is no part of a model")
-            if isinstance(each, Body) and not isinstance(each.material, Elastic):
-                raise TypeError(f"{each!r} needs a material: Elastic or Plastic")
+            if isinstance(each, Body) and not isinstance(each.material, Elastic | Energy):
+                raise TypeError(f"{each!r} needs a material: Elastic, Plastic or Energy")
         dim = self._mesh[0].geometry.dim
         for each in parts:
             for owner in (each, getattr(each, "primary", None)):
@@ -121,7 +131,7 @@ class Model:
         a cell without a body, and for loads that do not fit their hub.
         """
         if self._assembly is None:
-            self._assembly = Assembly(*self._mesh, self.parts)
+            self._assembly = Assembly(*self._mesh, self.parts, self.__dict__.get("u"))
         start = Solution(self._assembly, self._assembly.rest())
         return start.then({} if loads is None else loads, steps=steps, progress=progress)
 

@@ -26,9 +26,18 @@ from railhead.theory.array_types import Array
 def cell_fields(model: Assembly, state: State) -> dict[str, Any]:
     """Stress, plastic strain and back stress (3, 3) as dolfinx Functions of one degree less than
     the displacement, which jump between cells: the least-squares fit to the values at Gauss points.
-    The last two are None where nothing yields (collective).
+    The last two are None where nothing yields (collective). An energy in a section does not tell
+    the stress out of it, which is NaN then.
     """
     cells = _own_cells(model)
+    if model.energies:
+        model.energies.put(state.displacement)
+        plane = model.energies.stress(cells.numbers)[0]
+        full, dim = np.zeros((*plane.shape[:2], 3, 3)), plane.shape[3]
+        full[..., 2, 2] = np.nan
+        full[..., :dim, :dim] = plane
+        found = _fitted(model, full, model.energies.reference)
+        return {"stress": found, "plastic_strain": None, "back_stress": None}
     rule = quadrature_degree(cells.cell, cells.degree, model.kinematics)
     at, _, _ = cells.quadrature_points(rule)
     every = model.gathered(state.displacement)[cells.dofs[at[0]]]
@@ -47,11 +56,11 @@ def cell_fields(model: Assembly, state: State) -> dict[str, Any]:
     stress[:, :3] += (lam * trace - thermal)[:, None]
     if model.section == "plane stress":
         stress[:, 2] = 0.0
-    reference = at[1][:each]
+    reference, tensors = at[1][:each], model.kinematics.tensors
     return {
-        "stress": _fitted(model, stress, reference),
-        "plastic_strain": _fitted(model, plastic, reference) if yields else None,
-        "back_stress": _fitted(model, back, reference) if yields else None,
+        "stress": _fitted(model, tensors(stress), reference),
+        "plastic_strain": _fitted(model, tensors(plastic), reference) if yields else None,
+        "back_stress": _fitted(model, tensors(back), reference) if yields else None,
     }
 
 
@@ -61,13 +70,13 @@ def _own_cells(model: Assembly) -> CellSet:
     return CellSet.of(model.bulk, np.arange(topology.index_map(topology.dim).size_local))
 
 
-def _fitted(model: Assembly, mandel: Array, reference: Array) -> Any:
-    """dolfinx Function of tensors nearest to values (n, m), in Mandel's notation, at the same
-    reference points (g, c) in each cell of this rank (collective).
+def _fitted(model: Assembly, tensors: Array, reference: Array) -> Any:
+    """dolfinx Function of tensors nearest to values (..., 3, 3) at the same reference points (g, c)
+    in each cell of this rank (collective).
     """
     mesh, degree = model.bulk.space.mesh, model.bulk.degree - 1
     made = compat.fem.Function(compat.tensor_space(mesh, degree))
-    tensors = model.kinematics.tensors(mandel).reshape(-1, len(reference), 9)
+    tensors = tensors.reshape(-1, len(reference), 9)
     cell = compat.cell_type(mesh)
     basis = tabulate(cell, degree, reference)[0] if degree else np.ones((len(reference), 1))
     fitted = np.einsum("dg,mgs->mds", np.linalg.pinv(basis), tensors)

@@ -120,6 +120,21 @@ class Plastic(Elastic):
 
 
 @dataclass(frozen=True)
+class Energy:
+    """A law of one's own, in finite strain.
+
+    psi: energy per volume before deformation, a UFL expression of `Model.u`.
+    """
+
+    psi: Any
+
+    def __post_init__(self) -> None:
+        """Raises ValueError for what is no UFL expression of a number."""
+        if getattr(self.psi, "ufl_shape", None) != ():
+            raise ValueError(f"psi must be a UFL expression of a number, not {self.psi!r}")
+
+
+@dataclass(frozen=True)
 class Body:
     """Cells with a tag, their material, and what loads them.
 
@@ -129,7 +144,7 @@ class Body:
     """
 
     tag: int
-    material: Elastic
+    material: Elastic | Energy
     force: Any = None
     thermal_strain: Any = 0.0
 

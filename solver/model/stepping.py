@@ -12,9 +12,12 @@ from petsc4py import PETSc
 from scipy.spatial import cKDTree
 
 from railhead.solver.algebra import newton
+from railhead.solver.algebra.linear import StalledError
 from railhead.solver.algebra.problem import ContactProblem
+from railhead.solver.algebra.reduced_stiffness import Stiffness
 from railhead.solver.material import History
 from railhead.solver.model.assembly import Assembly
+from railhead.solver.model.energy import Deformed, DeformedProblem
 from railhead.solver.model.loose import LOOSE, loose_motion
 from railhead.solver.model.problem import FrictionalProblem, HubLoads, State
 from railhead.solver.plasticity.plastic_problem import surface_points
@@ -80,29 +83,55 @@ def _step(model: Assembly, before: State, loads: HubLoads, share: float) -> Stat
     """
     pairing, y = before.pairing, None
     if before.outdated:
-        pairing = model.surfaces.pair(model.gathered(before.displacement))
+        pairing = model.pair(before.displacement)
     done: list[newton.NewtonStep] = []
-    outdated = False
+    outdated, prescribed = False, model.prescribed(loads)
+    problem: ContactProblem
+
+    def moved(y: PETSc.Vec) -> PETSc.Vec:
+        """Displacement of free unknowns."""
+        u = prescribed.copy()
+        model.unknowns(loads).reduction.matrix.multAdd(y, prescribed, u)
+        return u
+
+    def anew(y: PETSc.Vec) -> ContactProblem:
+        """Equations of the deformed bodies."""
+        nonlocal pairing, problem
+        u = moved(y)
+        try:
+            pairing = model.pair(u)
+        except ValueError as error:
+            raise StalledError(0, str(error)) from error
+        problem = _problem(model, before, pairing, loads, share, u)
+        problem.reference_force = reference
+        return problem
+
     for _ in range(MOST_PAIRINGS):
-        problem, prescribed = _problem(model, before, pairing, loads, share)
+        problem = _problem(model, before, pairing, loads, share, before.displacement)
         pressed = _carried(before.pressure, before.pairing, pairing)
-        problem.reference_force = problem.contact_force(pressed)
+        reference = problem.reference_force = problem.contact_force(pressed)
         bonded = np.isneginf(np.broadcast_to(problem.floor, len(pressed)))
         active = (pressed > 0) & ~bonded
         if not model.comm.allreduce(int(active.sum())):
             active = model.first_touch(pairing, loads)
         active = active | bonded
         preconditioner = model.preconditioner(problem, pairing, loads)
-        result = newton.solve(problem, preconditioner, active, y, rtol=TOLERANCE, max_steps=STEPS)
+        how: dict[str, Any] = {"rtol": TOLERANCE, "max_steps": STEPS}
+        if model.energies:
+            how["anew"] = anew
+        result = newton.solve(problem, preconditioner, active, y, **how)
         done += result.history
-        u = prescribed.copy()
-        model.unknowns(loads).reduction.matrix.multAdd(result.y, prescribed, u)
+        u = moved(result.y)
         gap = pairing.initial_gap + (pairing.gap * u).array
         if not result.converged:
             if isinstance(problem, FrictionalProblem) and problem.all_slides(result.pressure > 0):
                 result.reason = "everything slides: a force is above what friction carries"
-            elif words := loose_motion(model, problem, active, loads):
+            elif words := loose_motion(
+                model, problem, result.pressure > 0 if model.energies else active, loads
+            ):
                 result.reason = words
+            break
+        if model.energies:
             break
         every = model.gathered(u)
         drift, change, lost = model.surfaces.outdated(pairing, every, gap, result.pressure)
@@ -141,31 +170,46 @@ def _carried(values: Array, old: Interface, new: Interface) -> Array:
 
 
 def _problem(
-    model: Assembly, before: State, pairing: Interface, loads: HubLoads, share: float
-) -> tuple[ContactProblem, PETSc.Vec]:
-    """Equations of a step from a state, and the prescribed displacement (collective)."""
+    model: Assembly,
+    before: State,
+    pairing: Interface,
+    loads: HubLoads,
+    share: float,
+    at: PETSc.Vec,
+) -> ContactProblem:
+    """Equations of a step from a state (collective); at: displacement at which energies are made
+    linear.
+    """
     unknowns, law = model.unknowns(loads), model.law
-    p = unknowns.reduction.matrix
-    prescribed = model.prescribed(loads)
-    force = model.stiffness * prescribed
-    force.scale(-1.0)
-    force.axpy(share, model.body_force)
+    p, prescribed = unknowns.reduction.matrix, model.prescribed(loads)
+    change, stiffness, force = prescribed, unknowns.stiffness, model.body_force * float(share)
+    if model.energies:
+        change = prescribed - at
+        tangent, inner = model.tangent(at)
+        force -= inner + tangent * change
+        stiffness = Stiffness.reduced(tangent, unknowns.reduction)
+    else:
+        force -= model.stiffness * prescribed
+        stiffness = stiffness.copy()
     reduced = transposed(p, force.array)
     for hub, place in zip(unknowns.hubs, unknowns.reduction.places, strict=True):
         if place >= 0:
             reduced.array[place] += loads[hub][0]
+    stress = pairing.pull(pairing.normals[:, None])[:, 0] - share * model.thermal_at(pairing)
     more: dict[str, Any] = {
         "force": reduced,
         "start_gap": pairing.initial_gap + (pairing.gap * prescribed).array,
-        "start_stress": (pairing.stress * prescribed).array - share * model.thermal_at(pairing),
+        "start_stress": (pairing.stress * change).array + stress,
     }
-    given = law, unknowns.stiffness.copy(), pairing, p
+    given = law, stiffness, pairing, p
     if not model.remembers:
-        return ContactProblem.reduced(*given, **more), prescribed
-    more |= _with_history(model, before, pairing, loads, prescribed)
+        return ContactProblem.reduced(*given, **more)
+    more |= _with_history(model, before, pairing, loads, prescribed, change)
+    if isinstance(pairing, Deformed):
+        return DeformedProblem.reduced(*given, **more, points=pairing, map=p)
     problem = FrictionalProblem.reduced(*given, **more)
     problem.set_prescribed_strain(prescribed)
-    return problem, prescribed
+    return problem
 
 
 def _with_history(
@@ -174,8 +218,11 @@ def _with_history(
     pairing: Interface,
     loads: HubLoads,
     prescribed: PETSc.Vec,
+    change: PETSc.Vec,
 ) -> dict[str, Any]:
-    """Fields of the equations with yield and friction that those without them do not have."""
+    """Fields of the equations with yield and friction that those without them do not have;
+    prescribed, change: displacement, and that from where stresses are linear.
+    """
     unknowns, shape = model.unknowns(loads), pairing.tangents.shape[:2]
     p, bulk = unknowns.reduction.matrix, unknowns.points
     surface = surface_points(pairing, None, model.bulk, unknowns.reduction, model.comm)
@@ -195,6 +242,7 @@ def _with_history(
     dyads, outward = model.kinematics.dyads, np.repeat(pairing.outward, shape[1], axis=0)
     sheared = dyads(pairing.tangents.reshape(outward.shape), outward)
     slipped = prescribed - before.displacement
+    pulled = pairing.pull(pairing.tangents)
     friction = np.array([each.friction for each in model.surfaces.contacts])[pairing.contact]
     bonded = np.isinf(friction)
     start = (pairing.slip * slipped).array.reshape(shape).copy()
@@ -208,7 +256,7 @@ def _with_history(
         "slip": pairing.slip.matMult(p),
         "shear": pairing.shear.matMult(p),
         "start_slip": start,
-        "start_shear": (pairing.shear * prescribed).array.reshape(shape).copy(),
+        "start_shear": (pairing.shear * change).array.reshape(shape) + pulled,
         "shear_dyads": sheared.reshape(*shape, sheared.shape[1]),
     }
 
@@ -230,7 +278,7 @@ def _state(
     bulk, surface = before.bulk, before.surface
     traction, lost = np.zeros(pairing.tangents.shape[:2]), share * model.thermal_at(pairing)
     slip, sticking = _carried(before.slip, before.pairing, pairing), np.zeros(len(pressure), bool)
-    nodal = model.stiffness * u
+    nodal = model.tangent(u)[1]
     nodal.axpy(-share, model.body_force)
     if isinstance(problem, FrictionalProblem):
         bulk, surface = problem.state
@@ -242,10 +290,11 @@ def _state(
         add_transposed(problem.bulk.full_strain_matrix, stress, nodal)
         add_transposed(pairing.slip, -pairing.weights[:, None] * traction, nodal)
     add_transposed(pairing.gap, -pairing.weights * pressure, nodal)
-    normal = (pairing.stress * u).array - lost
-    add_transposed(
-        pairing.stress, -problem.consistency * problem.weight * (pressure + normal), nodal
-    )
+    if problem.consistency:
+        normal = (pairing.stress * u).array - lost
+        add_transposed(
+            pairing.stress, -problem.consistency * problem.weight * (pressure + normal), nodal
+        )
     motions, unknowns = {hub: load[1:] for hub, load in loads.items()}, model.unknowns(loads)
     for hub, place in zip(unknowns.hubs, unknowns.reduction.places, strict=True):
         along = model.comm.allreduce(float(result.y.array[place]) if place >= 0 else 0.0)

@@ -37,6 +37,7 @@ LAYER_FACTOR = 2.0  # of the trace bound in hexahedra and quadrilaterals. Where 
 METHODS = ("nitsche", "penalty")
 PENALTY_FACTOR = 10.0  # penalty over the Nitsche parameter: bias against conditioning
 LARGEST_PARAMETER = 3.0  # over E times the trace constant; of nearly incompressible bodies
+ALIKE = 1e-9  # of the largest coordinate, by which gaps of flat surfaces differ by rounding
 NEAREST = 12  # points of a contact that the iterations start from
 STAGE_GROWTH = 10.0  # of the parameter from one stage of a stiff law to the next
 Gap = Callable[[Array], tuple[Array, Array]]
@@ -181,6 +182,7 @@ class Interface:
             them, and their areas (m,) -> how many of them are taken.
         """
         out = np.zeros(len(self.contact), dtype=bool)
+        alike = ALIKE * self.comm.allreduce(np.abs(self.points).max(initial=0.0), op=MPI.MAX)
         for number in range(len(self.missed)):
             own = np.flatnonzero(self.contact == number)
             gaps, rate = self.initial_gap[own], closing[own]
@@ -193,7 +195,7 @@ class Interface:
             if not len(order):
                 continue
             count = max(NEAREST, touching(number, every[order], area[order]))
-            out[own] = gaps <= every[order][min(count, len(order)) - 1]
+            out[own] = gaps <= every[order][min(count, len(order)) - 1] + alike
         return out
 
     def stiffness_bound(self, law: ContactLaw) -> Array:
@@ -225,6 +227,10 @@ class Interface:
     def shear(self) -> PETSc.Mat:
         """Shear stress t . sigma(u_slave) . n along the tangents t, n k rows, MPa/mm."""
         return self._stress(self.tangents)
+
+    def pull(self, directions: Array) -> Array:
+        """Stress e . sigma n (n, k) along directions e (n, k, c) where the matrices start from."""
+        return np.zeros(directions.shape[:2])
 
     def _stress(self, directions: Array) -> PETSc.Mat:
         """Stress e . sigma(u_slave) . n along directions e (n, k, c), n k rows (collective)."""

@@ -161,6 +161,14 @@ class Kinematics:
         volume = 0 if self.averaged else lam * self.dilatation(u, r) * self.dilatation(v, r)
         return 2 * np.pi * r * (volume + shear) * dx
 
+    def stored(self, u: Any, lam: Any, mu: Any) -> Any:
+        """UFL expression of the strain energy per volume of a displacement u, lam/2 tr(eps)^2 +
+        mu eps : eps.
+        """
+        eps = _eps(u)
+        hoop = u[0] / ufl.SpatialCoordinate(u.function_space.mesh)[0] if self.revolved else 0
+        return lam / 2 * (ufl.tr(eps) + hoop) ** 2 + mu * (ufl.inner(eps, eps) + hoop * hoop)
+
     @staticmethod
     def dilatation(w: Any, r: Any) -> Any:
         """UFL expression of the trace of the strain, div w + w_r/r, of a displacement w in a

@@ -133,6 +133,7 @@ class Surfaces:
 
     contacts: in their order.
     secondary, primary: facets of each contact, of this rank and of all ranks; rigid ones have none.
+    deformed: whether normals and areas are those of the deformed surfaces, else of the undeformed.
     cut: whether contact points lie on the pieces into which the facets of both surfaces cut each
         other, so that a constant pressure stays constant; otherwise on whole secondary facets.
     bound: smallest stable parameter of each secondary facet, times the factor of its contact.
@@ -146,11 +147,13 @@ class Surfaces:
         comm: MPI.Intracomm,
         factors: Sequence[float] = (1.0,),
         cut: bool = True,
+        deformed: bool = False,
     ) -> None:
         """factors: one of each contact (collective). Raises ValueError for a gap that is no number,
         gives no outward unit normals, or other numbers of values than of points.
         """
         self.contacts, self.comm, self.bulk, self.cut = contacts, comm, bulk, cut
+        self.deformed = deformed
         none = np.zeros(0, np.int32)
         self.secondary = [FacetSet.on(bulk, facet_tags.find(each.secondary)) for each in contacts]
         others = [[*map(facet_tags.find, each.tags[1:]), none][0] for each in contacts]
@@ -192,6 +195,11 @@ class Surfaces:
                 out[own] = contact.gap(points[own])[1][:, : out.shape[1]]
         return out
 
+    def _shapes(self, number: int, displacement: Array) -> list[FacetSet]:
+        """Secondary and primary surface of a contact, deformed where that counts."""
+        both = self.secondary[number], self.primary[number]
+        return [each.moved(displacement) if self.deformed else each for each in both]
+
     def pair(self, displacement: Array) -> Interface:
         """Contact points and the points opposite at a displacement (dofs, c) of all block dofs
         (collective). A contact whose surfaces have left each other has no points. Raises ValueError
@@ -201,15 +209,17 @@ class Surfaces:
         for number, contact in enumerate(self.contacts):
             bonded = isinstance(contact, Tie)
             displacement = 0 * now_at if bonded else now_at
-            slave, other = self.secondary[number], self.primary[number]
+            slave, other = self._shapes(number, displacement)
             order = 2 * slave.degree + 1 if slave.kinematics.dim == 3 else SECTION_QUADRATURE
             known = None
             at, weights = slave.quadrature(order)
             whole = weights.sum()
             if len(other) and self.cut:
-                here = slave.moved(displacement)
-                at, weights, known = pieces.quadrature(here, other.moved(displacement), order)
-                if here is not slave:
+                here, there = (
+                    each[number].moved(displacement) for each in (self.secondary, self.primary)
+                )
+                at, weights, known = pieces.quadrature(here, there, order)
+                if not self.deformed and here is not slave:
                     weights = weights * slave.measure(*at) / here.measure(*at)
             normals, outward, now, change, foot = self.opposite(number, at, displacement, known)
             keep, gap = np.isfinite(now), np.where(bonded & np.isfinite(now), 0.0, now - change)
@@ -266,17 +276,18 @@ class Surfaces:
         -inf where surfaces overlap by more than a facet, the part of it that the displacement makes
         (n,), and facet (n,) and coordinates (n, c - 1) opposite.
         """
-        contact, slave, other = self.contacts[number], self.secondary[number], self.primary[number]
+        contact, (slave, other) = self.contacts[number], self._shapes(number, displacement)
         here, (x, tangent) = at[0], slave.tangents(*at)
         normals, own = slave.normals(here, tangent), slave.values(*at, displacement)
+        place = x if self.deformed else x + own
         partner, eta = np.full(len(x), -1), np.zeros_like(at[1])
         if isinstance(contact.primary, Plane | Sphere):
-            far, up = contact.primary.distance(x + own, normals)
+            far, up = contact.primary.distance(place, normals)
             now = far * np.maximum(-np.einsum("nc,nc->n", normals, up), ALMOST)
             return -up, normals, now, np.einsum("nc,nc->n", up, own), (partner, eta)
         if contact.gap is None:
-            moved = other.moved(displacement)
-            partner, eta = pair(x + own, normals, moved, known)
+            moved = self.primary[number].moved(displacement)
+            partner, eta = pair(place, normals, moved, known)
         else:
             gap, given = (np.asarray(each, float) for each in contact.gap(x))
             normals = given[:, : x.shape[1]]
@@ -292,7 +303,7 @@ class Surfaces:
         between = shares[0] * normals - shares[1] * other.normals(at[0], other.tangents(*at)[1])
         between = between / np.linalg.norm(between, axis=1)[:, None]
         change = np.einsum("nc,nc->n", between, opposite - own)
-        now = np.einsum("nc,nc->n", between, moved.tangents(*at)[0] - x - own)
+        now = np.einsum("nc,nc->n", between, moved.tangents(*at)[0] - place)
         reach = np.linalg.norm(moved.vertices[:, 1] - moved.vertices[:, 0], axis=1)[at[0]]
         facing = np.einsum("nc,nc->n", normals, moved.flat_normals[at[0]]) < FACING
         now = np.where((partner >= 0) & facing, now, np.inf)

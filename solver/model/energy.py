@@ -1,0 +1,225 @@
+"""Bodies with an energy psi(u) per volume before deformation, and contact of the deformed bodies.
+
+    R(u) = d/du int psi dX,   sigma = P F^T / J,   P = d psi / d grad u,   F = I + grad u
+
+The contact points lie on the deformed surfaces, and sigma, the Cauchy stress, takes the place of
+the linear law's stress in Nitsche's method. From a state u0 it is taken as linear:
+
+    sigma(u) = sigma(u0) + d sigma / d grad u : grad (u - u0)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+import basix
+import numpy as np
+import ufl
+from dolfinx import fem
+from petsc4py import PETSc
+from ufl.algorithms.apply_algebra_lowering import apply_algebra_lowering
+from ufl.algorithms.apply_derivatives import apply_derivatives
+from ufl.corealg.map_dag import map_expr_dag
+from ufl.corealg.multifunction import MultiFunction
+
+from railhead.solver import compat
+from railhead.solver.algebra.reduced_stiffness import DIFFERENT
+from railhead.solver.model.problem import FrictionalProblem
+from railhead.solver.space.cells import tabulate
+from railhead.solver.space.contact_interface import Interface
+from railhead.theory.array_types import Array, Index, Mask
+
+
+@dataclass(frozen=True, kw_only=True)
+class Deformed(Interface):
+    """Contact points on deformed surfaces, with the Cauchy stress of the secondary body.
+
+    cauchy: (n, c, c) where the bodies are. slope: its derivative (n, c, c, c, c) by grad u.
+    gradient: of the d basis functions by the deformed coordinates (n, d, c).
+    points: before deformation. All else is that of the deformed surfaces.
+    """
+
+    cauchy: Array
+    slope: Array
+    gradient: Array
+
+    def pull(self, directions: Array) -> Array:
+        """Stress e . sigma n (n, k) now along directions e (n, k, c)."""
+        return np.asarray(np.einsum("nki,nij,nj->nk", directions, self.cauchy, self.outward))
+
+    def _stress(self, directions: Array) -> PETSc.Mat:
+        """Change of e . sigma n along directions e (n, k, c), n k rows (collective)."""
+        reference = self.slave.reference(self.facet, self.xi)
+        gradient = self.slave.basis(self.facet, reference)[1]
+        change = np.einsum("nki,nj,nijcl->nkcl", directions, self.outward, self.slope)
+        values = np.einsum("nkcl,ndl->nkdc", change, gradient)
+        return self.matrix([self.slave.rows(self.facet, values)])
+
+    def turning(self, pressure: Array, traction: Array) -> PETSc.Mat:
+        """Change (n c rows) of the forces at the points per displacement, by that of areas and
+        directions: W (tr h - n . h n) and, where a deformed body is opposite, n - h^T n, with the
+        gradient h of the change along the surface (collective).
+
+        pressure, traction: along the tangents, (n,) and (n, k), which stay.
+        """
+        n, g, p = self.outward, self.gradient, np.where(self.partner < 0, 0.0, pressure)
+        along = g - np.einsum("nd,nc->ndc", np.einsum("ndc,nc->nd", g, n), n)
+        force = np.einsum("nk,nkc->nc", traction, self.tangents) - pressure[:, None] * self.normals
+        rubs = np.where((self.partner < 0)[:, None], 0.0, force + pressure[:, None] * self.normals)
+        turned = p[:, None, None] * along.transpose(0, 2, 1)
+        turned += np.einsum("ni,ndj,nj->nid", n, along, rubs)
+        change = np.einsum("ni,ndc->nidc", force, along) + np.einsum("nid,nc->nidc", turned, n)
+        change *= self.weights[:, None, None, None]
+        return self.matrix([self.slave.rows(self.facet, change)])
+
+    @property
+    def jump(self) -> PETSc.Mat:
+        """Displacement of the secondary surface less the other's, n c rows (collective)."""
+        return self._jump(np.tile(np.eye(self.points.shape[1]), (len(self.points), 1, 1)))
+
+
+@dataclass(kw_only=True)
+class DeformedProblem(FrictionalProblem):
+    """Contact problem of deformed bodies, exact at one state, linear around it.
+
+    points: contact points there. map: P from free unknowns to dofs.
+    """
+
+    points: Deformed
+    map: PETSc.Mat
+    _turning: PETSc.Mat | None = None
+
+    def residual(self, y: PETSc.Vec, pressure: Array) -> PETSc.Vec:
+        """Residual of equilibrium in the free unknowns, see `FrictionalProblem.residual`."""
+        r = super().residual(y, pressure)
+        turning = self.points.turning(pressure, self.traction).matMult(self.map)
+        self._turning = self.points.jump.matMult(self.map).transposeMatMult(turning)
+        return r
+
+    def apply_tangent(
+        self, active: Mask, rows: tuple[PETSc.Mat, PETSc.Mat], x: PETSc.Vec, out: PETSc.Vec
+    ) -> None:
+        """As `FrictionalProblem.apply_tangent`, with the change of areas and directions."""
+        super().apply_tangent(active, rows, x, out)
+        if self._turning:
+            out.axpy(-1.0, self._turning * x)
+
+    def assembled_tangent(self, active: Mask) -> PETSc.Mat:
+        """As `FrictionalProblem.assembled_tangent`, with the change of areas and directions."""
+        out = super().assembled_tangent(active)
+        if self._turning:
+            out.axpy(-1.0, self._turning, DIFFERENT)
+        return out
+
+
+class _AtGradient(MultiFunction):
+    """Puts a variable in place of the gradient of a Function."""
+
+    expr = MultiFunction.reuse_if_untouched
+
+    def __init__(self, u: Any, gradient: Any) -> None:
+        super().__init__()
+        self.u, self.gradient = u, gradient
+
+    def grad(self, o: Any) -> Any:
+        """The variable for grad u, any other gradient as it is."""
+        return self.gradient if o.ufl_operands[0] == self.u else o
+
+
+class Energies:
+    """Energies of all bodies of a mesh.
+
+    u: displacement, a dolfinx Function, of which they are expressions. psi: of each body's tag.
+    """
+
+    def __init__(self, u: Any, degree: int, cell_tags: Any, revolved: bool, psi: Mapping[int, Any]):
+        """degree: of the displacement. revolved: whether coordinates are (r, z)."""
+        space, mesh = u.function_space, u.function_space.mesh
+        self.u, self.degree, self.mesh = u, degree, mesh
+        self.cell, dim = compat.cell_type(mesh), mesh.geometry.dim
+        rule = {"quadrature_degree": 2 * degree + 2 * revolved}
+        r = ufl.SpatialCoordinate(mesh)[0]
+        dx = ufl.Measure("dx", domain=mesh, subdomain_data=cell_tags, metadata=rule)
+        around = 2 * np.pi * r if revolved else 1
+        total = sum(around * each * dx(tag) for tag, each in psi.items())
+        force = ufl.derivative(total, u, ufl.TestFunction(space))
+        tangent = ufl.derivative(force, u, ufl.TrialFunction(space))
+        self._force, self._tangent = compat.form(force, mesh), compat.form(tangent, mesh)
+        kind = getattr(basix.CellType, self.cell)
+        self.reference = basix.make_quadrature(kind, 2 * degree)[0]
+        self._stress = []
+        for tag, each in psi.items():
+            g = ufl.variable(ufl.grad(u))
+            at = _AtGradient(u, g)
+            energy = map_expr_dag(at, apply_derivatives(apply_algebra_lowering(each)))
+            f, hoop = ufl.Identity(dim) + g, 1 + u[0] / r if revolved else 1
+            sigma = ufl.diff(energy, g) * f.T / (ufl.det(f) * hoop)
+            every = [sigma, ufl.diff(sigma, g)]
+            flat = [e[i] for e in every for i in np.ndindex(*e.ufl_shape)]
+            made = compat.expression(ufl.as_vector(flat), self.reference, mesh)
+            self._stress.append((cell_tags.find(tag), made))
+
+    def put(self, displacement: PETSc.Vec) -> None:
+        """Give u the values of all dofs (collective)."""
+        self.u.x.array[: displacement.getLocalSize()] = displacement.array
+        self.u.x.scatter_forward()
+
+    def linear(self, displacement: PETSc.Vec) -> tuple[PETSc.Mat, PETSc.Vec]:
+        """Tangent and internal forces on all dofs at a displacement (collective)."""
+        self.put(displacement)
+        tangent = fem.petsc.create_matrix(self._tangent, "baij")
+        fem.petsc.assemble_matrix(tangent, self._tangent)
+        tangent.assemble()
+        tangent.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        found, out = fem.petsc.assemble_vector(self._force), displacement.duplicate()
+        found.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
+        out.array[:] = found.array[: len(out.array)]
+        return tangent, out
+
+    def stress(self, cells: Index) -> tuple[Array, Array]:
+        """Cauchy stress (m, g, c, c) of u in local cells (m,) at `reference`, and its derivative by
+        grad u (m, g, c, c, c, c).
+        """
+        dim, count = self.mesh.geometry.dim, len(self.reference)
+        out = np.zeros((len(cells), count, dim**2 + dim**4))
+        for members, made in self._stress:
+            own = np.flatnonzero(np.isin(cells, members))
+            if len(own):
+                found = compat.evaluated(made, self.mesh, cells[own])
+                out[own] = found.reshape(len(own), count, -1)
+        shape = len(cells), count, dim, dim
+        return out[..., : dim**2].reshape(shape), out[..., dim**2 :].reshape(*shape, dim, dim)
+
+    def moduli(self, cells: Index) -> tuple[Array, Array]:
+        """Young's modulus and Poisson's ratio (m,) at rest in local cells (m,), of the isotropic
+        law that is nearest to the derivative of the stress. Raises ValueError where there is none.
+        """
+        self.u.x.array[:] = 0.0
+        slope = self.stress(cells)[1].mean(axis=1)
+        d = slope.shape[1]
+        traces, whole = np.einsum("miijj->m", slope), np.einsum("mijij->m", slope)
+        mu = (d * whole - traces) / (d * (d - 1) * (d + 2))
+        lam = (traces - 2 * d * mu) / d**2
+        if not (np.all(mu > 0) and np.all(lam + mu > 0)):
+            raise ValueError("psi has no stiffness at rest")
+        return mu * (3 * lam + 2 * mu) / (lam + mu), lam / (2 * (lam + mu))
+
+    def deformed(self, face: Interface, displacement: PETSc.Vec, every: Array) -> Deformed:
+        """Contact points with the stress at a displacement of all dofs, by the polynomial in each
+        cell that is nearest to the stress at `reference` (collective). every: the displacement
+        (dofs, c) of all ranks.
+        """
+        self.put(displacement)
+        used, of = np.unique(face.facet, return_inverse=True)
+        fit = np.linalg.pinv(tabulate(self.cell, self.degree, self.reference)[0])
+        at = face.facet, face.slave.reference(face.facet, face.xi)
+        basis = tabulate(self.cell, self.degree, at[1], derivatives=0)[0] @ fit
+        cauchy, slope = (
+            np.einsum("ng,ng...->n...", basis, values[of])
+            for values in self.stress(face.slave.numbers[used])
+        )
+        own = {each.name: getattr(face, each.name) for each in fields(Interface)}
+        gradient = face.slave.moved(every).basis(*at)[1]
+        return Deformed(**own, cauchy=cauchy, slope=slope, gradient=gradient)
