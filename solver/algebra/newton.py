@@ -200,13 +200,14 @@ def solve(
             active = pressure > problem.floor
             failure = ""
             if apart:
-                rounding = 0.0  # of bodies that nothing holds
-                falls = norm <= max(rtol, before / 2 if np.isfinite(before) else 0.0)
+                rounding = problem.least_force  # y is large of bodies that nothing holds
+                enough = max(rtol, rounding / scale)
+                falls = norm <= max(enough, before / 2 if np.isfinite(before) else 0.0)
                 if not falls and increment is not None and returned < MOST_RETURNED:
                     returned, length = returned + 1, length / 2  # where something touched
                     y.axpy(-length, increment)
                     continue
-                if norm > max(rtol, before / 2):
+                if norm > max(enough, before / 2):
                     failure = "the bodies do not touch"
                 before = norm
             elif not np.isfinite(norm):

@@ -77,6 +77,7 @@ class ContactProblem:
     start_stress: normal stress at zero free unknowns, s0 = S u0 (n,), MPa.
     reference_force: force that the residual may be divided by where nothing, or hardly anything,
         touches, N: of an earlier state.
+    least_force: norm of residuals that is rounding where nothing touches, N.
     floor: least pressure, of all points or of each (n,): 0, or -inf of those that cannot part.
     tangent_depends_on_state: whether the tangent changes while the active set stays.
     """
@@ -91,6 +92,7 @@ class ContactProblem:
     start_gap: Array
     start_stress: Array
     reference_force: float = 0.0
+    least_force: float = 0.0
     floor: Any = 0.0
     _tangents: list[Any] = field(init=False, repr=False, default_factory=list)
     tangent_depends_on_state: ClassVar[bool] = False

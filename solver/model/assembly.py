@@ -387,6 +387,12 @@ class Assembly:
         """Positions (nodes, c) of this rank's nodes."""
         return compat.dof_points(self.bulk.space)
 
+    @cached_property
+    def size(self) -> float:
+        """Largest coordinate of a node, beside the origin (collective)."""
+        local = float(np.abs(self.bulk_points).max(initial=0.0))
+        return float(self.comm.allreduce(local, op=MPI.MAX))
+
     def preconditioner(
         self, problem: ContactProblem, pairing: Interface, loads: HubLoads
     ) -> Preconditioner:

@@ -29,6 +29,7 @@ from railhead.solver.algebra.reduced_stiffness import DIFFERENT
 from railhead.solver.model.problem import FrictionalProblem
 from railhead.solver.space.cells import tabulate
 from railhead.solver.space.contact_interface import Interface
+from railhead.solver.space.facets import FacetSet
 from railhead.theory.array_types import Array, Index, Mask
 
 
@@ -36,14 +37,15 @@ from railhead.theory.array_types import Array, Index, Mask
 class Deformed(Interface):
     """Contact points on deformed surfaces, with the Cauchy stress of the secondary body.
 
-    cauchy: (n, c, c) where the bodies are. slope: its derivative (n, c, c, c, c) by grad u.
-    gradient: of the d basis functions by the deformed coordinates (n, d, c).
+    cauchy: (n, c, c) where the bodies are. slope: its derivative (n, c, c, c, c + 1) by
+        grad u and, last, by u or u/r.
+    moved: the secondary facets where they are.
     points: before deformation. All else is that of the deformed surfaces.
     """
 
     cauchy: Array
     slope: Array
-    gradient: Array
+    moved: FacetSet
 
     def pull(self, directions: Array) -> Array:
         """Stress e . sigma n (n, k) now along directions e (n, k, c)."""
@@ -52,9 +54,12 @@ class Deformed(Interface):
     def _stress(self, directions: Array) -> PETSc.Mat:
         """Change of e . sigma n along directions e (n, k, c), n k rows (collective)."""
         reference = self.slave.reference(self.facet, self.xi)
-        gradient = self.slave.basis(self.facet, reference)[1]
+        value, gradient = self.slave.basis(self.facet, reference)
+        if self.slave.kinematics.revolved:
+            value = value / self.points[:, :1]
+        both = np.concatenate([gradient, value[..., None]], axis=2)
         change = np.einsum("nki,nj,nijcl->nkcl", directions, self.outward, self.slope)
-        values = np.einsum("nkcl,ndl->nkdc", change, gradient)
+        values = np.einsum("nkcl,ndl->nkdc", change, both)
         return self.matrix([self.slave.rows(self.facet, values)])
 
     def turning(self, pressure: Array, traction: Array) -> PETSc.Mat:
@@ -64,13 +69,16 @@ class Deformed(Interface):
 
         pressure, traction: along the tangents, (n,) and (n, k), which stay.
         """
-        n, g, p = self.outward, self.gradient, np.where(self.partner < 0, 0.0, pressure)
+        n, p = self.outward, np.where(self.partner < 0, 0.0, pressure)
+        value, g = self.moved.basis(self.facet, self.slave.reference(self.facet, self.xi))
+        now = self.moved.tangents(self.facet, self.xi)[0]
         along = g - np.einsum("nd,nc->ndc", np.einsum("ndc,nc->nd", g, n), n)
         force = np.einsum("nk,nkc->nc", traction, self.tangents) - pressure[:, None] * self.normals
         rubs = np.where((self.partner < 0)[:, None], 0.0, force + pressure[:, None] * self.normals)
         turned = p[:, None, None] * along.transpose(0, 2, 1)
         turned += np.einsum("ni,ndj,nj->nid", n, along, rubs)
-        change = np.einsum("ni,ndc->nidc", force, along) + np.einsum("nid,nc->nidc", turned, n)
+        wider = self.slave.kinematics.divergence(value, along, now[:, None])
+        change = np.einsum("ni,ndc->nidc", force, wider) + np.einsum("nid,nc->nidc", turned, n)
         change *= self.weights[:, None, None, None]
         return self.matrix([self.slave.rows(self.facet, change)])
 
@@ -114,18 +122,22 @@ class DeformedProblem(FrictionalProblem):
         return out
 
 
-class _AtGradient(MultiFunction):
-    """Puts a variable in place of the gradient of a Function."""
+class _Pointwise(MultiFunction):
+    """Puts variables in place of a Function u and of its gradient."""
 
     expr = MultiFunction.reuse_if_untouched
 
-    def __init__(self, u: Any, gradient: Any) -> None:
+    def __init__(self, u: Any) -> None:
         super().__init__()
-        self.u, self.gradient = u, gradient
+        self.u, self.value, self.gradient = u, ufl.variable(u), ufl.variable(ufl.grad(u))
 
     def grad(self, o: Any) -> Any:
-        """The variable for grad u, any other gradient as it is."""
+        """The variable for grad u; any other gradient as it is."""
         return self.gradient if o.ufl_operands[0] == self.u else o
+
+    def coefficient(self, o: Any) -> Any:
+        """The variable for u; any other Function as it is."""
+        return self.value if o == self.u else o
 
 
 class Energies:
@@ -142,6 +154,7 @@ class Energies:
         rule = {"quadrature_degree": 2 * degree + 2 * revolved}
         r = ufl.SpatialCoordinate(mesh)[0]
         dx = ufl.Measure("dx", domain=mesh, subdomain_data=cell_tags, metadata=rule)
+        far = r if revolved else 1
         around = 2 * np.pi * r if revolved else 1
         total = sum(around * each * dx(tag) for tag, each in psi.items())
         force = ufl.derivative(total, u, ufl.TestFunction(space))
@@ -151,12 +164,11 @@ class Energies:
         self.reference = basix.make_quadrature(kind, 2 * degree)[0]
         self._stress = []
         for tag, each in psi.items():
-            g = ufl.variable(ufl.grad(u))
-            at = _AtGradient(u, g)
+            at = _Pointwise(u)
             energy = map_expr_dag(at, apply_derivatives(apply_algebra_lowering(each)))
-            f, hoop = ufl.Identity(dim) + g, 1 + u[0] / r if revolved else 1
-            sigma = ufl.diff(energy, g) * f.T / (ufl.det(f) * hoop)
-            every = [sigma, ufl.diff(sigma, g)]
+            f, hoop = ufl.Identity(dim) + at.gradient, 1 + at.value[0] / r if revolved else 1
+            sigma = ufl.diff(energy, at.gradient) * f.T / (ufl.det(f) * hoop)
+            every = sigma, ufl.diff(sigma, at.gradient), far * ufl.diff(sigma, at.value)
             flat = [e[i] for e in every for i in np.ndindex(*e.ufl_shape)]
             made = compat.expression(ufl.as_vector(flat), self.reference, mesh)
             self._stress.append((cell_tags.find(tag), made))
@@ -180,24 +192,26 @@ class Energies:
 
     def stress(self, cells: Index) -> tuple[Array, Array]:
         """Cauchy stress (m, g, c, c) of u in local cells (m,) at `reference`, and its derivative by
-        grad u (m, g, c, c, c, c).
+        grad u and, last, by u, in axisymmetric sections by u/r (m, g, c, c, c, c + 1).
         """
         dim, count = self.mesh.geometry.dim, len(self.reference)
-        out = np.zeros((len(cells), count, dim**2 + dim**4))
+        out = np.zeros((len(cells), count, dim**2 + dim**4 + dim**3))
         for members, made in self._stress:
             own = np.flatnonzero(np.isin(cells, members))
             if len(own):
                 found = compat.evaluated(made, self.mesh, cells[own])
                 out[own] = found.reshape(len(own), count, -1)
         shape = len(cells), count, dim, dim
-        return out[..., : dim**2].reshape(shape), out[..., dim**2 :].reshape(*shape, dim, dim)
+        sigma, *slopes = np.split(out, [dim**2, dim**2 + dim**4], axis=2)
+        slopes = [each.reshape(*shape, dim, -1) for each in slopes]
+        return sigma.reshape(shape), np.concatenate(slopes, axis=-1)
 
     def moduli(self, cells: Index) -> tuple[Array, Array]:
         """Young's modulus and Poisson's ratio (m,) at rest in local cells (m,), of the isotropic
         law that is nearest to the derivative of the stress. Raises ValueError where there is none.
         """
         self.u.x.array[:] = 0.0
-        slope = self.stress(cells)[1].mean(axis=1)
+        slope = self.stress(cells)[1][..., :-1].mean(axis=1)
         d = slope.shape[1]
         traces, whole = np.einsum("miijj->m", slope), np.einsum("mijij->m", slope)
         mu = (d * whole - traces) / (d * (d - 1) * (d + 2))
@@ -214,12 +228,11 @@ class Energies:
         self.put(displacement)
         used, of = np.unique(face.facet, return_inverse=True)
         fit = np.linalg.pinv(tabulate(self.cell, self.degree, self.reference)[0])
-        at = face.facet, face.slave.reference(face.facet, face.xi)
-        basis = tabulate(self.cell, self.degree, at[1], derivatives=0)[0] @ fit
+        points = face.slave.reference(face.facet, face.xi)
+        basis = tabulate(self.cell, self.degree, points, derivatives=0)[0] @ fit
         cauchy, slope = (
             np.einsum("ng,ng...->n...", basis, values[of])
             for values in self.stress(face.slave.numbers[used])
         )
         own = {each.name: getattr(face, each.name) for each in fields(Interface)}
-        gradient = face.slave.moved(every).basis(*at)[1]
-        return Deformed(**own, cauchy=cauchy, slope=slope, gradient=gradient)
+        return Deformed(**own, cauchy=cauchy, slope=slope, moved=face.slave.moved(every))

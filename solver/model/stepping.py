@@ -206,6 +206,7 @@ def _problem(
         return ContactProblem.reduced(*given, **more)
     more |= _with_history(model, before, pairing, loads, prescribed, change)
     if isinstance(pairing, Deformed):
+        more["least_force"] = newton.ROUNDING * stiffness.diagonal().norm() * model.size
         return DeformedProblem.reduced(*given, **more, points=pairing, map=p)
     problem = FrictionalProblem.reduced(*given, **more)
     problem.set_prescribed_strain(prescribed)
