@@ -53,7 +53,7 @@ class TwoRanks:
     def allgather(self, own: object) -> list[object]:
         return [own, self.other]
 
-    def allreduce(self, own: int) -> int:
+    def allreduce(self, own: float, op: object = None) -> float:
         return own
 
 
@@ -63,6 +63,7 @@ def test_the_nearest_points_are_those_of_all_ranks(elsewhere: float, count: int)
         contact=np.zeros(20, int),
         missed=[0.0],
         initial_gap=np.arange(20.0),
+        points=np.ones((20, 3)),
         weights=np.ones(20),
         comm=TwoRanks(np.full(12, elsewhere)),
     )
