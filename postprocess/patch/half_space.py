@@ -204,9 +204,9 @@ def with_rigid_bodies(found: Findings, poisson: Mapping[str, float]) -> Findings
 def with_tractions(
     found: Findings,
     sheared: Sequence[tuple[PatchSolution, Array]],
+    coarse: Sequence[tuple[PatchSolution, Array]],
     points: SurfaceMap,
     poisson: Mapping[str, float],
-    coarse: Sequence[tuple[PatchSolution, Array]],
 ) -> Findings:
     """Findings with stresses, largest ones and those on depth axes, by pressure and tractions
     together, and the change of the largest ones from coarser grids; all else stays. sheared,
@@ -215,19 +215,19 @@ def with_tractions(
     """
     windows, tractions = zip(*sheared, strict=True)
     parts = [part for window in windows for part in window.separate()]
-    parts = sorted(parts, key=lambda part: -part.force)[: 1 + len(found.also)]
+    parts = sorted(parts, key=lambda part: -part.force)[: max(len(found.patch.each), 1)]
     axes = [
         {body: _below(windows, part, points, body, nu, tractions) for body, nu in poisson.items()}
         for part in parts
     ]
-    fine = largest(windows, points, poisson, tractions)
+    fine, body = largest(windows, points, poisson, tractions), next(iter(poisson))
     others, sheared_less = zip(*coarse, strict=True)
     before = largest(others, points, poisson, sheared_less)
     return replace(
         found,
         largest=fine,
         depth=axes[0],
-        also=tuple(axis[found.axis.body] for axis in axes[1:]),
+        also=tuple(axis[body] for axis in axes[1:]),
         surface_error=_changes(fine, before, fine, AT_SURFACE * min(found.patch.a, found.patch.b)),
     )
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.ndimage import zoom
@@ -169,7 +170,7 @@ class Sheared:
             for patch, each in pairs
         )
 
-    @property
+    @cached_property
     def solution(self) -> FrictionSolution:
         """Tractions at the cells that touch, with vectors in space, with forces along, across and
         moment of the wheel on the rail, and those of coarser grids. Slip is taken at the cell

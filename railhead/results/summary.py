@@ -116,7 +116,7 @@ def summarise_half_spaces(solved: HalfSpaceSolution) -> dict[str, Any]:
         solved,
         method="half-spaces",
         half_space=None,
-        half_space_friction=None if solved.friction is None else solved.other_friction,
+        half_space_friction=solved.other_friction,
         accuracy={
             "asked": asked,
             "bound": bound,

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
@@ -50,9 +49,8 @@ class HalfSpaceSolution(Answered):
     reason: why there is no solution; empty where there is one.
     error_parts: relative error estimates by key of summary.json, in parts that add up: what finite
         bodies would change, and the error of the grid. Empty without a solution.
-    friction: tractions at the cells that touch; None without friction.
-    other_friction: quantities of friction by other methods, as "half_space_friction" of
-        summary.json; empty where there are none.
+    pressed: the pressure; None without a solution.
+    sheared: the tractions on it; None without friction.
     elastic_reference: the same scene without friction; None where it has none.
     seconds: of the solution and of its reading, s.
     fields, unloaded_fields, residual_state, mirrors: None or empty; there is no mesh, no yield is
@@ -62,8 +60,8 @@ class HalfSpaceSolution(Answered):
     ellipse: Hertz
     reason: str = ""
     error_parts: Parts = field(default_factory=dict)
-    friction: FrictionSolution | None = None
-    other_friction: Mapping[str, dict[str, Any]] = field(default_factory=dict)
+    pressed: Pressed | None = None
+    sheared: Sheared | None = None
     elastic_reference: HalfSpaceSolution | None = None
     seconds: float = 0.0
     fields: ClassVar[None] = None
@@ -75,6 +73,30 @@ class HalfSpaceSolution(Answered):
     def load(self) -> float:
         """Vertical load that pressure and tractions carry, N; 0 without a solution."""
         return 0.0 if self.result is None else float(self.result["load_N"])
+
+    @property
+    def friction(self) -> FrictionSolution | None:
+        """Tractions at the cells that touch; None without friction."""
+        return None if self.sheared is None else self.sheared.solution
+
+    @property
+    def other_friction(self) -> second_opinion.NumbersByMethod | None:
+        """Quantities of friction by FASTSIM, in rolling of alike solids by Coulomb's law, else by
+        no other method, as "half_space_friction" of summary.json; None without friction.
+        """
+        sheared, scene = self.sheared, self.plan.scene
+        if sheared is None:
+            return None
+        known = sheared.rolling and sheared.pair.materials.like and closed_forms.coulomb(scene)
+        if self.plan.contact.line or not (known and scene.asks("second_method")):
+            return {}
+        found, materials = sheared.solution, sheared.pair.materials
+        given = sheared.patches, found.friction_limit, materials, found.rigid_motion
+        return {
+            "FASTSIM (equal ellipses)": second_opinion.or_reason(
+                lambda: second_opinion.fastsim(*given)
+            )
+        }
 
 
 Solved = MeshSolution | HalfSpaceSolution
@@ -102,39 +124,42 @@ def _solve(plan: Plan) -> HalfSpaceSolution:
     """
     scene, pair = plan.scene, plan.context.half_spaces
     alone = pair.pressure(scene.load)
-    frictionless = _read(plan, alone, stresses=scene.asks("stresses"))
-    if not plan.effects["friction"].on:
-        return frictionless
-    pressed, sheared = shearing.answer(pair, alone)
-    if not (pair.materials.like or plan.contact.line):
-        pressed = sheared.pressure
-    plain, rubbed = frictionless, scene.asks("friction_stresses")
-    if pressed is not alone or rubbed > scene.asks("stresses"):
-        plain = _read(plan, pressed, stresses=rubbed)
-    return replace(_with_friction(plain, sheared), elastic_reference=frictionless)
+    found = _read(plan, alone)
+    if plan.effects["friction"].on:
+        pressed, sheared = shearing.answer(pair, alone)
+        if not (pair.materials.like or plan.contact.line):
+            pressed = sheared.pressure
+        found = replace(_read(plan, pressed, sheared), elastic_reference=found)
+    return replace(found, error_parts=_with_tractions(found, _error_parts(found)))
 
 
-def _read(plan: Plan, pressed: Pressed, *, stresses: bool) -> HalfSpaceSolution:
-    """The solution of a pressure with the quantities read from it, without tractions. Load and
-    approach are those along the vertical. stresses: whether these are searched.
+def _read(plan: Plan, pressed: Pressed, sheared: Sheared | None = None) -> HalfSpaceSolution:
+    """The solution of a pressure, with tractions or without, and the quantities read from it; its
+    load is what both carry. Load and approach are those along the vertical.
     """
-    contact, hertz = plan.contact, plan.hertz
-    poisson = plan.poisson_ratios if stresses else {}
-    grid: dict[str, float] = {}
+    frame, hertz, points = plan.contact.frame, plan.hertz, plan.context.half_spaces.points
+    asked = plan.scene.asks("stresses" if sheared is None else "friction_stresses")
+    stressed = plan.poisson_ratios if asked else {}
+    poisson = stressed if sheared is None else {}
     if isinstance(pressed, BoundaryElementSolution):
-        points = plan.context.half_spaces.points
-        found = half_space.of_boundary_elements(pressed, points, contact.frame, poisson)
+        found = half_space.of_boundary_elements(pressed, points, frame, poisson)
         found = replace(found, edge_distance=_edge_distance(plan, found))
-        grid = grid_errors(found)
     else:
-        found = half_space.of_hertz(hertz, contact.frame, poisson, section=plan.plane_model)
-    result = compare.from_findings(found, pressed.load, pressed.approach)
+        found = half_space.of_hertz(hertz, frame, poisson, section=plan.plane_model)
+    load, friction = pressed.load, {}
+    if sheared is not None and sheared.coarse is not None:
+        if stressed:
+            grids = sheared.stressed, sheared.coarse.stressed
+            found = half_space.with_tractions(found, *grids, points, stressed)
+        found, friction["friction"] = read_friction(plan, found, sheared.solution)
+        load -= sheared.upwards
     return HalfSpaceSolution(
         plan=plan,
         ellipse=hertz,
         findings=found,
-        result=result,
-        error_parts=_error_parts(plan, result, grid, pressed, hertzian=found.hertzian),
+        result=compare.from_findings(found, load, pressed.approach) | friction,
+        pressed=pressed,
+        sheared=sheared,
     )
 
 
@@ -149,29 +174,24 @@ def _edge_distance(plan: Plan, found: Findings) -> float:
     return room / min(patch.a, patch.b)
 
 
-def _error_parts(
-    plan: Plan,
-    result: Mapping[str, Any],
-    grid: Mapping[str, float],
-    pressed: Pressed,
-    *,
-    hertzian: bool,
-) -> Parts:
-    """Error estimates of all quantities that have one. Exact Hertz between half-spaces has no
-    error; the approach by boundary elements, and depths, have no estimate.
-
-    grid: errors of the grid by key. pressed: the pressure that was read.
-    hertzian: whether the patch is nearly an ellipse; else its half lengths have no estimate.
+def _error_parts(solved: HalfSpaceSolution) -> Parts:
+    """Error estimates of all quantities of a solution that have one. Exact Hertz between half-
+    spaces has no error; the approach by boundary elements, and depths, have no estimate. A patch
+    that is nearly no ellipse has none of its half lengths.
     """
+    plan, pressed, found = solved.plan, solved.pressed, solved.findings
+    assert found is not None and solved.result is not None
+    result = {key: value for key, value in solved.result.items() if key != "friction"}
     if not isinstance(pressed, BoundaryElementSolution):
         exact = numeric_values(result)
         exact.pop(plan.contact.prescribed_length or "", None)
         return {key: {"exact": 0.0} for key in exact}
+    grid = grid_errors(found)
     ends = not plan.contact.half_space
     expected = shape.half_space_errors(plan.context) if ends else {}
     like = dict.fromkeys(STRESSES if "stress" in result else (), "max_MPa")
     like |= {"max_MPa": "max_MPa", "area_mm2": "area_mm2"}
-    if hertzian:
+    if found.hertzian:
         like |= {"a_mm": "area_mm2", "b_mm": "area_mm2"}
     parts = {}
     for key, other in like.items():
@@ -196,64 +216,27 @@ def _error_parts(
     return parts
 
 
-def _with_friction(plain: HalfSpaceSolution, sheared: Sheared) -> HalfSpaceSolution:
-    """A frictionless solution with tractions on it; its load is what both carry.
-    `elastic_reference` is not set here.
+def _with_tractions(solved: HalfSpaceSolution, parts: Parts) -> Parts:
+    """Error estimates of a solution: those of its pressure, and where there are tractions what they
+    add, and those of friction.
     """
-    plan, found, result = plain.plan, plain.findings, plain.result
-    assert found is not None and result is not None and sheared.coarse is not None
-    solution, pair = sheared.solution, sheared.pair
-    if plan.scene.asks("friction_stresses"):
-        found = half_space.with_tractions(
-            found, sheared.stressed, pair.points, plan.poisson_ratios, sheared.coarse.stressed
-        )
-    else:
-        found = replace(found, largest={}, depth={}, also=())
-    found, tractions = read_friction(plan, found, solution)
-    load, approach = result["load_N"] - sheared.upwards, result["approach_mm"]
-    beside = {}
-    simple = pair.materials.like and closed_forms.coulomb(plan.scene) and not plan.contact.line
-    if sheared.rolling and simple and plan.scene.asks("second_method"):
-        beside["FASTSIM (equal ellipses)"] = second_opinion.or_reason(
-            lambda: second_opinion.fastsim(
-                sheared.patches, solution.friction_limit, pair.materials, solution.rigid_motion
-            )
-        )
-    return replace(
-        plain,
-        findings=found,
-        result={**compare.from_findings(found, load, approach), "friction": tractions},
-        error_parts=_friction_parts(plain, sheared, found, tractions, solution),
-        friction=solution,
-        other_friction=beside,
-    )
-
-
-def _friction_parts(
-    plain: HalfSpaceSolution,
-    sheared: Sheared,
-    found: Findings,
-    tractions: Mapping[str, Any],
-    solution: FrictionSolution,
-) -> Parts:
-    """Error estimates of a solution with tractions: those of the frictionless one, with what the
-    tractions add, and those of friction. found, tractions: what was read of the solution.
-    """
-    plan, stressed = plain.plan, plain.plan.scene.asks("friction_stresses")
-    without = {"tau_max_depth_mm", *(() if stressed else STRESSES)}
-    parts = {key: of for key, of in plain.error_parts.items() if key not in without}
-    for key in STRESSES if stressed else ():
+    sheared, found = solved.sheared, solved.findings
+    if sheared is None or found is None or solved.result is None:
+        return parts
+    parts = {key: of for key, of in parts.items() if key != "tau_max_depth_mm"}
+    for key in STRESSES if "stress" in solved.result else ():
         parts[key] = {**parts[key], "tractions": found.surface_error[key]}
     # Tractions of several patches may cancel out, what bodies change of each does not.
     area, pressure = (sum(parts[key].values()) for key in ("area_mm2", "max_MPa"))
     area = max(area, pressure)  # a small patch may carry most of the load
-    for key, (bodies, grid) in friction_errors(tractions, solution.used, area, pressure).items():
+    tractions, used = solved.result["friction"], sheared.solution.used
+    for key, (bodies, grid) in friction_errors(tractions, used, area, pressure).items():
         parts[key] = {"bodies": bodies, "grid": grid}
     if not sheared.pair.materials.like:
         before = max(each.pressed.max_pressure for each in sheared.patches)
         change = abs(max(each.max_pressure for each, _ in sheared.stressed) / before - 1)
         for key in parts.keys() & {"max_MPa", "mean_MPa", "area_mm2", "a_mm", "b_mm"}:
-            parts[key] = {**parts[key], "tractions": COUPLED[plan.contact.line] * change}
+            parts[key] = {**parts[key], "tractions": COUPLED[solved.plan.contact.line] * change}
     return parts
 
 
