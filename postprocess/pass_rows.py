@@ -80,7 +80,7 @@ class RailState:
 
 @dataclass(frozen=True, kw_only=True)
 class Passes:
-    """Passes of a wheel over a rail.
+    """Passes of a wheel over a rail, as one body below one patch goes through them.
 
     rows: a row for each pass, as "passes" of "result" in summary.json.
     verdict: what they come to, a word such as RATCHETS, see `verdict`.
@@ -101,6 +101,9 @@ class Passes:
     unknowns: number of unknowns of the block.
     seconds: time that all passes took.
     reason: why there are no passes; empty where there are some.
+    name: of the body and the patch, as "wheel" or "rail, patch 2", if there are several.
+    beside: the same passes of further bodies and patches; `converged` and `energy_error` are of all
+        together.
     """
 
     rows: list[dict[str, Any]]
@@ -117,6 +120,16 @@ class Passes:
     unknowns: int = 0
     seconds: float = 0.0
     reason: str = ""
+    name: str = ""
+    beside: tuple[Passes, ...] = ()
+
+    @property
+    def files(self) -> dict[str, Passes]:
+        """These, and those beside them, by what names of their files have after "passes": nothing
+        of the first, "_wheel" or "_rail_patch_2" of others.
+        """
+        names = {"_" + of.name.replace(", ", "_").replace(" ", "_"): of for of in self.beside}
+        return {"": self} | names
 
     def table(self) -> list[dict[str, Any]]:
         """Rows of passes.csv: those of summary.json, with the number of the pass first and the
@@ -135,7 +148,8 @@ class Passes:
         """Entries of "result" in summary.json: "passes", "passes_verdict", "passes_words",
         "rate" of passes that ratchet, and "passes_after". The last holds depth, residual stresses
         and strain below the middle, the surface after the last pass, estimated errors, unknowns
-        and seconds. There must be a pass.
+        and seconds. With other bodies or patches "passes_name" names this one, and "passes_beside"
+        has the same of each other. There must be a pass.
         """
         last = self.sections[-1]
         stress, strain = last.below()
@@ -158,6 +172,8 @@ class Passes:
                 "unknowns": self.unknowns,
                 "seconds": self.seconds,
             },
+            **({"passes_name": self.name} if self.name else {}),
+            **({"passes_beside": [of.summary() for of in self.beside]} if self.beside else {}),
         }
 
 

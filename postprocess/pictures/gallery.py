@@ -96,10 +96,12 @@ def drawings(
         every["fatigue.png"] = partial(
             friction_plots.draw_fatigue, friction["fatigue"], found.subject
         )
-    if passes is not None and found.largest:
-        every["passes.png"] = partial(pass_plots.draw_passes, passes, found)
-        if len(passes.sections[-1].y) > 1:
-            every["passes_section.png"] = partial(pass_plots.draw_passes_section, passes, found)
+    rolled = passes.files if passes is not None and found.largest else {}
+    for suffix, each in rolled.items():
+        every[f"passes{suffix}.png"] = partial(pass_plots.draw_passes, each, found)
+        if len(each.sections[-1].y) > 1:
+            name = f"passes_section{suffix}.png"
+            every[name] = partial(pass_plots.draw_passes_section, each, found)
     if shown.friction is not None:
         every["friction.png"] = partial(friction_plots.draw_tractions, shown.friction, found)
     return every

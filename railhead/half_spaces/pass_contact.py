@@ -1,14 +1,16 @@
-"""What rolls over the block of a rail: gap, elastic pressure, tractions, and the stress below.
+"""What rolls over blocks of rail and wheel: gap, elastic pressure, tractions, and stress below.
 
 In contact the pressure is that of two elastic half-spaces between the undeformed profiles, less all
-that the passes so far moved the surface. The elastic stress of a line contact is exact, that of a
-solid is the block's. Lengths in mm, forces in N, stresses in MPa; z points out of the rail.
+that the passes so far moved their surfaces. The elastic stress of a line contact is exact, that of
+a solid is the block's. Lengths in mm, forces in N, stresses in MPa; z points out of the body. The
+block of a wheel is its mirror image in the plane of contact, where it flows as the rail does and
+tractions are reversed.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -30,79 +32,111 @@ TOLERANCE = 1e-7  # of the gap over the largest displacement
 
 
 @dataclass(frozen=True, kw_only=True)
-class RollingContact:
-    """What rolls: the undeformed gap, the elastic pressure in it, and the tractions.
+class RollingPatch:
+    """A patch that rolls: the undeformed gap, the elastic pressure in it, and the tractions.
 
     grid: cells of the pressure; of a line contact two across, both together 1e4 (LENGTH) half
         widths long.
     gap: undeformed gap (nx, ns) at the cells, mm.
     pressure: elastic pressure (nx, ns), MPa.
-    load: component of the force of the pressure on the grid along the normal of the patch's plane,
-        N.
-    modulus: contact modulus E*, MPa.
-    line: whether it is a line contact, in plane strain.
-    keeps: whether the pressure stays as it is, however the passes move the surface.
+    half_lengths: of the elastic patch, along and across, mm; of a line contact both are its half
+        width.
     traction: of the wheel on the rail along x and across (2, nx, ns), MPa; None: none.
-    width: of a line contact along its line, mm.
-    share: share of the grid's length along that line that the contact covers; 1 of a solid.
     """
 
     grid: Grid
     gap: Array
     pressure: Array
+    half_lengths: tuple[float, float]
+    traction: Array | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class RollingContact:
+    """What rolls.
+
+    patches: the patches, each in its own tangent plane.
+    load: component of the force of all pressures along the normal of the first patch's plane or,
+        of several patches, along the vertical, N.
+    modulus: contact modulus E*, MPa.
+    line: whether it is a line contact, in plane strain; it has one patch.
+    keeps: whether the pressure stays as it is, however the passes move the surfaces.
+    width: of a line contact along its line, mm.
+    share: share of the grid's length along that line that the contact covers; 1 of a solid.
+    """
+
+    patches: tuple[RollingPatch, ...]
     load: float
     modulus: float
     line: bool
     keeps: bool
-    traction: Array | None = None
     width: float = 1.0
     share: float = 1.0
 
-    def patch(self, moved: Array, guess: PatchSolution | None) -> PatchSolution:
-        """Pressure where the rail's surface has moved up by `moved` (nx, ns), mm; guess: an earlier
-        one, from which the iterations start, or None. Where the contact `keeps` it, the elastic
-        pressure. Raises ValueError where boundary elements find no balance, and for a patch that
-        grows beyond the grid.
+    def pressed(
+        self, moved: Sequence[Array], guess: Sequence[PatchSolution]
+    ) -> list[PatchSolution]:
+        """Pressure of each patch where the surfaces have moved together by `moved` (nx, ns), mm;
+        guess: an earlier one, from which the iterations start, may be empty. Where the contact
+        `keeps` it, the elastic pressure. Raises ValueError where boundary elements find no balance,
+        and for a patch that grows beyond its grid.
         """
         if self.keeps:
-            grid = self.grid
-            gap = np.zeros_like(self.gap)
-            return PatchSolution(grid.x, grid.s, grid.angle, self.pressure, gap, 0.0)
-        start = None if guess is None else BoundaryElementSolution((guess,), self.modulus)
-        (found,) = equilibrium(
-            [self.grid], [self.gap - moved], self.modulus, self.load, None, TOLERANCE, start
+            return [
+                PatchSolution(g.x, g.s, g.angle, each.pressure, np.zeros_like(each.gap), 0.0)
+                for each in self.patches
+                for g in [each.grid]
+            ]
+        found = equilibrium(
+            [each.grid for each in self.patches],
+            [each.gap - up for each, up in zip(self.patches, moved, strict=True)],
+            self.modulus,
+            self.load,
+            None,
+            TOLERANCE,
+            BoundaryElementSolution(tuple(guess), self.modulus) if guess else None,
         )
-        ends, sides = found.pressure[[0, -1]], found.pressure[:, [0, -1]]
-        if ends.any() or (sides.any() and not self.line):
-            raise ValueError(f"the patch of a pass grows beyond {ROOM:g} times the elastic one")
+        for each in found:
+            ends, sides = each.pressure[[0, -1]], each.pressure[:, [0, -1]]
+            if ends.any() or (sides.any() and not self.line):
+                raise ValueError(f"the patch of a pass grows beyond {ROOM:g} times the elastic one")
         return found
 
-    def resistance(self, patch: PatchSolution) -> float:
-        """Force against the rolling, N, of a pressure on the slope of the undeformed gap along x:
-        int p d gap/dx dA.
+    def resistance(self, number: int, found: PatchSolution) -> float:
+        """Force against the rolling, N, of the pressure found in a patch, on the slope of the
+        undeformed gap along x: int p d gap/dx dA.
         """
-        pressed = patch.pressure > 0
+        patch, pressed = self.patches[number], found.pressure > 0
         with np.errstate(invalid="ignore"):
-            slope = np.gradient(self.gap, self.grid.x, axis=0)
-        return self.share * self.grid.cell * float((patch.pressure * slope)[pressed].sum())
+            slope = np.gradient(patch.gap, patch.grid.x, axis=0)
+        return self.share * patch.grid.cell * float((found.pressure * slope)[pressed].sum())
 
 
-class Pressing:
-    """Elastic stress of the load at the points of a rolling block, for `RollingBlock.roll`.
+class Below:
+    """A block below a patch: what the patch is for its surface and its points.
 
-    patch: pressure of the last call; None: there was none.
-    traction_work: work of the tractions in the last call on the displacement of the surface by the
-        pass, per rolled length, N; 0 without tractions.
+    rolling: the block, whose origin is the middle of the patch.
+    number: of the patch in `RollingContact.patches`.
+    wheel: whether it is a block of the wheel.
     """
 
-    def __init__(self, rolling: RollingBlock, contact: RollingContact) -> None:
-        """rolling: the block, whose origin is that of the grid; contact: what rolls."""
-        self.patch: PatchSolution | None = None
-        self.traction_work = 0.0
-        self._rolling, self._contact = rolling, contact
+    def __init__(
+        self,
+        rolling: RollingBlock,
+        contact: RollingContact,
+        number: int = 0,
+        *,
+        wheel: bool = False,
+    ) -> None:
+        """Map the cells of the patch and the nodes of the block's surface to each other."""
+        self.rolling, self.number, self.wheel = rolling, number, wheel
+        self._contact, self._patch = contact, contact.patches[number]
+        traction = self._patch.traction
+        self._traction = -traction if wheel and traction is not None else traction
         x, y, _ = rolling.block.surface
-        along, across = contact.grid.edges
-        self._along = cell_means(x, along)
+        along, across = self._patch.grid.edges
+        across = across - self._patch.grid.s.mean()
+        self._along = cell_means(x, along - self._patch.grid.x.mean())
         if not contact.line:
             across = across[across > -1e-9 * across[-1]] if rolling.block.half else across
             self._across = cell_means(y, across)
@@ -111,76 +145,84 @@ class Pressing:
             points = rolling.points.reshape(-1, 3)
             poisson = rolling.block.material.poisson_ratio
             self._strips = Strips(along, points[:, 0], -points[:, 2], poisson)
-        self._kept: Array | None = None
 
-    def __call__(self, surface: Array, profile: ProfileChange) -> Array:
-        """Elastic stress (columns, lines, m), MPa, in Mandel's notation, at the Gauss points of the
-        block: a column has the points with one x, a line those that the steel flows through. m is 4
-        of a line contact, 6 of a solid.
-
-        surface: displacement of the surface by this pass, see `RollingBlock.surface`.
-        profile: displacement that the passes before left.
+    def moved(self, surface: Array, profile: ProfileChange) -> Array:
+        """Way (nx, ns), mm, out of the body that all passes moved the surface at the cells of the
+        pressure. surface: displacement by this pass; profile: of those before.
         """
-        if self._contact.traction is not None:
-            self.traction_work = self._work(surface)
-        if self._kept is not None:
-            return self._kept
-        contact = self._contact
         moved = self._along @ (surface[..., -1] + profile.up) @ self._across.T
-        if self._rolling.block.half:
-            moved = np.hstack([moved[:, ::-1], moved])
-        self.patch = contact.patch(moved, self.patch)
-        stress = self._exact_stress() if contact.line else self._block_stress()
-        self._kept = stress if contact.keeps else None
-        return stress
+        return np.hstack([moved[:, ::-1], moved]) if self.rolling.block.half else moved
 
-    def _work(self, surface: Array) -> float:
-        """Work of the tangential tractions q of the wheel on the rail, per rolled length, N:
-        -int q . du/dx dA with the displacement u of the surface by this pass. The rail moves to -x
-        below the wheel.
+    def work(self, surface: Array) -> float:
+        """Work of the tangential tractions q on the body, per rolled length, N: -int q . du/dx dA
+        with the displacement u of the surface by this pass. The body moves to -x below the patch.
         """
-        contact, total = self._contact, 0.0
-        assert contact.traction is not None
-        for axis, traction in enumerate(contact.traction):
+        grid, total = self._patch.grid, 0.0
+        for axis, traction in enumerate(() if self._traction is None else self._traction):
             moved = self._along @ surface[..., axis] @ self._across.T
-            total += float(
-                (self._meshed(traction) * np.gradient(moved, contact.grid.x, axis=0)).sum()
-            )
-        return -total * contact.share * contact.grid.cell * (2 if self._rolling.block.half else 1)
+            total += float((self._meshed(traction) * np.gradient(moved, grid.x, axis=0)).sum())
+        return -total * self._contact.share * grid.cell * (2 if self.rolling.block.half else 1)
 
     def _meshed(self, values: Array) -> Array:
         """Those of the values (nx, ns) at the cells of the pressure that lie over the block, as a
         view: the upper half of the columns, s > 0, where the block ends at y = 0, else all.
         """
-        return values[:, values.shape[1] // 2 :] if self._rolling.block.half else values
+        return values[:, values.shape[1] // 2 :] if self.rolling.block.half else values
 
-    def _exact_stress(self) -> Array:
-        """Exact elastic stress (columns, lines, 4), MPa, in Mandel's notation, at the Gauss points
-        of the block, under the pressure and the tractions of a line contact.
+    def stress(self, pressure: Array) -> Array:
+        """Elastic stress (columns, lines, m), MPa, in Mandel's notation, at the Gauss points of the
+        block, under a pressure (nx, ns), MPa, and the tractions: a column has the points with one
+        x, a line those that the steel flows through. m is 4 of a line contact, whose stress is
+        exact; it is 6 of a solid, where pressure and tractions are forces on the surface nodes.
         """
-        assert self.patch is not None
-        shape, traction = self._rolling.points.shape[:2], self._contact.traction
-        along = None if traction is None else traction[0, :, 0]
-        found = self._strips.stress(self.patch.pressure[:, 0], along)
-        mandel = found[:, [0, 2, 1, 3]] * [1.0, 1.0, 1.0, math.sqrt(2)]
-        return np.asarray(mandel.reshape(*shape, 4))
-
-    def _block_stress(self) -> Array:
-        """Elastic stress (columns, lines, 6), MPa, in Mandel's notation, at the Gauss points of a
-        solid block, by finite elements: pressure and tractions are forces on its surface nodes.
-        """
-        assert self.patch is not None
-        rolling, pressure = self._rolling, self.patch.pressure
-        block, traction = rolling.block, self._contact.traction
+        rolling, block, traction = self.rolling, self.rolling.block, self._traction
+        if self._contact.line:
+            along = None if traction is None else traction[0, :, 0]
+            found = self._strips.stress(pressure[:, 0], along)
+            mandel = found[:, [0, 2, 1, 3]] * [1.0, 1.0, 1.0, math.sqrt(2)]
+            return np.asarray(mandel.reshape(*rolling.points.shape[:2], 4))
         zero = np.zeros_like(pressure)
         acting = [*(traction if traction is not None else (zero, zero)), -pressure]
         force = block.force()
         values = force.array.reshape(-1, 3)
         for axis, each in enumerate(acting):
-            nodal = self._contact.grid.cell * self._along.T @ self._meshed(each) @ self._across
+            nodal = self._patch.grid.cell * self._along.T @ self._meshed(each) @ self._across
             values[block.surface[2], axis] = nodal
         strain = rolling.streams.gathered(block.strains(block.solve(force)))
         return rolling.stress(strain)
+
+
+class Pressing:
+    """Elastic stress of the load at the points of rolling blocks, for `rolling_block.roll`.
+
+    found: pressure of each patch in the last call; empty: there was none.
+    traction_work: work of the tractions in the last call on each block, see `Below.work`, N.
+    """
+
+    def __init__(self, below: Sequence[Below], contact: RollingContact) -> None:
+        """below: the blocks; contact: what rolls."""
+        self.found: Sequence[PatchSolution] = ()
+        self.traction_work = [0.0] * len(below)
+        self._below, self._contact = below, contact
+        self._kept: list[Array] = []
+
+    def __call__(self, surfaces: Sequence[Array], profiles: Sequence[ProfileChange]) -> list[Array]:
+        """Elastic stress at the Gauss points of each block, see `Below.stress`.
+
+        surfaces: displacements of the surfaces by this pass, see `RollingBlock.surface`.
+        profiles: displacements that the passes before left.
+        """
+        each = list(zip(self._below, surfaces, profiles, strict=True))
+        self.traction_work = [below.work(surface) for below, surface, _ in each]
+        if self._kept:
+            return self._kept
+        moved = [np.zeros_like(patch.gap) for patch in self._contact.patches]
+        for below, surface, profile in each:
+            moved[below.number] += below.moved(surface, profile)
+        self.found = self._contact.pressed(moved, self.found)
+        stress = [below.stress(self.found[below.number].pressure) for below in self._below]
+        self._kept = stress if self._contact.keeps else []
+        return stress
 
 
 def cell_means(nodes: Array, edges: Array) -> Array:
@@ -244,15 +286,19 @@ def line_contact(
         if sticks:
             traction -= slips * circle(half_width * (1 - sticks), half_width * sticks, p0 * sticks)
         traction = np.stack([np.column_stack([traction, traction]), np.zeros_like(gap)])
-    return RollingContact(
+    patch = RollingPatch(
         grid=grid,
         gap=gap,
         pressure=np.column_stack([pressure, pressure]),
+        half_lengths=(half_width, half_width),
+        traction=traction,
+    )
+    return RollingContact(
+        patches=(patch,),
         load=load * LENGTH * half_width,
         modulus=modulus,
         line=True,
         keeps=keeps,
-        traction=traction,
         width=width,
         share=width / (LENGTH * half_width),
     )
@@ -260,42 +306,49 @@ def line_contact(
 
 def ellipse_contact(ellipse: Ellipse, *, keeps: bool) -> RollingContact:
     """Contact of half-spaces that rolls. keeps: as of `solid_contact`."""
+    grid = patch_grid((0.0, 0.0), (ellipse.a, ellipse.b))
     return solid_contact(
-        (ellipse.a, ellipse.b), ellipse.load, ellipse.gap, ellipse.contact_modulus, keeps=keeps
+        [grid], ellipse.gap, ellipse.load, ellipse.contact_modulus, [(ellipse.a, ellipse.b)], keeps
     )
 
 
-def solid_contact(
+def patch_grid(
+    centre: tuple[float, float],
     half_lengths: tuple[float, float],
-    load: float,
+    angle: Callable[[Array], Array] = np.zeros_like,
+) -> Grid:
+    """Grid of the pressure of a solid's patch.
+
+    centre: x and s of its middle, mm. half_lengths: of the elastic patch, along and across, mm.
+    angle: tilt (n,), rad, of the normal at s (n,) from the direction of the load.
+    """
+    ticks = (2 * np.arange(SOLID_CELLS) + 1) / SOLID_CELLS - 1
+    x, s = (at + ROOM * half * ticks for at, half in zip(centre, half_lengths, strict=True))
+    return Grid(x, s, angle(s))
+
+
+def solid_contact(
+    grids: Sequence[Grid],
     gap: Callable[[Array, Array], Array],
+    load: float,
     modulus: float,
-    angle: Callable[[Array], Array] | None = None,
-    *,
+    half_lengths: Sequence[tuple[float, float]],
     keeps: bool,
 ) -> RollingContact:
     """Contact of solids that rolls.
 
-    half_lengths: of the elastic patch, along and across, mm.
-    load: as of `RollingContact`, N.
-    gap: undeformed gap (n,) at x, s (n,), mm from the middle of the patch.
-    modulus: E*, MPa.
-    angle: tilt (n,), rad, of the normal at s from the direction of `load`; None: zero.
+    grids: of the patches. gap: undeformed gap (n,) at x, s (n,), mm.
+    load: as of `RollingContact`, N. modulus: E*, MPa.
+    half_lengths: of each elastic patch, along and across, mm.
     keeps: whether the elastic pressure stays.
     Raises ValueError where boundary elements find no balance.
     """
-    ticks = (2 * np.arange(SOLID_CELLS) + 1) / SOLID_CELLS - 1
-    x, s = (ROOM * half * ticks for half in half_lengths)
-    tilt = np.zeros_like(s) if angle is None else angle(s)
-    grid = Grid(x, s, tilt)
-    values = gap(np.repeat(x, s.size), np.tile(s, x.size)).reshape(x.size, s.size)
-    (patch,) = equilibrium([grid], [values], modulus, load, None, TOLERANCE, None)
+    gaps = [gap(*grid.places).reshape(grid.x.size, grid.s.size) for grid in grids]
+    found = equilibrium(grids, gaps, modulus, load, None, TOLERANCE, None)
+    patches = [
+        RollingPatch(grid=grid, gap=values, pressure=each.pressure, half_lengths=half)
+        for grid, values, each, half in zip(grids, gaps, found, half_lengths, strict=True)
+    ]
     return RollingContact(
-        grid=grid,
-        gap=values,
-        pressure=patch.pressure,
-        load=load,
-        modulus=modulus,
-        line=False,
-        keeps=keeps,
+        patches=tuple(patches), load=load, modulus=modulus, line=False, keeps=keeps
     )

@@ -451,7 +451,8 @@ class Plan(Sizing):
         passes = 0.0
         if self.effects["passes"].on and self.scene.rolling.passes is not None:
             first, each = cost.PASSES[self.contact.line]
-            passes = cost.correction() * (first + each * self.scene.rolling.passes)
+            each *= self.scene.rolling.passes * (1 + self.effects["plasticity_wheel"].on)
+            passes = cost.correction() * (first + each)
         return self.mesh_seconds + passes
 
     @property

@@ -82,8 +82,10 @@ def write(
 
 
 def _write_passes(passes: Passes, work: Path) -> None:
-    """Write the table of passes and the rail's new profile."""
-    (work / PASSES).write_bytes(result_folder.encoded(result_folder.signed(passes.table())))
+    """Write the tables of passes and the rail's new profile."""
+    for suffix, each in passes.files.items():
+        table = result_folder.encoded(result_folder.signed(each.table()))
+        (work / f"passes{suffix}.csv").write_bytes(table)
     if passes.profile is not None:
         reach = passes.sections[-1].y[-1]
         holds = f"the groove is followed {reach:.3g} mm to each side of the patch"
@@ -122,7 +124,8 @@ def grids(solved: Solved) -> dict[str, meshio.Mesh]:
 
     made: dict[str, meshio.Mesh] = {}
     if passes and passes.rows:
-        made["passes_section"] = vtu.section_grid(passes.sections[-1])
+        for suffix, each in passes.files.items():
+            made[f"passes_section{suffix}"] = vtu.section_grid(each.sections[-1])
     if not with_stresses:
         return made
     assert isinstance(solved, MeshSolution) and fields and found

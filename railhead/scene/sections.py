@@ -531,8 +531,8 @@ class Effects(Section):
         of 0, and where half-spaces cannot answer it.
     passes: on: the wheel rolls rolling.passes times over a rail that yields. off: it does not. on
         is not allowed without rolling.passes.
-    plasticity_wheel: off accepts that passes leave out the yield of the wheel. on is not allowed,
-        as passes know the yield of the rail alone.
+    plasticity_wheel: on: the wheel yields in passes, too. off: it stays elastic there. on is not
+        allowed without passes, and for a wheel without a yield stress.
     heat: on: surface temperatures are simulated. off: they are not; not allowed beside a
         coefficient that depends on them. on is not allowed without friction and rolling.speed, and
         for bodies whose tractions are condensed.

@@ -7,6 +7,7 @@ and u the displacement that the change D of the plastic strain in this pass make
 strain at the Gauss points, w are their weights, C is the elastic tensor, K the stiffness.
 D follows at the Gauss points by radial return from one to the next along x, from upstream, where it
 is zero, down. Nothing depends on time (Dang Van and Maitournam, J. Mech. Phys. Solids 41, 1993).
+Several blocks may share a load: two bodies that both yield, or one below each of several patches.
 The nodes of the outflow have the u_x that D of the last column makes in a slab which does not
 change along x.
 """
@@ -14,7 +15,7 @@ change along x.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -25,7 +26,6 @@ from railhead.solver.algebra.mixing import Anderson
 from railhead.solver.material import (
     Hardening,
     History,
-    backs,
     deviator,
     radial_return,
 )
@@ -93,10 +93,10 @@ class ProfileChange:
         return ProfileChange(self.y, self.along + other.along, self.up + other.up)
 
 
-ElasticStress = Callable[[Array, ProfileChange], Array]
-"""(displacement of the surface in this pass, see `RollingBlock.surface`; profile of the passes
-before) -> elastic stress of the load (columns, lines, m) at the points of `RollingBlock`, MPa, in
-Mandel's notation of the block."""
+ElasticStress = Callable[[Sequence[Array], Sequence[ProfileChange]], Sequence[Array]]
+"""(displacement of the surface of each block in this pass, see `RollingBlock.surface`; its profile
+of the passes before) -> elastic stress of the load (columns, lines, m) at the points of each block,
+MPa, in Mandel's notation of the block."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -152,10 +152,12 @@ class RollingBlock:
     """A block over which a load rolls.
 
     block: the block; its material has a flow curve.
+    law: flow curve in the place of the material's; None: that.
     tolerance: of the fixed point: change of the stress over the yield stress in shear.
     """
 
     block: Block
+    law: Hardening | None = None
     tolerance: float = TOLERANCE
 
     @cached_property
@@ -183,9 +185,10 @@ class RollingBlock:
 
     @property
     def hardening(self) -> Hardening:
-        """Flow curve of the block."""
-        assert self.block.material.hardening is not None
-        return self.block.material.hardening
+        """Flow curve of the steel that flows through the block."""
+        law = self.law or self.block.material.hardening
+        assert law is not None
+        return law
 
     @property
     def shear_yield(self) -> float:
@@ -199,7 +202,7 @@ class RollingBlock:
         y = self.block.surface[1]
         zero = np.zeros(len(y))
         return SectionState(
-            history=History.virgin(lines, size, backs([self.block.material])),
+            history=History.virgin(lines, size, max(len(self.hardening.backstresses), 1)),
             residual=np.zeros((lines, size)),
             profile=ProfileChange(y, zero, zero),
         )
@@ -247,61 +250,6 @@ class RollingBlock:
         """
         return displacement.reshape(-1, self.block.dim)[self.block.surface[2]]
 
-    def roll(self, state: SectionState, pressing: ElasticStress) -> RollingPass:
-        """One more pass of a load over a state, by a fixed-point iteration on the displacement. It
-        ends after 250 iterations (ITERATIONS) even where the tolerance is not met, see
-        `RollingPass.change`.
-
-        pressing: gives the elastic stress of the load.
-        """
-        block, streams = self.block, self.streams
-        mu = block.material.lame[1]
-        mus = np.full(self.points.shape[1], mu)
-        incoming = state.history
-        u: Array = np.zeros(block.nodes.size)
-        if state.displacement is not None and state.count > 1:  # the first pass is unlike the rest
-            u = state.displacement
-        strain = streams.gathered(block.strains(u))
-        mixing, change, iterations = Anderson(DEPTH), np.inf, 0
-        while change >= self.tolerance and iterations < ITERATIONS:
-            iterations += 1
-            elastic = pressing(self.surface(u), state.profile)
-            trial = deviator((state.residual + elastic).reshape(-1, elastic.shape[-1]))
-            trial = trial.reshape(elastic.shape) / (2 * mu) + strain + incoming.plastic
-            plastic, after = follow(trial, streams.x, mus, incoming, self.hardening)
-            pushed, profile, residual = self.outgoing(plastic[-1] - incoming.plastic)
-            force = block.plastic_force(streams.scattered(plastic - incoming.plastic))
-            value = block.solve(force, pushed)
-            new = streams.gathered(block.strains(value))
-            change = float(np.abs(self.stress(new - strain)).max() / self.shear_yield)
-            u = value if change < self.tolerance else mixing.next(u, value)
-            strain = streams.gathered(block.strains(u))
-        total = state.residual + elastic + self.stress(new - plastic + incoming.plastic)
-        before = np.concatenate([incoming.plastic[None], plastic[:-1]])
-        mean = (total + np.concatenate([total[:1], total[:-1]])) / 2
-        work = float(np.einsum("clm,clm,l->", mean, plastic - before, self._areas))
-        gained = after.equivalent - incoming.equivalent
-        xz = 3 + block.kinematics.shears.index((0, block.dim - 1))  # in Mandel's notation
-        shear = np.sqrt(2) * (after.plastic - incoming.plastic)[:, xz]
-        left = SectionState(
-            history=after,
-            residual=state.residual + residual,
-            profile=state.profile + profile,
-            displacement=u,
-            count=state.count + 1,
-        )
-        return RollingPass(
-            state=left,
-            profile=profile,
-            growth=gained,
-            shear=shear,
-            work=work,
-            stored=self.stored(left) - self.stored(state),
-            iterations=iterations,
-            change=change,
-            rim=float(np.max(gained[self._rim], initial=0.0)),
-        )
-
     @cached_property
     def _rim(self) -> Array:
         """Mask (lines,) of the lines in the lowest and, in a solid, the outermost cells where
@@ -312,6 +260,103 @@ class RollingBlock:
         if self.block.dim == 3:
             out |= np.abs(y) >= np.unique(np.abs(y))[-3]
         return np.asarray(out)
+
+
+class _Iterated:
+    """A block in the fixed-point iterations of one pass.
+
+    u: displacement of this pass on all dofs (n c,), mm, of the last iteration.
+    change: change of the stress in the last iteration, over the yield stress in shear.
+    """
+
+    def __init__(self, rolling: RollingBlock, state: SectionState) -> None:
+        """state: what the passes before left."""
+        self.rolling, self.state, self.change = rolling, state, np.inf
+        self.u: Array = np.zeros(rolling.block.nodes.size)
+        if state.displacement is not None and state.count > 1:  # the first pass is unlike the rest
+            self.u = state.displacement
+        self.strain = self._strained(self.u)
+
+    def _strained(self, u: Array) -> Array:
+        """Strain (columns, lines, m) of a displacement."""
+        return self.rolling.streams.gathered(self.rolling.block.strains(u))
+
+    def answer(self, elastic: Array) -> Array:
+        """Displacement (n c,), mm, that the plastic strain makes which follows from the elastic
+        stress of the load (columns, lines, m), MPa, and the displacement so far.
+        """
+        rolling, streams, incoming = self.rolling, self.rolling.streams, self.state.history
+        mu = rolling.block.material.lame[1]
+        trial = deviator((self.state.residual + elastic).reshape(-1, elastic.shape[-1]))
+        trial = trial.reshape(elastic.shape) / (2 * mu) + self.strain + incoming.plastic
+        mus = np.full(elastic.shape[1], mu)
+        self.elastic = elastic
+        self.plastic, self.after = follow(trial, streams.x, mus, incoming, rolling.hardening)
+        grown = self.plastic - incoming.plastic
+        pushed, self.profile, self.residual = rolling.outgoing(grown[-1])
+        value = rolling.block.solve(rolling.block.plastic_force(streams.scattered(grown)), pushed)
+        change = rolling.stress(self._strained(value) - self.strain)
+        self.change = float(np.abs(change).max() / rolling.shear_yield)
+        return value
+
+    def take(self, u: Array) -> None:
+        """Go on from a displacement (n c,), mm."""
+        self.u, self.strain = u, self._strained(u)
+
+    def finished(self, iterations: int) -> RollingPass:
+        """The pass after its last iteration."""
+        rolling, state, after = self.rolling, self.state, self.after
+        incoming, kinematics = state.history, rolling.block.kinematics
+        grown = self.plastic - incoming.plastic
+        total = state.residual + self.elastic + rolling.stress(self.strain - grown)
+        before = np.concatenate([incoming.plastic[None], self.plastic[:-1]])
+        mean = (total + np.concatenate([total[:1], total[:-1]])) / 2
+        gained = after.equivalent - incoming.equivalent
+        xz = 3 + kinematics.shears.index((0, kinematics.dim - 1))  # in Mandel's notation
+        left = SectionState(
+            history=after,
+            residual=state.residual + self.residual,
+            profile=state.profile + self.profile,
+            displacement=self.u,
+            count=state.count + 1,
+        )
+        return RollingPass(
+            state=left,
+            profile=self.profile,
+            growth=gained,
+            shear=np.sqrt(2) * (after.plastic - incoming.plastic)[:, xz],
+            work=float(np.einsum("clm,clm,l->", mean, self.plastic - before, rolling._areas)),
+            stored=rolling.stored(left) - rolling.stored(state),
+            iterations=iterations,
+            change=self.change,
+            rim=float(np.max(gained[rolling._rim], initial=0.0)),
+        )
+
+
+def roll(
+    blocks: Sequence[RollingBlock], states: Sequence[SectionState], pressing: ElasticStress
+) -> list[RollingPass]:
+    """One more pass of a load over the states of blocks that share it, by a fixed-point iteration
+    on all displacements together. It ends after 250 iterations (ITERATIONS) even where the
+    tolerance of a block is not met, see `RollingPass.change`.
+
+    pressing: gives the elastic stress of the load in each block.
+    """
+    each = [_Iterated(*pair) for pair in zip(blocks, states, strict=True)]
+    ends = np.cumsum([len(one.u) for one in each])[:-1]
+    mixing, iterations, met = Anderson(DEPTH), 0, False
+    while not met and iterations < ITERATIONS:
+        iterations += 1
+        surfaces = [one.rolling.surface(one.u) for one in each]
+        stresses = pressing(surfaces, [one.state.profile for one in each])
+        u = np.concatenate([one.u for one in each])
+        pairs = zip(each, stresses, strict=True)
+        value = np.concatenate([one.answer(stress) for one, stress in pairs])
+        met = all(one.change < one.rolling.tolerance for one in each)
+        found = value if met else mixing.next(u, value)
+        for one, own in zip(each, np.split(found, ends), strict=True):
+            one.take(own)
+    return [one.finished(iterations) for one in each]
 
 
 def follow(

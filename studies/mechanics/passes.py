@@ -129,7 +129,7 @@ def mapped(traction: float, share: float, law: str) -> Row:
         per_length=PER_LENGTH,
         reach=REACH,
     )
-    found = passes_of_scene.roll(block, contact, (1.0, 1.0), MAPPED)
+    (found,) = passes_of_scene.roll([pass_contact.Below(block, contact)], contact, MAPPED)
     return {
         "traction": traction,
         "law": law,

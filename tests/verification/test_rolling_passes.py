@@ -11,6 +11,7 @@ import pytest
 from scipy.optimize import brentq
 
 from railhead.half_spaces import pass_contact
+from railhead.postprocess.pass_rows import Passes
 from railhead.run import passes_of_scene
 from railhead.solver.material import Hardening, Material
 from railhead.theory.elastic import hertz
@@ -36,6 +37,11 @@ def line(ratio: float, *, keeps: bool, traction: float = 0.0) -> pass_contact.Ro
     )
 
 
+def rolls(block, contact: pass_contact.RollingContact, count: int) -> Passes:
+    """Passes of a rail below the only patch of a contact."""
+    return passes_of_scene.roll([pass_contact.Below(block, contact)], contact, count)[0]
+
+
 @cache
 def rolled(ratio: float, hardening: float, traction: float, *, count: int, keeps: bool = True):
     """Passes of a line contact, six elements on the half width (in contact four)."""
@@ -43,7 +49,7 @@ def rolled(ratio: float, hardening: float, traction: float, *, count: int, keeps
         rail(hardening), (1.0, 1.0), line=True, half=False, per_length=6 if keeps else 4
     )
     contact = line(ratio, keeps=keeps, traction=traction)
-    return passes_of_scene.roll(block, contact, (1.0, 1.0), count)
+    return rolls(block, contact, count)
 
 
 def test_below_the_limit_the_second_pass_does_not_yield_at_all():
@@ -106,7 +112,7 @@ def test_passes_with_back_stresses_are_those_of_another_program(case):
     contact = pass_contact.line_contact(
         1.0, math.pi * p0 / 2, 2 * p0 / MODULUS, MODULUS, keeps=True, slips=slips
     )
-    found = passes_of_scene.roll(block, contact, (1.0, 1.0), count)
+    found = rolls(block, contact, count)
     row, last = found.rows[-1], found.sections[-1]
     assert row["strain_increment_max"] == pytest.approx(strain, rel=0.02)
     assert row["forward_mm"] == pytest.approx(forward, rel=0.02)
@@ -135,11 +141,68 @@ def test_in_contact_the_resistance_is_what_yield_takes():
     assert given.rows[0]["lean_mm"] == pytest.approx(0.0, abs=1e-9)
 
 
+LAWS = {
+    "kinematic": Hardening.linear(Y, 6e3, 1.0),
+    "recalled": Hardening.linear(400.0).cyclic([(4e4, 100.0)]),
+}
+
+
+def line_block(law: Hardening):
+    """Block of a line contact with half width 1, four elements on it."""
+    material = Material(E, NU, law)
+    return passes_of_scene.rolling_block(
+        material, (1.0, 1.0), line=True, half=False, per_length=3, reach=12
+    )
+
+
+@pytest.mark.parametrize(
+    "law", [pytest.param(LAWS["kinematic"], marks=pytest.mark.slow), LAWS["recalled"]], ids=LAWS
+)
+def test_alike_bodies_that_both_yield_are_one_on_a_rigid_wheel_of_twice_the_radius(law):
+    """By symmetry the plane of contact stays where it is: each body rolls over half of the gap."""
+    block, p0 = line_block(law), 4.7 * SHEAR
+
+    def contact(modulus: float) -> pass_contact.RollingContact:
+        """The line with half width 1 and p0 of two bodies of this modulus E*."""
+        return pass_contact.line_contact(
+            1.0, math.pi * p0 / 2, 2 * p0 / modulus, modulus, keeps=False
+        )
+
+    both = contact(MODULUS / 2)
+    below = [pass_contact.Below(block, both, wheel=wheel) for wheel in (False, True)]
+    found = passes_of_scene.roll(below, both, 2)
+    alone = rolls(block, contact(MODULUS), 2)
+    assert found[0].energy_error == found[1].energy_error < 0.03
+    for rail, wheel, one in zip(found[0].rows, found[1].rows, alone.rows, strict=True):
+        for key in ("strain_increment_max", "forward_mm", "groove_mm", "pressure_max_MPa"):
+            assert rail[key] == pytest.approx(wheel[key], rel=1e-9)
+            assert rail[key] == pytest.approx(one[key], rel=2e-3, abs=1e-6)
+        assert rail["resistance_N"] == pytest.approx(2 * one["resistance_N"], rel=2e-3)
+
+
+def test_the_wheel_has_its_own_steel_and_the_reversed_tractions():
+    """Under a kept pressure a wheel yields as a rail of its steel that is pulled the other way."""
+    soft, hard = LAWS["recalled"], LAWS["kinematic"]
+    contact = line(4.2, keeps=True, traction=0.15)
+    below = [
+        pass_contact.Below(line_block(law), contact, wheel=wheel)
+        for law, wheel in ((hard, False), (soft, True))
+    ]
+    found = passes_of_scene.roll(below, contact, 1)
+    for each, law, traction in zip(found, (hard, soft), (0.15, -0.15), strict=True):
+        alone = rolls(line_block(law), line(4.2, keeps=True, traction=traction), 1)
+        for row, one in zip(each.rows, alone.rows, strict=True):
+            for key in ("strain_increment_max", "forward_mm", "groove_mm", "traction_work_N"):
+                assert row[key] == pytest.approx(one[key], rel=2e-3, abs=1e-6), key
+    forward = [each.rows[0]["forward_mm"] for each in found]
+    assert forward[0] > 0 > forward[1]  # each surface is dragged by the other
+
+
 def test_without_yield_the_contact_is_the_elastic_one():
     found = rolled(3.0, 0.0, 0.0, count=1, keeps=False)
     assert found.verdict == "elastic"
     contact = line(3.0, keeps=False)
-    patch = contact.patch(np.zeros_like(contact.gap), None)
+    (patch,) = contact.pressed([np.zeros_like(contact.patches[0].gap)], ())
     assert found.rows[0]["pressure_max_MPa"] == pytest.approx(patch.pressure.max(), rel=1e-8)
     assert found.rows[0]["pressure_max_MPa"] == pytest.approx(3.0 * SHEAR, rel=2e-3)
 
@@ -150,7 +213,7 @@ def test_a_longer_block_changes_nothing():
         block = passes_of_scene.rolling_block(
             rail(0.0), (1.0, 1.0), line=True, half=False, per_length=4, reach=reach
         )
-        found.append(passes_of_scene.roll(block, line(4.2, keeps=True), (1.0, 1.0), 1).rows[0])
+        found.append(rolls(block, line(4.2, keeps=True), 1).rows[0])
     for key, share in (
         ("strain_increment_max", 0.005), ("forward_mm", 0.01), ("residual_along_MPa", 0.01),
     ):  # fmt: skip
@@ -164,7 +227,7 @@ def test_half_the_tolerance_changes_nothing():
             rail(0.0), (1.0, 1.0), line=True, half=False, per_length=4, reach=20
         )
         block = replace(block, tolerance=tolerance)
-        found.append(passes_of_scene.roll(block, line(4.5, keeps=False), (1.0, 1.0), 1).rows)
+        found.append(rolls(block, line(4.5, keeps=False), 1).rows)
     for one, other in zip(*found, strict=True):
         assert one["iterations"] < other["iterations"]
         for key in ("strain_increment_max", "forward_mm", "groove_mm", "residual_along_MPa"):
@@ -192,7 +255,7 @@ def test_an_ellipse_in_contact_yields_half_as_much_and_shakes_down():
     half_lengths = exact.a, exact.b
     contact = pass_contact.ellipse_contact(exact, keeps=False)
     block = passes_of_scene.rolling_block(rail(10e3), half_lengths, line=False, half=True)
-    found = passes_of_scene.roll(block, contact, half_lengths, 3)
+    found = rolls(block, contact, 3)
     first, other = found.rows[0], REFERENCE["ellipse"]["contact"][0]
     assert first["strain_increment_max"] == pytest.approx(other["dq"], rel=0.15)
     assert first["groove_mm"] == pytest.approx(other["groove"], rel=0.15)
@@ -205,4 +268,4 @@ def test_yield_beyond_the_region_that_is_followed_is_told(monkeypatch):
     block = passes_of_scene.rolling_block(
         rail(0.0), (1.0, 1.0), line=True, half=False, per_length=3, reach=12
     )
-    assert passes_of_scene.roll(block, line(4.2, keeps=True), (1.0, 1.0), 1).rim > 0.01
+    assert rolls(block, line(4.2, keeps=True), 1).rim > 0.01

@@ -120,7 +120,7 @@ EFFECTS = {
         absent_in_half_spaces=True,
     ),
     "plasticity_wheel": EffectRules(
-        words="yield of the wheel in passes (estimated, not simulated)",
+        words="yield of the wheel in passes",
         decide=passes.decide_plasticity_wheel,
         absent_in_half_spaces=True,
     ),

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
 from railhead.contact import wheelset_kinematics
+from railhead.contact.crossing import HeadContact
 from railhead.planning.context import Context, Effect
 from railhead.planning.effects import interface
-from railhead.scene.scene import Rail
+from railhead.scene.bodies import Rail, Wheel
 from railhead.scene.sections import refuse_first
 from railhead.theory import damage
+from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.elastic.line import LineContact
 from railhead.theory.friction.partial_slip import carter_share
 
@@ -24,6 +28,7 @@ BORNE = 1.1
 # line under a kept p0/k of 5.8 a modulus of 800 MPa fails and 1500 MPa converges (this asks for 880
 # MPa); in contact at 6.9 it is 2000 and 6000 MPa (2500 MPa).
 LARGEST_STRAIN = 0.03
+ASIDE = 2.2  # half lengths across from the middle of a patch: up to there yield is followed
 OFF = "rolling.passes is not given"
 KEY = "rolling.passes"
 
@@ -33,7 +38,8 @@ def decide_passes(context: Context) -> Effect:
     rolling.passes is given.
 
     SceneError: passes over a rail that does not deform or has no yield stress, in a section across
-    the rail, and where the flow curve of the rail has no steady answer.
+    the rail, over a rail of sections, of patches that lie close together, and where the flow curve
+    of the rail has no steady answer.
     """
     scene = context.scene
     yields, count = context.decided["plasticity"].called_for, scene.rolling.passes
@@ -51,21 +57,30 @@ def decide_passes(context: Context) -> Effect:
         return Effect(yields, True, why)
     given = f"{count} is not allowed: "
     _refuse_what_has_no_passes(context, given)
-    hardened = _flow_stress(scene.rail, LARGEST_STRAIN) / scene.rail.first_yield
-    share = traction(context) if isinstance(context.hertz, LineContact) else 0.0
-    bearable = BORNE / share if share else math.inf
-    steady = min(STEADY[scene.rolling.pressure], bearable) * hardened
-    beside = f" at Q/P = {share:.2g}" if share else ""
-    text = f"{given}p0/k is {ratio:.3g}, and the rail's flow curve has no steady answer above"
-    instead = "give a larger rail.hardening_modulus, or a smaller load"
-    refuse_first((ratio > steady, KEY, f"{text} {steady:.3g}{beside}; {instead}"))
+    _refuse_unsteady(context, scene.rail, ratio)
     return Effect(yields, True, f"{count} passes; {why}")
+
+
+def _refuse_unsteady(context: Context, body: Rail | Wheel, ratio: float) -> None:
+    """Raise SceneError where the flow curve of a body has no steady answer to a pressure p0; ratio:
+    p0 over its yield stress in shear.
+    """
+    rolling, name = context.scene.rolling, "rail" if isinstance(body, Rail) else "wheel"
+    hardened = _flow_stress(body, LARGEST_STRAIN) / body.first_yield
+    share = traction(context) if isinstance(context.hertz, LineContact) else 0.0
+    steady = min(STEADY[rolling.pressure], BORNE / share if share else math.inf) * hardened
+    beside = f" at Q/P = {share:.2g}" if share else ""
+    text = f"{rolling.passes} is not allowed: p0/k is {ratio:.3g}, and the {name}'s flow curve has "
+    instead = f"give a larger {name}.hardening_modulus, or a smaller load"
+    answer = f"no steady answer above {steady:.3g}{beside}"
+    refuse_first((ratio > steady, KEY, f"{text}{answer}; {instead}"))
 
 
 def _refuse_what_has_no_passes(context: Context, given: str) -> None:
     """Raise SceneError for what passes cannot simulate: a rigid rail, one without yield stress, a
-    wheel that only its effect makes rigid, a force of [friction], several patches, and a section
-    across the way; given: the beginning of the message.
+    wheel that only its effect makes rigid, a force of [friction], patches whose regions of yield
+    overlap, a rail whose section changes along it, and a section across the way; given: the
+    beginning of the message.
     """
     friction, wheel, elastic = context.scene.friction, context.scene.wheel, context.elastic
     rules = (
@@ -83,8 +98,12 @@ def _refuse_what_has_no_passes(context: Context, given: str) -> None:
             "a force of [friction] shifts a wheel that rests; give it in [rolling]",
         ),
         (
-            not isinstance(elastic, str) and len(elastic.patches) > 1,
-            "there are several patches; passes know one; give another wheelset.shift or profile",
+            isinstance(context.contact, HeadContact),
+            "the rail has sections, so nothing is steady; give rail.profile of the place",
+        ),
+        (
+            not isinstance(elastic, str) and _overlap(elastic.patches),
+            "two patches roll over the same steel; give another wheelset.shift or profile",
         ),
         (
             0 not in context.contact.slips,
@@ -95,18 +114,31 @@ def _refuse_what_has_no_passes(context: Context, given: str) -> None:
     refuse_first(*((broken, KEY, f"{given}{text}") for broken, text in rules))
 
 
+def _overlap(patches: Sequence[PatchSolution]) -> bool:
+    """Whether the strips of two patches overlap in which plastic strain is followed (ASIDE)."""
+    strips = sorted(
+        (s - ASIDE * half, s + ASIDE * half)
+        for s, half in ((each.centroid[1], each.half_extents[1]) for each in patches)
+    )
+    return any(one[1] > other[0] for one, other in pairwise(strips))
+
+
 def decide_plasticity_wheel(context: Context) -> Effect:
-    """Yield of the wheel in passes, which know the rail's alone: called for where the largest
-    elastic von Mises stress passes the wheel's yield stress.
+    """Yield of the wheel in passes: called for, and simulated, where the largest elastic von Mises
+    stress passes the wheel's yield stress.
+
+    SceneError: the flow curve of the wheel has no steady answer.
     """
-    refused = {"on": "passes know the yield of the rail alone"}
-    wheel = context.scene.wheel
+    wheel, off = context.scene.wheel, context.scene.effects.plasticity_wheel == "off"
     if not context.decided["passes"].on or "wheel" not in context.stressed or not wheel.yields:
-        return Effect(False, False, "no passes, or a wheel without a yield stress", refused)
+        why = "no passes, or a wheel without a yield stress"
+        return Effect(False, False, why, {"on": why})
     stress, limit = context.von_mises(wheel.poisson_ratio), wheel.first_yield
     verb = "passes" if stress > limit else "stays below"
+    if stress > limit and not off:
+        _refuse_unsteady(context, wheel, math.sqrt(3) * _largest(context) / limit)
     why = f"von Mises {stress:.4g} MPa {verb} the yield {limit:.4g} MPa of the wheel"
-    return Effect(stress > limit, False, f"{why}, which passes take as elastic", refused)
+    return Effect(stress > limit, stress > limit, why)
 
 
 def traction(context: Context) -> float:
@@ -131,14 +163,13 @@ def _indicator(context: Context) -> tuple[float, str]:
     """Largest elastic pressure p0 over the rail's yield stress in shear k before any hardening, and
     a sentence that holds it against first yield and the shakedown limit.
     """
-    scene, hertz, elastic = context.scene, context.hertz, context.elastic
+    scene, hertz = context.scene, context.hertz
     poisson = scene.rail.poisson_ratio
-    shear = scene.rail.first_yield / math.sqrt(3)
-    p0 = hertz.p0 if isinstance(elastic, str) else elastic.max_pressure
+    shear, p0 = scene.rail.first_yield / math.sqrt(3), _largest(context)
     ratio, share = p0 / shear, traction(context)
     first = math.sqrt(3) * p0 / context.von_mises(poisson)
     if isinstance(hertz, LineContact):
-        limit, beside = line_limit(context), f" at Q/P = {share:.2g}"
+        limit, beside = line_limit(context, scene.rail), f" at Q/P = {share:.2g}"
     else:
         limit = min(damage.ellipse_limit(hertz.a / hertz.b), 2 * first)
         beside = f" without tractions, and less with Q/P up to {share:.2g}"
@@ -146,31 +177,35 @@ def _indicator(context: Context) -> tuple[float, str]:
     return ratio, f"{text}{limit:.3g}{beside if share else ''}"
 
 
-def line_limit(context: Context) -> float:
-    """Largest pressure p0 over the rail's yield stress in shear k, before any hardening, up to
-    which a line contact of a scene shakes down, by Melan's theorem. A rail that hardens
-    kinematically alone counts with its back stress, others without hardening.
+def _largest(context: Context) -> float:
+    """Largest elastic pressure p0, MPa."""
+    elastic = context.elastic
+    return context.hertz.p0 if isinstance(elastic, str) else elastic.max_pressure
+
+
+def line_limit(context: Context, body: Rail | Wheel) -> float:
+    """Largest pressure p0 over a body's yield stress in shear k, before any hardening, up to which
+    a line contact of a scene shakes down, by Melan's theorem. A body that hardens kinematically
+    alone counts with its back stress, others without hardening.
     """
-    scene, share = context.scene, traction(context)
-    kinematic = moves(scene.rail)
+    share, kinematic = traction(context), moves(body)
     friction = interface.friction_coefficient(context) if share else 0.0
-    poisson = scene.rail.poisson_ratio
-    return damage.shakedown_limit(friction, poisson, share, kinematic=kinematic)
+    return damage.shakedown_limit(friction, body.poisson_ratio, share, kinematic=kinematic)
 
 
-def moves(rail: Rail) -> bool:
-    """Whether all hardening of a rail that yields moves its yield surface."""
-    back, _, (most, _) = rail.law
-    fraction = 1.0 if back else rail.kinematic_fraction
-    return rail.hardens and fraction == 1 and not most
+def moves(body: Rail | Wheel) -> bool:
+    """Whether all hardening of a body that yields moves its yield surface."""
+    back, _, (most, _) = body.law
+    fraction = 1.0 if back else body.kinematic_fraction
+    return body.hardens and fraction == 1 and not most
 
 
-def _flow_stress(rail: Rail, strain: float) -> float:
-    """Stress of the flow curve of a rail that yields at a plastic strain, MPa; of recalled back
+def _flow_stress(body: Rail | Wheel, strain: float) -> float:
+    """Stress of the flow curve of a body that yields at a plastic strain, MPa; of recalled back
     stresses as by Armstrong and Frederick, whose rule is the softest.
     """
-    strains, stresses = zip(*rail.curve, strict=True)
-    back, _, (most, speed) = rail.law
+    strains, stresses = zip(*body.curve, strict=True)
+    back, _, (most, speed) = body.law
     grown = sum(-c * math.expm1(-g * strain) / g if g else c * strain for c, g in back)
-    grown += (rail.hardening_modulus or 0.0) * strain - most * math.expm1(-speed * strain)
+    grown += (body.hardening_modulus or 0.0) * strain - most * math.expm1(-speed * strain)
     return float(np.interp(strain, strains, stresses)) + grown

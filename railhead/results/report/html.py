@@ -98,7 +98,7 @@ def render(
     Raises OSError for a file that cannot be read.
     """
     scene = solved.plan.scene
-    passes = (summary["result"] or {}).get("passes")
+    passes = list(terminal.passes_tables(summary["result"] or {}, units, 3 if brief else 10))
     drawn = [name for name in CAPTIONS if (folder / f"{name}.png").exists()]
     effects = summary["plan"]["effects"]
     names = "contact", "yield", "friction", "steel"
@@ -123,8 +123,7 @@ def render(
         side_force=terminal.side_force(summary["result"] or {}, units),
         patches_title=patches_title,
         left_out={name: each for name, each in effects.items() if not each["on"]},
-        passes=terminal.passes_table(passes, units, 3 if brief else 10) if passes else None,
-        passes_title=terminal.passes_title(summary["result"]) if passes else "",
+        passes=passes,
         pictures=[
             (CAPTIONS[name], picture((folder / f"{name}.png").read_bytes()))
             for name in (drawn[:2] if brief else drawn)

@@ -269,10 +269,8 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
             console.print(
                 f"Forces are those of the wheel on the rail; mu N = {limit}.", highlight=False
             )
-        if passes := summary["result"].get("passes"):
-            header, *cells = passes_table(passes, units)
-            console.print(number_table(passes_title(summary["result"]), header, cells))
-            words = f"Passes: {summary['result']['passes_words']}."
+        for title, (header, *cells), words in passes_tables(summary["result"], units):
+            console.print(number_table(title, header, cells))
             console.print(words, markup=False, highlight=False)
         missing = summary["checks"]["not_made"]
         for reason in dict.fromkeys(missing.values()):
@@ -394,12 +392,22 @@ def passes_title(result: Mapping[str, Any]) -> str:
     return f"passes (estimate after the last: {', '.join(told)})" if told else NO_ESTIMATE
 
 
-def passes_table(
-    passes: Sequence[Mapping[str, Any]], units: Units, shown: int = PASSES_SHOWN
-) -> list[list[str]]:
-    """Cells of the table of passes, its header first: the first `shown` and the last. passes:
-    "passes" of "result" in summary.json.
+def passes_tables(
+    result: Mapping[str, Any], units: Units, shown: int = PASSES_SHOWN
+) -> Iterator[tuple[str, list[list[str]], str]]:
+    """Of passes, for each body and patch: title, cells of the table (its header first; the first
+    `shown` passes and the last), and the verdict in words. result: "result" of summary.json; none
+    where it has no passes.
     """
+    for each in [result, *result.get("passes_beside", ())] if result.get("passes") else ():
+        of = f", {each['passes_name']}" if "passes_name" in each else ""
+        title = passes_title(each).replace("passes", f"passes{of}", 1)
+        words = f"Passes{of}: {each['passes_words']}."
+        yield title, _passes_table(each["passes"], units, shown), words
+
+
+def _passes_table(passes: Sequence[Mapping[str, Any]], units: Units, shown: int) -> list[list[str]]:
+    """Cells as of `passes_tables`. passes: of a body and patch."""
     names = (f"{name}, {units.unit(unit)}".strip(", ") for name, unit in PASS_COLUMNS.values())
     table = [["pass", *names]]
     for number in sorted({*range(min(shown, len(passes))), len(passes) - 1}):

@@ -141,6 +141,9 @@ def test_what_a_crossing_does_not_have_is_refused_in_a_line(nose: str, wing: str
          "wing.yield_stress: is not that of the rail, and finite elements know one"),
         (lambda: rh.plan(fast.replace(friction={"coefficient": 0.3})),
          "friction.coefficient: is not simulated"),
+        (lambda: rh.plan(scene(120.0, nose).replace(
+            effects=OFF, rail={"yield_stress": 300.0}, rolling={"passes": 2})),
+         "rolling.passes: 2 is not allowed: the rail has sections, so nothing is steady"),
         (lambda: rh.plan(fast.replace(wing={"young_modulus": 1e5})),
          "wing.young_modulus: is not simulated yet"),
     ):  # fmt: skip

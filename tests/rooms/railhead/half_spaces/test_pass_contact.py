@@ -1,6 +1,7 @@
 """What rolls over the block of a rail: pressure, tractions, and the stress below them."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -19,14 +20,14 @@ HALF = ELLIPSE.a, ELLIPSE.b
 def solid(ellipse, friction: float = 0.0) -> pass_contact.RollingContact:
     """An ellipse under its own pressure, with tractions friction * p along the rail."""
     found = pass_contact.ellipse_contact(ellipse, keeps=True)
-    along = friction * found.pressure
-    return pass_contact.RollingContact(
-        **{**vars(found), "traction": np.stack([along, np.zeros_like(along)])}
-    )
+    (patch,) = found.patches
+    along = friction * patch.pressure
+    rubs = replace(patch, traction=np.stack([along, np.zeros_like(along)]))
+    return replace(found, patches=(rubs,))
 
 
 def test_the_pressure_of_a_gap_is_hertz_s():
-    found = solid(ELLIPSE)
+    (found,) = solid(ELLIPSE).patches
     x, s = np.meshgrid(found.grid.x, found.grid.s, indexing="ij")
     assert found.pressure == pytest.approx(ELLIPSE.pressure(x, s), abs=0.05 * ELLIPSE.p0)
     assert found.pressure.sum() * found.grid.cell == pytest.approx(ELLIPSE.load)
@@ -35,8 +36,8 @@ def test_the_pressure_of_a_gap_is_hertz_s():
 @pytest.mark.parametrize("half", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_the_stress_of_the_block_is_that_of_a_sliding_ellipse(half):
     block = passes_of_scene.rolling_block(STEEL, HALF, line=False, half=half, per_length=2, reach=6)
-    pressing = pass_contact.Pressing(block, solid(ELLIPSE, 0.3))
-    found = pressing(block.surface(np.zeros(block.block.nodes.size)), block.start.profile)
+    contact = solid(ELLIPSE, 0.3)
+    found = pass_contact.Below(block, contact).stress(contact.patches[0].pressure)
     places = block.points
     near = np.abs(places[..., 0]) < 1.2 * HALF[0]
     near &= (np.abs(places[..., 1]) < HALF[1]) & (places[..., 2] > -1.5 * HALF[1])
@@ -52,7 +53,7 @@ def test_carter_s_tractions_carry_their_force():
     share, friction = 0.6, 0.3
     found = pass_contact.line_contact(
         2.0, 500.0, 1e-3, 1e5, keeps=True, slips=-friction, sticks=math.sqrt(1 - share)
-    )
+    ).patches[0]
     x, _ = found.grid.edges
     traction = found.traction[0, :, 0]
     force = (traction * np.diff(x)).sum()

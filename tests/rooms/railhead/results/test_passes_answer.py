@@ -129,6 +129,26 @@ def test_half_spaces_in_the_place_of_bodies_have_the_same_passes(result):
     assert one["strain_increment_max"] == pytest.approx(other["strain_increment_max"], rel=0.1)
 
 
+def test_a_wheel_that_yields_has_passes_of_its_own(tmp_path):
+    """Softer than the rail, on a coarse block: told, drawn and written beside the rail's."""
+    keys = *KEYS[:2], "rail.yield_stress=480", "wheel.yield_stress=400", "mesh.patch_size=2.8"
+    both = pipeline.run(
+        scene_of("long_roller", *keys, "rolling.passes=1", "effects.finite_bodies=off")
+    )
+    found = both.summary["result"]
+    assert both.summary["checks"]["effects_left_out"] == 0
+    assert found["passes_name"] == "rail" and both.summary["checks"]["passes_energy"] < 0.03
+    (wheel,) = found["passes_beside"]
+    assert wheel["passes_name"] == "wheel"
+    first, other = found["passes"][0], wheel["passes"][0]
+    assert other["strain_increment_max"] > 1.2 * first["strain_increment_max"] > 1e-4
+    assert first["resistance_N"] == other["resistance_N"]
+    assert "Passes, wheel: undecided" in terminal.recorded(both.show).export_text()
+    both.save(tmp_path / "out", report=False)
+    written = {each.name for each in (tmp_path / "out").iterdir()}
+    assert {"passes_wheel.csv", "passes_wheel.png", "passes_section_wheel.vtu"} <= written
+
+
 def test_without_the_key_nothing_of_it_is_there():
     plain = solved("long_roller", "mesh.patch_size=1.2")
     assert not any("passes" in key for key in plain.summary["result"])

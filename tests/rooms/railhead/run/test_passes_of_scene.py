@@ -32,12 +32,12 @@ def test_the_profile_with_its_groove_is_read_as_it_was_laid(profile, inclination
     scene = rh.find("uic54_22t5_axle").replace(keys)
     surface = develop(solid.locate(scene))
     centre = float(np.interp(5.0, surface.y, surface.s))
-    laid = passes_of_scene.groove_on_profile(surface, centre, inclination)
+    laid = passes_of_scene.groove_on_profile(surface, [centre], inclination)
     across = np.linspace(-60.0, 60.0, 121)
     shape = -0.02 * np.exp(-((across / 4) ** 2))
     np.savetxt(
         tmp_path / "rail.csv",
-        laid(groove(across, shape)),
+        laid([groove(across, shape)]),
         "%.6f",
         ",",
         header="y [mm],z [mm]",
@@ -66,15 +66,16 @@ ROLLS = "rolling.passes=4 rolling.creepage_along=0.02 effects.finite_bodies=off"
 def test_beyond_melan_s_limit_a_line_does_not_shake_down(keys, limit):
     """A verdict of a mesh that is too coarse at the surface is undecided."""
     context = planned("long_roller", *f"{LINE} {ROLLS} {keys}".split()).context
+    rail = context.scene.rail
     for share in (0.99, 1.02, 1.04, 1.2):
         rows = [{"pressure_max_MPa": share * (limit or 2.316) * 300 / 3**0.5}]
         said = Passes(rows=rows, verdict="shakes down", words="as it was")
-        found = passes_of_scene.within_melan_s_limit(said, context)
+        found = passes_of_scene.within_melan_s_limit(said, context, rail)
         kept = limit is None or share < 1.03
         assert found.verdict == ("shakes down" if kept else "undecided")
         assert ("Melan" in found.words) != kept
         ratchets = Passes(rows=rows, verdict="ratchets")
-        assert passes_of_scene.within_melan_s_limit(ratchets, context) is ratchets
+        assert passes_of_scene.within_melan_s_limit(ratchets, context, rail) is ratchets
 
 
 @pytest.mark.slow
@@ -98,14 +99,16 @@ def test_a_real_pair_rolls_with_and_without_friction():
     assert other["forward_mm"] > 1.1 * first["forward_mm"]  # dragged along
 
 
-PLAIN = pass_contact.ellipse_contact(hertz.point_contact(0.01, 0.02, 1e5, 1e3), keeps=True)
+CONTACT = pass_contact.ellipse_contact(hertz.point_contact(0.01, 0.02, 1e5, 1e3), keeps=True)
+PLAIN = CONTACT.patches[0]
 
 
 def tractions(x: np.ndarray, s: np.ndarray, found: np.ndarray, *, half: bool) -> np.ndarray:
     """Tractions (2, nx, ns) on the grid of PLAIN of those found (n, 2) at x, s (n,)."""
     solved = SimpleNamespace(plan=SimpleNamespace(half_y=half))
     bound = 0.3 * PLAIN.pressure
-    return passes_of_scene._with_tractions(solved, PLAIN, bound, x, s, found).traction
+    made = passes_of_scene._with_tractions(solved, CONTACT, [bound], x, s, found)
+    return made.patches[0].traction
 
 
 def test_tractions_do_not_depend_on_the_order_of_points():

@@ -1,6 +1,7 @@
 """Whether passes are called for, what they leave out, and what is refused."""
 
 import re
+from types import SimpleNamespace
 
 import pytest
 from one_line import refusal
@@ -8,6 +9,7 @@ from one_line import refusal
 import railhead as rh
 from railhead.planning import effects
 from railhead.planning import simulation_plan as planning
+from railhead.planning.effects import passes
 
 LINE = rh.find("long_roller").replace(
     load="1400 kN", rail={"extent": "half-space", "yield_stress": 480.0}
@@ -54,12 +56,19 @@ def test_the_indicator_is_held_against_yield_and_shakedown():
     assert "shakedown limit 1.94 at Q/P = 0.5" in slips.effects["passes"].why
 
 
-def test_a_wheel_that_yields_too_is_left_out_by_its_name():
-    both = LINE.replace(["rolling.passes=3", "wheel.yield_stress=480"])
-    assert left_out(both) == {"plasticity_wheel"}
-    assert left_out(both.replace(["effects.plasticity_wheel=off"])) == set()
-    strong = LINE.replace(["rolling.passes=3", "wheel.yield_stress=900"])
-    assert left_out(strong) == set()
+@pytest.mark.parametrize(
+    ("keys", "on"),
+    [
+        ("", True),
+        ("effects.plasticity_wheel=off", False),
+        ("wheel.yield_stress=900", False),
+        ("wheel.yield_stress=900 effects.plasticity_wheel=on", True),
+    ],
+)
+def test_a_wheel_yields_where_its_stress_passes_its_yield_stress_or_where_it_is_asked(keys, on):
+    both = LINE.replace(["rolling.passes=3", "wheel.yield_stress=480", *keys.split()])
+    assert planning.make(both).effects["plasticity_wheel"].on == on
+    assert left_out(both) == set()
 
 
 @pytest.mark.parametrize(
@@ -74,6 +83,9 @@ def test_a_wheel_that_yields_too_is_left_out_by_its_name():
         (["load=800kN", "friction.coefficient=0.5", "rolling.creepage_along=10%"],
          "p0/k is 3.58, .*no steady answer above 2.2 at Q/P = 0.5; give"),
         (["load=7500kN", "rail.backstress=[[40000, 100]]"], "p0/k is 11.*answer above 10.8;"),
+        (["load=3000kN", "rail.yield_stress=900", "wheel.yield_stress=480"],
+         "p0/k is 6.94, and the wheel's flow curve has no steady answer above 6; give"),
+        (["effects.plasticity_wheel=on"], "plasticity_wheel: 'on' .*a wheel without a yield"),
         (["rail.young_modulus=inf"], "rolling.passes: 3 .*the rail is rigid"),
         (["friction.coefficient=0.3", "friction.force_along=9kN"],
          "rolling.passes: 3 .*a force of .friction. shifts a wheel that rests"),
@@ -85,8 +97,8 @@ def test_a_wheel_that_yields_too_is_left_out_by_its_name():
     ],
 )  # fmt: skip
 def test_what_cannot_roll_is_refused_in_one_line(changes, text):
-    passes = LINE.replace(["rolling.passes=3"])
-    assert re.search(text, refusal(lambda: planning.make(passes.replace(changes))))
+    rolls = LINE.replace(["rolling.passes=3"])
+    assert re.search(text, refusal(lambda: planning.make(rolls.replace(changes))))
 
 
 def test_hardening_has_an_answer_where_perfect_plasticity_has_none():
@@ -94,8 +106,19 @@ def test_hardening_has_an_answer_where_perfect_plasticity_has_none():
     assert planning.make(scene).effects["passes"].on
 
 
-def test_several_patches_are_refused_before_anything_is_solved():
-    scene = rh.find("s1002_60e1").replace(
-        ["wheelset.shift=5mm", "rail.steel=R260", "wheel.steel=none", "rolling.passes=2"]
-    )
-    assert "passes know one" in refusal(lambda: planning.make(scene))
+@pytest.mark.parametrize(("apart", "refused"), [(2.5, True), (4.5, False)])
+def test_patches_that_roll_over_the_same_steel_are_refused(apart, refused, monkeypatch):
+    """Two patches with half widths of 0.8 and 1.1 mm, of strips 2.2 times as wide."""
+    scene = rh.find("s1002_60e1").replace(["rail.steel=R260", "rolling.passes=2"])
+    context = planning.make(scene).context
+    patches = [
+        SimpleNamespace(centroid=(0.0, s), half_extents=(1.0, half))
+        for s, half in ((3.0, 0.8), (3.0 - apart, 1.1))
+    ]
+    pressed = SimpleNamespace(patches=patches, max_pressure=context.elastic.max_pressure)
+    monkeypatch.setitem(vars(context), "elastic", pressed)
+    if refused:
+        said = refusal(lambda: passes.decide_passes(context))
+        assert "two patches roll over the same steel" in said
+    else:
+        assert passes.decide_passes(context).on
