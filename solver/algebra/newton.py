@@ -14,7 +14,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -127,6 +128,26 @@ def line_search(problem: ContactProblem, y: PETSc.Vec, step: PETSc.Vec) -> float
     return max(float(brentq(slope, 0.0, 1.0, xtol=1e-2)), 1e-3)
 
 
+class _Cycles:
+    """How often active sets of all ranks came back."""
+
+    def __init__(self) -> None:
+        """None did so far."""
+        self._seen, self._last, self._stays = Counter[bytes](), b"", 0
+
+    def length(self, key: bytes) -> float:
+        """Length of the step from an active set: halved each time that it comes back, until it
+        stays; 0 where it came back more often than MOST_RETURNS.
+        """
+        same = key == self._last
+        self._seen[key] += not same
+        self._last, self._stays = key, self._stays + 1 if same else 0
+        returns = self._seen[key] - 1
+        if returns > MOST_RETURNS:
+            return 0.0
+        return 1.0 if self._stays >= SETTLED else 0.5**returns
+
+
 def solve(
     problem: ContactProblem,
     preconditioner: Preconditioner,
@@ -161,119 +182,84 @@ def solve(
     """
     comm = problem.stiffness.comm.tompi4py()
     result = NewtonResult(problem.force.duplicate(), np.zeros(len(active)), "too many Newton steps")
-    y, factor = result.y, problem.law.gamma_factor
+    y, diagonal, increment = result.y, problem.stiffness.diagonal(), None
     y.set(0.0)
-    iterations, length = 0, 1.0
-    seen, last, stays = Counter[bytes](), b"", 0  # active sets of all ranks, the last one, and for
-    # how many steps it has been the same
-    diagonal, increment = problem.stiffness.diagonal(), None
-    largest = problem.reference_force  # of the contact so far
+    told, cycles = partial(NewtonStep, factor=problem.law.gamma_factor), _Cycles()
+    iterations, length, largest = 0, 1.0, problem.reference_force
     returned, before = 0, np.inf  # steps taken back; residual in the last state without contact
     try:
         if start is not None:
             start.copy(y)
         else:
-            iterations = linear.solve(
-                problem,
-                preconditioner,
-                active,
-                problem.predictor(active),
-                y,
-                forcing_term(problem, rtol, None),
-                problem.active_set_residual(active, -problem.offset),
-            )
+            eta, first = forcing_term(problem, rtol, None), problem.predictor(active)
+            ends = problem.active_set_residual(active, -problem.offset)
+            iterations = linear.solve(problem, preconditioner, active, first, y, eta, ends)
         for step in range(1, max_steps + 1):
             if anew is not None:
                 problem = preconditioner.problem = anew(y)
                 preconditioner.state = None
             indicator = problem.indicator(y)
             result.pressure = pressure = np.maximum(indicator, problem.floor)
-            residual = problem.residual(y, pressure)
-            contact = problem.contact_force(pressure)
+            active, contact = pressure > problem.floor, problem.contact_force(pressure)
+            residual, apart = problem.residual(y, pressure), not contact
             largest = max(largest, contact)
             scale = max(contact, LEAST_FORCE * problem.reference_force)
-            apart = not contact
-            if apart:  # bodies may rest without contact
-                scale = problem.force.norm() or largest or residual.norm() or 1.0
-            norm = residual.norm() / scale
             rounding = min(ROUNDING * (diagonal * y).norm(), MOST_ROUNDING * largest)
-            active = pressure > problem.floor
-            failure = ""
+            if apart:  # bodies may rest without contact, and y is large where nothing holds them
+                scale = problem.force.norm() or largest or residual.norm() or 1.0
+                rounding = problem.least_force
+            norm, failure = residual.norm() / scale, ""
+            goal = max(rtol, rounding / scale)
+            worse = not np.isfinite(norm)  # of cells turned inside out
+            if apart:  # where something touched
+                worse = not norm <= max(goal, before / 2 if np.isfinite(before) else 0.0)
+            if worse and increment is not None and returned < MOST_RETURNED:
+                returned, length = returned + 1, length / 2
+                y.axpy(-length, increment)
+                continue
             if apart:
-                rounding = problem.least_force  # y is large of bodies that nothing holds
-                enough = max(rtol, rounding / scale)
-                falls = norm <= max(enough, before / 2 if np.isfinite(before) else 0.0)
-                if not falls and increment is not None and returned < MOST_RETURNED:
-                    returned, length = returned + 1, length / 2  # where something touched
-                    y.axpy(-length, increment)
-                    continue
-                if norm > max(enough, before / 2):
-                    failure = "the bodies do not touch"
+                failure = "the bodies do not touch" if norm > max(goal, before / 2) else ""
                 before = norm
-            elif not np.isfinite(norm):
-                if increment is not None and returned < MOST_RETURNED:
-                    returned, length = returned + 1, length / 2  # of cells turned inside out
-                    y.axpy(-length, increment)
-                    continue
+            elif worse:
                 failure = "the residual is not a number"
             result.history.append(
-                NewtonStep(
+                told(
                     residual=None if failure else norm,
                     active=int(comm.allreduce(int(active.sum()))),
                     linear_iterations=iterations,
                     length=length,
-                    factor=factor,
                     problem=failure,
                 )
             )
             progress(step, norm)
-            if failure:
-                result.reason = failure
-                if not apart:
-                    _clear(result)
-                return result
-            if norm <= max(rtol, rounding / scale):
-                result.reason = CONVERGED
+            if failure and not apart:
+                _clear(result)
+            if failure or norm <= goal:
+                result.reason = failure or CONVERGED
                 return result
             if step == max_steps:
                 return result
             increment = problem.force.duplicate()
+            eta = forcing_term(problem, rtol, norm)
+            ends = problem.active_set_residual(active, indicator)
             iterations = linear.solve(
-                problem,
-                preconditioner,
-                active,
-                -residual,
-                increment,
-                forcing_term(problem, rtol, norm),
-                problem.active_set_residual(active, indicator),
+                problem, preconditioner, active, -residual, increment, eta, ends
             )
             if problem.law.symmetric:
                 length = line_search(problem, y, increment)
             else:
-                state = np.packbits(problem.branches(active)).tobytes()
-                key = b"".join(comm.allgather(state))
-                seen[key] += key != last
-                stays = stays + 1 if key == last else 0
-                last, returns = key, seen[key] - 1
-                if returns > MOST_RETURNS:
-                    result.reason = "the active set cycles"
-                    return result
-                length = 1.0 if stays >= SETTLED else 0.5**returns
+                branches = np.packbits(problem.branches(active)).tobytes()
+                length = cycles.length(b"".join(comm.allgather(branches)))
+            if not length:
+                result.reason = "the active set cycles"
+                return result
             y.axpy(length, increment)
     except StalledError as error:
         result.reason, result.stalled = str(error), True
         if not result.history:  # what the failed first solve left in y is no state
             _clear(result)
-        result.history.append(
-            NewtonStep(
-                residual=None,
-                active=0,
-                linear_iterations=error.iterations,
-                length=0.0,
-                factor=factor,
-                problem=str(error),
-            )
-        )
+        failed = told(residual=None, active=0, linear_iterations=error.iterations, length=0.0)
+        result.history.append(replace(failed, problem=str(error)))
     return result
 
 
