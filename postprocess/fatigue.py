@@ -25,11 +25,13 @@ from railhead.theory.friction.solution import FrictionSolution
 
 DEPTHS = np.array([0.01, 0.02, 0.04, 0.07, 0.11, 0.15, *np.arange(4, 17) / 20, 0.9, 1.0, 1.2, 1.5])
 """Over the smaller half length."""
-ROUGH = 50  # steps to the centre of a path that find the worst of several
+ROUGH = 100  # steps to the centre of a path that find the worst of several
 STRIPS = 400
-CELLS = {False: (64, 24), True: (256, 24)}  # along and across a patch, by whether it has tractions
+ALONG, ACROSS = (64, 1024), 25  # fewest and most cells along a patch, and cells across it
+FINER = 2.5  # cells along a patch in a depth
 LINES = 5  # paths side by side, from -0.8 to 0.8 of the half length across
-BESIDE = 1.6  # half lengths of a patch, up to which its pressure is looked at
+SMALL = 1e-12  # MPa
+UNLIKE = 1e-6  # half lengths by which points are moved: cells of a grid lie on circles by four
 DEEP = 0.2  # least depth at which finite bodies are compared, over the smaller half length
 SLOPES = {"dang_van": 0.33, "findley": 0.3}
 """Weights of the hydrostatic stress and of the normal stress where a scene gives none."""
@@ -58,26 +60,27 @@ def read(
     """
     sign = 1.0 if body == "rail" else -1.0
     one = max(found.patch.each, key=lambda each: each.max_pressure, default=None)
-    tractions = None if one is None else _on_patch(found, surface, friction, one, sign)
+    at = None if line or one is None else _on_patch(found, surface, friction, one, sign)
+    least = found.patch.a if one is None or line else min(one.a, one.b)
+    depth = least * DEPTHS
 
-    def below(depths: Array, parts: int) -> tuple[Array, Array, Array]:
-        """Paths below the contact, at depths over the smaller half length."""
-        if line or one is None or tractions is None:
-            return _along_line(found, friction, poisson, sign, STRIPS // parts, depths)
-        along, across = (count // parts for count in CELLS[friction is not None])
-        return _below_patch(one, tractions, poisson, (along, across), depths)
+    def below(deep: Array, parts: int) -> tuple[list[Array], Array]:
+        """Paths below the contact, by their length, and stresses below its middle, at depths."""
+        if one is None or at is None:
+            return _along_line(found, friction, poisson, sign, STRIPS // parts, deep)
+        return _below_patch(one, at, poisson, parts, deep)
 
-    depth, paths, axis = below(DEPTHS, 1)
+    paths, axis = below(depth, 1)
     bodies = 0.0
     if body in found.depth:
         own = found.depth[body]
-        deep = depth > DEEP * depth[-1] / DEPTHS[-1]
+        deep = depth > DEEP * least
         there = np.interp(depth[deep], own.depth, von_mises(own.stress))
         bodies = float(np.abs(von_mises(axis[deep]) / there.max() - there / there.max()).max())
     values, normals = _criteria(paths, slopes)
     worst = values.argmax(axis=0)
     near = np.unique((worst + [[-1], [0], [1]]).clip(0, DEPTHS.size - 1))
-    before, _ = _criteria(below(DEPTHS[near], 2)[1], slopes)
+    before, _ = _criteria(below(depth[near], 2)[0], slopes)
     change = np.abs(before.max(axis=0) / values.max(axis=0) - 1)
     upright = np.abs([normals[n][k][2] for n, k in enumerate(worst)]).clip(max=1.0)
     names = [f"{name}_MPa" for name in SLOPES]
@@ -91,16 +94,21 @@ def read(
     }
 
 
-def _criteria(paths: Array, slopes: Sequence[float]) -> tuple[Array, list[Array]]:
+def _criteria(every: Sequence[Array], slopes: Sequence[float]) -> tuple[Array, Array]:
     """Stresses (d, 2) of Dang Van and Findley, MPa, at d depths, each the largest of k paths side
-    by side, paths (d, k, t, 6), and the normals (d, 3) of their planes.
+    by side, and the normals (2, d, 3) of their planes. every: paths (n, k, t, 6) of the same
+    length t, of n depths each, d in all.
     """
-    flat = paths.reshape(-1, *paths.shape[2:])
-    rough = fatigue.dang_van(flat, slopes[0], ROUGH)[0].reshape(paths.shape[:2])
-    worst = paths[np.arange(len(paths)), rough.argmax(axis=1)]
-    values, _, planes = fatigue.dang_van(worst, slopes[0])
-    others, normals = fatigue.findley(paths, slopes[1])
-    return np.column_stack([values, others]), [planes, normals]
+    values, normals = [], []
+    for paths in every:
+        flat = paths.reshape(-1, *paths.shape[2:])
+        rough = fatigue.dang_van(flat, slopes[0], ROUGH)[0].reshape(paths.shape[:2])
+        worst = paths[np.arange(len(paths)), rough.argmax(axis=1)]
+        stress, _, planes = fatigue.dang_van(worst, slopes[0])
+        other, others = fatigue.findley(paths, slopes[1])
+        values.append(np.column_stack([stress, other]))
+        normals.append([planes, others])
+    return np.concatenate(values), np.concatenate(normals, axis=1)
 
 
 def _ratios(friction: FrictionSolution, frame: Frame) -> tuple[Array, Array]:
@@ -119,11 +127,11 @@ def _along_line(
     poisson: float,
     sign: float,
     count: int,
-    depths: Array,
-) -> tuple[Array, Array, Array]:
-    """Depths (d,), mm, paths (d, 1, t, 6) below a line across the rail by `count` strips, and the
-    stress (d, 6) below its middle. Arguments as of `read`; sign: of the tractions on the body;
-    depths: (d,) over the half width.
+    depth: Array,
+) -> tuple[list[Array], Array]:
+    """Paths (d, 1, t, 6) at depths (d,), mm, below a line across the rail by `count` strips, alone
+    in a list, and the stress (d, 6) below its middle. Arguments as of `read`; sign: of the
+    tractions on the body.
     """
     half, middle, along = found.patch.a, found.patch.centre[0], found.along
     edges = middle - half * np.cos(np.pi * np.arange(count + 1) / count)
@@ -139,16 +147,16 @@ def _along_line(
         traction = sign * pressure * np.interp(x, places[order, 0], ratios[order, 0])
     beside = half * np.cosh(np.linspace(0.0, 3.0, count // 8))
     x = np.concatenate([middle - beside[::-1], x, middle + beside])
-    depth, paths = half * depths, np.zeros((depths.size, 1, x.size + 1, 6))
+    paths = np.zeros((depth.size, 1, x.size + 1, 6))
     for path, deep in zip(paths[:, 0], depth, strict=True):
         strips = Strips(edges, x, np.full_like(x, deep), poisson)
         path[:-1, [0, 1, 2, 4]] = strips.stress(pressure, traction)
-    return depth, paths, paths[:, 0, np.abs(x - middle).argmin()]
+    return [paths], paths[:, 0, np.abs(x - middle).argmin()]
 
 
-Tractions = Callable[[Array], tuple[Array, Array | None]]
-"""Places (nx, ns, 2), mm, in the plane of a patch -> pressure (nx, ns) and tractions (2, nx, ns) on
-the body, MPa."""
+Tractions = Callable[[Array, Array], tuple[Array, Array | None]]
+"""Edges of cells along a patch (nx + 1,) and lines across it (ns,), mm, in its plane -> pressure
+(nx, ns) and tractions (2, nx, ns) on the body, MPa."""
 
 
 def _on_patch(
@@ -163,39 +171,53 @@ def _on_patch(
     nearest = None if friction is None else NearestNDInterpolator(*_ratios(friction, frame))
     squares_of = None
     if not found.hertzian:
-        local = frame.local(surface.points)
-        near = np.isfinite(local).all(axis=1)
-        near &= (np.abs(local[:, :2]) < BESIDE * np.array([one.a, one.b])).all(axis=1)
-        squares_of = LinearNDInterpolator(local[near, :2], surface.pressure[near] ** 2, 0.0)
+        touched = (surface.pressure[surface.triangles] > 0).any(axis=1)
+        known = np.unique(surface.triangles[touched])
+        unlike = UNLIKE * one.b * np.random.default_rng(0).random((known.size, 2))
+        places = frame.local(surface.points[known])[:, :2] + unlike
+        squares_of = LinearNDInterpolator(places, surface.pressure[known] ** 2, 0.0)
 
-    def at(places: Array) -> tuple[Array, Array | None]:
-        """Pressure and tractions at places."""
+    def at(edges: Array, s: Array) -> tuple[Array, Array | None]:
+        """Mean pressure, whose squares change evenly between the edges, and tractions."""
+        ends = np.stack(np.meshgrid(edges, s, indexing="ij"), axis=-1)
         if squares_of is None:
-            squares = one.max_pressure**2 * (1 - ((places / (one.a, one.b)) ** 2).sum(axis=-1))
+            squares = one.max_pressure**2 * (1 - ((ends / (one.a, one.b)) ** 2).sum(axis=-1))
         else:
-            squares = squares_of(places)
-        pressure = np.sqrt(squares.clip(min=0.0))
+            squares = squares_of(ends)
+        roots = np.sqrt(squares.clip(min=0.0))
+        first, last = roots[:-1], roots[1:]
+        change, both = np.abs(np.diff(squares, axis=0)), first + last
+        inside = np.abs(last - first) * both
+        share = np.divide(inside, change, out=np.ones_like(change), where=change > 0)
+        pressure = share * 2 / 3 * (both - first * last / both.clip(min=SMALL))
         if nearest is None:
             return pressure, None
-        return pressure, sign * pressure * np.moveaxis(nearest(places), -1, 0)
+        ratios = nearest((ends[:-1] + ends[1:]) / 2)
+        return pressure, sign * pressure * np.moveaxis(ratios, -1, 0)
 
     return at
 
 
 def _below_patch(
-    one: OnePatch, tractions: Tractions, poisson: float, cells: tuple[int, int], depths: Array
-) -> tuple[Array, Array, Array]:
-    """Depths (d,), mm, paths (d, k, t, 6) below k lines along a patch, and the stress (d, 6) below
-    its middle. tractions: pressure and tractions around it. cells: along and across it. depths:
-    (d,) over the smaller half length.
+    one: OnePatch, at: Tractions, poisson: float, parts: int, depth: Array
+) -> tuple[list[Array], Array]:
+    """Paths (n, k, t, 6) below k lines along a patch at depths (d,), mm, ascending: by their length
+    t, n depths each. Stress (d, 6) below the middle of the patch. at: pressure and tractions around
+    it. parts: of the number of cells each way.
     """
-    along, across = cells
-    x = one.a * (2 * np.arange(-along // 4, along + along // 4) + 1 - along) / along
+    across = ACROSS // parts
     s = one.b * (2 * np.arange(across) + 1 - across) / across
-    pressure, traction = tractions(np.stack(np.meshgrid(x, s, indexing="ij"), axis=-1))
-    window = PatchSolution(x, s, 0 * s, pressure, 0 * pressure, 0.0)
     rows = np.rint((across - 1) / 2 * (1 + np.linspace(-0.8, 0.8, LINES))).astype(int)
-    depth = min(one.a, one.b) * depths
-    layers = [grid_stress.layer(window, poisson, traction, deep)[:, rows] for deep in depth]
-    paths = np.pad(np.stack(layers).swapaxes(1, 2), ((0, 0), (0, 0), (0, 1), (0, 0)))
-    return depth, paths, paths[:, LINES // 2, np.abs(x).argmin()]
+    needed = np.exp2(np.ceil(np.log2(2 * FINER * one.a / depth))).clip(*ALONG).astype(int) // parts
+    every, middle = [], []
+    for along in sorted({*needed.tolist()}, reverse=True):
+        x = one.a * (2 * np.arange(-along // 4, along + along // 4) + 1 - along) / along
+        pressure, traction = at(np.append(x, 2 * x[-1] - x[-2]) - (x[1] - x[0]) / 2, s)
+        window = PatchSolution(x, s, 0 * s, pressure, 0 * pressure, 0.0)
+        layers = [
+            grid_stress.layer(window, poisson, traction, deep)[:, rows]
+            for deep in depth[needed == along]
+        ]
+        every.append(np.pad(np.stack(layers).swapaxes(1, 2), ((0, 0), (0, 0), (0, 1), (0, 0))))
+        middle.append(every[-1][:, LINES // 2, np.abs(x).argmin()])
+    return every, np.concatenate(middle)

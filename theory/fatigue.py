@@ -15,6 +15,7 @@ from railhead.theory.array_types import Array
 from railhead.theory.elastic.subsurface import directions, principal
 
 STEP = math.radians(15)  # between the planes of Findley's first search
+STARTS = 2  # planes, more than 30 degrees apart, beside which better ones are looked for
 FINEST = math.radians(0.25)  # step at which its last search ends
 FEWEST = 64  # stresses of a path in the first search
 TWICE = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])  # a shear stress stands twice in the tensor
@@ -58,33 +59,40 @@ def findley(paths: Array, slope: float) -> tuple[Array, Array]:
 
     paths: (..., n, t, 6); each n points by themselves. slope: k.
     The amplitude is half the longest chord of the shear stress' path on the plane. Planes and
-    directions of chords are tried 15 degrees apart (STEP), on long paths with at least 64 (FEWEST)
-    of their stresses; then those beside the best one with all, in steps that are halved where none
-    is better, down to 0.25 degrees (FINEST).
+    directions of chords are tried about 15 degrees apart (STEP), on long paths with at least 64
+    (FEWEST) of their stresses; then those beside the two best planes (STARTS) with all, in steps
+    that are halved where none is better, down to 0.25 degrees (FINEST).
     """
     groups = paths.reshape(-1, *paths.shape[-3:])
-    quarter, half = round(math.pi / 2 / STEP), round(math.pi / STEP)
-    steps = np.arange(quarter + 1), np.arange(2 * half), np.arange(half)
-    angles = STEP * np.stack(np.meshgrid(*steps, indexing="ij"), axis=-1).reshape(-1, half, 3)
-    lattice = _weights(angles)
-    worst, start = [], []
+    turns = range(round(math.pi / STEP))
+    tilts = STEP * np.arange(round(math.pi / 2 / STEP) + 1)
+    rings = [(tilt, max(round(2 * len(turns) * math.sin(tilt)), 1)) for tilt in tilts]
+    planes = [(tilt, 2 * math.pi * n / ring) for tilt, ring in rings for n in range(ring)]
+    angles = np.array([[(*plane, STEP * turn) for turn in turns] for plane in planes])
+    lattice, normals = _weights(angles), _vectors(angles[:, 0])[0]
+    near = np.abs(normals @ normals.T) > math.cos(2 * STEP)
+    path, start = [], []
     for group in groups:
-        thinned = group[:, :: 1 + group.shape[1] // FEWEST]
-        values = np.array([_on_planes(path, *lattice, slope).ravel() for path in thinned])
-        point, best = np.unravel_index(int(values.argmax()), values.shape)
-        worst.append(group[point])
-        start.append(angles.reshape(-1, 3)[best])
+        thinned = group[:, :: max(group.shape[1] // FEWEST, 1)]
+        values = np.array([_on_planes(each, *lattice, slope) for each in thinned])
+        for _ in range(STARTS):
+            point, plane, turn = np.unravel_index(int(values.argmax()), values.shape)
+            path.append(group[point])
+            start.append(angles[plane, turn])
+            values[:, near[plane]] = -np.inf
 
-    path, at, each = np.array(worst), np.array(start), np.arange(len(groups))
-    beside, size = np.array([*product((0.0, -1.0, 1.0), repeat=3)]), np.full(len(groups), STEP / 2)
+    way, at, each = np.array(path), np.array(start), np.arange(len(path))
+    beside, size = np.array([*product((0.0, -1.0, 1.0), repeat=3)]), np.full(len(path), STEP / 2)
     while (size > FINEST).any():
-        near = at[:, None] + size[:, None, None] * beside
-        around = _on_planes(path, *_weights(near[:, :, None]), slope)[..., 0]
-        best = around.argmax(axis=1)
+        around = at[:, None] + size[:, None, None] * beside
+        values = _on_planes(way, *_weights(around[:, :, None]), slope)[..., 0]
+        best = values.argmax(axis=1)
         size = np.where(best == 0, size / 2, size)
-        at = near[each, best]
+        at = around[each, best]
+    values = values.max(axis=1).reshape(-1, STARTS)
+    first = np.arange(len(groups)) * STARTS + values.argmax(axis=1)
     shape = paths.shape[:-3]
-    return around.max(axis=1).reshape(shape), _vectors(at)[0].reshape(*shape, 3)
+    return values.max(axis=1).reshape(shape), _vectors(at[first])[0].reshape(*shape, 3)
 
 
 def _on_planes(path: Array, shear: Array, normal: Array, slope: float) -> Array:

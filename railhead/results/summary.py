@@ -244,13 +244,17 @@ def _more(solved: Solved, accuracy: Mapping[str, Any]) -> dict[str, Any]:
 def _fatigue(
     solved: Solved, friction: Mapping[str, Any], accuracy: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Entry "fatigue" of "result" in summary.json, in a dictionary; empty where stresses are not
-    read, where steel yields, and of sections along which no wheel rolls. friction: "friction" of
-    the result. accuracy: as of `_more`; errors are those of the stresses and of the paths.
+    """Entry "fatigue" of "result" in summary.json, in a dictionary; empty where it is not asked
+    for, where steel yields, of a shift, and of sections along which no wheel rolls. friction:
+    "friction" of the result. accuracy: as of `_more`; errors are those of the stresses and of the
+    paths.
     """
     plan, found, result = solved.plan, solved.findings, solved.result
     line = plan.contact.line and not getattr(plan.hertz, "across", False)
-    if solved.residual_state is not None or not (found and result and found.largest):
+    shifts = solved.friction is not None and not plan.scene.rolling.prescribed
+    if shifts or solved.residual_state is not None or not plan.scene.asks("fatigue"):
+        return {}
+    if not (found and result and found.largest):
         return {}
     if not (line or found.patch.each):
         return {}

@@ -25,6 +25,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "friction_stresses": ("forces",),
     "second_method": (),
     "pictures": ("stresses", "forces", "friction_stresses"),
+    "fatigue": ("stresses", "forces", "friction_stresses"),
 }
 """What a scene may ask for, and what else each of it needs. Patch and pressure are always found."""
 
@@ -553,7 +554,8 @@ class Answer:
     friction: None without friction.
     plastic: None without yield.
     surface_shape: None where nothing that varies is added to the surfaces.
-    fatigue: None without stresses, of steel that yields, and where no wheel rolls along x.
+    fatigue: None where it is not asked for, of steel that yields, and where no wheel rolls along
+        x.
     """
 
     patch: PatchQuantities = quantity("patch", record=PatchQuantities)

@@ -55,7 +55,7 @@ def test_forces_alone_are_the_same_forces(monkeypatch) -> None:
     assert every["accuracy"]["bound"].keys() - some["accuracy"]["bound"].keys() == names
     assert some["half_space_friction"] == {} != every["half_space_friction"]
     left_out = some["checks"]["not_made"].keys() - every["checks"]["not_made"].keys()
-    assert left_out == {"stresses", "friction_stresses", "second_method", "pictures"}
+    assert left_out == {"stresses", "friction_stresses", "second_method", "pictures", "fatigue"}
 
 
 def test_stresses_alone_are_frictionless(monkeypatch) -> None:
@@ -66,10 +66,16 @@ def test_stresses_alone_are_frictionless(monkeypatch) -> None:
     assert {"forces", "friction_stresses"} <= some["checks"]["not_made"].keys()
 
 
+def test_a_shift_from_rest_has_no_fatigue() -> None:
+    some = answer("hertz_ellipse", *ROLLS[:2], "friction.force_along=2kN", quantities="fatigue")
+    assert "stress" in some["result"] and "fatigue" not in some["result"]
+
+
 def test_stresses_under_tractions_need_the_forces() -> None:
     every = answer("hertz_ellipse", *ROLLS)
     some = answer("hertz_ellipse", *ROLLS, quantities=["friction_stresses"])
-    assert some["result"] == every["result"]
+    fatigue = every["result"].pop("fatigue")
+    assert some["result"] == every["result"] and fatigue["findley_MPa"] > 0
     assert "stress" not in some["frictionless"] and "stress" in every["frictionless"]
 
 
