@@ -78,15 +78,38 @@ def samples(
         first.hist(values, bins="auto", color=FE)
         for share, own in quantiles.items():
             first.axvline(own["value"], color=HERTZ, lw=1)
-            first.text(
-                own["value"], 1.0, f"{float(share):.0%}", transform=first.get_xaxis_transform()
-            )
+            place = {"transform": first.get_xaxis_transform(), "ha": "right", "va": "top"}
+            first.text(own["value"], 0.98, f"{float(share):.0%}", rotation=90, **place)
         first.set(xlabel=PANELS[name], ylabel="samples")
         for axes, column in zip(others, shown, strict=False):
             axes.plot([row[column] for row in found], values, ".", color=FE, ms=4)
             axes.set(xlabel=column, ylabel=PANELS[name])
         for axes in others[len(shown) :]:
             axes.set_axis_off()
+    return figure
+
+
+def fatigue_map(
+    places: Sequence[float],
+    every: Sequence[Mapping[str, Any]],
+    subject: Subject,
+    target: Target = None,
+) -> Figure:
+    """Where on the rail head which stress of Dang Van and of Findley was found, over y (mm) and the
+    depth (mm); the largest lie on top.
+
+    places: y of the patch of each row, mm. every: "profile" of "fatigue" of each result.
+    """
+    with new_figure(target, 11, 4.4, subject) as figure:
+        for axes, name in zip(figure.subplots(1, 2), ("Dang Van", "Findley"), strict=True):
+            key = f"{name.lower().replace(' ', '_')}_MPa"
+            stress = np.concatenate([each[key] for each in every])
+            depth = np.concatenate([each["depth_mm"] for each in every])
+            y, order = np.repeat(places, [len(each[key]) for each in every]), stress.argsort()
+            shown = axes.scatter(y[order], depth[order], c=stress[order], s=9, cmap="inferno_r")
+            figure.colorbar(shown, label=f"{name}, MPa")
+            axes.set(xlabel="y of the patch, mm (gauge side < 0)", ylabel="depth, mm")
+            axes.invert_yaxis()
     return figure
 
 

@@ -284,6 +284,13 @@ def _fatigue(
     index = None if line else damage.subsurface_fatigue_index(pressure, used)
     traction = friction.get("traction_max_MPa", 0.0)
     surface = None if shear is None else damage.surface_fatigue_index(traction, pressure, shear)
+    errors = bound.get("traction_max_MPa") if traction else 0.0, bound.get("max_MPa")
+    if surface is not None and None not in errors:
+        shares = {"tractions": traction / pressure, "pressure": abs(surface)}
+        own = {
+            name: share * each for (name, share), each in zip(shares.items(), errors, strict=True)
+        }
+        bound["fi_surface"], parts["fi_surface"] = sum(own.values()), own
     return {"fatigue": {**out, "fi_surface": surface, "fi_subsurface_MPa": index}}
 
 

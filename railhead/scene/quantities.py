@@ -423,7 +423,12 @@ class FrictionQuantities:
     shear_yield: float | None = steel("shear_yield_MPa", "MPa", "yield stress in shear k")
     p0_over_k: float | None = steel("p0_over_k", "", "p0/k", column="p0/k", like="max_MPa")
     surface_fatigue_index: float | None = steel(
-        "surface_fatigue_index", "", "surface fatigue index", column="surface fatigue index"
+        "surface_fatigue_index",
+        "",
+        "surface fatigue index",
+        column="surface fatigue index",
+        absolute=True,
+        like="fi_surface",
     )
     shakedown: str | None = steel("shakedown", "", "   passing again and again", column="shakedown")
 
@@ -526,7 +531,7 @@ class FatigueQuantities:
         column="subsurface fatigue index",
         like="max_MPa",
     )
-    fi_surface: float | None = steel("fi_surface")
+    fi_surface: float | None = steel("fi_surface", absolute=True)
     dang_van_over_limit: float | None = steel(
         "dang_van_over_limit", "", "Dang Van stress over its limit", like="dang_van_MPa"
     )

@@ -25,7 +25,7 @@ from railhead.scene.catalogue import as_path, copy_files, places, portable
 from railhead.scene.scene import Scene, SceneError, checked, warn_of_units
 from railhead.scene.sections import refuse_first
 from railhead.sweeps import passages, runner, store, sweep_table, worker_pool
-from railhead.sweeps.grid import ParameterGrid
+from railhead.sweeps.grid import ParameterGrid, parse_values
 from railhead.sweeps.sampling import SEED
 from railhead.sweeps.sweep_table import Sweep
 from railhead.theory.array_types import packed
@@ -34,7 +34,7 @@ TABLE, FIELDS, SAMPLE = "sweep.csv", "fields.npz", "sample.json"
 WORST = [f"worst_{number}.toml" for number in range(1, 6)]  # scenes of the largest pressures
 DRAWN = (
     sweep_table.REPORT,
-    *(f"sweep.{kind}" for kind in ("png", "svg", "pdf")),
+    *(f"{stem}.{kind}" for stem in ("sweep", "fatigue_map") for kind in ("png", "svg", "pdf")),
 )
 LATER = (TABLE, FIELDS, SAMPLE, *WORST, *DRAWN)
 """Names of what is written into the folder of a sweep."""
@@ -286,14 +286,19 @@ def sweep(
     over: Mapping[str, Sequence[object]] | None = None,
     /,
     *,
+    sample: int | None = None,
+    sobol: bool = False,
     out: str | Path | None = None,
     quiet: bool = False,
     progress: Tell | None = None,
     **values: Sequence[object],
 ) -> Sweep:
-    """Solve a scene for every combination of values, a process a core, as `railhead sweep`.
+    """Solve a scene for every combination of values, or samples of it, a process a core, as
+    `railhead sweep`.
 
     over: lists of values by key, for keys with a dot: ``{"wheelset.shift": [0, 2]}``.
+    sample: number of samples; values are laws then, ``load="lognormal(10kN, 0.2)"``, and `sample`
+        of the answer has what they say together. sobol: whether that has shares of variance.
     out: folder for the files of `railhead sweep`, which a repeated call goes on with; None: no
         files.
     quiet: whether no progress is shown on standard error.
@@ -304,7 +309,12 @@ def sweep(
     the others are. A combination that cannot be meshed or does not fit into the memory has the
     reason in its row.
     """
-    grid = ParameterGrid.combine(scene, passages.refined(checked(scene), _lists(over, values)))
+    if sample is None:
+        lists = passages.refined(checked(scene), _lists(over, values))
+        grid = ParameterGrid.combine(scene, lists)
+    else:
+        laws = parse_values([f"{key}={text}" for key, text in {**(over or {}), **values}.items()])
+        grid = ParameterGrid.sampled(checked(scene), laws, [], sample, sobol=sobol)
     warn_of_units(*grid.scenes)
     comm = MPI.COMM_WORLD
     with tempfile.TemporaryDirectory() as temporary:

@@ -38,7 +38,8 @@ Row = dict[str, Any]
 COLUMNS = [each for each in quantities.QUANTITIES if each.column]
 CHECKS, PASSED, WARNINGS, BELOW = "checks", "passed", "warnings", "below resolution"
 STEEL = "steel"  # column: whether a steel that was solved as elastic would yield
-REPORT = "report.html"
+REPORT, MAP = "report.html", "fatigue_map.png"
+MOVED = 0.1  # mm across the rail between patches, above which there is a map
 LARGEST = "p_max [MPa]"
 POSITION, NOTHING = "rail.position [mm]", 0.01  # of the load
 NOTE = re.compile(rf"(?:^|; )({'|'.join(EFFECTS)}): ")  # begin of a warning in a cell
@@ -356,11 +357,16 @@ class Sweep(terminal.Drawn, list[Result]):
         methods = sorted({each["method"] for each in said})
         title = ", ".join([self._title, *[" to ".join(ends)] * bool(loads), *methods])
         subject = Subject(title, units=units)
+        found = [each["result"] for each in said if "fatigue" in (each["result"] or {})]
+        laid = [each["contact_point_mm"][1] for each in found]
+        profiles = [each["fatigue"]["profile"] for each in found]
+        moved, draw = np.ptp(laid or [0.0]) > MOVED, plots.fatigue_map
+        more = {MAP: partial(draw, laid, profiles, subject)} if moved else {}
         if self.sample:
             own = self.sample["quantiles"].get(LARGEST, {})
             drawn = partial(plots.samples, self._columns, self._rows, LARGEST, own, subject)
-            return {"sweep.png": drawn}
-        return plots.drawings(self._columns, self._rows, subject)
+            return {"sweep.png": drawn, **more}
+        return plots.drawings(self._columns, self._rows, subject) | more
 
     def write_report(self, folder: Path, scenes: Sequence[Scene], units: Units) -> None:
         """Write report.html into the folder of the sweep, with those pictures that are there.

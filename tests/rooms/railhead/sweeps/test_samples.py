@@ -6,6 +6,8 @@ import command
 import pytest
 
 import railhead as rh
+from railhead.postprocess.findings import Subject
+from railhead.postprocess.pictures.sweep_plots import fatigue_map
 from railhead.sweeps import sampling
 
 OVER = (
@@ -103,6 +105,19 @@ def test_too_few_samples_tell_no_error_of_shares(tmp_path, capsys) -> None:
     assert "in all, within ?" in " ".join(capsys.readouterr().out.split())
     shares = json.loads((tmp_path / "out" / "sample.json").read_text())["sobol"]
     assert shares["p_max [MPa]"]["load"]["error"] is None
+    scene = rh.find("hertz_ellipse").replace(effects={"finite_bodies": "off"}, quantities="patch")
+    called = rh.sweep(scene, load="choice(20kN, 30kN)", sample=2, sobol=True, quiet=True)
+    assert called.sample["sobol"] == shares
+
+
+def test_the_map_of_fatigue_has_all_depths_of_all_patches_the_largest_on_top() -> None:
+    depths = {"depth_mm": [0.1, 1.0], "dang_van_MPa": [10.0, 20.0], "findley_MPa": [40.0, 30.0]}
+    most = {**depths, "findley_MPa": [90.0, 35.0]}
+    left, right = fatigue_map([1.0, 5.0], [most, depths], Subject("")).axes[:2]
+    shown = [axes.collections[0] for axes in (left, right)]
+    assert shown[0].get_array().tolist() == [10.0, 10.0, 20.0, 20.0]
+    assert shown[1].get_array().tolist() == [30.0, 35.0, 40.0, 90.0]
+    assert shown[1].get_offsets()[-1].tolist() == [1.0, 0.1]
 
 
 def test_more_rows_keep_the_first_ones_and_other_rows_are_refused(tmp_path, capsys) -> None:
