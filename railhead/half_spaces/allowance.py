@@ -279,15 +279,17 @@ def twisted(contact: Contact, angle: float, aside: float) -> Contact:
     return replace(contact, touch=pair.touches(pose)[0], pair=pair, pose=pose)
 
 
-def change(
-    pair: HalfSpacePair, before: BoundaryElementSolution, angle: float, aside: float
-) -> float:
+def moved(pair: HalfSpacePair, angle: float, aside: float) -> float:
     """Relative change of the largest pressure or of the area, the larger one and never negative,
-    where the rail is turned by `angle` (rad) and moved by -aside (mm), by boundary elements.
-    before: solution without twist, under the same load.
+    where the rail is turned by `angle` (rad) and moved by -aside (mm), by boundary elements. It is
+    0 for a block, a rigid rail, a contact in the plane of symmetry and one radius each.
     Raises ValueError where the wheel misses the twisted rail or there is no closed patch.
     """
-    other, scene = twisted(pair.contact, angle, aside), pair.contact.scene
+    scene, contact = pair.contact.scene, pair.contact
+    still = not (angle or aside) or scene.rail.profile == "arc" or bool(scene.rail.sections)
+    if still or pair.one_radius or contact.why_asymmetric_in_y() is None:
+        return 0.0
+    before, other = pair.boundary_elements, twisted(contact, angle, aside)
     load = scene.load or before.load
     after = HalfSpacePair(other, closed_forms.ellipse(scene, other, load)).pressed(load)
     pressure, area = after.max_pressure / before.max_pressure, after.area / before.area

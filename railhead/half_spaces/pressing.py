@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -15,7 +15,7 @@ from railhead.contact.crossing import CrossingContact
 from railhead.contact.solid import Contact
 from railhead.half_spaces.surface import Developed, Heads, Plane, develop
 from railhead.theory.array_types import Array
-from railhead.theory.bem import pressure_solver
+from railhead.theory.bem import grid_stress, pressure_solver
 from railhead.theory.bem.influence import Lines
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution, Window
 from railhead.theory.elastic.line import Hertz
@@ -27,6 +27,11 @@ MAX_SOLUTIONS = 5
 TOLERANCE = 1e-5
 # Of a load: half lengths change by 7 %, and grids leave 10 % beside the patch; no change at all.
 NEAR, SAME = 0.2, 1e-7
+YIELD_FOUND = 3e-3  # relative error of the load of first yield at which its search ends
+MOST_LOADS = 5  # of that search
+MARGIN = 1.1  # factor on the patch in which radii are compared
+HERTZ = 0.02  # largest deviation from Hertz's gap, over the approach, for exact Hertz as forecast
+STRAIGHT = 1e-9  # 1/mm, change of a curvature by rounding
 CELLS = 64  # cells along each axis of a patch, before anything is meshed
 FINE = 128  # of an answer
 
@@ -46,6 +51,9 @@ class HalfSpacePair:
     contact: Contact
     hertz: Hertz
     _solved: dict[tuple[float | None, int], BoundaryElementSolution] = field(
+        default_factory=dict, compare=False, repr=False
+    )
+    _stresses: dict[tuple[float, float], float] = field(
         default_factory=dict, compare=False, repr=False
     )
 
@@ -83,6 +91,82 @@ class HalfSpacePair:
     def materials(self) -> MaterialPair:
         """Both materials of the scene combined for tangential contact."""
         return closed_forms.tangential_pair(self.contact.scene)
+
+    @cached_property
+    def gap_deviation(self) -> float:
+        """Largest deviation of the gap over the patch from Hertz's parabola, over the approach
+        (`closed_forms.gap_deviation`); 0 between half-spaces and in sections.
+        """
+        curved = self.contact.curved_solid
+        return closed_forms.gap_deviation(self.contact, self.hertz) if curved else 0.0
+
+    @property
+    def one_radius(self) -> bool:
+        """Whether each body has one radius across 1.1 (MARGIN) times Hertz's patch; also between
+        half-spaces and in sections.
+        """
+        touch, reach = self.contact.touch, MARGIN * self.hertz.b
+        y = touch.y + reach * math.cos(touch.angle) * np.array([-1.0, 0.0, 1.0])
+        curvatures = [each.curvature(y - shift) for _, each, shift in self.contact.cross_profiles]
+        return not self.contact.curved_solid or float(np.ptp(curvatures, axis=1).max()) < STRAIGHT
+
+    @property
+    def boundary_elements(self) -> BoundaryElementSolution:
+        """Boundary elements under the load of the scene or, without one, at its approach. Raises
+        ValueError as `solve`.
+        """
+        return self.pressed(self.contact.scene.load)
+
+    @cached_property
+    def elastic(self) -> BoundaryElementSolution | str:
+        """Boundary elements where the gap differs from Hertz's parabola by 2 % (HERTZ) or more;
+        else text: empty, as exact Hertz gives the patch before anything is solved, or the reason
+        why boundary elements find no closed patch.
+        """
+        if self.gap_deviation < HERTZ:
+            return ""
+        try:
+            return self.boundary_elements
+        except ValueError as error:
+            return str(error)
+
+    def von_mises(self, poisson: float, under: BoundaryElementSolution | None = None) -> float:
+        """Largest von Mises stress, MPa, in a half-space for a Poisson's ratio, elastic and
+        frictionless: below another pressure, or where that is None below the one that is known
+        before anything is solved.
+        """
+        now = under or self.elastic
+        if isinstance(now, str):
+            return self.hertz.axis_extrema(poisson).von_mises_max
+        if (key := (now.load, poisson)) not in self._stresses:
+            stresses = [grid_stress.largest_von_mises(each, poisson) for each in now.patches]
+            self._stresses[key] = max(stresses)
+        return self._stresses[key]
+
+    def over_yield(
+        self, limits: Sequence[tuple[float, float]], under: BoundaryElementSolution | None = None
+    ) -> float:
+        """Largest ratio of `von_mises` to the yield stress of a body; 1 without bodies. limits:
+        Poisson's ratio and yield stress, MPa, of each.
+        """
+        ratios = [self.von_mises(poisson, under) / limit for poisson, limit in limits]
+        return max(ratios, default=1.0)
+
+    def overload(self, limits: Sequence[tuple[float, float]]) -> float:
+        """Load over that of first yield; limits: as of `over_yield`. Hertz's stresses grow as the
+        cube root of the load, in a line contact as the square root. Where the patch is not Hertz's,
+        the load of first yield is found by boundary elements, to 0.3 % (YIELD_FOUND).
+        """
+        power, load, now = 1 / self.contact.load_power, self.contact.scene.load, self.elastic
+        over, share = math.log(self.over_yield(limits)), 0.0
+        for _ in range(MOST_LOADS):
+            if isinstance(now, str) or load is None or abs(over) < power * YIELD_FOUND:
+                break
+            last, share = (share, over), share - over / power
+            now = self.pressed(load * math.exp(share))
+            over = math.log(self.over_yield(limits, now))
+            power = (last[1] - over) / (last[0] - share)
+        return math.exp(over / power - share)
 
     def pressed(self, load: float | None, cells: int = CELLS) -> BoundaryElementSolution:
         """Boundary elements with all patches under a vertical load (N), None for Hertz's approach

@@ -3,33 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from copy import copy
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
-import numpy as np
-
-from railhead.contact import closed_forms
 from railhead.contact.plane_section import Dimension
 from railhead.contact.solid import Contact
 from railhead.half_spaces import allowance
 from railhead.half_spaces.pressing import HalfSpacePair
 from railhead.scene.scene import Rail, Scene, SceneError, Wheel
-from railhead.theory.bem import grid_stress
-from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.elastic.line import Hertz
 from railhead.theory.friction import tangential
 from railhead.theory.friction.tangential import MaterialPair
 
 STIFFEST = 1e5  # largest ratio of both moduli in a mesh; balance of forces failed at 7e6
 DEFAULT_ACCURACY = 0.01  # accuracy of a scene that prescribes none
-YIELD_FOUND = 3e-3  # relative error of the load of first yield at which its search ends
-MOST_LOADS = 5  # of that search
-MARGIN = 1.1  # factor on the patch in which radii are compared
-HERTZ = 0.02  # largest deviation from Hertz's gap, over the approach, for exact Hertz as forecast
-STRAIGHT = 1e-9  # 1/mm, change of a curvature by rounding
 
 
 @dataclass(frozen=True)
@@ -155,117 +145,38 @@ class Context:
         """Both bodies as half-spaces, which remember what was solved."""
         return HalfSpacePair(self.contact, self.hertz)
 
-    @property
-    def boundary_elements(self) -> BoundaryElementSolution:
-        """Boundary-element solution, elastic and frictionless, for the profiles of the scene under
-        its load or, without one, at its approach.
-        Raises ValueError where there is no closed patch, and for half-spaces.
-        """
-        return self.half_spaces.pressed(self.scene.load)
-
     @cached_property
     def twist_change(self) -> float:
         """Relative change of the largest pressure or of the area, the larger one, as the load
-        twists the rail. It is 0 for a block, a rigid rail, a contact in the plane of symmetry and
-        one radius each.
-        Raises ValueError where boundary elements cannot tell.
+        twists the rail, as of `allowance.moved`.
         """
         angle = allowance.twist(self.contact, self.hertz)
-        return self._moved(angle, allowance.CENTRE * angle)
+        return allowance.moved(self.half_spaces, angle, allowance.CENTRE * angle)
 
     @cached_property
     def sideways_change(self) -> float:
         """The same as the side force of the contact moves the rail head (`allowance.sideways`)."""
-        return self._moved(0.0, allowance.sideways(self.contact, self.hertz))
-
-    def _moved(self, angle: float, aside: float) -> float:
-        """The same where the rail head turns by `angle` (rad) and moves by -aside (mm)."""
-        rail = self.scene.rail
-        still = not (angle or aside) or rail.profile == "arc" or bool(rail.sections)
-        if still or self.one_radius or self.contact.why_asymmetric_in_y() is None:
-            return 0.0
-        return allowance.change(self.half_spaces, self.boundary_elements, angle, aside)
+        return allowance.moved(self.half_spaces, 0.0, allowance.sideways(self.contact, self.hertz))
 
     @property
-    def one_radius(self) -> bool:
-        """Whether each body has one radius across 1.1 (MARGIN) times Hertz's patch; also between
-        half-spaces and in sections.
-        """
-        touch, reach = self.contact.touch, MARGIN * self.hertz.b
-        y = touch.y + reach * math.cos(touch.angle) * np.array([-1.0, 0.0, 1.0])
-        curvatures = [each.curvature(y - shift) for _, each, shift in self.contact.cross_profiles]
-        return not self.contact.curved_solid or float(np.ptp(curvatures, axis=1).max()) < STRAIGHT
+    def _limits(self) -> list[tuple[float, float]]:
+        """Poisson's ratio and yield stress, MPa, of the stressed bodies that have one."""
+        parts = self.stressed.values()
+        return [(part.poisson_ratio, part.first_yield) for part in parts if part.yields]
 
-    @cached_property
-    def gap_deviation(self) -> float:
-        """Largest deviation of the gap over the patch from Hertz's parabola, over the approach
-        (`closed_forms.gap_deviation`); 0 between half-spaces and in sections.
+    @property
+    def over_yield(self) -> float:
+        """Largest ratio of the von Mises stress of half-spaces, elastic and frictionless, to the
+        yield stress of a body; 1 where no body has one.
         """
-        curved = self.contact.curved_solid
-        return closed_forms.gap_deviation(self.contact, self.hertz) if curved else 0.0
-
-    @cached_property
-    def elastic(self) -> BoundaryElementSolution | str:
-        """Boundary-element solution where the gap differs from Hertz's parabola by 2 % (HERTZ) or
-        more; else text: empty, as exact Hertz gives the patch before anything is solved, or the
-        reason why boundary elements find no closed patch.
-        """
-        if self.gap_deviation < HERTZ:
-            return ""
-        try:
-            return self.boundary_elements
-        except ValueError as error:
-            return str(error)
-
-    def von_mises(self, poisson: float) -> float:
-        """Largest von Mises stress (MPa) in a half-space under the contact pressure, elastic and
-        frictionless, for a Poisson's ratio.
-        The stress follows from the pressure of the boundary elements, or from exact Hertz where
-        these are not used.
-        """
-        if poisson not in self._largest:
-            self._largest[poisson] = (
-                self.hertz.axis_extrema(poisson).von_mises_max
-                if isinstance(self.elastic, str)
-                else _von_mises(self.elastic, poisson)
-            )
-        return self._largest[poisson]
+        return self.half_spaces.over_yield(self._limits)
 
     @cached_property
     def overload(self) -> float:
         """Load over that of first yield of elastic half-spaces without friction; 1 where no body
-        has a yield stress. Hertz's stresses grow as the cube root of the load, in a line contact as
-        the square root. Where the patch is not Hertz's, the load of first yield is found by
-        boundary elements, to 0.3 % (YIELD_FOUND).
+        has a yield stress.
         """
-        power, load, now = 1 / self.contact.load_power, self.scene.load, self.elastic
-        over, share = math.log(self.over_yield), 0.0
-        for _ in range(MOST_LOADS):
-            if isinstance(now, str) or load is None or abs(over) < power * YIELD_FOUND:
-                break
-            last, share = (share, over), share - over / power
-            now = self.half_spaces.pressed(load * math.exp(share))
-            over = math.log(self._over_yield(partial(_von_mises, now)))
-            power = (last[1] - over) / (last[0] - share)
-        return math.exp(over / power - share)
-
-    @property
-    def over_yield(self) -> float:
-        """Largest ratio of von Mises stress, as of `von_mises`, to the yield stress of a body; 1
-        where no body has one.
-        """
-        return self._over_yield(self.von_mises)
-
-    def _over_yield(self, stress: Callable[[float], float]) -> float:
-        """`over_yield` of stresses: `stress` gives von Mises, MPa, by Poisson's ratio."""
-        yields = (part for part in self.stressed.values() if part.yields)
-        ratios = [stress(part.poisson_ratio) / part.first_yield for part in yields]
-        return max(ratios, default=1.0)
-
-    @cached_property
-    def _largest(self) -> dict[float, float]:
-        """Cache of `von_mises`, MPa, by Poisson's ratio; empty at first."""
-        return {}
+        return self.half_spaces.overload(self._limits)
 
     @property
     def accuracy(self) -> float:
@@ -273,11 +184,6 @@ class Context:
         scene, or 0.01 (DEFAULT_ACCURACY).
         """
         return self.scene.accuracy or DEFAULT_ACCURACY
-
-
-def _von_mises(pressed: BoundaryElementSolution, poisson: float) -> float:
-    """Largest von Mises stress, MPa, in a half-space under a pressure, for a Poisson's ratio."""
-    return max(grid_stress.largest_von_mises(each, poisson) for each in pressed.patches)
 
 
 @dataclass(frozen=True)

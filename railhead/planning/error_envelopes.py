@@ -245,7 +245,7 @@ def of_profiles(context: Context) -> dict[str, Any] | None:
         if isinstance(contact, HeadContact):
             found = of_sections(context, contact.crossing, measured=measured)
             return {"relative": found, "reason": ""}
-        return {"relative": around(scene, context.boundary_elements), "reason": ""}
+        return {"relative": around(scene, context.half_spaces.boundary_elements), "reason": ""}
     except ValueError as error:
         return {"relative": math.inf, "reason": str(error)}
 

@@ -117,7 +117,7 @@ def forecast(context: Context) -> Forecast:
     """Expected patches: exact Hertz where the gap is a parabola or boundary elements find no patch,
     else boundary elements. Patches below 2 % (MINOR) of the contact force are left out.
     """
-    contact, found = context.contact, context.elastic
+    contact, found = context.contact, context.half_spaces.elastic
     if isinstance(found, str):  # where nothing else is known the finite elements will tell
         reason = f"boundary elements: {found}" if found else ""
         return replace(_hertz(contact, context.hertz), reason=reason)

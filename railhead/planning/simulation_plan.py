@@ -108,7 +108,7 @@ class Plan(Sizing):
             "gamma_factor": scene.solver.gamma_factor,
             "poisson": max(ratios),
             "least_poisson": min(ratios),
-            "ellipse": self.forecast.hertzian and self.context.gap_deviation < ELLIPTIC,
+            "ellipse": self.forecast.hertzian and self.context.half_spaces.gap_deviation < ELLIPTIC,
             "axis_ratio": max(self.zone) / min(self.zone),
             "stiffness": 0.0 if math.isinf(max(moduli)) else min(moduli) / max(moduli),
             "overload": self.context.overload if self.effects["plasticity"].on else 0.0,
@@ -133,7 +133,7 @@ class Plan(Sizing):
         change there is a parabola, too, but for the fifth power of half that ratio.
         """
         contact = self.contact
-        if not contact.curved_solid or self.context.gap_deviation > PARABOLA:
+        if not contact.curved_solid or self.context.half_spaces.gap_deviation > PARABOLA:
             return contact.half_space
         y = contact.touch.y
         ends = [

@@ -53,7 +53,7 @@ def decide_deformable(body: str, context: Context) -> Effect:
     share = compliance * context.hertz.contact_modulus
     limit = SHARE * context.accuracy
     text = f"it holds {share:.3g} of the compliance (1 - nu^2)/E"
-    yields = part.yields and context.von_mises(part.poisson_ratio) > part.first_yield
+    yields = part.yields and context.half_spaces.von_mises(part.poisson_ratio) > part.first_yield
     hertzian = context.contact.solid_half_space and not (scene.friction.acts or yields)
     if share < limit and hertzian:
         return Effect(False, False, f"{text}, below {limit:.1g}: rigid", error=share)
@@ -158,7 +158,7 @@ def shear_yield(context: Context) -> float | None:
 def _stresses(context: Context) -> dict[str, float]:
     """Largest elastic, frictionless von Mises stress of the stressed bodies, MPa, by name."""
     parts = context.stressed.items()
-    return {name: context.von_mises(part.poisson_ratio) for name, part in parts}
+    return {name: context.half_spaces.von_mises(part.poisson_ratio) for name, part in parts}
 
 
 def _yielding(context: Context) -> dict[str, Rail | Wheel]:

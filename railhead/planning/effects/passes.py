@@ -82,7 +82,11 @@ def _refuse_what_has_no_passes(context: Context, given: str) -> None:
     overlap, a rail whose section changes along it, and a section across the way; given: the
     beginning of the message.
     """
-    friction, wheel, elastic = context.scene.friction, context.scene.wheel, context.elastic
+    friction, wheel, elastic = (
+        context.scene.friction,
+        context.scene.wheel,
+        context.half_spaces.elastic,
+    )
     rules = (
         ("rail" not in context.deformable, "the rail is rigid; give effects.deformable_rail=auto"),
         (
@@ -133,7 +137,7 @@ def decide_plasticity_wheel(context: Context) -> Effect:
     if not context.decided["passes"].on or "wheel" not in context.stressed or not wheel.yields:
         why = "no passes, or a wheel without a yield stress"
         return Effect(False, False, why, {"on": why})
-    stress, limit = context.von_mises(wheel.poisson_ratio), wheel.first_yield
+    stress, limit = context.half_spaces.von_mises(wheel.poisson_ratio), wheel.first_yield
     verb = "passes" if stress > limit else "stays below"
     if stress > limit and not off:
         _refuse_unsteady(context, wheel, math.sqrt(3) * _largest(context) / limit)
@@ -167,7 +171,7 @@ def _indicator(context: Context) -> tuple[float, str]:
     poisson = scene.rail.poisson_ratio
     shear, p0 = scene.rail.first_yield / math.sqrt(3), _largest(context)
     ratio, share = p0 / shear, traction(context)
-    first = math.sqrt(3) * p0 / context.von_mises(poisson)
+    first = math.sqrt(3) * p0 / context.half_spaces.von_mises(poisson)
     if isinstance(hertz, LineContact):
         limit, beside = line_limit(context, scene.rail), f" at Q/P = {share:.2g}"
     else:
@@ -179,7 +183,7 @@ def _indicator(context: Context) -> tuple[float, str]:
 
 def _largest(context: Context) -> float:
     """Largest elastic pressure p0, MPa."""
-    elastic = context.elastic
+    elastic = context.half_spaces.elastic
     return context.hertz.p0 if isinstance(elastic, str) else elastic.max_pressure
 
 

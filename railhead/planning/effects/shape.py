@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from contextlib import suppress
-from dataclasses import replace
 
 import numpy as np
 
@@ -20,6 +19,7 @@ from railhead.geometry import wheelset
 from railhead.geometry.outlines import head_depth
 from railhead.geometry.profiles import STANDARD_RAILS
 from railhead.half_spaces.allowance import Allowance, allowance
+from railhead.half_spaces.pressing import HalfSpacePair
 from railhead.half_spaces.surface import develop
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.planning.context import Context, Effect, PostSolveVerdict
@@ -138,7 +138,9 @@ def half_space_errors(context: Context) -> dict[str, Allowance]:
     where these find no closed patch, also after the twist of the rail.
     """
     tags = [tag for tag, name in BODY_NAMES.items() if context.decided[f"deformable_{name}"].on]
-    return allowance(context.half_spaces, tags, context.boundary_elements, context.twist_change)
+    return allowance(
+        context.half_spaces, tags, context.half_spaces.boundary_elements, context.twist_change
+    )
 
 
 def decide_rail_section(context: Context) -> Effect:
@@ -316,7 +318,7 @@ def beside_a_jump(context: Context) -> PostSolveVerdict | None:
         with suppress(SceneError):  # the wheelset cannot stand there
             other = solid.on_side(scene, solid.place(scene))
             hertz = closed_forms.hertz_contact(scene, other)
-            under = replace(context, scene=scene, contact=other, hertz=hertz).elastic
+            under = HalfSpacePair(other, hertz).elastic
             p0 = hertz.p0 if isinstance(under, str) else under.max_pressure
             said.append(f"{p0:.4g} MPa at {at:.4g} mm (first contact y = {other.touch.y:.4g} mm)")
     text = f"the contact jumps at a shift of {jump:.5g} mm, {abs(jump - shift):.2g} mm away; "

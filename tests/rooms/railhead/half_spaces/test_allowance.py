@@ -12,8 +12,8 @@ from railhead.scene import catalogue
 
 def allowed(scene, twist: float = 0.0) -> dict[str, Allowance]:
     plan = planned(scene)
-    context = plan.context
-    return allowance(context.half_spaces, plan.deformable, context.boundary_elements, twist)
+    pair = plan.context.half_spaces
+    return allowance(pair, plan.deformable, pair.boundary_elements, twist)
 
 
 def thesis(*assignments: str) -> dict[str, Allowance]:

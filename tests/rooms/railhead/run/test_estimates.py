@@ -321,7 +321,7 @@ def test_a_measured_profile_hides_twice_what_pressure_or_area_changes() -> None:
     scene = catalogue.find("uic54_thesis").replace(
         [f"rail.profile={Path(__file__).parents[4] / 'examples' / 'worn_60e1.csv'}"]
     )
-    usual = planning.make(scene).context.boundary_elements
+    usual = planning.make(scene).context.half_spaces.boundary_elements
     hidden = [
         error_envelopes.around(
             scene,

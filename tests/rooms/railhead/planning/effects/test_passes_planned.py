@@ -111,12 +111,13 @@ def test_patches_that_roll_over_the_same_steel_are_refused(apart, refused, monke
     """Two patches with half widths of 0.8 and 1.1 mm, of strips 2.2 times as wide."""
     scene = rh.find("s1002_60e1").replace(["rail.steel=R260", "rolling.passes=2"])
     context = planning.make(scene).context
+    pair = context.half_spaces
     patches = [
         SimpleNamespace(centroid=(0.0, s), half_extents=(1.0, half))
         for s, half in ((3.0, 0.8), (3.0 - apart, 1.1))
     ]
-    pressed = SimpleNamespace(patches=patches, max_pressure=context.elastic.max_pressure)
-    monkeypatch.setitem(vars(context), "elastic", pressed)
+    known = {name: getattr(pair.elastic, name) for name in ("max_pressure", "load")}
+    monkeypatch.setitem(vars(pair), "elastic", SimpleNamespace(patches=patches, **known))
     if refused:
         said = refusal(lambda: passes.decide_passes(context))
         assert "two patches roll over the same steel" in said
