@@ -30,7 +30,6 @@ STRIPS = 400
 ALONG, ACROSS = (64, 1024), 25  # fewest and most cells along a patch, and cells across it
 FINER = 2.5  # cells along a patch in a depth
 LINES = 5  # paths side by side, from -0.8 to 0.8 of the half length across
-SMALL = 1e-12  # MPa
 UNLIKE = 1e-6  # half lengths by which points are moved: cells of a grid lie on circles by four
 DEEP = 0.2  # least depth at which finite bodies are compared, over the smaller half length
 SLOPES = {"dang_van": 0.33, "findley": 0.3}
@@ -154,9 +153,9 @@ def _along_line(
     return [paths], paths[:, 0, np.abs(x - middle).argmin()]
 
 
-Tractions = Callable[[Array, Array], tuple[Array, Array | None]]
-"""Edges of cells along a patch (nx + 1,) and lines across it (ns,), mm, in its plane -> pressure
-(nx, ns) and tractions (2, nx, ns) on the body, MPa."""
+Tractions = Callable[[Array], tuple[Array, Array | None]]
+"""Places (nx, ns, 2), mm, in the plane of a patch -> pressure (nx, ns) and tractions (2, nx, ns) on
+the body, MPa."""
 
 
 def _on_patch(
@@ -177,23 +176,16 @@ def _on_patch(
         places = frame.local(surface.points[known])[:, :2] + unlike
         squares_of = LinearNDInterpolator(places, surface.pressure[known] ** 2, 0.0)
 
-    def at(edges: Array, s: Array) -> tuple[Array, Array | None]:
-        """Mean pressure, whose squares change evenly between the edges, and tractions."""
-        ends = np.stack(np.meshgrid(edges, s, indexing="ij"), axis=-1)
+    def at(places: Array) -> tuple[Array, Array | None]:
+        """Pressure and tractions at places."""
         if squares_of is None:
-            squares = one.max_pressure**2 * (1 - ((ends / (one.a, one.b)) ** 2).sum(axis=-1))
+            squares = one.max_pressure**2 * (1 - ((places / (one.a, one.b)) ** 2).sum(axis=-1))
         else:
-            squares = squares_of(ends)
-        roots = np.sqrt(squares.clip(min=0.0))
-        first, last = roots[:-1], roots[1:]
-        change, both = np.abs(np.diff(squares, axis=0)), first + last
-        inside = np.abs(last - first) * both
-        share = np.divide(inside, change, out=np.ones_like(change), where=change > 0)
-        pressure = share * 2 / 3 * (both - first * last / both.clip(min=SMALL))
+            squares = squares_of(places)
+        pressure = np.sqrt(squares.clip(min=0.0))
         if nearest is None:
             return pressure, None
-        ratios = nearest((ends[:-1] + ends[1:]) / 2)
-        return pressure, sign * pressure * np.moveaxis(ratios, -1, 0)
+        return pressure, sign * pressure * np.moveaxis(nearest(places), -1, 0)
 
     return at
 
@@ -212,7 +204,7 @@ def _below_patch(
     every, middle = [], []
     for along in sorted({*needed.tolist()}, reverse=True):
         x = one.a * (2 * np.arange(-along // 4, along + along // 4) + 1 - along) / along
-        pressure, traction = at(np.append(x, 2 * x[-1] - x[-2]) - (x[1] - x[0]) / 2, s)
+        pressure, traction = at(np.stack(np.meshgrid(x, s, indexing="ij"), axis=-1))
         window = PatchSolution(x, s, 0 * s, pressure, 0 * pressure, 0.0)
         layers = [
             grid_stress.layer(window, poisson, traction, deep)[:, rows]

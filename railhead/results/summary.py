@@ -252,11 +252,8 @@ def _fatigue(
     plan, found, result = solved.plan, solved.findings, solved.result
     line = plan.contact.line and not getattr(plan.hertz, "across", False)
     shifts = solved.friction is not None and not plan.scene.rolling.prescribed
-    if shifts or solved.residual_state is not None or not plan.scene.asks("fatigue"):
-        return {}
-    if not (found and result and found.largest):
-        return {}
-    if not (line or found.patch.each):
+    asked = plan.scene.asks("fatigue") and not shifts and solved.residual_state is None
+    if not (asked and found and result and found.largest and (line or found.patch.each)):
         return {}
     body = found.axis.body
     section = plan.scene.rail if body == "rail" else plan.scene.wheel
