@@ -52,16 +52,19 @@ class Frame:
 
     origin: (3,) first contact or centre of pressure of a patch, in space, mm.
     angle: contact angle, from the horizontal axis y to the tangent s, rad; positive where s rises.
+    lean: angle at which x rises, rad.
     """
 
     origin: tuple[float, float, float]
     angle: float
+    lean: float = 0.0
 
     @property
     def axes(self) -> Array:
         """(3, 3) rows: unit vectors in space of x, of s and of the rail's outward normal."""
         c, s = np.cos(self.angle), np.sin(self.angle)
-        return np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]])
+        ahead, up = np.cos(self.lean), np.sin(self.lean)
+        return np.array([[ahead, 0.0, up], [-s * up, c, s * ahead], [-c * up, -s, c * ahead]])
 
     def place(self, x: float, s: float, height: float = 0.0) -> Place:
         """Point (x, y, z) in space, mm, from x, s and the height over the tangent plane, mm,

@@ -131,7 +131,7 @@ def of_boundary_elements(
         for one, (x, y, z) in zip(kept, centres, strict=True)
     )
     if has_own_plane([one.angle for one in each], frame.angle):
-        frame = Frame(each[0].centre, each[0].angle)
+        frame = replace(frame, origin=each[0].centre, angle=each[0].angle)
     error, (a, b) = _shape_error(main), main.half_extents_on(frame.angle)
     area, scatter = _area(solution, frame.angle), {}
     if coarser := solution.coarse:
@@ -194,7 +194,8 @@ def with_rigid_bodies(found: Findings, poisson: Mapping[str, float]) -> Findings
     """Findings of half-spaces, frictionless, of which those were not meshed whose Poisson's ratio
     is given, by 'rail' or 'wheel', with their stresses under the pressure that was found.
     """
-    patch, centre = found.patch, Frame(found.frame.place(*found.patch.centre), found.frame.angle)
+    patch = found.patch
+    centre = replace(found.frame, origin=found.frame.place(*patch.centre))
     pressure = EllipsoidalPressure(a=patch.a, b=patch.b, p0=patch.max_pressure)
     more = {body: compare.exact_largest(pressure, body, nu, centre) for body, nu in poisson.items()}
     axes = {body: _on_axis(pressure, body, nu, centre) for body, nu in poisson.items()}

@@ -28,6 +28,7 @@ from railhead.geometry.placement import ContactPoint, Pose, ProfilePair, princip
 from railhead.geometry.profiles import Profile, Spline
 from railhead.geometry.sections import Head
 from railhead.geometry.surfaces import Height, RailSurface, Values, WheelSurface, along
+from railhead.postprocess.findings import Frame
 from railhead.scene.scene import Rail, Scene, SceneError
 from railhead.scene.sections import refuse_first
 from railhead.theory.array_types import Array
@@ -195,6 +196,11 @@ class CrossingContact(HeadContact):
         """Contact point (x, y, z) in space, mm."""
         return self.touch.x, self.touch.y, self.touch.z
 
+    @property
+    def frame(self) -> Frame:
+        """Axes of the first contact, as of `Contact`, of which the first rises as the rail does."""
+        return replace(super().frame, lean=self.touch.lean)
+
     @cached_property
     def cross_profiles(self) -> list[tuple[str, Profile, float]]:
         """As of `Contact`, with the sections of all heads at their contacts."""
@@ -224,7 +230,12 @@ def contact(scene: Scene) -> HeadContact:
     fast = scene.effects.finite_bodies == "off"
     text = "is not simulated yet on a rail of sections; "
     refuse_first(
-        (scene.rubs, "friction.coefficient", f"{text}give 0, or --only patch,stresses"),
+        (scene.rolling.prescribed and not fast, "rolling", f"{text}leave it out, or --fast"),
+        (
+            scene.rolling.from_wheelset and scene.rolling.axle != "nominal",
+            "rolling.axle",
+            f"{scene.rolling.axle} {text}give nominal",
+        ),
         (scene.load is None, "approach", f"{text}give a load"),
         _unlike(scene, ELASTIC, f"{text}give that of the rail"),
         *(
@@ -262,9 +273,11 @@ def _unlike(scene: Scene, keys: set[str], text: str) -> tuple[str, str, str]:
 
 
 def _section(surface: Lofted, at: ContactPoint) -> Profile:
-    """Section of a head at a contact point, as far as it is smooth there."""
-    start, end = surface.face(at.x, at.y)
-    y = np.linspace(start, end, SAMPLES)
+    """Section of a head at a contact point, up to where it is turned by 60 deg against the
+    horizontal and against the contact.
+    """
+    faces = [surface.face(at.x, at.y, slope) for slope in (0.0, at.slope)]
+    y = np.linspace(min(faces)[0], max(each[1] for each in faces), SAMPLES)
     z = surface(np.full_like(y, at.x), y)[0]
     return Profile("sections", (Spline(float(y[0]), float(y[-1]), CubicSpline(y, z)),))
 

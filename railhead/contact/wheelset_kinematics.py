@@ -53,14 +53,15 @@ class WheelsetCreepage:
         both creepages, and the spin in 1/mm; of an axle without torque those of `FreeAxle`.
         """
         contact, balance = self.contact, self.contact.axle
-        assert contact.placed is not None
         return {
             "axle": contact.scene.rolling.axle,
             "axle_radius_mm": self.turning,
             **(balance.summary() if balance else {}),
             "rolling_radius_mm": contact.touch.radius,
             "yaw_rad": contact.scene.wheelset.yaw,
-            "roll_rad": contact.placed.roll,
+            "roll_rad": contact.placed.roll
+            if contact.placed
+            else contact.scene.wheelset.roll or 0.0,
             "contact_angle_rad": contact.touch.angle,
             "creepage_along": self.creepage.along,
             "creepage_across": self.creepage.across,
@@ -86,7 +87,7 @@ def wheelset_creepage(contact: Contact) -> WheelsetCreepage:
     """Rigid creepage of the solved wheel of a scene's wheelset at the first contact. Raises
     SceneError for half-spaces and sections, which have no wheelset.
     """
-    if contact.placed is None or contact.pose is None:
+    if contact.pose is None or contact.plane:
         kind = "half-spaces have" if contact.half_space else "a section has"
         text = f"true is not allowed: {kind} no wheelset; give creepages, spin or forces"
         raise SceneError(KEY, text)

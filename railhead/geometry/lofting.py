@@ -102,15 +102,15 @@ class Lofted:
             found[:, higher] = values[:, higher]
         return found[0], found[1], found[2]
 
-    def face(self, x: float, y: float) -> tuple[float, float]:
-        """First and last y around a place (mm) up to which the section there is no steeper than 60
-        deg (STEEP), to 0.05 mm (FACE). Raises ValueError where there is no surface.
+    def face(self, x: float, y: float, slope: float = 0.0) -> tuple[float, float]:
+        """First and last y around a place (mm) up to which the section there is turned by less than
+        60 deg (STEEP) against a slope, to 0.05 mm (FACE); twice y where the place itself is not.
         """
         across = y + FACE * np.arange(-FAR, FAR + 1)
-        slope = self(np.full_like(across, x), across)[2]
-        beyond = ~(np.abs(slope) < STEEP[0])
+        turned = np.arctan(self(np.full_like(across, x), across)[2]) - np.arctan(slope)
+        beyond = ~(np.abs(turned) < np.arctan(STEEP[0]))
         if beyond[FAR]:
-            raise ValueError(f"no surface at x = {x:g}, y = {y:g} mm")
+            return y, y
         ends = np.flatnonzero(np.concatenate([[True], beyond, [True]])) - 1
         after = int(np.searchsorted(ends, FAR))
         return float(across[ends[after - 1] + 1]), float(across[ends[after] - 1])
@@ -170,15 +170,15 @@ def _strips(head: Head, run: Array, smooth: bool) -> list[Strip]:
         )
         ends = [0, *_kinks(x, points), len(x) - 1]
         for a, b in zip(ends, ends[1:], strict=False):
-            along = slice(a, b + 1)
-            degree = min(3, b - a)
-            y, z = (
-                RectBivariateSpline(x[along], v, points[along, :, k], kx=degree) for k in (0, 1)
-            )
-            edges = (
-                InterpolatedUnivariateSpline(x[along], points[along, k, 0], k=degree)
-                for k in (0, -1)
-            )
+            at, on = x[a : b + 1], points[a : b + 1]
+            if b - a == 1:  # of a straight line FITPACK gives no slopes
+                at, on = (
+                    at[0] + (at[1] - at[0]) * np.arange(3) / 2,
+                    np.array([on[0], on.mean(axis=0), on[1]]),
+                )
+            degree = min(3, len(at) - 1)
+            y, z = (RectBivariateSpline(at, v, on[:, :, k], kx=degree) for k in (0, 1))
+            edges = (InterpolatedUnivariateSpline(at, on[:, k, 0], k=degree) for k in (0, -1))
             found = Strip(first=float(x[a]), last=float(x[b]), edges=(*edges,), y=y, z=z)
             strips.append(found)
     return strips

@@ -91,10 +91,15 @@ class ContactPoint:
 
     @property
     def angle(self) -> float:
-        """Contact angle arctan(slope) from the horizontal to the tangent across the rail, rad;
-        positive where z rises towards the field side.
+        """Contact angle from the horizontal to the tangent across the rail, rad; positive where z
+        rises towards the field side: the turn of the plane about its tangent ahead.
         """
-        return float(np.arctan(self.slope))
+        return float(np.arctan(self.slope / np.hypot(1.0, self.rise)))
+
+    @property
+    def lean(self) -> float:
+        """Angle at which the tangent ahead rises, rad."""
+        return float(np.arctan(self.rise))
 
     @property
     def upright(self) -> float:

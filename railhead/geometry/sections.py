@@ -286,27 +286,28 @@ def _heads(path: Path, _: int, given: Orientation, split: bool) -> tuple[Head, .
     if not two:
         return (Head(x=x, ends=frozenset(), load=whole.__getitem__),)
     parts: tuple[dict[int, Section], dict[int, Section]] = {}, {}
-    for index, (section, cut) in enumerate(zip(whole, cuts, strict=True)):
-        pieces = _cut(section, cut) if cut else [section]
-        for side, piece in enumerate(pieces):
-            if not cut:
-                near = min(two, key=lambda other: abs(x[other] - x[index]))
-                tops = [_top(each) for each in _cut(whole[near], cuts[near])]
-                side = int(np.argmin([abs(_top(piece) - top) for top in tops]))
-            parts[side][index] = piece
+    for index in sorted(range(len(x)), key=lambda at: min(abs(at - each) for each in two)):
+        section, cut = whole[index], cuts[index]
+        if cut:
+            parts[0][index], parts[1][index] = _cut(section, cut)
+            continue
+        beside = index + (1 if min(two, key=lambda at: abs(at - index)) > index else -1)
+        known = [part for part in parts if beside in part]
+        same = min(known, key=lambda part: abs(_middle(part[beside]) - _middle(section)))
+        same[index] = section
     return tuple(_part(x, part) for part in parts)
 
 
 def _part(x: Array, part: dict[int, Section]) -> Head:
     """Head with sections by index of their places x (n,), mm."""
-    at = np.array(list(part))
+    at = np.array(sorted(part))
     ends = frozenset(np.flatnonzero(np.diff(at) > 1).tolist())
-    return Head(x=x[at], ends=ends, load=list(part.values()).__getitem__)
+    return Head(x=x[at], ends=ends, load=[part[index] for index in at].__getitem__)
 
 
-def _top(section: Section) -> float:
-    """y of the highest point of a section, mm."""
-    return float(section.points[np.argmax(section.points[:, 1]), 0])
+def _middle(section: Section) -> float:
+    """y halfway between the ends of a section, mm."""
+    return float(section.points[[0, -1], 0].mean())
 
 
 def _cut(section: Section, cut: int) -> list[Section]:
@@ -355,6 +356,8 @@ def _points(path: Path, given: Orientation, down: bool) -> tuple[Array, float]:
 
 
 def _up(points: Array) -> float:
-    """1 where points (n, 2) rise above their ends by more than they fall below them, else -1."""
-    z, ends = points[:, 1], points[[0, -1], 1].mean()
-    return 1.0 if z.max() - ends > ends - z.min() else -1.0
+    """1 where points (n, 2), y rising from the first to the last, lie above the line between these
+    two on the whole, as steel lies below a rail, else -1.
+    """
+    (y, z), (dy, dz) = points[:-1].T - points[:1].T, np.diff(points, axis=0).T
+    return 1.0 if np.sum(y * dz - z * dy) < 0 else -1.0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -75,17 +75,10 @@ class HalfSpacePair:
         """Whether exact Hertz is the pressure: between half-spaces and of a line."""
         return self.contact.half_space or self.contact.line
 
-    @cached_property
-    def surface(self) -> Developed | Plane:
-        """The surface on which the bodies meet, of a rail that is straight."""
-        return Plane(self.contact) if self.exact else self.developed
-
     @property
-    def points(self) -> Callable[[Array, Array], Array]:
-        """Function of places x, s (n,), mm, that gives points (n, 3) in space, mm; on the plane
-        z = 0 between half-spaces and of a line.
-        """
-        return self.surface.points if self.exact else self.facing.points
+    def surface(self) -> Developed | Heads | Plane:
+        """The surface on which the bodies meet; of half-spaces and of a line the plane z = 0."""
+        return Plane(self.contact) if self.exact else self.facing
 
     @cached_property
     def materials(self) -> MaterialPair:
@@ -238,6 +231,7 @@ class HalfSpacePair:
                 tolerance=TOLERANCE,
                 lines=lines,
                 known=known,
+                lean=surface.lean,
             )
             known = None
             missed = _boxes(contact, x, s, _inside(surface, found, x, s, height))
@@ -265,9 +259,8 @@ def _inside(
         beside &= reach[0] | reach[1]
     depth = np.zeros_like(x)
     x, s = x[beside], s[beside]
-    angle = surface.angle(s)
-    closed = found.approach * np.cos(angle) - surface.gap(x, s)
-    depth[beside] = closed - found.displacement(x, s, angle)
+    closed = found.approach * surface.upright(s) - surface.gap(x, s)
+    depth[beside] = closed - found.displacement(x, s, surface.angle(s))
     return np.where(depth > PENETRATION * found.approach, depth, 0.0)
 
 

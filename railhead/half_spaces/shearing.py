@@ -166,7 +166,7 @@ class Sheared:
         """
         pairs = zip(self.patches, self.found, strict=True)
         return self.scale * sum(
-            each.cell * float((each.traction[1] * np.sin(patch.pressed.angle)).sum())
+            each.cell * float(np.einsum("kxs,sk->", each.traction, patch.pressed.tangents[..., 2]))
             for patch, each in pairs
         )
 
@@ -178,11 +178,9 @@ class Sheared:
         """
         places, tangents = [], []
         for window in (patch.pressed for patch in self.patches):
-            slope = np.broadcast_to(window.angle, window.pressure.shape)
-            places.append(self.pair.points(*window.places).reshape(*slope.shape, 3))
-            across = np.stack([0 * slope, np.cos(slope), np.sin(slope)], axis=-1)
-            along = np.broadcast_to([1.0, 0.0, 0.0], across.shape)
-            tangents.append(np.stack([along, across], axis=2))
+            shape = window.pressure.shape
+            places.append(self.pair.surface.points(*window.places).reshape(*shape, 3))
+            tangents.append(np.broadcast_to(window.tangents, (*shape, 2, 3)))
         touches = [each.pressure > 0 for each in self.found]
         centred = self.rolling and self.pair.materials.like
         found = at_cells(self.found, places, tangents, touches, self.scale, centred=centred)
@@ -209,8 +207,9 @@ def patches(pair: HalfSpacePair, pressed: Pressed, cells: int) -> list[PressedPa
         for each in pressed.windows:
             if each.force > SMALLEST * pressed.force:
                 grid = grid_over(*each.middle_and_half_extents, cells, wider)
-                known.append(each.sampled(replace(grid, angle=pair.developed.angle(grid.s))))
-        gap: Gap = pair.developed.gap
+                angle = pair.facing.angle(grid.s)
+                known.append(each.sampled(replace(grid, angle=angle, lean=each.lean)))
+        gap: Gap = pair.facing.gap
     elif isinstance(pressed, LineContact):
         half = pressed.half_width
         grid, strip = strip_grid(half, pressed.curvature, cells, wider)

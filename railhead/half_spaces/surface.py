@@ -5,15 +5,16 @@ along the rail's normals, the wheel comes down as a whole, and distances between
 along the surface, through the rail: that is exact within a plane and an approximation around a
 bend, whose weight falls with the distance.
 
-Each head of a crossing is a half-space of its own, in the common tangent plane of its first
-contact, which may rise along the rail. Heads share the sink of the wheel, and do not displace each
-other: their planes lie beside each other at a distance at which nothing is felt.
+Each head of a crossing is a half-space of its own, developed along its section at right angles to
+the tangent ahead at its first contact, which may rise along the rail. Heads share the sink of the
+wheel, and do not displace each other: they lie beside each other at a distance at which nothing is
+felt.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import ClassVar
 
@@ -30,7 +31,8 @@ from railhead.theory.array_types import Array, Index
 from railhead.theory.friction.rolling import plane_modes
 
 SAMPLES = 4001  # points on each profile
-APART = 1e5  # mm from plane to plane
+HEAD = 2001  # points on the section of a head
+APART = 1e5  # mm from head to head
 BESIDE, LEAST = 1.6, 4.0  # half sizes of the search over those of paraboloids; mm, at least
 ALONG, ACROSS = 41, 61  # places of the search on each head
 
@@ -88,6 +90,14 @@ class Developed:
         """
         return np.asarray(np.arctan(self.contact.profiles["rail"][0].slope(self._across(s))))
 
+    def lean(self, s: Array) -> Array:
+        """Angle (n,) at which the rail rises ahead at s (n,), mm, rad: none."""
+        return np.zeros_like(s)
+
+    def upright(self, s: Array) -> Array:
+        """Part (n,) of the surface's normal at s (n,), mm, that points up."""
+        return np.cos(self.angle(s))
+
     def friction_coefficient(self, s: Array) -> Array:
         """Coefficient of friction (n,) at s (n,) in mm; beyond the profile that of its end."""
         return self.contact.friction_coefficient(self._across(s))
@@ -131,7 +141,7 @@ class Developed:
         if shape is not None:
             along_rail, across = shape.grid(pair, closure)
             x, s = np.meshgrid(along_rail, np.interp(across, self.y, self.s), indexing="ij")
-            height = self.gap(x.ravel(), s.ravel()) / np.cos(self.angle(s.ravel()))
+            height = self.gap(x.ravel(), s.ravel()) / self.upright(s.ravel())
             return x, s, height.reshape(x.shape)
         points = pair.outline(pose, np.linspace(*pair.wheel.domain, SAMPLES)).points
         x, y, z = points[np.isfinite(points).all(axis=1)].T
@@ -172,8 +182,8 @@ class Plane:
 
 @dataclass(frozen=True)
 class Heads:
-    """Tangent planes (x, s) of the heads of a contact: x along the rail, ahead of the axle at each
-    contact, s across it, at the contact of the k-th head k times 1e5 mm (APART).
+    """Developed surfaces (x, s) of the heads of a contact: x along the tangent ahead, from below
+    the axle, and s along the section, from the contact of the k-th head at k times 1e5 mm (APART).
     contact: wheel and heads.
     """
 
@@ -186,48 +196,118 @@ class Heads:
         return [crossing.placed(name)[0] for name in crossing.heads]
 
     @cached_property
-    def _frames(self) -> tuple[Array, Array, Array]:
-        """Contact points (k, 3) on the rail, mm, axes (k, 3, 3) of the planes, and the angle (k,)
-        of their normals to the vertical, with the sign of the slope across, rad.
-        """
+    def _frames(self) -> tuple[Array, Array]:
+        """Contact points (k, 3) on the rail, mm, and axes (k, 3, 3) there."""
         origins = [[each.x, each.y, each.z - each.gap] for each in self.touches]
-        angles = [math.copysign(math.acos(each.upright), each.slope) for each in self.touches]
-        return np.array(origins), np.array([each.axes for each in self.touches]), np.array(angles)
+        return np.array(origins), np.array([each.axes for each in self.touches])
+
+    @cached_property
+    def _sections(self) -> list[Array]:
+        """Of each head rows (4, n): s from its contact, mm, ascending; a point's distance from the
+        contact along the tangent across and along the normal, mm; and how far the surface's normal
+        is turned about the tangent ahead, rad.
+        """
+        found = []
+        each = zip(self.contact.crossing.heads.values(), self.touches, *self._frames, strict=True)
+        for head, touch, origin, (_, across, normal) in each:
+            low, high = head.surface.face(touch.x, touch.y, touch.slope)
+            t = np.linspace(low - touch.y, high - touch.y, HEAD) / across[1]
+            line, rail = origin + t[:, None] * across, RailSurface(head.surface)
+            h = along(rail, line, np.tile(normal, (len(t), 1)))
+            t, h, line = (of[np.isfinite(h)] for of in (t, h, line))
+            upwards = rail.implicit(line + h[:, None] * normal)[1]
+            s = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(t), np.diff(h)))])
+            turn = np.arctan2(-upwards @ across, upwards @ normal)
+            found.append(np.array([s - np.interp(0.0, t, s), t, h, turn]))
+        return found
 
     def _of(self, s: Array) -> Index:
         """Number (n,) of the head of places s (n,), mm."""
         return np.clip(np.rint(s / APART).astype(int), 0, len(self.touches) - 1)
 
-    @cached_property
-    def spans(self) -> list[Span]:
-        """A `Span` for each head, up to where it turns down, or its corner."""
-        found, heads = [], self.contact.crossing.heads.values()
-        for number, (head, touch) in enumerate(zip(heads, self.touches, strict=True)):
-            low, high = head.surface.face(touch.x, touch.y)
-            found.append(Span(number * APART, (low - touch.y, high - touch.y), touch))
+    def _at(self, s: Array, beyond: float | None = None) -> Array:
+        """Rows (3, n) as of `_sections`, without s, at places s (n,), mm; those of the end beyond
+        it, or `beyond`.
+        """
+        of, found = self._of(s), np.zeros((3, len(s)))
+        for number, (places, *rows) in enumerate(self._sections):
+            here = of == number
+            local = s[here] - number * APART
+            found[:, here] = [np.interp(local, places, row, beyond, beyond) for row in rows]
         return found
 
+    @cached_property
+    def _rigid(self) -> RigidSlip:
+        """Rigid slip of the wheel."""
+        return wheelset_kinematics.rigid_slip(self.contact)
+
+    @property
+    def angular(self) -> Array:
+        """Angular velocity (4, 3) of each mode of rigid slip, 1/mm, as of `RigidSlip`."""
+        return self._rigid.angular
+
+    @property
+    def spans(self) -> list[Span]:
+        """A `Span` for each head, up to where it is turned by 60 deg against its contact."""
+        pairs = enumerate(zip(self._sections, self.touches, strict=True))
+        return [Span(k * APART, (of[0, 0], of[0, -1]), touch) for k, (of, touch) in pairs]
+
     def angle(self, s: Array) -> Array:
-        """Angle (n,) of the planes' normals to the vertical at s (n,) in mm, rad."""
-        return np.asarray(self._frames[2][self._of(s)])
+        """Angle (n,) of the surface's normal about the tangent ahead at s (n,), mm, rad; that of a
+        plain rail where this tangent is level.
+        """
+        first = np.array([each.angle for each in self.touches])
+        return np.asarray(first[self._of(s)] + self._at(s)[2])
+
+    def lean(self, s: Array) -> Array:
+        """Angle (n,) at which the tangent ahead rises, at s (n,), mm, rad."""
+        return np.array([each.lean for each in self.touches])[self._of(s)]
+
+    def upright(self, s: Array) -> Array:
+        """Part (n,) of the surface's normal at s (n,), mm, that points up."""
+        return np.cos(self.angle(s)) * np.cos(self.lean(s))
+
+    def friction_coefficient(self, s: Array) -> Array:
+        """Coefficient of friction (n,) at s (n,) in mm."""
+        scene = self.contact.scene
+        return scene.friction.at(self.angle(s), scene.heat.bulk)
 
     def points(self, x: Array, s: Array) -> Array:
-        """Points (n, 3) in space, in mm, of the planes at x, s (n,) in mm."""
-        (origins, axes, _), of = self._frames, self._of(s)
-        ahead, aside = x - origins[of, 0], s - of * APART
-        return origins[of] + ahead[:, None] * axes[of, 0] + aside[:, None] * axes[of, 1]
+        """Points (n, 3) in space, in mm, at x, s (n,) in mm, on the section moved ahead."""
+        (origins, axes), of, (t, h, _) = self._frames, self._of(s), self._at(s, math.nan)
+        away = np.column_stack([x - origins[of, 0], t, h])
+        return np.asarray(origins[of] + np.einsum("nk,nkd->nd", away, axes[of]))
 
     def gap(self, x: Array, s: Array) -> Array:
-        """Undeformed gap (n,) along the planes' normals at x, s (n,), in mm; infinite where a
-        normal misses the wheel or its head.
+        """Undeformed gap (n,) along the normals of the section at x, s (n,), in mm; infinite where
+        a normal misses the wheel or its head.
         """
         points, of, gap = self.points(x, s), self._of(s), np.full(len(x), np.inf)
-        wheel = self.contact.surfaces()[1]
+        axes, turn, wheel = self._frames[1][of], self._at(s)[2], self.contact.surfaces()[1]
+        normals = np.cos(turn)[:, None] * axes[:, 2] - np.sin(turn)[:, None] * axes[:, 1]
         for number, head in enumerate(self.contact.crossing.heads.values()):
-            here = np.flatnonzero(of == number)
-            normals = np.tile(self._frames[1][number, 2], (len(here), 1))
-            gap[here] = between(RailSurface(head.surface), wheel, points[here], normals)
+            here = of == number
+            gap[here] = between(RailSurface(head.surface), wheel, points[here], normals[here])
         return gap
+
+    def slip(self, x: Array, s: Array) -> Array:
+        """Modes of rigid slip (4, 2, nx, ns) on one head along the tangent ahead and along the
+        section of the pressed surfaces, at x (nx,), s (ns,) in mm, as of `Developed.slip`.
+        """
+        scene, number = self.contact.scene, self._of(s)[0]
+        share = closed_forms.contact_modulus(scene) / closed_forms.plane_strain_modulus(
+            scene, WHEEL
+        )
+        (origin, axes), (t, h, turn) = (of[number] for of in self._frames), self._at(s)
+        lift = (1 - share) * self.gap(np.full_like(s, origin[0]), s)
+        t, h = t - np.sin(turn) * lift, h + np.cos(turn) * lift
+        turn = np.arctan2(np.gradient(h), np.gradient(t))
+        aside = np.outer(np.cos(turn), axes[1]) + np.outer(np.sin(turn), axes[2])
+        places = np.stack(np.broadcast_arrays(x[:, None] - origin[0], t, h), axis=-1) @ axes
+        velocity = replace(self._rigid, rail=None)(origin + places.reshape(-1, 3)).reshape(
+            4, x.size, s.size, 3
+        )
+        return np.nan_to_num(np.stack([velocity @ axes[0], (velocity * aside).sum(-1)], axis=1))
 
     def locus(self, closure: float) -> tuple[Array, Array, Array]:
         """Grid of places x, s (n, m) of all heads, and the vertical height (n, m) of the wheel over
@@ -242,15 +322,20 @@ class Heads:
                 for curvature in (first.curvature_x, first.curvature_y)
             ]
             reach = max(halves)  # principal axes may be turned
-            x, y = ([getattr(each, key) for each in near] for key in ("x", "y"))
+            (origin, axes), (places, across, *_) = (
+                (of[number] for of in self._frames),
+                self._sections[number],
+            )
+            away = np.array([[each.x, each.y, each.z - each.gap] for each in near]) - origin
+            x, s = origin[0] + away @ axes[0], np.interp(away @ axes[1], across, places)
             grid = np.meshgrid(
-                np.linspace(min(x) - reach, max(x) + reach, ALONG),
-                np.linspace(min(y) - reach, max(y) + reach, ACROSS) - first.y + number * APART,
+                np.linspace(x.min() - reach, x.max() + reach, ALONG),
+                np.linspace(s.min() - reach, s.max() + reach, ACROSS) + number * APART,
                 indexing="ij",
             )
             grids.append(grid)
         x, s = (np.concatenate([grid[k] for grid in grids], axis=1) for k in (0, 1))
-        height = self.gap(x.ravel(), s.ravel()) / np.cos(self.angle(s.ravel()))
+        height = self.gap(x.ravel(), s.ravel()) / self.upright(s.ravel())
         return x, s, height.reshape(x.shape)
 
 

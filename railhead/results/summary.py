@@ -321,13 +321,27 @@ def _yield(solved: Solved, friction: Mapping[str, Any]) -> dict[str, Any]:
     return {**found, "load_N": elastic["load_N"]}
 
 
+def _leaning(angle: float, lean: float) -> float:
+    """Angle to the horizontal of a plane that is turned by an angle about a line that rises by the
+    angle `lean`, with the sign of the turn, rad.
+    """
+    return math.copysign(math.acos(math.cos(angle) * math.cos(lean)), angle)
+
+
 def _heads(contact: HeadContact, result: Mapping[str, Any]) -> dict[str, Any]:
     """Entries of "result" for a rail of sections: its patches with their heads, vertical force,
     share, largest pressure and area of each head, height of the wheel, and force along the rail.
     """
     crossing = contact.crossing
     patches = [
-        {**each, "centre_mm": [x + contact.ahead, *rest], "head": crossing.nearest([x, *rest])}
+        {
+            **each,
+            "centre_mm": [x + contact.ahead, *rest],
+            "head": (name := crossing.nearest([x, *rest])),
+            "contact_angle_rad": _leaning(
+                each["contact_angle_rad"], crossing.heads[name].touches[0].lean
+            ),
+        }
         for each in result["patches"]
         for x, *rest in [each["centre_mm"]]
     ]

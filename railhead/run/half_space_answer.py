@@ -137,7 +137,7 @@ def _read(plan: Plan, pressed: Pressed, sheared: Sheared | None = None) -> HalfS
     """The solution of a pressure, with tractions or without, and the quantities read from it; its
     load is what both carry. Load and approach are those along the vertical.
     """
-    frame, hertz, points = plan.contact.frame, plan.hertz, plan.context.half_spaces.points
+    frame, hertz, points = plan.contact.frame, plan.hertz, plan.context.half_spaces.surface.points
     asked = plan.scene.asks("stresses" if sheared is None else "friction_stresses")
     stressed = plan.poisson_ratios if asked else {}
     poisson = stressed if sheared is None else {}
@@ -283,7 +283,7 @@ def frictionless(pair: HalfSpacePair, solution: BoundaryElementSolution) -> dict
     """Quantities of boundary elements, without stresses, nested and named as under "result" in
     summary.json, and as "grid_error" their `grid_errors`.
     """
-    found = half_space.of_boundary_elements(solution, pair.points, pair.contact.frame, {})
+    found = half_space.of_boundary_elements(solution, pair.surface.points, pair.contact.frame, {})
     values = compare.from_findings(found, solution.load, solution.approach)
     return {**values, "grid_error": grid_errors(found)}
 

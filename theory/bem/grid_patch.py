@@ -5,7 +5,7 @@ developed surface, whose normals are tilted from the load by angles in rad.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
 
@@ -25,11 +25,29 @@ class Grid:
     s: cell centres across the rail on the developed surface, (ns,), evenly spaced, mm.
     angle: tilt of the surface's normal from the load at s, (ns,), rad: the contact angle, positive
         where the surface rises with s.
+    lean: angle at which the surface rises with x against the load, rad; the tilt is about its line
+        ahead.
     """
 
     x: Array
     s: Array
     angle: Array
+    lean: float = field(default=0.0, kw_only=True)
+
+    @property
+    def upright(self) -> Array:
+        """Part (ns,) of the surface normals along the load."""
+        return np.cos(self.angle) * math.cos(self.lean)
+
+    @property
+    def tangents(self) -> Array:
+        """Unit vectors (ns, 2, 3) along the surface, ahead and across; the load is along the third
+        axis.
+        """
+        c, s = np.cos(self.angle), np.sin(self.angle)
+        ahead, up = math.cos(self.lean), math.sin(self.lean)
+        across = np.column_stack([-up * s, c, ahead * s])
+        return np.stack([np.broadcast_to([ahead, 0.0, up], across.shape), across], axis=1)
 
     @property
     def cell(self) -> float:
@@ -52,7 +70,9 @@ class Grid:
 
     @property
     def normals(self) -> Array:
-        """Components (2, 1, ns) of the surface normals along the load and across the load."""
+        """Components (2, 1, ns) of the surface normals in the plane across the rail, of which the
+        first is along the load where nothing leans.
+        """
         return np.array([np.cos(self.angle), np.sin(self.angle)])[:, None]
 
 
@@ -81,7 +101,7 @@ class PatchSolution(Grid):
     @property
     def load(self) -> float:
         """Component of the contact force along the load's direction, N, at most the force."""
-        return self.cell * float((self.pressure @ np.cos(self.angle)).sum())
+        return self.cell * float((self.pressure @ self.upright).sum())
 
     @property
     def plane(self) -> float:
@@ -222,7 +242,7 @@ def on_grid(grid: Grid, pressure: Array, load: float) -> PatchSolution:
     the approach NaN.
     """
     gap = np.where(pressure > 0, 0.0, math.nan)
-    found = PatchSolution(grid.x, grid.s, grid.angle, pressure, gap, math.nan)
+    found = PatchSolution(grid.x, grid.s, grid.angle, pressure, gap, math.nan, lean=grid.lean)
     return replace(found, pressure=pressure * (load / found.load))
 
 

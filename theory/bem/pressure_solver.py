@@ -111,6 +111,7 @@ def solve_developed(
     split: bool = True,
     lines: Lines | None = None,
     known: BoundaryElementSolution | None = None,
+    lean: Angle = np.zeros_like,
 ) -> BoundaryElementSolution:
     """Normal contact on a developed (unrolled) curved surface, of patches that may lie far apart.
 
@@ -130,6 +131,8 @@ def solve_developed(
         along x; None: zero.
     known: what the coarse search of this contact found, which is then left out; its domains are
         taken, and `windows` have no effect.
+    lean: maps s (n,) to the angle (n,) at which the surface rises with x there, rad, the same in
+        each domain.
     The domains are adapted until each suits its patch, first coarse, then with `cells` cells along
     each axis: a domain grows until the patch fits in, and shrinks until it takes up 60 to 90 % of
     its width. A second patch is found if it lies in the first domain and is wider than a cell
@@ -151,10 +154,10 @@ def solve_developed(
         axes = [domain[0][:, None] + np.outer(domain[1], ticks) for domain in where]
         if min(np.diff(axis).min() for axis in axes) <= 0:  # cells below rounding
             break
-        grids = [Grid(x, s, np.asarray(angle(s))) for x, s in axes]
+        grids = [Grid(x, s, np.asarray(angle(s)), lean=float(lean(s)[0])) for x, s in axes]
         undeformed = [_sample(gap, grid) for grid in grids]
         closing = zip(undeformed, grids, strict=True)
-        if approach is not None and all((h >= approach * g.normals[0]).all() for h, g in closing):
+        if approach is not None and all((h >= approach * g.upright).all() for h, g in closing):
             break
         solved = equilibrium(
             grids, undeformed, contact_modulus, load, approach, tolerance, found, lines
@@ -181,9 +184,7 @@ def under_load(
     """
     windows, influence = found.windows, Influence(found.windows, found.contact_modulus)
     moved = influence.split(influence(np.concatenate([w.pressure.ravel() for w in windows])))
-    gaps = [
-        w.gap - each + w.approach * w.normals[0] for w, each in zip(windows, moved, strict=True)
-    ]
+    gaps = [w.gap - each + w.approach * w.upright for w, each in zip(windows, moved, strict=True)]
     solved = equilibrium(windows, gaps, found.contact_modulus, load, None, tolerance, found)
     coarse = found.coarse and under_load(found.coarse, load, tolerance)
     return BoundaryElementSolution(tuple(solved), found.contact_modulus, coarse)
@@ -220,18 +221,19 @@ def equilibrium(
         displacement. guess: earlier solution from which the iterations start, or None. lines:
         compliance of the lines along x, part of u(p), or None.
 
-    With the cells' areas w and c = cos(angle), p minimises sum w p (u(p)/2 + gap) over p >= 0 under
-    sum w c p = load. Its gradient, in the inner product weighted by w, in which u(p) is self-
-    adjoint, is the residual u + gap - approach c. The approach is the multiplier that makes the
-    residual in the patch orthogonal to c; search directions are made orthogonal to c, too. In a
-    plane (c = 1) on one grid this is the method of the paper with a preconditioner, which halves
-    the time and leaves a tenth of the error. Raises ValueError without convergence.
+    With the cells' areas w, and c the normals' part along the load, p minimises
+    sum w p (u(p)/2 + gap) over p >= 0 under sum w c p = load. Its gradient, in the inner product
+    weighted by w, in which u(p) is self-adjoint, is the residual u + gap - approach c. The approach
+    is the multiplier that makes the residual in the patch orthogonal to c; search directions are
+    made orthogonal to c, too. In a plane (c = 1) on one grid this is the method of the paper with a
+    preconditioner, which halves the time and leaves a tenth of the error. Raises ValueError without
+    convergence.
     """
     influence = Influence(grids, contact_modulus, lines)
     weight = np.concatenate(
         [np.full(h.size, g.cell) for g, h in zip(grids, undeformed, strict=True)]
     )
-    c = np.concatenate([np.tile(g.normals[0, 0], len(g.x)) for g in grids])
+    c = np.concatenate([np.tile(g.upright, len(g.x)) for g in grids])
     initial = np.concatenate([h.ravel() for h in undeformed])
     facing = np.isfinite(initial)
     gap = np.where(facing, initial, 0)
@@ -254,8 +256,11 @@ def equilibrium(
         overlap = facing & ~used & (residual < 0)
         if used.any() and np.abs(residual[used | overlap]).max() <= tolerance * u.max():
             opened = influence.split(np.where(facing, residual, np.inf))
-            found = zip(grids, influence.split(p), opened, strict=True)
-            return [PatchSolution(g.x, g.s, g.angle, q, gaps, rigid) for g, q, gaps in found]
+            every = zip(grids, influence.split(p), opened, strict=True)
+            return [
+                PatchSolution(g.x, g.s, g.angle, pressed, open_, rigid, lean=g.lean)
+                for g, pressed, open_ in every
+            ]
         left = np.where(used, weight * residual, 0)
         descent = np.where(used, influence.inverse(np.where(used, residual, 0)), 0)
         square = float(left @ descent)

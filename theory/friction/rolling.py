@@ -398,7 +398,7 @@ def solve_patches(
     contacts = []
     for each in [] if pair.like else patches:
         moved = Influence([each], modulus)(each.pressure.ravel()).reshape(each.pressure.shape)
-        undeformed = each.gap - moved + each.approach * each.normals[0]
+        undeformed = each.gap - moved + each.approach * each.upright
         influence = TractionInfluence(each.x, each.s, pair, rolling=False)
         contacts.append((each, undeformed, influence))
     before: list[TangentialSolution] = []

@@ -110,11 +110,15 @@ def decide_finite_bodies(context: Context) -> Effect:
     with a budget.
     """
     scene, contact = context.scene, context.contact
-    if isinstance(contact, HeadContact) and scene.effects.finite_bodies != "off":
+    if isinstance(contact, HeadContact):
         heads = contact.crossing.touching(context.hertz.approach / contact.touch.upright)
-        text = f"{scene.rail.position:g} lets the wheel press on the rail and the wing, and finite "
-        text += "elements know one head; give another place, or --fast"
-        refuse_first((len(heads) > 1, "rail.position", text))
+        fast, several = scene.effects.finite_bodies == "off", len(heads) > 1
+        text = f"{scene.rail.position:g} lets the wheel press on the rail and the wing, and "
+        text += "{} know one head; give another place, or {}"
+        refuse_first(
+            (several and not fast, "rail.position", text.format("finite elements", "--fast")),
+            (several and scene.rubs, "rail.position", text.format("tractions", "no friction")),
+        )
     refused = {} if scene.budget is None else {"off": BUDGET}
     if contact.half_space:
         return Effect(

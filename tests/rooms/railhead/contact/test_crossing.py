@@ -9,6 +9,7 @@ import pytest
 
 import railhead as rh
 from railhead.contact import crossing
+from railhead.geometry import profiles
 from railhead.half_spaces.allowance import added_stress
 from railhead.meshing.bodies import RAIL
 from railhead.scene import catalogue
@@ -139,8 +140,9 @@ def test_what_a_crossing_does_not_have_is_refused_in_a_line(nose: str, wing: str
         (lambda: rh.plan(scene(390.0, nose)), "position: 390 is .* mm from the end of the head"),
         (lambda: rh.plan(hard),
          "wing.yield_stress: is not that of the rail, and finite elements know one"),
-        (lambda: rh.plan(fast.replace(friction={"coefficient": 0.3})),
-         "friction.coefficient: is not simulated"),
+        (lambda: rh.plan(fast.replace(**ROLLS)), "194.5 lets the .* and tractions know one head"),
+        (lambda: rh.plan(scene(180.0, nose).replace(**ROLLS)),
+         "rolling: is not simulated yet on a rail of sections; leave it out, or --fast"),
         (lambda: rh.plan(scene(120.0, nose).replace(
             effects=OFF, rail={"yield_stress": 300.0}, rolling={"passes": 2})),
          "rolling.passes: 2 is not allowed: the rail has sections, so nothing is steady"),
@@ -180,7 +182,7 @@ def test_two_heads_share_the_load_under_one_sink(
     places = {each["head"]: each["centre_mm"] for each in result["patches"]}
     assert places["rail"][:2] == pytest.approx([18.407, -22.001], abs=5e-3)
     aside = 36.3778 + (position - 194.5) / 10
-    assert places["wing"][:2] == pytest.approx([-5.7383, aside], abs=1e-3)
+    assert places["wing"][:2] == pytest.approx([-5.7383, aside], abs=5e-3)
 
 
 @pytest.mark.parametrize(("position", "one", "other"), [(193.0, 1131.4, 2.1), (196.0, 1830.5, 4.8)])
@@ -191,7 +193,7 @@ def test_the_estimate_holds_what_a_wheel_that_is_one_half_space_changes(
     found = solved(scene(position, nose, wing))
     parts, p = found["accuracy"]["parts"]["max_MPa"], found["result"]["pressure"]["max_MPa"]
     change = one / p - 1
-    assert change * p == pytest.approx(other, abs=0.4)
+    assert change * p == pytest.approx(other, abs=1.0)  # boundary elements in planes
     assert change < parts["share"] < 0.05
 
 
@@ -215,6 +217,56 @@ def test_a_slope_along_the_rail_makes_a_force_along_it(tmp_path: Path) -> None:
     assert result["approach_mm"] == pytest.approx(0.09076, abs=1e-5)
     assert result["contact_point_mm"][0] == pytest.approx(22.971, abs=2e-3)
     assert result["force_along_N"] == pytest.approx(0.05 * 80000, rel=1e-3)
+
+
+ROLLS = {
+    "friction": {"coefficient": 0.3},
+    "rolling": {"creepage_along": 0.0015, "creepage_across": 0.0007, "spin": 0.0002},
+}
+
+
+FORCES = ("force_along_N", "force_across_N")
+
+
+def rolled(given: Scene) -> list[float]:
+    """Largest pressure, MPa, and tractions' forces, N, of a scene that rolls."""
+    result = rh.solve(given.replace(effects=OFF, quantities="forces", **ROLLS), quiet=True).summary
+    found = result["result"]
+    return [found["pressure"]["max_MPa"], *map(found["friction"].get, FORCES)]
+
+
+def test_sections_of_a_standard_rail_answer_as_it_does_on_the_gauge_corner(tmp_path: Path) -> None:
+    """S1002 on 60E1, conformal between R 80 and R 13, where half-spaces in a plane are 5 % off;
+    the sections' wheel hangs where the wheelset puts it. Rolling, too."""
+    head = profiles.rail_head("60E1", 1 / 40)
+    y = np.union1d(np.arange(*head.domain, 0.1), head.joints)
+    table = drawn.write(tmp_path, [-100, 0, 100], lambda x: np.column_stack([y, head.height(y)]))
+    plain = Scene.from_mapping(
+        {
+            "load": 80000.0,
+            "rail": {"profile": "60E1", "inclination": 1 / 40},
+            "wheel": {"profile": "S1002", "rolling_radius": 460.0},
+            "wheelset": {"shift": 3.0},
+        }
+    )
+    placed = rh.plan(plain.replace(effects=OFF)).plan.contact
+    hanging = {"shift": placed.pose.origin[1], "roll": placed.placed.roll}
+    of = scene(0.0, table, profile="S1002").replace(wheelset=hanging)
+    assert rolled(of) == pytest.approx(rolled(plain), rel=2e-3)
+
+
+def test_a_prism_that_rises_rolls_as_a_level_one(tmp_path: Path) -> None:
+    """Sections z / cos t that rise by tan t are a straight rail under N cos t - T sin t."""
+    t, found = 0.05, []
+    for turn in (0.0, t):
+        table = drawn.write(
+            tmp_path / f"{turn}",
+            [-100, 0, 100],
+            lambda x, turn=turn: drawn.arcs(0.0) * [1, 1 / np.cos(turn)] + [0, np.tan(turn) * x],
+        )
+        load = 80000 * np.cos(turn) - (found[0][1] * np.sin(turn) if turn else 0.0)
+        found.append(rolled(scene(0.0, table).replace(load=load)))
+    assert found[1] == pytest.approx(found[0], rel=1e-3)
 
 
 def test_a_result_of_a_crossing_keeps_its_sections(nose: str, tmp_path: Path) -> None:
@@ -252,7 +304,7 @@ def test_the_estimate_knows_the_distance_of_the_sections(tmp_path: Path) -> None
 
 def test_a_blade_in_the_root_of_a_flange_takes_its_share(tmp_path: Path) -> None:
     """Case 7 at 209.25 mm: 43424 N and 2507.6 MPa on the blade, R 13 in R 25, 876.8 MPa on the
-    stock rail; the estimate knows that the blade is thin.
+    stock rail, in planes; developed along R 13 the force differs by 0.25 %.
     """
     places = range(160, 261, 20)
     given = scene(
@@ -266,9 +318,9 @@ def test_a_blade_in_the_root_of_a_flange_takes_its_share(tmp_path: Path) -> None
     )
     summary = solved(given)
     heads = summary["result"]["heads"]
-    assert heads["rail"]["force_N"] == pytest.approx(43424, rel=1e-3)
-    assert heads["rail"]["max_MPa"] == pytest.approx(2507.6, rel=1e-3)
-    assert heads["wing"]["max_MPa"] == pytest.approx(876.8, rel=1e-3)
+    assert heads["rail"]["force_N"] == pytest.approx(43424, rel=4e-3)
+    assert heads["rail"]["max_MPa"] == pytest.approx(2507.6, rel=4e-3)
+    assert heads["wing"]["max_MPa"] == pytest.approx(876.8, rel=2e-3)
     assert 0.02 < summary["accuracy"]["bound"]["max_MPa"] < 0.2
 
 

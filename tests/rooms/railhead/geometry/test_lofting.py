@@ -102,6 +102,36 @@ def test_a_file_of_contact_is_the_same_rail_upside_down(tmp_path: Path) -> None:
     assert np.abs(z - height(None, x, y)).max() < 2e-7
 
 
+def test_a_nose_below_its_wing_is_the_right_way_up_and_heads_are_followed(tmp_path: Path) -> None:
+    """Sections of a measured crossing, z down: a single head that goes aside from y = 0 to 60, then
+    low nose, deep valley and wing, then the nose alone.
+    """
+    wing = np.array([[-34, -30], [-30, 0], [30, 0], [34, -1.0]])
+
+    def section(x: float) -> Array:
+        """Points at a place: nose and wing from x = 40 to 60, before it the wing alone."""
+        nose = np.array([[-42, -42], [-30, -6], [-18, -6], [-10, -50], [20, -55.0]])
+        line = wing + [10.0 if x > 60 else 1.5 * min(x, 40), 0.0]
+        line = np.vstack([nose, line]) if 40 <= x <= 60 else line
+        at = np.linspace(0, len(line) - 1, 64)
+        return np.column_stack([np.interp(at, np.arange(len(line)), axis) for axis in line.T])
+
+    table = drawn.write(tmp_path, np.arange(0, 101, 10), section, slcs=True)
+    rail, other = sections.heads(Path(table))
+    assert rail.x.tolist() == [40, 50, 60, 70, 80, 90, 100]
+    assert other.x.tolist() == [0, 10, 20, 30, 40, 50, 60]
+    assert [other.load(at).points[:, 1].max() for at in (0, 6)] == [0.0, 0.0]
+
+
+def test_between_two_sections_a_rail_is_straight(tmp_path: Path) -> None:
+    """A bar that rises 1:20 in two sections has its slope, and so has one interval at a kink."""
+    table = drawn.write(tmp_path, [-20, 40], lambda x: drawn.arcs(0.0) + [0.0, 0.05 * x])
+    x, y = grid(0.0, 0.0)
+    z, along, _ = surface(table, 0.0)(x, y)
+    assert np.abs(z - 0.05 * x + drawn.top(y, 300.0)).max() < 1e-7
+    assert np.abs(along - 0.05).max() < 1e-7
+
+
 def test_lengths_of_features_join_what_belongs_together(tmp_path: Path) -> None:
     """A point that is marked stays on one line along the rail; -1 says that it is absent."""
     table = Path(drawn.write(tmp_path, np.arange(0, 61, 10), drawn.wing, slcs=True))
