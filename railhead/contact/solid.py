@@ -13,7 +13,6 @@ from railhead.contact.surface_shape import SurfaceShape
 from railhead.geometry import placement, profiles, wheelset
 from railhead.geometry.measured import measured_profile as measured
 from railhead.geometry.measured.measured_profile import Measured
-from railhead.geometry.measured.ordering import LARGEST_GAP
 from railhead.geometry.measured.orientation import SYMMETRIC, Orientation
 from railhead.geometry.placement import (
     ContactPoint,
@@ -512,8 +511,8 @@ def lower(scene: Scene) -> Contact:
 
 def _tangent(scene: Scene, touch: ContactPoint, *, line: bool = False) -> ContactPoint:
     """The contact point as it is. Raises SceneError where the contact point is at the edge of a
-    profile, within 10 mm (NEAR_GAP) of a gap between its points, or its relative curvature across
-    the rail is not positive, as in a line contact, which is let pass with `line`.
+    profile, within 10 mm (NEAR_GAP) of a gap or groove, or its relative curvature across the rail
+    is not positive, as in a line contact, which is let pass with `line`.
     """
     if touch.at_edge:
         raise SceneError(
@@ -532,13 +531,13 @@ def _tangent(scene: Scene, touch: ContactPoint, *, line: bool = False) -> Contac
 
 
 def _refuse_gap(scene: Scene, touch: ContactPoint) -> None:
-    """Raise SceneError for a contact point within 10 mm (NEAR_GAP) of a gap between points."""
+    """Raise SceneError for a contact point within 10 mm (NEAR_GAP) of a gap or groove."""
     for body, y in (("rail", touch.y), ("wheel", touch.wheel_y)):
-        gaps = from_file(scene, body).smoothed.gaps if body in measured_bodies(scene) else ()
+        gaps = from_file(scene, body).gaps if body in measured_bodies(scene) else ()
         for start, end in gaps:
             if start - NEAR_GAP < y < end + NEAR_GAP:
-                text = f"has a gap from y = {start:.4g} to {end:.4g} mm, and the wheel touches at "
-                text += f"{y:.4g} mm; give points at most {LARGEST_GAP:g} mm apart there"
+                text = f"has a gap or groove from y = {start:.4g} to {end:.4g} mm, and the wheel "
+                text += f"touches at {y:.2f} mm; give points there, or keep {NEAR_GAP:g} mm away"
                 raise SceneError(
                     f"{body}.profile", f"{Path(getattr(scene, body).profile).name} {text}"
                 )

@@ -341,18 +341,23 @@ def to_json(summary: dict[str, Any]) -> str:
 
 
 def from_json(path: Path) -> dict[str, Any]:
-    """The table of a JSON file as `to_json` writes it. Raises ValueError for anything else, OSError
-    where it cannot be read.
+    """The table of a JSON file as `to_json` writes it. Raises ValueError for anything else, and for
+    a whole number that no float holds; OSError where it cannot be read.
     """
 
     def refused(name: str) -> float:
         """Raises ValueError for a number that JSON does not know."""
         raise ValueError(f"{name} is no number")
 
+    def whole(digits: str) -> int:
+        """A whole number below 1e18."""
+        return int(digits) if len(digits) < 19 else int(refused(digits))
+
     if path.exists() and not path.is_file():
         raise ValueError(f"{path.name} is no regular file")
     try:
-        table = json.loads(path.read_text(encoding="utf-8"), parse_constant=refused)
+        text = path.read_text(encoding="utf-8")
+        table = json.loads(text, parse_constant=refused, parse_int=whole)
     except RecursionError as error:
         raise ValueError(f"{path.name} is nested too deep") from error
     if not isinstance(table, dict):

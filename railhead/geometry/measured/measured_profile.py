@@ -38,6 +38,8 @@ class Measured:
     roll: (2, 2) rotation of points as rows by the inclination.
     smoothed: the smooth curve along its points, in the axes of profiles, turned by the inclination.
     profile: the longest part of the curve that faces upwards, z(y).
+    gaps: y (mm) of the points before and behind each gap or groove (`ordering.without_grooves`),
+        over which the curve runs straight on.
     """
 
     path: Path
@@ -47,6 +49,7 @@ class Measured:
     roll: Array
     smoothed: Smoothed
     profile: Profile
+    gaps: tuple[tuple[float, float], ...]
 
     @property
     def points(self) -> Array:
@@ -198,7 +201,7 @@ def _read(
     """The profile of a file that was last changed at `changed` (ns), for the same arguments as
     `read`; cached. Raises FormatError and ValueError as `read`.
     """
-    table, oriented, kept, remarks = _in_axes(path, changed, body, given)
+    table, oriented, kept, wide, remarks = _in_axes(path, changed, body, given)
     cosine = math.cos(math.atan(slope))
     roll = cosine * np.array([[1.0, slope], [-slope, 1.0]])
     listed = oriented.of_file(table.points) @ roll
@@ -210,11 +213,14 @@ def _read(
         raise _refused(path, table, listed, error) from None
     except ValueError as error:
         raise ValueError(f"{path.name} {error}") from None
-    gaps = (f"a gap from y = {one:.4g} to {other:.4g} mm" for one, other in smoothed.gaps)
+    y = (kept @ roll)[:, 0]
+    gaps = tuple((float(y[i]), float(y[i + 1])) for i in wide)
+    said = (f"a gap or groove from y = {one:.4g} to {other:.4g} mm" for one, other in gaps)
     return Measured(
         path=path,
         body=body,
-        remarks=(*remarks, *gaps),
+        remarks=(*remarks, *said),
+        gaps=gaps,
         oriented=oriented,
         roll=roll,
         smoothed=smoothed,
@@ -225,9 +231,9 @@ def _read(
 @lru_cache(maxsize=16)
 def _in_axes(
     path: Path, _: int, body: str, given: Orientation
-) -> tuple[Table, Oriented, Array, tuple[str, ...]]:
+) -> tuple[Table, Oriented, Array, list[int], tuple[str, ...]]:
     """Table of a file in mm, its points in the axes of profiles, the points (m, 2) that are
-    smoothed, and remarks; the result holds for all smoothing and is cached.
+    smoothed, indices of those before a gap, and remarks; cached, as it holds for all smoothing.
     The number `_` is the time of the last change, so that a changed file is read again. Raises
     FormatError for a file that is no profile of this body, where nothing tells its unit or axes,
     and for points with outliers or rounded coordinates.
@@ -251,7 +257,7 @@ def _in_axes(
     cut = [f"cut off {ordering.HEAD_DEPTH:g} mm below its top"] * (len(head) < len(listed))
     cut += [f"left out {len(head) - len(kept)} points beyond a gap"] * (len(kept) < len(head))
     read = (f"{table.format}, {len(listed)} points", unit, *found.done, *cut)
-    return table, found, kept, read
+    return table, found, *ordering.without_grooves(kept), read
 
 
 def _refused(path: Path, table: Table, points: Array, error: PointError) -> FormatError:

@@ -17,6 +17,7 @@ DISTINCT = 0.75  # share of different numbers among the points; with fewer they 
 COARSE, TURNS = 20, 4  # of so many points of a scan there and back, few turn; of mixed ones many
 LEAST_OFFSET = 0.5  # mm from a refused point to either of its neighbours, at least
 BACK, ASIDE = 143.0, 60.0  # deg that the way turns at a refused point, and beside one at an end
+STEEP = 2.0  # slope of the walls of a groove, at least
 LONG = 2.0  # times the next step: the first or last step of a curve with a refused point at its end
 
 
@@ -103,6 +104,29 @@ def without_loose_ends(way: Array) -> Array:
     top = int(np.argmax(way[:, 1]))
     piece = way[max(cuts[cuts <= top], default=0) : min(cuts[cuts > top], default=len(way))]
     return way if np.ptp(piece[:, 0]) < (1 - LOOSE) * np.ptp(way[:, 0]) else piece
+
+
+def without_grooves(way: Array) -> tuple[Array, list[int]]:
+    """Points (m, 2) without those in grooves, of points (n, 2), mm, in their order, and the indices
+    of points with a gap behind: a groove, or more than 5 mm (LARGEST_GAP).
+    A groove is at most 10 mm (WIDEST_GAP) wide, 5 mm from either end and at least 0.5 mm
+    (LEAST_OFFSET) deep. Its walls have a slope of 2 (STEEP) or more, the line over it one below 1.
+    """
+    s, (across, rise) = chord_lengths(way), np.diff(way, axis=0).T
+    middle = (s > LARGEST_GAP) & (s < s[-1] - LARGEST_GAP)
+    down, up = (side * rise > STEEP * np.abs(across) for side in (-1, 1))
+    last, inside = -1, np.zeros(len(way), bool)
+    for first in np.flatnonzero(down & middle[:-1]):
+        y, z = np.abs(way[first + 1 :] - way[first]).T
+        over = (np.hypot(y, z) <= WIDEST_GAP) & (z < y)
+        ends = first + 1 + np.flatnonzero(up[first:] & middle[first + 1 :] & over)
+        if first >= last and len(ends):
+            last = int(ends[-1])
+            depth = min(way[[first, last], 1]) - way[first:last, 1].min()
+            inside[first + 1 : last] = depth > LEAST_OFFSET
+    kept = np.flatnonzero(~inside)
+    wide = np.linalg.norm(np.diff(way[kept], axis=0), axis=1) > LARGEST_GAP
+    return way[kept], [int(i) for i in np.flatnonzero(wide | (np.diff(kept) > 1))]
 
 
 def resampled(points: Array, step: float) -> Array:

@@ -92,12 +92,6 @@ class Smoothed:
         """Arc length of the curve from the first to the last point, mm."""
         return float(self.s[-1])
 
-    @property
-    def gaps(self) -> list[tuple[float, float]]:
-        """y (mm) of the points before and behind each gap of more than 5 mm (LARGEST_GAP)."""
-        y, wide = self.points[:, 0], np.flatnonzero(np.diff(self.s) > LARGEST_GAP)
-        return [(float(y[i]), float(y[i + 1])) for i in wide]
-
     def rough_curvature(self) -> Array:
         """Curvature (n - 2,) of the circles through each three points that follow each other, 1/mm,
         positive where they bend to the right.

@@ -18,6 +18,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+from pydantic import TypeAdapter
 
 from railhead.contact import solid
 from railhead.geometry.profiles import Places, flange_thickness
@@ -187,24 +188,35 @@ def _refuse(position: Scene, base: Scene, worn: Sequence[str]) -> None:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Contacts:
-    """The contacts of all positions at a stage; fields are those of `Seen`.
+class Numbers:
+    """Numbers of the contacts of all positions at a stage, as of `Seen`.
 
     values: of each position.
     rises: of each position.
-    others: of each position (positions, 2, n): 'rate' of all others over its own 'force', mm2/N.
     deepest: largest depth that all positions wear in all passages at this rate, mm.
     alone: the part of it that one position wears.
-    fields: by name (2, n), of all positions: 'pressure' and 'index' the largest, 'energy', 'damage'
-        and 'rate' the sum.
     """
 
     values: list[dict[str, float]]
     rises: list[float]
-    others: Array
     deepest: float
     alone: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contacts(Numbers):
+    """The contacts of all positions at a stage; fields are those of `Seen`.
+
+    others: of each position (positions, 2, n): 'rate' of all others over its own 'force', mm2/N.
+    fields: by name (2, n), of all positions: 'pressure' and 'index' the largest, 'energy', 'damage'
+        and 'rate' the sum.
+    """
+
+    others: Array
     fields: Fields
+
+
+STAGE, NUMBERS = TypeAdapter(dict[str, float]), TypeAdapter(Numbers)  # of a record
 
 
 @dataclass(kw_only=True)
@@ -278,10 +290,9 @@ class Run:
         record. OSError: it cannot be written.
         """
         stage, contacts = self.stages[-1], self.seen[-1]
-        seen = "values", "rises", "deepest", "alone"
         record = {
             "stage": {"done": stage.done, "change": stage.change, "share": stage.share},
-            "seen": {name: getattr(contacts, name) for name in seen},
+            "seen": {name: getattr(contacts, name) for name in Numbers.__annotations__},
         }
         arrays = {"depth": stage.depth, "others": contacts.others, **contacts.fields}
         store.write(folder, number, record, arrays)
@@ -294,9 +305,11 @@ class Run:
         while (number := first + len(self.stages)) in done:
             record, arrays = store.read(folder, number), store.read_arrays(folder, number)
             try:
-                stage = Stage(depth=arrays.pop("depth"), **record["stage"])
-                seen = Contacts(others=arrays.pop("others"), fields=arrays, **record["seen"])
-            except (LookupError, TypeError):
+                stage = Stage(depth=arrays.pop("depth"), **STAGE.validate_python(record["stage"]))
+                others, given = arrays.pop("others"), NUMBERS.validate_python(record["seen"])
+                _ = [*zip(self.route.positions, given.values, given.rises, others, strict=True)]
+                seen = Contacts(others=others, fields=arrays, **vars(given))
+            except (LookupError, TypeError, ValueError):
                 raise store.broken(store.record_path(folder, number)) from None
             self.stages.append(stage)
             self.seen.append(seen)

@@ -326,18 +326,22 @@ def head_60e1(step: float = 0.25):
     return np.column_stack([y, head.height(y)])
 
 
-def test_a_gap_far_from_the_contact_is_a_remark_and_one_beside_it_is_refused(tmp_path) -> None:
-    points = head_60e1()
+@pytest.mark.parametrize("deep", [math.inf, 4.0], ids=["a gap", "an upright groove"])
+def test_what_is_missing_far_from_the_contact_is_a_remark_and_beside_it_refused(
+    tmp_path, deep: float
+) -> None:
     for middle, refused in ((-25.0, False), (-2.0, True)):
-        kept = points[np.abs(points[:, 0] - middle) > 2.8]
-        given = {"profile": drawn(tmp_path / "gap.csv", kept), "profile_mirror": "off"}
-        scene = Scene.from_mapping({"load": 1e5, "rail": given})
-        assert f"a gap from y = {middle - 3:.4g}" in " ".join(
+        points = head_60e1()
+        points[np.abs(points[:, 0] - middle) < 2.8, 1] -= deep
+        points = points[np.isfinite(points[:, 1])]
+        given = {"profile": drawn(tmp_path / "gap.csv", points), "profile_origin": "file"}
+        scene = Scene.from_mapping({"load": 1e5, "rail": given | {"profile_mirror": "off"}})
+        assert f"a gap or groove from y = {middle - 3:.4g}" in " ".join(
             solid.from_file(scene, "rail").remarks
         )
         if refused:
             text = refusal(lambda scene=scene: solid.locate(scene))
-            assert text.startswith("rail.profile: gap.csv has a gap from y = -5 to 1 mm")
+            assert text.startswith("rail.profile: gap.csv has a gap or groove from y = -5 to 1 mm")
         else:
             assert abs(solid.locate(scene).touch.y) < 1e-3
 
@@ -352,7 +356,7 @@ def test_a_second_contact_beside_a_gap_is_refused(tmp_path) -> None:
     drawn(tmp_path / "all.csv", points[np.abs(y - 15) > 2.8])
     scene = Scene.from_mapping({"load": 1e5, "rail": given})
     assert refusal(lambda: solid.locate(scene).touches(0.05)).startswith(
-        "rail.profile: all.csv has a gap from y = 12 to 18 mm, and the wheel touches at 1"
+        "rail.profile: all.csv has a gap or groove from y = 12 to 18 mm, and the wheel touches at 1"
     )
 
 

@@ -232,7 +232,7 @@ REFUSED = {
     "two heights": (np.repeat(HEAD, 2, axis=0) + APART,
                     "rounded y: points at the same y have different heights", ANY),
     "y in whole mm": (WHOLE_MM, "rounded y.* give more digits", ANY),
-    "two wild points": (wild(2, -3.0), "makes no smooth curve here; delete points", range(89, 95)),
+    "two wild points": (wild(2, 3.0), "makes no smooth curve here; delete points", range(89, 95)),
     "a gap": (np.delete(HEAD, slice(100, 150), axis=0), "has a gap of 12.7 mm", [100]),
     "a far point": (FAR, "is no point", [71]),
 }  # fmt: skip
