@@ -234,6 +234,10 @@ def test_a_run_goes_on_after_its_last_record(worn, tmp_path, monkeypatch):
     assert again.summary["pressure_max_MPa"] == found.summary["pressure_max_MPa"]
     with pytest.raises(SceneError, match="another"):
         sweep.wear(crown(axles=AXLES + 1), folder)
+    record = folder / "records" / "00001.json"
+    record.write_text(record.read_text().replace('"deepest": ', '"deepest": {}, "was": '))
+    with pytest.raises(SceneError, match="broken"):
+        sweep.wear(crown(depth_limit=0.02), folder)
 
 
 def test_two_runs_are_one(worn, tmp_path):
