@@ -32,6 +32,8 @@ MOST_ROUNDING = 1e-4  # of the largest contact force so far, above which no resi
 # bodies that fly off are far away, and that is no solution
 OVERSHOOT = 0.3  # slope past the minimum, relative to the slope at the start, that is let pass
 LEAST_FORCE = 1e-3  # of the contact, over that of an earlier state, by which a residual is divided
+LEAST_FALL, LEAST_LENGTH = 0.9, 0.2  # of the residual of deformed bodies in a step, else half of
+# it is taken, down to that length
 MOST_RETURNED = 8  # halves of steps that lose contact
 SETTLED = 2  # steps with the same active set, after which they are whole again
 MOST_RETURNS = 3  # times an active set may come back before the method gives up
@@ -186,6 +188,7 @@ def solve(
     y.set(0.0)
     told, cycles = partial(NewtonStep, factor=problem.law.gamma_factor), _Cycles()
     iterations, length, largest = 0, 1.0, problem.reference_force
+    last = np.inf  # residual of deformed bodies in the last state
     returned, before = 0, np.inf  # steps taken back; residual in the last state without contact
     try:
         if start is not None:
@@ -213,6 +216,8 @@ def solve(
             worse = not np.isfinite(norm)  # of cells turned inside out
             if apart:  # where something touched
                 worse = not norm <= max(goal, before / 2 if np.isfinite(before) else 0.0)
+            elif anew is not None and length > LEAST_LENGTH:
+                worse = not residual.norm() <= LEAST_FALL * last
             if worse and increment is not None and returned < MOST_RETURNED:
                 returned, length = returned + 1, length / 2
                 y.axpy(-length, increment)
@@ -220,8 +225,9 @@ def solve(
             if apart:
                 failure = "the bodies do not touch" if norm > max(goal, before / 2) else ""
                 before = norm
-            elif worse:
+            elif not np.isfinite(norm):
                 failure = "the residual is not a number"
+            last, returned = residual.norm(), returned if apart else 0
             result.history.append(
                 told(
                     residual=None if failure else norm,
