@@ -40,7 +40,7 @@ STEPS = {False: 1, True: 10}  # of loads, without and with yield or friction
 
 
 class Model:
-    """Bodies in contact on a dolfinx mesh, in small strain.
+    """Bodies in contact on a dolfinx mesh, in small strain or, with an `Energy`, in finite strain.
 
         model = Model(mesh, cell_tags, facet_tags, section="plane strain")
         model.add(Body(1, Elastic(210e3, 0.3)), Body(2, Elastic(210e3, 0.3)))
@@ -54,7 +54,7 @@ class Model:
     degree: polynomial degree of the displacement, 1 or 2.
     mean_dilatation: the volume strain is averaged in each cell: for Poisson's ratios from 0.45 on
         and for large plastic strain, where cells lock.
-    Finite strain and self-contact are not there. Raises ValueError for a section that does not fit.
+    Self-contact is not there. Raises ValueError for a section that does not fit.
     """
 
     def __init__(
@@ -141,8 +141,10 @@ class Solution:
 
     u: displacement, a dolfinx Function.
     stress: Cauchy stress (3, 3), a dolfinx Function of one degree less that jumps between cells.
+        An energy in a plane section does not tell the stress out of it: NaN.
     plastic_strain, back_stress: (3, 3), Functions of the same kind; None where nothing yields.
-    points: (n, c) on the secondary surfaces, undeformed. weights: area of each (n,).
+    points: (n, c) on the secondary surfaces, undeformed. weights: area of each (n,), of deformed
+        surfaces where a body has an energy.
     contact: number of the contact of each point (n,), in the order in which they were added.
     normals: unit normals (n, c) of the contacts, out of the secondary bodies.
     pressure: (n,), never negative but in a Tie, which can be pulled.
