@@ -209,25 +209,27 @@ def solve(
             scale = max(contact, LEAST_FORCE * problem.reference_force)
             rounding = min(ROUNDING * (diagonal * y).norm(), MOST_ROUNDING * largest)
             if apart:  # bodies may rest without contact, and y is large where nothing holds them
-                scale = problem.force.norm() or largest or residual.norm() or 1.0
+                scale = problem.applied or largest or residual.norm() or 1.0
                 rounding = problem.least_force
             norm, failure = residual.norm() / scale, ""
             goal = max(rtol, rounding / scale)
             worse = not np.isfinite(norm)  # of cells turned inside out
-            if apart:  # where something touched
+            if anew is not None:
+                falls = norm <= goal or residual.norm() <= LEAST_FALL * last
+                worse |= not falls and (apart or length > LEAST_LENGTH)
+            elif apart:  # where something touched
                 worse = not norm <= max(goal, before / 2 if np.isfinite(before) else 0.0)
-            elif anew is not None and length > LEAST_LENGTH:
-                worse = not residual.norm() <= LEAST_FALL * last
             if worse and increment is not None and returned < MOST_RETURNED:
                 returned, length = returned + 1, length / 2
                 y.axpy(-length, increment)
                 continue
-            if apart:
-                failure = "the bodies do not touch" if norm > max(goal, before / 2) else ""
-                before = norm
-            elif not np.isfinite(norm):
+            if not np.isfinite(norm):
                 failure = "the residual is not a number"
-            last, returned = residual.norm(), returned if apart else 0
+            elif apart and (worse if anew is not None else norm > max(goal, before / 2)):
+                failure = "the bodies do not touch"
+            if apart:
+                before = norm
+            last, returned = (np.inf, returned) if apart else (residual.norm(), 0)
             result.history.append(
                 told(
                     residual=None if failure else norm,

@@ -127,6 +127,11 @@ class ContactProblem:
         own = {each.name: getattr(self, each.name) for each in fields(self) if each.init}
         return own | {"force": self.force.duplicate()}
 
+    @property
+    def applied(self) -> float:
+        """Norm of the applied force, N."""
+        return float(self.force.norm())
+
     @cached_property
     def tau(self) -> Array:
         """Parameter tau of the contact law at each point (n,), MPa/mm."""

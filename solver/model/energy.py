@@ -90,18 +90,29 @@ class Deformed(Interface):
 
 @dataclass(kw_only=True)
 class DeformedProblem(FrictionalProblem):
-    """Contact problem of deformed bodies, exact at one state, linear around it.
+    """Contact problem of deformed bodies, linear around one state. exact: whether it is solved at
+    that state, with the change of areas and directions in its tangent.
 
-    points: contact points there. map: P from free unknowns to dofs.
+    points: contact points there. map: P from free unknowns to dofs. outer: norm of the applied
+        force; the field `force` is what the linear equations take.
     """
 
     points: Deformed
     map: PETSc.Mat
+    outer: float
+    exact: bool = False
     _turning: PETSc.Mat | None = None
+
+    @property
+    def applied(self) -> float:
+        """Norm of the applied force."""
+        return self.outer
 
     def residual(self, y: PETSc.Vec, pressure: Array) -> PETSc.Vec:
         """Residual of equilibrium in the free unknowns, see `FrictionalProblem.residual`."""
         r = super().residual(y, pressure)
+        if not self.exact:
+            return r
         turning = self.points.turning(pressure, self.traction).matMult(self.map)
         self._turning = self.points.jump.matMult(self.map).transposeMatMult(turning)
         return r

@@ -32,6 +32,8 @@ MOST_PAIRINGS = 6  # in one step
 MISMATCH = 0.01  # of the largest pressure, that the gap of a pairing may be off by; and of the
 # force, that points may carry which have nothing opposite any more
 STEPS = 50  # Newton's, at most
+NEAR, MOST_NEAR = 1e-2, 8  # tolerance and largest number of those that bodies with an energy start
+# with
 
 
 def advance(
@@ -117,8 +119,9 @@ def _step(model: Assembly, before: State, loads: HubLoads, share: float) -> Stat
         active = active | bonded
         preconditioner = model.preconditioner(problem, pairing, loads)
         how: dict[str, Any] = {"rtol": TOLERANCE, "max_steps": STEPS}
-        if model.energies:
-            how["anew"] = anew
+        if model.energies:  # the bodies of the last step, as linear ones, show where they touch
+            near = newton.solve(problem, preconditioner, active, rtol=NEAR, max_steps=MOST_NEAR)
+            done, y, how["anew"] = near.history, near.y if near.y.norm() else None, anew
         result = newton.solve(problem, preconditioner, active, y, **how)
         done += result.history
         u = moved(result.y)
@@ -183,21 +186,20 @@ def _problem(
     unknowns, law = model.unknowns(loads), model.law
     p, prescribed = unknowns.reduction.matrix, model.prescribed(loads)
     change, stiffness, force = prescribed, unknowns.stiffness, model.body_force * float(share)
+    outer = transposed(p, force.array)
+    for hub, place in zip(unknowns.hubs, unknowns.reduction.places, strict=True):
+        if place >= 0:
+            outer.array[place] += loads[hub][0]
     if model.energies:
         change = prescribed - at
         tangent, inner = model.tangent(at)
-        force -= inner + tangent * change
+        inner += tangent * change
         stiffness = Stiffness.reduced(tangent, unknowns.reduction)
     else:
-        force -= model.stiffness * prescribed
-        stiffness = stiffness.copy()
-    reduced = transposed(p, force.array)
-    for hub, place in zip(unknowns.hubs, unknowns.reduction.places, strict=True):
-        if place >= 0:
-            reduced.array[place] += loads[hub][0]
+        inner, stiffness = model.stiffness * prescribed, stiffness.copy()
     stress = pairing.pull(pairing.normals[:, None])[:, 0] - share * model.thermal_at(pairing)
     more: dict[str, Any] = {
-        "force": reduced,
+        "force": outer - transposed(p, inner.array),
         "start_gap": pairing.initial_gap + (pairing.gap * prescribed).array,
         "start_stress": (pairing.stress * change).array + stress,
     }
@@ -207,6 +209,7 @@ def _problem(
     more |= _with_history(model, before, pairing, loads, prescribed, change)
     if isinstance(pairing, Deformed):
         more["least_force"] = newton.ROUNDING * stiffness.diagonal().norm() * model.size
+        more |= {"exact": at is not before.displacement, "outer": outer.norm()}
         return DeformedProblem.reduced(*given, **more, points=pairing, map=p)
     problem = FrictionalProblem.reduced(*given, **more)
     problem.set_prescribed_strain(prescribed)
