@@ -27,8 +27,13 @@ PASS_COLUMNS = {
     "residual_across_MPa": ("residual across", "MPa"),
 }
 """What people read of each pass: words and base unit by key of its row."""
-PASS_ERRORS = ("groove_mm", "residual_along_MPa", "residual_across_MPa")
-"""Keys of what has an estimated error after the last pass."""
+PASS_ERRORS = {
+    "strain_max": "largest strain",
+    "groove_mm": "groove",
+    "residual_along_MPa": "residual along",
+    "residual_across_MPa": "residual across",
+}
+"""Words by key of what has an estimated error after the last pass."""
 
 RATES = {
     "strain_increment_max": "strain_per_pass",

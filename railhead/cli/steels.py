@@ -48,6 +48,7 @@ class SteelTests(Examined):
         the stress of the last loop.
     cycles: number of cycles of stress.
     measured: strain and stress (MPa) of a test (n, 2), to which the steel was fitted; None: none.
+    errors: relative standard errors of its constants, as of `fitted`; None: of no fit.
     """
 
     command = "steel"
@@ -57,6 +58,7 @@ class SteelTests(Examined):
     amplitude: float | None = None
     cycles: int = 50
     measured: Array | None = None
+    errors: Array | None = None
 
     @cached_property
     def steel(self) -> Material:
@@ -126,7 +128,8 @@ class SteelTests(Examined):
 
     def summary(self) -> dict[str, Any]:
         """Content of summary.json: "steel" (its keys), "rule", "proof_MPa" at 0.2 and 1 % of
-        plastic strain, "loop_MPa", "ratchetting", and of a test "misfit_MPa" and its strain.
+        plastic strain, "loop_MPa", "ratchetting", and of a test "misfit_MPa", its strain, and
+        "standard_errors", relative, of yield stress, all C, all g, and Q and b.
         """
         mean, amplitude = self.stress
         assert self.steel.hardening is not None
@@ -144,8 +147,9 @@ class SteelTests(Examined):
             "loop_MPa": float(self.loops[-2 * STEPS :, 1].max()),
             "ratchetting": cycles,
         }
-        if self.measured is not None:
+        if self.errors is not None:
             found["misfit_MPa"], found["misfit_strain"] = self.misfit
+            found["standard_errors"] = self.errors.tolist()
         return found
 
     def tables(self) -> dict[str, list[dict[str, Any]]]:
@@ -186,12 +190,14 @@ class SteelTests(Examined):
             f"ratchets   by {self.rates[0]:.3g} in the first cycle of {mean} +- {amplitude}, by "
             f"{self.rates[-1]:.3g} in cycle {self.cycles} ({found['rule']})",
         ]
-        if self.measured is not None:
+        if self.measured is not None and self.errors is not None:
             most, at = self.misfit
             share = most / float(np.abs(self.measured[:, 1]).max())
             text = f"{units.text(most, 'MPa')} at most, {share:.1%} of the largest stress, at the"
             poor = "" if self.fits else ": THESE KEYS DO NOT DESCRIBE THE TEST"
             lines.append(f"misfit     {text} strain {at:.4g}{poor}")
+            said = ", ".join(f"{each:.1%}" for each in self.errors)
+            lines.append(f"errors     {said} of yield stress, each C, each g, and Q and b if given")
         for line in lines:
             terminal.labelled(console, line)
 
@@ -207,12 +213,13 @@ def steel_tests(
     Raises SceneError for what is none of these, and a test that tells no constants.
     """
     scene, measured = catalogue.find(CARRIER), None
+    errors: Array | None = None
     if source in steels():
         scene = scene.replace([f"rail.steel={source}"])
     elif source.lower().endswith(TABLES):
         try:
             measured = np.array(files.read_test(source))
-            steel = fitted(measured[:, 0], measured[:, 1], count, exponent)
+            steel, errors = fitted(measured[:, 0], measured[:, 1], count, exponent)
         except OSError as error:
             raise SceneError(source, f"cannot be read: {error.strerror}") from None
         except ValueError as error:
@@ -223,7 +230,8 @@ def steel_tests(
     else:
         what = f"a steel ({', '.join(steels())}), a case, a .toml file, or a .csv table of a test"
         raise SceneError("steel", f"{source!r} is unknown; give {what}")
-    return SteelTests(scene.replace(list(assignments)), source, measured=measured, **stress)
+    scene = scene.replace(list(assignments))
+    return SteelTests(scene, source, measured=measured, errors=errors, **stress)
 
 
 def _keys(steel: Material) -> dict[str, Any]:

@@ -452,7 +452,7 @@ class Plan(Sizing):
         if self.effects["passes"].on and self.scene.rolling.passes is not None:
             first, each = cost.PASSES[self.contact.line]
             each *= self.scene.rolling.passes * (1 + self.effects["plasticity_wheel"].on)
-            passes = cost.correction() * (first + each)
+            passes = cost.correction() * self._rolled * (first + each)
         return self.mesh_seconds + passes
 
     @property
@@ -505,7 +505,13 @@ class Plan(Sizing):
         if self.effects["friction"].on:
             each += cost.CONDENSING_BYTES if self.condenses else cost.FRICTION_BYTES
         passes = cost.PASS_BYTES[self.contact.line] if self.effects["passes"].on else 0
-        return cost.BASE_BYTES + max(each * self.unknowns, passes)
+        return cost.BASE_BYTES + max(each * self.unknowns, passes * self._rolled)
+
+    @property
+    def _rolled(self) -> int:
+        """Number of patches, each of which has a block in passes."""
+        elastic = self.context.elastic
+        return 1 if isinstance(elastic, str) else len(elastic.patches)
 
     def fits(self, free: int) -> bool:
         """Whether the predicted memory is at most 0.8 (MEMORY_SHARE) of the free memory (bytes)."""

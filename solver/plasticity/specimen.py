@@ -7,10 +7,9 @@ of a bar: its trial stress is E (eps - eps_p), its plastic strains are eps_p (1,
 
 from __future__ import annotations
 
-from itertools import combinations, product
-
 import numpy as np
-from scipy.optimize import least_squares, nnls
+from scipy.optimize import least_squares
+from scipy.signal import find_peaks
 
 from railhead.solver.material import Hardening, History, Material, backs, radial_return
 from railhead.theory.array_types import Array
@@ -20,13 +19,12 @@ EXACT = 1e-9  # of the yield stress: error of a given stress
 STEPS = 60  # most steps of Newton's method
 SOFT = 1e-7  # slope over Young's modulus from which a bar carries no more
 LINEAR = 0.4  # of the largest stress, up to which the start of a test is elastic
-WITHIN, TINY = 5, 1e-9  # steps between two points, least phi, of the back stresses there
-GRID = 12  # recalls from which a fit may start
-BEGUN = 0.05  # of the range of plastic strain: from there on after a turn, yield goes on
+RECALLS = 2.0, 200.0  # over 1/(range of plastic strain): between these a fit's recalls start
+YIELDS = 0.6  # of the largest stress: yield stress from which a fit starts
 SOLUTIONS = 25  # most evaluations of a fit, without those of derivatives
 MOST = 100  # rows of a test that count in a fit
-SAME = 1e-3  # relative change of misfit and constants at which a fit ends
-FAR = 3.0  # of a fit's logarithms from where it starts
+SAME = 1e-4  # relative change of misfit and constants at which a fit ends
+FAR = 4.0  # of a fit's logarithms from where it starts
 WORTH = 1e-2  # of the largest stress: Voce's part is left out below
 LEAST = 1e-5  # plastic strain of a test that goes beyond yield
 ZERO = 0.05  # of the largest stress: what a test may start with
@@ -84,54 +82,14 @@ def stresses(material: Material, strains: Array) -> Array:
     return np.array([bar.to_strain(float(each)) for each in strains])
 
 
-def turns(values: Array, least: float) -> Array:
-    """Numbers (k,) of the values (n,) at which they turn back by more than `least`."""
-    found, way, top = [], 0.0, 0
-    for at, value in enumerate(values):
-        if way * (value - values[top]) >= 0 and value != values[top]:
-            way, top = (way or np.sign(value - values[top])), at
-        elif abs(value - values[top]) > least:
-            found.append(top)
-            way, top = -way, at
-    return np.array(found, dtype=np.int64)
-
-
-def _begun(plastic: Array, stress: Array, back: Array, count: int, exponent: float) -> Array:
-    """Constants from which a fit starts: yield stress, moduli and recalls of `count` back stresses,
-    and where the strain turns back, Voce's Q and b. The best of some recalls and rates, of which
-    the stress is linear in the others: sgn [sy + Q (1 - exp(-b p))] + sum X.
-
-    plastic: strain (n,). stress: (n,), MPa. back: numbers (k,) of the points where it turns.
-    """
-    step = np.diff(plastic, prepend=0.0)
-    leg = np.searchsorted(back, np.arange(len(plastic)), side="left")
-    way = np.where(leg % 2, -1.0, 1.0) * np.sign(stress[back[0]] if len(back) else stress[-1])
-    since = np.concatenate([[0.0], plastic[back]])[leg]
-    flows = np.abs(plastic - since) > BEGUN * np.ptp(plastic)
-    travelled = np.cumsum(np.abs(step))
-    recalls = np.geomspace(0.5, 500.0, GRID) / np.ptp(plastic)
-    parts = np.zeros((len(plastic), GRID))  # back stresses of the modulus 1
-    for at, whole in enumerate(step[1:], 1):
-        part = parts[at - 1]
-        for _ in range(WITHIN):
-            phi = np.abs(recalls * part) ** exponent + TINY
-            kept = np.exp(-recalls * phi * abs(whole) / WITHIN)
-            part = kept * part + np.sign(whole) * (1 - kept) / (recalls * phi)
-        parts[at] = part
-    rates = np.geomspace(0.5, 20.0, 4) / travelled[-1] if len(back) else np.zeros(1)
-    found = []
-    for rate, chosen in product(rates, combinations(range(GRID), count)):
-        voce = way * -np.expm1(-rate * travelled)
-        columns = np.column_stack([way, parts[:, chosen], voce])[flows]
-        values, misfit = nnls(columns, stress[flows])
-        found.append((misfit, [*values[:-1], *recalls[list(chosen)], values[-1], rate]))
-    return np.array(min(found)[1])
-
-
-def fitted(strain: Array, stress: Array, count: int, exponent: float = 0.0) -> Material:
+def fitted(
+    strain: Array, stress: Array, count: int, exponent: float = 0.0
+) -> tuple[Material, Array]:
     """Elastic constants and flow curve with `count` back stresses of a recall exponent, and with
     Voce's part where the strain turns back, which fit a measured bar best: least squares of its
     stresses (n,), MPa, at its strains (n,), of which some 100 (MOST) count, the turns among them.
+    Also the relative standard errors (u,) of yield stress, moduli, recalls, and Voce's Q and b if
+    these are worth it, as if the misfits were independent noise.
 
     Raises ValueError (one line) for a test that does not start at zero stress, that stays elastic,
     that has fewer rows than constants, or whose Young's modulus is not that of a metal (STIFF).
@@ -151,9 +109,12 @@ def fitted(strain: Array, stress: Array, count: int, exponent: float = 0.0) -> M
     plastic = strain - stress / young
     if np.ptp(plastic) <= LEAST:
         raise ValueError("the test stays elastic; give one that goes beyond yield")
-    back = turns(strain, ZERO * float(np.ptp(strain)))
-    first = _begun(plastic, stress, back, count, exponent)
-    kept = first[:-2] if first[-2] < WORTH * top else first
+    least = ZERO * float(np.ptp(strain))
+    back = np.concatenate([find_peaks(way * strain, prominence=least)[0] for way in (1, -1)])
+    recalls = np.geomspace(*RECALLS, count + 2)[1:-1] / np.ptp(plastic)
+    first = [YIELDS * top, *(1 - YIELDS) * top / count * recalls, *recalls]
+    voce = [ZERO * top, 3 / np.abs(np.diff(plastic)).sum()] if len(back) else []
+    begin = np.log(first + voce)
 
     def made(logarithms: Array) -> Material:
         """The steel with these logarithms of constants."""
@@ -163,7 +124,6 @@ def fitted(strain: Array, stress: Array, count: int, exponent: float = 0.0) -> M
         law = Hardening.linear(least).cyclic(pairs, exponent, isotropic)
         return Material(young, 0.3, law)
 
-    begin = np.log(np.maximum(kept, WORTH * top))
     some = np.union1d(np.linspace(0, len(strain) - 1, min(len(strain), MOST)).astype(int), back)
     best = least_squares(
         lambda values: (stresses(made(values), strain[some]) - stress[some]) / top,
@@ -173,4 +133,8 @@ def fitted(strain: Array, stress: Array, count: int, exponent: float = 0.0) -> M
         ftol=SAME,
         xtol=SAME,
     )
-    return made(best.x)
+    worth = not voce or np.exp(best.x[-2]) > WORTH * top
+    kept = slice(len(begin) if worth else len(first))
+    variance, jacobian = 2 * best.cost / (len(some) - len(begin)), best.jac[:, kept]
+    errors = np.sqrt(variance * np.diag(np.linalg.pinv(jacobian.T @ jacobian)))
+    return made(best.x[kept]), errors

@@ -386,7 +386,7 @@ def passes_title(result: Mapping[str, Any]) -> str:
     summary.json.
     """
     errors = result["passes_after"]["estimate"]
-    told = [f"{PASS_COLUMNS[key][0]} {errors[key]:.1%}" for key in PASS_ERRORS if key in errors]
+    told = [f"{word} {errors[key]:.1%}" for key, word in PASS_ERRORS.items() if key in errors]
     share = (result.get("rate") or {}).get("estimate")
     told += [] if share is None else [f"rate {share:.1%}"]
     return f"passes (estimate after the last: {', '.join(told)})" if told else NO_ESTIMATE

@@ -60,14 +60,31 @@ def exact_test() -> np.ndarray:
 
 def test_constants_of_a_test_come_back() -> None:
     strain, stress = exact_test().T
-    found = fitted(strain, stress, 1)
+    found, errors = fitted(strain, stress, 1)
     law = found.hardening
+    assert errors.max() < 1e-3
     assert law is not None and found.young_modulus == pytest.approx(E, rel=1e-6)
     (back,) = law.backstresses
     assert (law.initial_yield_stress, back.modulus, back.recall) == pytest.approx(
         (Y, C, G), rel=1e-3
     )
     assert law.isotropic == pytest.approx((60.0, 20.0), rel=1e-2)
+
+
+@pytest.mark.slow
+def test_noise_moves_constants_by_their_standard_errors() -> None:
+    """Four tests with independent noise of 5 MPa: constants scatter as the errors of a test say."""
+    strain, stress = exact_test().T
+    found = []
+    for seed in range(4):
+        noise = np.random.default_rng(seed).normal(0.0, 5.0, len(stress)) * (strain > 0.002)
+        steel, errors = fitted(strain, stress + noise, 1)
+        law = steel.hardening
+        assert law is not None
+        (back,) = law.backstresses
+        values = law.initial_yield_stress / Y, back.modulus / C, back.recall / G
+        found.append((np.array(values) - 1) / errors[:3])
+    assert 0.5 < np.sqrt(np.mean(np.square(found))) < 1.7
 
 
 @pytest.mark.slow
