@@ -59,7 +59,8 @@ def added_stress(
 ) -> float:
     """Stress, MPa, that held and free faces of the bodies add under a patch of force F: F/(2 pi
     H^2) of a face held at the depth H, half of that of an edge at the distance H, as
-    Boussinesq's stresses fall. The face that adds most counts. Arguments: as in `allowance`.
+    Boussinesq's stresses fall. The face that adds most counts. solved: the contact between half-
+    spaces; the others are as in `allowance`.
     """
     return max(
         patch.force / (2 * math.pi * square)
@@ -106,22 +107,18 @@ class _Body:
         return np.asarray(self.weight * (edges + below))
 
 
-def allowance(
-    pair: HalfSpacePair,
-    deformable: Sequence[int],
-    solved: BoundaryElementSolution,
-    twist: float,
-) -> dict[str, Allowance]:
+def allowance(pair: HalfSpacePair, deformable: Sequence[int], twist: float) -> dict[str, Allowance]:
     """Allowed relative differences by "max_MPa" and "area_mm2", of a solid contact of profiles.
     That of the pressure is of the patch that may have the largest one. That of the area is the mean
     of all patches, by their areas.
 
     pair: of a solid contact that is none of half-spaces.
     deformable: tags of the bodies that deform.
-    solved: the contact between half-spaces.
     twist: relative change of pressure and area by the rotation and the movement of the bodies,
         which is taken over as a part.
+    Raises ValueError where boundary elements find no closed patch.
     """
+    solved = pair.boundary_elements
     spans = [
         (_patches(solved, span), _bodies(pair, deformable, span)) for span in pair.facing.spans
     ]

@@ -12,7 +12,9 @@ from typing import Any
 from railhead.contact.plane_section import Dimension
 from railhead.contact.solid import Contact
 from railhead.half_spaces import allowance
+from railhead.half_spaces.allowance import Allowance
 from railhead.half_spaces.pressing import HalfSpacePair
+from railhead.meshing.bodies import BODY_NAMES
 from railhead.scene.scene import Rail, Scene, SceneError, Wheel
 from railhead.theory.elastic.line import Hertz
 from railhead.theory.friction import tangential
@@ -90,10 +92,11 @@ class Context:
 
     def with_decision(self, name: str, effect: Effect) -> Context:
         """The context in which the named effect is decided otherwise, all others as here. What is
-        cached, such as boundary elements, depends on no effect and is kept.
+        cached, such as boundary elements, depends on no effect and is kept, but for errors.
         """
         other = copy(self)
         object.__setattr__(other, "decided", {**self.decided, name: effect})
+        vars(other).pop("half_space_errors", None)
         return other
 
     @property
@@ -157,6 +160,16 @@ class Context:
     def sideways_change(self) -> float:
         """The same as the side force of the contact moves the rail head (`allowance.sideways`)."""
         return allowance.moved(self.half_spaces, 0.0, allowance.sideways(self.contact, self.hertz))
+
+    @cached_property
+    def half_space_errors(self) -> dict[str, Allowance]:
+        """Differences between half-spaces and finite bodies by "max_MPa" and "area_mm2", relative,
+        before anything is meshed, by boundary elements. For solids that end only. Raises ValueError
+        where these find no closed patch, also after the twist of the rail.
+        """
+        decided = {tag: self.decided[f"deformable_{name}"] for tag, name in BODY_NAMES.items()}
+        tags = [tag for tag, each in decided.items() if each.on]
+        return allowance.allowance(self.half_spaces, tags, self.twist_change)
 
     @property
     def _limits(self) -> list[tuple[float, float]]:

@@ -188,7 +188,7 @@ def _error_parts(solved: HalfSpaceSolution) -> Parts:
         return {key: {"exact": 0.0} for key in exact}
     grid = grid_errors(found)
     ends = not plan.contact.half_space
-    expected = shape.half_space_errors(plan.context) if ends else {}
+    expected = plan.context.half_space_errors if ends else {}
     like = dict.fromkeys(STRESSES if "stress" in result else (), "max_MPa")
     like |= {"max_MPa": "max_MPa", "area_mm2": "area_mm2"}
     if found.hertzian:
@@ -271,12 +271,11 @@ def _allowed(plan: Plan, findings: Findings) -> dict[str, Any]:
     Half lengths are those of ellipses.
     """
     try:
-        allowed = shape.half_space_errors(plan.context)
+        allowed = plan.context.half_space_errors
     except ValueError as error:
         return {"reason": str(error)}
-    if findings.hertzian:
-        allowed |= dict.fromkeys(("a_mm", "b_mm"), allowed["area_mm2"])
-    return allowed
+    more = ("a_mm", "b_mm") if findings.hertzian else ()
+    return {**allowed, **dict.fromkeys(more, allowed["area_mm2"])}
 
 
 def frictionless(pair: HalfSpacePair, solution: BoundaryElementSolution) -> dict[str, Any]:

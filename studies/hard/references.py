@@ -16,7 +16,6 @@ from railhead.contact.solid import Contact
 from railhead.half_spaces import pressing
 from railhead.meshing.mesh import MeshError
 from railhead.planning import simulation_plan as planning
-from railhead.planning.effects.shape import half_space_errors
 from railhead.results import pipeline
 from railhead.results.checks import ESTIMATE_FACTOR, deviation
 from railhead.results.summary import summarise
@@ -146,7 +145,7 @@ def half_space(scene: Scene) -> Summary:
     found = pair.pressed(scene.load, 2 * pressing.FINE)
     return {
         **frictionless(pair, found),
-        "allowance": half_space_errors(plan.context),
+        "allowance": plan.context.half_space_errors,
     }
 
 

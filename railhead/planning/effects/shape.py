@@ -18,10 +18,8 @@ from railhead.contact.solid import Contact
 from railhead.geometry import wheelset
 from railhead.geometry.outlines import head_depth
 from railhead.geometry.profiles import STANDARD_RAILS
-from railhead.half_spaces.allowance import Allowance, allowance
 from railhead.half_spaces.pressing import HalfSpacePair
 from railhead.half_spaces.surface import develop
-from railhead.meshing.bodies import BODY_NAMES
 from railhead.planning.context import Context, Effect, PostSolveVerdict
 from railhead.postprocess.findings import Findings
 from railhead.scene.scene import SceneError
@@ -129,22 +127,11 @@ def decide_finite_bodies(context: Context) -> Effect:
     if scene.load is None:
         refused = {"off": APPROACH}
     try:
-        pressure, area = (100 * each["total"] for each in half_space_errors(context).values())
+        pressure, area = (100 * each["total"] for each in context.half_space_errors.values())
         why = f"half-spaces would be {pressure:.2g} % off in pressure, {area:.2g} % in area"
     except ValueError as error:
         why = f"by how much half-spaces would be off is not known ({error})"
     return Effect(True, True, why, refused)
-
-
-def half_space_errors(context: Context) -> dict[str, Allowance]:
-    """Differences between half-spaces and finite bodies by "max_MPa" and "area_mm2", relative,
-    before anything is meshed, by boundary elements. For solids that end only. Raises ValueError
-    where these find no closed patch, also after the twist of the rail.
-    """
-    tags = [tag for tag, name in BODY_NAMES.items() if context.decided[f"deformable_{name}"].on]
-    return allowance(
-        context.half_spaces, tags, context.half_spaces.boundary_elements, context.twist_change
-    )
 
 
 def decide_rail_section(context: Context) -> Effect:

@@ -12,8 +12,7 @@ from railhead.scene import catalogue
 
 def allowed(scene, twist: float = 0.0) -> dict[str, Allowance]:
     plan = planned(scene)
-    pair = plan.context.half_spaces
-    return allowance(pair, plan.deformable, pair.boundary_elements, twist)
+    return allowance(plan.context.half_spaces, plan.deformable, twist)
 
 
 def thesis(*assignments: str) -> dict[str, Allowance]:
