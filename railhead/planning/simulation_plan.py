@@ -510,7 +510,7 @@ class Plan(Sizing):
     @property
     def _rolled(self) -> int:
         """Number of patches, each of which has a block in passes."""
-        elastic = self.context.elastic
+        elastic = self.context.half_spaces.elastic
         return 1 if isinstance(elastic, str) else len(elastic.patches)
 
     def fits(self, free: int) -> bool:
