@@ -280,7 +280,7 @@ def locate(scene: Scene, over: Mapping[str, Sequence[object]] | None = None) -> 
     Raises SceneError for half-spaces, for another key or a wrong value in `over`, and where the
     wheelset cannot stand at the scene's own shift.
     """
-    if checked(scene).rail.sections:
+    if checked(scene).rail.varies:
         return passage(scene, over)
     if scene.rail.extent == "half-space":
         raise SceneError(

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import ClassVar
 
@@ -26,7 +26,7 @@ from railhead.geometry.lofting import Lofted, loft
 from railhead.geometry.measured.orientation import Orientation
 from railhead.geometry.placement import ContactPoint, Pose, ProfilePair, principal, turned
 from railhead.geometry.profiles import Profile, Spline
-from railhead.geometry.sections import Head
+from railhead.geometry.sections import Head, Section
 from railhead.geometry.surfaces import Height, RailSurface, Values, WheelSurface, along
 from railhead.postprocess.findings import Frame
 from railhead.scene.scene import Rail, Scene, SceneError
@@ -42,7 +42,8 @@ STEPS, LONGEST, FOUND = 40, 1.5, 1e-10  # of Newton's method, mm
 DIFFERENCE = 0.02  # mm, of slopes that make curvatures
 APART = 0.05  # mm: two lowest places as close are one
 NEAR = 0.3  # mm of height in which further contact points of a head are kept
-SAMPLES = 401  # points of a section at a contact
+SAMPLES = 401  # points of a section at a contact, and of a roller's ...
+TOP, PLACES = 0.4, 101  # ... up to this part of its radius beside its top
 ELASTIC = {"young_modulus", "poisson_ratio"}
 PLACED = {
     "sections",
@@ -314,13 +315,31 @@ def touch(
 
 def heads(scene: Scene) -> dict[str, Head]:
     """The heads of a scene's rail by name: of both tables, or one or two of that of the rail, the
-    one with the smaller y first. Raises SceneError for sections that cannot be read.
+    one with the smaller y first; or a roller. Raises SceneError for sections that cannot be read.
     """
+    if scene.rail.roller_radius:
+        return {"rail": _roller(scene, scene.rail.roller_radius)}
     if scene.wing is None:
         found = _read("rail", scene.rail, split=True)
         return dict(zip(NAMES, found, strict=False))
     both = zip(NAMES, (scene.rail, scene.wing), strict=True)
     return {name: _read(name, part, split=False)[0] for name, part in both}
+
+
+def _roller(scene: Scene, radius: float) -> Head:
+    """The top of a roller as a head, by sections of a body of revolution with the rail's profile
+    over the radius (mm).
+    """
+    profile = solid.rail_profile(scene.replace(rail={"roller_radius": None}))
+    x = radius * TOP * np.linspace(-1, 1, PLACES)
+    y = np.union1d(np.linspace(*profile.domain, SAMPLES), profile.joints)
+
+    def load(index: int) -> Section:
+        """The section of an index."""
+        height = np.sqrt((radius + profile.height(y)) ** 2 - x[index] ** 2) - radius
+        return Section(points=np.column_stack([y, height]), resolution=0.0)
+
+    return Head(x=x, ends=frozenset(), load=cache(load))
 
 
 def _read(name: str, part: Rail, *, split: bool) -> tuple[Head, ...]:

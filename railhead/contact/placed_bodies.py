@@ -64,7 +64,7 @@ def standard_rail(scene: Scene) -> str:
     beside which `rail.profile` says nothing.
     """
     name = scene.rail.profile
-    return name if name in profiles.STANDARD_RAILS and not scene.rail.sections else ""
+    return name if name in profiles.STANDARD_RAILS and not scene.rail.varies else ""
 
 
 def rail_reach(contact: Contact, reach: float, *, whole_section: bool) -> float:

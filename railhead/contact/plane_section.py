@@ -70,7 +70,7 @@ def choose(scene: Scene) -> Dimension:
     Raises SceneError where effects.plane_strain or effects.axisymmetry cannot be as given, a line
     contact has no length or is not level, or its section cannot use a given key.
     """
-    if scene.rail.sections:
+    if scene.rail.varies:
         return Dimension("solid", "the section of the rail changes along it")
     ring = circular(scene)
     forced = scene.effects.axisymmetry
@@ -477,7 +477,7 @@ def locate(scene: Scene, dimension: Dimension) -> Contact:
     section across the rail, it is also raised where a wheel misses its rail or the pair has no
     contact with a common tangent.
     """
-    if scene.rail.sections:
+    if scene.rail.varies:
         return crossing.contact(scene)
     if dimension.kind == "solid":
         return solid.locate(scene)

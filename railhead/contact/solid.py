@@ -47,8 +47,9 @@ def rail_profile(scene: Scene, stretch: float = 1.0) -> Profile:
     stretch: factor on the smoothing wavelengths of a measured profile.
     """
     rail = scene.rail
-    if rail.sections:
-        raise SceneError("rail.sections", "is not known here: run, sweep and locate take it")
+    if rail.varies:
+        key = "sections" if rail.sections else "roller_radius"
+        raise SceneError(f"rail.{key}", "is not known here: run, sweep and locate take it")
     if rail.profile in profiles.STANDARD_RAILS:
         return profiles.rail_head(rail.profile, rail.inclination)
     if rail.profile != "arc":

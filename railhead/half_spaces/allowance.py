@@ -283,7 +283,7 @@ def moved(pair: HalfSpacePair, angle: float, aside: float) -> float:
     Raises ValueError where the wheel misses the twisted rail or there is no closed patch.
     """
     scene, contact = pair.contact.scene, pair.contact
-    still = not (angle or aside) or scene.rail.profile == "arc" or bool(scene.rail.sections)
+    still = not (angle or aside) or scene.rail.profile == "arc" or scene.rail.varies
     if still or pair.one_radius or contact.why_asymmetric_in_y() is None:
         return 0.0
     before, other = pair.boundary_elements, twisted(contact, angle, aside)

@@ -122,7 +122,7 @@ def _number(scene: Scene, slider: Slider) -> float | None:
 
 def _kind(scene: Scene) -> str:
     """Kind of a scene, as of `controls`."""
-    if scene.rail.sections:
+    if scene.rail.varies:
         return "sections"
     return "half-space" if scene.rail.extent == "half-space" else "track"
 

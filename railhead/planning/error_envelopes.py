@@ -239,7 +239,7 @@ def of_profiles(context: Context) -> dict[str, Any] | None:
     """
     scene, contact = context.contact.scene, context.contact
     measured = bool(solid.measured_bodies(scene))
-    if not contact.curved_solid or not (measured or scene.rail.sections):
+    if not contact.curved_solid or not (measured or scene.rail.varies):
         return None
     try:
         if isinstance(contact, HeadContact):

@@ -34,6 +34,7 @@ _FILE_KEYS = (
     "smoothing",
 )
 _PLAIN_KEYS = ("profile", "profile_origin", "inclination", "gauge", "extent", "depth", "width")
+_STRAIGHT = {"sections", "gauge", "extent"}
 
 
 def _profile(body: str, *names: str) -> BeforeValidator:
@@ -390,6 +391,7 @@ class Rail(BodySection):
     sections: path of a table of sections along the rail, .csv (x_mm, file) or .slcs of CONTACT, in
         place of profile; None: the rail is straight. y counts from below the tape circle.
     position: mm, place along the sections at which the axle stands.
+    roller_radius: mm, of a roller at its highest point, in place of a straight rail; None: none.
     gauge: mm between both rails, `gauge_height` below their tops, which places the wheelset; None:
         the wheel's tape circle (70 mm from the flange back) stands over the crown.
     gauge_height: mm below the highest point of a rail at which the gauge is measured. Only beside
@@ -410,6 +412,7 @@ class Rail(BodySection):
         Annotated[str, BeforeValidator(partial(files.existing, suffixes=(".csv", ".slcs")))] | None
     ) = None
     position: Annotated[float, Range(units.LENGTH, -1e6, 1e6)] = 0.0
+    roller_radius: Annotated[float, Range(units.LENGTH, 10, 1e6)] | None = None
     crown_radius: units.Radius | None = None
     inclination: Annotated[float, Range(units.SLOPE, -0.2, 0.2, note=', e.g. "1:20"')] = 0.0
     gauge: units.Gauge | None = None
@@ -429,6 +432,7 @@ class Rail(BodySection):
         flat, high = self.surface, self.gauge_height
         bare = flat is not None and flat.kind == "flat" and flat.depth is None
         drawn = self.sections and self.model_dump(exclude_defaults=True, include={*_PLAIN_KEYS})
+        beside = self.roller_radius and self.model_dump(exclude_defaults=True, include=_STRAIGHT)
         useless = self.gauge is None and high != GAUGE_HEIGHT
         refuse_first(
             (bare, "surface.depth", "not given; a flat of the rail needs it"),
@@ -439,8 +443,14 @@ class Rail(BodySection):
                 "position",
                 f"{self.position:g} is not allowed without sections",
             ),
+            (beside, next(iter(beside or ("",))), "is not allowed beside roller_radius"),
         )
         return self
+
+    @property
+    def varies(self) -> bool:
+        """Whether its section changes along the way: of sections, or a roller."""
+        return bool(self.sections or self.roller_radius)
 
 
 class Wheel(BodySection):

@@ -318,9 +318,9 @@ class Scene(Section):
                 "not given; a wing needs sections of both heads",
             ),
             (
-                self.rail.sections and math.isinf(self.wheel.rolling_radius),
+                self.rail.varies and math.isinf(self.wheel.rolling_radius),
                 "wheel.rolling_radius",
-                "inf is not allowed beside rail.sections; give that of a wheel",
+                "inf is not allowed beside sections or a roller; give that of a wheel",
             ),
             (
                 self.wing is not None and self.wing.position != 0,

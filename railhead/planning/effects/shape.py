@@ -144,7 +144,7 @@ def decide_rail_section(context: Context) -> Effect:
     reasons = (
         (context.contact.half_space, "a half-space"),
         (name not in STANDARD_RAILS, f"rail.profile {name}"),
-        (context.scene.rail.sections, "a rail of sections"),
+        (context.scene.rail.varies, "a rail of sections"),
         (context.contact.plane == "xz", "a section along the rail"),
     )
     without = next((reason for applies, reason in reasons if applies), "")

@@ -255,6 +255,26 @@ def test_sections_of_a_standard_rail_answer_as_it_does_on_the_gauge_corner(tmp_p
     assert rolled(of) == pytest.approx(rolled(plain), rel=2e-3)
 
 
+def test_a_roller_is_a_hump_and_discs_roll_as_a_wheel_of_half_the_radius() -> None:
+    """Case 2: R 300 across on R 5000 along, 1169.58 MPa and 102.60 mm2. Discs of 150 mm have the
+    pressure and the tractions of a wheel of 75 mm on a rail."""
+
+    def on(crown: float, roller: float | None, radius: float, load: float) -> Scene:
+        """A cylinder of a radius on an arc."""
+        rail = {"profile": "arc", "crown_radius": crown, "roller_radius": roller}
+        wheel = {"profile": "cylinder", "rolling_radius": radius}
+        steel = {"young_modulus": 207000.0, "poisson_ratio": 0.3}
+        return Scene.from_mapping({"load": load, "rail": rail | steel, "wheel": wheel | steel})
+
+    hump = solved(on(300.0, 5000.0, 460.0, 80000.0))["result"]
+    assert hump["pressure"]["max_MPa"] == pytest.approx(1169.58, rel=3e-4)
+    assert hump["patch"]["area_mm2"] == pytest.approx(102.60, rel=2e-3)
+    discs, wheel = rolled(on(100.0, 150.0, 150.0, 5e3)), rolled(on(100.0, None, 75.0, 5e3))
+    assert discs == pytest.approx(wheel, rel=6e-3)
+    with pytest.raises(SceneError, match="gauge: is not allowed beside roller_radius"):
+        on(300.0, 5000.0, 460.0, 8e4).replace(rail={"gauge": 1435.0})
+
+
 def test_a_prism_that_rises_rolls_as_a_level_one(tmp_path: Path) -> None:
     """Sections z / cos t that rise by tan t are a straight rail under N cos t - T sin t."""
     t, found = 0.05, []
