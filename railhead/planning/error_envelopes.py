@@ -69,6 +69,8 @@ class ErrorEnvelope:
         return float(self.value * (6.0 / n) ** self.order + self.floor)
 
 
+NONE = ErrorEnvelope(0.0, 1.0)
+"""Of what has no error."""
 NEARLY_ELLIPTIC = {
     "a_mm": ErrorEnvelope(2.3e-3, 2.0),
     "b_mm": ErrorEnvelope(2.3e-3, 2.0),
@@ -92,6 +94,8 @@ class Family:
         solutions stay below; for the choice of resolutions and for prices.
     overlap: relative error by key for an overlap of the bodies as large as the approach.
     beyond: order of the mesh error on meshes finer than the calibrated ones, by key.
+    coarser: what is added to the order of the mesh error below n = 6, by key, where the elements
+        far from the patch are larger, too.
     Everywhere here n is the number of elements per smaller semi-axis of the patch.
     """
 
@@ -102,6 +106,7 @@ class Family:
     reading: Mapping[str, ErrorEnvelope]
     overlap: Mapping[str, float]
     beyond: Mapping[str, float] = field(default_factory=dict)
+    coarser: Mapping[str, float] = field(default_factory=dict)
 
     def holds(self, setting: Mapping[str, Any]) -> bool:
         """Whether every value of the setting lies within what was calibrated."""
@@ -120,7 +125,7 @@ class Family:
         """
         law, top = self.laws[name], self.resolution[1]
         if n <= top:
-            return law(n)
+            return law(n) * max(1.0, 6.0 / n) ** self.coarser.get(name, 0.0)
         return law(top) * (top / n) ** self.beyond.get(name, min(law.order, 1.0))
 
     def covers(self, n: float) -> bool:
@@ -194,15 +199,16 @@ def families() -> tuple[Family, ...]:
             {key: ErrorEnvelope(*law) for key, law in entry["reading"].items()},
             entry["overlap"],
             entry.get("beyond", {}),
+            entry.get("coarser", {}),
         )
         for name, entry in _laws()["families"].items()
     )
 
 
-def family(setting: Mapping[str, Any], *, parabolic: bool) -> Family | None:
+def family(setting: Mapping[str, Any], *, parabolic: bool, friction: bool = False) -> Family | None:
     """The family that the setting (`Plan.setting`) lies in, turned for a width across the rail;
-    None where no family was calibrated for the setting, without regard to friction, for which there
-    is none.
+    None where no family was calibrated for the setting. friction: whether lines of like bodies rub,
+    which adds laws of their forces over mu N and motions, and widens those of stresses.
 
     The approach depends on distant elements, whatever the contact law: the envelope of a family of
     both shapes is not below that of the same shape with the default law (USUAL). Reading errors of
@@ -222,6 +228,12 @@ def family(setting: Mapping[str, Any], *, parabolic: bool) -> Family | None:
             for name, law in found.reading.items()
         }
         found = replace(found, reading=reading)
+    if found and friction:
+        known, wider = _laws()["friction"], dict(found.laws)
+        for key, law in known["laws"].items():
+            wider[key] = max(ErrorEnvelope(*law), wider.get(key, NONE), key=lambda each: each(6.0))
+        reading = dict.fromkeys(wider, NONE) | {**found.reading}
+        found = replace(found, resolution=known["resolution"], laws=wider, reading=reading)
     if found and setting["turned"]:
         found = replace(
             found,

@@ -35,8 +35,8 @@ BESIDE = 1e-6  # mm, distance from a joint at which the curvature of each side i
 ELEMENTS_PER_SEMI_AXIS = 6.0  # default resolution of a solid with quadratic cells
 LINEAR_REFINEMENT = 2.0  # factor on the resolution for linear cells
 SECTION_REFINEMENT = 2.0  # factor on the default resolution of a section, where cells cost little
-GROWTH = 0.3  # largest increase of the element size per distance; smaller for finer patches
-FULL_GROWTH = 7 / 6  # resolution over the default one up to which the growth is the largest
+GROWTH = 0.3  # increase of the element size per distance from a patch of default resolution
+FULL_GROWTH = 7 / 6  # resolution over the default one above which the growth is smaller
 FINEST_SHARE = 0.5  # least ratio of the element sizes in another patch and in the most loaded one
 RIDGE_SHARE = 0.25  # element size on a ridge of the pressure over that of its patch
 RIDGE_WIDTH = 0.125  # half width of the refined ridge over the element size of its patch
@@ -263,10 +263,14 @@ class Sizing:
 
     @property
     def growth(self) -> float:
-        """Increase of the element size per distance from the patch, dimensionless, 0.3 (GROWTH) at
-        most; smaller for finer patches.
+        """Increase of the element size per distance from the patch, dimensionless: 0.3 (GROWTH),
+        smaller for finer patches. It is larger for coarser ones that the error laws choose, of
+        solids with quadratic cells and Nitsche's method, whose laws were measured so.
         """
-        return min(GROWTH, GROWTH * FULL_GROWTH * self.solid_resolution / self.resolution)
+        coarser, scene = self.solid_resolution / self.resolution, self.context.scene
+        others = self.order == 1 or self.contact.plane or scene.solver.method == "penalty"
+        least = 1.0 if others or scene.mesh.patch_size else max(1.0, coarser)
+        return GROWTH * min(least, FULL_GROWTH * coarser)
 
     @property
     def coarsest(self) -> float:

@@ -78,8 +78,7 @@ class Plan(Sizing):
 
     @property
     def setting(self) -> dict[str, Any]:
-        """Properties of the plan that its errors depend on, besides the element size. Friction is
-        not among them.
+        """Properties of the plan that its errors depend on, besides the element size and friction.
         shape: 'half-spaces' (meshed blocks), 'bodies' (solids that end), 'plane strain' or
             'meridian'; of sections also between half-spaces.
         turned: whether the width of a line contact runs across the rail.
@@ -117,13 +116,18 @@ class Plan(Sizing):
     @property
     def family(self) -> Family | None:
         """Family of calibrated error envelopes whose laws hold for this plan. None where half-
-        spaces answer without a mesh, where friction is condensed (on grids it leaves patch and
-        pressure as they are), and where no family was calibrated for such a model. Half-spaces that
-        are meshed have a family of their own, and so have bodies that yield.
+        spaces answer without a mesh, where friction changes the pressure or the yield, and where no
+        family was calibrated for such a model. Half-spaces that are meshed have a family of their
+        own, and so have bodies that yield.
         """
-        if self.by_half_spaces or (self.condenses and self.effects["friction"].on):
-            return None
-        return error_envelopes.family(self.setting, parabolic=self.parabolic)
+        rubs = self.effects["friction"].on
+        changed = interface.unlike(self.context) or self.effects["plasticity"].on
+        return None if self.by_half_spaces or (rubs and changed) else self.family_of(self.setting)
+
+    def family_of(self, setting: Mapping[str, Any]) -> Family | None:
+        """Family of a setting like that of this plan, with the laws of friction in sections."""
+        rubs = self.effects["friction"].on and self.plane_model
+        return error_envelopes.family(setting, parabolic=self.parabolic, friction=rubs)
 
     @cached_property
     def parabolic(self) -> bool:

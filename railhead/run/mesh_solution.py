@@ -18,7 +18,7 @@ from railhead.geometry.surfaces import ExactGap
 from railhead.meshing import mesh
 from railhead.meshing.grading import Grading
 from railhead.meshing.mesh import ContactMesh
-from railhead.planning import effects, error_envelopes
+from railhead.planning import effects
 from railhead.planning.context import PostSolveVerdict
 from railhead.planning.effects import interface
 from railhead.planning.error_envelopes import Family
@@ -144,8 +144,7 @@ class MeshSolution(Answered):
         plan, found = self.plan, self.findings
         if found is None or plan.family is None or plan.effects["plasticity"].on:
             return plan.family
-        setting = {**plan.setting, "ellipse": found.hertzian}
-        return error_envelopes.family(setting, parabolic=plan.parabolic)
+        return plan.family_of({**plan.setting, "ellipse": found.hertzian})
 
     @property
     def mirrors(self) -> tuple[Any, ...]:

@@ -65,8 +65,8 @@ def refine(
             return meshes, Ending("Newton's method did not converge")
         if scene.accuracy is not None and worst <= scene.accuracy:
             return meshes, Ending("asked accuracy reached")
-        # In sections and between unlike bodies the grid is that of the mesh.
-        told = not plan.condenses or len(meshes) >= LEAST_MESHES
+        # Without laws the grid of condensed friction is that of the mesh.
+        told = plan.family or not plan.condenses or len(meshes) >= LEAST_MESHES
         fixed = comm.bcast(estimates.of_grids(done.findings, done.result) if told else 0.0)
         if fixed >= (scene.accuracy or math.inf):
             return meshes, Ending(f"the grids of tractions leave {fixed:.1%} open")

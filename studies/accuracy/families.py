@@ -20,6 +20,8 @@ from railhead.run.mesh_solution import MeshSolution
 from railhead.scene import quantities
 from railhead.scene.scene import Scene, SceneError
 from railhead.theory.elastic.hertz import point_contact
+from railhead.theory.elastic.line import Hertz, LineContact
+from railhead.theory.friction.partial_slip import carter_share, strip_stick_ratio
 from studies import tables
 
 Make = Callable[[np.random.Generator], list[str]]
@@ -223,6 +225,21 @@ def yielding_roller(rng: np.random.Generator) -> list[str]:
     return keys + ([f"rail.hardening_modulus={10 ** rng.uniform(3, 4.3)!r}"] if hardens else [])
 
 
+def rubbing_roller(rng: np.random.Generator) -> list[str]:
+    """Rollers between half-spaces of one material that roll, at a creepage or a force, or are
+    shifted."""
+    keys, mu = roller(rng), 10 ** rng.uniform(-1.3, 0.3)
+    across = "wheel.rolling_radius=inf" in keys
+    force = rng.uniform(0.05, 0.97) * mu * float(keys[-1].split("=")[1])
+    way = one(rng, "friction", "rolling.creepage", "rolling.force") if not across else "friction"
+    keys += poisson([rng.uniform(0.0, 0.4)] * 2)
+    if way == "rolling.creepage":
+        moved = f"rolling.creepage_along={mu * 10 ** rng.uniform(-3.7, -1.9)!r}"
+    else:
+        moved = f"{way.split('.')[0]}.force_{'across' if across else 'along'}={force!r}"
+    return [*keys, f"friction.coefficient={mu!r}", moved]
+
+
 def ball(rng: np.random.Generator) -> list[str]:
     """A circular contact between half-spaces."""
     radius = 10 ** rng.uniform(1, 3)
@@ -385,12 +402,13 @@ RECIPES = {
     ),
 }
 
-LOAD_STEPS = {
+BESIDE = {
     "yielding lines": Recipe(
         yielding_roller, {**LINE, "overload": [1.0, 100.0], "poisson": [0.25, 0.35]}
-    )
+    ),
+    "rubbing lines": Recipe(rubbing_roller, LINE, (5.0, 6.5, 8.0, 12.0, 24.0), 40),
 }
-"""Recipes whose load steps are counted, without error laws of meshes."""
+"""Recipes without error laws of their own: load steps are counted, friction adds to others."""
 
 
 def bounds(where: Mapping[str, Sequence[Any]]) -> error_envelopes.Family:
@@ -408,7 +426,7 @@ def parts(name: str) -> dict[str, dict[str, Sequence[Any]]]:
 def scenes(name: str, seed: int) -> Iterator[Scene]:
     """Endless random scenes of a recipe, the same for a seed; those that the plan refuses or that
     lie outside of the family are left out."""
-    recipe = (RECIPES | LOAD_STEPS)[name]
+    recipe = (RECIPES | BESIDE)[name]
     rng = np.random.default_rng([seed, *name.encode()])
     where = bounds({**DEFAULT, **recipe.where})
     index = 0
@@ -422,6 +440,19 @@ def scenes(name: str, seed: int) -> Iterator[Scene]:
         if where.holds(plan.setting):
             index += 1
             yield scene
+
+
+def carter(scene: Scene, strip: Hertz) -> dict[str, float]:
+    """Carter's force over mu N, or his creepage for the force given, by key, of a line that rolls;
+    empty of a shift."""
+    rolling, mu = scene.rolling, scene.friction.given[0]
+    assert isinstance(strip, LineContact)
+    if rolling.force_along:
+        full, share = mu * strip.half_width * strip.curvature, rolling.force_along / strip.load / mu
+        return {"creepage_along": full * (1 - strip_stick_ratio(share))}
+    if rolling.creepage_along:
+        return {"force_along_N": carter_share(strip, mu, rolling.creepage_along)}
+    return {}
 
 
 def solved(

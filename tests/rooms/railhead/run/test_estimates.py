@@ -98,6 +98,21 @@ def test_the_first_mesh_is_the_planned_one_and_load_steps_take_a_quarter_at_most
     assert coarser.load_steps <= plan.load_steps and coarser.unknowns < plan.unknowns
 
 
+@pytest.mark.parametrize(
+    "key, given, number",
+    [("creepage_along", 2e-4, "force_along_N"), ("force_along", 8e3, "creepage_along")],
+)
+def test_a_line_of_like_bodies_that_rolls_is_solved_once_within_carter(key, given, number) -> None:
+    keys = "rail.extent=half-space", "friction.coefficient=0.3", f"rolling.{key}={given}"
+    found = solved("long_roller", *keys, "accuracy=5%")
+    accuracy, value = found.summary["accuracy"], found.summary["result"]["friction"][number]
+    full, limit = 0.3 * found.ellipse.half_width * found.ellipse.curvature, 0.3 * 110e3
+    force, creepage = 1 - (1 - given / full) ** 2, 1 - math.sqrt(max(1 - given / limit, 0.0))
+    off = value / limit - force if key == "creepage_along" else value / full / creepage - 1
+    assert len(accuracy["levels"]) == 1 and accuracy["reached"]
+    assert 0 < abs(off) <= accuracy["bound"][number] < 0.03
+
+
 @pytest.mark.slow
 def test_a_line_of_unlike_bodies_with_friction_is_solved_on_three_meshes() -> None:
     """Its coarse contact points are no grid of tractions that stays as coarse on any mesh. The
