@@ -522,7 +522,7 @@ def assemble(
     lam = compat.cellwise_constant(mesh, lame[:, 0])
     mu = compat.cellwise_constant(mesh, lame[:, 1])
 
-    space = space or compat.vector_space(mesh, degree)
+    space = compat.vector_space(mesh, degree) if space is None else space
     u, v = ufl.TrialFunction(space), ufl.TestFunction(space)
     order = rule or quadrature_degree(compat.cell_type(mesh), degree, kinematics)
     form = compat.form(kinematics.energy(u, v, lam, mu, mesh, order), mesh)

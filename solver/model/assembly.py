@@ -112,7 +112,8 @@ class Assembly:
         self.energies = self._energies(u, degree, contacts)
         self.materials = self._materials()
         self.bulk, self.stiffness = assemble(
-            mesh, cell_tags, self.materials, degree, self.kinematics, space=u and u.function_space
+            *(mesh, cell_tags, self.materials, degree, self.kinematics),
+            space=None if u is None else u.function_space,
         )
         self.masks = masks(self.bulk.space, facet_tags, supports)
         self.thermal = self._thermal()
