@@ -153,7 +153,8 @@ MOST = 1.5  # reading error that most solutions stay below, over the median: of 
 #: Orders on meshes finer than the calibrated ones, from three heads up to 14.5 elements.
 BEYOND = {"bodies": {"approach_mm": 2.0}, "soft bodies": {"approach_mm": 2.0}}
 
-FAR_COARSE = {"a_mm": 0.5, "b_mm": 0.5, "area_mm2": 0.5, "approach_mm": 1.5}
+STRESSES = {"tau_max_MPa": 0.3, "von_mises_max_MPa": 0.3}
+FAR_COARSE = {"a_mm": 0.5, "b_mm": 0.5, "area_mm2": 0.5, "approach_mm": 1.5, **STRESSES}
 COARSER = {
     **dict.fromkeys(("ellipse", "bodies", "soft bodies", "soft theta", "hard theta"), FAR_COARSE),
     **dict.fromkeys(("yield", "far yield", "profiles"), FAR_COARSE),
