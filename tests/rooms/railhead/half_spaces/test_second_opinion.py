@@ -9,8 +9,11 @@ import pytest
 from friction_cases import MU, friction_found
 
 import railhead as rh
+from railhead.contact import closed_forms
 from railhead.half_spaces import second_opinion, shearing
+from railhead.half_spaces.pressing import HalfSpacePair
 from railhead.half_spaces.second_opinion import boundary_elements
+from railhead.half_spaces.shearing import Motion
 from railhead.planning import simulation_plan as planning
 from railhead.results import checks
 from railhead.results.report import terminal
@@ -98,6 +101,19 @@ def test_two_patches_roll_as_their_ellipses_nearly_do(two: planning.Plan, patche
     shifted = planning.make(two.scene.replace(rolling={"spin": 0.0}))
     with pytest.raises(ValueError, match=shearing.SEVERAL[:20]):
         boundary_elements(shifted.context.half_spaces, found, pressed, (16, 32))
+
+
+def test_two_patches_of_unlike_bodies_share_a_force_as_under_its_creepage(two) -> None:
+    scene = two.scene.replace(["wheel.young_modulus=1e6"])
+    contact = replace(two.contact, scene=scene)
+    pair = HalfSpacePair(contact, closed_forms.ellipse(scene, contact))
+    pressed = pair.pressed(1e4)
+    forced = shearing.sheared(pair, pressed, Motion(along=1e3), (16,))
+    moves = Motion(creepage=forced.found[0].creepage)
+    assert len(forced.patches) == 2 and moves.creepage.along > 0
+    assert forced.forces[0] == pytest.approx(1e3, abs=0.1)
+    moved = shearing.sheared(pair, pressed, moves, (16,))
+    np.testing.assert_allclose(forced.forces[:2], moved.forces[:2], atol=2.0)
 
 
 @pytest.mark.parametrize("wheel", [math.inf, pytest.param(3000.0, marks=pytest.mark.slow)])
