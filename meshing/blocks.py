@@ -1,8 +1,6 @@
 """gmsh (OpenCASCADE kernel) builds the bodies: a section swept along the rail or about the axle,
 or the section alone."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any

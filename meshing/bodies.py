@@ -1,7 +1,5 @@
 """What is meshed: sections, how they are swept, and the numbers of bodies and faces in a mesh."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 from railhead.geometry.outlines import Curve

@@ -1,7 +1,5 @@
 """gmsh in a process of its own, as it may crash or hang where surfaces cut themselves; memory."""
 
-from __future__ import annotations
-
 import ctypes
 import math
 import multiprocessing

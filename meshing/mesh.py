@@ -1,7 +1,5 @@
 """From bodies to a dolfinx mesh with tags, checked for bad elements."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass, replace

@@ -7,8 +7,6 @@ over strips that narrow towards the edges, below other patches over the cells of
 at 0.01 of the smaller half length: nearer to the surface a sliding edge makes a cusp of the model.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 

@@ -9,8 +9,6 @@ pressure. Depth is the distance into the body, positive in rail and wheel. Stres
 depth axes are in this frame, in the order (xx, ss, nn, xs, xn, sn); tension is positive.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Mapping, Sequence

@@ -2,8 +2,6 @@
 does to the steel: wear regime, point in the shakedown map.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from itertools import pairwise

@@ -3,8 +3,6 @@ patches and where they are largest; and measures of their quality: noise of the 
 over the patch, distance from edges.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The solution as grids, which pictures show, and as .vtu files for ParaView."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The same quantities of what was found, by finite elements or half-spaces, and of exact Hertz."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """Findings of half-spaces: from exact Hertz, or from the pressure of boundary elements."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Moments and maximum of the computed contact pressure, in space and in a section."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from itertools import combinations_with_replacement

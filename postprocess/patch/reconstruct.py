@@ -19,8 +19,6 @@ as uncertain on a fine mesh as on a coarse one. r is small inside, where joints 
 is large near the ends across, where F would otherwise follow facets that are half in contact.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from math import comb

@@ -1,7 +1,5 @@
 """Recovery of fields on the contact surface from values at quadrature points."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import basix

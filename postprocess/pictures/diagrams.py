@@ -6,8 +6,6 @@ attribute `figure` of both is the whole. `hertz` is the exact Hertz contact, poi
 then only the computed result is drawn. Its middle is at the origin of the contact frame.
 """
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """Pictures of friction: zones of stick and slip with tractions, and the shakedown map."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Pictures of passes over a rail that yields: residual stress, plastic strain, and increments."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

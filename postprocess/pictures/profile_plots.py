@@ -2,8 +2,6 @@
 the contacts, rolling radii), and a measured profile over the nearest standard one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

@@ -6,8 +6,6 @@ deformed. A grid is of a solid, or of a section in two dimensions. pyvista cuts 
 space, off screen; matplotlib draws the cuts.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Iterable, Mapping, Sequence

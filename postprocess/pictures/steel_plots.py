@@ -1,7 +1,5 @@
 """Pictures of a steel: its curve or its test, its first loops, and how it ratchets."""
 
-from __future__ import annotations
-
 from matplotlib.figure import Figure
 
 from railhead.postprocess.findings import Array, Subject

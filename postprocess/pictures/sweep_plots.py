@@ -4,8 +4,6 @@ Rows are those of the sweep's table; `columns` names the one or two columns that
 values may be words.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from functools import partial

@@ -1,7 +1,5 @@
 """Geometry of a meshed body: points inside it, length of a line inside it, its sharp edges."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

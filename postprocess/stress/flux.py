@@ -1,7 +1,5 @@
 """The force that the elements' own stresses carry away from the contact in a body."""
 
-from __future__ import annotations
-
 import basix
 import numpy as np
 

@@ -1,7 +1,5 @@
 """Stresses from the displacement, in the cells and at the nodes; tension is positive."""
 
-from __future__ import annotations
-
 import basix
 import numpy as np
 from numpy.typing import NDArray

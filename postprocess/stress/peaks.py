@@ -4,8 +4,6 @@ At the edges of the bodies and of their supports the exact stress is unbounded o
 the computed value depends on the mesh.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property

@@ -1,7 +1,5 @@
 """State after a load with yield: plastic strain, its zone, residual stress, indentation."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any

@@ -1,7 +1,5 @@
 """What ends a command too early, as one line on standard error and an exit status."""
 
-from __future__ import annotations
-
 import errno
 import re
 import sys

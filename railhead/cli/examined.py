@@ -1,7 +1,5 @@
 """What a command computes from geometry alone, and its files."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, ClassVar

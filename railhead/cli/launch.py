@@ -1,7 +1,5 @@
 """MPI processes of a run: how many are worth it, and the restart under mpirun."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import sys

@@ -4,8 +4,6 @@ A study writes tables, pictures and a page into a folder that appears complete o
 installed package has no studies.
 """
 
-from __future__ import annotations
-
 import sys
 from importlib import import_module
 from pathlib import Path

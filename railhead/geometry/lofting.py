@@ -6,8 +6,6 @@ length from it, so that a head that shifts, widens or turns keeps its arcs. Alon
 splines run through the sections; they end at kinks and where the distance of sections jumps.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

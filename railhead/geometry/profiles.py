@@ -5,8 +5,6 @@ the axle for a wheel (0 at the nominal rolling radius; positive makes the wheel 
 A profile is a chain of pieces, each a circular arc or a polynomial or spline in y.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import dataclass, replace

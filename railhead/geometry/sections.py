@@ -6,8 +6,6 @@ place and a file a line, then, for two features or more, a place and the lengths
 at which they lie, -1 where one is absent.
 """
 
-from __future__ import annotations
-
 import csv
 import math
 import re

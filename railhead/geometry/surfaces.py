@@ -2,8 +2,6 @@
 across the rail, and the gap between them.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path

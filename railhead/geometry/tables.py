@@ -5,8 +5,6 @@ only some 2000 lines are tried. A header line tells order and unit of the column
 wants. Without one there are as many columns as it wants, in its order and its own units.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ its own axes: origin at its crown centre, y to the field side. The axes of the l
 mirror image of those of the right one, so shift, yaw and roll have the opposite sign there.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property

@@ -4,8 +4,6 @@ The extra `page` brings aiohttp and plotly. Nothing else of the program imports 
 command `railhead page` starts it as a program of its own.
 """
 
-from __future__ import annotations
-
 import sys
 
 import click

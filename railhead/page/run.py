@@ -1,7 +1,5 @@
 """A run by finite elements for the page: the command in a process group of its own."""
 
-from __future__ import annotations
-
 import asyncio
 import os
 import signal

@@ -1,7 +1,5 @@
 """The server of the page: on this machine alone, behind a token, one socket for each open page."""
 
-from __future__ import annotations
-
 import asyncio
 import base64
 import hmac

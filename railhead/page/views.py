@@ -4,8 +4,6 @@ Each function takes a case as `railhead run` does, and values by dotted key, tex
 All raise SceneError for a wrong key or value, and where the wheel cannot stand.
 """
 
-from __future__ import annotations
-
 import math
 import shlex
 from collections.abc import Mapping

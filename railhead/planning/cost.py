@@ -7,8 +7,6 @@ One shipped number for each kind of model; what finished runs took on this machi
 `correction`).
 """
 
-from __future__ import annotations
-
 import json
 import math
 import platform

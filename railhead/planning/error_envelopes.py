@@ -13,8 +13,6 @@ the error in nine of ten seeds of the study `profiles`, and of drawn profiles in
 decimals, points 0.1 to 0.5 mm apart).
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Mapping, Sequence

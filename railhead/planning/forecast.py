@@ -10,8 +10,6 @@ there, its slope across is not bounded (K. L. Johnson, Contact Mechanics, 1985, 
 elements of one size flatten it. Elements grow from the patches outwards.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace

@@ -7,8 +7,6 @@ boundary elements, rolling half-spaces), which compare what both have where it i
 second one leaves out. A new check has its name in words in `report.html`.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """From a scene or a plan to its result."""
 
-from __future__ import annotations
-
 import os
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Rows of the quantities of summary.json, as the terminal, report.html and result.csv show them."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Replacing a folder of results by a new one, so that it is complete or not there at all."""
 
-from __future__ import annotations
-
 import csv
 import errno
 import fcntl

@@ -1,7 +1,5 @@
 """What the pictures and the report of a scene call it."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """summary.json: the contract with everyone who reads results."""
 
-from __future__ import annotations
-
 import math
 import resource
 from collections.abc import Mapping

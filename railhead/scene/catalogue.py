@@ -1,7 +1,5 @@
 """Scenes: the cases that ship (modules of `railhead.cases` with a SCENE), and TOML files."""
 
-from __future__ import annotations
-
 import ast
 import difflib
 import importlib

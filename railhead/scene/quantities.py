@@ -8,8 +8,6 @@ sweep.csv, the error estimates, the comparison with a second method and the attr
 A new quantity is a field here and the line that computes it.
 """
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Two quarter blocks pressed together: contact set-ups that no scene can say."""
 
-from __future__ import annotations
-
 import functools
 from dataclasses import dataclass
 from typing import Any

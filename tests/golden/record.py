@@ -11,8 +11,6 @@ messages arrive in changing order, so that sums of forces round differently. Wha
 and half-spaces then end at differs within their tolerances.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import os

@@ -1,7 +1,5 @@
 """Two boxes on each other whose meshes do not match, for the solver without scenes."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Curved plane meshes from gmsh for the solver without scenes: sections of quadratic triangles."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

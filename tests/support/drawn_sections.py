@@ -4,8 +4,6 @@ The formulae and the truths beside them come from the reference of the project's
 boundary elements and closed forms that share no code with the program), its cases 1 to 7.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

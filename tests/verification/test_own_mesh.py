@@ -1,7 +1,5 @@
 """Contact for a mesh of one's own (`rs.Model`) beside closed forms."""
 
-from __future__ import annotations
-
 import warnings
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Surfaces that vary along the rail beside closed forms and boundary elements of other programs."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -6,8 +6,6 @@ s = sqrt(zeta^2 - w^2), which is analytic there; F(zeta) = int p/(zeta - t) dt
 = pi p0 w/(zeta + s) gives stresses and displacements (Johnson, Contact Mechanics, 2.7 and 4.2).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import ClassVar

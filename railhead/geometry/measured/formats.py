@@ -7,8 +7,6 @@ of the axes: z of a Simpack file counts downwards and y to the field side; y of 
 begins at the flange back. A table whose header names no columns has two, y before z.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Measured profiles: points from a file, brought to the axes of the project, smoothed."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache

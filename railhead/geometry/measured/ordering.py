@@ -3,8 +3,6 @@
 Outliers, rounded coordinates and scans there and back are refused.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from railhead.theory.array_types import Array

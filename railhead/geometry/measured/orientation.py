@@ -5,8 +5,6 @@ to the depth of the gauge, else the worn one. A wheel has its flange beyond the 
 circle lies at a given distance from the flange back.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -13,8 +13,6 @@ measured. Their curve passes through them within that rounding, and of all such 
 changes least in sum: it is constant along arcs, and jumps where arcs meet.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

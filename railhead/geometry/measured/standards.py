@@ -7,8 +7,6 @@ on to the flange back. A loss all over, as of a crown ground flat, is partly tak
 displacement.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 

@@ -1,7 +1,5 @@
 """Which effects a scene calls for, which are simulated, and whether the solution bears it out."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial

@@ -3,8 +3,6 @@
 Friction acts in a shift from rest or in steady rolling.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

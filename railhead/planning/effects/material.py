@@ -4,8 +4,6 @@ A half-space much stiffer than the other is rigid: it is not meshed, and its str
 under the pressure. Bodies that yield are loaded in steps.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 

@@ -1,7 +1,5 @@
 """Effects of repeated rolling over a rail that yields: the passes, and what they leave out."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from itertools import pairwise

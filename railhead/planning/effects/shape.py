@@ -5,8 +5,6 @@ or half-spaces; the whole rail or its head. And what every model assumes of the 
 the solution: a patch away from the edges.
 """
 
-from __future__ import annotations
-
 import math
 from contextlib import suppress
 

@@ -1,7 +1,5 @@
 """report.html: one file with all of a result, for a reader who has nothing else."""
 
-from __future__ import annotations
-
 import base64
 import platform
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """The units in which a reader wants the numbers, from a text."""
 
-from __future__ import annotations
-
 from railhead.postprocess.findings import FACTORS, Units
 from railhead.scene.sections import SceneError
 

@@ -1,7 +1,5 @@
 """Bodies with an energy of their own, in finite strain, and contact of deformed surfaces."""
 
-from __future__ import annotations
-
 import dolfinx
 import numpy as np
 import pytest

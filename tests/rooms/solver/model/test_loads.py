@@ -1,7 +1,5 @@
 """Constants that vary from cell to cell, thermal strain, surface loads and springs."""
 
-from __future__ import annotations
-
 import dolfinx
 import numpy as np
 import pytest

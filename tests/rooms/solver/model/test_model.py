@@ -1,7 +1,5 @@
 """Input that a model cannot have, and what its parts say."""
 
-from __future__ import annotations
-
 import itertools
 import re
 import warnings

@@ -1,7 +1,5 @@
 """What a solution says beside pressure and displacement, and its files."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import meshio

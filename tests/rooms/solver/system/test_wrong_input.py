@@ -1,7 +1,5 @@
 """Input that a contact model cannot have, and answers without contact."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 
