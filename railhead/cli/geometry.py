@@ -21,7 +21,6 @@ from railhead.cli.passage import Passage, passage
 from railhead.contact import solid
 from railhead.geometry.measured import BODY_BY_EXTENSION, standards
 from railhead.geometry.measured.measured_profile import Measured
-from railhead.geometry.measured.standards import LaidStandard
 from railhead.geometry.placement import PlacementError
 from railhead.geometry.wheelset import (
     Placed,
@@ -333,7 +332,7 @@ class ExaminedProfile(Examined):
     command = "profile"
     scene: Scene
     measured: Measured
-    worn: LaidStandard | None
+    worn: standards.LaidStandard | None
 
     def summary(self) -> dict[str, Any]:
         """Content of summary.json: lengths in mm, areas in mm2, in the axes of profiles."""

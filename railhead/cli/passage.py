@@ -12,7 +12,6 @@ from rich.console import Console
 
 from railhead.cli.examined import Examined
 from railhead.contact import crossing
-from railhead.contact.crossing import Crossing
 from railhead.postprocess.findings import BASE_UNITS, Subject, Units
 from railhead.results.report import terminal
 from railhead.scene.catalogue import portable
@@ -37,7 +36,7 @@ class Passage(Examined):
 
     command = "locate"
     scene: Scene
-    crossings: tuple[Crossing, ...]
+    crossings: tuple[crossing.Crossing, ...]
 
     @cached_property
     def rows(self) -> list[dict[str, Any]]:
@@ -114,7 +113,7 @@ class Passage(Examined):
             terminal.labelled(console, f"{text} (rigid)")
 
 
-def _row(found: Crossing) -> dict[str, Any]:
+def _row(found: crossing.Crossing) -> dict[str, Any]:
     """Entry of "rows" of a position."""
     at = found.scene.rail.position
     touching = found.touching(CLEARANCE)

@@ -19,7 +19,6 @@ from railhead.results.report import terminal
 from railhead.run.model_setup import hardening
 from railhead.scene import catalogue, files
 from railhead.scene.bodies import steels
-from railhead.scene.catalogue import portable
 from railhead.scene.scene import Scene, SceneError
 from railhead.solver.material import Material
 from railhead.solver.plasticity.specimen import Bar, fitted, stresses
@@ -140,7 +139,7 @@ class SteelTests(Examined):
         }
         found = {
             "case": self.scene.name,
-            "scene": portable(self.scene),
+            "scene": catalogue.portable(self.scene),
             "steel": _keys(self.steel),
             "rule": rule(self.steel.hardening),
             "proof_MPa": self.proof,

@@ -12,7 +12,6 @@ from scipy.interpolate import RectBivariateSpline
 
 from railhead.geometry import tables
 from railhead.geometry.placement import Pose
-from railhead.geometry.tables import Column, mm_of
 from railhead.theory.array_types import Array, read_arrays
 
 NEWTON_STEPS = 20
@@ -22,9 +21,9 @@ Values = tuple[Array, Array, Array]
 """Height (n,) in mm, and its slopes (n,) along and across."""
 FEWEST = 4  # places along a map, for cubic splines
 ROW = (
-    Column(name="x", named="(x|along)( .*)?", unit="mm", factor=mm_of),
-    Column(name="y", named="(y|across|lateral)( .*)?", unit="mm", factor=mm_of),
-    Column(name="height", named="(z|h|height)( .*)?", unit="mm", factor=mm_of),
+    tables.Column(name="x", named="(x|along)( .*)?", unit="mm", factor=tables.mm_of),
+    tables.Column(name="y", named="(y|across|lateral)( .*)?", unit="mm", factor=tables.mm_of),
+    tables.Column(name="height", named="(z|h|height)( .*)?", unit="mm", factor=tables.mm_of),
 )
 """Columns of a map of text."""
 

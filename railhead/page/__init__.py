@@ -9,7 +9,6 @@ import sys
 import click
 
 from railhead.cli import errors
-from railhead.cli.errors import SOLVED
 from railhead.run import process
 
 
@@ -25,4 +24,4 @@ def main() -> None:
         server.serve(case, int(port), opened=shown == "open")
     except (ValueError, OSError, click.ClickException) as error:
         sys.exit(errors.told(error))
-    sys.exit(SOLVED)
+    sys.exit(errors.SOLVED)

@@ -18,7 +18,6 @@ from railhead.meshing.bodies import BODY_NAMES
 from railhead.scene.scene import Rail, Scene, SceneError, Wheel
 from railhead.theory.elastic.line import Hertz
 from railhead.theory.friction import tangential
-from railhead.theory.friction.tangential import MaterialPair
 
 STIFFEST = 1e5  # largest ratio of both moduli in a mesh; balance of forces failed at 7e6
 DEFAULT_ACCURACY = 0.01  # accuracy of a scene that prescribes none
@@ -134,7 +133,7 @@ class Context:
         return {name: min(moduli[name], most) if name in deform else math.inf for name in bodies}
 
     @property
-    def tangential_pair(self) -> MaterialPair:
+    def tangential_pair(self) -> tangential.MaterialPair:
         """Shear modulus (MPa), Poisson's ratio and mismatch of both materials as simulated,
         combined for tangential contact.
         """

@@ -25,7 +25,6 @@ import numpy as np
 from scipy.optimize import brentq
 
 from railhead.contact import closed_forms, crossing, solid
-from railhead.contact.crossing import Crossing, HeadContact
 from railhead.half_spaces.pressing import HalfSpacePair
 from railhead.planning.context import Context
 from railhead.scene.scene import Scene
@@ -252,7 +251,7 @@ def of_profiles(context: Context) -> dict[str, Any] | None:
     if not contact.curved_solid or not (measured or scene.rail.varies):
         return None
     try:
-        if isinstance(contact, HeadContact):
+        if isinstance(contact, crossing.HeadContact):
             found = of_sections(context, contact.crossing, measured=measured)
             return {"relative": found, "reason": ""}
         return {"relative": around(scene, context.half_spaces.boundary_elements), "reason": ""}
@@ -260,7 +259,7 @@ def of_profiles(context: Context) -> dict[str, Any] | None:
         return {"relative": math.inf, "reason": str(error)}
 
 
-def of_sections(context: Context, found: Crossing, *, measured: bool) -> float:
+def of_sections(context: Context, found: crossing.Crossing, *, measured: bool) -> float:
     """Relative error of sizes and values that the sections of a rail may hide: twice (SAFETY) the
     largest change of Hertz's pressure or area on a head that may touch, or by what its height moves
     the load between two, when every second section is left out, and when a measured wheel is

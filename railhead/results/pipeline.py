@@ -7,12 +7,10 @@ from mpi4py import MPI
 
 from railhead.planning import cost
 from railhead.planning import simulation_plan as planning
-from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.pass_rows import Passes
 from railhead.results.result import Result
 from railhead.results.summary import summarise, summarise_half_spaces
 from railhead.run import half_space_answer
-from railhead.run.half_space_answer import Solved
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.progress import Progress
 from railhead.run.refinement import Ending, refine, unplanned_yield
@@ -30,7 +28,7 @@ def run(
     return solve(planning.make(scene), progress or Progress(quiet=True), comm)
 
 
-def solve(plan: Plan, progress: Progress, comm: MPI.Intracomm = MPI.COMM_WORLD) -> Result:
+def solve(plan: planning.Plan, progress: Progress, comm: MPI.Intracomm = MPI.COMM_WORLD) -> Result:
     """Solve a plan on all meshes that its scene asks for; collective. Where bodies yield that were
     planned as elastic, solve again with yield. Without finite bodies half-spaces are solved, on
     every rank. A solution that did not converge, or fails a check, is a result, too. Raises
@@ -65,7 +63,7 @@ def result(
     return Result(solved, comm.bcast(None if solved.fields is None else summarise(levels, ending)))
 
 
-def _passes(solved: Solved, progress: Progress) -> Passes | None:
+def _passes(solved: half_space_answer.Solved, progress: Progress) -> Passes | None:
     """Passes of the wheel of a solved scene over its rail, on this process alone; None where the
     plan has none, nothing touches, or off rank 0.
     """

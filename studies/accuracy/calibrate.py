@@ -29,7 +29,6 @@ from railhead.planning import cost
 from railhead.planning import simulation_plan as planning
 from railhead.planning.error_envelopes import PLACES, TURNED, ErrorEnvelope
 from railhead.run import estimates, mesh_solution
-from railhead.run.mesh_solution import MeshSolution
 from railhead.scene import catalogue
 from railhead.scene.quantities import ESTIMATED, QUANTITIES, numeric_values
 from railhead.scene.scene import Scene
@@ -368,7 +367,7 @@ def measure_twist() -> dict[str, Any]:
     }
 
 
-def solved(profile: str, inclination: str) -> MeshSolution:
+def solved(profile: str, inclination: str) -> mesh_solution.MeshSolution:
     """A rail with web and foot under half of the load of an axle, solved; profile and inclination:
     values of the scene's keys."""
     scene = catalogue.find("uic54_22t5_axle").replace(
@@ -383,7 +382,7 @@ def solved(profile: str, inclination: str) -> MeshSolution:
     return tables.solved(planning.make(scene))
 
 
-def turn(solved: MeshSolution) -> tuple[float, float]:
+def turn(solved: mesh_solution.MeshSolution) -> tuple[float, float]:
     """Rotation of the head at the wheel, rad, and depth of the point below the crown that it turns
     about, mm: u_y = c - angle z and u_z = d + angle y, fitted to its flanks."""
     assert solved.fields is not None

@@ -23,7 +23,6 @@ from railhead.theory.elastic.line import LineContact
 from railhead.theory.friction import partial_slip
 from studies import tables
 from studies.mechanics import plasticity
-from studies.tables import Row
 
 COARSEST, RATIO = 3.0, 1.4  # elements per smaller semi-axis of the first mesh, and to the next
 MESHES = 7
@@ -52,7 +51,7 @@ UNITS = {"seconds": "s"}
 
 def main(out: Path, *, quick: bool) -> None:
     """Solve all series (quick: the strip on three meshes); write CSV, picture and page."""
-    rows: list[Row] = []
+    rows: list[tables.Row] = []
     with Progress(quiet=False) as progress:
         for name in (QUICK,) if quick else SERIES:
             rows += series(name, progress, 3 if quick else None)
@@ -60,7 +59,7 @@ def main(out: Path, *, quick: bool) -> None:
     tables.publish(out, page(rows), UNITS, effect_accuracy=rows)
 
 
-def series(name: str, progress: Progress, meshes: int | None) -> Iterator[Row]:
+def series(name: str, progress: Progress, meshes: int | None) -> Iterator[tables.Row]:
     """Rows of one series: a row a mesh, after a warm-up, and one for each accuracy that is asked
     for, in sections and where error envelopes hold. meshes: number of meshes; None: all, and the
     accuracies."""
@@ -142,7 +141,7 @@ def errors(values: dict[str, float], truth: dict[str, float]) -> dict[str, float
     }
 
 
-def page(rows: Sequence[Row]) -> str:
+def page(rows: Sequence[tables.Row]) -> str:
     """One sentence for each series, and a table of the runs that an accuracy was asked of."""
     fronts: dict[str, dict[str, Any]] = {}
     for name, own in tables.groups(rows, "series").items():
@@ -171,7 +170,7 @@ def page(rows: Sequence[Row]) -> str:
     )
 
 
-def draw(rows: Sequence[Row], path: Path) -> None:
+def draw(rows: Sequence[tables.Row], path: Path) -> None:
     """Worst error over seconds: a line a series, with a star for each accuracy that was asked for.
     Where the finest mesh is the truth, a bar to the right shows how sure that is."""
     with new_figure(path, 9.5, 5.5) as figure:

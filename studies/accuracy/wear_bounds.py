@@ -14,13 +14,12 @@ from railhead.half_spaces.worn_contact import BODIES
 from railhead.run.progress import Progress
 from railhead.sweeps.wear import wear_run
 from railhead.sweeps.wear.wear_result import WearResult
-from railhead.sweeps.wear.wear_run import Grid
 from studies.processes import attempts
 from studies.tables import Row, groups, publish, render
 
 SEED, ROUTES, STEPS, FINER = 20261127, 20, 2, 4
-RUNS: dict[str, Grid] = {"coarse": (32, 7.5), "main": (64, 15.0)}
-TRUTH: dict[str, Grid] = {"coarse": (64, 15.0), "main": (96, 30.0)}
+RUNS: dict[str, wear_run.Grid] = {"coarse": (32, 7.5), "main": (64, 15.0)}
+TRUTH: dict[str, wear_run.Grid] = {"coarse": (64, 15.0), "main": (96, 30.0)}
 NUMBERS = (
     "pressure_max_MPa",
     "area_mm2",
@@ -136,7 +135,7 @@ def measure(index: int) -> list[Row]:
     return rows
 
 
-def _solved(given: rh.Scene, folder: Path, runs: dict[str, Grid]) -> WearResult:
+def _solved(given: rh.Scene, folder: Path, runs: dict[str, wear_run.Grid]) -> WearResult:
     """The answer of a route on some grids, with records in a new folder."""
     folder.mkdir()
     route = wear_run.read(given)

@@ -14,7 +14,6 @@ from railhead.results import pipeline
 from railhead.run.progress import Progress
 from railhead.scene import catalogue
 from studies import processes, tables
-from studies.tables import Row
 
 SIZES = (0.4, 0.28, 0.22, 0.142, 0.112)  # mm in the patch of hertz_ellipse
 PARTS = ("start", "mesh", "assemble", "solve", "postprocess")
@@ -32,7 +31,7 @@ def measure(patch_size: float) -> dict[str, Any] | None:
     return found if MPI.COMM_WORLD.rank == 0 else None
 
 
-def recorded(patch_size: float, ranks: int) -> Row:
+def recorded(patch_size: float, ranks: int) -> tables.Row:
     """One mesh with some processes. seconds by the clock, whole: from the start of the interpreter
     to the findings, start: what is none of the other parts."""
     begin = time.time()
@@ -48,7 +47,7 @@ def recorded(patch_size: float, ranks: int) -> Row:
     }
 
 
-def forecast(one: Row, two: Row, ranks: int) -> dict[str, float]:
+def forecast(one: tables.Row, two: tables.Row, ranks: int) -> dict[str, float]:
     """Seconds of each part with so many processes, each on a core of its own with its share of the
     memory's bandwidth: T = s + p / ranks through what one and two take (Amdahl), none faster than
     p = T(1)."""
@@ -69,7 +68,7 @@ def main(out: Path, *, quick: bool) -> None:
     tables.publish(out, page(records), ranks=records)
 
 
-def page(records: Sequence[Row]) -> str:
+def page(records: Sequence[tables.Row]) -> str:
     """What was measured, and the forecast from the largest mesh."""
     one, two = records[-2:]
     parts = [f"{{{part}:.1f}}" for part in PARTS]

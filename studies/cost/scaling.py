@@ -17,7 +17,6 @@ from railhead.scene import catalogue
 from railhead.solver.algebra import linear
 from railhead.solver.system.fields import gather
 from studies import processes, tables
-from studies.tables import Row
 
 SIZES = (0.53, 0.4, 0.3, 0.22, 0.16, 0.142, 0.112)  # mm in the patch of hertz_ellipse
 
@@ -81,7 +80,7 @@ def main(out: Path, *, quick: bool) -> None:
     tables.publish(out, page(records), scaling=records)
 
 
-def page(records: Sequence[Row]) -> str:
+def page(records: Sequence[tables.Row]) -> str:
     """The table, and the growth from the first to the last mesh in words."""
     rows = [
         {

@@ -18,7 +18,6 @@ from railhead.scene import catalogue
 from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction
 from railhead.theory.friction.tangential import pair
 from studies import tables
-from studies.tables import Row
 
 REPEATS = 3  # the median of so many runs, after one that is not counted
 UNIT = "hertz_ellipse by finite elements, mesh.patch_size = 0.3"
@@ -64,8 +63,8 @@ COMMANDS = (
 def main(out: Path, *, quick: bool) -> None:
     """Measure each row (quick: the ellipses alone, once); write both CSV files and the page."""
     repeats = 1 if quick else REPEATS
-    rows: list[Row] = []
-    commands: list[Row] = []
+    rows: list[tables.Row] = []
+    commands: list[tables.Row] = []
     with Progress(quiet=False) as progress:
         for task, line in COMMANDS[: 2 if quick else None]:
             progress.stage(line)
@@ -141,7 +140,7 @@ def creep_forces() -> None:
         found = friction.solve(Creepage(0.02 * (step + 1), 0.01, 0.1), found)
 
 
-def page(rows: list[Row], commands: list[Row]) -> str:
+def page(rows: list[tables.Row], commands: list[tables.Row]) -> str:
     """Text of the page."""
     solids = sorted(
         row["seconds"]

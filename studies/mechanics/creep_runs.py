@@ -13,9 +13,7 @@ from mpi4py import MPI
 
 import railhead as rh
 from railhead.half_spaces import second_opinion, shearing
-from railhead.half_spaces.shearing import Motion
 from railhead.planning import simulation_plan as planning
-from railhead.planning.simulation_plan import Plan
 from railhead.run import mesh_solution, solid_friction
 from railhead.scene import catalogue
 from railhead.solver.system.contact_system import LoadCase
@@ -101,7 +99,7 @@ class Sampled:
     clock: tuple[float, ...]
 
 
-def sampled(plan: Plan) -> Sampled:
+def sampled(plan: planning.Plan) -> Sampled:
     """Friction of the solids of a plan, pressed on its mesh."""
     start = time.process_time()
     model = mesh_solution.assemble(plan, mesh_solution.generate(plan, plan.grading, MPI.COMM_WORLD))
@@ -163,7 +161,7 @@ def _point(
     }
 
 
-def _plan(curve: CreepCurve) -> Plan:
+def _plan(curve: CreepCurve) -> planning.Plan:
     """Elastic plan of a curve's scene, of a whole model where a motion is lateral or spins."""
     across = any(each.across or each.spin for each in curve.motions)
     scene = catalogue.find(curve.name).replace(
@@ -176,7 +174,7 @@ def _plan(curve: CreepCurve) -> Plan:
     return plan if curve.resolution is None else plan.at_resolution(curve.resolution)
 
 
-def _others(plan: Plan, curve: CreepCurve) -> Iterator[Point]:
+def _others(plan: planning.Plan, curve: CreepCurve) -> Iterator[Point]:
     """Points by boundary elements, FASTSIM and linear theory, at each motion of a curve."""
     scene, ellipse = plan.scene, plan.hertz
     assert isinstance(ellipse, Ellipse) and scene.load is not None
@@ -185,7 +183,7 @@ def _others(plan: Plan, curve: CreepCurve) -> Iterator[Point]:
     limit = sum(each.limit for each in patches)
     for motion in curve.motions:
         given = motion.along, motion.across, motion.spin
-        sheared = shearing.shear(half_spaces, patches, Motion(creepage=motion))
+        sheared = shearing.shear(half_spaces, patches, shearing.Motion(creepage=motion))
         sticks, touches = np.sum([each.areas for each in sheared.found], axis=0)
         quick = second_opinion.fastsim(patches, limit, half_spaces.materials, given)
         straight = second_opinion.linear(patches, half_spaces.materials, given)
@@ -305,7 +303,7 @@ MESHED = (1e-3, 3e-3, 1e-2, 1e-1)  # creepages of finite elements, at the middle
 SPEED_CELLS = 32  # each way, of the boundary elements
 
 
-def _falling_plan(speed: float) -> Plan:
+def _falling_plan(speed: float) -> planning.Plan:
     """Elastic plan of the thesis's ellipse that rolls with the law at a speed, m/s."""
     scene = catalogue.find("hertz_ellipse").replace(
         friction=LAW,
@@ -337,7 +335,7 @@ def half_spaces(speed: float, creepages: tuple[float, ...]) -> list[Row]:
     rows = []
     for way, values in (("upwards", creepages), ("downwards", creepages[::-1])):
         for value in values:
-            motion = Motion(creepage=Creepage(value))
+            motion = shearing.Motion(creepage=Creepage(value))
             found = shearing.shear(of.context.half_spaces, patches, motion, found).found
             rows.append(_falling_row(speed, value, way, found[0]))
     return rows

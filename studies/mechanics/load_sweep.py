@@ -16,7 +16,6 @@ from mpi4py import MPI
 from railhead.contact import closed_forms
 from railhead.meshing.grading import Grading
 from railhead.planning import simulation_plan as planning
-from railhead.planning.simulation_plan import Plan
 from railhead.postprocess import read
 from railhead.postprocess.findings import Array, Frame
 from railhead.postprocess.patch import compare
@@ -82,7 +81,7 @@ def main(out: Path, *, quick: bool) -> None:
     publish(out, page(rows), UNITS, load_sweep=rows)
 
 
-def around_smallest(plan: Plan, lowest: float) -> Grading:
+def around_smallest(plan: planning.Plan, lowest: float) -> Grading:
     """Grading that is fine enough for the patch of the lowest load (N) and grows outwards over the
     larger patches."""
     small = closed_forms.hertz_contact(plan.scene, plan.contact, lowest)
@@ -125,7 +124,7 @@ def sweep(name: str, loads: Sequence[float], progress: Progress) -> list[Row]:
 
 
 def _row(
-    plan: Plan, ellipse: Ellipse, model: ContactModel, frame: Frame, solution: Solution
+    plan: planning.Plan, ellipse: Ellipse, model: ContactModel, frame: Frame, solution: Solution
 ) -> dict[str, Any]:
     """Row of one load, without seconds."""
     fields, newton = gather(model, solution), solution.newton

@@ -16,8 +16,6 @@ from studies import processes, tables
 from studies.peers import block_meshes, peers_page
 from studies.peers.codes import Peer, peers
 from studies.peers.peers_page import OURS, TRAVEL
-from studies.processes import Cost, FailedError
-from studies.tables import Row
 
 CASE = "hertz_ellipse"
 VENV = Path("results") / "peers" / "venv"
@@ -49,7 +47,7 @@ def install() -> None:
                 command = ["sh", "-c", f"dpkg -s {names} || (apt-get update -q && {APT} {names})"]
             try:
                 processes.run(command, VENV)
-            except FailedError as error:
+            except processes.FailedError as error:
                 print(f"railhead: not installed: {peer.TITLE}: {error}", file=sys.stderr)
 
 
@@ -75,7 +73,7 @@ def main(out: Path, *, quick: bool) -> None:
             progress.stage(f"{peer.TITLE}: version")
             try:
                 versions[peer.TITLE] = version(peer, Path(work))
-            except FailedError as error:
+            except processes.FailedError as error:
                 absent[peer.TITLE] = str(error)
         present = [peer for peer in known if peer.TITLE in versions]
         runs = list(measured(present, Path(work), progress, quick=quick))
@@ -87,7 +85,7 @@ def main(out: Path, *, quick: bool) -> None:
 
 def measured(
     present: Sequence[Peer], work: Path, progress: Progress, *, quick: bool
-) -> Iterator[Row]:
+) -> Iterator[tables.Row]:
     """One process at a time: of every code its coarsest run, ours, every second run, ours, ...
     so that what else the machine does meets all of them."""
     case = _case()
@@ -114,10 +112,10 @@ def version(peer: Peer, work: Path) -> str:
     """Version of an installed code. Raises FailedError, with the reason, where there is none."""
     try:
         if not Path(python(peer)).exists():
-            raise FailedError("not installed")
+            raise processes.FailedError("not installed")
         return str(_asked(peer, None, work)[0])
-    except FailedError as error:
-        raise FailedError(f"{error} ({install_command(peer)})") from None
+    except processes.FailedError as error:
+        raise processes.FailedError(f"{error} ({install_command(peer)})") from None
 
 
 def _case() -> dict[str, Any]:
@@ -140,7 +138,7 @@ def solve(
     case: Mapping[str, float],
     files: Mapping[Mesh, Path],
     work: Path,
-) -> Row:
+) -> tables.Row:
     """One run of a code, with its costs and errors, or why there are none."""
     head = peer.TITLE, peer.METHOD, setting
     options = {key: value for key, value in run.items() if key != "mesh"}
@@ -148,11 +146,11 @@ def solve(
     try:
         found, cost = _asked(peer, {"case": case, "mesh": mesh, "run": options}, work)
         return peers_page.row(*head, cost | peers_page.read(case, found))
-    except (FailedError, ValueError) as error:
+    except (processes.FailedError, ValueError) as error:
         return peers_page.row(*head, {}, str(error))
 
 
-def _asked(peer: Peer, job: Mapping[str, Any] | None, work: Path) -> tuple[Any, Cost]:
+def _asked(peer: Peer, job: Mapping[str, Any] | None, work: Path) -> tuple[Any, processes.Cost]:
     """What a code answers to a job (None: its version), run in a process of its own in an empty
     folder, and the cost of that process. Raises FailedError as `processes.run` does."""
     with tempfile.TemporaryDirectory(dir=work) as empty:
@@ -163,7 +161,7 @@ def _asked(peer: Peer, job: Mapping[str, Any] | None, work: Path) -> tuple[Any, 
         return json.loads((folder / "found.json").read_text(encoding="utf-8")), cost
 
 
-def _own(setting: str, options: Sequence[str], work: Path) -> Row:
+def _own(setting: str, options: Sequence[str], work: Path) -> tables.Row:
     """Row of `railhead run hertz_ellipse --no-pictures` with further options, as a person starts
     it."""
     head = OURS, "finite elements", setting
@@ -173,7 +171,7 @@ def _own(setting: str, options: Sequence[str], work: Path) -> Row:
         cost = processes.run(command, work)
         summary = json.loads((work / "own" / "summary.json").read_text(encoding="utf-8"))
         return peers_page.row(*head, cost | peers_page.read_own(summary))
-    except FailedError as error:
+    except processes.FailedError as error:
         return peers_page.row(*head, {}, str(error))
     finally:
         shutil.rmtree(work / "own", ignore_errors=True)

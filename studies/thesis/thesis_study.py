@@ -17,7 +17,6 @@ from studies import tables
 from studies.thesis import geometry, hertz, stress, thesis_page
 from studies.thesis.claims import Claim, Finding, Rule, read_claims
 from studies.thesis.facts import WHEEL, Facts, facts
-from studies.thesis.thesis_page import DEFAULT, HEXAHEDRA
 
 CASE = "uic54_thesis"
 RULES: dict[int, Rule] = geometry.RULES | hertz.RULES | stress.RULES
@@ -95,7 +94,7 @@ def measure(
         for load in LOADS:
             progress.stage(f"{scene.name}: {load:.0f} N")
             result = run(scene.replace([f"load={load!r}"]))
-            runs.append(_row(DEFAULT, result))
+            runs.append(_row(thesis_page.DEFAULT, result))
             if load == scene.load:
                 assert result.fields is not None and result.findings is not None
                 sampled = thesis_page.sample(result.fields, result.findings)
@@ -105,7 +104,7 @@ def measure(
         for n in ELEMENTS:
             progress.stage(f"{scene.name}: linear hexahedra, penalty, b/{n}")
             size = f"mesh.patch_size={exact.b / n!r}"
-            runs.append(_row(HEXAHEDRA, run(scene.replace([*SOLID185, size]))))
+            runs.append(_row(thesis_page.HEXAHEDRA, run(scene.replace([*SOLID185, size]))))
     return runs, fe, sampled
 
 

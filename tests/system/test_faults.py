@@ -19,7 +19,6 @@ from railhead.scene import catalogue
 from railhead.scene.scene import Scene
 from railhead.solver import compat
 from railhead.solver.algebra import linear
-from railhead.solver.algebra.linear import PETSc
 
 pytestmark = pytest.mark.system
 SMALL_FILES = """
@@ -198,9 +197,9 @@ def test_a_limit_of_address_space_counts_as_memory(monkeypatch) -> None:
 def test_mumps_that_cannot_allocate_is_no_linear_solver_that_stalls(monkeypatch) -> None:
     monkeypatch.setattr(linear, "NOT_ALLOCATED", (0,))  # which is success
     rows = [0, 1, 2], [0, 1], [1.0, 1.0]
-    matrix = PETSc.Mat().createAIJ((2, 2), csr=rows, comm=PETSc.COMM_SELF)
+    matrix = linear.PETSc.Mat().createAIJ((2, 2), csr=rows, comm=linear.PETSc.COMM_SELF)
     matrix.assemble()
-    pc = PETSc.PC().create(PETSc.COMM_SELF)
+    pc = linear.PETSc.PC().create(linear.PETSc.COMM_SELF)
     pc.setOperators(matrix)
     with pytest.raises(MemoryError):
         linear.factorise(pc, symmetric=True)

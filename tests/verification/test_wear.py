@@ -10,14 +10,13 @@ from railhead.theory import wear
 from railhead.theory.bem import pressure_solver
 from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.elastic import hertz
-from railhead.theory.wear import Splines, Stage, WearLaw
 
 RADIUS, CROWN, LOAD, SLIP, RATE = 460.0, 300.0, 80e3, 0.3 * 0.01, 6.75e-7
 MODULUS = hertz.contact_modulus(207e3, 0.3, 207e3, 0.3)
 PASSES = 0.3565 / (RATE * SLIP * LOAD)
 PLACES = np.linspace(-20.0, 20.0, 4001)
 STEP = PLACES[1] - PLACES[0]
-SPLINES = Splines(PLACES.size, 80)
+SPLINES = wear.Splines(PLACES.size, 80)
 
 
 def hats(s: np.ndarray) -> np.ndarray:
@@ -55,7 +54,7 @@ class Crown:
 
     def worn(self, count: int) -> tuple[np.ndarray, float]:
         """Depth at PLACES and largest pressure after the whole wear in equal steps."""
-        start = Stage(0.0, np.zeros_like(PLACES), 0.0, 1.0)
+        start = wear.Stage(0.0, np.zeros_like(PLACES), 0.0, 1.0)
         ends = [(n + 1) / count for n in range(count)]
         *_, last = wear.march(self.advance, start, ends)
         patch = self.press(last.depth)
@@ -108,7 +107,7 @@ def test_chosen_steps_reach_the_change_that_is_asked_and_go_on_from_any_of_them(
         after = (depth + 4 * share) / (1 + 4 * share)
         return after, float((1 - depth[0]) / (1 - after[0]) - 1)
 
-    start = Stage(0.0, np.zeros(1), 0.0, wear.FIRST)
+    start = wear.Stage(0.0, np.zeros(1), 0.0, wear.FIRST)
     whole = list(wear.march_freely(advance, start, 0.3))
     again = list(wear.march_freely(advance, whole[1], 0.3))
     assert whole[-1].done == 1.0 and len(again) == len(whole) - 2
@@ -141,7 +140,7 @@ def test_peak_is_that_of_a_parabola_and_leaves_out_what_is_narrow():
 
 
 def test_laws_have_the_rates_of_their_sources():
-    usfd, energy = WearLaw(wear.USFD), WearLaw.of_energy(6.75e-7)
+    usfd, energy = wear.WearLaw(wear.USFD), wear.WearLaw.of_energy(6.75e-7)
     assert usfd.rate(0.0) == pytest.approx(6.75e-7, rel=1e-3) == usfd.rate(10.0)
     assert energy.rate(0.3) == energy.rate(300.0) == pytest.approx(6.75e-7)
     for density, mass in ((10.4, 55.0), (40.0, 55.0), (77.2, 55.0), (100.0, 55 + 61.9 * 22.8)):

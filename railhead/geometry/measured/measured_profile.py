@@ -11,9 +11,6 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
 from railhead.geometry.measured import formats, ordering, orientation, smoothing
-from railhead.geometry.measured.formats import FormatError, Table
-from railhead.geometry.measured.ordering import PointError
-from railhead.geometry.measured.orientation import FROM_SHAPE, Orientation, Oriented
 from railhead.geometry.measured.smoothing import Smoothed
 from railhead.geometry.profiles import Profile, Spline
 from railhead.geometry.wheelset import GAUGE_HEIGHT, GaugeError, gauge_face, top
@@ -43,7 +40,7 @@ class Measured:
     path: Path
     body: str
     remarks: tuple[str, ...]
-    oriented: Oriented
+    oriented: orientation.Oriented
     roll: Array
     smoothed: Smoothed
     profile: Profile
@@ -167,7 +164,7 @@ def from_points(
 def read(
     path: Path,
     body: str,
-    given: Orientation = FROM_SHAPE,
+    given: orientation.Orientation = orientation.FROM_SHAPE,
     wavelength: float | None = None,
     slope: float = 0.0,
     stretch: float = 1.0,
@@ -191,7 +188,7 @@ def _read(
     path: Path,
     changed: int,
     body: str,
-    given: Orientation,
+    given: orientation.Orientation,
     wavelength: float | None,
     slope: float,
     stretch: float,
@@ -207,7 +204,7 @@ def _read(
         smoothed, profile = from_points(
             path.stem, kept @ roll, wavelength, stretch, table.resolution
         )
-    except PointError as error:
+    except ordering.PointError as error:
         raise _refused(path, table, listed, error) from None
     except ValueError as error:
         raise ValueError(f"{path.name} {error}") from None
@@ -228,8 +225,8 @@ def _read(
 
 @lru_cache(maxsize=16)
 def _in_axes(
-    path: Path, _: int, body: str, given: Orientation
-) -> tuple[Table, Oriented, Array, list[int], tuple[str, ...]]:
+    path: Path, _: int, body: str, given: orientation.Orientation
+) -> tuple[formats.Table, orientation.Oriented, Array, list[int], tuple[str, ...]]:
     """Table of a file in mm, its points in the axes of profiles, the points (m, 2) that are
     smoothed, indices of those before a gap, and remarks; cached, as it holds for all smoothing.
     The number `_` is the time of the last change, so that a changed file is read again. Raises
@@ -238,7 +235,7 @@ def _in_axes(
     """
     table = formats.read(path, unit_is_given=given.unit != "auto")
     if table.body and table.body != body:
-        raise FormatError(path.name, 1, f"is a {table.body}'s; give one of a {body}")
+        raise formats.FormatError(path.name, 1, f"is a {table.body}'s; give one of a {body}")
     listed = table.points
     try:
         table, unit = orientation.in_mm(table, body, given.unit)
@@ -250,7 +247,7 @@ def _in_axes(
         head = ordering.head(found.points) if body == "rail" else found.points
         kept = ordering.without_loose_ends(head)
         ordering.refuse_rounded(kept)
-    except PointError as error:
+    except ordering.PointError as error:
         raise _refused(path, table, listed, error) from None
     cut = [f"cut off {ordering.HEAD_DEPTH:g} mm below its top"] * (len(head) < len(listed))
     cut += [f"left out {len(head) - len(kept)} points beyond a gap"] * (len(kept) < len(head))
@@ -258,9 +255,11 @@ def _in_axes(
     return table, found, *ordering.without_grooves(kept), read
 
 
-def _refused(path: Path, table: Table, points: Array, error: PointError) -> FormatError:
+def _refused(
+    path: Path, table: formats.Table, points: Array, error: ordering.PointError
+) -> formats.FormatError:
     """The error at a point as an error of the line of the file, that of the nearest of points (n,
     2) of the table, in the axes of the error's place.
     """
     nearest = int(np.argmin(np.abs(points - error.place).max(axis=1)))
-    return FormatError(path.name, table.lines[nearest], str(error))
+    return formats.FormatError(path.name, table.lines[nearest], str(error))

@@ -11,7 +11,6 @@ import numpy as np
 
 from railhead.geometry.measured import ordering, standards
 from railhead.geometry.measured.formats import MM_OF_UNIT, Table
-from railhead.geometry.measured.ordering import PointError
 from railhead.theory.array_types import Array
 
 WIDTHS = 1.0, 1000.0  # mm of any profile; and where no unit is stated ...
@@ -102,7 +101,7 @@ def oriented(points: Array, body: str, table: Table, given: Orientation) -> Orie
     """
     width, height = np.ptp(points, axis=0)
     if HIGH * width < height and (body == "wheel" or height < SECTION):
-        raise PointError("is higher than it is wide; give y before z", points[0])
+        raise ordering.PointError("is higher than it is wide; give y before z", points[0])
     turn = _rail_signs if body == "rail" else _wheel_signs
     side, up, done = turn(points, table, given)
     signs = np.array([side or 1.0, up])
@@ -157,7 +156,7 @@ def _rail_signs(way: Array, table: Table, given: Orientation) -> tuple[float, fl
     if not up:
         if np.ptp(way[:, 1]) < SECTION and not table.body and flanged_way(way) is not None:
             text = "has the flange of a wheel; give it as a wheel's, or its profile_flip"
-            raise PointError(text, way[0])
+            raise ordering.PointError(text, way[0])
         bulge, narrow = _bulge(way), np.ptp(way[:, 0]) < NARROW
         up = 1.0 if bulge > -LEAST_FALL else -1.0
         _refuse_hollow(way, bulge < -SYMMETRIC and (up > 0 or narrow))
@@ -185,7 +184,7 @@ def _refuse_hollow(points: Array, hollow: bool) -> None:
     """
     if hollow:
         text = "is hollow, or its z counts downwards; give its profile_flip: off if it is hollow"
-        raise PointError(text, points[np.argmin(points[:, 1])])
+        raise ordering.PointError(text, points[np.argmin(points[:, 1])])
 
 
 def _field_side(head: Array) -> tuple[float, str]:
@@ -305,7 +304,7 @@ def _to_tape_circle(
     low, high = TAPE_CIRCLES
     if tape and not low <= tape <= high:
         text = f"has its tape circle {tape:g} mm from the flange back by its header, {low:g} to "
-        raise PointError(f"{text}{high:g} are allowed; give its tape_circle", points[0])
+        raise ordering.PointError(f"{text}{high:g} are allowed; give its tape_circle", points[0])
     if given.origin == "file" or (given.origin == "auto" and not found):
         return np.zeros(2), tape or TAPE_CIRCLE, ""
     back = 0.0
@@ -321,7 +320,7 @@ def _to_tape_circle(
         if face is None and not defined:
             text = "begins in its flange, so that nothing tells where the tape circle is; give "
             text += "points from the flange back on, or its profile_origin"
-            raise PointError(text, points[np.argmin(turned[:, 0])])
+            raise ordering.PointError(text, points[np.argmin(turned[:, 0])])
         back = 0.0 if face is None or (defined and table.placed) else face
     zero = None if tape else _distance_of_zero(even, back)
     distance = tape or zero or TAPE_CIRCLE
@@ -374,7 +373,7 @@ def in_mm(table: Table, body: str, given: str) -> tuple[Table, str]:
     if unit is None:
         text = f"is {width:.4g} wide, which is no usual width of a {body} in {', '.join(widths)}; "
         text += "give its profile_unit, or name it in a header, y before z"
-        raise PointError(text, table.points[np.argmax(np.abs(y - np.median(y)))])
+        raise ordering.PointError(text, table.points[np.argmax(np.abs(y - np.median(y)))])
     source = "as given" if given != "auto" else "as the file says" if stated else "by its width"
     mm = MM_OF_UNIT[unit]
     scaled = replace(table, points=mm * table.points, resolution=mm * table.resolution)

@@ -12,7 +12,6 @@ import numpy as np
 
 from railhead.contact import closed_forms, plane_section, solid
 from railhead.contact.crossing import HeadContact
-from railhead.contact.solid import Contact
 from railhead.geometry import wheelset
 from railhead.geometry.outlines import head_depth
 from railhead.geometry.profiles import STANDARD_RAILS
@@ -256,7 +255,7 @@ def check_surface_shape(
     return None
 
 
-def height_in_patch(contact: Contact, found: Findings) -> float | None:
+def height_in_patch(contact: solid.Contact, found: Findings) -> float | None:
     """Largest less smallest height that is added to both surfaces in the patches of a solution, mm;
     None where nothing is added.
     """

@@ -14,7 +14,6 @@ from railhead.planning.effects import in_words
 from railhead.postprocess.findings import Units
 from railhead.results import quantity_rows, result_folder
 from railhead.results.checks import SECOND
-from railhead.results.quantity_rows import Row
 from railhead.results.report import terminal
 from railhead.run.half_space_answer import Solved
 from railhead.scene.catalogue import portable
@@ -131,7 +130,7 @@ def render(
     )
 
 
-def _table(rows: Sequence[Row], units: Units) -> dict[str, Any]:
+def _table(rows: Sequence[quantity_rows.Row], units: Units) -> dict[str, Any]:
     """Columns that have a value, and rows (quantity, unit, cells as text), of a table."""
     columns = quantity_rows.filled(rows)
     return {"columns": columns, "rows": quantity_rows.texts(rows, columns, units)}

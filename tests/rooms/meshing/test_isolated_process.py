@@ -7,7 +7,6 @@ import time
 import pytest
 
 from railhead.meshing import isolated_process
-from railhead.meshing.isolated_process import IsolatedProcessError
 
 
 def double(value: int) -> int:
@@ -44,5 +43,5 @@ def test_the_parent_works_meanwhile() -> None:
     ],
 )
 def test_what_goes_wrong_is_one_line(work, arguments, seconds: float, why: str) -> None:
-    with pytest.raises(IsolatedProcessError, match=why):
+    with pytest.raises(isolated_process.IsolatedProcessError, match=why):
         isolated_process.run(work, *arguments, seconds=seconds)

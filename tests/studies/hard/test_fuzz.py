@@ -12,7 +12,6 @@ from railhead.planning import simulation_plan
 from railhead.scene import catalogue
 from railhead.scene.scene import SceneError
 from studies.hard import fuzz, fuzz_scenes
-from studies.hard.fuzz_scenes import plans
 
 
 class Drawn:
@@ -41,7 +40,7 @@ patient = settings(
 @given(scenes)
 @patient
 def test_every_valid_scene_is_planned_or_refused_in_one_line(scene) -> None:
-    plans(scene)
+    fuzz_scenes.plans(scene)
 
 
 # 2094: real bodies whose patch is an ellipse

@@ -10,7 +10,6 @@ from scipy.spatial.transform import Rotation
 
 import railhead as rh
 from railhead.contact import solid, wheelset_kinematics
-from railhead.contact.solid import Contact, place
 from railhead.half_spaces import shearing
 from railhead.half_spaces.second_opinion import boundary_elements
 from railhead.half_spaces.surface import develop
@@ -34,7 +33,7 @@ def scene(shift: float = 0.0, yaw: float = 0.0, **more: object) -> rh.Scene:
     ).replace(**more)
 
 
-def passing(contact: Contact, radius: float, points: np.ndarray) -> np.ndarray:
+def passing(contact: solid.Contact, radius: float, points: np.ndarray) -> np.ndarray:
     """Slip (n, 3) of the wheel's particles at points (n, 3) mm, by central differences of where
     they are when the wheelset has moved along the track and turned about its axle."""
     axle, centre = contact.pose.rotation[:, 1], contact.pose.origin
@@ -47,7 +46,7 @@ def passing(contact: Contact, radius: float, points: np.ndarray) -> np.ndarray:
     return (after(step) - after(-step)) / (2 * step)
 
 
-def raised(contact: Contact, y: np.ndarray, share: float) -> tuple[np.ndarray, np.ndarray]:
+def raised(contact: solid.Contact, y: np.ndarray, share: float) -> tuple[np.ndarray, np.ndarray]:
     """Points (n, 3) at x = 0 over the rail at y (n,) mm, by a share of the gap along its normals,
     and unit tangents (n, 3) across. The wheel is the lowest of its circles: points of a cloud."""
     pair, pose = contact.pair, contact.pose
@@ -68,7 +67,7 @@ def raised(contact: Contact, y: np.ndarray, share: float) -> tuple[np.ndarray, n
 
 
 def turning_radius(given: rh.Scene, axle: str) -> float:
-    placed = place(given)
+    placed = solid.place(given)
     both = [side.touches[0].radius for side in (placed.right, placed.left)]
     return 460.0 if axle == "nominal" else sum(both) / 2
 
@@ -97,7 +96,7 @@ def test_points_slip_as_those_of_a_rigid_wheelset(axle: str) -> None:
     assert several >= 2
 
 
-def independent(contact: Contact, windows, radius: float) -> dict[str, float]:
+def independent(contact: solid.Contact, windows, radius: float) -> dict[str, float]:
     """Forces over mu N and T-gamma, N, of half-spaces under the pressures of windows; places of
     their cells on the rail's profile and their slip are made here."""
     rail, touch = contact.pair.rail, contact.touch

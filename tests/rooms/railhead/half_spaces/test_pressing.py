@@ -10,7 +10,6 @@ import pytest
 from railhead.cases.s1002_60e1 import SCENE as MANCHESTER
 from railhead.contact import closed_forms, solid
 from railhead.half_spaces import pressing
-from railhead.half_spaces.pressing import HalfSpacePair
 from railhead.half_spaces.surface import develop
 from railhead.run.half_space_answer import beside, frictionless
 from railhead.run.mesh_solution import MeshSolution
@@ -30,11 +29,11 @@ def located(scene):
 
 
 def solved(scene, cells: int = 64):
-    return HalfSpacePair(*located(scene)).pressed(scene.load, cells)
+    return pressing.HalfSpacePair(*located(scene)).pressed(scene.load, cells)
 
 
 def second_opinion(scene) -> dict[str, Any]:
-    pair = HalfSpacePair(*located(scene))
+    pair = pressing.HalfSpacePair(*located(scene))
     found = pair.pressed(scene.load, 128)
     return frictionless(pair, found)
 
@@ -114,7 +113,7 @@ def test_a_patch_that_was_not_looked_for_is_found(monkeypatch: pytest.MonkeyPatc
 )
 def test_second_opinion_does_not_hang_on_its_grid(assignments: tuple[str, ...], finer: int) -> None:
     """Tread, gauge corner and flange: 128 cells against two and four times as many, within 1 %."""
-    pair = HalfSpacePair(*located(MANCHESTER.replace(assignments)))
+    pair = pressing.HalfSpacePair(*located(MANCHESTER.replace(assignments)))
     load = pair.contact.scene.load
     found, fine = (pair.pressed(load, cells) for cells in (128, finer))
     assert found.max_pressure == pytest.approx(fine.max_pressure, rel=0.01)
@@ -135,7 +134,7 @@ def test_developed_rail_keeps_lengths_and_normals() -> None:
 
 def test_a_second_opinion_that_fails_says_why(half_spaces_fail) -> None:
     contact, ellipse = located(MANCHESTER)
-    context = SimpleNamespace(half_spaces=HalfSpacePair(contact, ellipse))
+    context = SimpleNamespace(half_spaces=pressing.HalfSpacePair(contact, ellipse))
     plan = SimpleNamespace(contact=contact, context=context, scene=contact.scene)
     load = SimpleNamespace(load=10e3, friction=None)
     mesh_solution = SimpleNamespace(plan=plan, solution=load, ellipse=ellipse, findings=object())

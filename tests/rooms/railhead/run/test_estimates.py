@@ -12,7 +12,6 @@ from solved import solved
 import railhead as rh
 from railhead.planning import cost, error_envelopes
 from railhead.planning import simulation_plan as planning
-from railhead.planning.error_envelopes import ErrorEnvelope
 from railhead.results import pipeline, result_folder
 from railhead.results.summary import exact_quantities
 from railhead.run import estimates, refinement
@@ -41,8 +40,8 @@ SHIPPED = next(each for each in error_envelopes.families() if each.name == "elli
 KNOWN = replace(
     SHIPPED,
     resolution=(3.0, 8.0),
-    laws={"max_MPa": ErrorEnvelope(0.01, 2.0)},
-    reading={"max_MPa": ErrorEnvelope(0.0, 1.0)},
+    laws={"max_MPa": error_envelopes.ErrorEnvelope(0.01, 2.0)},
+    reading={"max_MPa": error_envelopes.ErrorEnvelope(0.0, 1.0)},
     overlap={"max_MPa": 0.5},
 )
 

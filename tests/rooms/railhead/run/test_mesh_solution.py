@@ -9,7 +9,6 @@ import pytest
 from mpi4py import MPI
 
 from railhead.meshing import isolated_process
-from railhead.meshing.isolated_process import M_PERTURB
 from railhead.planning import simulation_plan
 from railhead.results import pipeline, result_folder
 from railhead.results.report import terminal
@@ -116,7 +115,7 @@ def test_bodies_that_pass_each_other_fail_a_check() -> None:
 @pytest.fixture
 def unfilled():
     yield
-    LIBC.mallopt(M_PERTURB, 0)
+    LIBC.mallopt(isolated_process.M_PERTURB, 0)
 
 
 @pytest.mark.usefixtures("unfilled", "meshed_anew")
@@ -126,7 +125,7 @@ def test_the_mesh_does_not_depend_on_what_memory_held() -> None:
     decided = simulation_plan.make(catalogue.find("uic54_thesis").replace(["mesh.patch_size=1.0"]))
     found = []
     for byte in (0xFF, 0x55):
-        LIBC.mallopt(M_PERTURB, byte)
+        LIBC.mallopt(isolated_process.M_PERTURB, byte)
         made = mesh_solution.generate(decided, decided.grading, MPI.COMM_WORLD)
         found.append((made.cells, np.sort(compat.node_points(made.mesh), axis=0)))
     (cells, points), (others, their_points) = found

@@ -13,7 +13,6 @@ from railhead.planning import simulation_plan as planning
 from railhead.run.model_setup import hardening
 from railhead.scene import catalogue
 from railhead.scene.bodies import steels
-from railhead.scene.catalogue import portable, read_scene
 from railhead.scene.scene import Rail, Scene, unit
 from railhead.scene.sections import SceneError
 from railhead.solver.material import Backstress
@@ -211,7 +210,7 @@ def test_nothing_rolls_steadily_over_a_shape() -> None:
 def test_the_file_of_a_map_moves_with_its_scene(tmp_path: Path) -> None:
     (tmp_path / "m.csv").write_text("0,0,0\n")
     (tmp_path / "a.toml").write_text('load = 1\nrail.surface = {kind = "map", file = "m.csv"}\n')
-    scene = read_scene(tmp_path / "a.toml")
+    scene = catalogue.read_scene(tmp_path / "a.toml")
     assert scene.rail.surface.file == str(tmp_path / "m.csv")
     assert Path(scene.rail.surface.file) in scene.files
-    assert portable(scene)["rail"]["surface"]["file"].startswith("input/")
+    assert catalogue.portable(scene)["rail"]["surface"]["file"].startswith("input/")

@@ -7,7 +7,6 @@ import pytest
 
 from railhead.theory.elastic import line
 from railhead.theory.elastic.hertz import line_contact
-from railhead.theory.elastic.line import Strips
 from railhead.theory.friction import sliding
 
 YOUNG, POISSON, RADIUS = 207000.0, 0.3, 420.0
@@ -130,7 +129,7 @@ def test_many_strips_are_a_hertz_strip(friction):
     ]) * width  # fmt: skip
     edges = np.linspace(-width, width, 801)
     pressure = STRIP.pressure((edges[1:] + edges[:-1]) / 2, 0.0)
-    strips = Strips(edges, points[:, 0], -points[:, 2], 0.3)
+    strips = line.Strips(edges, points[:, 0], -points[:, 2], 0.3)
     found = strips.stress(pressure, friction * pressure)
     exact = sliding.stress(STRIP, friction, 0.3, points)[:, [0, 1, 2, 4]]
     assert found == pytest.approx(exact, abs=1e-4 * STRIP.p0)

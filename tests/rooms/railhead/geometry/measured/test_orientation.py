@@ -14,9 +14,6 @@ from profile_points import crown, wheel
 from railhead.geometry import profiles
 from railhead.geometry.measured import formats, ordering, orientation
 from railhead.geometry.measured import measured_profile as measured
-from railhead.geometry.measured.formats import FormatError, Table
-from railhead.geometry.measured.ordering import PointError
-from railhead.geometry.measured.orientation import Orientation
 
 
 def head() -> np.ndarray:
@@ -30,14 +27,14 @@ def head() -> np.ndarray:
     return np.concatenate([left, np.column_stack([y, z]), right])
 
 
-def table(points: np.ndarray, unit: str = "") -> Table:
+def table(points: np.ndarray, unit: str = "") -> formats.Table:
     lines = tuple(range(1, len(points) + 1))
-    return Table(points=points, unit=unit, body="", format="table", lines=lines)
+    return formats.Table(points=points, unit=unit, body="", format="table", lines=lines)
 
 
 def turned(points: np.ndarray, body: str = "rail", **given: str) -> tuple[np.ndarray, str]:
     """As profiles are read, from a table that states no unit."""
-    orient = Orientation(**given)
+    orient = orientation.Orientation(**given)
     file, unit = orientation.in_mm(table(points), body, orient.unit)
     way = ordering.in_order(file.points)
     ordering.refuse_outlier(way)
@@ -78,7 +75,7 @@ def test_keys_stand_over_the_shape() -> None:
 )
 def test_a_width_that_no_profile_has_asks_for_the_unit(scale: float, unit: str) -> None:
     said = refusal(
-        lambda: orientation.in_mm(table(head() * scale, unit), "rail", "auto"), PointError
+        lambda: orientation.in_mm(table(head() * scale, unit), "rail", "auto"), ordering.PointError
     )
     assert "no usual width of a rail" in said and "give its profile_unit" in said
 
@@ -93,14 +90,14 @@ def arc(radius: float, half: float, sign: float = 1.0) -> np.ndarray:
 def test_a_hollow_surface_without_axes_is_asked_about(radius, half, body) -> None:
     """A groove, or a ball whose z counts downwards: likeness cannot tell. Bulging ones are read."""
     hollow = arc(radius, half, -1.0)
-    assert "give its profile_flip" in refusal(lambda: turned(hollow, body), PointError)
+    assert "give its profile_flip" in refusal(lambda: turned(hollow, body), ordering.PointError)
     found, _ = turned(hollow, body, flip="off")
     np.testing.assert_allclose(found, hollow)
     np.testing.assert_allclose(turned(arc(radius, half), body)[0], arc(radius, half))
 
 
 def open_sides(points: np.ndarray, body: str = "rail") -> tuple[str, float]:
-    found = orientation.oriented(points, body, table(points), Orientation())
+    found = orientation.oriented(points, body, table(points), orientation.Orientation())
     return found.sides, found.unlike
 
 
@@ -209,7 +206,7 @@ def test_depth_wear_and_lean_tell_the_gauge_side_unless_they_differ(
 @pytest.mark.parametrize("left", [-57.0, -50.0])
 def test_a_wheel_that_begins_in_its_flange_has_no_known_origin(left: float) -> None:
     points = wheel(np.linspace(left, 60.0, 400)) + [200.0, 0.0]
-    with pytest.raises(PointError, match="begins in its flange") as caught:
+    with pytest.raises(ordering.PointError, match="begins in its flange") as caught:
         turned(points, "wheel")
     np.testing.assert_allclose(caught.value.place, points[0])
     turned(points, "wheel", origin="file")
@@ -286,11 +283,11 @@ def test_simpack_wheel_is_s1002() -> None:
 
 
 def test_a_wheel_is_no_rail(tmp_path) -> None:
-    assert "is a wheel's" in refusal(lambda: measured.read(PRW, "rail"), FormatError)
+    assert "is a wheel's" in refusal(lambda: measured.read(PRW, "rail"), formats.FormatError)
     file = tmp_path / "wheel.prr"
     file.write_bytes(PRW.read_bytes())
     assert "is a wheel's; give one of a rail" in refusal(
-        lambda: measured.read(file, "rail"), FormatError
+        lambda: measured.read(file, "rail"), formats.FormatError
     )
 
 
@@ -342,7 +339,7 @@ ROWS = "1 2\n3 4\n5 6\n"
     ],
 )
 def test_broken_files_of_instruments_are_refused(text, name, line, words, tmp_path) -> None:
-    with pytest.raises(FormatError, match=f"{name}, line {line}: .*{words}"):
+    with pytest.raises(formats.FormatError, match=f"{name}, line {line}: .*{words}"):
         read(tmp_path, text, name)
 
 
@@ -374,7 +371,7 @@ def test_a_file_that_was_cut_off_is_refused(tmp_path) -> None:
     cut = tmp_path / "cut.ban"
     cut.write_text("\n".join(BAN.read_text().splitlines()[:-150]))
     assert "of the 495 points of its header" in refusal(
-        lambda: measured.read(cut, "rail"), FormatError
+        lambda: measured.read(cut, "rail"), formats.FormatError
     )
 
 
@@ -511,6 +508,6 @@ BAD = {
 
 @pytest.mark.parametrize(("text", "line", "words"), BAD.values(), ids=BAD)
 def test_wrong_files_name_file_line_and_what_is_allowed(text, line, words, tmp_path) -> None:
-    message = refusal(lambda: read(tmp_path, text), FormatError)
+    message = refusal(lambda: read(tmp_path, text), formats.FormatError)
     assert message.startswith(f"rail.csv, line {line}: ") and "give" in message
     assert words in message

@@ -9,7 +9,6 @@ from one_line import refusal
 import railhead as rh
 from railhead.planning import effects
 from railhead.planning import simulation_plan as planning
-from railhead.planning.effects import passes
 
 LINE = rh.find("long_roller").replace(
     load="1400 kN", rail={"extent": "half-space", "yield_stress": 480.0}
@@ -119,7 +118,7 @@ def test_patches_that_roll_over_the_same_steel_are_refused(apart, refused, monke
     known = {name: getattr(pair.elastic, name) for name in ("max_pressure", "load")}
     monkeypatch.setitem(vars(pair), "elastic", SimpleNamespace(patches=patches, **known))
     if refused:
-        said = refusal(lambda: passes.decide_passes(context))
+        said = refusal(lambda: effects.passes.decide_passes(context))
         assert "two patches roll over the same steel" in said
     else:
-        assert passes.decide_passes(context).on
+        assert effects.passes.decide_passes(context).on
