@@ -312,6 +312,19 @@ def test_the_option_fast_is_without_finite_bodies(tmp_path) -> None:
     assert 0 < float(row["estimate"]) < 5e-3 and "FE" not in row
 
 
+def test_tractions_of_the_finest_grid_balance_where_the_coarsest_do_at_once() -> None:
+    pair = rh.Scene(
+        load="13.46 kN",
+        rail=rh.Rail(profile="arc", crown_radius=327.1),
+        wheel=rh.Wheel(profile="arc", transverse_radius=216.5, rolling_radius=340),
+        friction=rh.Friction(coefficient=0.42),
+        rolling=rh.Rolling(creepage_along=5.82e-4),
+        quantities=["patch", "forces"],
+    )
+    result = rh.solve(pair.replace([FAST]), quiet=True)
+    assert result.as_dict()["checks"]["force_balance"] < 1e-6
+
+
 POSITION = (
     "friction.coefficient=0.3", "wheelset.shift=2mm", "wheelset.yaw=1 mrad",
     "rolling.from_wheelset=true", "quantities=patch,forces",
