@@ -272,7 +272,8 @@ class WornContact:
         return {
             "pressure_max_MPa": max(
                 wear.peak(window.pressure.T, step, max(self._width, BROAD * step))
-                for step, window in zip(steps, self._windows, strict=True)
+                for window in self._windows
+                for step in np.diff(window.s[:2]).tolist()
             ),
             "area_mm2": self._pressed.area,
             "t_gamma_N": sum(step * float(line.sum()) for step, line in energy),
