@@ -348,10 +348,9 @@ def answer(pair: HalfSpacePair, pressed: Pressed) -> tuple[Pressed, Sheared]:
     carried = scene.tangential_forces[2] * math.sin(pair.contact.touch.angle)
     first = pair.near(pressed, scene.load + carried, FINE)  # of a prescribed force it is known
     (pressed,), (fine,), turns = balanced([pair], [first], scene.load, FINE, tractions, BALANCE)
-    coarse = sheared(pair, pressed, moves, CELLS[:-1], found[0])
-    if turns == 1:
-        fine = sheared(pair, pressed, moves, CELLS[-1:], coarse)
-    return pressed, replace(fine, coarse=coarse)
+    if turns == 1:  # the coarsest grid balances at once
+        (pressed,), (fine,), _ = balanced([pair], [pressed], scene.load, FINE, tractions, BALANCE)
+    return pressed, replace(fine, coarse=sheared(pair, pressed, moves, CELLS[:-1], found[0]))
 
 
 def balanced(
