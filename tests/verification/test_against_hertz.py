@@ -70,7 +70,7 @@ def test_a_body_that_is_too_stiff_to_be_meshed_has_the_largest_stress(
     assert not summary["plan"]["effects"][f"deformable_{other}"]["on"]
     fast = passed("hertz_ellipse", *keys, "effects.finite_bodies=off").summary
     for values in (summary["result"], summary["hertz"], fast["result"]):
-        near = 1e-4 if values is not summary["result"] else 0.003
+        near = 1e-4 if values is not summary["result"] else 0.006 if accuracy else 0.003
         assert values["stress"]["tau_max_body"] == values["stress"]["von_mises_max_body"] == other
         assert values["stress"]["tau_max_MPa"] == pytest.approx(tau, rel=near)
         assert values["stress"]["von_mises_max_MPa"] == pytest.approx(von_mises, rel=near)
