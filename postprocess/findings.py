@@ -11,8 +11,10 @@ depth axes are in this frame, in the order (xx, ss, nn, xs, xn, sn); tension is 
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -21,6 +23,10 @@ from railhead.theory.array_types import Index as Index
 from railhead.theory.elastic.subsurface import max_shear, von_mises
 
 Place = tuple[float, float, float]
+Target = Path | None
+"""PNG file of a picture, or None: the figure is not written."""
+Drawing = Callable[[Target], Any]
+"""Draws a picture on a target and returns its figure."""
 HERTZIAN = 0.02  # relative deviation from an ellipsoid below which semi-axes are those of one
 ROW, COLUMN = np.array([0, 1, 2, 0, 0, 1]), np.array([0, 1, 2, 1, 2, 2])  # of six components
 SYMMETRIC = np.array([[0, 3, 4], [3, 1, 5], [4, 5, 2]])  # places of a tensor among them

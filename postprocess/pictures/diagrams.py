@@ -7,9 +7,8 @@ then only the computed result is drawn. Its middle is at the origin of the conta
 """
 
 import textwrap
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,17 +22,12 @@ from railhead.postprocess.findings import (
     DepthAxis,
     Findings,
     Subject,
+    Target,
     Units,
     brief,
 )
 from railhead.theory.elastic.line import Hertz
 from railhead.theory.elastic.subsurface import max_shear, principal
-
-Target = Path | None
-"""PNG file to write, or None: the figure is not written."""
-
-Drawing = Callable[[Target], Any]
-"""Draws a picture on a target and returns its figure."""
 
 UNTITLED = Subject()
 FE, HERTZ, GREY = "#1f4e79", "#c8502d", "#7a7a7a"

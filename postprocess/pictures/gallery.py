@@ -16,9 +16,8 @@ from railhead.theory.elastic.line import Hertz, LineContact
 if TYPE_CHECKING:
     import meshio
 
-    from railhead.postprocess.findings import Array, Findings
+    from railhead.postprocess.findings import Array, Drawing, Findings
     from railhead.postprocess.pass_rows import Passes
-    from railhead.postprocess.pictures.diagrams import Drawing
     from railhead.theory.friction.solution import FrictionSolution
 
 

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from railhead.postprocess.findings import Array, Subject, Units
-from railhead.postprocess.pictures.diagrams import FE, HERTZ, Drawing, Target, new_figure
+from railhead.postprocess.findings import Array, Drawing, Subject, Target, Units
+from railhead.postprocess.pictures.diagrams import FE, HERTZ, new_figure
 
 Rows = Sequence[Mapping[str, Any]]
 PLACE = "patch y [mm]"

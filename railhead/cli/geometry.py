@@ -4,14 +4,12 @@
 `railhead profile`: how a measured profile was read and smoothed, and what is worn off it.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from rich.console import Console
@@ -30,16 +28,13 @@ from railhead.geometry.wheelset import (
     rolling_radii,
     top,
 )
-from railhead.postprocess.findings import BASE_UNITS, Subject, Units
+from railhead.postprocess.findings import BASE_UNITS, Drawing, Subject, Units
 from railhead.results.report import terminal
 from railhead.scene.catalogue import as_path, portable
 from railhead.scene.files import is_array
 from railhead.scene.scene import Scene, SceneError, assigned, checked
 from railhead.sweeps.grid import ParameterGrid
 from railhead.theory.array_types import Array
-
-if TYPE_CHECKING:
-    from railhead.postprocess.pictures.diagrams import Drawing
 
 CLEARANCE = 0.05  # mm, largest gap of a contact, of the size of elastic approaches
 SHIFTS = np.linspace(-10.0, 10.0, 81)  # mm, of pictures and positions.csv

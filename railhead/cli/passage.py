@@ -1,25 +1,20 @@
 """`railhead locate` of a rail that is given by sections: the path of the wheel over its heads."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rich.console import Console
 
 from railhead.cli.examined import Examined
 from railhead.contact import crossing
-from railhead.postprocess.findings import BASE_UNITS, Subject, Units
+from railhead.postprocess.findings import BASE_UNITS, Drawing, Subject, Units
 from railhead.results.report import terminal
 from railhead.scene.catalogue import portable
 from railhead.scene.scene import Scene, SceneError
 from railhead.sweeps.grid import ParameterGrid
-
-if TYPE_CHECKING:
-    from railhead.postprocess.pictures.diagrams import Drawing
 
 CLEARANCE = 0.05  # mm, largest gap of a head that touches, of the size of elastic approaches
 PLACES = (("x", "x_mm", "mm", 7), ("y", "y_mm", "mm", 6), ("angle", "angle_deg", "deg", 5))

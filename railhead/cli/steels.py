@@ -2,18 +2,16 @@
 mean stress; and constants of a steel from a test.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from rich.console import Console
 
 from railhead.cli.examined import Examined
-from railhead.postprocess.findings import BASE_UNITS, Subject, Units
+from railhead.postprocess.findings import BASE_UNITS, Drawing, Subject, Units
 from railhead.postprocess.pass_rows import rule
 from railhead.results.report import terminal
 from railhead.run.model_setup import hardening
@@ -23,9 +21,6 @@ from railhead.scene.scene import Scene, SceneError
 from railhead.solver.material import Material
 from railhead.solver.plasticity.specimen import Bar, fitted, stresses
 from railhead.theory.array_types import Array
-
-if TYPE_CHECKING:
-    from railhead.postprocess.pictures.diagrams import Drawing
 
 CARRIER = "long_roller"  # case whose rail is of a steel that no scene has
 PLASTIC = (0.002, 0.01)  # plastic strains of proof stresses

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from railhead.postprocess import symmetry
-from railhead.postprocess.findings import BASE_UNITS, Units
+from railhead.postprocess.findings import BASE_UNITS, Drawing, Units
 from railhead.postprocess.pass_rows import Passes
 from railhead.results import quantity_rows, result_folder
 from railhead.results.subject import subject
@@ -19,7 +19,6 @@ from railhead.run.mesh_solution import MeshSolution
 if TYPE_CHECKING:
     import meshio
 
-    from railhead.postprocess.pictures.diagrams import Drawing
     from railhead.postprocess.pictures.gallery import Shown
 
 TABLE, PASSES = "result.csv", "passes.csv"

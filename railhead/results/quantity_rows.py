@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from railhead.postprocess.findings import NO_DEPTH, Units, brief
-from railhead.postprocess.pass_rows import PASS_COLUMNS
+from railhead.postprocess.pass_rows import PASS_COLUMNS, PASS_ERRORS
 from railhead.scene import quantities
 from railhead.scene.scene import dotted
 
@@ -33,6 +33,7 @@ PATCHES: tuple[tuple[str, str, Callable[[Mapping[str, Any]], float]], ...] = (
 )
 """Name, unit and value of the columns of the table of patches: share of the load, place of the
 centre of pressure, contact angle, half lengths along and across, area, largest pressure."""
+PASSES_SHOWN = 10  # rows of the table of passes, and the last one
 TINY = 1e-9  # mm, a place that is rounding
 RELATIVE = (
     "estimate",
@@ -123,6 +124,31 @@ def patches(summary: Mapping[str, Any], units: Units) -> tuple[str, list[list[st
         table.append([str(number), *(brief(units.value(*each)) for each in rounded)])
     title = f"{len(each)} separate patches"
     return title + f" ({', '.join(known)} of the first)" * bool(known), table
+
+
+def passes(
+    result: Mapping[str, Any], units: Units, shown: int = PASSES_SHOWN
+) -> Iterator[tuple[str, list[list[str]], str]]:
+    """Of passes, for each body and patch: title with the estimates after the last pass, cells of
+    the table (its header first; the first `shown` passes and the last), and the verdict in words.
+    result: "result" of summary.json; none where it has no passes.
+    """
+    names = (f"{name}, {units.unit(unit)}".strip(", ") for name, unit in PASS_COLUMNS.values())
+    header = ["pass", *names]
+    for each in [result, *result.get("passes_beside", ())] if result.get("passes") else ():
+        known = each["passes_after"]["estimate"]
+        errors = {name: known.get(key) for key, name in PASS_ERRORS.items()}
+        errors["rate"] = (each.get("rate") or {}).get("estimate")
+        told = [f"{name} {error:.1%}" for name, error in errors.items() if error is not None]
+        within = f"estimate after the last: {', '.join(told)}" if told else "without an estimate"
+        of = f", {each['passes_name']}" if "passes_name" in each else ""
+        count = len(each["passes"])
+        table = [header]
+        for number in sorted({*range(min(shown, count)), count - 1}):
+            row = each["passes"][number]
+            cells = (brief(units.value(row[key], unit)) for key, (_, unit) in PASS_COLUMNS.items())
+            table.append([str(number + 1), *cells])
+        yield f"passes{of} ({within})", table, f"Passes{of}: {each['passes_words']}."
 
 
 def error_parts(summary: Mapping[str, Any]) -> list[list[str]]:

@@ -12,7 +12,7 @@ from rich.console import Console
 
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess import symmetry
-from railhead.postprocess.findings import BASE_UNITS, Array, Findings, Surface, Units
+from railhead.postprocess.findings import BASE_UNITS, Array, Drawing, Findings, Surface, Units
 from railhead.results.report import terminal
 from railhead.run.half_space_answer import Solved
 from railhead.run.mesh_solution import MeshSolution
@@ -21,7 +21,6 @@ from railhead.scene.catalogue import as_path
 from railhead.scene.sections import refuse_first
 
 if TYPE_CHECKING:
-    from railhead.postprocess.pictures.diagrams import Drawing
     from railhead.solver.system.fields import Fields
     from railhead.theory.elastic.line import Hertz
     from railhead.theory.friction.solution import FrictionSolution

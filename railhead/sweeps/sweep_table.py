@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from rich import box
@@ -20,7 +20,7 @@ from rich.table import Table
 from rich.text import Text
 
 from railhead.planning.effects import EFFECTS
-from railhead.postprocess.findings import BASE_UNITS, Subject, Units
+from railhead.postprocess.findings import BASE_UNITS, Drawing, Subject, Units
 from railhead.results import result_folder
 from railhead.results.report import html, terminal
 from railhead.results.result import Result
@@ -30,9 +30,6 @@ from railhead.scene.scene import Scene, SceneError
 from railhead.sweeps import sampling, store
 from railhead.sweeps.grid import column, shown
 from railhead.theory.array_types import Array
-
-if TYPE_CHECKING:
-    from railhead.postprocess.pictures.diagrams import Drawing
 
 Row = dict[str, Any]
 COLUMNS = [each for each in quantities.QUANTITIES if each.column]

@@ -95,7 +95,7 @@ def render(
     Raises OSError for a file that cannot be read.
     """
     scene = solved.plan.scene
-    passes = list(terminal.passes_tables(summary["result"] or {}, units, 3 if brief else 10))
+    passes = list(quantity_rows.passes(summary["result"] or {}, units, 3 if brief else 10))
     drawn = [name for name in CAPTIONS if (folder / f"{name}.png").exists()]
     effects = summary["plan"]["effects"]
     names = "contact", "yield", "friction", "steel"

@@ -16,15 +16,13 @@ from rich.table import Table
 from railhead.planning.context import Effect
 from railhead.planning.effects import in_words
 from railhead.planning.simulation_plan import Plan
-from railhead.postprocess.findings import BASE_UNITS, Units, brief
-from railhead.postprocess.pass_rows import PASS_COLUMNS, PASS_ERRORS
+from railhead.postprocess.findings import BASE_UNITS, Drawing, Units
 from railhead.results import quantity_rows
 from railhead.results.quantity_rows import Row
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from railhead.postprocess.pictures.diagrams import Drawing
 
 WIDTH = 80  # characters where there is no terminal
 WIDEST = 80  # characters of a table of numbers, which are never cut: it goes on below
@@ -34,10 +32,8 @@ TABLES = {
     "steel": "what pressure and tractions do to the steel",
 }
 """Titles of the tables below the one of the contact, by their names in `quantity_rows.rows`."""
-NO_ESTIMATE = "passes (without an estimate)"
 STEEP = 0.1  # side force over the load from which it is printed
 NOTHING = 1e-9  # mm, 1/mm or degrees: rounding, printed as 0
-PASSES_SHOWN = 10  # rows of the table of passes, and the last one
 
 
 def standard() -> Console:
@@ -252,9 +248,8 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
         title, cells = quantity_rows.patches(summary, units)
         if cells:
             console.print(number_table(title, cells[0], cells[1:]))
-        if said := yields(summary["result"]):
-            console.print(f"{said}.", highlight=False)
-        if said := side_force(summary["result"], units):
+        told = yields(summary["result"]), side_force(summary["result"], units)
+        for said in filter(None, told):
             console.print(f"{said}.", highlight=False)
         if varies := summary["result"].get("surface_shape"):
             at, height = (units.text(round(abs(each), 4), "mm") for each in varies.values())
@@ -269,7 +264,7 @@ def show_result(summary: dict[str, Any], console: Console, units: Units = BASE_U
             console.print(
                 f"Forces are those of the wheel on the rail; mu N = {limit}.", highlight=False
             )
-        for title, (header, *cells), words in passes_tables(summary["result"], units):
+        for title, (header, *cells), words in quantity_rows.passes(summary["result"], units):
             console.print(number_table(title, header, cells))
             console.print(words, markup=False, highlight=False)
         missing = summary["checks"]["not_made"]
@@ -379,42 +374,6 @@ def places_of_approach(plan: Mapping[str, Any], units: Units = BASE_UNITS) -> st
         else f"the rigid {body}"
         for body, side in (("rail", "below"), ("wheel", "above"))
     )
-
-
-def passes_title(result: Mapping[str, Any]) -> str:
-    """Title of the table of passes, with the estimates after the last one. result: "result" of
-    summary.json.
-    """
-    errors = result["passes_after"]["estimate"]
-    told = [f"{word} {errors[key]:.1%}" for key, word in PASS_ERRORS.items() if key in errors]
-    share = (result.get("rate") or {}).get("estimate")
-    told += [] if share is None else [f"rate {share:.1%}"]
-    return f"passes (estimate after the last: {', '.join(told)})" if told else NO_ESTIMATE
-
-
-def passes_tables(
-    result: Mapping[str, Any], units: Units, shown: int = PASSES_SHOWN
-) -> Iterator[tuple[str, list[list[str]], str]]:
-    """Of passes, for each body and patch: title, cells of the table (its header first; the first
-    `shown` passes and the last), and the verdict in words. result: "result" of summary.json; none
-    where it has no passes.
-    """
-    for each in [result, *result.get("passes_beside", ())] if result.get("passes") else ():
-        of = f", {each['passes_name']}" if "passes_name" in each else ""
-        title = passes_title(each).replace("passes", f"passes{of}", 1)
-        words = f"Passes{of}: {each['passes_words']}."
-        yield title, _passes_table(each["passes"], units, shown), words
-
-
-def _passes_table(passes: Sequence[Mapping[str, Any]], units: Units, shown: int) -> list[list[str]]:
-    """Cells as of `passes_tables`. passes: of a body and patch."""
-    names = (f"{name}, {units.unit(unit)}".strip(", ") for name, unit in PASS_COLUMNS.values())
-    table = [["pass", *names]]
-    for number in sorted({*range(min(shown, len(passes))), len(passes) - 1}):
-        row = passes[number]
-        cells = (brief(units.value(row[key], unit)) for key, (_, unit) in PASS_COLUMNS.items())
-        table.append([str(number + 1), *cells])
-    return table
 
 
 def show_difference(found: Mapping[str, Any], console: Console, units: Units = BASE_UNITS) -> None:

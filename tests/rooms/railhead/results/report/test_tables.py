@@ -296,7 +296,7 @@ def test_passes_are_a_table(result, folder: Path) -> None:
     table = re.search(r'<table id="passes">.*?</table>', text, re.S)
     numbers = [int(each) for each in re.findall(r'<tr><td class="n">([0-9]+)</td>', table[0])]
     assert numbers == [1, 2, 3, 30]
-    ((_, rows, _),) = terminal.passes_tables(with_passes(result).summary["result"], UNITS)
+    ((_, rows, _),) = quantity_rows.passes(with_passes(result).summary["result"], UNITS)
     assert [row[0] for row in rows[1:]] == [str(each) for each in (*range(1, 11), 30)]
     assert "groove, um" in table[0] and ">29<" in table[0] and "-0<" not in table[0]
 
