@@ -4,6 +4,7 @@ markdown from templates."""
 import csv
 import os
 import re
+import statistics
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -34,6 +35,9 @@ COLUMNS = {
 }
 """Columns of studies, and the quantities of `railhead.scene.quantities` that they hold."""
 
+WIDTH = 120
+"""Characters of a line of prose on a page."""
+
 
 def columns(result: Mapping[str, Any], names: Iterable[str]) -> dict[str, float]:
     """Values by the names of columns (`COLUMNS`); result: "result", "hertz" or "difference" of a
@@ -60,8 +64,22 @@ def publish(
     (out / PAGE).write_text(wrapped(page), encoding="utf-8")
 
 
-def wrapped(page: str, width: int = 120) -> str:
-    """The page with its prose broken at `width` characters, the lines of an item of a list indented
+def beside_errors(records: Sequence[Row], holds: Sequence[bool]) -> tuple[int | str, ...]:
+    """Cells of a page for estimates beside errors (relative): how many, the share that holds, the
+    largest error over its estimate, the median of estimates over their errors, the largest error.
+    """
+    over = [each["error"] / max(each["estimate"], 1e-12) for each in records]
+    return (
+        len(records),
+        f"{sum(holds) / len(records):.1%}",
+        f"{max(over):.2f}",
+        f"{statistics.median(1 / max(each, 1e-9) for each in over):.1f}",
+        f"{max(each['error'] for each in records):.2g}",
+    )
+
+
+def wrapped(page: str) -> str:
+    """The page with its prose broken at `WIDTH` characters, the lines of an item of a list indented
     below its first one; code, tables, headings and paragraphs without a longer line stay as is.
     """
     lines: list[str] = []
@@ -71,16 +89,16 @@ def wrapped(page: str, width: int = 120) -> str:
             lines.append(part)
             continue
         blocks = re.split(r"(\n\s*\n|\n(?=\s*(?:[-*]|\d+\.) ))", part)
-        lines.append("".join(_broken(block, width) for block in blocks))
+        lines.append("".join(_broken(block) for block in blocks))
     return "".join(lines)
 
 
-def _broken(block: str, width: int) -> str:
-    """One paragraph or item of a list, broken at `width` characters; no new line begins as an item
+def _broken(block: str) -> str:
+    """One paragraph or item of a list, broken at `WIDTH` characters; no new line begins as an item
     or a heading does.
     """
     text = block.lstrip("\n")
-    if max(map(len, text.split("\n"))) <= width or re.match(r"\||#|!\[|    |<", text):
+    if max(map(len, text.split("\n"))) <= WIDTH or re.match(r"\||#|!\[|    |<", text):
         return block
     first = re.match(r"\s*(?:(?:[-*]|\d+\.) +)?", text)
     assert first is not None
@@ -89,7 +107,7 @@ def _broken(block: str, width: int) -> str:
     words = re.sub(r" (?=(?:[-*+#>|=]|\d+[.)])(?: |$))", "\0", " ".join(rest.split()))
     told = textwrap.fill(
         words,
-        width,
+        WIDTH,
         initial_indent=start,
         subsequent_indent=" " * len(start),
         break_long_words=False,

@@ -99,8 +99,6 @@ def run(
     solved: MeshSolution,
     estimates: Mapping[str, float],
     second: Mapping[str, Any],
-    *,
-    reached: bool | None,
 ) -> list[Check]:
     """All checks of a solved mesh but those of friction (rank 0). Bodies with yield or friction are
     compared with Hertz and half-spaces in their elastic, frictionless reference.
@@ -108,29 +106,20 @@ def run(
     estimates: error estimates by key.
     second: quantities of another method, nested as "result" of summary.json, with "allowance" and
         "grid_error", or {"reason": ...} where there are none.
-    reached: whether the wanted accuracy was met; None without one.
     """
     checks = [*equations(solved)]
-    if solved.result is not None and solved.findings is not None:
+    if solved.result is None:
+        return checks
+    if solved.findings is not None:
         elastic = solved.elastic_reference or solved
         checks += resolution(solved)
         checks += physics(solved)
         checks += second_method(elastic, estimates, second)
-    if solved.result is not None:
-        unread = solved.result.get("friction", {}).get("below_resolution", ())
-        read = {key: estimates[key] for key in estimates.keys() - {*unread, *PLACES}}
-        checks += useful(solved.plan, read, FINER if solved.plan.scene.accuracy is None else MORE)
-    if reached is not None:
-        error, wanted = largest_error(estimates, solved), float(solved.plan.scene.accuracy or 0.0)
-        checks.append(
-            Check(
-                name="accuracy",
-                value=error if reached else max(error, math.nextafter(wanted, math.inf)),
-                limit=wanted,
-                source="asked",
-                advice=_narrower(solved.plan, error, MORE),
-            )
-        )
+    unread = solved.result.get("friction", {}).get("below_resolution", ())
+    read = {key: estimates[key] for key in estimates.keys() - {*unread, *PLACES}}
+    more = FINER if solved.plan.scene.accuracy is None else MORE
+    checks += useful(solved.plan, read, more)
+    checks += accuracy(solved.plan, largest_error(estimates, solved), more)
     return checks
 
 
@@ -260,6 +249,18 @@ def _narrower(plan: Plan, error: float, advice: str) -> str:
     keys = " and ".join(f"{body}.smoothing" for body in measured_bodies(plan.scene))
     text = "the measured profile is too uncertain: measure with less noise or closer points"
     return f"{text}, or give the length of its noise in {keys}"
+
+
+def accuracy(plan: Plan, error: float, advice: str) -> Iterator[Check]:
+    """Check of the largest error against the wanted accuracy; none where none is wanted."""
+    if plan.scene.accuracy is not None:
+        yield Check(
+            name="accuracy",
+            value=error,
+            limit=plan.scene.accuracy,
+            source="asked",
+            advice=_narrower(plan, error, advice),
+        )
 
 
 def useful(plan: Plan, bound: Mapping[str, float], advice: str) -> Iterator[Check]:
@@ -454,15 +455,7 @@ def half_spaces(solved: HalfSpaceSolution, bound: dict[str, float]) -> Iterator[
         advice=BODIES,
     )
     yield from useful(solved.plan, bound, BODIES)
-    wanted = solved.plan.scene.accuracy
-    if wanted is not None:
-        yield Check(
-            name="accuracy",
-            value=largest_bound(bound),
-            limit=wanted,
-            source="asked",
-            advice=_narrower(solved.plan, largest_bound(bound), BODIES),
-        )
+    yield from accuracy(solved.plan, largest_bound(bound), BODIES)
     if solved.findings is None or solved.plan.contact.half_space:
         return
     flats = (part.surface for part in solved.plan.scene.bodies.values() if part.surface is not None)

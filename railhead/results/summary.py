@@ -48,7 +48,7 @@ def summarise(levels: list[MeshSolution], ending: Ending) -> dict[str, Any]:
     if not all(effects.EFFECTS[name].absent_in_half_spaces for name in other):
         second = {"reason": f"another problem than the scene's was chosen: {', '.join(other)}"}
         beside = None if rubbed is None else {"scene": second}
-    judged = checks.run(solved, known, second, reached=reached)
+    judged = checks.run(solved, known, second)
     judged += checks.friction(solved, known, beside)
     judged += checks.passes(solved)
     stages = {key: sum(each.seconds[key] for each in levels) for key in solved.seconds}

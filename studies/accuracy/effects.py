@@ -187,12 +187,12 @@ CASE = "sphere_on_plane"
 OPTIONAL = ("axisymmetry", "symmetry", "far_field")
 
 
-def compare(repeats: int, patch_size: float = 0.25) -> list[dict[str, Any]]:
+def compare(repeats: int) -> list[dict[str, Any]]:
     """The same contact by way of the plan with all optional effects off (route), and without a
-    plan, in turn; median processor seconds of mesh, assembly and solve. patch_size: mm."""
+    plan, in turn; median processor seconds of mesh, assembly and solve."""
     off = [f"effects.{name}=off" for name in OPTIONAL]
     same = f"solver.tolerance={Setup.tolerance}"
-    scene = catalogue.find(CASE).replace([f"mesh.patch_size={patch_size}", same, *off])
+    scene = catalogue.find(CASE).replace(["mesh.patch_size=0.25", same, *off])
     routes = {"plan, all optional effects off": _planned, "no plan": _unplanned}
     found: dict[str, list[dict[str, Any]]] = {name: [] for name in routes}
     for _ in range(1 + repeats):  # the first compiles

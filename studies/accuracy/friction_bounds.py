@@ -18,7 +18,7 @@ from railhead.theory.array_types import Array
 from railhead.theory.friction.coulomb_solver import CoulombSolver
 from railhead.theory.friction.rolling import TOLERANCE, plane_modes
 from railhead.theory.friction.tangential import MaterialPair, TractionInfluence
-from studies.tables import Row, groups, publish, render
+from studies.tables import Row, beside_errors, groups, publish, render
 
 SEED, SCENES = 20261206, 100
 GRIDS = (48, 96, 192)  # cells each way of the other scheme
@@ -154,20 +154,15 @@ def _other_scheme(result: rh.Result, cells: int) -> list[float]:
 
 def page(records: list[Row], grids: tuple[int, ...]) -> str:
     """Text of the page: a row a number."""
-    rows = []
-    for number, own in [*groups(records, "number").items(), ("all", records)]:
-        over = [each["error"] / each["estimate"] for each in own]
-        hold = [each["error"] <= each["estimate"] + each["truth_error"] for each in own]
-        rows.append(
-            (
-                f"`{number}`",
-                len(own),
-                f"{sum(hold) / len(own):.1%}",
-                f"{max(over):.2f}",
-                f"{statistics.median(1 / max(each, 1e-9) for each in over):.1f}",
-                f"{max(each['error'] for each in own):.2g}",
-                f"{statistics.median(each['truth_error'] for each in own):.1g}",
-            )
+    rows = [
+        (
+            f"`{number}`",
+            *beside_errors(
+                own, [each["error"] <= each["estimate"] + each["truth_error"] for each in own]
+            ),
+            f"{statistics.median(each['truth_error'] for each in own):.1g}",
         )
+        for number, own in [*groups(records, "number").items(), ("all", records)]
+    ]
     count = len({each["scene"] for each in records})
     return render("friction_bounds", rows=rows, scenes=count, seed=SEED, grids=grids)

@@ -2,7 +2,6 @@
 
 import csv
 import math
-import statistics
 import sys
 import tempfile
 from pathlib import Path
@@ -15,7 +14,7 @@ from railhead.run.progress import Progress
 from railhead.sweeps.wear import wear_run
 from railhead.sweeps.wear.wear_result import WearResult
 from studies.processes import attempts
-from studies.tables import Row, groups, publish, render
+from studies.tables import Row, beside_errors, groups, publish, render
 
 SEED, ROUTES, STEPS, FINER = 20261127, 20, 2, 4
 RUNS: dict[str, wear_run.Grid] = {"coarse": (32, 7.5), "main": (64, 15.0)}
@@ -153,19 +152,10 @@ def page(records: list[Row]) -> str:
     }
     answers = [each for each in records if each["stage"] in ends.get(each["number"], ())]
     whole = [all(map(_holds, own)) for own in groups(answers, "route").values()]
-    rows = []
-    for number, own in [*groups(records, "number").items(), ("all", records)]:
-        over = [each["error"] / max(each["estimate"], 1e-12) for each in own]
-        rows.append(
-            (
-                f"`{number}`",
-                len(own),
-                f"{sum(map(_holds, own)) / len(own):.1%}",
-                f"{max(over):.2f}",
-                f"{statistics.median(1 / max(each, 1e-9) for each in over):.1f}",
-                f"{max(each['error'] for each in own):.2g}",
-            )
-        )
+    rows = [
+        (f"`{number}`", *beside_errors(own, [*map(_holds, own)]))
+        for number, own in [*groups(records, "number").items(), ("all", records)]
+    ]
     return render(
         "wear_bounds",
         rows=rows,

@@ -129,8 +129,8 @@ def plans(given: Scene) -> planning.Plan | None:
     return made
 
 
-def runnable(seed: int, fits: Callable[[Scene], bool], most: int = MOST) -> Scene:
-    """The first scene from a seed on that fits and that the plan accepts with at most so many
+def runnable(seed: int, fits: Callable[[Scene], bool]) -> Scene:
+    """The first scene from a seed on that fits and that the plan accepts with at most MOST
     predicted unknowns at FINE of the default resolution, which it is given."""
     for drawn in itertools.count(seed):
         given = scene(Source(drawn))
@@ -138,7 +138,7 @@ def runnable(seed: int, fits: Callable[[Scene], bool], most: int = MOST) -> Scen
         if made is None:
             continue
         coarse = made.at_resolution(FINE * made.default_resolution)
-        if coarse.unknowns <= most:
+        if coarse.unknowns <= MOST:
             return given.replace([f"mesh.patch_size={coarse.patch_size!r}"])
     raise AssertionError
 

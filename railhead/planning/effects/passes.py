@@ -133,8 +133,7 @@ def decide_plasticity_wheel(context: Context) -> Effect:
     """
     wheel, off = context.scene.wheel, context.scene.effects.plasticity_wheel == "off"
     if not context.decided["passes"].on or "wheel" not in context.stressed or not wheel.yields:
-        why = "no passes, or a wheel without a yield stress"
-        return Effect(False, False, why, {"on": why})
+        return Effect.absent("no passes, or a wheel without a yield stress")
     stress, limit = context.half_spaces.von_mises(wheel.poisson_ratio), wheel.first_yield
     verb = "passes" if stress > limit else "stays below"
     if stress > limit and not off:

@@ -34,7 +34,7 @@ UNKNOWN = {"reason": "nobody knows"}
 
 def failed(mesh_solution: MeshSolution, second=UNKNOWN) -> list[str]:
     known = estimates.totals(estimates.estimate([mesh_solution])[0])
-    judged = checks.run(mesh_solution, known, second, reached=None)
+    judged = checks.run(mesh_solution, known, second)
     return [check.name for check in judged if not check.passed]
 
 
@@ -154,7 +154,7 @@ def test_without_an_estimate_a_number_may_be_off_by_one_in_twenty(mesh_solution)
     second = {**exact_quantities(mesh_solution), "allowance": {}}
     for factor, names in ((1.04, []), (1.06, ["second_opinion_approach_mm"])):
         other = {**second, "approach_mm": mesh_solution.result["approach_mm"] * factor}
-        judged = checks.run(mesh_solution, {}, other, reached=None)
+        judged = checks.run(mesh_solution, {}, other)
         assert [check.name for check in judged if not check.passed] == names
 
 
@@ -163,7 +163,7 @@ def test_what_a_second_opinion_leaves_out_unknown_is_not_compared(mesh_solution)
     second = {**exact_quantities(mesh_solution), "allowance": {"max_MPa": {"total": 0.01}}}
     second["approach_mm"] = 2 * mesh_solution.result["approach_mm"]
     known = estimates.totals(estimates.estimate([mesh_solution])[0])
-    judged = checks.run(mesh_solution, known, second, reached=None)
+    judged = checks.run(mesh_solution, known, second)
     assert all(check.passed for check in judged)
     missing = checks.not_made(mesh_solution, judged, second, None)
     assert missing["second_opinion_approach_mm"] == "what half-spaces leave out of it is not known"
@@ -171,7 +171,7 @@ def test_what_a_second_opinion_leaves_out_unknown_is_not_compared(mesh_solution)
 
 
 def test_a_missing_second_opinion_has_its_reason(mesh_solution) -> None:
-    judged = checks.run(mesh_solution, {}, UNKNOWN, reached=None)
+    judged = checks.run(mesh_solution, {}, UNKNOWN)
     assert not any("second_opinion" in each.name for each in judged)
     missing = checks.not_made(mesh_solution, judged, UNKNOWN, None)
     assert missing == {"second_opinion": "nobody knows"}
