@@ -27,11 +27,13 @@ ROUGH = 100  # steps to the centre of a path that find the worst of several
 STRIPS = 400
 ALONG, ACROSS = (64, 1024), 25  # fewest and most cells along a patch, and cells across it
 FINER = 2.5  # cells along a patch in a depth
-LINES = 5  # paths side by side, from -0.8 to 0.8 of the half length across
+SIDES = np.linspace(-0.8, 0.8, 5)  # of paths side by side, over the half length across
 UNLIKE = 1e-6  # half lengths by which points are moved: cells of a grid lie on circles by four
 DEEP = 0.2  # least depth at which finite bodies are compared, over the smaller half length
 SLOPES = {"dang_van": 0.33, "findley": 0.3}
 """Weights of the hydrostatic stress and of the normal stress where a scene gives none."""
+Residual = Callable[[Array, Array], Array]
+"""Depths (d,) and places across (k,), mm -> residual stress (d, k, 6), MPa."""
 
 
 def read(
@@ -43,6 +45,7 @@ def read(
     slopes: Sequence[float],
     line: bool,
     body: str,
+    residual: Residual | None = None,
 ) -> dict[str, Any]:
     """The largest stresses of Dang Van and Findley, MPa ("dang_van_MPa", "findley_MPa"), their
     depths, mm ("depth_mm") and the angles of their planes to the surface, degrees ("plane_deg"), by
@@ -53,7 +56,8 @@ def read(
 
     found: findings. surface, friction: of the whole patch. poisson: Poisson's ratio of `body`,
         "rail" or "wheel". slopes: weights of the hydrostatic stress (Dang Van) and of the normal
-        stress (Findley). line: whether the contact is a line across the rail.
+        stress (Findley). line: whether the contact is a line across the rail. residual: stresses
+        that stay in the body, of all times of the paths; None: none.
     """
     sign = 1.0 if body == "rail" else -1.0
     one = max(found.patch.each, key=lambda each: each.max_pressure, default=None)
@@ -64,8 +68,15 @@ def read(
     def below(deep: Array, parts: int) -> tuple[list[Array], Array]:
         """Paths below the contact, by their length, and stresses below its middle, at depths."""
         if one is None or at is None:
-            return _along_line(found, friction, poisson, sign, STRIPS // parts, deep)
-        return _below_patch(one, at, poisson, parts, deep)
+            paths, axis = _along_line(found, friction, poisson, sign, STRIPS // parts, deep)
+        else:
+            paths, axis = _below_patch(one, at, poisson, parts, deep)
+        if residual is not None:
+            lines = SIDES * one.b if one is not None and at is not None else np.zeros(1)
+            ends = np.cumsum([len(each) for each in paths])[:-1]
+            left = np.split(residual(deep, lines)[:, :, None], ends)
+            paths = [each + stays for each, stays in zip(paths, left, strict=True)]
+        return paths, axis
 
     paths, axis = below(depth, 1)
     bodies = 0.0
@@ -197,7 +208,7 @@ def _below_patch(
     """
     across = ACROSS // parts
     s = one.b * (2 * np.arange(across) + 1 - across) / across
-    rows = np.rint((across - 1) / 2 * (1 + np.linspace(-0.8, 0.8, LINES))).astype(int)
+    rows = np.rint((across - 1) / 2 * (1 + SIDES)).astype(int)
     needed = np.exp2(np.ceil(np.log2(2 * FINER * one.a / depth))).clip(*ALONG).astype(int) // parts
     every, middle = [], []
     for along in sorted({*needed.tolist()}, reverse=True):
@@ -209,5 +220,5 @@ def _below_patch(
             for deep in depth[needed == along]
         ]
         every.append(np.pad(np.stack(layers).swapaxes(1, 2), ((0, 0), (0, 0), (0, 1), (0, 0))))
-        middle.append(every[-1][:, LINES // 2, np.abs(x).argmin()])
+        middle.append(every[-1][:, SIDES.size // 2, np.abs(x).argmin()])
     return every, np.concatenate(middle)

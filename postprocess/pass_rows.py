@@ -82,6 +82,15 @@ class RailState:
         near = distance < distance.min() + 1e-6 * np.ptp(self.depth)
         return self.stress[near].mean(axis=0), self.strain[near].mean(axis=0)
 
+    def residual(self, depth: Array, across: Array) -> Array:
+        """Residual stress (d, k, 6), MPa, at d depths and k places across, mm: linear over the
+        depth in the nearest column of points, beyond its ends that of the end.
+        """
+        near = np.abs(self.y[:, None] - across).argmin(axis=0)
+        columns = self.stress[near].transpose(0, 2, 1)
+        found = [[np.interp(depth, self.depth, each) for each in column] for column in columns]
+        return np.array(found).transpose(2, 0, 1)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Passes:
@@ -127,6 +136,14 @@ class Passes:
     reason: str = ""
     name: str = ""
     beside: tuple[Passes, ...] = ()
+
+    @property
+    def residual_error(self) -> float | None:
+        """Largest estimated error of the residual stresses after the last pass, MPa; None where
+        errors are not estimated.
+        """
+        keys = self.errors.keys() & {"residual_along_MPa", "residual_across_MPa"}
+        return max((self.errors[key] * abs(self.rows[-1][key]) for key in keys), default=None)
 
     @property
     def files(self) -> dict[str, Passes]:

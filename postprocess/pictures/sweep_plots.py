@@ -103,7 +103,10 @@ def fatigue_map(
             key = f"{name.lower().replace(' ', '_')}_MPa"
             stress = np.concatenate([each[key] for each in every])
             depth = np.concatenate([each["depth_mm"] for each in every])
-            y, order = np.repeat(places, [len(each[key]) for each in every]), stress.argsort()
+            y, order = (
+                np.repeat(np.round(places, 3), [len(each[key]) for each in every]),
+                stress.argsort(),
+            )
             shown = axes.scatter(y[order], depth[order], c=stress[order], s=9, cmap="inferno_r")
             figure.colorbar(shown, label=f"{name}, MPa")
             axes.set(xlabel="y of the patch, mm (gauge side < 0)", ylabel="depth, mm")

@@ -254,6 +254,7 @@ def _fatigue(
     if not (asked and found and result and found.largest and (line or found.patch.each)):
         return {}
     body = found.axis.body
+    passes = solved.passes if solved.passes and solved.passes.rows and body == "rail" else None
     section = plan.scene.rail if body == "rail" else plan.scene.wheel
     given = {"dang_van": section.dang_van, "findley": section.findley}
     out = fatigue.read(
@@ -264,11 +265,17 @@ def _fatigue(
         slopes=[(given[name] or (slope,))[0] for name, slope in fatigue.SLOPES.items()],
         line=line,
         body=body,
+        residual=passes.sections[-1].residual if passes else None,
     )
     bound, parts = accuracy["bound"], accuracy["parts"]
     other = bound.get("tau_max_MPa", bound.get("max_MPa"))
+    left = 0.0 if passes is None else passes.residual_error
+    if left is None:
+        out["estimate"] = {}
     for key, own in out["estimate"].items() if other is not None else ():
-        bound[key], parts[key] = own + other, {"stresses": other, "paths": own}
+        more = {"residual": left / out[key]} if left else {}
+        parts[key] = {"stresses": other, "paths": own, **more}
+        bound[key] = sum(parts[key].values())
     out |= {
         f"{name}_over_limit": out[f"{name}_MPa"] / limit[1]
         for name, limit in given.items()

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from solved import planned, solved
 
+from railhead.results import pipeline, summary
 from railhead.theory import fatigue
 from railhead.theory.elastic.subsurface import EllipsoidalPressure
 from railhead.theory.friction import sliding
@@ -60,6 +61,39 @@ def test_line_by_finite_elements(slips, depths) -> None:
     """Of a head 70 mm wide, which is no half-space: 2 % of its pressure's closed form."""
     result, hertz = solved("long_roller", *slips), planned("long_roller").hertz
     assert at(result, depths) == pytest.approx(exact(hertz, 0.3 * bool(slips), depths), rel=0.01)
+
+
+@pytest.mark.parametrize(
+    "case", [["hertz_ellipse"], ["long_roller", "rail.extent=half-space"]], ids=["ellipse", "line"]
+)
+def test_uniform_residual_stress_adds_its_hydrostatic_part_to_dang_van(case, monkeypatch) -> None:
+    """The amplitude does not see a stress that stays: c times the mean of xx, yy and zz is added,
+    and Findley's stress on a plane grows by k times the normal stress that stays on it, here the
+    same on all planes."""
+    read, left = summary.fatigue.read, []
+
+    def with_residual(*given, **keys):
+        left.append(keys.pop("residual"))
+        bare = read(*given, **keys)
+        stays = {name: np.zeros(6) for name in ("along", "all")}
+        stays["along"][:2], stays["all"][:3] = (-150.0, 60.0), 80.0
+
+        def uniform(stress):
+            return lambda depth, across: np.tile(stress, (depth.size, across.size, 1))
+
+        found = {
+            name: read(*given, **keys, residual=uniform(each))["profile"]
+            for name, each in stays.items()
+        }
+        more = [np.array(found["along"]["dang_van_MPa"]), np.array(found["all"]["findley_MPa"])]
+        own = [np.array(bare["profile"][key]) for key in ("dang_van_MPa", "findley_MPa")]
+        assert more[0] - own[0] == pytest.approx(0.33 * -90 / 3, abs=0.5)
+        assert more[1] - own[1] == pytest.approx(0.3 * 80, abs=0.5)
+        return bare
+
+    monkeypatch.setattr(summary.fatigue, "read", with_residual)
+    result = pipeline.run(planned(*case, "effects.finite_bodies=off").scene)
+    assert left == [None] and "fatigue" in result.summary["result"]
 
 
 def test_limits_are_those_of_the_scene_alone() -> None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from railhead.postprocess.findings import Subject
 from railhead.results import pipeline, result_folder
 from railhead.run.progress import Progress, Tell
 from railhead.scene.catalogue import INPUT, copy_files, portable
+from railhead.scene.quantities import GROUPS
 from railhead.scene.scene import Scene, SceneError
 from railhead.sweeps import store, worker_pool
 from railhead.sweeps.wear import wear_run
@@ -26,13 +28,15 @@ from railhead.theory.array_types import Array
 
 SUMMARY, HISTORY, REPORT = "wear.json", "history.csv", "report.html"
 LINES, DAMAGE = "wear.csv", "damage.csv"  # over y: worn depth; all else
+FATIGUE, MAP = "fatigue.csv", "fatigue_map.png"  # over y and depth
 PLACE, DEPTH = ("body", "y [mm]"), ("depth [mm]", "depth [mm] estimate")
 LIMITS = tuple(f"wear.{name}_limit" for name in ("depth", "flange", "conicity"))
 PROFILES = {body: f"{body}_profile.csv" for body in BODIES}
 PICTURE = "depth.png"
 LATER = (
-    *(INPUT, result_folder.SCENE, SUMMARY, LINES, DAMAGE, HISTORY, REPORT, *PROFILES.values()),
-    *(f"depth.{kind}" for kind in ("png", "svg", "pdf")),
+    *(INPUT, result_folder.SCENE, SUMMARY, LINES, DAMAGE, FATIGUE, HISTORY, REPORT),
+    *PROFILES.values(),
+    *(f"{stem}.{kind}" for stem in ("depth", "fatigue_map") for kind in ("png", "svg", "pdf")),
 )
 COLOURS = {"rail": "#555555", "wheel": "#1f4e79"}
 DECIMALS = 7  # of profiles, mm
@@ -76,7 +80,9 @@ def wear(
         _write_profiles(runs["main"], folder)
         if scene.effects.finite_bodies != "off":
             beside = _beside(route, folder, shown)
-        found = WearResult(route, runs, beside)
+        grooves = _grooves(route, shown) if route.yields else None
+        tired = _fatigue(route, folder, shown) if route.tires else None
+        found = WearResult(route, runs, beside, grooves, tired)
         shown.stage("writing files" + " and pictures" * pictures)
         _save(found, folder, pictures=pictures)
     return found
@@ -88,20 +94,12 @@ def _beside(route: Route, folder: Path, progress: Progress) -> dict[str, Any]:
     one of both fails.
     """
     number = int(np.argmax(route.shares))
-    scene = route.positions[number].scene
-    for body in route.worn:
-        own = {"profile", "rolling_radius", "inclination"}
-        shape = {key: "none" for key in wear_run.SHAPE[body] if key not in own} | AS_WRITTEN
-        scene = scene.replace(
-            **{f"{body}.{key}": value for key, value in shape.items()},
-            **{f"{body}.profile": str(folder / PROFILES[body])},
-        )
     switches = {"finite_bodies": "auto", "friction": "off", "plasticity": "off"}
-    scene = scene.replace(**{f"effects.{key}": value for key, value in switches.items()})
-    try:
-        solved = pipeline.run(scene, progress, MPI.COMM_SELF).summary
-    except (SceneError, MeshError) as error:
-        return {"position": number + 1, "reason": f"{type(error).__name__}: {error}"}
+    changes = {f"effects.{key}": value for key, value in switches.items()}
+    changes |= _worn(route, folder) | {"quantities": ",".join(GROUPS)}
+    solved = _solved(route, number, changes, progress)
+    if "failure" in solved:
+        return {"position": number + 1, "reason": solved["failure"]}
     found = {"finite_elements": solved["result"], "half_spaces": solved["half_space"]}
     for name, each in found.items():
         if not each or "reason" in each:
@@ -120,6 +118,71 @@ def _beside(route: Route, folder: Path, progress: Progress) -> dict[str, Any]:
         "bound": {"pressure_max_MPa": bound.get("max_MPa"), "area_mm2": bound.get("area_mm2")},
         "checks": solved["checks"]["failed"],
     }
+
+
+def _worn(route: Route, folder: Path) -> dict[str, Any]:
+    """Keys of a scene with the worn profiles in a folder, with their values."""
+    changes, own = dict[str, Any](), {"profile", "rolling_radius", "inclination"}
+    for body in route.worn:
+        shape = {key: "none" for key in wear_run.SHAPE[body] if key not in own} | AS_WRITTEN
+        shape["profile"] = str(folder / PROFILES[body])
+        changes |= {f"{body}.{key}": value for key, value in shape.items()}
+    return changes
+
+
+def _solved(
+    route: Route, number: int, changes: Mapping[str, Any], progress: Progress
+) -> dict[str, Any]:
+    """Content of summary.json of a position by its index, with other values of some keys; the
+    "failure" alone where it cannot be solved.
+    """
+    try:
+        scene = route.positions[number].scene.replace(**changes)
+        return pipeline.run(scene, progress, MPI.COMM_SELF).summary
+    except (SceneError, MeshError) as error:
+        return {"failure": f"{type(error).__name__}: {error}"}
+
+
+def _grooves(route: Route, progress: Progress) -> dict[str, Any]:
+    """Entry "yield" of wear.json: numbers of the positions whose steel yields; of that with the
+    highest stress that can be rolled its number, load over that of first yield, and the depth of
+    the groove, mm, after one pass and after two over its new rail without friction, with the failed
+    checks; and by number of each position with a higher stress why it has no passes ("unknown").
+    """
+    changes = {"rolling.passes": 2, "quantities": "stresses", "effects.friction": "off"}
+    unknown, solved = dict[str, str](), dict[str, Any]()
+    for number in sorted(route.yields, key=lambda each: -route.yields[each]):
+        solved = _solved(route, number, changes, progress)
+        result = solved.get("result") or {}
+        if "passes" in result:
+            solved = {
+                "position": number + 1,
+                "load_over_first_yield": result["yield"]["load_over_first_yield"],
+                "groove_mm": [each["groove_mm"] for each in result["passes"]],
+                "checks": solved["checks"]["failed"],
+            }
+            break
+        unknown[f"{number + 1}"] = solved.get("failure") or "the passes were not solved"
+        solved = {}
+    return {"positions": [each + 1 for each in route.yields], "unknown": unknown, **solved}
+
+
+def _fatigue(route: Route, folder: Path, progress: Progress) -> list[dict[str, Any]]:
+    """Entry "fatigue" of wear.json: of each position, on the new ("first") and the worn profiles
+    ("last") in a folder, its number, share, y of the patch and "fatigue" of its elastic result by
+    half-spaces; or the reason why there is none.
+    """
+    asked, rows = {"quantities": wear_run.TIRES[0], "effects.plasticity": "off"}, []
+    for name, shape in (("first", {}), ("last", _worn(route, folder))):
+        for number, share in enumerate(route.shares):
+            solved = _solved(route, number, asked | shape, progress)
+            result = solved.get("result") or {}
+            if "fatigue" in result:
+                own = {"y_mm": result["contact_point_mm"][1], **result["fatigue"]}
+            else:
+                own = {"reason": solved.get("failure") or "nothing touches"}
+            rows.append({"position": number + 1, "profiles": name, "share": share, **own})
+    return rows
 
 
 def _scenes(route: Route) -> list[Scene]:
@@ -156,27 +219,49 @@ def _save(found: WearResult, folder: Path, *, pictures: bool) -> None:
         HISTORY: result_folder.encoded(result_folder.signed(found.rows)),
         SUMMARY: result_folder.to_json(result_folder.origin() | found.summary).encode(),
     }
+    tired = [each for each in found.fatigue or () if "profile" in each]
+    if tired:
+        files[FATIGUE] = result_folder.encoded([row for each in tired for row in _below(each)])
     for name, content in files.items():
         store.write_whole(folder, folder / name, content)
     if not pictures:
         return
+    from railhead.postprocess.pictures import sweep_plots
     from railhead.results.report import html
 
     title, failures = f"wear of {scene.name}", list[str]()
-    with result_folder.attempt(failures, folder / PICTURE, folder):
-        _draw_depth(lines, found.route.worn, Subject(title), folder / PICTURE)
+    drawn = {PICTURE: partial(_draw_depth, lines, found.route.worn, Subject(title))}
+    if tired:
+        places, profiles = zip(*((each["y_mm"], each["profile"]) for each in tired), strict=True)
+        drawn[MAP] = partial(sweep_plots.fatigue_map, places, profiles, Subject(title))
+    for name, draw in drawn.items():
+        with result_folder.attempt(failures, folder / name, folder):
+            draw(folder / name)
     if failures:
         raise OSError("\n".join(failures))
     text = html.template("wear.html.j2").render(
         title=title,
         summary=found.summary,
         verdict=found.words(),
-        pictures=[html.picture((folder / PICTURE).read_bytes())],
+        pictures=[html.picture((folder / name).read_bytes()) for name in drawn],
         scene=html.scene_rows(scene),
         date=result_folder.now(),
         versions=html.versions(),
     )
     store.write_whole(folder, folder / REPORT, text.encode())
+
+
+def _below(tired: Mapping[str, Any]) -> list[Row]:
+    """Rows of fatigue.csv of a position: the stresses of both criteria over the depth."""
+    given = {name: tired[name] for name in ("position", "profiles", "share")}
+    given["y [mm]"] = tired["y_mm"]
+    columns = {
+        "depth [mm]": "depth_mm",
+        "Dang Van [MPa]": "dang_van_MPa",
+        "Findley [MPa]": "findley_MPa",
+    }
+    cells = zip(*(tired["profile"][key] for key in columns.values()), strict=True)
+    return [given | dict(zip(columns, each, strict=True)) for each in cells]
 
 
 def _write_profiles(run: Run, folder: Path) -> None:

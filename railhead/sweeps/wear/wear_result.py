@@ -58,11 +58,15 @@ class WearResult:
     runs: by name, `wear_run.solve`.
     beside: one position on the worn profiles by finite elements and by half-spaces, as in
         wear.json; None where it is not solved.
+    grooves: "yield" of wear.json; None where no steel yields.
+    fatigue: "fatigue" of wear.json; None where it is not asked for.
     """
 
     route: Route
     runs: Mapping[str, Run]
     beside: dict[str, Any] | None = None
+    grooves: dict[str, Any] | None = None
+    fatigue: list[Row] | None = None
 
     @property
     def passed(self) -> bool:
@@ -93,6 +97,8 @@ class WearResult:
             "positions": self._positions(),
             "left_out": self.route.left_out,
             "beside": self.beside,
+            "yield": self.grooves,
+            "fatigue": self.fatigue,
             "damage_law": DAMAGE_LAW,
             "accuracy": {
                 "asked": scene.wear.accuracy,
@@ -262,6 +268,22 @@ class WearResult:
             source="wear.accuracy; largest error of area and depth by steps and grids",
             advice="ask for less; where wear.step is given, give more steps or leave it out",
         )
+        if grooves := self.grooves:
+            yield Check(
+                name="yield",
+                value=float(len(grooves["unknown"]) + len(grooves.get("checks", ()))),
+                limit=0.0,
+                source="positions whose passes over yielding steel are not known, or failed checks",
+                advice="wear.json has the reasons; effects.plasticity=off leaves yield out",
+            )
+        if self.fatigue is not None:
+            yield Check(
+                name="fatigue",
+                value=float(sum("reason" in each for each in self.fatigue)),
+                limit=0.0,
+                source="positions, on new or worn profiles, whose stresses of fatigue are missing",
+                advice="wear.json has the reasons; leave these positions out",
+            )
         if len(self.route.positions) > 1:
             approach = min(position.hertz.approach for position in self.route.positions)
             depth = max(float(run.depths[body].max()) for body in self.route.worn)
@@ -373,6 +395,20 @@ class WearResult:
                 for name in ("finite_elements", "half_spaces")
             )
             lines.append(f"position {beside['position']}, worn: {text}")
+        if grooves := self.grooves:
+            lines.append(
+                f"steel would yield at {len(grooves['positions'])} of {len(self.route.shares)} "
+                "positions; the worn depths have no yield"
+            )
+            if "groove_mm" in grooves:
+                one, two = grooves["groove_mm"]
+                lines.append(
+                    f"position {grooves['position']}, new and without friction: one pass leaves a "
+                    f"groove of {one:.3g} mm, two leave {two:.3g} mm"
+                )
+            lines += [
+                f"position {n}: groove not known ({r})" for n, r in grooves["unknown"].items()
+            ]
         failed = summary["checks"]["failed"]
         return [
             *lines,

@@ -65,6 +65,8 @@ SHAPE = {
 """Keys of the shape of a body, which must be the same in all positions where it is worn."""
 PHYSICS = ("finite_bodies", "rail_section", "plasticity", "plasticity_wheel", "heat")
 """Effects that are named where plans call for them."""
+TIRES = ("fatigue",)
+"""Quantities of a route whose stresses of fatigue are found, too."""
 NO_SOLID = "wear needs the profiles of a rail and of a wheel, not half-spaces or a section"
 
 
@@ -76,12 +78,20 @@ class Route:
     positions: with their parts of the passages.
     shares: of all passages, one a position; their sum is 1.
     left_out: why effects are called for that wear leaves out, of the first such position, by name.
+    yields: elastic von Mises stress over the yield stress, by index of the positions whose steel
+        yields, unless effects.plasticity is off.
     """
 
     scene: Scene
     positions: tuple[Position, ...]
     shares: tuple[float, ...]
     left_out: dict[str, str]
+    yields: dict[int, float] = field(default_factory=dict)
+
+    @property
+    def tires(self) -> bool:
+        """Whether the stresses of fatigue are asked for, by quantities = "fatigue"."""
+        return self.scene.quantities == TIRES
 
     @property
     def worn(self) -> list[str]:
@@ -111,6 +121,7 @@ def read(scene: Scene) -> Route:
     shares = tuple(weight / math.fsum(weights) for weight in weights)
     positions: list[Position] = []
     left_out: dict[str, str] = {}
+    yields: dict[int, float] = {}
     for number, (row, share) in enumerate(zip(rows, shares, strict=True), 1):
         try:
             position = scene.replace(**{"effects.finite_bodies": "off", **row})
@@ -125,11 +136,14 @@ def read(scene: Scene) -> Route:
             if effect.called_for and not effect.on:
                 cost = f"; it may change a quantity by {effect.error:.1%}" if effect.error else ""
                 left_out.setdefault(name, f"{effect.why}{cost}")
+        if plan.effects["plasticity"].called_for and position.effects.plasticity != "off":
+            yields[number - 1] = plan.context.over_yield
         axles, distance = share * (given.axles or 0.0), share * (given.distance or 0.0)
         positions.append(
             Position(scene=position, hertz=plan.hertz, law=law, axles=axles, distance=distance)
         )
-    return Route(scene=scene, positions=tuple(positions), shares=shares, left_out=left_out)
+    every = tuple(positions)
+    return Route(scene=scene, positions=every, shares=shares, left_out=left_out, yields=yields)
 
 
 def _rows(scene: Scene) -> list[dict[str, object]]:
@@ -167,9 +181,9 @@ def _refuse(position: Scene, base: Scene, worn: Sequence[str]) -> None:
         (position.effects.friction == "off", "effects.friction", "off is not allowed in wear"),
         (rolling.passes is not None, "rolling.passes", "is not allowed in wear; leave it out"),
         (
-            {*position.quantities} != {*GROUPS},
+            {*position.quantities} != {*GROUPS} and position.quantities != TIRES,
             "quantities",
-            f"{','.join(position.quantities)} is not allowed in wear; leave it out",
+            f"{','.join(position.quantities)} is not allowed in wear; give fatigue or leave it out",
         ),
         *(
             (part.surface is not None, f"{body}.surface", "is not allowed in wear; leave it out")

@@ -298,6 +298,64 @@ def test_what_fails_beside_an_answer_is_said_in_words(monkeypatch, tmp_path) -> 
         assert found["reason"].startswith(said)
 
 
+def test_yield_and_fatigue_of_positions_stand_beside_the_wear(worn, monkeypatch, tmp_path) -> None:
+    """Passes over the position that is loaded most; stresses of fatigue where they are asked for,
+    on new and on worn profiles. What cannot be solved is a failed check."""
+    table = tmp_path / "positions.csv"
+    table.write_text("share,load [kN]\n3,80\n1,130\n1,10\n")
+    steel, asked = {"rail.steel": "R260", "quantities": "fatigue"}, []
+    one = crown().replace(**steel)
+    route = wear_run.read(one.replace(**{"wear.positions": str(table)}))
+
+    def run(given: Scene, *_) -> SimpleNamespace:
+        asked.append(given)
+        if given.rolling.passes and given.load == 130e3:
+            raise SceneError("rolling.passes", "has no steady answer")
+        if given.rolling.passes:
+            passes = [{"groove_mm": 0.01}, {"groove_mm": 0.012}]
+            result = {"passes": passes, "yield": {"load_over_first_yield": 4.0}}
+        elif given.load == 10e3:
+            raise SceneError("load", "is too small")
+        else:
+            profile = {key: [1.0, 2.0] for key in ("depth_mm", "dang_van_MPa", "findley_MPa")}
+            result = {"contact_point_mm": [0, 1.5, 0], "fatigue": {"profile": profile}}
+        return SimpleNamespace(summary={"result": result, "checks": {"failed": []}})
+
+    monkeypatch.setattr(sweep.pipeline, "run", run)
+    grooves = sweep._grooves(route, None)
+    assert grooves["positions"] == [1, 2] and grooves["position"] == 1
+    assert [*grooves["unknown"]] == ["2"] and "no steady" in grooves["unknown"]["2"]
+    tired = sweep._fatigue(route, worn[1], None)
+    assert [each.load for each in asked] == [130e3, 80e3, *(80e3, 130e3, 10e3) * 2]
+    assert asked[-1].rail.profile.endswith("rail_profile.csv") and asked[2].rail.profile == "arc"
+    assert "load" in tired[2]["reason"]
+
+    found = replace(worn[0], route=wear_run.read(one), grooves=grooves, fatigue=tired)
+    assert found.summary["checks"]["failed"] == ["yield", "fatigue"]
+    said = "\n".join(found.words())
+    assert "steel would yield at 2 of" in said and "a groove of 0.01 mm, two leave 0.012" in said
+    assert "position 2: groove not known (SceneError: rolling.passes: has no steady" in said
+    sweep._save(found, tmp_path, pictures=True)
+    below = rows(tmp_path / "fatigue.csv")
+    assert [row["profiles"] for row in below] == ["first"] * 4 + ["last"] * 4
+    assert (tmp_path / "fatigue_map.png").exists()
+
+    nothing = SimpleNamespace(summary={"result": None})
+    monkeypatch.setattr(sweep.pipeline, "run", lambda *_: nothing)
+    lost = replace(found, grooves=sweep._grooves(found.route, None))
+    assert "yield" in lost.summary["checks"]["failed"]
+    off = wear_run.read(crown().replace(**steel | {"effects.plasticity": "off"}))
+    assert not off.yields and off.tires and not worn[0].route.tires
+
+
+@pytest.mark.slow
+def test_steel_that_yields_under_a_route_passes_its_checks(tmp_path) -> None:
+    scene = crown(axles=AXLES / 100, step=1).replace(**{"rail.steel": "R260", "load": 110e3})
+    found = sweep.wear(scene, tmp_path / "out")
+    first, second = found.grooves["groove_mm"]
+    assert found.passed and 0.005 < first < second < 0.05
+
+
 @pytest.mark.slow
 def test_finite_elements_stand_beside_the_half_spaces(tmp_path):
     scene = crown(axles=AXLES / 2, step=2).replace(**{"effects.finite_bodies": "auto"})
