@@ -11,6 +11,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
+from itertools import permutations
 from pathlib import Path
 from typing import ClassVar
 
@@ -252,8 +253,10 @@ def contact(scene: Scene) -> HeadContact:
     pose = found.pose.moved(x=-at.x)
     over = OverSection(length=STRETCH, position=at.x, surface=surface, section=pair.rail)
     room = float(np.abs(np.subtract(over.ends, at.x)).min())
-    text = f"{scene.rail.position:g} is {room:.3g} mm from the end of the head or of the sections "
-    text += f"at the contact; finite elements need {STRETCH:g} mm: give another, or --fast"
+    text = (
+        f"{scene.rail.position:g} is {room:.3g} mm from the end of the head or of the sections "
+        f"at the contact; finite elements need {STRETCH:g} mm: give another, or --fast"
+    )
     refuse_first((room < STRETCH, "rail.position", text))
     if found.lowest == "wing":
         text = "is not that of the rail, and finite elements know one; give that, or --fast"
@@ -300,16 +303,23 @@ def touch(
         if touched:
             found[name] = touched
     at = scene.rail.position
-    if not min(ends) <= at <= max(ends):
-        text = f"{at:g} is beyond the sections; give {min(ends):g} to {max(ends):g} mm"
-        raise SceneError("rail.position", text)
-    if not found:
-        raise SceneError("wheelset.shift", f"no part of the wheel is over the rail at {at:g} mm")
+    text = f"{at:g} is beyond the sections; give {min(ends):g} to {max(ends):g} mm"
+    refuse_first(
+        (not min(ends) <= at <= max(ends), "rail.position", text),
+        (not found, "wheelset.shift", f"no part of the wheel is over the rail at {at:g} mm"),
+    )
     crossing = Crossing(scene=scene, heads=found, wheel=wheel)
-    if (first := found[crossing.lowest].touches[0]).at_edge:
-        text = f"{at:g} lets the wheel touch at an end of the sections, or an edge of them, at "
-        text += f"x = {at + first.x:.4g}, y = {first.y:.4g} mm; give another, or more sections"
-        raise SceneError("rail.position", text)
+    for name, other in permutations(found, 2):
+        low = found[name].touches[0]
+        over = found[other].surface(np.array([low.x]), np.array([low.y]))[0][0]
+        text = f"lies where the {other} is, at x = {at + low.x:.4g}, y = {low.y:.4g} mm; give heads"
+        refuse_first((over > low.z - low.gap - NEAR, f"{name}.sections", f"{text} side by side"))
+    first = found[crossing.lowest].touches[0]
+    text = (
+        f"{at:g} lets the wheel touch at an end of the sections, or an edge of them, at "
+        f"x = {at + first.x:.4g}, y = {first.y:.4g} mm; give another, or more sections"
+    )
+    refuse_first((first.at_edge, "rail.position", text))
     return crossing
 
 

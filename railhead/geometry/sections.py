@@ -66,12 +66,19 @@ def _listed(path: Path) -> tuple[Listed, ...]:
         raise FormatError(path.name, len(lines), f"has {len(found)} sections; give 2 or more")
     for line, (here, after) in enumerate(zip(found, found[1:], strict=False), 1):
         if not after.x > here.x:
-            text = f"section {line + 1} at {after.x:g} does not follow that at {here.x:g}"
-            raise FormatError(path.name, len(lines), f"{text}; give rising places")
+            raise FormatError(
+                path.name,
+                len(lines),
+                f"section {line + 1} at {after.x:g} does not follow that at {here.x:g}; "
+                "give rising places",
+            )
     for each in found:
         if not each.path.is_file():
-            text = f"names {each.path.name}, which is no file beside it"
-            raise FormatError(path.name, len(lines), f"{text}; give files that exist")
+            raise FormatError(
+                path.name,
+                len(lines),
+                f"names {each.path.name}, which is no file beside it; give files that exist",
+            )
     return found
 
 
@@ -96,20 +103,29 @@ def _slices(path: Path, lines: list[str]) -> tuple[Listed, ...]:
     head = [each for each in bare if each[1]]
     named = [each for each in head if re.search(r"['\"]", each[1])]
     if not named or len(head) < 4:
-        text = "names no sections; give U_OFFSET, U_SCALE, NSLC, NFEAT, and 'files'"
-        raise FormatError(path.name, len(lines), text)
+        raise FormatError(
+            path.name,
+            len(lines),
+            "names no sections; give U_OFFSET, U_SCALE, NSLC, NFEAT, and 'files'",
+        )
     offset, scale = (_number(path, head[0][0], text) for text in (head[0][1].split() + [""])[:2])
     count, features = (int(_number(path, n, line.split()[0])) for n, line in head[1:3])
     if len(named) != count:
-        text = f"names {len(named)} sections, but NSLC = {count}; give as many"
-        raise FormatError(path.name, named[-1][0], text)
+        raise FormatError(
+            path.name,
+            named[-1][0],
+            f"names {len(named)} sections, but NSLC = {count}; give as many",
+        )
     behind = [each for each in head if each[0] > named[-1][0]] if features > 1 else []
     lengths: dict[float, tuple[float, ...]] = {}
     for number, line in behind:
         place, *values = (_number(path, number, text) for text in line.split())
         if len(values) != features:
-            text = f"has {len(values)} features, but NFEAT = {features}; give as many"
-            raise FormatError(path.name, number, text)
+            raise FormatError(
+                path.name,
+                number,
+                f"has {len(values)} features, but NFEAT = {features}; give as many",
+            )
         lengths[place] = tuple(each if each >= 0 else math.nan for each in values)
     found = []
     for number, line in named:
@@ -120,7 +136,7 @@ def _slices(path: Path, lines: list[str]) -> tuple[Listed, ...]:
         found.append(
             Listed(x=scale * (at + offset), path=path.parent / file, features=lengths.get(at, ()))
         )
-    return tuple(found)
+    return tuple(found[:: -1 if scale < 0 else 1])
 
 
 def _number(path: Path, line: int, text: str) -> float:

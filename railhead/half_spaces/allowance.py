@@ -5,7 +5,8 @@ size        the curvature that held and free faces of the bodies add (theory.ela
 conformity  1 - cos of half the range of the normals in the patch, on the rail and, by the slope of
             the gap, on the wheel: what a developed plane neglects
 share       of several patches: their compliances differ by where the bodies end, and those on two
-            rails displace each other through the wheel; with them the loads change that they carry
+            rails displace each other through the wheel alone; with them the loads change that they
+            carry
             (F ~ d^(3/2), p ~ F^(1/3), area ~ F^(2/3))
 twist       the change by the rotation and the movement aside of the bodies where they touch
 
@@ -30,7 +31,7 @@ from railhead.contact import closed_forms, placed_bodies
 from railhead.contact.solid import Contact
 from railhead.geometry import profiles
 from railhead.half_spaces.pressing import HalfSpacePair
-from railhead.half_spaces.surface import APART, Span
+from railhead.half_spaces.surface import Span
 from railhead.meshing.bodies import BODY_NAMES, RAIL, WHEEL
 from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.theory.array_types import Array
@@ -64,8 +65,8 @@ def added_stress(
     """
     return max(
         patch.force / (2 * math.pi * square)
-        for span in pair.facing.spans
-        for patch in _patches(solved, span)
+        for span, patches in _patches(pair, solved)
+        for patch in patches
         for body in _bodies(pair, deformable, span)
         for square in (body.depth**2, *(2 * (end - patch.centroid[1]) ** 2 for end in body.ends))
     )
@@ -119,9 +120,7 @@ def allowance(pair: HalfSpacePair, deformable: Sequence[int], twist: float) -> d
     Raises ValueError where boundary elements find no closed patch.
     """
     solved = pair.boundary_elements
-    spans = [
-        (_patches(solved, span), _bodies(pair, deformable, span)) for span in pair.facing.spans
-    ]
+    spans = [(patches, _bodies(pair, deformable, span)) for span, patches in _patches(pair, solved)]
     pairs = [(patch, around) for patches, around in spans for patch in patches]
     forces = np.zeros(1) if len(pairs) == 1 else _force_changes(pair, spans)
     # A force is in the largest pressure to the power 1/3, and in the area to the power 2/3.
@@ -146,15 +145,16 @@ def allowance(pair: HalfSpacePair, deformable: Sequence[int], twist: float) -> d
     return {key: {**parts, "total": sum(parts.values())} for key, parts in allowed.items()}
 
 
-def _patches(solved: BoundaryElementSolution, span: Span) -> list[PatchSolution]:
-    """The patches of a half-space solution on a body but those with at most 0.2 % (SMALLEST) of the
-    force.
+def _patches(
+    pair: HalfSpacePair, solved: BoundaryElementSolution
+) -> list[tuple[Span, list[PatchSolution]]]:
+    """Each body on the rail's side and the patches of a half-space solution that are nearest to its
+    contact, but those with at most 0.2 % (SMALLEST) of the force.
     """
-    return [
-        each
-        for each in solved.patches
-        if each.force > SMALLEST * solved.force and abs(each.centroid[1] - span.middle) < APART / 2
-    ]
+    spans = pair.facing.spans
+    kept = [each for each in solved.patches if each.force > SMALLEST * solved.force]
+    of = [min(spans, key=lambda span: abs(each.centroid[1] - span.middle)) for each in kept]
+    return [(span, [k for k, near in zip(kept, of, strict=True) if near is span]) for span in spans]
 
 
 def _bodies(pair: HalfSpacePair, deformable: Sequence[int], span: Span) -> list[_Body]:
@@ -207,8 +207,8 @@ def _force_changes(
     """Magnitude (n,) of the relative change of the force on each of n patches by held and free
     faces, the sum of forces being fixed. A force changes by 3/2 of the relative change of its
     patch's compression.
-    spans: patches on each rail, and the bodies there. Patches on unlike rails displace each other
-        through the wheel alone, as on a half-space.
+    spans: patches on each rail, and the bodies there. Half-spaces let patches on unlike rails
+        displace each other through the rail, too.
     """
     patches = [each for patches, _ in spans for each in patches]
     force = np.array([each.force for each in patches])
@@ -220,8 +220,8 @@ def _force_changes(
     ]
     same = block_diag(*(np.ones_like(each) for each in own)) > 0
     apart = np.linalg.norm(places[:, None] - places, axis=-1)
-    wheel = sum(body.weight for body in spans[0][1] if body.wheel)
-    influence = np.where(same, block_diag(*own), wheel / np.where(same, np.inf, apart))
+    rail = sum(body.weight for body in spans[0][1] if not body.wheel)
+    influence = np.where(same, block_diag(*own), -rail / np.where(same, np.inf, apart))
     stiffness = [1.5 / halfspace.own_approach(*patch.half_extents) for patch in patches]
     rest = influence @ force
     return np.asarray(np.abs(rest - np.average(rest, weights=stiffness)) * stiffness / force)

@@ -7,8 +7,7 @@ bend, whose weight falls with the distance.
 
 Each head of a crossing is a half-space of its own, developed along its section at right angles to
 the tangent ahead at its first contact, which may rise along the rail. Heads share the sink of the
-wheel, and do not displace each other: they lie beside each other at a distance at which nothing is
-felt.
+wheel and displace each other as on one half-space: their contacts lie as far apart as in space.
 """
 
 from __future__ import annotations
@@ -32,7 +31,6 @@ from railhead.theory.friction.rolling import plane_modes
 
 SAMPLES = 4001  # points on each profile
 HEAD = 2001  # points on the section of a head
-APART = 1e5  # mm from head to head
 BESIDE, LEAST = 1.6, 4.0  # half sizes of the search over those of paraboloids; mm, at least
 ALONG, ACROSS = 41, 61  # places of the search on each head
 
@@ -183,7 +181,8 @@ class Plane:
 @dataclass(frozen=True)
 class Heads:
     """Developed surfaces (x, s) of the heads of a contact: x along the tangent ahead, from below
-    the axle, and s along the section, from the contact of the k-th head at k times 1e5 mm (APART).
+    the axle, and s along the section, from the contact of each head, which is as far from that of
+    the first as in space.
     contact: wheel and heads.
     """
 
@@ -200,6 +199,12 @@ class Heads:
         """Contact points (k, 3) on the rail, mm, and axes (k, 3, 3) there."""
         origins = [[each.x, each.y, each.z - each.gap] for each in self.touches]
         return np.array(origins), np.array([each.axes for each in self.touches])
+
+    @cached_property
+    def _middles(self) -> Array:
+        """s (k,) of the contacts of the heads, mm."""
+        _, y, z = (self._frames[0] - self._frames[0][0]).T
+        return np.asarray(np.copysign(np.hypot(y, z), y))
 
     @cached_property
     def _sections(self) -> list[Array]:
@@ -223,7 +228,7 @@ class Heads:
 
     def _of(self, s: Array) -> Index:
         """Number (n,) of the head of places s (n,), mm."""
-        return np.clip(np.rint(s / APART).astype(int), 0, len(self.touches) - 1)
+        return np.asarray(np.abs(s[:, None] - self._middles).argmin(axis=1))
 
     def _at(self, s: Array, beyond: float | None = None) -> Array:
         """Rows (3, n) as of `_sections`, without s, at places s (n,), mm; those of the end beyond
@@ -232,7 +237,7 @@ class Heads:
         of, found = self._of(s), np.zeros((3, len(s)))
         for number, (places, *rows) in enumerate(self._sections):
             here = of == number
-            local = s[here] - number * APART
+            local = s[here] - self._middles[number]
             found[:, here] = [np.interp(local, places, row, beyond, beyond) for row in rows]
         return found
 
@@ -249,8 +254,8 @@ class Heads:
     @property
     def spans(self) -> list[Span]:
         """A `Span` for each head, up to where it is turned by 60 deg against its contact."""
-        pairs = enumerate(zip(self._sections, self.touches, strict=True))
-        return [Span(k * APART, (of[0, 0], of[0, -1]), touch) for k, (of, touch) in pairs]
+        each = zip(self._middles, self._sections, self.touches, strict=True)
+        return [Span(float(s), (of[0, 0], of[0, -1]), touch) for s, of, touch in each]
 
     def angle(self, s: Array) -> Array:
         """Angle (n,) of the surface's normal about the tangent ahead at s (n,), mm, rad; that of a
@@ -330,7 +335,7 @@ class Heads:
             x, s = origin[0] + away @ axes[0], np.interp(away @ axes[1], across, places)
             grid = np.meshgrid(
                 np.linspace(x.min() - reach, x.max() + reach, ALONG),
-                np.linspace(s.min() - reach, s.max() + reach, ACROSS) + number * APART,
+                np.linspace(s.min() - reach, s.max() + reach, ACROSS) + self._middles[number],
                 indexing="ij",
             )
             grids.append(grid)

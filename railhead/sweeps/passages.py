@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -39,7 +40,8 @@ def refined(scene: Scene, lists: Mapping[str, Sequence[object]]) -> dict[str, An
 
 def share(scene: Scene, at: float) -> float:
     """Share of the load that the rail carries at a position (mm), by exact Hertz at the first
-    contact of each head; 0 where the wheel cannot stand there.
+    contact of each head, which displaces the other one as on one half-space; 0 where the wheel
+    cannot stand there.
     """
     try:
         found = crossing.touch(scene.replace(**{KEY: at}))
@@ -48,20 +50,22 @@ def share(scene: Scene, at: float) -> float:
     if len(found.heads) < 2:
         return float("rail" in found.heads)
     modulus, load = closed_forms.contact_modulus(scene), float(scene.load or 0.0)
-    springs = []
-    for name in found.heads:
-        touch = found.placed(name)[0]
-        if touch.at_edge or not touch.curvature_y > 0:
-            return float(found.heads["rail"].touches[0].gap < found.heads["wing"].touches[0].gap)
-        one = hertz.point_contact(
-            touch.curvature_x, touch.curvature_y, modulus, load / touch.upright
-        )
-        springs.append((touch.gap, load / (one.approach / touch.upright) ** 1.5))
+    touches = [found.placed(name)[0] for name in found.heads]
+    if any(touch.at_edge or not touch.curvature_y > 0 for touch in touches):
+        return float(touches[0].gap < touches[1].gap)
+    first, second = (
+        hertz.point_contact(touch.curvature_x, touch.curvature_y, modulus, load / touch.upright)
+        for touch in touches
+    )
+    sinks = first.approach / touches[0].upright, second.approach / touches[1].upright
+    apart = math.dist(*((touch.x, touch.y, touch.z - touch.gap) for touch in touches))
+    other = load / (math.pi * modulus * apart)  # mm, by all of the load on the other head
 
-    def carried(sink: float) -> list[float]:
-        """Vertical force on each head at a sink of the wheel, N."""
-        return [stiffness * max(sink - gap, 0.0) ** 1.5 for gap, stiffness in springs]
+    def deeper(share: float) -> float:
+        """Sink over the rail less that over the wing at a share of the rail, mm."""
+        own = sinks[0] * share ** (2 / 3) - sinks[1] * (1 - share) ** (2 / 3)
+        return float(touches[0].gap - touches[1].gap + own + other * (1 - 2 * share))
 
-    most = max((load / stiffness) ** (2 / 3) + gap for gap, stiffness in springs)
-    sink = float(brentq(lambda sink: sum(carried(sink)) - load, 0.0, most))
-    return carried(sink)[0] / load
+    if deeper(0.0) < 0 < deeper(1.0):
+        return float(brentq(deeper, 0.0, 1.0))
+    return float(deeper(0.0) < 0)

@@ -100,6 +100,10 @@ def test_a_file_of_contact_is_the_same_rail_upside_down(tmp_path: Path) -> None:
     x, y = grid(30.0, 28.0)
     z = surface(str(table), 30.0, split=False)(x, y)[0]
     assert np.abs(z - height(None, x, y)).max() < 2e-7
+    table = table.with_name("turned.slcs")
+    table.write_text(text.replace("1000.0", "-1000.0"))
+    turned = surface(str(table), -30.0, split=False)(-x, y)[0]
+    assert np.abs(turned - z).max() < 1e-9
 
 
 def test_a_nose_below_its_wing_is_the_right_way_up_and_heads_are_followed(tmp_path: Path) -> None:

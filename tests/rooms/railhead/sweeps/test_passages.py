@@ -14,14 +14,14 @@ import railhead as rh
 from railhead.scene.scene import Scene
 from railhead.sweeps import passages, sweep_table
 
-# Position of the axle, share of the nose without influence, largest pressure, MPa.
+# Position of the axle, share of the nose (c = 1), largest pressure, MPa.
 SHARES = {
     192.0: (0.0, 1140.1),
-    193.0: (0.02823, 1129.3),
-    193.75: (0.20761, 1126.4),
-    194.5: (0.43138, 1437.4),
-    195.25: (0.66563, 1661.0),
-    196.0: (0.88400, 1825.7),
+    193.0: (0.01743, 1133.4),
+    193.75: (0.19616, 1105.3),
+    194.5: (0.42838, 1434.0),
+    195.25: (0.67284, 1666.9),
+    196.0: (0.89794, 1835.3),
     300.0: (1.0, 1985.5),
 }
 
@@ -46,8 +46,8 @@ def scene(tmp_path_factory: pytest.TempPathFactory) -> Scene:
 def test_springs_of_hertz_share_the_load_as_boundary_elements_do(
     scene: Scene, position: float
 ) -> None:
-    """The reference has both to 1e-4 of the load."""
-    assert passages.share(scene, position) == pytest.approx(SHARES[position][0], abs=2e-4)
+    """The reference has them in planes, with each body one half-space."""
+    assert passages.share(scene, position) == pytest.approx(SHARES[position][0], abs=1e-3)
 
 
 def test_positions_are_close_where_the_load_goes_over(scene: Scene) -> None:
@@ -76,10 +76,10 @@ def rows(upward: bool) -> list[dict[str, Any]]:
 
 @pytest.mark.parametrize("upward", [True, False])
 def test_half_of_the_load_has_gone_over_within_a_short_travel(upward: bool) -> None:
-    """Half from 194.720 mm; both heads carry more than 1 % from 192.35 mm on, linear to 300 mm."""
+    """Half from 194.720 mm; both heads carry more than 1 % from 192.57 mm on, linear to 300 mm."""
     found = sweep_table.transfer(rows(upward))
     assert found["half_mm"] == pytest.approx(194.720, abs=0.02)
-    assert found["from_mm"] == pytest.approx(192.354, abs=1e-3)
+    assert found["from_mm"] == pytest.approx(192.574, abs=1e-3)
     assert 196.0 < found["to_mm"] < 300.0
     assert found["largest_MPa"] == 1985.5
     assert sweep_table.transfer(rows(upward)[:3]) == {}
@@ -94,8 +94,8 @@ def test_a_passage_tells_where_the_load_goes_over(scene: Scene, tmp_path: Path) 
     said = json.loads((tmp_path / "out" / "sweep.json").read_text())["transfer"]
     assert said["half_mm"] == pytest.approx(194.720, abs=0.02)
     table = {row["rail.position [mm]"]: row for row in found.rows()}
-    assert table[194.5]["share rail"] == pytest.approx(0.43138, abs=3e-4)
-    assert table[194.5]["p_max wing [MPa]"] == pytest.approx(944.5, rel=1e-3)
+    assert table[194.5]["share rail"] == pytest.approx(0.42838, abs=3e-4)
+    assert table[194.5]["p_max wing [MPa]"] == pytest.approx(946.2, rel=1e-3)
     shares = [row["share rail"] for row in found.rows()]
     assert np.abs(np.diff(shares)).max() <= 0.11
     again = rh.sweep(scene, over, out=tmp_path / "out", quiet=True)
