@@ -370,6 +370,13 @@ def brief(value: float, digits: int = 4) -> str:
     return f"{rounded:.0f}" if 1e4 <= abs(rounded) < 1e7 else f"{rounded:.{digits}g}"
 
 
+def keyed(key: str, value: object) -> Any:
+    """A value of a dotted key of a scene as people write it: a slope as "1:20", others as is."""
+    if key != "rail.inclination" or not isinstance(value, float) or not value:
+        return value
+    return f"{'-' * (value < 0)}1:{1 / abs(value):.4g}"
+
+
 BASE_UNITS = Units()  # mm, N, MPa
 
 

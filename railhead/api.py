@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -114,17 +115,24 @@ def load(folder: str | Path) -> Result | Sweep:
     folder = as_path(folder, "folder")
     with suppress(OSError, ValueError, RuntimeError):  # a name too long, a loop of links
         result_folder.settle(folder.resolve())
-    try:
+    with reading(folder, "result of a run or a sweep"):
         if (folder / store.REQUEST).is_file():
             return Sweep(folder)
         found = Result(None, result_folder.from_json(folder / "summary.json"))
         terminal.recorded(found.show)  # reads every number once: what is broken shows here
+        return found
+
+
+@contextmanager
+def reading(folder: Path, what: str) -> Iterator[None]:
+    """A block that reads a folder. Raises SceneError where that fails. what: it should hold."""
+    try:
+        yield
     except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
         if isinstance(error, SceneError):
             raise
-        text = f"{str(folder)!r} holds no result of a run or a sweep, or a broken one"
-        raise SceneError("load", f"{text}; give its folder") from None
-    return found
+        text = f"{str(folder)!r} holds no {what}, or a broken one; give its folder"
+        raise SceneError("load", text) from None
 
 
 def with_accuracy(scene: Scene, accuracy: str | float | None, budget: str | float | None) -> Scene:

@@ -90,7 +90,11 @@ def drawings(
     if len(shown.axes) == 2 and not line:
         every["patch.png"] = partial(diagrams.patch, found, exact)
     if meshed and found.largest:
-        every |= _of_stresses(shown, cells, friction)
+        every |= _of_stresses(shown, cells)
+    if "p0_over_k" in friction:
+        every["shakedown.png"] = partial(
+            friction_plots.draw_shakedown, friction, shown.poisson, found.subject
+        )
     if "fatigue" in friction:
         every["fatigue.png"] = partial(
             friction_plots.draw_fatigue, friction["fatigue"], found.subject
@@ -106,11 +110,9 @@ def drawings(
     return every
 
 
-def _of_stresses(
-    shown: Shown, cells: Callable[[], meshio.Mesh], friction: Mapping[str, Any]
-) -> dict[str, Drawing]:
+def _of_stresses(shown: Shown, cells: Callable[[], meshio.Mesh]) -> dict[str, Drawing]:
     """Pictures of meshed bodies and of the stresses in them; arguments as of `drawings`."""
-    from railhead.postprocess.pictures import diagrams, friction_plots, render
+    from railhead.postprocess.pictures import diagrams, render
 
     found, axis = shown.found, shown.axes[-1]
 
@@ -127,8 +129,4 @@ def _of_stresses(
         every["plastic.png"] = fringes(axis, render.YIELD)
     if found.subject.rolls and len(shown.axes) == 2:
         every["stress_cut_along.png"] = fringes(0, render.STRESSES)
-    if "p0_over_k" in friction:
-        every["shakedown.png"] = partial(
-            friction_plots.draw_shakedown, friction, shown.poisson, found.subject
-        )
     return every

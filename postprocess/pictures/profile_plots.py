@@ -105,17 +105,21 @@ def rolling_radius(
 
 
 def conicity(
-    found: Mapping[float, float | None], subject: Subject, target: Target = None
+    found: Mapping[str, Mapping[float, float | None]], subject: Subject, target: Target = None
 ) -> Figure:
     """Equivalent conicity over the amplitude, mm.
 
-    found: equivalent conicity by amplitude, mm; None where there is none.
+    found: by label equivalent conicity by amplitude, mm; None where there is none.
     subject: title and units.
     target: PNG file or None (`new_figure`).
     """
     with new_figure(target, 7, 4, subject) as figure:
         ax = figure.subplots()
-        ax.plot(list(found), np.array(list(found.values()), dtype=float), color=MARK)  # None: NaN
+        for (label, values), colour in zip(found.items(), (MARK, SMOOTH), strict=False):
+            known = np.array(list(values.values()), dtype=float)  # None: NaN
+            ax.plot(list(values), known, color=colour, label=label)
+        if len(found) > 1:
+            ax.legend(loc="best")
         ax.set(xlabel="amplitude of the lateral shift, mm", ylim=(0.0, None))
         ax.set_ylabel("equivalent conicity (EN 15302)")
     return figure

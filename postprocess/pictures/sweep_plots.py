@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from railhead.postprocess.findings import Array, Drawing, Subject, Target, Units
+from railhead.postprocess.findings import Array, Drawing, Subject, Target, Units, keyed
 from railhead.postprocess.pictures.diagrams import FE, HERTZ, new_figure
 
 Rows = Sequence[Mapping[str, Any]]
@@ -217,7 +217,7 @@ def _word(row: Mapping[str, Any], column: str, units: Units) -> str:
     """Text of a cell for matplotlib: decimal numbers in their shortest form and the reader's unit,
     no formula.
     """
-    value = row[column]
+    value = keyed(column, row[column])
     if isinstance(value, float):
         return f"{units.value(value, column):.6g}"
     return str(value).replace("$", r"\$")

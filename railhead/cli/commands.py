@@ -334,8 +334,8 @@ def table(
         )
     if found is not None:  # None: a rank that worked for the first one
         _print(
-            creep_tables.summary(found),
-            partial(click.echo, "\n".join(creep_tables.words(found))),
+            said := creep_tables.summary(found),
+            partial(click.echo, "\n".join(creep_tables.words(said))),
             as_json=as_json,
             quiet=quiet,
             folder=out,
@@ -380,11 +380,11 @@ def wear(
 @options.units
 @options.prints_json("the numbers as JSON")
 def show(folder: Path, units: Units, as_json: bool) -> None:
-    """Print the result of a run or a sweep that lies in a folder; solve nothing."""
-    from railhead import api
+    """Print what a command found and wrote into a folder; solve nothing."""
+    from railhead.cli import kept
     from railhead.results.report import terminal
 
-    found = api.load(folder)
+    found = kept.load(folder)
     _print(found.as_dict(), partial(found.show, terminal.standard(), units), as_json=as_json)
 
 
@@ -392,21 +392,14 @@ def show(folder: Path, units: Units, as_json: bool) -> None:
 @click.argument("a", type=click.Path(path_type=Path))
 @click.argument("b", type=click.Path(path_type=Path))
 @options.units
+@click.option("--picture", type=options.FOLDER, metavar="FILE.png", help="Conicities of locate.")
 @options.prints_json("the comparison as JSON")
-def diff(a: Path, b: Path, units: Units, as_json: bool) -> None:
-    """Compare the results of two runs that lie in folders, and their scenes; solve nothing."""
-    from railhead import api
-    from railhead.results import quantity_rows
+def diff(a: Path, b: Path, units: Units, picture: Path | None, as_json: bool) -> None:
+    """Compare what lies in two folders of one command, and their scenes; solve nothing."""
+    from railhead.cli import kept
     from railhead.results.report import terminal
-    from railhead.results.result import Result
 
-    summaries = []
-    for folder in (a, b):
-        result = api.load(folder)
-        if not isinstance(result, Result):
-            raise SceneError("diff", f"{str(folder)!r} holds a sweep; give the folders of two runs")
-        summaries.append(result.summary)
-    found = quantity_rows.difference(*summaries)
+    found = kept.difference((a, b), picture)
     _print(
         {"A": str(a), "B": str(b), **found},
         partial(terminal.show_difference, found, terminal.standard(), units),

@@ -1,8 +1,11 @@
 """What a command computes from geometry alone, and its files."""
 
-from collections.abc import Callable
+from abc import abstractmethod
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, ClassVar
+
+from rich.console import Console
 
 from railhead.postprocess.findings import BASE_UNITS, Units
 from railhead.results import result_folder
@@ -24,6 +27,15 @@ class Examined(terminal.Drawn):
     command: ClassVar[str]
     summary: Callable[[], dict[str, Any]]
     tables: Callable[[], dict[str, list[dict[str, Any]]]]
+
+    @staticmethod
+    @abstractmethod
+    def shown(summary: Mapping[str, Any], console: Console, units: Units) -> None:
+        """Print the content of summary.json on a console. units: of the numbers."""
+
+    def show(self, console: Console, units: Units = BASE_UNITS) -> None:
+        """Print what was computed on a console. units: of the numbers."""
+        self.shown(self.summary(), console, units)
 
     def save(
         self,

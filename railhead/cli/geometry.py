@@ -90,7 +90,7 @@ class Location(Examined):
         """The content of summary.json: lengths in mm, angles in rad, or in the unit at the end of
         the key, curvatures in 1/mm. "right" and "left" are lists of contacts, smallest gap first,
         in the axes of their side. "rows" has an entry for each shift at which the wheelset can
-        stand, "left_out" one for each other shift.
+        stand, "left_out" one for each other shift; they are printed where "tabulated".
         """
         placed = self.placed
         return {
@@ -111,6 +111,7 @@ class Location(Examined):
                 for shift, each in zip(self._shifts, self._found, strict=True)
                 if isinstance(each, PlacementError)
             ],
+            "tabulated": self.shifts is not None,
             "jumps_mm": self.radii.jumps,
             "conicity": [
                 {"amplitude_mm": amplitude, "value": value}
@@ -208,23 +209,26 @@ class Location(Examined):
             "rolling_radius.png": partial(
                 profile_plots.rolling_radius, swept, radii.differences, over
             ),
-            "conicity.png": partial(profile_plots.conicity, self.level.conicities, over),
+            "conicity.png": partial(profile_plots.conicity, {"": self.level.conicities}, over),
         }
 
-    def show(self, console: Console, units: Units = BASE_UNITS) -> None:
+    @staticmethod
+    def shown(summary: Mapping[str, Any], console: Console, units: Units) -> None:
         """Print the contacts at the scene's shift, or a row for each shift that was asked for, and
         the equivalent conicity. units: of the numbers.
         """
-        summary = self.summary()
-        if self.shifts is None:
-            self._show_contacts(console, units, summary)
-        else:
+        if summary["tabulated"]:
             columns = {name: (head, digits) for name, head, digits in COLUMNS.values()}
-            title = f"contacts of {self.scene.name}"
-            console.print(terminal.column_table(title, self.positions(), columns, units))
+            rows = [
+                {name: row[key] for key, (name, _, _) in COLUMNS.items()} for row in summary["rows"]
+            ]
+            title = f"contacts of {summary['case']}"
+            console.print(terminal.column_table(title, rows, columns, units))
             for each in summary["left_out"]:
                 shift = units.text(each["shift_mm"], "mm")
                 terminal.labelled(console, f"left out   {shift}: {each['why']}")
+        else:
+            _show_contacts(console, units, summary)
         jumps = ", ".join(f"{units.value(each, 'mm'):.4g}" for each in summary["jumps_mm"])
         text = f"at shifts of {jumps} {units.unit('mm')}" if jumps else "none"
         terminal.labelled(console, f"jumps      {text}")
@@ -239,31 +243,32 @@ class Location(Examined):
             text += f"; nonlinearity parameter {slope:g} {units.unit('1/mm')}"
         terminal.labelled(console, f"{text})")
 
-    def _show_contacts(self, console: Console, units: Units, summary: dict[str, Any]) -> None:
-        """Print a table with a column for each contact, below it the values of the wheelset."""
-        scene = self.scene
-        contacts = {
-            f"{side} {number}": contact
-            for side in ("left", "right")
-            for number, contact in enumerate(summary[side], 1)
-        }
-        rows = []
-        for label, unit, key in CONTACT_ROWS:
-            factor = math.degrees(1) if unit == "deg" else 1.0
-            values = (terminal.exact(factor * contact[key]) for contact in contacts.values())
-            cells = (f"{units.value(each, unit):.6g}" for each in values)
-            rows.append([label, units.unit(unit), *cells])
-        header = "quantity", "unit", *contacts
-        console.print(terminal.number_table(f"contacts of {scene.name}", header, rows, 2))
-        console.print(
-            f"shift {units.text(scene.wheelset.shift, 'mm')}, "
-            f"yaw {1e3 * scene.wheelset.yaw:g} mrad: "
-            f"roll {1e3 * summary['roll_rad']:.4g} mrad, rolling radius difference "
-            f"{units.text(summary['rolling_radius_difference_mm'], 'mm')}; contacts: "
-            f"{len(summary['left'])} left, {len(summary['right'])} right "
-            f"(gap below {units.text(CLEARANCE, 'mm')}); y to the field side",
-            highlight=False,
-        )
+
+def _show_contacts(console: Console, units: Units, summary: Mapping[str, Any]) -> None:
+    """Print a table with a column for each contact, below it the values of the wheelset."""
+    contacts = {
+        f"{side} {number}": contact
+        for side in ("left", "right")
+        for number, contact in enumerate(summary[side], 1)
+    }
+    rows = []
+    for label, unit, key in CONTACT_ROWS:
+        factor = math.degrees(1) if unit == "deg" else 1.0
+        values = (terminal.exact(factor * contact[key]) for contact in contacts.values())
+        cells = (f"{units.value(each, unit):.6g}" for each in values)
+        rows.append([label, units.unit(unit), *cells])
+    header = "quantity", "unit", *contacts
+    console.print(terminal.number_table(f"contacts of {summary['case']}", header, rows, 2))
+    placed = summary["scene"]["wheelset"]
+    console.print(
+        f"shift {units.text(placed['shift'], 'mm')}, "
+        f"yaw {1e3 * placed['yaw']:g} mrad: "
+        f"roll {1e3 * summary['roll_rad']:.4g} mrad, rolling radius difference "
+        f"{units.text(summary['rolling_radius_difference_mm'], 'mm')}; contacts: "
+        f"{len(summary['left'])} left, {len(summary['right'])} right "
+        f"(gap below {units.text(CLEARANCE, 'mm')}); y to the field side",
+        highlight=False,
+    )
 
 
 def locate(scene: Scene, over: Mapping[str, Sequence[object]] | None = None) -> Location | Passage:
@@ -372,17 +377,18 @@ class ExaminedProfile(Examined):
         draw = partial(profile_plots.draw_profile, self.measured, self.worn, subject)
         return {"profile.png": draw}
 
-    def show(self, console: Console, units: Units = BASE_UNITS) -> None:
+    @staticmethod
+    def shown(summary: Mapping[str, Any], console: Console, units: Units) -> None:
         """Print reading and smoothing of the file, and wear. units: of the numbers."""
-        worn = self.worn
-        lines = [*terminal.profile_lines({self.measured.body: self.summary()}, units)]
-        if worn:
+        lines = [*terminal.profile_lines({summary["body"]: summary}, units)]
+        if worn := summary["wear"]:
             lines.append(
-                f"wear       against {worn.name}: at most {units.text(worn.largest_loss, 'mm', 3)} "
-                f"at y = {units.text(worn.y[worn.worst], 'mm', 3)}, "
-                f"{units.text(worn.lost_area, 'mm2', 3)} of the section"
+                f"wear       against {summary['standard']}: "
+                f"at most {units.text(worn['largest_mm'], 'mm', 3)} "
+                f"at y = {units.text(worn['largest_y_mm'], 'mm', 3)}, "
+                f"{units.text(worn['area_mm2'], 'mm2', 3)} of the section"
             )
-        lines += [f"a run asks {text}" for text in solid.asked(self.scene, self.measured.body)]
+        lines += [f"a run asks {text}" for text in summary["asked"]]
         for line in lines:
             terminal.labelled(console, line)
 

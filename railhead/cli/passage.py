@@ -69,43 +69,48 @@ class Passage(Examined):
         """Rows of positions.csv by name of the file; cells of a head that is not there are
         empty.
         """
-        found = []
-        for row in self.rows:
-            cells = {"position [mm]": row["position_mm"], "height [mm]": row["wheel_height_mm"]}
-            for name in self.names:
-                head = row["heads"].get(name, {})
-                for word, key, unit, _ in PLACES:
-                    cells[f"{name} {word} [{unit}]"] = head.get(key, "")
-                cells[f"{name} height alone [mm]"] = head.get("height_alone_mm", "")
-            found.append(cells | {"touching": row["touching"]})
-        return {"positions.csv": found}
-
-    @property
-    def names(self) -> list[str]:
-        """Names of the heads that are under the wheel anywhere."""
-        return [name for name in crossing.NAMES if any(name in row["heads"] for row in self.rows)]
+        return {"positions.csv": _cells(self.rows)}
 
     def drawings(self, units: Units = BASE_UNITS) -> dict[str, Drawing]:
         """Function that draws the path, by name of its PNG file. units: of its numbers."""
         from railhead.postprocess.pictures import profile_plots
 
         subject = Subject(f"{self.scene.name}: path of the wheel", units=units)
-        draw = partial(profile_plots.passage, self.rows, self.names, subject)
+        draw = partial(profile_plots.passage, self.rows, _names(self.rows), subject)
         return {"passage.png": draw}
 
-    def show(self, console: Console, units: Units = BASE_UNITS) -> None:
+    @staticmethod
+    def shown(summary: Mapping[str, Any], console: Console, units: Units) -> None:
         """Print a row for each position, and where the wheel goes over. units: of the numbers."""
         columns = {"position [mm]": ("position", 6), "height [mm]": ("height", 5)}
-        for name in self.names:
+        for name in _names(summary["rows"]):
             columns |= {f"{name} {w} [{unit}]": (f"{name} {w}", k) for w, _, unit, k in PLACES}
-        title = f"path of {self.scene.name}, x along the sections"
-        (rows,) = self.tables().values()
+        title = f"path of {summary['case']}, x along the sections"
         columns["touching"] = "touches", 0
-        console.print(terminal.column_table(title, rows, columns, units))
-        overs = ", ".join(f"{units.value(each, 'mm'):.5g}" for each in self.overs)
+        console.print(terminal.column_table(title, _cells(summary["rows"]), columns, units))
+        overs = ", ".join(f"{units.value(each, 'mm'):.5g}" for each in summary["over_mm"])
         if overs:
             text = f"goes over  from one head to the other at {overs} {units.unit('mm')}"
             terminal.labelled(console, f"{text} (rigid)")
+
+
+def _names(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Names of the heads that are under the wheel in any of "rows"."""
+    return [name for name in crossing.NAMES if any(name in row["heads"] for row in rows)]
+
+
+def _cells(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Rows of positions.csv of "rows"."""
+    found = []
+    for row in rows:
+        cells = {"position [mm]": row["position_mm"], "height [mm]": row["wheel_height_mm"]}
+        for name in _names(rows):
+            head = row["heads"].get(name, {})
+            for word, key, unit, _ in PLACES:
+                cells[f"{name} {word} [{unit}]"] = head.get(key, "")
+            cells[f"{name} height alone [mm]"] = head.get("height_alone_mm", "")
+        found.append(cells | {"touching": row["touching"]})
+    return found
 
 
 def _row(found: crossing.Crossing) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 mean stress; and constants of a steel from a test.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
@@ -109,20 +109,27 @@ class SteelTests(Examined):
         return {f"{each:g}": float(np.interp(each, plastic, stress)) for each in PLASTIC}
 
     @property
-    def misfit(self) -> tuple[float, float]:
-        """Largest difference of the model's stress from the test, MPa, and the strain there."""
-        assert self.measured is not None
+    def misfit(self) -> dict[str, float]:
+        """Largest difference of the model's stress from the test, MPa, its share of the largest
+        stress of the test, and the strain there; empty without a test.
+        """
+        if self.measured is None:
+            return {}
         wrong = np.abs(self.curve[:, 1] - self.measured[:, 1])
-        return float(wrong.max()), float(self.measured[np.argmax(wrong), 0])
+        return {
+            "misfit_MPa": float(wrong.max()),
+            "misfit_share": float(wrong.max() / np.abs(self.measured[:, 1]).max()),
+            "misfit_strain": float(self.measured[np.argmax(wrong), 0]),
+        }
 
     @property
     def fits(self) -> bool:
         """Whether the model is within a tenth (POOR) of the largest stress of the test, if any."""
-        return self.measured is None or self.misfit[0] <= POOR * np.abs(self.measured[:, 1]).max()
+        return self.misfit.get("misfit_share", 0.0) <= POOR
 
     def summary(self) -> dict[str, Any]:
         """Content of summary.json: "steel" (its keys), "rule", "proof_MPa" at 0.2 and 1 % of
-        plastic strain, "loop_MPa", "ratchetting", and of a test "misfit_MPa", its strain, and
+        plastic strain, "loop_MPa", "ratchetting", and of a test `misfit`, and
         "standard_errors", relative, of yield stress, all C, all g, and Q and b.
         """
         mean, amplitude = self.stress
@@ -132,7 +139,7 @@ class SteelTests(Examined):
             "amplitude_MPa": amplitude,
             "strain_per_cycle": self.rates.tolist(),
         }
-        found = {
+        return {
             "case": self.scene.name,
             "scene": catalogue.portable(self.scene),
             "steel": _keys(self.steel),
@@ -140,11 +147,9 @@ class SteelTests(Examined):
             "proof_MPa": self.proof,
             "loop_MPa": float(self.loops[-2 * STEPS :, 1].max()),
             "ratchetting": cycles,
+            **self.misfit,
+            **({} if self.errors is None else {"standard_errors": self.errors.tolist()}),
         }
-        if self.errors is not None:
-            found["misfit_MPa"], found["misfit_strain"] = self.misfit
-            found["standard_errors"] = self.errors.tolist()
-        return found
 
     def tables(self) -> dict[str, list[dict[str, Any]]]:
         """Rows of curve.csv, loops.csv and cycles.csv by name of the file."""
@@ -168,29 +173,31 @@ class SteelTests(Examined):
         points = self.curve, self.loops, self.rates, self.measured
         return {"steel.png": partial(steel_plots.draw_steel, *points, subject)}
 
-    def show(self, console: Console, units: Units = BASE_UNITS) -> None:
+    @staticmethod
+    def shown(summary: Mapping[str, Any], console: Console, units: Units) -> None:
         """Print keys of the steel, and what the bar does. units: of the numbers but of the keys."""
-        found = self.summary()
-        for key, value in found["steel"].items():
+        for key, value in summary["steel"].items():
             console.print(f"{key} = {value}", markup=False, highlight=False, soft_wrap=True)
         proof = ", ".join(
             f"{units.text(stress, 'MPa')} at {float(plastic):.1%}"
-            for plastic, stress in found["proof_MPa"].items()
+            for plastic, stress in summary["proof_MPa"].items()
         )
-        mean, amplitude = (units.text(each, "MPa") for each in self.stress)
+        cycles = summary["ratchetting"]
+        mean, amplitude = (units.text(cycles[key], "MPa") for key in ("mean_MPa", "amplitude_MPa"))
+        rates = cycles["strain_per_cycle"]
         lines = [
             f"tension    {proof} of plastic strain",
-            f"loops      {units.text(found['loop_MPa'], 'MPa')} at {RANGE:.1%} of strain",
-            f"ratchets   by {self.rates[0]:.3g} in the first cycle of {mean} +- {amplitude}, by "
-            f"{self.rates[-1]:.3g} in cycle {self.cycles} ({found['rule']})",
+            f"loops      {units.text(summary['loop_MPa'], 'MPa')} at {RANGE:.1%} of strain",
+            f"ratchets   by {rates[0]:.3g} in the first cycle of {mean} +- {amplitude}, by "
+            f"{rates[-1]:.3g} in cycle {len(rates)} ({summary['rule']})",
         ]
-        if self.measured is not None and self.errors is not None:
-            most, at = self.misfit
-            share = most / float(np.abs(self.measured[:, 1]).max())
-            text = f"{units.text(most, 'MPa')} at most, {share:.1%} of the largest stress, at the"
-            poor = "" if self.fits else ": THESE KEYS DO NOT DESCRIBE THE TEST"
-            lines.append(f"misfit     {text} strain {at:.4g}{poor}")
-            said = ", ".join(f"{each:.1%}" for each in self.errors)
+        if "misfit_MPa" in summary:
+            share, most = summary["misfit_share"], units.text(summary["misfit_MPa"], "MPa")
+            text = f"{most} at most, {share:.1%} of the largest stress, at the"
+            poor = "" if share <= POOR else ": THESE KEYS DO NOT DESCRIBE THE TEST"
+            lines.append(f"misfit     {text} strain {summary['misfit_strain']:.4g}{poor}")
+        if "standard_errors" in summary:
+            said = ", ".join(f"{each:.1%}" for each in summary["standard_errors"])
             lines.append(f"errors     {said} of yield stress, each C, each g, and Q and b if given")
         for line in lines:
             terminal.labelled(console, line)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline, make_interp_spline
 
-from railhead.theory.array_types import Array
+from railhead.theory.array_types import Array, Mask
 
 STANDARD_RAILS = ("54E1", "60E1")  # EN 13674-1
 
@@ -314,12 +314,16 @@ class Places:
         """Area of the section that a depth (n,), mm, takes, mm2."""
         return self.step * float(depth.sum())
 
+    @property
+    def steep(self) -> Mask:
+        """Which places (n,) are steeper than 15 deg (STEEP) with y < 0."""
+        return (self.points[:, 0] < 0) & (self.normals[:, 1] < np.cos(np.radians(STEEP)))
+
     def parts(self, body: str, depth: Array) -> dict[str, float]:
         """Area as of `area` by part: gauge corner or flange, steeper than 15 deg (STEEP) with y <
         0, and the rest, crown or tread. body: 'rail' or 'wheel'.
         """
-        steep = (self.points[:, 0] < 0) & (self.normals[:, 1] < np.cos(np.radians(STEEP)))
-        halves = np.where(steep, 0.0, depth), np.where(steep, depth, 0.0)
+        halves = np.where(self.steep, 0.0, depth), np.where(self.steep, depth, 0.0)
         return dict(zip(PARTS[body], map(self.area, halves), strict=True))
 
 

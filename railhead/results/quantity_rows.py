@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from railhead.postprocess.findings import NO_DEPTH, Units, brief
@@ -243,8 +243,12 @@ def _passes(result: Mapping[str, Any]) -> Iterator[Row]:
         yield row | {"estimate": errors.get(key)}
 
 
-def difference(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, Any]:
-    """Two results beside each other. first, second: summary.json of A and of B.
+def difference(
+    first: Mapping[str, Any],
+    second: Mapping[str, Any],
+    rows: Callable[[Mapping[str, Any]], Iterable[Row]] = everything,
+) -> dict[str, Any]:
+    """Two results beside each other. first, second: summary.json of A and of B. rows: of each.
 
     "made": program and date of each; "scene": pairs of values by dotted key that differ, None where
     a key is not given; "quantities": a row for each quantity of either, with "B - A" relative to A;
@@ -252,7 +256,7 @@ def difference(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str,
     """
     keys = [dict(dotted(each.get("scene", {}))) for each in (first, second)]
     pairs = {key: [of.get(key) for of in keys] for key in dict.fromkeys([*keys[0], *keys[1]])}
-    cells = [{str(row["quantity"]): row for row in everything(each)} for each in (first, second)]
+    cells = [{str(row["quantity"]): row for row in rows(each)} for each in (first, second)]
     found, beyond = [], []
     for name in dict.fromkeys(name for of in cells for name in of if name not in MADE):
         a, b = (of.get(name, {}) for of in cells)
@@ -272,7 +276,7 @@ def difference(first: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str,
             beyond.append(name)
         found.append(row)
     differing = {key: pair for key, pair in pairs.items() if pair[0] != pair[1]}
-    made = [[of[name]["value"] for name in MADE] for of in cells]
+    made = [[f"railhead {of['railhead']}", of["date"]] for of in (first, second)]
     return {"made": made, "scene": differing, "quantities": found, "beyond": beyond}
 
 

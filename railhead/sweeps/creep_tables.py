@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from concurrent.futures import as_completed
 from contextlib import ExitStack
 from itertools import product
@@ -22,7 +23,7 @@ from railhead.theory.friction import creep_table as theory
 from railhead.theory.friction.creep_table import AXES, NUMBERS, CreepTable
 from railhead.theory.friction.kalker import coefficients
 
-TABLE, ROWS = "table.npz", "table.csv"
+TABLE, ROWS, FOUND = "table.npz", "table.csv", result_folder.SUMMARY
 HEAD = """# railhead creep table. Poisson's ratio {poisson:g}, {cells} cells each way, law {law}.
 # axis_ratio: a/b, a along. along, across, spin: G a b C11 xi_x/(mu N), G a b C22 xi_y/(mu N),
 # G (a b)^1.5 C23 phi/(mu N). Forces of the wheel on the rail over mu N; moment over mu N sqrt(a b).
@@ -69,7 +70,7 @@ def creep_table(
                     raise SceneError("--law", f"{law}: {error}") from None
                 claim.enter_context(result_folder.claimed(folder))
                 request = {"railhead": result_folder.VERSION, "table": asked}
-                store.begin(folder, request, "replace" if force else "refuse", (TABLE, ROWS))
+                store.begin(folder, request, "replace" if force else "refuse", (TABLE, ROWS, FOUND))
                 return _solved(folder, submit, progress, axes, poisson, cells, law)
 
         return worker_pool.on_first(MPI.COMM_WORLD, solve)
@@ -159,6 +160,8 @@ def _solved(
     ).checked()
     table.save(folder / TABLE)
     store.write_whole(folder, folder / ROWS, _text(table).encode())
+    said = result_folder.to_json(result_folder.origin() | summary(table))
+    store.write_whole(folder, folder / FOUND, said.encode())
     return table
 
 
@@ -184,9 +187,8 @@ def _text(table: CreepTable) -> str:
     )
 
 
-def words(table: CreepTable) -> list[str]:
-    """Lines that say how many cases a table has, and its errors over mu N."""
-    found = summary(table)
+def words(found: Mapping[str, Any]) -> list[str]:
+    """Lines that say how many cases a table has, and its errors over mu N. found: `summary`."""
     lines = [f"{found['cases']} cases; between them 95 % of places are within, over mu N:"]
     for name, between in found["interpolation_error"].items():
         lines.append(f"  {name:12s} {between:.2%}, grid at most {found['grid_error'][name]:.2%}")
@@ -194,8 +196,9 @@ def words(table: CreepTable) -> list[str]:
 
 
 def summary(table: CreepTable) -> dict[str, Any]:
-    """Entries of `railhead table --json`: Poisson's ratio, cells, law, number of values on
-    each axis and in all, and the errors over mu N of grid (largest) and of interpolation by number.
+    """Entries of summary.json and `railhead table --json`: Poisson's ratio, cells, law, number of
+    values on each axis and in all, and the errors over mu N of grid (largest) and of interpolation
+    by number.
     """
     axes = {name: len(table.axes[name]) for name in AXES}
     grid = table.values[1].max(axis=(1, 2, 3, 4))

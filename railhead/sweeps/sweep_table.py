@@ -20,7 +20,7 @@ from rich.table import Table
 from rich.text import Text
 
 from railhead.planning.effects import EFFECTS
-from railhead.postprocess.findings import BASE_UNITS, Drawing, Subject, Units
+from railhead.postprocess.findings import BASE_UNITS, Drawing, Subject, Units, keyed
 from railhead.results import result_folder
 from railhead.results.report import html, terminal
 from railhead.results.result import Result
@@ -232,7 +232,7 @@ def cell(row: Mapping[str, Any], name: str, units: Units) -> str:
     from railhead.postprocess.pictures.sweep_plots import FRICTION
 
     short = name.partition(" [")[0]
-    value, bound = row.get(name), row.get(f"{short} estimate")
+    value, bound = keyed(name, row.get(name)), row.get(f"{short} estimate")
     text = "" if value is None else str(value)
     if isinstance(value, float):
         value = units.value(value, name) + 0.0

@@ -11,7 +11,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from railhead.planning.effects import in_words
-from railhead.postprocess.findings import Units
+from railhead.postprocess.findings import Units, keyed
 from railhead.results import quantity_rows, result_folder
 from railhead.results.checks import SECOND
 from railhead.results.report import terminal
@@ -142,7 +142,7 @@ def scene_rows(scene: Scene) -> list[tuple[str, Any]]:
     """
     values = dict(dotted(portable(scene)))
     given = scene.model_dump(exclude_defaults=True, exclude_none=True)
-    return [(key, values[key]) for key, _ in dotted(given)]
+    return [(key, keyed(key, values[key])) for key, _ in dotted(given)]
 
 
 def check(name: str) -> str:

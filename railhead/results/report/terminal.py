@@ -16,7 +16,7 @@ from rich.table import Table
 from railhead.planning.context import Effect
 from railhead.planning.effects import in_words
 from railhead.planning.simulation_plan import Plan
-from railhead.postprocess.findings import BASE_UNITS, Drawing, Units
+from railhead.postprocess.findings import BASE_UNITS, Drawing, Units, keyed
 from railhead.results import quantity_rows
 from railhead.results.quantity_rows import Row
 
@@ -387,7 +387,7 @@ def show_difference(found: Mapping[str, Any], console: Console, units: Units = B
     title = "A: {}, {}; B: {}, {}".format(*found["made"][0], *found["made"][1])
     _show_rows(title, rows, console, units)
     for key, (a, b) in found["scene"].items():
-        said = ("not given" if value is None else value for value in (a, b))
+        said = ("not given" if value is None else keyed(key, value) for value in (a, b))
         labelled(console, "scene      {}: {} and {}".format(key, *said))
     if not found["scene"]:
         console.print("scene      the same in both", highlight=False)

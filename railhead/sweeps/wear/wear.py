@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from railhead.geometry.profiles import Places
+from railhead.geometry.profiles import FLANGE_HEIGHT, Places
 from railhead.half_spaces.worn_contact import BODIES
 from railhead.meshing.mesh import MeshError
 from railhead.postprocess.findings import Subject
@@ -230,7 +230,7 @@ def _save(found: WearResult, folder: Path, *, pictures: bool) -> None:
     from railhead.results.report import html
 
     title, failures = f"wear of {scene.name}", list[str]()
-    drawn = {PICTURE: partial(_draw_depth, lines, found.route.worn, Subject(title))}
+    drawn = {PICTURE: partial(_draw, found, Subject(f"{title}, after {_amount(found.rows[-1])}"))}
     if tired:
         places, profiles = zip(*((each["y_mm"], each["profile"]) for each in tired), strict=True)
         drawn[MAP] = partial(sweep_plots.fatigue_map, places, profiles, Subject(title))
@@ -282,24 +282,52 @@ def _profile(places: Places, depth: Array, slope: float) -> str:
     return "\n".join([note, "y [mm],z [mm]", *lines, ""])
 
 
-def _draw_depth(rows: Sequence[Row], worn: Sequence[str], subject: Subject, file: Path) -> None:
-    """Worn depth over y of each body that is worn, with its error as a band.
+def _amount(row: Row) -> str:
+    """Words for what a row of the history has passed: wheels over the rail, km of the wheel."""
+    units = {"axles": "wheels", "distance_km": "km"}
+    return " and ".join(f"{row[key]:g} {unit}" for key, unit in units.items() if row[key])
 
-    rows: of wear.csv. worn: 'rail', 'wheel' or both. subject: title. file: that is written (PNG).
+
+def _draw(found: WearResult, subject: Subject, file: Path) -> None:
+    """Of each body that is worn the profile, new and worn, with the border of its flange or gauge
+    corner, and below it the worn depth along the normal over y, with its error as a band and its
+    limit. Of a wheel also where the thickness of its flange is measured, and that limit.
+
+    subject: title. file: that is written (PNG).
     """
     from railhead.postprocess.pictures.diagrams import new_figure
 
-    with new_figure(file, 5.5 * len(worn), 3.6, subject) as figure:
-        panels = figure.subplots(1, len(worn), squeeze=False)[0]
-        for ax, body in zip(panels, worn, strict=True):
-            own = [row for row in rows if row["body"] == body]
+    run, worn, limit = found.runs["main"], found.route.worn, found.route.scene.wear.depth_limit
+    with new_figure(file, 5.5 * len(worn), 6.4, subject) as figure:
+        panels = figure.subplots(2, len(worn), squeeze=False, sharex="col")
+        for (above, ax), body in zip(panels.T, worn, strict=True):
+            colour, places = COLOURS[body], run.places[body]
+            own = [row for row in found.lines() if row["body"] == body]
             y, worn_off, error = (
                 np.array([row[name] for row in own], dtype=float)
                 for name in ("y [mm]", "depth [mm]", "depth [mm] estimate")
             )
-            ax.plot(y, worn_off, color=COLOURS[body])
-            ax.fill_between(
-                y, worn_off - error, worn_off + error, color=COLOURS[body], alpha=0.3, lw=0
-            )
-            ax.set(title=body, xlabel="y to the field side, mm", ylabel="worn depth, mm")
+            above.plot(*places.points.T, color="#9a9a9a", lw=1, label="new")
+            above.plot(*places.worn(run.depths[body]).T, color=colour, label="worn")
+            border = places.points[places.steep, 0].max(initial=-np.inf)
+            for each in (above, ax) if np.isfinite(border) else ():
+                name = "gauge corner" if body == "rail" else "flange"
+                each.axvline(border, color="#9a5f00", ls=":", label=f"left: {name} (over 15 deg)")
+            above.set(title=body, ylabel="z, mm", aspect="equal", adjustable="datalim")
+            if body == "wheel":
+                above.invert_yaxis()
+                if (thickness := found.rows[-1]["flange_thickness_mm"]) is not None:
+                    least = found.route.scene.wear.flange_limit
+                    text = f"flange {thickness:.2f} mm thick here" + f", limit {least:g}" * bool(
+                        least
+                    )
+                    level = np.interp(0.0, *places.points.T) + FLANGE_HEIGHT
+                    above.axhline(level, color="#c8502d", ls="--", lw=1, label=text)
+            ax.plot(y, worn_off, color=colour)
+            ax.fill_between(y, worn_off - error, worn_off + error, color=colour, alpha=0.3, lw=0)
+            if limit is not None:
+                ax.axhline(limit, color="#c8502d", ls="--", label=f"limit {limit:g} mm")
+                ax.legend(loc="best")
+            ax.set(xlabel="y to the field side, mm", ylabel="worn along the normal, mm")
             ax.invert_yaxis()
+            above.legend(loc="best")

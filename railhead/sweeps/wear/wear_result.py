@@ -359,65 +359,66 @@ class WearResult:
 
     def words(self) -> list[str]:
         """Lines that say what was worn, within which errors, and which checks failed."""
-        summary = self.summary
-        bound = summary["accuracy"]["bound"]
+        return words(self.summary)
 
-        def within(name: str, key: str, unit: str) -> str:
-            """A number with its unit and its error."""
-            value, error = summary[name][key], bound[name][key]
-            off = "its error is not known" if error is None else f"+- {error:.2g} of it"
-            return "not known" if value is None else f"{value:.4g} {unit} {off}"
 
-        lines = [f"{summary['steps']} steps, {len(self.route.shares)} positions"]
-        if self._reason:
-            lines.append(f"stopped: {self._reason}")
-        for body in self.route.worn:
-            depth, area = within("depth_max_mm", body, "mm"), within("worn_mm2", body, "mm2")
-            lines.append(f"{body}: at most {depth} deep along the normal, {area} of the section")
-        first, last = (within("pressure_max_MPa", key, "MPa") for key in ("first", "last"))
-        width = f"averaged over {summary['pressure_width_mm']:.2g} mm across"
-        lines.append(f"largest pressure, {width}: {first}, then {last}")
-        if (bound["pressure_max_MPa"]["last"] or 0.0) > CORNER:
-            lines.append(
-                "its error is large: it lies at the edge of a groove, where no width is right"
-            )
-        for name, limit in summary["limits_reached"].items():
-            after = [
-                f"{limit[key]:.4g} +- {limit[f'{key} estimate'] or math.nan:.2g} {key}"
-                for key in ("axles", "distance_km")
-                if limit[key]
-            ]
-            lines.append(f"{name} {limit['limit']:g}: {' and '.join(after) or 'not reached'}")
-        if beside := summary["beside"]:
-            text = beside.get("reason") or "; ".join(
-                f"{name.replace('_', ' ')} {beside[name]['pressure_max_MPa']:.5g} MPa on "
-                f"{beside[name]['area_mm2']:.4g} mm2"
-                for name in ("finite_elements", "half_spaces")
-            )
-            lines.append(f"position {beside['position']}, worn: {text}")
-        if grooves := self.grooves:
-            lines.append(
-                f"steel would yield at {len(grooves['positions'])} of {len(self.route.shares)} "
-                "positions; the worn depths have no yield"
-            )
-            if "groove_mm" in grooves:
-                one, two = grooves["groove_mm"]
-                lines.append(
-                    f"position {grooves['position']}, new and without friction: one pass leaves a "
-                    f"groove of {one:.3g} mm, two leave {two:.3g} mm"
-                )
-            lines += [
-                f"position {n}: groove not known ({r})" for n, r in grooves["unknown"].items()
-            ]
-        failed = summary["checks"]["failed"]
-        return [
-            *lines,
-            *(
-                f"left out: {name.replace('_', ' ')} ({why})"
-                for name, why in summary["left_out"].items()
-            ),
-            f"checks: {'FAILED ' + ', '.join(failed) if failed else 'all passed'}",
+def words(summary: Mapping[str, Any]) -> list[str]:
+    """`WearResult.words` of the content of wear.json."""
+    bound = summary["accuracy"]["bound"]
+
+    def within(name: str, key: str, unit: str) -> str:
+        """A number with its unit and its error."""
+        value, error = summary[name][key], bound[name][key]
+        off = "its error is not known" if error is None else f"+- {error:.2g} of it"
+        return "not known" if value is None else f"{value:.4g} {unit} {off}"
+
+    lines = [f"{summary['steps']} steps, {len(summary['positions'])} positions"]
+    if summary["reason"]:
+        lines.append(f"stopped: {summary['reason']}")
+    worn = summary["scene"]["wear"]["on"]
+    for body in BODIES if worn == "both" else [worn]:
+        depth, area = within("depth_max_mm", body, "mm"), within("worn_mm2", body, "mm2")
+        lines.append(f"{body}: at most {depth} deep along the normal, {area} of the section")
+    first, last = (within("pressure_max_MPa", key, "MPa") for key in ("first", "last"))
+    width = f"averaged over {summary['pressure_width_mm']:.2g} mm across"
+    lines.append(f"largest pressure, {width}: {first}, then {last}")
+    if (bound["pressure_max_MPa"]["last"] or 0.0) > CORNER:
+        lines.append("its error is large: it lies at the edge of a groove, where no width is right")
+    for name, limit in summary["limits_reached"].items():
+        after = [
+            f"{limit[key]:.4g} +- {limit[f'{key} estimate'] or math.nan:.2g} {key}"
+            for key in ("axles", "distance_km")
+            if limit[key]
         ]
+        lines.append(f"{name} {limit['limit']:g}: {' and '.join(after) or 'not reached'}")
+    if beside := summary["beside"]:
+        text = beside.get("reason") or "; ".join(
+            f"{name.replace('_', ' ')} {beside[name]['pressure_max_MPa']:.5g} MPa on "
+            f"{beside[name]['area_mm2']:.4g} mm2"
+            for name in ("finite_elements", "half_spaces")
+        )
+        lines.append(f"position {beside['position']}, worn: {text}")
+    if grooves := summary.get("yield"):
+        lines.append(
+            f"steel would yield at {len(grooves['positions'])} of {len(summary['positions'])} "
+            "positions; the worn depths have no yield"
+        )
+        if "groove_mm" in grooves:
+            one, two = grooves["groove_mm"]
+            lines.append(
+                f"position {grooves['position']}, new and without friction: one pass leaves a "
+                f"groove of {one:.3g} mm, two leave {two:.3g} mm"
+            )
+        lines += [f"position {n}: groove not known ({r})" for n, r in grooves["unknown"].items()]
+    failed = summary["checks"]["failed"]
+    return [
+        *lines,
+        *(
+            f"left out: {name.replace('_', ' ')} ({why})"
+            for name, why in summary["left_out"].items()
+        ),
+        f"checks: {'FAILED ' + ', '.join(failed) if failed else 'all passed'}",
+    ]
 
 
 def _geometry(run: Run, depths: Array) -> Row:

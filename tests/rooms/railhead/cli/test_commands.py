@@ -279,3 +279,46 @@ def test_two_results_are_compared(tmp_path, capsys) -> None:
     assert f"{1e3 * light.patch.a:.5g}" in printed and "stick" in printed
     assert "friction.coefficient: 0.0 and 0.3" in printed
     assert "holds no result" in command.refused(capsys, "diff", a, str(tmp_path))
+
+
+KEPT = {
+    "locate": ("locate", "s1002_60e1", "--no-pictures", "--shift", "3mm"),
+    "rows": ("locate", "s1002_60e1", "--no-pictures", "--over", "wheelset.shift=-2:2:2mm"),
+    "profile": ("profile", "examples/worn_60e1.csv", "--no-pictures"),
+    "steel": ("steel", "1070", "--no-pictures", "--cycles", "3"),
+    "table": ("table", "--ratios", "1:1", "--cells", "12", "--accuracy", "20%"),
+}
+
+
+@pytest.mark.parametrize("kind", KEPT)
+def test_what_a_command_printed_is_printed_again_and_compared(kind, tmp_path, capsys) -> None:
+    out = str(tmp_path / "out")
+    assert command.status(*KEPT[kind], "--out", out) == 0
+    printed, _, _ = capsys.readouterr().out.partition("written to")
+    assert command.status("show", out) == 0
+    assert capsys.readouterr().out == printed
+    assert command.status("diff", out, out, "--json") == 0
+    numbers = json.loads(capsys.readouterr().out)["quantities"]
+    assert numbers and all(row["A"] == row["B"] for row in numbers)
+    summary = tmp_path / "out" / "summary.json"
+    summary.write_text(summary.read_text()[:-20])
+    assert "or a broken one" in command.refused(capsys, "show", out)
+
+
+def test_two_conicities_are_in_one_picture(tmp_path, capsys) -> None:
+    """Each wheel's own: of a cone 1:40 the numbers are its slope."""
+    a, b, c = (str(tmp_path / name) for name in "abc")
+    for out, wheel in ((a, "S1002"), (b, "cone40")):
+        asked = "locate", "s1002_60e1", "--set", f"wheel.profile={wheel}", "--no-pictures"
+        assert command.status(*asked, "--out", out) == 0
+    capsys.readouterr()
+    picture = tmp_path / "both.png"
+    assert command.status("diff", a, b, "--picture", str(picture), "--json") == 0
+    found = {row["quantity"]: row for row in json.loads(capsys.readouterr().out)["quantities"]}
+    assert found["conicity at 3 mm"]["B"] == pytest.approx(0.025, rel=1e-6)
+    assert found["conicity at 3 mm"]["A"] > 0.1 and picture.stat().st_size > 10_000
+    assert command.status("profile", "examples/worn_60e1.csv", "--no-pictures", "--out", c) == 0
+    capsys.readouterr()
+    for other, text in ((c, "a locate and a profile"), (a, "FILE.png")):
+        asked = "diff", a, other, "--picture", str(tmp_path / "no.gif")
+        assert text in command.refused(capsys, *asked)
