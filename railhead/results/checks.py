@@ -162,7 +162,7 @@ def passes(solved: Solved) -> Iterator[Check]:
         return
     yield Check(
         name="passes_rim",
-        value=found.rim,
+        value=max(each.rim for each in (found, *found.beside)),
         limit=RIM_LIMIT,
         source="strain at the rim of the region where yield is followed, over the largest",
         advice="give a smaller load",

@@ -227,20 +227,21 @@ def everything(summary: Mapping[str, Any]) -> Iterator[Row]:
 
 
 def _passes(result: Mapping[str, Any]) -> Iterator[Row]:
-    """Rows of the passes of a wheel: their number, the verdict (such as "shakes down", see
-    `postprocess.pass_rows.verdict`), and the values of PASS_COLUMNS in the last pass, with the
-    estimated relative error of those that have one. result: "result" of summary.json; no rows where
-    it has no passes.
+    """Rows of the passes of a wheel: their number, and of each body and patch the verdict (such as
+    "shakes down", see `postprocess.pass_rows.verdict`), and the values of PASS_COLUMNS in the last
+    pass, with the estimated relative error of those that have one; names of all but the first name
+    it: "passes, wheel: verdict". result: "result" of summary.json; no rows where it has no passes.
     """
     if not result.get("passes"):
         return
-    errors = result["passes_after"]["estimate"]
     yield {"quantity": "passes", "unit": "", "value": float(len(result["passes"]))}
-    yield {"quantity": "passes: verdict", "unit": "", "value": result["passes_verdict"]}
-    for key, (name, unit) in PASS_COLUMNS.items():
-        value = result["passes"][-1][key]
-        row: Row = {"quantity": f"passes: {name} of the last", "unit": unit, "value": value}
-        yield row | {"estimate": errors.get(key)}
+    beside = {f"passes, {each['passes_name']}": each for each in result.get("passes_beside", ())}
+    for of, each in {"passes": result, **beside}.items():
+        errors, last = each["passes_after"]["estimate"], each["passes"][-1]
+        yield {"quantity": f"{of}: verdict", "unit": "", "value": each["passes_verdict"]}
+        for key, (name, unit) in PASS_COLUMNS.items():
+            row: Row = {"quantity": f"{of}: {name} of the last", "unit": unit, "value": last[key]}
+            yield row | {"estimate": errors.get(key)}
 
 
 def difference(

@@ -15,6 +15,7 @@ from railhead.scene.sections import refuse_first
 from railhead.theory import damage
 from railhead.theory.bem.grid_patch import PatchSolution
 from railhead.theory.elastic.line import LineContact
+from railhead.theory.friction import sliding
 from railhead.theory.friction.partial_slip import carter_share
 
 STEADY = {"hertz": 5.5, "contact": 6.0}  # largest p0/k that perfect plasticity has an answer for
@@ -127,7 +128,7 @@ def _overlap(patches: Sequence[PatchSolution]) -> bool:
 
 def decide_plasticity_wheel(context: Context) -> Effect:
     """Yield of the wheel in passes: called for, and simulated, where the largest elastic von Mises
-    stress passes the wheel's yield stress.
+    stress passes the wheel's yield stress; with tractions that of a patch that slips everywhere.
 
     SceneError: the flow curve of the wheel has no steady answer.
     """
@@ -135,6 +136,10 @@ def decide_plasticity_wheel(context: Context) -> Effect:
     if not context.decided["passes"].on or "wheel" not in context.stressed or not wheel.yields:
         return Effect.absent("no passes, or a wheel without a yield stress")
     stress, limit = context.half_spaces.von_mises(wheel.poisson_ratio), wheel.first_yield
+    if traction(context):
+        slipping = interface.friction_coefficient(context), wheel.poisson_ratio
+        peaks = sliding.peaks(context.hertz, *slipping).values()
+        stress = max(stress, *(each.von_mises for each in peaks))
     verb = "passes" if stress > limit else "stays below"
     if stress > limit and not off:
         _refuse_unsteady(context, wheel, math.sqrt(3) * _largest(context) / limit)

@@ -14,7 +14,7 @@ import railhead as rh
 from railhead.postprocess import vtu
 from railhead.postprocess.pass_rows import PASS_ERRORS, RailState
 from railhead.postprocess.pictures import pass_plots
-from railhead.results import pipeline, quantity_rows
+from railhead.results import checks, pipeline, quantity_rows
 from railhead.results.report import terminal
 
 KEYS = [
@@ -148,6 +148,12 @@ def test_a_wheel_that_yields_has_passes_of_its_own(tmp_path):
     assert first["resistance_N"] == other["resistance_N"]
     assert "Passes, wheel: undecided" in terminal.recorded(both.show).export_text()
     both.save(tmp_path / "out", report=False)
+    told = {row["quantity"]: row.get("value") for row in quantity_rows.everything(both.summary)}
+    assert told["passes, wheel: groove of the last"] == other["groove_mm"]
+    far = replace(both.solved.passes.beside[0], rim=0.5)
+    seen = replace(both.solved, passes=replace(both.solved.passes, beside=(far,)))
+    rim = next(each for each in checks.passes(seen) if each.name == "passes_rim")
+    assert not rim.passed  # of the wheel, too
     written = {each.name for each in (tmp_path / "out").iterdir()}
     assert {"passes_wheel.csv", "passes_wheel.png", "passes_section_wheel.vtu"} <= written
 

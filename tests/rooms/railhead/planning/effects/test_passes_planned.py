@@ -13,6 +13,7 @@ from railhead.planning import simulation_plan as planning
 LINE = rh.find("long_roller").replace(
     load="1400 kN", rail={"extent": "half-space", "yield_stress": 480.0}
 )
+SLIPS = "rail.yield_stress=800 friction.coefficient=0.3 rolling.creepage_along=10%"
 ROLLS = {"friction": {"coefficient": 0.3}, "rolling": {"force_along": "140 kN"}}
 
 
@@ -62,6 +63,8 @@ def test_the_indicator_is_held_against_yield_and_shakedown():
         ("effects.plasticity_wheel=off", False),
         ("wheel.yield_stress=900", False),
         ("wheel.yield_stress=900 effects.plasticity_wheel=on", True),
+        ("wheel.yield_stress=800", False),
+        (f"wheel.yield_stress=800 {SLIPS}", True),
     ],
 )
 def test_a_wheel_yields_where_its_stress_passes_its_yield_stress_or_where_it_is_asked(keys, on):
