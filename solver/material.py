@@ -93,7 +93,8 @@ class Hardening:
         MPa, b). Raises ValueError (one line) for what is no pair, C that is not positive, another
         negative or infinite number, and a recall exponent between 0 and 1.
         """
-        pairs = {"backstress": backstress, "isotropic": [isotropic]}
+        listed = backstress if isinstance(backstress, Sequence) else [backstress]
+        pairs = {"backstress": listed, "isotropic": [isotropic]}
         for name, given in pairs.items():
             for each in given:
                 least = 0 if name == "isotropic" else 1e-300

@@ -46,6 +46,7 @@ from railhead.solver.space.supports import (
     Hub,
     Reduction,
     Slide,
+    finite,
     held,
     masks,
     must_exist,
@@ -75,7 +76,7 @@ class Assembly:
     law: contact law of all contacts: symmetric, or with theta = 0 where something has friction.
     body_force: of bodies and loaded facets, on all dofs, with that of thermal strain.
     thermal: stress (cells,) that thermal strain has where it is held, of all local cells.
-    springs: facets of each spring on this rank.
+    springs: stiffness of each spring on all dofs.
     masks: of each clamp, slide and hub, the nodes of this rank on its facets.
     remembers: whether states have a history or surfaces have tangential tractions.
     stepped: whether the answer depends on the way of the loads: with yield or friction.
@@ -118,8 +119,7 @@ class Assembly:
         self.masks = masks(self.bulk.space, facet_tags, supports)
         self.thermal = self._thermal()
         self.body_force = self._body_force()
-        self.springs: dict[Spring, FacetSet] = {}
-        self._foundations: list[PETSc.Mat] = []
+        self.springs: dict[Spring, PETSc.Mat] = {}
         for load in loads:
             self._load(load)
         self.stiffness = self._sprung(self.stiffness)
@@ -226,6 +226,7 @@ class Assembly:
             "plane stress": self.section == "plane stress",
             "mean_dilatation": mean,
             "Plastic": any(isinstance(body.material, Plastic) for body in self.bodies),
+            "thermal_strain": any(body.thermal_strain != 0 for body in self.bodies),
             "a gap": any(each.gap is not None for each in contacts),
             "Tie": any(isinstance(each, Tie) for each in contacts),
         }.items():
@@ -266,7 +267,7 @@ class Assembly:
         for body in self.bodies:
             cells = self.cell_tags.find(body.tag)
             given = cell_values("thermal_strain", body.thermal_strain, cells)
-            out[cells] = given
+            out[cells] = finite(f"Body {body.tag}", "thermal_strain", given, *np.shape(given))
         return np.asarray(out * ((2 if self.section == "plane stress" else 3) * lam + 2 * mu))
 
     def thermal_at(self, pairing: Interface) -> Array:
@@ -286,9 +287,10 @@ class Assembly:
         local = dim * space.dofmap.index_map.size_local
         rows = assemble_rows([facets.rows_at(*at, every)], dim * len(x), local, total, self.comm)
         if isinstance(load, Spring):
-            self.springs[load] = facets
             each = weights[:, None] * _at_points(load, "stiffness", load.stiffness, x, dim)
-            self._foundations.append(weighted_product(rows, each.ravel(), rows))
+            if self.comm.allreduce(int((each < 0).sum())):
+                raise ValueError(f"{load}: stiffness must not be negative")
+            self.springs[load] = weighted_product(rows, each.ravel(), rows)
             return
         if isinstance(load, Pressure):
             value = _at_points(load, "value", load.value, x, 1)
@@ -299,10 +301,10 @@ class Assembly:
 
     def _sprung(self, stiffness: PETSc.Mat) -> PETSc.Mat:
         """Stiffness on all dofs with that of the springs (collective)."""
-        if not self._foundations:
+        if not self.springs:
             return stiffness
         matrix = stiffness.convert("aij")
-        for each in self._foundations:
+        for each in self.springs.values():
             matrix.axpy(1.0, each, DIFFERENT)
         matrix.setBlockSize(self.kinematics.dim)
         matrix = matrix.convert("baij")
@@ -311,10 +313,8 @@ class Assembly:
 
     def spring_force(self, spring: Spring, displacement: PETSc.Vec) -> Array:
         """Force (c,) of a spring on the bodies (collective)."""
-        facets = self.springs[spring]
-        at, weights = facets.quadrature(2 * self.bulk.degree + 2)
-        moved = facets.values(*at, self.gathered(displacement))
-        return np.asarray(self.comm.allreduce(-(weights @ moved) * np.asarray(spring.stiffness)))
+        nodal = (self.springs[spring] * displacement).array.reshape(-1, self.kinematics.dim)
+        return np.asarray(self.comm.allreduce(-nodal.sum(axis=0)))
 
     def _bodies_at(self, tag: int) -> list[int]:
         """Tags of the bodies that the facets with a tag belong to, in order (collective)."""
@@ -430,7 +430,7 @@ class Assembly:
         if self.energies is None:
             return self.stiffness, self.stiffness * displacement
         tangent, forces = self.energies.linear(displacement)
-        for each in self._foundations:
+        for each in self.springs.values():
             forces.axpy(1.0, each * displacement)
         return self._sprung(tangent), forces
 
@@ -570,9 +570,9 @@ def _at_points(load: Any, name: str, given: Any, x: Array, size: int) -> Array:
     function of points. Raises ValueError for others, and for what is not finite.
     """
     values = np.asarray(given(x) if callable(given) else given)
-    if size == values.ndim == 1:
-        values = values[:, None]
-    if values.shape in ((), (size,)):
+    if size == 1:
+        values = values[..., None]
+    if values.shape == (size,) or (not values.shape and name == "stiffness"):
         values = np.broadcast_to(values, (len(x), size))
     right = values.shape == (len(x), size) and values.dtype.kind in "iuf"
     if not right or not np.isfinite(values).all():

@@ -30,7 +30,10 @@ from railhead.solver.model.problem import FrictionalProblem
 from railhead.solver.space.cells import tabulate
 from railhead.solver.space.contact_interface import Interface
 from railhead.solver.space.facets import FacetSet
+from railhead.solver.system.surfaces import compliance
 from railhead.theory.array_types import Array, Index, Mask
+
+SOFTEST = 1e-9  # stiffness of a strain, over the largest one, below which there is none
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,13 +42,14 @@ class Deformed(Interface):
 
     cauchy: (n, c, c) where the bodies are. slope: its derivative (n, c, c, c, c + 1) by
         grad u and, last, by u or u/r.
-    moved: the secondary facets where they are.
+    moved, opposite: secondary and primary facets where they are; None: all of these are rigid.
     points: before deformation. All else is that of the deformed surfaces.
     """
 
     cauchy: Array
     slope: Array
     moved: FacetSet
+    opposite: FacetSet | None
 
     def pull(self, directions: Array) -> Array:
         """Stress e . sigma n (n, k) now along directions e (n, k, c)."""
@@ -65,22 +69,53 @@ class Deformed(Interface):
     def turning(self, pressure: Array, traction: Array) -> PETSc.Mat:
         """Change (n c rows) of the forces at the points per displacement, by that of areas and
         directions: W (tr h - n . h n) and, where a deformed body is opposite, n - h^T n, with the
-        gradient h of the change along the surface (collective).
+        gradient h of the change along the surface, of both surfaces as they share n (collective).
 
         pressure, traction: along the tangents, (n,) and (n, k), which stay.
         """
-        n, p = self.outward, np.where(self.partner < 0, 0.0, pressure)
-        value, g = self.moved.basis(self.facet, self.slave.reference(self.facet, self.xi))
+        force = self._force(pressure, traction)
+        value, along = self._along(self.moved, self.facet, self.xi)
         now = self.moved.tangents(self.facet, self.xi)[0]
-        along = g - np.einsum("nd,nc->ndc", np.einsum("ndc,nc->nd", g, n), n)
-        force = np.einsum("nk,nkc->nc", traction, self.tangents) - pressure[:, None] * self.normals
-        rubs = np.where((self.partner < 0)[:, None], 0.0, force + pressure[:, None] * self.normals)
-        turned = p[:, None, None] * along.transpose(0, 2, 1)
-        turned += np.einsum("ni,ndj,nj->nid", n, along, rubs)
         wider = self.slave.kinematics.divergence(value, along, now[:, None])
-        change = np.einsum("ni,ndc->nidc", force, wider) + np.einsum("nid,nc->nidc", turned, n)
-        change *= self.weights[:, None, None, None]
-        return self.matrix([self.slave.rows(self.facet, change)])
+        change = np.einsum("ni,ndc->nidc", force, wider)
+        if self.opposite is None:
+            return self.matrix([self.slave.rows(self.facet, change)])
+        partner, met = np.maximum(self.partner, 0), self.partner >= 0
+        own = compliance(self.slave.lame[self.facet])
+        other = compliance(self.opposite.lame[partner])
+        _, across = self._along(self.opposite, partner, self.eta)
+        rubs = force + (pressure * self.weights)[:, None] * self.normals
+        turned = []
+        for h, share in ((along, other), (across, own)):
+            turns = (pressure * self.weights)[:, None, None] * h.transpose(0, 2, 1)
+            turns += np.einsum("ni,ndj,nj->nid", self.normals, h, rubs)
+            turns *= (met[:, None] * share / (own + other))[..., None]
+            turned.append(np.einsum("nid,nc->nidc", turns, self.normals))
+        blocks = self.slave.rows(self.facet, change + turned[0])
+        return self.matrix([blocks, self.opposite.rows(partner, turned[1])])
+
+    def sliding(self, pressure: Array, traction: Array) -> PETSc.Mat | None:
+        """Forces at the points times the gradient of the primary displacement along its surface
+        (n c rows), as they meet other points of it when surfaces slide; None where all of it is
+        rigid (collective). Arguments as of `turning`.
+        """
+        if self.opposite is None:
+            return None
+        partner = np.maximum(self.partner, 0)
+        _, along = self._along(self.opposite, partner, self.eta)
+        force = self._force(pressure, traction) * (self.partner >= 0)[:, None]
+        return self.matrix([self.opposite.rows(partner, np.einsum("ndi,nc->nidc", along, force))])
+
+    def _force(self, pressure: Array, traction: Array) -> Array:
+        """Force of each point on the secondary body (n, c)."""
+        along = np.einsum("nk,nkc->nc", traction, self.tangents)
+        return np.asarray((along - pressure[:, None] * self.normals) * self.weights[:, None])
+
+    def _along(self, face: FacetSet, facet: Index, xi: Array) -> tuple[Array, Array]:
+        """Shape functions (n, d) at points of a surface, and their gradients along it (n, d, c)."""
+        value, g = face.basis(facet, face.reference(facet, xi))
+        n = self.normals
+        return value, g - np.einsum("ndc,nc,ni->ndi", g, n, n)
 
     @property
     def jump(self) -> PETSc.Mat:
@@ -113,8 +148,11 @@ class DeformedProblem(FrictionalProblem):
         r = super().residual(y, pressure)
         if not self.exact:
             return r
-        turning = self.points.turning(pressure, self.traction).matMult(self.map)
-        self._turning = self.points.jump.matMult(self.map).transposeMatMult(turning)
+        forces, jump = (pressure, self.traction), self.points.jump.matMult(self.map)
+        turning = self.points.turning(*forces).matMult(self.map)
+        self._turning = jump.transposeMatMult(turning)
+        if sliding := self.points.sliding(*forces):
+            self._turning.axpy(-1.0, sliding.matMult(self.map).transposeMatMult(jump), DIFFERENT)
         return r
 
     def apply_tangent(
@@ -227,8 +265,11 @@ class Energies:
         traces, whole = np.einsum("miijj->m", slope), np.einsum("mijij->m", slope)
         mu = (d * whole - traces) / (d * (d - 1) * (d + 2))
         lam = (traces - 2 * d * mu) / d**2
-        if not (np.all(mu > 0) and np.all(lam + mu > 0)):
-            raise ValueError("psi has no stiffness at rest")
+        even = slope + slope.swapaxes(1, 2)
+        even = (even + even.swapaxes(3, 4)).reshape(-1, d * d, d * d)
+        stiff = np.linalg.eigvalsh(even + even.swapaxes(1, 2))  # 0 for each of the rotations
+        if not np.all(stiff[:, d * (d - 1) // 2] > SOFTEST * stiff[:, -1]):
+            raise ValueError("psi has no stiffness at rest against some strain")
         return mu * (3 * lam + 2 * mu) / (lam + mu), lam / (2 * (lam + mu))
 
     def deformed(self, face: Interface, displacement: PETSc.Vec, every: Array) -> Deformed:
@@ -246,4 +287,5 @@ class Energies:
             for values in self.stress(face.slave.numbers[used])
         )
         own = {each.name: getattr(face, each.name) for each in fields(Interface)}
-        return Deformed(**own, cauchy=cauchy, slope=slope, moved=face.slave.moved(every))
+        moved, opposite = face.slave.moved(every), face.master and face.master.moved(every)
+        return Deformed(**own, cauchy=cauchy, slope=slope, moved=moved, opposite=opposite)

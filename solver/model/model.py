@@ -34,6 +34,7 @@ from railhead.solver.space.supports import finite, unit
 from railhead.theory.array_types import Array
 
 VECTORS = ("free", "normal", "force", "point", "centre")  # of parts and of rigid surfaces
+OPEN = ("free", "force")  # those that may be None
 ALONG = 1e-9  # of a motion, that may lie across a direction by rounding
 Progress = Callable[[str], Any]
 STEPS = {False: 1, True: 10}  # of loads, without and with yield or friction
@@ -110,8 +111,11 @@ class Model:
                     shape = getattr(given, "ufl_shape", None)
                     if shape is not None and shape != (dim,):
                         raise ValueError(f"{owner}: {name} must be a vector of {dim} components")
-                    if given is not None and shape is None:
-                        finite(owner, name, getattr(owner, name), dim)
+                    needed = name not in OPEN and hasattr(owner, name)
+                    if (given is not None or needed) and shape is None:
+                        finite(owner, name, given, dim)
+                    if given is not None and name in ("free", "normal"):
+                        unit(name, given)
             tags = each.tags if isinstance(each, Contact) else [each.tag]
             if not all(isinstance(tag, int | np.integer) and abs(tag) < 2**31 for tag in tags):
                 raise ValueError(f"{each}: a tag must be a whole number of 32 bits")
@@ -233,6 +237,8 @@ class Solution:
         count = STEPS[model.stepped] if steps is None else steps
         if not isinstance(loads, Mapping):
             raise TypeError(f"loads must be a dict of hubs and their loads, not {loads!r}")
+        if not callable(progress):
+            raise TypeError(f"progress must be a function of a line, not {progress!r}")
         if type(count) is not int or count < 1:
             raise ValueError(f"steps must be a whole number from 1 on, not {steps!r}")
         target = {**state.loads, **{hub: _checked(model, hub, load) for hub, load in loads.items()}}

@@ -10,6 +10,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any, Self
 
 import numpy as np
+from ufl.algorithms import extract_arguments
 
 from railhead.solver import compat
 from railhead.solver.material import Hardening, Material
@@ -129,9 +130,10 @@ class Energy:
     psi: Any
 
     def __post_init__(self) -> None:
-        """Raises ValueError for what is no UFL expression of a number."""
-        if getattr(self.psi, "ufl_shape", None) != ():
-            raise ValueError(f"psi must be a UFL expression of a number, not {self.psi!r}")
+        """Raises ValueError for what is no UFL expression of a number, and for test functions."""
+        if getattr(self.psi, "ufl_shape", None) != () or extract_arguments(self.psi):
+            given = f"{self.psi!s:.60}"
+            raise ValueError(f"psi must be a UFL expression of a number, not {given}")
 
 
 @dataclass(frozen=True)

@@ -142,6 +142,11 @@ class FacetSet(CellSet):
         phi = phi.reshape(*corners.shape[:2], phi.shape[1])
         return np.einsum("fvk,fkd->fvd", phi, self.nodes[:, : phi.shape[2]])
 
+    @property
+    def lengths(self) -> Array:
+        """Length of one side of each facet (m,), mm."""
+        return np.asarray(np.linalg.norm(self.vertices[:, 1] - self.vertices[:, 0], axis=1))
+
     def reference(self, index: Index, xi: Array) -> Array:
         """Reference coordinates (n, c) in the cells of points with coordinates xi (n, c - 1) in the
         reference facet, on the facets with these numbers (n,).

@@ -84,7 +84,8 @@ def finite(owner: Any, name: str, given: Any, *shape: int) -> Array:
     """
     out = np.asarray(given)
     if out.shape != shape or out.dtype.kind not in "iuf" or not np.isfinite(out).all():
-        raise ValueError(f"{owner}: {name} must be {math.prod(shape)} finite number(s)")
+        text = f"{owner}: {name} must be {math.prod(shape)} finite number(s)"
+        raise ValueError(f"{text}, not {given!r:.60}")
     return out.astype(float)
 
 

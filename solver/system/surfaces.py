@@ -225,7 +225,7 @@ class Surfaces:
             keep, gap = np.isfinite(now), np.where(bonded & np.isfinite(now), 0.0, now - change)
             whole, met = self.comm.allreduce(np.array([whole, weights[keep].sum()]))
             deep = self.comm.allreduce(int(np.isneginf(now).sum()))
-            if not met and (deep or not self.comm.allreduce(int(displacement.any()))):
+            if (deep and not displacement.any()) or not (met or displacement.any() and not deep):
                 raise ValueError(
                     f"surface {contact.secondary} has nothing opposite its points: "
                     + ("the overlap is above a facet's length" if deep else "their normals miss")
@@ -283,6 +283,8 @@ class Surfaces:
         partner, eta = np.full(len(x), -1), np.zeros_like(at[1])
         if isinstance(contact.primary, Plane | Sphere):
             far, up = contact.primary.distance(place, normals)
+            if not displacement.any():
+                far = np.where(far > -slave.lengths[here], far, -np.inf)
             now = far * np.maximum(-np.einsum("nc,nc->n", normals, up), ALMOST)
             return -up, normals, now, np.einsum("nc,nc->n", up, own), (partner, eta)
         if contact.gap is None:
@@ -299,12 +301,12 @@ class Surfaces:
             change = np.einsum("nc,nc->n", normals, opposite - own)
             met = np.isfinite(gap) & ((partner >= 0) | (not len(other)))
             return normals, normals, np.where(met, gap + change, np.inf), change, foot
-        shares = _compliance(other.lame[at[0]]), _compliance(slave.lame[here])
+        shares = compliance(other.lame[at[0]]), compliance(slave.lame[here])
         between = shares[0] * normals - shares[1] * other.normals(at[0], other.tangents(*at)[1])
         between = between / np.linalg.norm(between, axis=1)[:, None]
         change = np.einsum("nc,nc->n", between, opposite - own)
         now = np.einsum("nc,nc->n", between, moved.tangents(*at)[0] - place)
-        reach = np.linalg.norm(moved.vertices[:, 1] - moved.vertices[:, 0], axis=1)[at[0]]
+        reach = moved.lengths[at[0]]
         facing = np.einsum("nc,nc->n", normals, moved.flat_normals[at[0]]) < FACING
         now = np.where((partner >= 0) & facing, now, np.inf)
         return between, normals, np.where(now > -reach, now, -np.inf), change, foot
@@ -341,15 +343,14 @@ class Surfaces:
             if len(other):
                 there = other.moved(displacement)
                 ends = [there.tangents(np.maximum(f, 0), e)[0] for f, e in (new, old)]
-                size = np.linalg.norm(there.vertices[:, 1] - there.vertices[:, 0], axis=1)[old[0]]
-                slid = np.linalg.norm(ends[0] - ends[1], axis=1) / size
+                slid = np.linalg.norm(ends[0] - ends[1], axis=1) / there.lengths[old[0]]
                 drift = max(drift, float(np.max(slid[met], initial=0.0)))
         drift, change = (self.comm.allreduce(each, op=MPI.MAX) for each in (drift, change))
         lost, total = self.comm.allreduce(np.array([lost, force.sum()]))
         return drift, change, lost / total if lost else 0.0
 
 
-def _compliance(lame: Array) -> Array:
+def compliance(lame: Array) -> Array:
     """(1 - nu^2)/E (n, 1), from Lame's constants (n, 2)."""
     lam, mu = lame.T[..., None]
     return np.asarray((lam + 2 * mu) / (4 * mu * (lam + mu)))
