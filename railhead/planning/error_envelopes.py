@@ -229,7 +229,9 @@ def family(setting: Mapping[str, Any], *, parabolic: bool, friction: bool = Fals
         known, wider = _laws()["friction"], dict(found.laws)
         for key, law in known["laws"].items():
             wider[key] = max(ErrorEnvelope(*law), wider.get(key, NONE), key=lambda each: each(6.0))
+        read = ErrorEnvelope(*known["reading"])  # of the largest stresses, which do not converge
         reading = dict.fromkeys(wider, NONE) | {**found.reading}
+        reading |= {key: read for key in known["laws"] if key in found.reading}
         found = replace(found, resolution=known["resolution"], laws=wider, reading=reading)
     if found and setting["turned"]:
         found = replace(

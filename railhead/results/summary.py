@@ -17,6 +17,7 @@ from railhead.run.half_space_answer import HalfSpaceSolution, Solved
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.refinement import Ending
 from railhead.scene.catalogue import portable
+from railhead.scene.quantities import numeric_values
 from railhead.theory import damage
 
 HALF_SPACE_SOURCE = "half-spaces: what finite bodies would change, and the error of the grid"
@@ -171,8 +172,10 @@ def _summary(
     name = "elastic" if solved.residual_state is not None else "frictionless"
     rubbed = {} if half_space_friction is None else {"half_space_friction": half_space_friction}
     more = {} if result is None else _more(solved, accuracy)
-    told = {*accuracy["bound"], *more.get("friction", {}).get("below_resolution", ())}
-    accuracy["reason"] += estimates.not_asked(solved.plan, told)
+    known = accuracy["bound"].keys()
+    told = {*known, *numeric_values(result)} - {solved.plan.contact.prescribed_length}
+    told |= {*more.get("friction", {}).get("below_resolution", ())}
+    accuracy["reason"] += estimates.not_asked(solved.plan, told, known)
     return {
         "case": solved.plan.scene.name,
         "method": method,

@@ -23,6 +23,7 @@ import math
 from collections.abc import Mapping, Sequence, Set
 from typing import Any
 
+from railhead.geometry.outlines import head_depth
 from railhead.planning.error_envelopes import PLACES, STEP, Family
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.findings import RIVAL, Findings
@@ -44,6 +45,7 @@ ridge: chosen on the scenes of seed 1, of which one alone makes three quarters o
 ALWAYS = "mesh", "reading", "contact_law", "left_out", "geometry", "algebraic"
 """Parts of all estimates."""
 NARROWEST_PEAK = 0.02  # least width of a maximum of the shear stress, over the element size
+STRESSED_WEB = 0.1  # ab over the squared depth of a head, above which the web may be stressed most
 
 
 Parts = dict[str, dict[str, float]]
@@ -74,15 +76,15 @@ def largest_bound(bound: Mapping[str, float]) -> float:
     return max((bound[key] for key in bound.keys() & PROMISED), default=0.0)
 
 
-def not_asked(plan: Plan, keys: Set[str]) -> str:
+def not_asked(plan: Plan, keys: Set[str], known: Set[str]) -> str:
     """Words that follow the reason why meshes ended: that errors of forces count over mu N, and
-    those of the keys of summary.json that a wanted accuracy does not count (`PROMISED`). Empty
-    where none is wanted.
+    those of the keys of summary.json that a wanted accuracy does not count: what is not `PROMISED`,
+    or has no estimate (is not `known`). Empty where none is wanted.
     """
     if not plan.scene.accuracy:
         return ""
     forces = "; forces are counted over mu N" if keys & FRICTION_SHARES else ""
-    rest = sorted(keys - PROMISED)
+    rest = sorted(keys - (PROMISED & known))
     return forces + (f"; not asked of {', '.join(rest)}" if rest else "")
 
 
@@ -104,10 +106,16 @@ def resolved_values(solved: MeshSolution) -> dict[str, float]:
     (`friction_values`). Left out is the depth of the largest shear stress where it is less than one
     element, the peak is narrower than 0.02 (NARROWEST_PEAK) elements, or bodies yield. Where bodies
     yield the stress is about the same in the whole region. Left out is also the length of a line
-    contact, which is given.
+    contact, which is given, and the largest stresses of a patch so large that they may be in the
+    web of a rail (STRESSED_WEB), whose elements no law was measured with.
     """
-    values = numeric_values(solved.result) | friction_values(solved)
-    values.pop(solved.plan.contact.prescribed_length or "", None)
+    plan, values = solved.plan, numeric_values(solved.result) | friction_values(solved)
+    values.pop(plan.contact.prescribed_length or "", None)
+    if plan.with_foot:
+        share = math.prod(plan.zone) / head_depth(plan.scene.rail.profile) ** 2
+        for each in QUANTITIES if share > STRESSED_WEB else ():
+            if each.ridge_stress:
+                values.pop(each.key, None)
     if solved.solution.plasticity is not None:
         values.pop("tau_max_depth_mm", None)
     depth = values.get("tau_max_depth_mm")

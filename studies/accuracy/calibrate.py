@@ -52,7 +52,6 @@ COUNTED, MANY = 9, 4  # scenes whose load steps are counted; times the usual num
 OTHERS = {4.0: 2e-3, 9.0: 5e-3, 20.0: 9e-3}
 """The same error of the pressure of spheres and of a line, by that load (`docs/limits.md`)."""
 MOVED = ("force_along_N", "creepage_along", "shift_along_mm", "shift_across_mm")
-RUBBED_FROM = 10.0  # elements a half length
 RUBBED = {"tau_max_MPa", "von_mises_max_MPa", *MOVED}
 """Keys that friction of lines has laws of."""
 LEAST = 1e-6  # relative; below it an error is rounding
@@ -68,6 +67,7 @@ WIDER = {
     ("plane strain", "approach_mm"): (1.3, 0.0),
     ("incompressible circles", "max_MPa"): (1.3, 0.0),
     ("profiles", "approach_mm"): (1.55, 0.0),
+    ("profiles", "max_MPa"): (2.2, -1.5),
     ("yield", "tau_max_MPa"): (1.3, 0.0),
     ("yield", "approach_mm"): (1.7, 0.26),
     ("far yield", "approach_mm"): (2.1, 0.0),
@@ -79,7 +79,8 @@ worst near the family's largest Poisson's ratio, which few of the calibrated sce
 READ_WIDER = {
     ("bodies", "max_MPa"): (1.4, -0.3),
     ("soft bodies", "max_MPa"): (1.4, -0.15),
-    ("yield", "max_MPa"): (4.5, 0.0),
+    ("yield", "max_MPa"): (6.5, 0.0),
+    ("far yield", "max_MPa"): (2.0, 0.0),
     ("profiles", "b_mm"): (1.45, 0.0),
     ("profiles", "area_mm2"): (1.45, 0.0),
     ("profiles", "max_MPa"): (1.2, 0.0),
@@ -244,8 +245,10 @@ def measure_load_steps() -> list[dict[str, Any]]:
 def measure_friction() -> dict[str, Any]:
     """Entry "friction" of laws.json: range of n and laws of lines of like bodies that roll or are
     shifted; those of forces are over mu N. Truth is Carter's strip for motion and force of rolling,
-    else the finest mesh. Laws are used from n = 10 on, where most stresses are read within 5 %."""
-    errors: dict[str, list[tuple[float, float]]] = {}
+    else the finest mesh. On meshes below n = 10 many stresses are read worse than within 5 %.
+    Laws are of first order: slopes of so few scenes scatter."""
+    errors: dict[str, list[float]] = {}
+    readings = []
     recipe = families.BESIDE["rubbing lines"]
     for scene in islice(families.scenes("rubbing lines", SEED), recipe.scenes):
         levels = [families.solved(scene, n) for n in recipe.resolutions]
@@ -257,11 +260,12 @@ def measure_friction() -> dict[str, Any]:
             for key in RUBBED & found.keys() & exact.keys():
                 over = 1.0 if key in estimates.FRICTION_SHARES else exact[key]
                 off = abs(found[key] - exact[key]) / over - read.get(key, 0.0)
-                errors.setdefault(key, []).append((each.resolution, max(off, 0.0)))
-    fitted = {key: envelope(*map(np.array, zip(*own, strict=True))) for key, own in errors.items()}
-    ends = [RUBBED_FROM, recipe.resolutions[-1]]
-    laws = {key: [law.value, law.order] for key, law in sorted(fitted.items())}
-    return {"resolution": ends, "laws": laws}
+                errors.setdefault(key, []).append(max(off, LEAST) * each.resolution / 6.0)
+                readings += [read[key]] if key in read else []
+    ends = [recipe.resolutions[0], recipe.resolutions[-2]]
+    laws = {key: [HEADROOM * max(own), 1.0] for key, own in sorted(errors.items())}
+    reading = [MOST * float(np.median(readings)), 0.0]
+    return {"resolution": ends, "laws": laws, "reading": reading}
 
 
 def main(out: Path, *, quick: bool) -> None:

@@ -398,7 +398,10 @@ RECIPES = {
     ),
     "yield": Recipe(yielding, STEEL, (3.0, 4.5, 7.0), scenes=20, exact=False, split=YIELD),
     "profiles": Recipe(
-        profiles, {"shape": ["bodies"], "ellipse": [False]}, (4.5, 7.0), exact=False
+        profiles,
+        {"shape": ["bodies"], "ellipse": [False], "least_poisson": [SHALLOW, 0.4]},
+        (4.5, 7.0),
+        exact=False,
     ),
 }
 
@@ -406,7 +409,7 @@ BESIDE = {
     "yielding lines": Recipe(
         yielding_roller, {**LINE, "overload": [1.0, 100.0], "poisson": [0.25, 0.35]}
     ),
-    "rubbing lines": Recipe(rubbing_roller, LINE, (5.0, 6.5, 8.0, 12.0, 24.0), 40),
+    "rubbing lines": Recipe(rubbing_roller, LINE, (10.0, 13.0, 18.0, 30.0), 40),
 }
 """Recipes without error laws of their own: load steps are counted, friction adds to others."""
 

@@ -17,7 +17,7 @@ from railhead.geometry.outlines import head_depth
 from railhead.geometry.profiles import STANDARD_RAILS
 from railhead.half_spaces.pressing import HalfSpacePair
 from railhead.half_spaces.surface import develop
-from railhead.planning.context import Context, Effect, PostSolveVerdict
+from railhead.planning.context import DEFAULT_ACCURACY, Context, Effect, PostSolveVerdict
 from railhead.postprocess.findings import Findings
 from railhead.scene.scene import SceneError
 from railhead.scene.sections import refuse_first
@@ -152,13 +152,14 @@ def decide_rail_section(context: Context) -> Effect:
         return Effect.absent(why)
     if extent == "section":
         return Effect(True, True, "rail.extent = section")
-    cut, why = _cut_matters(context)
-    twists, twist_text = _twists(context)
-    called = cut or twists
-    return Effect(called, called, f"{why}; {twist_text}")
+    accuracy = min(context.accuracy, DEFAULT_ACCURACY)  # coarser ones have the default's supports
+    cut, why = _cut_matters(context, accuracy)
+    change, twist_text = _twists(context, LEFT_OUT * accuracy)
+    called = cut or change > LEFT_OUT * accuracy
+    return Effect(called, called, f"{why}; {twist_text}", error=0.0 if called else change)
 
 
-def _cut_matters(context: Context) -> tuple[bool, str]:
+def _cut_matters(context: Context, accuracy: float) -> tuple[bool, str]:
     """Whether the stress at the cut of a rail head, over p0, exceeds what the accuracy allows, and
     a sentence that says so. a and b are Hertz's semi-axes; of a line b is its half width.
     It allows a ratio of the accuracy over 0.25 (STRESS_CHANGE).
@@ -166,7 +167,7 @@ def _cut_matters(context: Context) -> tuple[bool, str]:
     Flamant's 2F'/(pi H) below a line load over p0 = 2F'/(pi b), with H the depth of the cut
     (Johnson, Contact Mechanics, 3.19, 4.26, 2.19 and 4.43).
     """
-    depth, limit = head_depth(context.scene.rail.profile), context.accuracy / STRESS_CHANGE
+    depth, limit = head_depth(context.scene.rail.profile), accuracy / STRESS_CHANGE
     a, b = context.hertz.a, context.hertz.b
     ratio, name = (b / depth, "b/H") if context.contact.line else (a * b / depth**2, "ab/H^2")
     side = "above" if ratio > limit else "below"
@@ -174,19 +175,18 @@ def _cut_matters(context: Context) -> tuple[bool, str]:
     return bool(ratio > limit), f"{text}, {side} {limit:.2g}"
 
 
-def _twists(context: Context) -> tuple[bool, str]:
-    """Whether pressure or area change by more than the accuracy as the load twists the rail and
-    moves its head aside, or may do so, and a sentence that says so.
+def _twists(context: Context, limit: float) -> tuple[float, str]:
+    """Relative change of pressure or area as the load twists the rail and moves its head aside,
+    infinite where it cannot be judged, and a sentence that holds it against the limit.
     """
-    limit = context.accuracy
     try:
         twist, aside = context.twist_change, context.sideways_change
     except ValueError as error:
-        return True, f"what its twist changes cannot be judged ({error})"
+        return math.inf, f"what its twist changes cannot be judged ({error})"
     side = "above" if twist + aside > limit else "below"
     said = f", and its way aside by {aside:.2g}" if aside else ""
     why = f"its twist changes pressure or area by {twist:.2g}{said}, {side} {limit:g}"
-    return twist + aside > limit, why
+    return twist + aside, why
 
 
 def decide_surface_shape(context: Context) -> Effect:
