@@ -115,14 +115,14 @@ def point_force(places: Array, sources: Array, contact_modulus: float) -> Array:
 
 
 def logarithms(X: Array, S: Array) -> tuple[Array, Array]:
-    """X arsinh(S/|X|) and S arsinh(X/|S|), 0 at X = 0.
+    """X arsinh(S/|X|) and S arsinh(X/|S|), 0 at X = 0 and at S = 0.
 
-    X, S != 0: coordinates of a rectangle's corners relative to a place. Differences of the two
+    X, S: coordinates of a rectangle's corners relative to a place. Differences of the two
     functions over the four corners are the integrals of s^2/r^3 and of x^2/r^3 over the rectangle;
     those of their sum are the integral of 1/r.
     """
     across = X * np.arcsinh(S / np.maximum(np.abs(X), 1e-100))
-    return across, S * np.arcsinh(X / np.abs(S))
+    return across, S * np.arcsinh(X / np.maximum(np.abs(S), 1e-100))
 
 
 def fast_shape(size: tuple[int, int]) -> tuple[int, int]:

@@ -20,7 +20,7 @@ from scipy.ndimage import find_objects, label
 
 from railhead.theory.array_types import Array, Mask
 from railhead.theory.bem.grid_patch import Grid, PatchSolution
-from railhead.theory.bem.influence import Influence, Lines, Nodes, point_force
+from railhead.theory.bem.influence import Influence, Lines, logarithms
 
 Gap = Callable[[Array, Array], Array]
 """Places x (n,), s (n,), mm -> undeformed gap (n,), mm, +inf where the bodies do not face."""
@@ -90,11 +90,15 @@ class BoundaryElementSolution:
         """Normal displacement (n,), mm, of both bodies together, at places x, s (n,), mm, outside
         of the windows. angle: tilt (n,) of the normals there, rad.
         """
-        total, places = np.zeros((2, x.size)), np.column_stack([x, s])
+        total = np.zeros((2, x.size))
         for window in self.windows:
-            nodes = Nodes(window)
-            kernel = point_force(places, nodes.places, self.contact_modulus)
-            total += nodes.gather(window.pressure) @ kernel.T
+            pressed, (along, across) = window.normals * window.pressure, window.edges
+            for n, place in enumerate(zip(x, s, strict=True)):
+                corners = sum(logarithms((along - place[0])[:, None], across - place[1]))
+                total[:, n] += (pressed * np.diff(np.diff(corners, axis=0), axis=1)).sum(
+                    axis=(1, 2)
+                )
+        total /= math.pi * self.contact_modulus
         return np.asarray(np.cos(angle) * total[0] + np.sin(angle) * total[1])
 
 

@@ -66,13 +66,12 @@ def wear(
     if MPI.COMM_WORLD.size > 1:
         raise SceneError("wear", "uses all cores by itself; start it without mpirun")
     folder, route = Path(out), wear_run.read(scene)
-    expected = wear_run.expected(route)
+    wear_run.refuse_amount(route)
     with ExitStack() as stack:
         stack.enter_context(result_folder.claimed(folder))
         store.begin(folder, _request(route), "replace" if force else "refuse", LATER)
         copy_files({file for each in _scenes(route) for file in each.files}, folder)
         shown = stack.enter_context(Progress(quiet=quiet, tell=progress))
-        shown.stage(expected)
         submit = None
         if min(worker_pool.workers(1), len(route.positions)) > 1:
             submit = stack.enter_context(worker_pool.submitting(1, 0))

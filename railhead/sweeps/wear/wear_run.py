@@ -10,7 +10,6 @@ difference between both is its error.
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -45,12 +44,11 @@ from railhead.theory.wear import Stage, WearLaw
 Grid = tuple[int, float]
 """Cells each way, and knots over the smallest half width of a patch."""
 RUNS: dict[str, Grid] = {"coarse": (48, 7.5), "main": (96, 15.0)}
-QUICK = (24, 4.0)  # of the forecast
+QUICK = (24, 4.0)  # before the first step
 CHANGE = 5.5  # of the rate in a step, over the accuracy
 DEEP = 20.0  # mm, a depth that no wheel or rail has to give
 NOTHING = 1e-5  # mm, a depth that no one measures
 LIGHT, HEAVY = 1e-9, 1e9  # shares that a table may give
-COST = 35.0  # processor time of a step in all runs, over that of the first contacts on QUICK
 APART = 10_000  # numbers of records from one run to the next
 LARGEST, SUMMED = ("pressure", "index"), ("energy", "damage", "rate")
 SHARE, AMOUNT = "share", {"rail": "axles", "wheel": "distance"}
@@ -329,16 +327,15 @@ class Run:
             self.seen.append(seen)
 
 
-def expected(route: Route) -> str:
-    """Words that say about how many steps and minutes a route takes, from contacts on the new
-    profiles and on those after all wear in one step. Raises SceneError for wear that is deeper than
-    profiles are at their rates.
+def refuse_amount(route: Route) -> None:
+    """Raise SceneError for wear that is deeper than profiles are at the rates of the new ones, and
+    for none.
     """
-    start, given, run = time.process_time(), route.scene.wear, Run.begun(route, QUICK)
+    given, run = route.scene.wear, Run.begun(route, QUICK)
     try:
         deepest = run.contacts(run.stages[0].depth, 0.0)[0].deepest
     except ValueError:
-        return "first contacts"  # they fail again, with their reason
+        return  # they fail again, with their reason
     if deepest > DEEP:
         key = AMOUNT[route.worn[0]]
         text = f"{getattr(given, key):g} would wear {deepest:.3g} mm at the rates of the new "
@@ -346,17 +343,6 @@ def expected(route: Route) -> str:
     if deepest < NOTHING:
         text = f"wears {deepest:.1g} mm, as hardly anything slips; give creepages or spin"
         raise SceneError("rolling", text)
-    seconds = time.process_time() - start
-    steps = given.step
-    if steps == "auto":
-        try:
-            _, change = run.advance(run.stages[0].depth, 1.0)
-        except ValueError:
-            return "steps"
-        steps = math.ceil(math.log1p(change) / (CHANGE * given.accuracy)) + 1
-    side_by_side = min(worker_pool.workers(1), len(route.positions))
-    minutes = COST * steps * seconds / side_by_side / 60
-    return f"two runs, about {steps} and {2 * steps} steps, {minutes:.1g} min"
 
 
 def solve(
@@ -378,7 +364,8 @@ def solve(
             for stage in _stages(run, ends):
                 run.stages.append(stage)
                 run.write(folder, APART * number + len(run.stages) - 1)
-                progress.stage(_said(number, name, stage, ends))
+                of = "" if ends is None else f" of {len(ends)}"
+                progress.stage(f"{name} run: step {len(run.stages) - 1}{of}, {stage.done:.1%} worn")
             run.seen.append(run.contacts(run.stages[-1].depth, 0.0)[0])
         except ValueError as error:
             run.reason = " ".join(str(error).split())
@@ -389,17 +376,6 @@ def solve(
     for run, last in ((coarse, steps), (main, 2 * steps)):
         del run.stages[last + 1 :], run.seen[last + 1 :]
     return found
-
-
-def _said(number: int, name: str, stage: Stage, ends: Sequence[float] | None) -> str:
-    """Words on the progress of a run whose last stage is given; of all runs, whose main one takes
-    about four fifths of the time.
-    """
-    parts = (0.2, 0.8)
-    whole = sum(parts[:number]) + parts[number] * stage.done
-    left = math.ceil((1.0 - stage.done) / stage.share - 1e-9)
-    more = f", about {left} steps left" if ends is None and left else ""
-    return f"{whole:.0%} of both runs; {name}: {stage.done:.1%} worn{more}"
 
 
 def _stages(run: Run, ends: Sequence[float] | None) -> Iterator[Stage]:

@@ -225,3 +225,12 @@ def test_loads_grids_and_gaps_without_an_answer_are_refused(change, message: str
     } | change
     with pytest.raises(ValueError, match=message):
         solve(**arguments)
+
+
+def test_the_gap_is_open_close_beside_a_narrow_patch() -> None:
+    exact = point_contact(1e-4, 1.0, MODULUS, 50.0)  # 240 times as long as wide
+    shape = [((0.0, 0.0), (exact.a, exact.b))]
+    gap = lambda x, s: 1e-4 * x**2 / 2 + s**2 / 2  # noqa: E731
+    found = solve_developed(gap, MODULUS, shape, np.zeros_like, load=50.0, cells=48, tolerance=1e-5)
+    s = np.ptp(found.windows[0].s) / 2 * np.array([1.05, 1.2, 2.0])
+    assert (gap(0.0, s) + found.displacement(0 * s, s, 0 * s) > found.approach).all()

@@ -122,7 +122,7 @@ def test_a_run_that_stops_keeps_what_it_has_with_its_error_and_says_why(tmp_path
         return solve(*job)
 
     monkeypatch.setattr(worn_contact, "solve", fails)
-    monkeypatch.setattr(sweep.wear_run, "expected", lambda route: "")
+    monkeypatch.setattr(sweep.wear_run, "refuse_amount", lambda route: None)
     found = sweep.wear(crown(step=3, accuracy=0.1), tmp_path / "out", pictures=False)
     summary = found.summary
     assert summary["reason"] == "main run, after 66.7%: no patch"
