@@ -29,7 +29,7 @@ from railhead.theory.array_types import Array, Index
 
 ROOT = np.sqrt(2.0 / 3.0)
 NEWTON_STEPS = 100  # most of the return to the yield surface
-RETURN_TOLERANCE = 1e-13  # of its equations, over the trial stress
+RETURN_TOLERANCE = 1e-11  # of its equations, over the trial stress
 LARGEST_EXPONENT = 30  # of the recall
 SKEW = 1e-9  # of the largest entry of tangents that count as symmetric
 LEAST_SIZE = 1e-14  # of a back stress over its limit, in Newton's method
@@ -402,7 +402,12 @@ class _Return:
             better = (left < smallest) | done
             share = np.where(better, 1.0, share / 4)
             start, smallest = np.where(better, now, start), np.minimum(left, smallest)
-            step = np.linalg.solve(self.derivatives()[0], self.residual[..., None])[..., 0]
+            jacobian = self.derivatives()[0]
+            step = (
+                np.linalg.solve(jacobian, self.residual[..., None])[..., 0]
+                if chi
+                else self.residual / jacobian[:, 0]
+            )
             change = np.where(done, 0.0, np.where(better, step, change))
             now = np.clip(start - share * change, least, most)
         raise ValueError("the return to the yield surface does not converge")
