@@ -38,7 +38,7 @@ DENSITY = 7850.0  # kg/m3, steel
 TURNS, SETTLED = 60, 1e-7  # between tractions and coefficient; change of the bound, relative
 SLOWEST = 0.02  # least part of a change of the coefficient that is taken
 ALIKE = 1e-3  # of mu N: most by which the bounds of two steady states may differ
-LONGER = "the law falls too steeply; give a longer memory"
+LONGER = "the law falls too steeply; give a longer memory (friction.memory in a scene)"
 
 Solved = TypeVar("Solved")
 

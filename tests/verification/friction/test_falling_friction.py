@@ -146,7 +146,7 @@ def test_a_falling_creep_curve_has_one_value_from_both_sides(memory) -> None:
 )
 def test_a_law_too_steep_is_refused_and_not_answered(law, speed, creepage, why) -> None:
     steep = Interface(heat=Heat(speed=speed), law=law)
-    with pytest.raises(ValueError, match=f"{why}.*longer friction.memory"):
+    with pytest.raises(ValueError, match=f"{why}.*longer memory"):
         ellipse(0.6, steep, cells=16).solve(Creepage(creepage))
 
 
@@ -175,7 +175,7 @@ def test_a_rising_law_carries_a_force_beyond_that_at_rest(static, law) -> None:
 @pytest.mark.parametrize(
     ("speed", "law", "share", "why"),
     [
-        (100.0, Falling(0.1, 1.0), 0.2, "several steady states.*longer friction.memory"),
+        (100.0, Falling(0.1, 1.0), 0.2, "several steady states.*longer memory"),
         # the creep curve of the ellipse has its maximum near 0.843 mu N
         (30.0, Falling(0.3, 300.0), 0.9, "the largest force of the law may lie below"),
     ],
@@ -392,5 +392,5 @@ def test_a_law_that_does_not_settle_is_no_answer() -> None:
     keys = (SLIP_LAW[1], *steep, "rolling.creepage_along=0.3%", "rolling.speed=80", FAST)
     result = solved("hertz_ellipse", *keys)
     assert not result.passed
-    assert "longer friction.memory" in str(result.summary)
+    assert "longer memory" in str(result.summary)
     assert "--fast" not in result.summary["checks"]["advice"]["converged"]
