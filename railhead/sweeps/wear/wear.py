@@ -317,9 +317,9 @@ def _draw(found: WearResult, subject: Subject, file: Path) -> None:
                 above.invert_yaxis()
                 if (thickness := found.rows[-1]["flange_thickness_mm"]) is not None:
                     least = found.route.scene.wear.flange_limit
-                    text = f"flange {thickness:.2f} mm thick here" + f", limit {least:g}" * bool(
-                        least
-                    )
+                    text = f"flange {thickness:.2f} mm thick here"
+                    if least is not None:
+                        text += f", limit {least:g}"
                     level = np.interp(0.0, *places.points.T) + FLANGE_HEIGHT
                     above.axhline(level, color="#c8502d", ls="--", lw=1, label=text)
             ax.plot(y, worn_off, color=colour)

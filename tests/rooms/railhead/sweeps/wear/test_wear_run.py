@@ -263,6 +263,15 @@ def test_rail_and_wheel_share_the_wear(worn, tmp_path):
     assert depth["rail"] == pytest.approx(found.summary["depth_max_mm"]["rail"] / 2, rel=0.01)
 
 
+@pytest.mark.parametrize("limit", [None, 24.0])
+def test_a_wheel_is_drawn_with_the_thickness_of_its_flange(limit: float | None, tmp_path) -> None:
+    wear = {"on": "wheel", "axles": None, "distance": 1e7, "step": 1, "flange_limit": limit}
+    bodies = {"rail": Rail(profile="60E1"), "wheel": Wheel(profile="S1002")}
+    found = sweep.wear(crown(**wear).model_copy(update=bodies), tmp_path / "out")
+    assert found.rows[-1]["flange_thickness_mm"] == pytest.approx(32.5, abs=0.1)
+    assert (tmp_path / "out" / "depth.png").exists()
+
+
 def test_positions_that_are_alike_wear_as_one(tmp_path):
     scene = crown(axles=AXLES / 4, step=2)
     (one,) = wear_run.read(scene).positions
