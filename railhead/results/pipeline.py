@@ -13,7 +13,7 @@ from railhead.results.summary import summarise, summarise_half_spaces
 from railhead.run import half_space_answer
 from railhead.run.mesh_solution import MeshSolution
 from railhead.run.progress import Progress
-from railhead.run.refinement import Ending, refine, unplanned_yield
+from railhead.run.refinement import refine, unplanned_yield
 from railhead.scene.scene import Scene
 
 
@@ -29,11 +29,12 @@ def run(
 
 
 def solve(plan: planning.Plan, progress: Progress, comm: MPI.Intracomm = MPI.COMM_WORLD) -> Result:
-    """Solve a plan on all meshes that its scene asks for; collective. Where bodies yield that were
-    planned as elastic, solve again with yield. Without finite bodies half-spaces are solved, on
-    every rank. A solution that did not converge, or fails a check, is a result, too. Raises
-    SceneError for a mesh that does not fit into the memory, or with too many unknowns for friction,
-    MeshError where gmsh fails.
+    """Solve a plan on all meshes that its scene asks for, and its passes over a rail that yields;
+    collective. Where bodies yield that were planned as elastic, solve again with yield. Without
+    finite bodies half-spaces are solved, on every rank. A solution that did not converge, or fails
+    a check, is a result, too. The summary is the same on all ranks; fields, findings and passes are
+    on rank 0 only. Raises SceneError for a mesh that does not fit into the memory, or with too many
+    unknowns for friction, MeshError where gmsh fails.
     """
     if plan.by_half_spaces:
         solved = half_space_answer.solve(plan, progress)
@@ -45,22 +46,8 @@ def solve(plan: planning.Plan, progress: Progress, comm: MPI.Intracomm = MPI.COM
         _record_speed(levels, sum(os.times()[:4]) - begun)
     if why := unplanned_yield(levels[-1], comm):
         levels, ending = refine(plan.with_yield(why), progress, comm)
-    return result(levels, ending, progress, comm)
-
-
-def result(
-    levels: list[MeshSolution], ending: Ending, progress: Progress, comm: MPI.Intracomm
-) -> Result:
-    """Result of the last of some meshes, with error estimates from all of them, and with passes
-    over a rail that yields where the plan has them; collective. Its summary is the same on all
-    ranks, fields, findings and passes are on rank 0 only.
-
-    levels: the solved meshes of this rank, coarsest first.
-    ending: why there are no more meshes.
-    """
-    solved = replace(levels[-1], passes=_passes(levels[-1], progress))
-    levels = [*levels[:-1], solved]
-    return Result(solved, comm.bcast(None if solved.fields is None else summarise(levels, ending)))
+    levels[-1] = last = replace(levels[-1], passes=_passes(levels[-1], progress))
+    return Result(last, comm.bcast(None if last.fields is None else summarise(levels, ending)))
 
 
 def _passes(solved: half_space_answer.Solved, progress: Progress) -> Passes | None:

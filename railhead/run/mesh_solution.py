@@ -230,22 +230,6 @@ def mesh_and_solve(plan: Plan, progress: Progress, comm: MPI.Intracomm) -> MeshS
     return solved
 
 
-def solve_on_mesh(
-    mesh: ContactMesh, model: ContactModel, plan: Plan, progress: Progress, comm: MPI.Intracomm
-) -> MeshSolution | None:
-    """Solve the load of a plan without yield and friction on a mesh that exists, and read the
-    result; collective. None where Newton's method does not converge or the patch is not where the
-    mesh is fine.
-    """
-    clock = _Clock()
-    solved, better = _solve_unread(mesh, model, plan, progress, clock, comm, last=True)
-    if better is not None or not solved.solution.newton.converged:
-        return None
-    solved = _read(solved)
-    clock.lap("postprocess")
-    return solved
-
-
 def _solve_unread(
     mesh: ContactMesh,
     model: ContactModel,

@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
+from railhead.meshing.mesh import MeshError
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.findings import BASE_UNITS, Units
-from railhead.results import result_folder
+from railhead.results import pipeline, result_folder
 from railhead.results.result import Result
 from railhead.run import process
 from railhead.run.progress import Progress, Tell, show_progress
@@ -157,71 +158,47 @@ def _check_records(sweep: ParallelSweep) -> None:
 def _solve_all(
     sweep: ParallelSweep, plans: Mapping[int, Plan], submit: worker_pool.Submit, progress: Progress
 ) -> None:
-    """Let other processes solve the scenes that have no record, and wait. A crash takes the rest of
-    its group with it: each of these is tried again alone. A scene that still has no record gets one
-    with the reason.
+    """Let other processes solve the scenes that have no record, one a job, and wait. A scene that
+    still has no record then, as its process crashed, gets one with the reason.
 
     plans: of all scenes that make a contact problem, by number. submit: starts a job. OSError: a
         reason cannot be written.
     """
-    folder, names = sweep.folder, sweep.grid.names
-    done = store.done(folder)
-
-    def start(group: Sequence[int], part: Sequence[int]) -> worker_pool.Job:
-        """The job that solves a part of a group."""
-        over = {number: (sweep.values(number), names[number]) for number in part}
-        planned = {number: plans[number] for number in group}
-        return submit(_solve, folder, over, planned, sweep.fields)
-
+    folder, names, done = sweep.folder, sweep.grid.names, store.done(sweep.folder)
+    over = {number: (sweep.values(number), names[number]) for number in plans.keys() - done}
     progress.jobs(len(done), len(sweep.grid.scenes))
-    groups = runner.group_by_mesh(plans)
-    missing = [[number for number in group if number not in done] for group in groups]
-    busy, workers = sum(map(bool, missing)), worker_pool.workers(MPI.COMM_WORLD.size)
-    jobs: dict[worker_pool.Job, tuple[Sequence[int], Sequence[int]]] = {
-        start(group, part): (group, part)
-        for group, wanted in zip(groups, missing, strict=True)
-        for part in split_among_workers(wanted, busy, workers)
+    jobs: dict[worker_pool.Job, int] = {
+        submit(_solve, folder, number, over[number], plans[number], sweep.fields): number
+        for number in sorted(over)
     }
     while jobs:
         for job in wait(jobs, POLL, FIRST_COMPLETED).done:
-            group, part = jobs.pop(job)
-            fault = worker_pool.outcome(job).fault or LOST_RECORD
-            for number in sorted(set(part) - store.done(folder)):
-                if len(group) > 1:
-                    jobs[start([number], [number])] = [number], [number]
-                else:
-                    over = sweep.values(number), names[number]
-                    store.write(folder, number, sweep_table.record(*over, RuntimeError(fault)))
+            number, fault = jobs.pop(job), worker_pool.outcome(job).fault or LOST_RECORD
+            if number not in store.done(folder):
+                lost = sweep_table.record(*over[number], RuntimeError(fault))
+                store.write(folder, number, lost)
         progress.jobs(len(store.done(folder)), len(sweep.grid.scenes))
-
-
-def split_among_workers(numbers: Sequence[int], groups: int, workers: int) -> list[Sequence[int]]:
-    """The numbers of the scenes of one group, split into as many parts as there are processes for
-    each group. groups: number of groups; workers: number of processes. Each process makes the mesh
-    of the whole group again, as it would otherwise wait for that mesh.
-    """
-    parts = min(len(numbers), max(1, workers // max(1, groups)))
-    return [numbers[first::parts] for first in range(parts)]
 
 
 def _solve(
     folder: Path,
-    over: Mapping[int, tuple[Mapping[str, object], Mapping[str, str]]],
-    group: Mapping[int, Plan],
+    number: int,
+    over: tuple[Mapping[str, object], Mapping[str, str]],
+    plan: Plan,
     fields: bool,
 ) -> None:
-    """Solve scenes of a group in this process, and write for each its arrays (with `fields`) and
-    then its record.
-
-    over: of the scenes that are solved, values of the changing keys and names of files, by number.
-    group: plans by number.
+    """Solve a scene in this process, and write its arrays (with `fields`) and then its record.
+    over: values of the changing keys, and names of files.
     """
-    solved = runner.solve_group(group, over, Progress(quiet=True), MPI.COMM_SELF)
-    for number, result in solved:
-        arrays = None
-        if fields and isinstance(result, Result) and result.summary["result"]:
-            arrays = result.contact_points
-        store.write(folder, number, sweep_table.record(*over[number], result), arrays)
+    result: Result | Exception
+    try:
+        result = pipeline.solve(plan, Progress(quiet=True), MPI.COMM_SELF)
+    except (MeshError, SceneError) as error:
+        result = error
+    arrays = None
+    if fields and isinstance(result, Result) and result.summary["result"]:
+        arrays = result.contact_points
+    store.write(folder, number, sweep_table.record(*over, result), arrays)
     process.release_memory()
 
 

@@ -9,7 +9,7 @@ from sweep_command import ROLLER, SIX, solved_sweep
 
 @pytest.fixture(scope="session")
 def swept(tmp_path_factory) -> Path:
-    """Six combinations, two meshes, with pictures."""
+    """Six combinations, with pictures."""
     return solved_sweep(tmp_path_factory.mktemp("sweep") / "out", *ROLLER, *SIX)
 
 
