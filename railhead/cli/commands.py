@@ -234,7 +234,6 @@ def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: b
 @click.option(
     "--sobol", is_flag=True, help="Shares of variance by key; takes KEYS + 2 times as many."
 )
-@click.option("--fields", is_flag=True, help="Write pressure and tractions of all into fields.npz.")
 @options.no_pictures
 @options.picture_format
 @options.units
@@ -249,7 +248,6 @@ def sweep(
     sobol: bool,
     out: Path | None,
     force: bool,
-    fields: bool,
     no_pictures: bool,
     units: Units,
     quiet: bool,
@@ -272,7 +270,7 @@ def sweep(
 
     from railhead.sweeps import parallel, store, sweep_table
 
-    task = parallel.ParallelSweep(grid=grid, folder=folder, fields=fields, units=units)
+    task = parallel.ParallelSweep(grid=grid, folder=folder, units=units)
     other: store.Other = "replace" if force else "move" if out is None else "refuse"
     quiet = quiet or as_json
     with process.told_at_a_signal(KEPT.format(folder)):

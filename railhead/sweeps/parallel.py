@@ -12,7 +12,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from mpi4py import MPI
 
 from railhead.meshing.mesh import MeshError
@@ -29,15 +28,14 @@ from railhead.sweeps import passages, runner, store, sweep_table, worker_pool
 from railhead.sweeps.grid import ParameterGrid, parse_values
 from railhead.sweeps.sampling import SEED
 from railhead.sweeps.sweep_table import Sweep
-from railhead.theory.array_types import packed
 
-TABLE, FIELDS, SAMPLE = "sweep.csv", "fields.npz", "sample.json"
+TABLE, SAMPLE = "sweep.csv", "sample.json"
 WORST = [f"worst_{number}.toml" for number in range(1, 6)]  # scenes of the largest pressures
 DRAWN = (
     sweep_table.REPORT,
     *(f"{stem}.{kind}" for stem in ("sweep", "fatigue_map") for kind in ("png", "svg", "pdf")),
 )
-LATER = (TABLE, FIELDS, SAMPLE, *WORST, *DRAWN)
+LATER = (TABLE, SAMPLE, *WORST, *DRAWN)
 """Names of what is written into the folder of a sweep."""
 POLL = 0.5  # s between two looks at the finished jobs
 ROWS = "rows of a file"  # stands for the values of a key that has no law
@@ -50,13 +48,11 @@ class ParallelSweep:
 
     grid: the scenes.
     folder: folder of records, table and pictures.
-    fields: whether the arrays of `Result.contact_points` are written, of all scenes into one file.
     units: of pictures and report.
     """
 
     grid: ParameterGrid
     folder: Path
-    fields: bool = False
     units: Units = BASE_UNITS
 
     @cached_property
@@ -75,9 +71,9 @@ class ParallelSweep:
 
     @property
     def request(self) -> dict[str, Any]:
-        """Everything that determines the records: "railhead" (version), "scene", "over" (values by
-        key) and "fields". Files are named by their places in the folder, which hold the first
-        digits of their SHA-256. Raises OSError where a file cannot be read.
+        """Everything that determines the records: "railhead" (version), "scene", and "over" (values by
+        key). Files are named by their places in the folder, which hold the first digits of their
+        SHA-256. Raises OSError where a file cannot be read.
         """
         rows = [self.values(number) for number in range(len(self.grid.scenes))]
         over = {key: [row[key] for row in rows] for key in self.grid.keys}
@@ -89,7 +85,6 @@ class ParallelSweep:
             "railhead": result_folder.VERSION,
             "scene": portable(self.grid.base),
             "over": over,
-            **({"fields": True} if self.fields else {}),
             **({"sample": {"seed": SEED, "sobol": self.grid.sobol}} if laws is not None else {}),
         }
 
@@ -168,7 +163,7 @@ def _solve_all(
     over = {number: (sweep.values(number), names[number]) for number in plans.keys() - done}
     progress.jobs(len(done), len(sweep.grid.scenes))
     jobs: dict[worker_pool.Job, int] = {
-        submit(_solve, folder, number, over[number], plans[number], sweep.fields): number
+        submit(_solve, folder, number, over[number], plans[number]): number
         for number in sorted(over)
     }
     while jobs:
@@ -185,20 +180,14 @@ def _solve(
     number: int,
     over: tuple[Mapping[str, object], Mapping[str, str]],
     plan: Plan,
-    fields: bool,
 ) -> None:
-    """Solve a scene in this process, and write its arrays (with `fields`) and then its record.
-    over: values of the changing keys, and names of files.
-    """
+    """Solve a scene in this process, and write its record. over: values of the changing keys, and names of files."""
     result: Result | Exception
     try:
         result = pipeline.solve(plan, Progress(quiet=True), MPI.COMM_SELF)
     except (MeshError, SceneError) as error:
         result = error
-    arrays = None
-    if fields and isinstance(result, Result) and result.summary["result"]:
-        arrays = result.contact_points
-    store.write(folder, number, sweep_table.record(*over, result), arrays)
+    store.write(folder, number, sweep_table.record(*over, result))
     process.release_memory()
 
 
@@ -228,34 +217,11 @@ def _write(sweep: ParallelSweep, found: Sweep, *, pictures: bool) -> None:
         (folder / name).unlink(missing_ok=True)
     if pictures:
         result_folder.draw(found.drawings(sweep.units), folder, attempt)
-    if sweep.fields:
-        with attempt(FIELDS):
-            _join_fields(folder)
     with attempt(""):
         result_folder.stamp(folder)
     if pictures:
         with attempt(sweep_table.REPORT):
             found.write_report(folder, sweep.grid.scenes, sweep.units)
-
-
-def _join_fields(folder: Path) -> None:
-    """Write the arrays of all scenes of a sweep one after the other into one file, and "row", the
-    number of the scene of each point, from 0. Points of a scene without an array have NaN in it.
-    OSError: it cannot be written.
-    """
-    each = store.arrays(folder)
-    counts = [len(fields["pressure"]) for fields in each.values()]
-    shapes = {name: array.shape[1:] for fields in each.values() for name, array in fields.items()}
-    joined = {
-        name: np.concatenate(
-            [
-                fields.get(name, np.full((count, *shape), np.nan))
-                for fields, count in zip(each.values(), counts, strict=True)
-            ]
-        )
-        for name, shape in sorted(shapes.items())
-    }
-    (folder / FIELDS).write_bytes(packed({"row": np.repeat([*each], counts), **joined}))
 
 
 def sweep(

@@ -77,12 +77,7 @@ def _check_request(folder: Path, request: dict[str, Any]) -> None:
 
 def done(folder: Path) -> set[int]:
     """Numbers of the jobs that have a record."""
-    return _numbers(folder, ".json")
-
-
-def _numbers(folder: Path, end: str) -> set[int]:
-    """Numbers of the files of records that end so."""
-    return {int(p.stem) for p in (folder / RECORDS).glob(f"*{end}") if p.stem.isdecimal()}
+    return {int(p.stem) for p in (folder / RECORDS).glob("*.json") if p.stem.isdecimal()}
 
 
 def write(
@@ -110,11 +105,6 @@ def read(folder: Path, number: int) -> dict[str, Any]:
     none.
     """
     return load(record_path(folder, number))
-
-
-def arrays(folder: Path) -> dict[int, dict[str, Array]]:
-    """Arrays by name of all jobs that have some, by number. Raises SceneError for a broken file."""
-    return {number: read_arrays(folder, number) for number in sorted(_numbers(folder, ".npz"))}
 
 
 def read_arrays(folder: Path, number: int) -> dict[str, Array]:

@@ -26,7 +26,7 @@ from railhead.postprocess.findings import Subject, Units
 from railhead.postprocess.pictures import sweep_plots as plots
 from railhead.results import pipeline, result_folder
 from railhead.scene.scene import SceneError
-from railhead.sweeps import parallel, store, sweep_table
+from railhead.sweeps import store, sweep_table
 
 FAST = rh.find("hertz_ellipse").replace(["effects.finite_bodies=off"])
 
@@ -342,13 +342,13 @@ def test_broken_arrays_of_a_record_are_said(tmp_path: Path) -> None:
     path = store.record_path(tmp_path, 0).with_suffix(".npz")
     path.write_bytes(path.read_bytes()[:-30])
     with pytest.raises(SceneError, match="is broken"):
-        store.arrays(tmp_path)
+        store.read_arrays(tmp_path, 0)
 
 
 def test_records_beyond_five_digits_count(tmp_path: Path) -> None:
     """Job 100000 was done, and nobody saw it."""
-    store.write(tmp_path, 100000, {}, {"pressure": np.ones(1)})
-    assert store.done(tmp_path) == set(store.arrays(tmp_path)) == {100000}
+    store.write(tmp_path, 100000, {})
+    assert store.done(tmp_path) == {100000}
 
 
 def test_wear_and_creep_tables_are_no_broken_sweeps(tmp_path: Path) -> None:
@@ -357,18 +357,6 @@ def test_wear_and_creep_tables_are_no_broken_sweeps(tmp_path: Path) -> None:
     store.write(tmp_path / "table", 0, {"forces": []})
     with pytest.raises(SceneError, match="holds no run and no sweep"):
         rh.load(tmp_path / "table")
-
-
-def test_arrays_that_a_combination_lacks_are_nan(tmp_path: Path) -> None:
-    """One without friction took the tractions of all others with it."""
-    rubs = {"pressure": np.ones(2), "traction": np.ones((2, 3)), "sticks": np.array([True, False])}
-    store.write(tmp_path, 0, {}, rubs)
-    store.write(tmp_path, 2, {}, {"pressure": np.array([5.0])})
-    parallel._join_fields(tmp_path)
-    with np.load(tmp_path / "fields.npz") as found:
-        assert found["row"].tolist() == [0, 0, 2] and found["pressure"].tolist() == [1, 1, 5]
-        np.testing.assert_array_equal(found["traction"], [[1] * 3, [1] * 3, [np.nan] * 3])
-        np.testing.assert_array_equal(found["sticks"], [1, 0, np.nan])
 
 
 def test_a_folder_in_use_is_left_alone(copied: Path, capsys) -> None:
