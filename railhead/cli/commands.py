@@ -37,7 +37,6 @@ if TYPE_CHECKING:
     from railhead.sweeps.grid import ParameterGrid
     from railhead.sweeps.sampling import Law
 
-KEPT = "what is solved is kept in {}/; the same command goes on"
 PROCESSES = click.IntRange(1)
 PROCESSES.name = "number of processes; give a whole number from 1 on"
 PORT = click.IntRange(0, 65535)
@@ -173,8 +172,7 @@ def run(
 
     quiet = quiet or as_json
     with show_progress(quiet=quiet, since=start) as progress:
-        with process.told_at_a_signal("nothing was written"):
-            result = pipeline.solve(planned, progress)
+        result = pipeline.solve(planned, progress)
         first, problem = result.comm.rank == 0, None
         drawn = not no_pictures and scene.asks("pictures")
         progress.stage("writing files" + (" and pictures" if drawn else ""))
@@ -273,9 +271,8 @@ def sweep(
     task = parallel.ParallelSweep(grid=grid, folder=folder, units=units)
     other: store.Other = "replace" if force else "move" if out is None else "refuse"
     quiet = quiet or as_json
-    with process.told_at_a_signal(KEPT.format(folder)):
-        pictures = not no_pictures and scene.asks("pictures")
-        found = parallel.run(task, pictures=pictures, quiet=quiet, other=other)
+    pictures = not no_pictures and scene.asks("pictures")
+    found = parallel.run(task, pictures=pictures, quiet=quiet, other=other)
     if found is None:  # a rank that worked for the first one
         return SOLVED
     failed = False
@@ -319,17 +316,16 @@ def table(
     """Tabulate creep forces of ellipses, for vehicle programs."""
     from railhead.sweeps import creep_tables
 
-    with process.told_at_a_signal(KEPT.format(out)):
-        found = creep_tables.creep_table(
-            out,
-            poisson=poisson,
-            accuracy=accuracy,
-            ratios=ratios,
-            cells=cells,
-            law=law,
-            force=force,
-            quiet=quiet or as_json,
-        )
+    found = creep_tables.creep_table(
+        out,
+        poisson=poisson,
+        accuracy=accuracy,
+        ratios=ratios,
+        cells=cells,
+        law=law,
+        force=force,
+        quiet=quiet or as_json,
+    )
     if found is not None:  # None: a rank that worked for the first one
         _print(
             said := creep_tables.summary(found),
@@ -359,8 +355,7 @@ def wear(
     folder = out if out is not None else Path("results") / f"{scene.name}_wear"
     result_folder.check_folder(folder)
     quiet, pictures = quiet or as_json, not no_pictures
-    with process.told_at_a_signal(KEPT.format(folder)):
-        found = sweep.wear(scene, folder, force=force, pictures=pictures, quiet=quiet)
+    found = sweep.wear(scene, folder, force=force, pictures=pictures, quiet=quiet)
     for name, advice in found.summary["checks"]["advice"].items():
         click.echo(f"FAILED {name}: {advice}", err=True)
     _print(

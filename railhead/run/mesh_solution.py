@@ -28,7 +28,6 @@ from railhead.postprocess import friction, symmetry
 from railhead.postprocess.findings import Findings, Frame
 from railhead.postprocess.patch import compare, half_space
 from railhead.postprocess.patch.separate_patches import contact_frame, separate_patches
-from railhead.run import process
 from railhead.run.progress import Progress
 from railhead.theory.elastic.line import Hertz
 
@@ -183,9 +182,7 @@ def generate(plan: Plan, grading: Grading, comm: MPI.Intracomm) -> mesh.ContactM
     """Mesh the bodies of a plan with element sizes `grading`, which need not be the plan's own;
     collective. Raises MeshError where gmsh fails.
     """
-    made = mesh.generate(plan.parts(), grading, plan.options, comm, meanwhile=_load_solver)
-    process.tell_at_a_signal()
-    return made
+    return mesh.generate(plan.parts(), grading, plan.options, comm, meanwhile=_load_solver)
 
 
 def _load_solver() -> None:

@@ -4,19 +4,15 @@ from __future__ import annotations
 
 import atexit
 import ctypes
-import faulthandler
 import gc
 import io
 import os
 import signal
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from typing import Any
 
 MPI_VARIABLES = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK")  # set by launchers of MPI
-ENDING = signal.SIGINT, signal.SIGTERM  # signals by which people end a process
-_pipes: list[int] = []  # ends of the pipe of `told_at_a_signal`
 RANK_VARIABLES = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK")  # hold the rank of a process
 
 
@@ -73,47 +69,6 @@ class _Errors(io.FileIO):
         with suppress(OSError):
             super().write(content)
         return len(content)
-
-
-@contextmanager
-def told_at_a_signal(text: str) -> Iterator[None]:
-    """Context in which Ctrl-C (SIGINT) or SIGTERM, where they end this process, print a line on
-    standard error first. Also a long call into a library is ended at once.
-
-    The interpreter may not run before the end. So the handler of `faulthandler`, which needs no
-    interpreter, writes into a pipe, and a child process that waits at its other end prints the
-    line.
-    """
-    ours, its = os.pipe()
-    child = os.fork()
-    if not child:
-        os.close(its)
-        for number in ENDING:
-            signal.signal(number, signal.SIG_IGN)
-        said = os.read(ours, 1) and os.write(2, f"railhead: {text}\n".encode())
-        while said and os.read(ours, 1000):  # until the other process ends
-            pass
-        os._exit(0)
-    os.close(ours)
-    _pipes.append(its)
-    tell_at_a_signal()
-    try:
-        yield
-    finally:
-        for number in ENDING:
-            faulthandler.unregister(number)
-        os.close(_pipes.pop())
-        os.waitpid(child, 0)
-
-
-def tell_at_a_signal() -> None:
-    """Set the handlers of `told_at_a_signal` again, if its context is open and this is the first
-    MPI process: gmsh takes that of SIGTERM away.
-    """
-    for number in ENDING if _pipes and not rank() else ():
-        if signal.getsignal(number) is signal.SIG_DFL:
-            faulthandler.unregister(number)
-            faulthandler.register(number, _pipes[-1], all_threads=False, chain=True)
 
 
 def under_mpi() -> bool:

@@ -71,8 +71,8 @@ class ParallelSweep:
 
     @property
     def request(self) -> dict[str, Any]:
-        """Everything that determines the records: "railhead" (version), "scene", and "over" (values by
-        key). Files are named by their places in the folder, which hold the first digits of their
+        """Everything that determines the records: "railhead" (version), "scene" and "over" (values
+        by key). Files are named by their places in the folder, which hold the first digits of their
         SHA-256. Raises OSError where a file cannot be read.
         """
         rows = [self.values(number) for number in range(len(self.grid.scenes))]
@@ -181,7 +181,9 @@ def _solve(
     over: tuple[Mapping[str, object], Mapping[str, str]],
     plan: Plan,
 ) -> None:
-    """Solve a scene in this process, and write its record. over: values of the changing keys, and names of files."""
+    """Solve a scene in this process, and write its record.
+    over: values of the changing keys, and names of files.
+    """
     result: Result | Exception
     try:
         result = pipeline.solve(plan, Progress(quiet=True), MPI.COMM_SELF)

@@ -57,14 +57,14 @@ def ended(running: subprocess.Popen[str], number: signal.Signals) -> tuple[float
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_ends_meshing_at_once(tmp_path, number: signal.Signals) -> None:
-    """gmsh, in a process of its own, takes some 20 s for this mesh; another one says the line."""
+    """gmsh, in a process of its own, takes some 20 s for this mesh."""
     running = start(tmp_path, COMMAND, "run", "hertz_ellipse", "--set", "mesh.patch_size=0.2",
                     "--no-pictures", "--ranks", "1")  # fmt: skip
     command.until(running, "meshing")
-    while len(children := psutil.Process(running.pid).children()) < 2:
+    while len(children := psutil.Process(running.pid).children()) < 1:
         time.sleep(0.01)
     seconds, errors = ended(running, number)
-    assert seconds < 2 and errors == "railhead: nothing was written\n"
+    assert seconds < 2 and errors == ""
     assert psutil.wait_procs(children, timeout=5)[1] == []
     assert os.listdir(tmp_path) == []
 
@@ -80,28 +80,6 @@ def test_sigint_ends_a_library_at_once_and_the_next_command_tidies_up(tmp_path) 
     assert seconds < 2 and errors == ""
     result_folder.check_folder(tmp_path / "out")
     assert os.listdir(tmp_path) == []
-
-
-BUSY = """
-import sys
-from collections import deque
-from itertools import repeat
-import gmsh
-from railhead.run import process
-with process.told_at_a_signal("said"):
-    gmsh.initialize(interruptible=False)  # which takes handlers away
-    process.tell_at_a_signal()
-    print("begun", file=sys.stderr, flush=True)
-    deque(repeat(0, 10**11), maxlen=0)  # minutes in one call"""
-
-
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_line_is_said_whatever_keeps_the_interpreter(tmp_path, number: signal.Signals) -> None:
-    running = start(tmp_path, f"from railhead.run import process; process.end_at_once()\n{BUSY}")
-    assert running.stderr.readline() == "begun\n"
-    time.sleep(0.2)  # until it is in the call
-    seconds, errors = ended(running, number)
-    assert seconds < 2 and errors == "railhead: said\n"
 
 
 def test_an_ignored_interrupt_stays_ignored() -> None:
