@@ -54,8 +54,7 @@ def new_figure(
 ) -> Iterator[Figure]:
     """Context manager: a matplotlib figure of width by height inches, to which title and notes are
     added. The Agg backend draws it; at the end its axes get the units of the subject, and it is
-    saved if `target` is the path of a PNG file, and again in the format `savefig.format` of
-    matplotlib's settings.
+    saved if `target` is the path of a PNG file.
 
     of: findings, whose title is written above the figure and whose notes below; or their subject,
         without notes. In titles and notes `$` is a plain character.
@@ -82,8 +81,7 @@ def new_figure(
             # savefig would draw the whole figure once more, unseen, for its layout.
             sheet.get_layout_engine().execute(sheet)
             sheet.set_layout_engine(None)
-            for kind in {"png", matplotlib.rcParams["savefig.format"]}:
-                sheet.savefig(target.with_suffix(f".{kind}"), format=kind)
+            sheet.savefig(target, format="png")
 
 
 class ReaderTicks(AutoLocator):

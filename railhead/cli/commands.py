@@ -126,7 +126,6 @@ def plan(
 @options.out("results/<case>")
 @options.force
 @options.no_pictures
-@options.picture_format
 @click.option("--brief", is_flag=True, help="Write report.html on one page.")
 @options.units
 @click.option("--ranks", type=PROCESSES, metavar="NUMBER", help="Processes [as many as pay].")
@@ -233,7 +232,6 @@ def _folder(out: Path | None, name: str, command: str, scene: Scene, *, force: b
     "--sobol", is_flag=True, help="Shares of variance by key; takes KEYS + 2 times as many."
 )
 @options.no_pictures
-@options.picture_format
 @options.units
 @options.quiet
 @options.prints_json("the rows")
@@ -342,7 +340,6 @@ def table(
 @options.out("results/<case>_wear")
 @options.force
 @options.no_pictures
-@options.picture_format
 @options.quiet
 @options.prints_json("wear.json")
 def wear(

@@ -88,23 +88,6 @@ samples_file = click.option(
 )
 
 
-def _beside_png(_: click.Context, __: click.Parameter, kind: str | None) -> None:
-    """Let matplotlib write each picture in the format `kind` beside PNG; None: in PNG alone."""
-    if kind is not None:
-        import matplotlib
-
-        matplotlib.rcParams["savefig.format"] = kind
-
-
-picture_format = click.option(
-    "--format",
-    type=click.Choice(["svg", "pdf"]),
-    expose_value=False,
-    callback=_beside_png,
-    help="Pictures in this format beside PNG.",
-)
-
-
 def _once(_: click.Context, __: click.Parameter, assignments: Sequence[str]) -> Sequence[str]:
     """The assignments of --set. Raises SceneError for a key that is given twice."""
     keys = [OTHER_NAMES.get(key, key) for key, _ in map(assignment, assignments)]
@@ -180,7 +163,6 @@ _report_options = (
     out("results/<name>_<command>"),
     force,
     click.option("--no-pictures", is_flag=True, help="Write no PNG files."),
-    picture_format,
     units,
     click.option("--quiet", is_flag=True, help="Print nothing."),
     prints_json("the summary"),
@@ -193,7 +175,7 @@ def _with_options(command: Callable[..., Any], options: Iterable[Callable[[Any],
 
 
 takes_report = functools.partial(_with_options, options=_report_options)
-"""Adds the options that `_report` takes, and --format."""
+"""Adds the options that `_report` takes."""
 
 
 def _first_scene(

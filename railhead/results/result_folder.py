@@ -12,8 +12,6 @@ import shutil
 import socket
 import sys
 import tempfile
-import zipfile
-import zlib
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, suppress
 from datetime import UTC, datetime
@@ -164,8 +162,6 @@ def result(
         (work / SCENE).write_text(scene_toml(command, scene), encoding="utf-8")
         (work / SUMMARY).write_text(to_json(origin() | summary), encoding="utf-8")
         yield work, lambda name: attempt(failures, folder / name, work)
-        with attempt(failures, folder, work):
-            stamp(work)
     if failures:
         raise OSError("\n".join(failures))
 
@@ -181,29 +177,6 @@ def signed(rows: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
     """Rows of a table with program and date as their last columns."""
     origin = {"program": f"railhead {VERSION}", "date": now()}
     return [row | origin for row in rows]
-
-
-def stamp(folder: Path) -> None:
-    """Write version, date and units into the .png, .svg, .vtu and .npz files of a folder, as
-    text that viewers skip. OSError: a file cannot be written; it is unchanged then.
-    """
-    note, part = f"railhead {VERSION}, {now()}; {UNITS}".encode(), folder / ".stamp"
-    for path in folder.iterdir():
-        if path.suffix == ".png":  # after the header, which is 33 bytes
-            data, chunk = path.read_bytes(), b"tEXtComment\0" + note
-            size, check = len(chunk) - 4, zlib.crc32(chunk)
-            added = size.to_bytes(4, "big") + chunk + check.to_bytes(4, "big")
-            part.write_bytes(data[:33] + added + data[33:])
-        elif path.suffix in (".vtu", ".svg"):
-            head, end, rest = path.read_bytes().partition(b"?>")
-            part.write_bytes(head + end + b"\n<!-- " + note + b" -->" + rest)
-        elif path.suffix == ".npz":
-            shutil.copyfile(path, part)
-            with zipfile.ZipFile(part, "a") as file:
-                file.comment = note
-        else:
-            continue
-        part.replace(path)
 
 
 def now() -> str:

@@ -31,10 +31,7 @@ from railhead.sweeps.sweep_table import Sweep
 
 TABLE, SAMPLE = "sweep.csv", "sample.json"
 WORST = [f"worst_{number}.toml" for number in range(1, 6)]  # scenes of the largest pressures
-DRAWN = (
-    sweep_table.REPORT,
-    *(f"{stem}.{kind}" for stem in ("sweep", "fatigue_map") for kind in ("png", "svg", "pdf")),
-)
+DRAWN = sweep_table.REPORT, sweep_table.MAP, sweep_table.PICTURE
 LATER = (TABLE, SAMPLE, *WORST, *DRAWN)
 """Names of what is written into the folder of a sweep."""
 POLL = 0.5  # s between two looks at the finished jobs
@@ -219,8 +216,6 @@ def _write(sweep: ParallelSweep, found: Sweep, *, pictures: bool) -> None:
         (folder / name).unlink(missing_ok=True)
     if pictures:
         result_folder.draw(found.drawings(sweep.units), folder, attempt)
-    with attempt(""):
-        result_folder.stamp(folder)
     if pictures:
         with attempt(sweep_table.REPORT):
             found.write_report(folder, sweep.grid.scenes, sweep.units)

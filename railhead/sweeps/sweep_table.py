@@ -35,7 +35,7 @@ Row = dict[str, Any]
 COLUMNS = [each for each in quantities.QUANTITIES if each.column]
 CHECKS, PASSED, WARNINGS, BELOW = "checks", "passed", "warnings", "below resolution"
 STEEL = "steel"  # column: whether a steel that was solved as elastic would yield
-REPORT, MAP = "report.html", "fatigue_map.png"
+REPORT, MAP, PICTURE = "report.html", "fatigue_map.png", "sweep.png"
 MOVED = 0.1  # mm across the rail between patches, above which there is a map
 LARGEST = "p_max [MPa]"
 POSITION, NOTHING = "rail.position [mm]", 0.01  # of the load
@@ -299,7 +299,7 @@ class Sweep(terminal.Drawn, list[Result]):
     numbers of combinations.
 
     keys: dotted keys that are set, in order.
-    failures: a line for each file that could not be drawn or stamped.
+    failures: a line for each file that could not be drawn.
     sample: what samples say together, as `sampling.summary`; empty where they are none.
     """
 
@@ -362,7 +362,7 @@ class Sweep(terminal.Drawn, list[Result]):
         if self.sample:
             own = self.sample["quantiles"].get(LARGEST, {})
             drawn = partial(plots.samples, self._columns, self._rows, LARGEST, own, subject)
-            return {"sweep.png": drawn, **more}
+            return {PICTURE: drawn, **more}
         return plots.drawings(self._columns, self._rows, subject) | more
 
     def write_report(self, folder: Path, scenes: Sequence[Scene], units: Units) -> None:

@@ -35,8 +35,7 @@ PROFILES = {body: f"{body}_profile.csv" for body in BODIES}
 PICTURE = "depth.png"
 LATER = (
     *(INPUT, result_folder.SCENE, SUMMARY, LINES, DAMAGE, FATIGUE, HISTORY, REPORT),
-    *PROFILES.values(),
-    *(f"{stem}.{kind}" for stem in ("depth", "fatigue_map") for kind in ("png", "svg", "pdf")),
+    *(MAP, PICTURE, *PROFILES.values()),
 )
 COLOURS = {"rail": "#555555", "wheel": "#1f4e79"}
 DECIMALS = 7  # of profiles, mm

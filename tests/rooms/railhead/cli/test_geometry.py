@@ -9,7 +9,6 @@ from pathlib import Path
 
 import command
 import drawn_sections
-import matplotlib
 import numpy as np
 import pytest
 from csv_rows import rows
@@ -127,17 +126,6 @@ def test_command_draws_a_profile_and_says_its_wear(here, capsys) -> None:
     assert {row["program"] for row in written} == {f"railhead {rh.__version__}"}
     middle = [float(row["curvature_per_mm"]) for row in written if -12 < float(row["y_mm"]) < 0]
     np.testing.assert_allclose(middle, 1 / 300, rtol=0.1)
-
-
-@pytest.mark.parametrize(
-    ("kind", "words"),
-    [("svg", rb"<\?xml.*railhead "), pytest.param("pdf", rb"%PDF", marks=pytest.mark.slow)],
-)  # the first is stamped
-def test_a_picture_has_another_format_beside_png(kind: str, words: bytes, tmp_path) -> None:
-    with matplotlib.rc_context():
-        assert command.status("profile", BAN, "--format", kind, "--out", str(tmp_path / "o")) == 0
-    assert re.match(words, (tmp_path / "o" / f"profile.{kind}").read_bytes(), re.DOTALL)
-    assert (tmp_path / "o" / "profile.png").is_file()
 
 
 def test_a_key_of_wheels_tells_a_wheel(tmp_path, capsys) -> None:
