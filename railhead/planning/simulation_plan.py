@@ -178,25 +178,6 @@ class Plan(Sizing):
         """
         return replace(self, patch_size=self.forecast.minor / n)
 
-    def flipped(self, name: str) -> Plan:
-        """The plan with the named effect in its other state, all other decisions kept; unchanged in
-        a section where that state is refused. For axisymmetry that is called for the scene is
-        planned anew; the plan is unchanged where that is refused. In a solid, states that are
-        refused are not heeded.
-        """
-        effect = self.effects[name]
-        if self.plane_model and ("off" if effect.on else "on") in effect.refused:
-            return self
-        if name == "axisymmetry" and effect.called_for:
-            try:
-                return _decided(
-                    self.scene.replace([f"effects.{name}={'off' if effect.on else 'on'}"])
-                )
-            except SceneError:  # beside another effect that a person chose
-                return self
-        other = replace(effect, on=not effect.on)
-        return replace(self, context=self.context.with_decision(name, other))
-
     def with_yield(self, why: str) -> Plan:
         """The plan in which yield is called for and simulated, and bodies that have a yield stress
         deform; why: the reason as a sentence.
@@ -208,15 +189,6 @@ class Plan(Sizing):
                 effect = replace(effect, called_for=True, on=True, why=why, error=0.0)
                 context = context.with_decision(name, effect)
         return replace(self, context=context)
-
-    def effect_cost(self, name: str) -> tuple[int, float]:
-        """Unknowns and seconds that the present state of the named effect is predicted to cost more
-        than its other state; negative if it saves. Forecast and element size stay as they are, but
-        for axisymmetry that is called for, whose other state is planned anew. 0 where `flipped`
-        changes nothing.
-        """
-        other = self.flipped(name)
-        return self.unknowns - other.unknowns, self.seconds_of_one - other.seconds_of_one
 
     @property
     def omission_error(self) -> float:
@@ -607,7 +579,7 @@ class Plan(Sizing):
         }
 
     def summary(self) -> dict[str, Any]:
-        """The entry 'plan' of summary.json: effects with their predicted cost, predicted unknowns
+        """The entry 'plan' of summary.json: effects, predicted unknowns
         and seconds, overruled effects ('chosen'), patch size, slave body, where bodies are held,
         contact angle, wheelset creepage where the wheelset prescribes it, forecast, measured
         profiles and their uncertainty.
@@ -616,15 +588,7 @@ class Plan(Sizing):
         if self.scene.rolling.from_wheelset:
             wheelset["wheelset"] = wheelset_kinematics.wheelset_creepage(self.contact).summary()
         return {
-            "effects": {
-                name: {
-                    **effect.summary(),
-                    "predicted_cost": dict(
-                        zip(("unknowns", "seconds"), self.effect_cost(name), strict=True)
-                    ),
-                }
-                for name, effect in self.effects.items()
-            },
+            "effects": {name: effect.summary() for name, effect in self.effects.items()},
             "unknowns": self.unknowns,
             "predicted_seconds": self.seconds,
             "chosen": effects.overruled(self.effects),

@@ -106,18 +106,11 @@ def show_plan(plan: Plan, console: Console) -> None:
     said = plan.to_dict()
     contact, hertz, mesh, solver = (said[key] for key in ("contact", "hertz", "mesh", "solver"))
     table = Table(title=f"plan of {said['case']}", title_justify="left")
-    for column in ("effect", "state", "why", "predicted"):
+    for column in ("effect", "state", "why"):
         table.add_column(column, overflow="fold")
-    idle = []  # effects that cost and save nothing: here they have no part
     for name, effect in plan.effects.items():
-        price = plan.effect_cost(name)
-        if any(price) or effect.on or effect.called_for or effect.override:
-            table.add_row(name, _state(effect), effect.why, _cost(*price))
-        else:
-            idle.append(name)
+        table.add_row(name, _state(effect), effect.why)
     console.print(table)
-    if idle:
-        labelled(console, f"no part    {', '.join(idle)} (why: --json)")
     drawn = ", pictures included" if plan.scene.asks("pictures") else ""
     seconds = f"{plan.seconds:.1f} s of processor time{drawn}"
     lines: tuple[str, ...] = (
@@ -198,14 +191,6 @@ def _state(effect: Effect) -> str:
     if effect.called_for and "on" in effect.refused and not effect.override:
         return "off, though called for"
     return "on" if effect.on else "off"
-
-
-def _cost(unknowns: int, seconds: float) -> str:
-    """Additional (positive) or saved unknowns and seconds in words."""
-    if not unknowns and not seconds:
-        return "no unknowns"
-    what = f"{abs(unknowns)} unknowns, " if unknowns else ""
-    return f"{'costs' if seconds > 0 else 'saves'} {what}{abs(seconds):.1f} s"
 
 
 def _show_prices(prices: Sequence[Mapping[str, Any]] | None, console: Console) -> None:

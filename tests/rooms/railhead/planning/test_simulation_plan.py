@@ -16,11 +16,11 @@ def effect(name: str, case: str, *assignments: str):
     return planned(case, *assignments).effects[name]
 
 
-def test_every_effect_has_a_choice_a_reason_and_a_predicted_cost() -> None:
+def test_every_effect_has_a_choice_and_a_reason() -> None:
     plan = planned("uic54_22t5_axle")
     assert {*plan.effects, "symmetry"} == set(Effects.model_fields)
     for told in plan.summary()["effects"].values():
-        assert set(told) == {"called_for", "on", "override", "why", "predicted_cost"}
+        assert set(told) == {"called_for", "on", "override", "why"}
         assert told["why"] and not told["override"]
 
 
@@ -31,10 +31,11 @@ def test_a_patch_that_is_no_ellipse_is_planned_with_the_laws_that_it_is_read_by(
 
 
 def test_symmetry_halves_and_deformable_bodies_double_the_predicted_unknowns() -> None:
-    plan = planned("hertz_ellipse")
-    assert plan.effect_cost("symmetry_x")[0] == pytest.approx(-plan.unknowns, rel=1e-3)
-    assert plan.effect_cost("deformable_wheel")[0] == pytest.approx(plan.unknowns / 2, rel=1e-3)
-    assert plan.effect_cost("far_field") == (0, 0.0)
+    whole = planned("hertz_ellipse").unknowns
+    other = {key: planned("hertz_ellipse", f"effects.{key}=off").unknowns
+             for key in ("symmetry_x", "deformable_wheel")}  # fmt: skip
+    assert other["symmetry_x"] == pytest.approx(2 * whole, rel=1e-3)
+    assert other["deformable_wheel"] == pytest.approx(whole / 2, rel=1e-3)
 
 
 @pytest.mark.parametrize("ratio, deforms", [(998, True), (1001, False)])
@@ -163,13 +164,6 @@ def test_steel_that_yields_has_error_laws_of_its_own(
     assert (known.name if known else None) == family
 
 
-def test_axisymmetry_that_was_switched_off_has_no_price_where_on_is_refused() -> None:
-    """A chosen symmetry, which bounds the meridian section anyway, refuses it there."""
-    plan = planned("sphere_on_plane", "effects.axisymmetry=off", "effects.symmetry=on")
-    assert plan.effect_cost("axisymmetry") == (0, 0.0)
-    assert planned("sphere_on_plane", "effects.axisymmetry=off").effect_cost("axisymmetry")[0] > 0
-
-
 @pytest.mark.parametrize("share, yields", [(1.0001, True), (0.99, False)])
 def test_plasticity_begins_at_the_yield_load_of_the_ellipse(share: float, yields: bool) -> None:
     """p0 = 1.6156 Y for the thesis's ellipse (exact largest von Mises stress 0.61897 p0)."""
@@ -210,8 +204,6 @@ def test_a_body_that_is_rigid_by_choice_is_unlike_the_other(name: str) -> None:
     assert off.setting["stiffness"] == 0.0
     both = planned("hertz_ellipse", *keys)
     assert not both.condenses and len(model_setup.friction_steps(both)) == 1
-    other = both.flipped(f"deformable_{name}")
-    assert other.condenses and name not in other.context.deformable
 
 
 @pytest.mark.parametrize(
