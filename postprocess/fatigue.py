@@ -175,7 +175,7 @@ def _on_patch(
     sign: float,
 ) -> Tractions:
     """Pressure and tractions around a patch; arguments as of `_along_line`."""
-    frame = Frame(one.centre, one.angle)
+    frame = Frame(one.centre, one.angle, one.lean)
     nearest = None if friction is None else NearestNDInterpolator(*_ratios(friction, frame))
     squares_of = None
     if not found.hertzian:

@@ -126,7 +126,7 @@ class OnePatch:
     beside a symmetry plane is without its image.
 
     centre (3,): centre of pressure in space, mm.
-    angle: contact angle of the tangent plane, rad.
+    angle: contact angle of the tangent plane, rad, about its line ahead, which rises by `lean`.
     a, b: half lengths along x and along s, mm.
     area: on the tangent plane, mm2.
     max_pressure: largest pressure, MPa.
@@ -141,6 +141,7 @@ class OnePatch:
     area: float
     max_pressure: float
     share: float
+    lean: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)

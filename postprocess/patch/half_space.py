@@ -120,6 +120,7 @@ def of_boundary_elements(
         OnePatch(
             centre=(float(x), float(y), float(z)),
             angle=one.plane,
+            lean=one.lean,
             a=one.half_extents_on(one.plane)[0],
             b=one.half_extents_on(one.plane)[1],
             area=one.area,
@@ -129,7 +130,7 @@ def of_boundary_elements(
         for one, (x, y, z) in zip(kept, centres, strict=True)
     )
     if has_own_plane([one.angle for one in each], frame.angle):
-        frame = replace(frame, origin=each[0].centre, angle=each[0].angle)
+        frame = Frame(each[0].centre, each[0].angle, main.lean)
     error, (a, b) = _shape_error(main), main.half_extents_on(frame.angle)
     area, scatter = _area(solution, frame.angle), {}
     if coarser := solution.coarse:
@@ -376,7 +377,7 @@ def largest(
             s = s if window.s.size > 2 else 0.0  # all places along a line are alike
             angle = float(np.interp(s, window.s, window.angle))
             at = points(np.array([x]), np.array([s]))[0]
-            at = at - into * z * np.array([0.0, -math.sin(angle), math.cos(angle)])
+            at = at - into * z * Frame((0.0, 0.0, 0.0), angle, window.lean).axes[2]
             both.append(Peak(value, -float(z), (float(at[0]), float(at[1]), float(at[2]))))
         found[body] = Largest(both[0], both[1])
     return found
@@ -405,7 +406,8 @@ def _below(
     stress = grid_stress.stress(window, poisson, places, traction)
     stress[:, 4:] *= sign  # the wheel is the mirror image
     at = points(np.array([x]), np.array([s]))[0]
-    return DepthAxis(body, depth, stress, _line(Frame((at[0], at[1], at[2]), patch.plane), body))
+    frame = Frame((at[0], at[1], at[2]), patch.plane, patch.lean)
+    return DepthAxis(body, depth, stress, _line(frame, body))
 
 
 def _on_axis(

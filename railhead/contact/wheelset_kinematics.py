@@ -10,10 +10,11 @@ is the spin. A particle on a circle of radius r runs with (r/R) (1 + e), where e
 of pressing. Finite elements have all of e in the strain of the pressed surfaces, so P is on the
 undeformed wheel. In half-spaces e = du_x/dx + u/R, with u outwards, so P is on the pressed wheel.
 
-A wheelset turns about its axle e by 2 pi in 2 pi R: W = e/R, xi_1 = e_x + W x (P1 - C) with C on
-the axle, in the pose where it stands. An R of `wheel.rolling_radius` needs a torque on the axle;
-with the mean of both wheels' rolling radii there is nearly none on an axle that stands in the
-middle. That of no torque is in `half_spaces.torque_free`.
+A wheelset turns about its axle e by 2 pi in 2 pi R: W = e/R, xi_1 = e_t + W x (P1 - C) with C on
+the axle, in the pose where it stands, and e_t along its path, which rises as the rail does. An R of
+`wheel.rolling_radius` needs a torque on the axle; with the mean of both wheels' rolling radii there
+is nearly none on an axle that stands in the middle. That of no torque is in
+`half_spaces.torque_free`.
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ from typing import Any
 
 import numpy as np
 
+from railhead.contact import head_loads
+from railhead.contact.crossing import CrossingContact
 from railhead.contact.solid import Contact
 from railhead.geometry.surfaces import RailSurface, nearest
 from railhead.postprocess.findings import Frame
@@ -93,7 +96,7 @@ def wheelset_creepage(contact: Contact) -> WheelsetCreepage:
         raise SceneError(KEY, text)
     along, across, normal = contact.frame.axes
     turns = _angular_velocity(contact)
-    moves = along + np.cross(turns, np.array(contact.origin) - contact.pose.origin)
+    moves = _path(contact) + np.cross(turns, np.array(contact.origin) - contact.pose.origin)
     values = (float(each) + 0.0 for each in (moves @ along, moves @ across, turns @ normal))
     return WheelsetCreepage(
         contact=contact, turning=turning_radius(contact), creepage=Creepage(*values)
@@ -133,18 +136,30 @@ def _angular_velocity(contact: Contact) -> Array:
     return np.asarray(contact.pose.rotation[:, 1] / turning_radius(contact))
 
 
+def _path(contact: Contact) -> Array:
+    """Unit vector (3,) along which the axle moves: the tangent ahead at the first contact, of a
+    wheel on two heads between those of both.
+    """
+    if not isinstance(contact, CrossingContact):
+        return np.asarray(contact.frame.axes[0])
+    _, rise = head_loads.divided(contact.crossing)
+    return np.array([1.0, 0.0, rise]) / np.hypot(1.0, rise)
+
+
 @dataclass(frozen=True)
 class RigidSlip:
     """Velocity of a wheel over its rail for four modes of motion.
 
-    The modes are unit creepage along and across the rail, unit spin, and the actual angular
-    velocity about axes in the tangent plane at the first contact.
+    The modes are unit creepage along and across the rail, unit spin, and the rest of the actual
+    motion: the angular velocity about axes in the tangent plane at the first contact, and the
+    velocity along its normal, with which a wheel leaves one of two heads for the other.
 
     frame: axes at the first contact.
     angular: (4, 3) angular velocity of the wheel in each mode, per rolled length, 1/mm, in the axes
         of space. It is zero in the first two modes, and the rail's outward unit normal in the
         third. In the fourth it is the wheel's angular velocity without its component along that
         normal.
+    sinks: (3,) velocity along that normal in the fourth mode, per rolled length.
     rail: undeformed surface of the rail; None is a plane.
     y, rise: (n,), mm: places across the rail, ascending, and heights over the rail there of the
         wheel's surface, where it is lowest along x. Empty for a plane.
@@ -152,6 +167,7 @@ class RigidSlip:
 
     frame: Frame
     angular: Array
+    sinks: Array
     rail: RailSurface | None
     y: Array
     rise: Array
@@ -165,6 +181,7 @@ class RigidSlip:
         arms = self.places(points) - np.array(self.frame.origin)
         velocity = np.cross(self.angular[:, None], arms)
         velocity[:2] += self.frame.axes[:2, None]
+        velocity[3] += self.sinks
         return velocity
 
     def places(self, points: Array) -> Array:
@@ -188,11 +205,12 @@ def rigid_slip(contact: Contact, share: float = 0.0) -> RigidSlip:
     turns, normal = _angular_velocity(contact), contact.frame.axes[2]
     angular = np.zeros((4, 3))
     angular[2:] = normal, turns - (turns @ normal) * normal
+    sinks = (_path(contact) @ normal) * normal if turns.any() else np.zeros(3)
     if not contact.curved_solid:
-        return RigidSlip(contact.frame, angular, None, *np.zeros((2, 0)))
+        return RigidSlip(contact.frame, angular, sinks, None, *np.zeros((2, 0)))
     assert contact.pair is not None and contact.pose is not None
     points = contact.pair.outline(contact.pose, contact.pair.samples[0]).points
     rise = points[:, 2] - contact.pair.rail.height(points[:, 1])
     over = np.isfinite(rise)
     y, rise = points[over, 1], (1 - share) * rise[over]
-    return RigidSlip(contact.frame, angular, contact.surfaces()[0], y, rise)
+    return RigidSlip(contact.frame, angular, sinks, contact.surfaces()[0], y, rise)

@@ -17,6 +17,7 @@ from scipy.ndimage import zoom
 from railhead.contact import closed_forms, wheelset_kinematics
 from railhead.contact.solid import Contact
 from railhead.half_spaces.pressing import FINE, HalfSpacePair, Pressed
+from railhead.postprocess.findings import Frame
 from railhead.postprocess.friction import at_cells
 from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.theory.array_types import Array
@@ -77,7 +78,7 @@ class PressedPatch:
         about axes in the tangent plane (`wheelset_kinematics.RigidSlip`).
     friction: coefficient of friction at the cells, (ns,).
     angular: (4, 3) angular velocity vector of each mode over the rolling speed, 1/mm, in the axes
-        of space. In these the normal at an angle of `pressed` is (0, -sin, cos).
+        of space.
     """
 
     pressed: PatchSolution
@@ -101,8 +102,8 @@ class PressedPatch:
     @property
     def spin(self) -> Array:
         """Angular velocity (4,) of each mode about the patch's own normal, 1/mm."""
-        plane = self.pressed.plane
-        return np.asarray(self.angular @ [0.0, -math.sin(plane), math.cos(plane)])
+        frame = Frame((0.0, 0.0, 0.0), self.pressed.plane, self.pressed.lean)
+        return np.asarray(self.angular @ frame.axes[2])
 
     def parts(self) -> Iterator[PressedPatch]:
         """Connected patches, each by itself, but those with less than SMALLEST of the force."""

@@ -274,8 +274,10 @@ class Heads:
 
     def friction_coefficient(self, s: Array) -> Array:
         """Coefficient of friction (n,) at s (n,) in mm."""
-        scene = self.contact.scene
-        return scene.friction.at(self.angle(s), scene.heat.bulk)
+        scene, names = self.contact.scene, np.array([*self.contact.crossing.heads])
+        own = scene.wing and scene.wing.friction_coefficient
+        found = scene.friction.at(self.angle(s), scene.heat.bulk)
+        return np.where(names[self._of(s)] == "wing", own, found) if own else found
 
     def points(self, x: Array, s: Array) -> Array:
         """Points (n, 3) in space, in mm, at x, s (n,) in mm, on the section moved ahead."""

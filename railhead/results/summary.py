@@ -5,7 +5,9 @@ import resource
 from collections.abc import Mapping
 from typing import Any
 
-from railhead.contact.crossing import HeadContact
+import numpy as np
+
+from railhead.contact.crossing import Crossing, HeadContact
 from railhead.planning import effects
 from railhead.planning.effects import material, shape
 from railhead.postprocess import fatigue, friction, symmetry
@@ -19,6 +21,7 @@ from railhead.run.refinement import Ending
 from railhead.scene.catalogue import portable
 from railhead.scene.quantities import numeric_values
 from railhead.theory import damage
+from railhead.theory.friction.solution import FrictionSolution
 
 HALF_SPACE_SOURCE = "half-spaces: what finite bodies would change, and the error of the grid"
 NO_SECTION = {"reason": "boundary elements know no section of bodies that end"}
@@ -215,7 +218,7 @@ def _more(solved: Solved, accuracy: Mapping[str, Any]) -> dict[str, Any]:
         out["side_force_N"] = _side_force(solved, solved.result)
     contact = solved.plan.contact
     if solved.result is not None and isinstance(contact, HeadContact):
-        out |= _heads(contact, solved.result)
+        out |= _heads(contact, solved.result, solved.friction)
     height = solved.findings and shape.height_in_patch(solved.plan.contact, solved.findings)
     if solved.result is not None and height is not None:
         ahead = solved.result["contact_point_mm"][0]
@@ -336,11 +339,16 @@ def _leaning(angle: float, lean: float) -> float:
     return math.copysign(math.acos(math.cos(angle) * math.cos(lean)), angle)
 
 
-def _heads(contact: HeadContact, result: Mapping[str, Any]) -> dict[str, Any]:
+def _heads(
+    contact: HeadContact, result: Mapping[str, Any], rubbed: FrictionSolution | None
+) -> dict[str, Any]:
     """Entries of "result" for a rail of sections: its patches with their heads, vertical force,
-    share, largest pressure and area of each head, height of the wheel, and force along the rail.
+    share, largest pressure and area of each head, and what it has of the tractions; height of the
+    wheel, and force of the pressure along the rail.
     """
     crossing = contact.crossing
+    tractions = {} if rubbed is None else _rubbed(crossing, rubbed)
+    lifts = {name: each.pop("upwards_N") for name, each in tractions.items()}
     patches = [
         {
             **each,
@@ -358,13 +366,16 @@ def _heads(contact: HeadContact, result: Mapping[str, Any]) -> dict[str, Any]:
     for name in crossing.heads:
         own = [k for k, each in enumerate(patches) if each["head"] == name]
         share = sum(upwards[k] for k in own) / sum(upwards)
+        pressed = share * (result["load_N"] + sum(lifts.values()))
+        force = pressed - lifts.get(name, 0.0)
         heads[name] = {
-            "force_N": share * result["load_N"],
-            "share": share,
+            "force_N": force,
+            "share": force / result["load_N"],
             "max_MPa": max((patches[k]["max_MPa"] for k in own), default=0.0),
             "area_mm2": sum(patches[k]["area_mm2"] for k in own),
+            **({"friction": tractions[name]} if name in tractions else {}),
         }
-        force_along += share * result["load_N"] * crossing.heads[name].touches[0].rise
+        force_along += pressed * crossing.heads[name].touches[0].rise
     rigid = crossing.height(crossing.lift)
     x, *rest = result["contact_point_mm"]
     return {
@@ -374,6 +385,32 @@ def _heads(contact: HeadContact, result: Mapping[str, Any]) -> dict[str, Any]:
         "wheel_height_mm": {"rigid": rigid, "loaded": rigid - result["approach_mm"]},
         "force_along_N": force_along,
     }
+
+
+def _rubbed(crossing: Crossing, found: FrictionSolution) -> dict[str, dict[str, float]]:
+    """Tractions of the finest grid by head that is touched: forces of the wheel on it along and
+    across its own tangents, and upwards; largest force that friction allows; share of the sum of
+    the forces of all heads, by their sizes; and the mean of the creepages, weighted by pressure.
+    """
+    touches = [crossing.placed(name)[0] for name in crossing.heads]
+    owner = np.abs(found.points[:, 1:2] - [each.y for each in touches]).argmin(axis=1)
+    loads, heads = found.weights * found.pressure, {}
+    for number, (name, touch) in enumerate(zip(crossing.heads, touches, strict=True)):
+        own = (owner == number) & (loads > 0)
+        if own.any():
+            force = found.weights[own] @ found.traction[own]
+            creepage = loads[own] @ found.rigid_slip[own] / loads[own].sum()
+            heads[name] = {
+                "force_along_N": float(touch.axes[0] @ force),
+                "force_across_N": float(touch.axes[1] @ force),
+                "limit_N": float(found.weights[own] @ found.bound[own]),
+                "creepage_along": float(touch.axes[0] @ creepage),
+                "creepage_across": float(touch.axes[1] @ creepage),
+                "upwards_N": float(force[2]),
+                "share": float(np.linalg.norm(force)),
+            }
+    whole = sum(each["share"] for each in heads.values())
+    return {name: each | {"share": each["share"] / whole} for name, each in heads.items()}
 
 
 def _first_yield_error(solved: MeshSolution) -> dict[str, float]:

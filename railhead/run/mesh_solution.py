@@ -316,7 +316,9 @@ def read_friction(
         speed=rolling.speed,
         patches=np.array([each.centre for each in found.patch.each] or [found.frame.origin]),
     )
-    given = plan.scene.friction.given
+    given, wing = plan.scene.friction.given, plan.scene.wing
+    if wing is not None and wing.friction_coefficient is not None:
+        given = [*given, wing.friction_coefficient]
     for key in [key for key in quantities if key.startswith("coefficient")]:
         quantities[key] = min(max(quantities[key], min(given)), max(given))
     if friction.RISE[0] in quantities:

@@ -396,6 +396,7 @@ class Rail(BodySection):
         the wheel's tape circle (70 mm from the flange back) stands over the crown.
     gauge_height: mm below the highest point of a rail at which the gauge is measured. Only beside
         gauge.
+    friction_coefficient: of a wing; None: that of [friction].
     extent: "head" meshes the head, unless the plan needs the section; "section" web and foot too,
         of 54E1 or 60E1; "half-space" makes rail and wheel unbounded bodies under Hertz's parabolic
         gap.
@@ -417,6 +418,7 @@ class Rail(BodySection):
     inclination: Annotated[float, Range(units.SLOPE, -0.2, 0.2, note=', e.g. "1:20"')] = 0.0
     gauge: units.Gauge | None = None
     gauge_height: Annotated[float, Range(units.LENGTH, 1, 50)] = GAUGE_HEIGHT
+    friction_coefficient: Annotated[float, units.PAIRED_COEFFICIENT] | None = None
     extent: Literal["head", "section", "half-space"] = "head"
     length: units.BodyLength | None = None
     depth: units.BodyLength | None = None

@@ -323,6 +323,18 @@ class Scene(Section):
                 "inf is not allowed beside sections or a roller; give that of a wheel",
             ),
             (
+                self.rail.friction_coefficient is not None,
+                "rail.friction_coefficient",
+                "is not allowed; give friction.coefficient, and here that of a wing",
+            ),
+            (
+                self.wing is not None
+                and self.wing.friction_coefficient is not None
+                and (friction.law != "coulomb" or not friction.acts),
+                "wing.friction_coefficient",
+                "needs a friction.coefficient, and friction.law coulomb",
+            ),
+            (
                 self.wing is not None and self.wing.position != 0,
                 "wing.position",
                 "is not allowed; rail.position says where the axle stands",

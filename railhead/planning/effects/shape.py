@@ -112,7 +112,6 @@ def decide_finite_bodies(context: Context) -> Effect:
         text += "{} know one head; give another place, or {}"
         refuse_first(
             (several and not fast, "rail.position", text.format("finite elements", "--fast")),
-            (several and scene.rubs, "rail.position", text.format("tractions", "no friction")),
         )
     refused = {} if scene.budget is None else {"off": BUDGET}
     if contact.half_space:

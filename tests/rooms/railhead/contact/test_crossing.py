@@ -141,7 +141,10 @@ def test_what_a_crossing_does_not_have_is_refused_in_a_line(nose: str, wing: str
         (lambda: rh.plan(scene(390.0, nose)), "position: 390 is .* mm from the end of the head"),
         (lambda: rh.plan(hard),
          "wing.yield_stress: is not that of the rail, and finite elements know one"),
-        (lambda: rh.plan(fast.replace(**ROLLS)), "194.5 lets the .* and tractions know one head"),
+        (lambda: fast.replace(wing={"friction_coefficient": 0.2}),
+         "wing.friction_coefficient: needs a friction.coefficient, and friction.law coulomb"),
+        (lambda: fast.replace(rail={"friction_coefficient": 0.2}),
+         "rail.friction_coefficient: is not allowed; give friction.coefficient"),
         (lambda: rh.plan(scene(180.0, nose).replace(**ROLLS)),
          "rolling: is not simulated yet on a rail of sections; leave it out, or --fast"),
         (lambda: rh.plan(scene(120.0, nose).replace(
@@ -239,6 +242,82 @@ def rolled(given: Scene) -> list[float]:
     result = rh.solve(given.replace(effects=OFF, quantities="forces", **ROLLS), quiet=True).summary
     found = result["result"]
     return [found["pressure"]["max_MPa"], *map(found["friction"].get, FORCES)]
+
+
+# Case 6 at 194.5 mm: x from the axle and y of the contacts, mm, and slope of the height alone; that
+# of the loaded height, by a spline through those of c = 1 at 193 to 196 mm.
+AT = {"rail": (18.4073, -22.0010, 0.04), "wing": (-5.7383, 36.3779, -0.0125)}
+CLIMBS = 0.00998
+
+
+def creepages(x: float, y: float, rise: float) -> list[float]:
+    """Creepages along and across of a cone of 1:40, R 460, at a place x, y (mm) of a head with a
+    rise, where its axle moves along the slope CLIMBS and turns once in 2 pi R.
+    """
+    radius = 460 - y / 40
+    down = np.sqrt(radius**2 - x**2)
+    goes = np.array([1, 0, CLIMBS]) / np.hypot(1, CLIMBS)
+    slip = goes + np.cross([0, 1 / 460, 0], [x, y, -down])
+    along = np.array([1, 0, rise]) / np.hypot(1, rise)
+    across = np.cross(np.cross([1, 0, rise], [0, 1, radius / down / 40]), along)
+    return [float(slip @ along), float(slip @ across / np.linalg.norm(across))]
+
+
+def test_each_of_two_heads_rubs_with_its_own_creepages_and_coefficient(
+    nose: str, wing: str
+) -> None:
+    """One rigid motion at two places, whose axle climbs with the load that goes over. The vertical
+    parts of pressure and tractions of both heads, each with its own mu N, are the load.
+    """
+    given = scene(194.5, nose, wing).replace(effects=OFF, quantities="forces")
+    rolling = {"from_wheelset": True, "axle": "nominal"}
+    given = given.replace(friction={"coefficient": 0.3}, rolling=rolling)
+    result = rh.solve(given.replace(wing={"friction_coefficient": 0.1}), quiet=True).summary[
+        "result"
+    ]
+    down = []
+    for (name, place), mu in zip(AT.items(), (0.3, 0.1), strict=True):
+        head = result["heads"][name]
+        found = head["friction"]
+        known = [found["creepage_along"], found["creepage_across"]]
+        assert known == pytest.approx(creepages(*place), abs=2e-5)
+        rise, cone = place[2], 1 / 40
+        upright = 1 / np.sqrt(1 + rise**2 + cone**2)
+        lifted = [rise, cone * np.cos(np.arctan(rise))] @ np.array([found[key] for key in FORCES])
+        down.append(found["limit_N"] / mu * upright - lifted)
+        assert head["force_N"] == pytest.approx(down[-1], rel=2e-3)
+    assert sum(down) == pytest.approx(80000.0, rel=2e-4)
+    sizes = [
+        np.hypot(*(head["friction"][key] for key in FORCES)) for head in result["heads"].values()
+    ]
+    assert result["heads"]["wing"]["friction"]["share"] == pytest.approx(sizes[1] / sum(sizes))
+
+
+@pytest.mark.slow
+def test_two_equal_heads_rub_as_one_does_under_half_of_the_load(tmp_path: Path) -> None:
+    """A cylinder in the middle between them; each with its own coefficient."""
+    heads = []
+    for middle in (-30.0, 0.0, 30.0):
+        table = drawn.write(
+            tmp_path / f"{middle:g}",
+            [-100, 0, 100],
+            lambda x, middle=middle: drawn.moved(drawn.arcs(0.0), middle),
+        )
+        heads.append(table)
+    left, alone, right = heads
+    rolling = {"creepage_along": 0.0008, "spin": 0.0001}
+    rubs = {"friction": {"coefficient": 0.3}, "rolling": rolling, "quantities": "forces"}
+    both = scene(0.0, left, right, profile="cylinder").replace(effects=OFF, **rubs)
+    both = both.replace(wing={"friction_coefficient": 0.15})
+    found = rh.solve(both, quiet=True).summary["result"]["heads"]
+    for name, mu, y in (("rail", 0.3, -30.0), ("wing", 0.15, 30.0)):
+        one = scene(0.0, alone, profile="cylinder").replace(load=40000.0, effects=OFF, **rubs)
+        moves = {"creepage_along": 0.0008 + (0.0001 * 30 if y > 0 else 0) * -2}
+        one = one.replace(friction={"coefficient": mu}, rolling=moves)
+        head = rh.solve(one, quiet=True).summary["result"]["heads"]["rail"]
+        for key in FORCES:
+            truth = head["friction"][key]
+            assert found[name]["friction"][key] == pytest.approx(truth, abs=30.0), (name, key)
 
 
 def test_sections_of_a_standard_rail_answer_as_it_does_on_the_gauge_corner(tmp_path: Path) -> None:
