@@ -31,7 +31,6 @@ from railhead.geometry.wheelset import (
 from railhead.postprocess.findings import BASE_UNITS, Drawing, Subject, Units
 from railhead.results.report import terminal
 from railhead.scene.catalogue import as_path, portable
-from railhead.scene.files import is_array
 from railhead.scene.scene import Scene, SceneError, assigned, checked
 from railhead.sweeps.grid import ParameterGrid
 from railhead.theory.array_types import Array
@@ -398,7 +397,7 @@ def profile(
 ) -> ExaminedProfile:
     """Read and smooth a measured profile and compare it with a standard profile.
 
-    path: of its file, or an array (n, 2) of y and z, mm.
+    path: of its file.
     body: "rail" or "wheel"; None takes the body of the first assignment, else that of the file's
         extension, else a rail.
     assignments: keys of that body as in a scene, e.g. "rail.profile_unit=inch".
@@ -406,8 +405,7 @@ def profile(
     """
     names = (key.partition(".")[0] for key in assigned(assignments))
     kind = body or next((name for name in names if name in ("rail", "wheel")), None)
-    suffix = "" if is_array(path) else as_path(path, "path").suffix.lower()
-    kind = kind or BODY_BY_EXTENSION.get(suffix, "rail")
+    kind = kind or BODY_BY_EXTENSION.get(as_path(path, "path").suffix.lower(), "rail")
     scene = Scene.from_mapping({"load": 1.0, kind: {"profile": path}}).replace(assignments)
     found = solid.from_file(scene, kind)
     worn = standards.nearest(found.resampled(standards.STEP), kind)

@@ -41,8 +41,8 @@ def _profile(body: str, *names: str) -> BeforeValidator:
     """A pydantic validator of the key `profile` of a body ("rail" or "wheel").
 
     names: names of the allowed standard profiles, in capitals or not. The validator returns one of
-        them (UIC54 and UIC60 become 54E1 and 60E1) or the absolute path of a readable profile file,
-        also of one that it makes of an array. It raises ValueError (one line) for anything else.
+        them (UIC54 and UIC60 become 54E1 and 60E1) or the absolute path of a readable profile file.
+        It raises ValueError (one line) for anything else.
     """
     suffixes = [suffix for suffix in EXTENSIONS if BODY_BY_EXTENSION.get(suffix, body) == body]
     kinds = f"a {', '.join(suffixes[:-1])} or {suffixes[-1]} file"
@@ -51,8 +51,6 @@ def _profile(body: str, *names: str) -> BeforeValidator:
     def validate(value: object) -> str:
         """The name of a standard profile or the absolute path of a file. Raises ValueError."""
         text = str(value)
-        if files.is_array(value):
-            text = files.file_of(value, "profile", "y_mm", "z_mm")
         if (name := known.get(text.casefold())) in names:
             return name
         if not text.lower().endswith(tuple(suffixes)):
@@ -73,12 +71,9 @@ def is_profile_file(profile: str) -> bool:
 
 
 def _curve(value: object) -> str:
-    """The absolute path of a .csv file with a stress-strain curve, also of one that is made of an
-    array. Raises ValueError (one line) for a file that cannot be read or that holds no valid curve
-    (`files.read_curve`).
+    """The absolute path of a .csv file with a stress-strain curve. Raises ValueError (one line) for
+    a file that cannot be read or that holds no valid curve (`files.read_curve`).
     """
-    if files.is_array(value):
-        value = files.file_of(value, "curve", "plastic_strain", "stress_MPa")
     path = files.existing(value, (".csv",))
     files.read_curve(path)
     return path
@@ -224,7 +219,7 @@ class BodySection(Section):
     findley: weight of the normal stress in Findley's stress, and its limit, MPa. None: the weight
         is 0.3, and nothing is compared with a limit.
     stress_strain: path of a .csv file, a row of plastic strain and true stress (MPa) a line, whose
-        header may name another order and units, or an array (n, 2) of them; None: no curve.
+        header may name another order and units; None: no curve.
     profile_unit: unit of the file's numbers: "auto", "mm", "m" or "inch".
     profile_mirror: "on": left and right of the file are exchanged, "off": they are not, or "auto".
     profile_flip: "on": up and down of the file are exchanged, "off": they are not, or "auto".
@@ -382,8 +377,7 @@ class Rail(BodySection):
     profile_unit, profile_mirror, profile_flip, profile_shift and smoothing (mm); and the table
     surface.
 
-    profile: 54E1 (UIC54), 60E1 (UIC60), arc, the path of a file of points, or an array (n, 2) of y
-        and z, mm.
+    profile: 54E1 (UIC54), 60E1 (UIC60), arc, or the path of a file of points.
     profile_origin: "file": the file's origin is the crown centre; "auto": as format and shape tell.
     crown_radius: mm, radius of an arc; inf is flat. Required for arc, not allowed (None) otherwise.
     inclination: tangent of the angle by which the rail leans towards the track's middle (y < 0),
@@ -463,8 +457,7 @@ class Wheel(BodySection):
     profile_unit, profile_mirror, profile_flip, profile_shift and smoothing (mm); and the table
     surface.
 
-    profile: cylinder, cone20, cone40, arc, S1002, the path of a file of points, or an array (n, 2)
-        of y and z, mm.
+    profile: cylinder, cone20, cone40, arc, S1002, or the path of a file of points.
     profile_origin: "file": the file's origin is the tape circle; "flange_back": its y begins at the
         flange back; "auto": as format and shape tell.
     tape_circle: mm from the flange back to the tape circle; None: as the file of the profile tells,

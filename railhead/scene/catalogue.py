@@ -17,9 +17,6 @@ from railhead.geometry.measured import EXTENSIONS
 from railhead.scene.scene import MAX_NAME_BYTES, Scene, SceneError, file_entries
 from railhead.scene.units import show
 
-RETIRED = {"cycles": 1, "friction.cycle": False, "effects.true_profile": "auto"}
-"""Keys that are gone, with their former defaults: results of 0.3 have them in their scenes."""
-
 
 def shipped() -> dict[str, str]:
     """First line of the docstring of each case by the name of the case. The modules are parsed, not
@@ -90,11 +87,6 @@ def read_scene(path: str | Path) -> Scene:
     stem = unicodedata.normalize("NFC", path.stem)  # else an accent is a character of its own
     short = re.sub(r"[^\w.-]", "_", stem).encode()[:MAX_NAME_BYTES].decode(errors="ignore")
     data.setdefault("name", short)
-    for key, default in RETIRED.items():
-        parent, _, leaf = key.rpartition(".")
-        inner = data.get(parent) if parent else data
-        if isinstance(inner, dict) and inner.get(leaf) == default:
-            del inner[leaf]
     for table, key in file_entries(data):
         if key in ("file", "sections") or table[key].lower().endswith(EXTENSIONS):
             table[key] = str(path.parent / table[key])

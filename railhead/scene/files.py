@@ -1,18 +1,10 @@
-"""Files that keys of a scene name: whether they can be read, pairs of numbers in them, and arrays.
-
-A scene names its files, so an array that a script gives is written once into the cache of the user,
-under a name made of its content; from there it is read, and copied into the result folder, as any
-other file.
-"""
+"""Files that keys of a scene name: whether they can be read, and pairs of numbers in them."""
 
 import math
 import os
 from collections.abc import Iterator
 from contextlib import suppress
-from hashlib import sha256
-from numbers import Real
 from pathlib import Path
-from typing import Any
 
 from railhead.geometry import tables
 from railhead.geometry.tables import Column
@@ -43,43 +35,6 @@ def cache_folder() -> Path:
     """The folder of the program in the cache of the user, which need not exist."""
     root = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
     return Path(root) / "railhead"
-
-
-def is_array(value: object) -> bool:
-    """Whether a value of a key is neither a word nor a path nor a number: an array, if anything."""
-    return value is not None and not isinstance(value, str | os.PathLike | Real)
-
-
-def file_of(value: Any, kind: str, *columns: str) -> str:
-    """Absolute path of a .csv file with the rows of an array (n, 2); its name is `kind` and twelve
-    digits of the content's SHA-256.
-
-    columns: header of each column.
-    Raises ValueError (one line) for anything else, numbers that are not finite, and a cache that
-    cannot be written.
-    """
-    import numpy as np
-
-    given = [] if hasattr(value, "magnitude") else value  # of pint: its unit would be lost
-    try:
-        rows = np.asarray(np.ma.filled(given, np.nan)).astype(float, casting="same_kind")
-    except (TypeError, ValueError):
-        rows = np.empty(0)
-    if rows.ndim != 2 or rows.shape[1] != 2 or not np.isfinite(rows).all():
-        text = f"an array of shape (n, 2), {' and '.join(columns)}, with finite numbers"
-        raise ValueError(f"{show(value)} is not allowed; give {text}")
-    lines = (",".join(map(repr, row)) for row in rows.tolist())
-    content = "\n".join([",".join(columns), *lines, ""]).encode()
-    path = cache_folder() / "arrays" / f"{kind}-{sha256(content).hexdigest()[:12]}.csv"
-    try:
-        if not path.is_file():
-            path.parent.mkdir(parents=True, exist_ok=True)
-            part = path.with_suffix(f".{os.getpid()}")
-            part.write_bytes(content)
-            part.replace(path)
-    except OSError as error:
-        raise ValueError(f"the array cannot be kept in {path}: {error.strerror}") from None
-    return str(path)
 
 
 def _column(name: str, named: str, kind: QuantityKind, unit: str = "") -> Column:

@@ -422,9 +422,3 @@ class Sweep(terminal.Drawn, list[Result]):
         SceneError for what is no path, OSError where it cannot be written.
         """
         as_path(path, "path").write_bytes(result_folder.encoded(self.rows()))
-
-    def to_dataframe(self) -> Any:
-        """The rows as a pandas.DataFrame. Raises ImportError where pandas is not installed."""
-        import pandas as pd  # type: ignore[import-untyped]
-
-        return pd.DataFrame(self.rows())

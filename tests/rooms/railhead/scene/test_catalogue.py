@@ -202,12 +202,3 @@ def test_a_scene_without_a_name_takes_the_letters_of_its_file(tmp_path, stem, na
     assert read_scene(path).name == name
     path.write_text("\ufeffload = '25 kN'\r\nname = 'own'", encoding="utf-8")
     assert read_scene(str(path)) == Scene(load=25000, name="own")
-
-
-def test_scenes_of_earlier_results_may_have_keys_that_are_gone(tmp_path) -> None:
-    """At their former defaults."""
-    file, text = tmp_path / "scene.toml", "load = 1000\ncycles = {}\n[friction]\ncycle = false\n"
-    file.write_text(text.format(1) + '[effects]\ntrue_profile = "auto"\n')
-    assert read_scene(file) == Scene(name="scene", load=1000)
-    file.write_text(text.format(2))
-    assert "cycles: unknown key" in refusal(lambda: read_scene(file))
