@@ -1,14 +1,10 @@
-"""Friction of half-spaces under the motion that finite elements found: by boundary elements, by
-FASTSIM, linear theory and closed forms.
-
-Boundary elements find pressure and tractions on the real profiles. FASTSIM and the linear theory
-know ellipses alone: each connected patch rolls as the ellipse that has its second moments and its
-force.
+"""Friction of half-spaces under the motion that finite elements found: by boundary elements on the
+real profiles, and by closed forms.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -16,18 +12,14 @@ import numpy as np
 from railhead.contact import closed_forms
 from railhead.half_spaces import shearing
 from railhead.half_spaces.pressing import HalfSpacePair, Pressed
-from railhead.half_spaces.shearing import Motion, PressedPatch
+from railhead.half_spaces.shearing import Motion
 from railhead.postprocess.friction import AT_BORDER, LOADS, MOTION, quantities
-from railhead.theory.array_types import Array
 from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.line import Hertz, LineContact
-from railhead.theory.friction import kalker, partial_slip
-from railhead.theory.friction.kalker import Coefficients
+from railhead.theory.friction import partial_slip
 from railhead.theory.friction.rolling import CELLS, Creepage
 from railhead.theory.friction.solution import FrictionSolution
-from railhead.theory.friction.tangential import MaterialPair
 
-SLENDER = 20.0  # largest axis ratio in the tables of the linear theory
 GROWING_PATCH = "unlike bodies slip while the patch grows, which is not followed there"
 STRIP_ACROSS = "a strip of unlike bodies across the rail"
 UNEVEN = "the formula has one coefficient of friction"
@@ -66,15 +58,13 @@ def friction(
             return {"Cattaneo": (ellipse.across and uneven) or _mindlin(pair, found, ellipse)}
         if ellipse.across:
             return {"boundary elements": {"reason": STRIP_ACROSS}}
-    out: NumbersByMethod = {
-        "boundary elements": or_reason(lambda: boundary_elements(pair, found, pressed))
-    }
-    if simple and rolling:
-        patches = shearing.patches(pair, pressed, CELLS[1])
-        out["FASTSIM" if hertzian else "FASTSIM (equal ellipses)"] = or_reason(
-            lambda: fastsim(patches, found.friction_limit, materials, found.rigid_motion)
-        )
-    elif simple and hertzian:
+    numbers: dict[str, Any]
+    try:
+        numbers = boundary_elements(pair, found, pressed)
+    except ValueError as error:
+        numbers = {"reason": str(error)}
+    out: NumbersByMethod = {"boundary elements": numbers}
+    if simple and hertzian and not rolling:
         out["Cattaneo, Mindlin"] = uneven or _mindlin(pair, found, ellipse)
     return out
 
@@ -88,14 +78,6 @@ def _carter(pair: HalfSpacePair, found: FrictionSolution, line: LineContact) -> 
     stick, force = partial_slip.strip_stick_ratio(abs(share)), share * found.friction_limit
     wear = force * found.rigid_motion[0]
     return {"force_along_N": force, "stick_share": stick, "t_gamma_N": wear}
-
-
-def or_reason(method: Callable[[], dict[str, Any]]) -> dict[str, Any]:
-    """Result of a method, or {"reason": text} where it raises ValueError."""
-    try:
-        return method()
-    except ValueError as error:
-        return {"reason": str(error)}
 
 
 def _mindlin(pair: HalfSpacePair, found: FrictionSolution, hertz: Hertz) -> Numbers:
@@ -147,67 +129,3 @@ def boundary_elements(
     out = {key: numbers[key] * (1.0 if key in AT_BORDER else scale) for key in keys}
     error = max(numbers["grid_error"][way] for way in LOADS[:2])
     return {**out, "grid_error": error / sheared.limit}
-
-
-def fastsim(
-    patches: Sequence[PressedPatch], limit: float, pair: MaterialPair, motion: Sequence[float]
-) -> Numbers:
-    """Forces of the wheel on the rail, stick share and T-gamma of rolling patches by FASTSIM on
-    ellipses with equal second moments and forces, by the keys of summary.json.
-
-    limit: largest tangential force that friction allows, of all patches, N.
-    pair: materials.
-    motion: creepage along, across and spin (1/mm), at the first contact.
-    Raises ValueError for an ellipse too slender.
-    """
-    sticks, touches = 0.0, 0.0
-    total: Array = np.zeros(4)
-    whole = sum(each.limit for each in patches)
-    for patch, a, b, linear, local in _ellipses(patches, pair, motion):
-        carried = limit * patch.limit / whole
-        *forces, stick = kalker.fastsim(a, b, carried, pair.shear_modulus, linear, local)
-        total = total + _work(patch, forces)
-        sticks, touches = sticks + stick * a * b, touches + a * b
-    known = *total[:3], sticks / touches, total @ [*motion, 1.0]
-    return dict(zip((*LOADS, AT_BORDER[0], "t_gamma_N"), map(float, known), strict=True))
-
-
-def linear(patches: Sequence[PressedPatch], pair: MaterialPair, motion: Sequence[float]) -> Array:
-    """Forces of the wheel on the rail along, across (N) and moment about the normal at the first
-    contact (N mm), (3,), of patches, by Kalker's linear theory. Each connected patch is the ellipse
-    with its second moments and its force. Forces are the work of each patch's forces on the modes
-    of rigid slip, summed. motion: creepage along, across and spin (1/mm). Raises ValueError for an
-    ellipse too slender.
-    """
-    return np.sum(
-        [
-            _work(patch, known.forces(a, b, pair.shear_modulus, local))[:3]
-            for patch, a, b, known, local in _ellipses(patches, pair, motion)
-        ],
-        axis=0,
-    )
-
-
-def _ellipses(
-    patches: Sequence[PressedPatch], pair: MaterialPair, motion: Sequence[float]
-) -> Iterator[tuple[PressedPatch, float, float, Coefficients, Creepage]]:
-    """For each connected patch: the patch, its semi-axes a and b (mm), Kalker's coefficients, and
-    the mean creepage and the spin in its own tangent plane. Raises ValueError for an axis ratio
-    above 20 (SLENDER) or below 1/20.
-    """
-    moved = np.array([*motion, 1.0])
-    for patch in (part for each in patches for part in each.parts()):
-        a, b = patch.pressed.semi_axes
-        if not 1 / SLENDER < a / b < SLENDER:
-            raise ValueError(f"the linear theory's tables end before an axis ratio of {a / b:.3g}")
-        along, across = moved @ patch.mean_modes
-        local = Creepage(along, across, float(moved @ patch.spin))
-        yield patch, a, b, kalker.coefficients(a / b, pair.poisson), local
-
-
-def _work(patch: PressedPatch, forces: Sequence[float]) -> Array:
-    """Work (4,) of a patch's forces along, across (N) and moment about its own normal (N mm) on
-    each mode of rigid slip: N, N, N mm for the spin, and N for the wheel's own rotation.
-    """
-    along, across, moment = forces
-    return np.asarray(patch.mean_modes @ [along, across] + moment * patch.spin)

@@ -7,7 +7,7 @@ slip of its cells at unit creepages and unit spin.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -17,7 +17,6 @@ from scipy.ndimage import zoom
 from railhead.contact import closed_forms, wheelset_kinematics
 from railhead.contact.solid import Contact
 from railhead.half_spaces.pressing import FINE, HalfSpacePair, Pressed
-from railhead.postprocess.findings import Frame
 from railhead.postprocess.friction import at_cells
 from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.theory.array_types import Array
@@ -77,39 +76,16 @@ class PressedPatch:
         creepage along, unit creepage across, unit spin, and the fixed mode: the wheel's own turning
         about axes in the tangent plane (`wheelset_kinematics.RigidSlip`).
     friction: coefficient of friction at the cells, (ns,).
-    angular: (4, 3) angular velocity vector of each mode over the rolling speed, 1/mm, in the axes
-        of space.
     """
 
     pressed: PatchSolution
     modes: Array
     friction: Array
-    angular: Array
 
     @property
     def limit(self) -> float:
         """Largest tangential force that friction allows, N."""
         return self.pressed.cell * float((self.friction * self.pressed.pressure).sum())
-
-    @property
-    def mean_modes(self) -> Array:
-        """Modes of rigid slip, averaged with the pressure as weight, (4, 2): along the rail, along
-        the profile.
-        """
-        weights = self.pressed.pressure / self.pressed.pressure.sum()
-        return np.asarray((self.modes * weights).sum(axis=(2, 3)))
-
-    @property
-    def spin(self) -> Array:
-        """Angular velocity (4,) of each mode about the patch's own normal, 1/mm."""
-        frame = Frame((0.0, 0.0, 0.0), self.pressed.plane, self.pressed.lean)
-        return np.asarray(self.angular @ frame.axes[2])
-
-    def parts(self) -> Iterator[PressedPatch]:
-        """Connected patches, each by itself, but those with less than SMALLEST of the force."""
-        for part in self.pressed.separate():
-            if part.force > SMALLEST * self.pressed.force:
-                yield replace(self, pressed=part)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -227,12 +203,7 @@ def patches(pair: HalfSpacePair, pressed: Pressed, cells: int) -> list[PressedPa
         guess = BoundaryElementSolution(tuple(known), modulus)
         known = pressure_solver.equilibrium(known, gaps, modulus, load, None, TOLERANCE, guess)
     return [
-        PressedPatch(
-            each,
-            surface.slip(each.x, each.s),
-            surface.friction_coefficient(each.s),
-            surface.angular,
-        )
+        PressedPatch(each, surface.slip(each.x, each.s), surface.friction_coefficient(each.s))
         for each in known
     ]
 

@@ -118,7 +118,7 @@ def summarise_half_spaces(solved: HalfSpaceSolution) -> dict[str, Any]:
         solved,
         method="half-spaces",
         half_space=None,
-        half_space_friction=solved.other_friction,
+        half_space_friction=None,
         accuracy={
             "asked": asked,
             "bound": bound,

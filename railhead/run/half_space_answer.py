@@ -13,7 +13,6 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from railhead.contact import closed_forms
 from railhead.half_spaces import second_opinion, shearing
 from railhead.half_spaces.allowance import added_stress
 from railhead.half_spaces.pressing import FINE, HalfSpacePair, Pressed
@@ -78,25 +77,6 @@ class HalfSpaceSolution(Answered):
     def friction(self) -> FrictionSolution | None:
         """Tractions at the cells that touch; None without friction."""
         return None if self.sheared is None else self.sheared.solution
-
-    @property
-    def other_friction(self) -> second_opinion.NumbersByMethod | None:
-        """Quantities of friction by FASTSIM, in rolling of alike solids by Coulomb's law, else by
-        no other method, as "half_space_friction" of summary.json; None without friction.
-        """
-        sheared, scene = self.sheared, self.plan.scene
-        if sheared is None:
-            return None
-        known = sheared.rolling and sheared.pair.materials.like and closed_forms.coulomb(scene)
-        if self.plan.contact.line or not (known and scene.asks("second_method")):
-            return {}
-        found, materials = sheared.solution, sheared.pair.materials
-        given = sheared.patches, found.friction_limit, materials, found.rigid_motion
-        return {
-            "FASTSIM (equal ellipses)": second_opinion.or_reason(
-                lambda: second_opinion.fastsim(*given)
-            )
-        }
 
 
 Solved = MeshSolution | HalfSpaceSolution

@@ -12,7 +12,7 @@ import numpy as np
 from mpi4py import MPI
 
 import railhead as rh
-from railhead.half_spaces import second_opinion, shearing
+from railhead.half_spaces import shearing
 from railhead.planning import simulation_plan as planning
 from railhead.run import mesh_solution, solid_friction
 from railhead.scene import catalogue
@@ -22,6 +22,7 @@ from railhead.theory.elastic.hertz import Ellipse
 from railhead.theory.elastic.line import Hertz
 from railhead.theory.friction import sliding
 from railhead.theory.friction.rolling import Creepage, TangentialSolution
+from studies.mechanics import fastsim
 from studies.tables import Row
 
 COEFFICIENT = 0.3
@@ -185,11 +186,11 @@ def _others(plan: planning.Plan, curve: CreepCurve) -> Iterator[Point]:
         given = motion.along, motion.across, motion.spin
         sheared = shearing.shear(half_spaces, patches, shearing.Motion(creepage=motion))
         sticks, touches = np.sum([each.areas for each in sheared.found], axis=0)
-        quick = second_opinion.fastsim(patches, limit, half_spaces.materials, given)
-        straight = second_opinion.linear(patches, half_spaces.materials, given)
+        quick, stuck = fastsim.of_patches(patches, limit, half_spaces, given)
+        straight = fastsim.linear(patches, half_spaces, given)
         for by, forces, sticking in (
             ("boundary elements", sheared.forces, sticks / touches),
-            ("FASTSIM", np.array([*quick.values()][:3]), quick["stick_share"]),
+            ("FASTSIM", quick, stuck),
             ("linear theory", straight, None),
         ):
             along, across, _ = forces / limit

@@ -1,1 +1,1 @@
-"""Friction of half-spaces: closed forms, boundary elements, FASTSIM, shakedown and wear."""
+"""Friction of half-spaces: closed forms, boundary elements, linear theory, shakedown and wear."""

@@ -1,4 +1,4 @@
-"""Kalker's linear theory of rolling on an ellipse, and his simplified theory, FASTSIM.
+"""Kalker's linear theory of rolling on an ellipse.
 
 Conventions of `theory.friction.rolling`: a along the rolling direction, forces with the creepage's
 sign. Forces at vanishing creepage:
@@ -8,10 +8,6 @@ sign. Forces at vanishing creepage:
 
 G and nu are those of the pair of materials (`theory.friction.tangential.MaterialPair`), which must
 be like.
-FASTSIM (Vehicle System Dynamics 11, 1982) takes the surface as a bed of springs: a traction
-displaces its own place by L times itself, against it. The three flexibilities L make small
-creepages give the forces of the linear theory. The bound of the traction is the parabola 2 mu
-N/(pi a b) (1 - x^2/a^2 - y^2/b^2).
 """
 
 from __future__ import annotations
@@ -19,16 +15,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss, legvander, legvander2d
 
 from railhead.theory.array_types import Array
-from railhead.theory.friction.rolling import Creepage
 
 DEGREE = 10  # of the polynomials
-STRIPS = 80  # of FASTSIM across the patch, and steps along each of them
 
 
 @dataclass(frozen=True)
@@ -45,22 +38,6 @@ class Coefficients:
     c22: float
     c23: float
     c33: float
-
-    def forces(
-        self, a: float, b: float, shear_modulus: float, creepage: Creepage
-    ) -> tuple[float, float, float]:
-        """Forces F_x, F_y (N) and moment M_z (N mm) about the centre of the ellipse, of the wheel
-        on the rail, at a creepage; no bound by friction. a, b: semi-axes along and across, mm;
-        shear_modulus: G of the pair, MPa.
-        """
-        c = math.sqrt(a * b)
-        along, across, spin = creepage.along, creepage.across, c * creepage.spin
-        scale = shear_modulus * c * c
-        return (
-            scale * self.c11 * along,
-            scale * (self.c22 * across + self.c23 * spin),
-            scale * c * (self.c33 * spin - self.c23 * across),
-        )
 
 
 @lru_cache(maxsize=1000)
@@ -150,62 +127,3 @@ class _Basis:
         whole, still = values.sum(axis=(0, 1)), np.zeros(values.shape[-1])
         by_x, by_y = (np.tensordot(arm, values, axes=2) for arm in (x, y))
         return np.block([[whole, still], [still, whole], [-by_y, by_x]])
-
-
-class FastsimForces(NamedTuple):
-    """Result of FASTSIM.
-
-    along: force of the wheel on the rail along the rolling direction, N.
-    across: force of the wheel on the rail across, N.
-    moment: of the wheel on the rail about the normal at the centre of the ellipse, N mm.
-    stick_share: share of the patch's area that sticks, 0 to 1.
-    """
-
-    along: float
-    across: float
-    moment: float
-    stick_share: float
-
-
-def fastsim(
-    a: float,
-    b: float,
-    limit: float,
-    shear_modulus: float,
-    linear: Coefficients,
-    creepage: Creepage,
-) -> FastsimForces:
-    """Forces of a rolling ellipse at a creepage by Kalker's simplified theory.
-
-    a, b: semi-axes along and across, mm.
-    limit: friction coefficient times normal force, N.
-    shear_modulus: G of the pair, MPa.
-    linear: Kalker's linear coefficients of the ellipse.
-    creepage: creepages and spin (1/mm).
-
-    Each strip is followed from its leading edge. A step adds the rigid slip over the flexibility L
-    to the traction, which is scaled back to its bound where it exceeds that. L_1 = 8 a/(3 G C11),
-    L_2 = 8 a/(3 G C22), L_3 = pi a sqrt(a/b)/(4 G C23). As in the paper the steps are of first
-    order: the result of 80 strips is within 1 % of mu N of that of many. Where the flexibilities
-    differ, full slip is not quite along the rigid slip.
-    """
-    L1, L2 = (8 * a / (3 * shear_modulus * c) for c in (linear.c11, linear.c22))
-    L3 = math.pi * a * math.sqrt(a / b) / (4 * shear_modulus * linear.c23)
-    y = b * ((2 * np.arange(STRIPS) + 1) / STRIPS - 1)
-    half = a * np.sqrt(1 - (y / b) ** 2)
-    step = 2 * half / STRIPS
-    traction, forces, stuck = np.zeros((2, STRIPS)), np.zeros(3), 0.0
-    for k in range(STRIPS):
-        x = half - (k + 0.5) * step
-        slip_x = creepage.along / L1 - creepage.spin * y / L3
-        slip_y = creepage.across / L2 + creepage.spin * x / L3
-        bound = 2 * limit / (math.pi * a * b) * (1 - (x / a) ** 2 - (y / b) ** 2)
-        traction = traction + step * np.array([slip_x, slip_y])
-        scale = np.minimum(1, bound / np.maximum(np.hypot(*traction), 1e-300))
-        traction *= scale
-        cell = step * 2 * b / STRIPS
-        along, across = traction
-        forces += [along @ cell, across @ cell, (x * across - y * along) @ cell]
-        stuck += float(cell[scale == 1].sum())
-    area = float(2 * half.sum() * 2 * b / STRIPS)
-    return FastsimForces(float(forces[0]), float(forces[1]), float(forces[2]), stuck / area)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import railhead as rh
-from railhead.half_spaces import second_opinion, shearing
+from railhead.half_spaces import shearing
 from railhead.postprocess import read
 from railhead.postprocess.patch import half_space
 from railhead.run import half_space_answer
@@ -43,7 +43,7 @@ def answer(case: str, *assignments: str, **keys: object) -> dict:
 
 def test_forces_alone_are_the_same_forces(monkeypatch) -> None:
     every = answer("hertz_ellipse", *ROLLS)
-    searches = (half_space, "largest"), (grid_stress, "below"), (second_opinion, "fastsim")
+    searches = (half_space, "largest"), (grid_stress, "below")
     forbid(monkeypatch, *searches)
     some = answer("hertz_ellipse", *ROLLS, quantities="patch,forces")
     missing = {"von_mises_max_MPa", "von_mises_max_depth_mm", "von_mises_max_at",
@@ -53,7 +53,6 @@ def test_forces_alone_are_the_same_forces(monkeypatch) -> None:
     assert "stress" in every["result"] and "stress" not in some["result"]
     names = {"tau_max_MPa", "von_mises_max_MPa", "dang_van_MPa", "findley_MPa"}
     assert every["accuracy"]["bound"].keys() - some["accuracy"]["bound"].keys() == names
-    assert some["half_space_friction"] == {} != every["half_space_friction"]
     left_out = some["checks"]["not_made"].keys() - every["checks"]["not_made"].keys()
     assert left_out == {"stresses", "friction_stresses", "second_method", "pictures", "fatigue"}
 

@@ -1,6 +1,6 @@
 """Tables of creep forces: symmetries, limits, and rows beside solutions of their own.
 
-Kalker's linear coefficients and FASTSIM: reference numbers, published tables, limits.
+Kalker's linear coefficients: reference numbers, published tables, limits.
 """
 
 import math
@@ -16,7 +16,7 @@ from railhead.scene.scene import SceneError
 from railhead.sweeps import creep_tables
 from railhead.theory.friction import creep_table
 from railhead.theory.friction.creep_table import AXES
-from railhead.theory.friction.kalker import Coefficients, coefficients, fastsim
+from railhead.theory.friction.kalker import coefficients
 from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction, grid_over
 from railhead.theory.friction.tangential import MaterialPair
 from railhead.theory.friction_laws import Falling, Heat, Interface
@@ -300,38 +300,3 @@ def test_ratios_without_coefficients_are_refused() -> None:
     for ratio, poisson in ((0.01, 0.3), (1.0, 0.6), (math.nan, 0.3)):
         with pytest.raises(ValueError):
             coefficients(ratio, poisson)
-
-
-def of(entry, linear: Coefficients, creepage: Creepage) -> np.ndarray:
-    limit = entry["mu"] * entry["load_N"]
-    G = entry["E_MPa"] / 2 / (1 + entry["nu"])
-    return np.array(fastsim(entry["a_mm"], entry["b_mm"], limit, G, linear, creepage)[:3]) / limit
-
-
-@pytest.fixture(scope="module")
-def thesis_linear() -> Coefficients:
-    return coefficients(4.336 / 3.465, 0.3)
-
-
-@pytest.mark.parametrize("entry", named("curve"))
-def test_fastsim_has_the_forces_of_another_fastsim(entry, thesis_linear: Coefficients) -> None:
-    """Within 0.5 % of mu N of another FASTSIM. All patches have one axis ratio to 1e-4."""
-    assert entry["a_mm"] / entry["b_mm"] == pytest.approx(4.336 / 3.465, rel=1e-3)
-    creepage = Creepage(entry["xi_x"], entry["xi_y"], entry["phi_per_mm"])
-    along, across, _ = of(entry, thesis_linear, creepage)
-    assert (along, across) == pytest.approx(
-        (entry["fastsim_Fx_over_muN"], entry["fastsim_Fy_over_muN"]), abs=5e-3
-    )
-
-
-def test_fastsim_slips_from_the_trailing_edge_on(thesis_linear: Coefficients) -> None:
-    """A traction that grows linearly passes the bound's parabola one length from the trailing edge,
-    the same on all strips; to the size of a step, 2 %."""
-    xi, limit, a, b, G = 5e-4, 7500.0, 4.336, 3.465, 79615.0
-    slope = xi * 3 * G * thesis_linear.c11 / (8 * a)  # of the traction along a strip
-    behind = slope * math.pi * a**3 * b / (2 * limit)  # x + half = slope / (bound's curvature)
-    y = b * (np.arange(4000) + 0.5) / 4000
-    half = a * np.sqrt(1 - (y / b) ** 2)
-    exact = np.sum(np.maximum(2 * half - behind, 0)) / np.sum(2 * half)
-    found = fastsim(a, b, limit, G, thesis_linear, Creepage(along=xi))
-    assert found.stick_share == pytest.approx(exact, abs=0.02)
