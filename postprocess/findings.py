@@ -30,8 +30,6 @@ Drawing = Callable[[Target], Any]
 HERTZIAN = 0.02  # relative deviation from an ellipsoid below which semi-axes are those of one
 ROW, COLUMN = np.array([0, 1, 2, 0, 0, 1]), np.array([0, 1, 2, 1, 2, 2])  # of six components
 SYMMETRIC = np.array([[0, 3, 4], [3, 1, 5], [4, 5, 2]])  # places of a tensor among them
-FLAT = 0.01  # relative: values so near to the largest are as large, see `DepthAxis.flatness`
-RIVAL = 0.005  # relative: which of two hills is higher is not known below it
 NO_DEPTH = 1e-9  # of a semi-axis: rounding at the surface
 TURNED = 0.02  # rad: on planes turned by less, areas differ by 0.1 % (S1002 on 60E1, 0.016 rad)
 PEAK_SAMPLES = 8  # either side of the largest one
@@ -205,15 +203,11 @@ class Peak:
     value: MPa.
     depth: below the contact surface, mm.
     place: in space, mm.
-    rivals: depths, mm, at which searches from several places ended, where the value is within
-        0.5 % (RIVAL) of the largest, its own included. One maximum may be listed several times;
-        empty where none were searched.
     """
 
     value: float
     depth: float
     place: Place
-    rivals: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -269,32 +263,6 @@ class DepthAxis:
             return float(self.depth[top]), float(values[top])
         best = inside[np.argmax(curve(inside))]
         return float(self.depth[top] + best), float(curve(best))
-
-    def flatness(self, values: Array) -> float:
-        """Half the range of depths, mm, in which values (k,) are within 1 % (FLAT) of the largest,
-        from the first such depth to the last; dips between them do not count.
-        """
-        least = (1 - FLAT) * values.max()
-        high = np.flatnonzero(values >= least)
-        ends = []
-        for inside, outside in ((high[0], high[0] - 1), (high[-1], high[-1] + 1)):
-            end = float(self.depth[inside])
-            if 0 <= outside < len(values):
-                share = (values[inside] - least) / (values[inside] - values[outside])
-                end += share * (self.depth[outside] - end)
-            ends.append(end)
-        return (ends[1] - ends[0]) / 2
-
-    def rivals(self, doubt: float) -> list[float]:
-        """Depths, mm, at which the largest shear stress may lie. Each of the three pairs of normal
-        stresses has one largest half difference; its depth is listed where it is within `doubt`
-        (relative) of the largest of the three.
-        """
-        normal = self.stress[:, :3].T
-        pairs = ((0, 1), (0, 2), (1, 2))
-        tops = [self.peak(np.abs(normal[i] - normal[j]) / 2) for i, j in pairs]
-        highest = max(value for _, value in tops)
-        return [depth for depth, value in tops if value > (1 - doubt) * highest]
 
     @property
     def largest(self) -> Largest:

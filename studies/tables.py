@@ -19,7 +19,7 @@ from railhead.cli.study import PAGE
 from railhead.planning.simulation_plan import Plan
 from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
 from railhead.run.progress import Progress
-from railhead.scene.quantities import numeric_values
+from railhead.scene.quantities import QUANTITIES
 
 Row = dict[str, Any]
 """One run, scene or mesh of a study, by the columns of its CSV (without units)."""
@@ -42,7 +42,11 @@ WIDTH = 120
 def columns(result: Mapping[str, Any], names: Iterable[str]) -> dict[str, float]:
     """Values by the names of columns (`COLUMNS`); result: "result", "hertz" or "difference" of a
     summary."""
-    values = numeric_values(result)
+    values = {
+        each.key: float(each.value(result))
+        for each in QUANTITIES
+        if each.column and each.key in COLUMNS.values() and each.value(result) is not None
+    }
     return {name: values[COLUMNS[name]] for name in names}
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
-from railhead.postprocess.findings import NO_DEPTH, RIVAL, Array, Peak
+from railhead.postprocess.findings import NO_DEPTH, Array, Peak
 from railhead.postprocess.patch.moments import quadratic_fit
 from railhead.postprocess.stress.body_geometry import Solid
 from railhead.postprocess.stress.recovery import Recovery, StressPolynomial
@@ -92,9 +92,9 @@ class Search:
         return float(self._solid.sizes[self._solid.near(place, 0.0)].max(initial=0.0))
 
     def highest(self, invariant: Invariant, also: Array) -> Peak | None:
-        """Largest recovered value of an invariant in the body, as a peak with its rivals; None if
-        all of the body is near sharp edges. Where a body yields it is at most the largest value at
-        a Gauss point: the yield condition holds at these points, and a smooth field exceeds it.
+        """Largest recovered value of an invariant in the body, as a peak; None if all of the body
+        is near sharp edges. Where a body yields it is at most the largest value at a Gauss point:
+        the yield condition holds at these points, and a smooth field exceeds it.
 
         invariant: function that gives values (n,) of stresses (n, 6), MPa. also (n, 3): further
             places, mm, from which the search may start, such as the peak on the depth axis; those
@@ -112,8 +112,7 @@ class Search:
         best = max(tops, key=lambda top: top.value)
         if self._fields.plastic_strain is not None:
             best = replace(best, value=min(best.value, self._largest_sample(invariant)))
-        rivals = [top.depth for top in tops if top.value > (1 - RIVAL) * best.value]
-        return replace(best, rivals=tuple(rivals))
+        return best
 
     def _largest_sample(self, invariant: Invariant) -> float:
         """Largest value of an invariant at the Gauss points of cells away from sharp edges, MPa."""

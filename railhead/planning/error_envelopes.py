@@ -37,8 +37,6 @@ STRETCHES = (2.0, 0.5)  # factors on the smoothing lengths
 SAFETY = 2.0  # factor on the change, chosen on six seeds of each pair of the study
 AIM = 0.95  # share of the prescribed accuracy that mesh and reading may take
 RANGE = (3.0, 60.0)  # elements per smaller semi-axis that are considered
-PLACES = ("tau_max_depth_mm",)
-"""Quantities that are places of a maximum: their scale is how flat the maximum is."""
 TURNED = {"a_mm": "b_mm", "b_mm": "a_mm"}
 """Half lengths along and across the rail change places in line contacts across it."""
 USUAL = {"half-spaces": "ellipse", "bodies": "soft bodies"}
@@ -85,8 +83,7 @@ class Family:
     where: by key of `Plan.setting`, the range of a float (two ends), or all allowed values of a
         word, a truth value, an integer or None.
     resolution: smallest and largest calibrated n, elements per smaller semi-axis.
-    laws: envelope of the mesh error by key of summary.json, over the quantity's scale
-        (`estimates.error_scales`).
+    laws: envelope of the mesh error by key of summary.json, relative.
     reading: relative reading error of each quantity over the resolution, by key, which most
         solutions stay below; for the choice of resolutions and for prices.
     overlap: relative error by key for an overlap of the bodies as large as the approach.
@@ -115,7 +112,7 @@ class Family:
         )
 
     def mesh(self, name: str, n: float) -> float:
-        """Envelope of the mesh error of a quantity over its scale, at n elements per smaller semi-
+        """Envelope of the relative mesh error of a quantity, at n elements per smaller semi-
         axis; beyond the calibrated range the envelope falls at most as the first power of n, where
         no other order was measured (`beyond`).
         name: key of the quantity in summary.json. KeyError: the family has no law for it.
@@ -135,9 +132,9 @@ class Family:
     def expected(self, n: float) -> tuple[float, str, float]:
         """Largest relative error, a fraction, that is expected of the calibrated quantities at n
         elements per smaller semi-axis, the key of its quantity, and the part of the mesh. The rest
-        is the reading error. Places (PLACES) do not count.
+        is the reading error.
         """
-        mesh = {name: self.mesh(name, n) for name in self.reading.keys() - {*PLACES}}
+        mesh = {name: self.mesh(name, n) for name in self.reading}
         return max((part + self.reading[name](n), name, part) for name, part in mesh.items())
 
     @property

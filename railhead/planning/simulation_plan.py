@@ -213,9 +213,7 @@ class Plan(Sizing):
         """Largest relative error of what an accuracy counts that no mesh makes smaller: by load
         steps and by effects that are left out.
         """
-        steps = self.load_step_errors.items()
-        places = error_envelopes.PLACES
-        return self.omission_error + max((e for name, e in steps if name not in places), default=0)
+        return self.omission_error + max(self.load_step_errors.values(), default=0)
 
     def for_accuracy(self, accuracy: float) -> Plan:
         """The plan whose load steps leave at most 0.25 (LOAD_STEP_SHARE) of a relative accuracy,

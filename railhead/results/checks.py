@@ -19,7 +19,7 @@ from railhead.contact.solid import measured_bodies
 from railhead.half_spaces.pressing import FINE
 from railhead.meshing.bodies import BODY_NAMES
 from railhead.planning import effects
-from railhead.planning.error_envelopes import PLACES, RANGE
+from railhead.planning.error_envelopes import RANGE
 from railhead.planning.forecast import LINEAR_REFINEMENT
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.findings import Frame
@@ -116,7 +116,7 @@ def run(
         checks += physics(solved)
         checks += second_method(elastic, estimates, second)
     unread = solved.result.get("friction", {}).get("below_resolution", ())
-    read = {key: estimates[key] for key in estimates.keys() - {*unread, *PLACES}}
+    read = {key: estimates[key] for key in estimates.keys() - {*unread}}
     more = FINER if solved.plan.scene.accuracy is None else MORE
     checks += useful(solved.plan, read, more)
     checks += accuracy(solved.plan, largest_error(estimates, solved), more)

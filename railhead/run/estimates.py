@@ -14,8 +14,8 @@ The estimate of a quantity is the sum of
     profile       what the noise of measured profiles hides (`planning.error_envelopes`)
 
 Estimates are relative to the value, those of forces by friction to mu N. An accuracy that a scene
-wants is one of sizes and values (`PROMISED`). A place, the depth of the largest shear stress, has
-an estimate, but no accuracy is asked of it.
+wants is one of sizes and values (`PROMISED`). Places, as the depth of the largest shear stress,
+have no estimate: the stress changes little near its largest value.
 """
 
 from __future__ import annotations
@@ -25,13 +25,12 @@ from collections.abc import Mapping, Sequence, Set
 from typing import Any
 
 from railhead.geometry.outlines import head_depth
-from railhead.planning.error_envelopes import PLACES, STEP, Family
+from railhead.planning.error_envelopes import STEP, Family
 from railhead.planning.simulation_plan import Plan
-from railhead.postprocess.findings import RIVAL, Findings
+from railhead.postprocess.findings import Findings
 from railhead.postprocess.friction import MOTION, RISE
 from railhead.run.mesh_solution import MeshSolution
 from railhead.scene.quantities import ESTIMATED, QUANTITIES, SCATTER, numeric_values
-from railhead.theory.elastic.subsurface import max_shear
 from railhead.theory.friction import kalker
 
 # Error over the change between two meshes a step apart; first order leaves 1/(STEP - 1) = 1.67.
@@ -50,7 +49,6 @@ ALWAYS = "mesh", "reading", "contact_law", "left_out", "geometry", "algebraic"
 # pressing, which is half of that ratio, and finite elements differ. Both leave out terms of the
 # order (a/R)^2. Of eight crowned pairs the median was 0.03, the largest 0.045.
 STRAIN = 0.03
-NARROWEST_PEAK = 0.02  # least width of a maximum of the shear stress, over the element size
 STRESSED_WEB = 0.1  # ab over the squared depth of a head, above which the web may be stressed most
 
 
@@ -65,11 +63,10 @@ def totals(parts: Parts) -> dict[str, float]:
 
 
 def largest_error(bound: Mapping[str, float], solved: MeshSolution) -> float:
-    """Largest of the estimates by key, places left out, which is compared with a wanted
-    accuracy; infinite off rank 0, where nothing touches, and where a quantity that the mesh
-    resolves has no estimate.
+    """Largest of the estimates by key, which is compared with a wanted accuracy; infinite off rank
+    0, where nothing touches, and where a quantity that the mesh resolves has no estimate.
     """
-    wanted = set() if solved.result is None else resolved_values(solved).keys() - {*PLACES}
+    wanted = set() if solved.result is None else resolved_values(solved).keys()
     if not wanted or not wanted <= bound.keys():
         return math.inf
     return max(bound[key] for key in wanted)
@@ -109,11 +106,9 @@ def resolved_values(solved: MeshSolution) -> dict[str, float]:
     """Values of the estimated quantities that the mesh resolves, by key of summary.json.
 
     Forces of rolling are over mu N, and a creepage or shift is there where its force is prescribed
-    (`friction_values`). Left out is the depth of the largest shear stress where it is less than one
-    element, the peak is narrower than 0.02 (NARROWEST_PEAK) elements, or bodies yield. Where bodies
-    yield the stress is about the same in the whole region. Left out is also the length of a line
-    contact, which is given, and the largest stresses of a patch so large that they may be in the
-    web of a rail (STRESSED_WEB), whose elements no law was measured with.
+    (`friction_values`). Left out is the length of a line contact, which is given, and the largest
+    stresses of a patch so large that they may be in the web of a rail (STRESSED_WEB), whose
+    elements no law was measured with.
     """
     plan, values = solved.plan, numeric_values(solved.result) | friction_values(solved)
     values.pop(plan.contact.prescribed_length or "", None)
@@ -122,14 +117,6 @@ def resolved_values(solved: MeshSolution) -> dict[str, float]:
         for each in QUANTITIES if share > STRESSED_WEB else ():
             if each.ridge_stress:
                 values.pop(each.key, None)
-    if solved.solution.plasticity is not None:
-        values.pop("tau_max_depth_mm", None)
-    depth = values.get("tau_max_depth_mm")
-    if depth is None or solved.findings is None or solved.result is None:
-        return values
-    flatness = depth * error_scales(solved.findings, solved.result)["tau_max_depth_mm"]
-    if depth < solved.plan.grading.size or flatness < NARROWEST_PEAK * solved.plan.grading.size:
-        del values["tau_max_depth_mm"]
     return values
 
 
@@ -151,47 +138,18 @@ def friction_values(solved: MeshSolution) -> dict[str, float]:
     return values
 
 
-def error_scales(found: Findings, result: Mapping[str, Any]) -> dict[str, float]:
-    """Factors of the discretisation error by key, where they differ from scene to scene. result:
-    "result" of summary.json.
-
-    For the depth of the largest shear stress: half the range of depths in which the shear stress is
-    within 1 % (FLAT) of its maximum, over the depth; infinite at the surface. Empty without
-    stresses.
-    """
-    if not found.largest:
-        return {}
-    body, depth = (result["stress"][f"tau_max_{key}"] for key in ("body", "depth_mm"))
-    axis = found.depth[body]
-    return {
-        "tau_max_depth_mm": axis.flatness(max_shear(axis.stress)) / depth if depth else math.inf
-    }
-
-
-def reading_errors(found: Findings, tolerance: float = RIVAL) -> dict[str, float]:
-    """Relative difference of two ways of reading the same solution, by key.
-
-    For the depth of the largest shear stress: the distance over that depth to other maxima that are
-    lower by less than `tolerance` (relative); infinite at the surface. For the largest stresses:
-    the grid of tractions (`Findings.surface_error`), and, where the patch is not Hertz's, twice
-    (RIDGE_STRESS_FACTOR) the error of the largest pressure.
+def reading_errors(found: Findings) -> dict[str, float]:
+    """Relative difference of two ways of reading the same solution, by key; for the largest
+    stresses the grid of tractions (`Findings.surface_error`), and, where the patch is not Hertz's,
+    twice (RIDGE_STRESS_FACTOR) the error of the largest pressure.
     """
     errors = {key: found.patch.scatter[name] for key, name in SCATTER.items()}
     if not found.largest:
         return errors
-    peaks = {body: each.tau for body, each in found.largest.items()}
-    top = max(peaks.values(), key=lambda peak: peak.value)
-    high = {body: each for body, each in peaks.items() if each.value > (1 - tolerance) * top.value}
-    depths = [depth for peak in high.values() for depth in (peak.depth, *peak.rivals)]
-    apart = max(abs(depth - top.depth) for depth in depths)
-    for body in high.keys() & found.depth.keys():
-        rivals = found.depth[body].rivals(tolerance)
-        apart = max(apart, max(rivals) - min(rivals))
     # The stress below a ridge of the pressure is as uncertain as the ridge.
     ridge = 0.0 if found.hertzian else RIDGE_STRESS_FACTOR * found.patch.scatter["max_pressure"]
     keys = [each.key for each in QUANTITIES if each.ridge_stress]
-    errors |= {key: ridge + found.surface_error.get(key, 0.0) for key in keys}
-    return {**errors, "tau_max_depth_mm": apart / top.depth if top.depth else math.inf}
+    return errors | {key: ridge + found.surface_error.get(key, 0.0) for key in keys}
 
 
 def friction_errors(
@@ -230,19 +188,18 @@ Numbers = Mapping[str, float]
 """Values by key of summary.json."""
 FRICTION_SHARES = {each.key for each in QUANTITIES if each.over_friction_limit}
 """Keys of forces of friction, whose values are over mu N (`friction_values`)."""
-PROMISED = {*ESTIMATED, *FRICTION_SHARES, *MOTION[True], *MOTION[False]} - {*PLACES}
+PROMISED = {*ESTIMATED, *FRICTION_SHARES, *MOTION[True], *MOTION[False]}
 """Keys that are compared with a wanted accuracy: sizes and values, forces, and the motion where a
 force is given."""
 
 
 def mesh_errors(
-    meshes: Sequence[tuple[float, Numbers]], envelopes: Family | None, scale: Numbers
+    meshes: Sequence[tuple[float, Numbers]], envelopes: Family | None
 ) -> tuple[dict[str, float], str]:
     """Mesh part of the errors of the finest mesh by key, and their source in words.
 
     meshes: n (elements per smaller semi-axis) and values by key of each mesh, the finest last.
     envelopes: calibrated error envelopes that hold for the scene, None without.
-    scale: factors of the error by key.
 
     Where no envelope covers the run, or the family has no law of a quantity, the part is twice
     (SCATTER_FACTOR) the larger change between the last three meshes. The earlier change is divided
@@ -258,7 +215,7 @@ def mesh_errors(
         ).format(n, envelopes.name, *envelopes.resolution)
     elif envelopes is not None:
         known = envelopes.laws.keys() & fine.keys()
-        parts = {name: scale.get(name, 1.0) * envelopes.mesh(name, n) for name in known}
+        parts = {name: envelopes.mesh(name, n) for name in known}
         source = f"law of the family {envelopes.name}"
     middle, coarse, *_ = *_steps(n, before), none, none
     for name in fine.keys() & middle.keys() & coarse.keys() - parts.keys():
@@ -345,13 +302,10 @@ def estimate(meshes: Sequence[MeshSolution]) -> tuple[Parts, str]:
         return {}, "the error of the load steps is not known"
     values = [(e.resolution, resolved_values(e)) for e in meshes if e.findings is not None]
     envelopes = solved.family
-    scale = error_scales(solved.findings, solved.result)
-    parts, source = mesh_errors(values, envelopes, scale)
+    parts, source = mesh_errors(values, envelopes)
     soft = solved.plan.scene.solver.method == "penalty"
     overlap = abs(solved.solution.penetration / solved.solution.approach) if soft else 0.0
-    largest = "tau_max_MPa"
-    doubt = 2 * (parts.get(largest, 0.0) + reading_errors(solved.findings).get(largest, 0.0))
-    readings = reading_errors(solved.findings, max(RIVAL, doubt))
+    readings = reading_errors(solved.findings)
     for key in parts.keys() & _of_rigid_bodies(solved):
         parts[key] = max(parts[key], parts.get("max_MPa", math.inf))
         readings[key] += readings["max_MPa"]

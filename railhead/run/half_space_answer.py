@@ -203,7 +203,6 @@ def _with_tractions(solved: HalfSpaceSolution, parts: Parts) -> Parts:
     sheared, found = solved.sheared, solved.findings
     if sheared is None or found is None or solved.result is None:
         return parts
-    parts = {key: of for key, of in parts.items() if key != "tau_max_depth_mm"}
     for key in STRESSES if "stress" in solved.result else ():
         parts[key] = {**parts[key], "tractions": found.surface_error[key]}
     # Tractions of several patches may cancel out, what bodies change of each does not.

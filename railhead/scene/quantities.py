@@ -210,7 +210,7 @@ class StressQuantities:
         compared=True,
     )
     tau_max_depth: float = quantity(
-        "tau_max_depth_mm", "mm", "   its depth", column="tau_max depth", estimated=True
+        "tau_max_depth_mm", "mm", "   its depth", column="tau_max depth"
     )
     tau_max_body: str = quantity("tau_max_body", "", "   its body", column="tau_max body")
     tau_max_place: list[float] = quantity("tau_max_place_mm")

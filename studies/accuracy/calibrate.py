@@ -27,7 +27,7 @@ from mpi4py import MPI
 from railhead.half_spaces.allowance import lever
 from railhead.planning import cost
 from railhead.planning import simulation_plan as planning
-from railhead.planning.error_envelopes import PLACES, TURNED, ErrorEnvelope
+from railhead.planning.error_envelopes import TURNED, ErrorEnvelope
 from railhead.run import estimates, mesh_solution
 from railhead.scene import catalogue
 from railhead.scene.quantities import ESTIMATED, QUANTITIES, numeric_values
@@ -86,8 +86,6 @@ READ_WIDER = {
     ("profiles", "max_MPa"): (1.2, 0.0),
 }
 """The same of reading errors, where scenes of other seeds had larger ones and took two meshes."""
-OF_PLACES = (1.45, 0.0)
-"""The same of places of maxima in all families: they scatter most."""
 
 
 def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Row]:
@@ -95,7 +93,7 @@ def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Row]:
     fails or is not solved.
 
     A row is one quantity on one mesh; error (without what the plan leaves out), reading, overlap:
-    relative; scale: see `estimates.error_scales`.
+    relative.
     """
     records: list[Row] = []
     setting = planning.make(scene).setting
@@ -111,7 +109,6 @@ def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Row]:
             estimates.resolved_values(solved),
             estimates.reading_errors(solved.findings),
         )
-        scale = estimates.error_scales(solved.findings, solved.result or {})
         overlap = abs(solved.solution.penetration / solved.solution.approach)
         records += [
             {
@@ -123,7 +120,6 @@ def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Row]:
                 "error": max(abs(found[key] / value - 1) - solved.plan.omission_error, 0.0),
                 "reading": scatter.get(key, 0.0),
                 "overlap": overlap if scene.solver.method == "penalty" else 0.0,
-                "scale": scale.get(key, 1.0),
             }
             for part in own
             for key, value in exact.items()
@@ -172,17 +168,17 @@ def fit(
     laws, reading, overlap = {}, {}, {}
     own = groups(records, "quantity")
     for key in (each for each in ESTIMATED if each in own):
-        n, error, read, over, scale = (
+        n, error, read, over = (
             np.array([record[field] for record in own[key]])
-            for field in ("n", "error", "reading", "overlap", "scale")
+            for field in ("n", "error", "reading", "overlap")
         )
         overlap[key] = float(error @ over / (over @ over)) if over.any() else 0.0
         rest = np.maximum(error - overlap[key] * over, 0.0)
         rest *= np.minimum(n / 6.0, 1.0) ** COARSER.get(name, {}).get(key, 0.0)
-        usual = middle(n, rest / scale)
+        usual = middle(n, rest)
         least = np.array([CHANCE * usual(each) for each in n])
-        factor, addend = WIDER.get((name, key), OF_PLACES if key in PLACES else (1.0, 0.0))
-        law = envelope(n, np.maximum((rest - read) / scale, least))
+        factor, addend = WIDER.get((name, key), (1.0, 0.0))
+        law = envelope(n, np.maximum(rest - read, least))
         laws[key] = ErrorEnvelope(factor * law.value, law.order + addend)
         usual = middle(n, read)
         factor, addend = READ_WIDER.get((name, key), (1.0, 0.0))
@@ -237,7 +233,7 @@ def measure_load_steps() -> list[dict[str, Any]]:
                 errors[key] = max(errors.get(key, 0.0), HEADROOM * error)
         errors["a_mm"] = errors["b_mm"] = max(errors["a_mm"], errors["b_mm"])
         errors["max_MPa"] = max(errors["max_MPa"], HEADROOM * OTHERS[most])
-        known = {key: round(max(errors[key], 1e-3), 4) for key in ESTIMATED if key not in PLACES}
+        known = {key: round(max(errors[key], 1e-3), 4) for key in ESTIMATED}
         entries.append({"line": line, "overload": most, "errors": known})
     return entries
 

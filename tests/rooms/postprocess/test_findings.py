@@ -20,18 +20,6 @@ def test_parabola_finds_the_maximum_between_samples() -> None:
         assert axis.peak(-((depth - near) ** 2)) == pytest.approx((end, -0.04))
 
 
-def test_two_hills_of_nearly_the_same_shear_are_rivals() -> None:
-    """(s_z - s_x)/2 peaks at 2 mm, (s_z - s_y)/2 0.4 % lower at 4 mm."""
-    depth = np.linspace(0, 8, 201)
-    stress = np.zeros((201, 6))
-    stress[:, 0] = 200 * np.exp(-((depth - 2) ** 2))
-    stress[:, 1] = 199.2 * np.exp(-((depth - 4) ** 2))
-    axis = DepthAxis("rail", depth, stress, DOWN)
-    near, far = axis.rivals(0.001), axis.rivals(0.01)
-    assert (min(near), max(near)) == pytest.approx((2, 2), abs=0.02)
-    assert (min(far), max(far)) == pytest.approx((2, 4), abs=0.02)
-
-
 def test_a_patch_that_is_turned_from_the_first_contact_is_read_in_its_own_plane() -> None:
     """With a first contact 10 mm aside on a plane turned by 40 degrees, as at the root of a flange,
     nothing changes. On that plane the area was cos 40 degrees times its own, and the axis began
