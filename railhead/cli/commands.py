@@ -158,7 +158,7 @@ def run(
     folder = _folder(out, scene.name, "run", scene, force=force)
     planned = planning.make(scene)
     if not process.under_mpi():
-        planned.check_memory(cost.free_memory())
+        planned.price.check_memory(cost.free_memory())
         count = ranks or launch.number_of_processes(planned)
         if count > 1:
             launch.restart(count, arguments)

@@ -270,9 +270,8 @@ def plan(case: str, values: Values) -> dict[str, Any]:
     from railhead.planning import simulation_plan as planning
 
     planned = api.Planned(planning.make(scene_of(case, on_meshes(case, values))))
-    price = (
-        f"{planned.plan.unknowns} unknowns, about {planned.plan.seconds:.1f} s of processor time"
-    )
+    seconds = planned.plan.price.seconds
+    price = f"{planned.plan.unknowns} unknowns, about {seconds:.1f} s of processor time"
     return {"text": str(planned), "price": price}
 
 

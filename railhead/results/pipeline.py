@@ -67,5 +67,5 @@ def _record_speed(levels: list[MeshSolution], taken: float) -> None:
     """
     elastic = all(level.plan.elastic_laws_hold for level in levels)
     if elastic and min(level.unknowns for level in levels) >= cost.LEAST_UNKNOWNS:
-        times = [level.plan.cost_per_unknown.time(level.unknowns) for level in levels]
+        times = [level.plan.price.cost_per_unknown.time(level.unknowns) for level in levels]
         cost.record(taken, sum(times))

@@ -50,7 +50,7 @@ def refine(
         into the memory. In a sequence a finer mesh that does not fit ends it.
     MeshError: gmsh fails.
     """
-    plan.check_memory(comm.bcast(cost.free_memory()))
+    plan.price.check_memory(comm.bcast(cost.free_memory()))
     if plan.scene.one_mesh:
         return [mesh_and_solve(plan, progress, comm)], Ending(ONE_MESH)
     _refuse(plan, progress)
@@ -76,7 +76,7 @@ def refine(
             return meshes, Ending("budget spent" if spent <= limit else over)
         n, covered = comm.bcast(_next(meshes, worst))
         finer = done.plan.at_resolution(n)
-        would_cost = finer.unknowns, finer.mesh_seconds
+        would_cost = finer.unknowns, finer.price.mesh_seconds
         # What gives an estimate was priced beforehand.
         stop = comm.bcast(_obstacle(finer, spent if math.isfinite(worst) else 0.0))
         if not covered:
@@ -134,7 +134,7 @@ def _affordable(plan: Plan) -> float:
     if plan.scene.accuracy is None:
         limit = error_envelopes.STEP * known.resolution[1] if known else error_envelopes.RANGE[1]
     best = n = known.resolution[0] if known else error_envelopes.RANGE[0] * error_envelopes.STEP**2
-    while n <= limit and plan.at_resolution(n).solving_seconds <= budget:
+    while n <= limit and plan.at_resolution(n).price.solving_seconds <= budget:
         best, n = n, 1.05 * n
     return best
 
@@ -159,10 +159,10 @@ def _obstacle(plan: Plan, spent: float) -> str:
     """Reason why the mesh of a plan is not solved (memory, or the budget after `spent` seconds;
     `spent` 0 leaves the budget out); empty if there is none.
     """
-    if not plan.fits(cost.free_memory()):
-        return f"memory: the next mesh needs about {plan.memory / 1e9:.1f} GB"
+    if not plan.price.fits(cost.free_memory()):
+        return f"memory: the next mesh needs about {plan.price.memory / 1e9:.1f} GB"
     limit = plan.scene.budget
-    needed = cost.START + plan.seconds_of_one
+    needed = cost.START + plan.price.seconds_of_one
     if limit is not None and spent and spent + needed > limit:
         return f"budget: the next mesh needs about {needed:.0f} s"
     return ""

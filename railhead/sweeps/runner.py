@@ -79,7 +79,7 @@ def forecast(grid: ParameterGrid, workers: int, progress: Progress) -> dict[str,
     contact problem.
     """
     plans = [*plan_all(grid, progress).values()]
-    seconds = [plan.solving_seconds - cost.START for plan in plans]
+    seconds = [plan.price.solving_seconds - cost.START for plan in plans]
     on = Counter(name for plan in plans for name, effect in plan.effects.items() if effect.on)
     return {
         "combinations": len(plans),

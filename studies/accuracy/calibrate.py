@@ -25,7 +25,7 @@ import numpy as np
 from mpi4py import MPI
 
 from railhead.half_spaces.allowance import lever
-from railhead.planning import cost
+from railhead.planning import cost, decisions
 from railhead.planning import simulation_plan as planning
 from railhead.planning.error_envelopes import TURNED, ErrorEnvelope
 from railhead.run import estimates, mesh_solution
@@ -229,7 +229,7 @@ def measure_load_steps() -> list[dict[str, Any]]:
                 continue
             truth = numeric_values(fine.result)
             for key, value in numeric_values(usual.result).items():
-                error = abs(value / truth[key] - 1) / (1 - MANY**-planning.STEP_ORDER)
+                error = abs(value / truth[key] - 1) / (1 - MANY**-decisions.STEP_ORDER)
                 errors[key] = max(errors.get(key, 0.0), HEADROOM * error)
         errors["a_mm"] = errors["b_mm"] = max(errors["a_mm"], errors["b_mm"])
         errors["max_MPa"] = max(errors["max_MPa"], HEADROOM * OTHERS[most])

@@ -68,7 +68,7 @@ def measure(name: str, scene: Scene, accuracy: float | None) -> list[Row]:
     if accuracy is not None:
         scene = scene.replace([f"accuracy={accuracy!r}"])
     plan = planning.make(scene)
-    predicted = plan.solving_seconds
+    predicted = plan.price.solving_seconds
     start = processor_seconds()
     result = pipeline.run(scene)
     seconds = processor_seconds() - start

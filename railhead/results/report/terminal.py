@@ -112,7 +112,7 @@ def show_plan(plan: Plan, console: Console) -> None:
         table.add_row(name, _state(effect), effect.why)
     console.print(table)
     drawn = ", pictures included" if plan.scene.asks("pictures") else ""
-    seconds = f"{plan.seconds:.1f} s of processor time{drawn}"
+    seconds = f"{plan.price.seconds:.1f} s of processor time{drawn}"
     lines: tuple[str, ...] = (
         f"contact    y = {rounded(contact['y_mm']):.3f} mm, z = {rounded(contact['z_mm']):.3f} mm, "
         f"angle {rounded(math.degrees(contact['angle_rad'])):.3f} deg, relative radii "

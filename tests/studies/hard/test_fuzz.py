@@ -142,7 +142,7 @@ def test_a_plan_is_finite_or_refused_in_one_line(case: str, key: str) -> None:
         except SceneError as error:
             assert len(str(error).splitlines()) == 1
             continue
-        numbers = [made.patch_size, made.reach, made.hertz.p0, *made.zone, made.seconds]
+        numbers = [made.patch_size, made.reach, made.hertz.p0, *made.zone, made.price.seconds]
         assert made.unknowns >= 0 and min(numbers) > 0 and all(map(math.isfinite, numbers))
 
 

@@ -30,7 +30,7 @@ def reference(monkeypatch) -> None:
     ],
 )
 def test_no_run_takes_more_memory_than_predicted(reference, case, keys, megabytes) -> None:
-    predicted = planned(case, *keys).memory / 1e6
+    predicted = planned(case, *keys).price.memory / 1e6
     assert megabytes < predicted < 2 * megabytes
 
 
@@ -61,7 +61,7 @@ def test_no_run_takes_more_memory_than_predicted(reference, case, keys, megabyte
 def test_processor_time_without_pictures_is_predicted_within_a_factor_of_1_5(
     reference, case, keys, seconds
 ) -> None:
-    assert seconds / 1.5 < planned(case, *keys).solving_seconds < 1.5 * seconds
+    assert seconds / 1.5 < planned(case, *keys).price.solving_seconds < 1.5 * seconds
 
 
 @pytest.mark.parametrize(
@@ -76,5 +76,5 @@ def test_processor_time_without_pictures_is_predicted_within_a_factor_of_1_5(
 )
 def test_pictures_are_a_part_of_what_a_run_takes(reference, case, keys, seconds) -> None:
     plan, plain = planned(case, *keys), planned(case, *keys, "quantities=patch,forces")
-    assert seconds / 1.5 < plan.seconds < 1.5 * seconds
-    assert plain.seconds == plain.solving_seconds
+    assert seconds / 1.5 < plan.price.seconds < 1.5 * seconds
+    assert plain.price.seconds == plain.price.solving_seconds

@@ -73,7 +73,7 @@ def test_less_accuracy_never_costs_more(case: str) -> None:
     assert unknowns == sorted(unknowns)
     usual = planning.make(catalogue.find(case))
     assert unknowns[0] < 0.8 * usual.unknowns and unknowns[5] < usual.unknowns
-    for row in plans[5].prices():
+    for row in plans[5].price.prices():
         if row["unknowns"] is not None:
             parts = row["mesh"], row["reading"], row["left_out"], row["profile"]
             assert row["widest"] in quantities.ESTIMATED and sum(parts) <= row["accuracy"]
@@ -318,12 +318,12 @@ def test_a_budget_pays_for_meshes_and_for_the_start_of_the_process() -> None:
     scene = catalogue.find("long_roller").replace(["budget=60s"])
     plan = planning.make(scene)
     left = [
-        refinement._obstacle(plan, 60 - plan.mesh_seconds - start).split(":")[0]
+        refinement._obstacle(plan, 60 - plan.price.mesh_seconds - start).split(":")[0]
         for start in (cost.START - 0.1, cost.START + 0.1)
     ]
     assert left == ["budget", ""]
     rolls = planning.make(scene.replace(["rail.steel=R260", "load=300kN", "rolling.passes=2"]))
-    assert refinement._obstacle(rolls, 60 - rolls.mesh_seconds - 1.4).startswith("budget")
+    assert refinement._obstacle(rolls, 60 - rolls.price.mesh_seconds - 1.4).startswith("budget")
 
 
 def test_a_measured_profile_hides_twice_what_pressure_or_area_changes() -> None:
@@ -345,17 +345,17 @@ def test_a_measured_profile_hides_twice_what_pressure_or_area_changes() -> None:
 def test_seconds_follow_what_runs_took_on_this_machine(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(cost, "cache_file", lambda: tmp_path / "railhead" / "speed.json")
     plan = planning.make(catalogue.find("hertz_ellipse"))
-    shipped = plan.mesh_seconds
+    shipped = plan.price.mesh_seconds
     for slower in (30.0, 2.0):
         cost.record(slower, 1.0)
-        assert plan.mesh_seconds == shipped
+        assert plan.price.mesh_seconds == shipped
     cost.record(2.0, 1.0)
-    assert plan.mesh_seconds == pytest.approx(2 * shipped)
+    assert plan.price.mesh_seconds == pytest.approx(2 * shipped)
     for _ in range(cost.RUNS):
         cost.record(0.5, 1.0)
-    assert plan.mesh_seconds == pytest.approx(0.5 * shipped)
+    assert plan.price.mesh_seconds == pytest.approx(0.5 * shipped)
     cost.cache_file().write_text("broken")
-    assert plan.mesh_seconds == shipped
+    assert plan.price.mesh_seconds == shipped
 
 
 def test_a_finished_run_is_recorded(tmp_path, monkeypatch) -> None:

@@ -129,7 +129,7 @@ def test_a_sweep_is_planned_without_solving(capsys) -> None:
     plans = [rh.plan(rh.find("long_roller").replace(load=load)).plan for load in (50e3, 80e3)]
     numbers = json.loads("{" + found)
     assert numbers["unknowns"] == [each.unknowns for each in plans]
-    assert max(each.solving_seconds for each in plans) <= numbers["seconds"] < 10
+    assert max(each.price.solving_seconds for each in plans) <= numbers["seconds"] < 10
 
 
 def test_lists_stand_as_text_in_columns_and_pictures() -> None:
