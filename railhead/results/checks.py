@@ -380,13 +380,14 @@ def physics(solved: Solved) -> Iterator[Check]:
     bears, and the torque on an axle that turns without one. The pressure is looked at where the
     softer body has at most the modulus of steel.
     """
-    plan, result = solved.plan, solved.result
-    assert result is not None
-    elastic = (solved.elastic_reference or solved).result or result
-    largest = result["pressure"]["max_MPa"]
-    if stress := elastic.get("stress"):
+    plan, found = solved.plan, solved.findings
+    assert found is not None
+    elastic = (solved.elastic_reference or solved).findings or found
+    largest = found.patch.max_pressure
+    if elastic.largest:
         low, high = SHEAR_OVER_PRESSURE
-        ratio = stress["tau_max_MPa"] / elastic["pressure"]["max_MPa"]
+        shear = max(each.tau.value for each in elastic.largest.values())
+        ratio = shear / elastic.patch.max_pressure
         source = "0.266 to 0.488 in Hertz's ellipses, and a quarter more room"
         yield Check(
             name="shear_over_pressure", value=ratio, limit=high, source=source, advice=FINER

@@ -2,7 +2,7 @@
 
 import math
 import resource
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,9 @@ import numpy as np
 from railhead.contact.crossing import Crossing, HeadContact
 from railhead.planning import effects
 from railhead.planning.effects import material, shape
+from railhead.planning.simulation_plan import Plan
 from railhead.postprocess import fatigue, friction, symmetry
+from railhead.postprocess.findings import OnePatch, Patch
 from railhead.postprocess.patch import compare
 from railhead.results import checks
 from railhead.results.result_folder import origin
@@ -214,8 +216,8 @@ def _more(solved: Solved, accuracy: Mapping[str, Any]) -> dict[str, Any]:
     and parts those of "fatigue" are added.
     """
     out: dict[str, Any] = {} if solved.residual_state is None else {"plastic": _plastic(solved)}
-    if solved.result is not None and not solved.plan.contact.half_space:
-        out["side_force_N"] = _side_force(solved, solved.result)
+    if solved.findings is not None and not solved.plan.contact.half_space:
+        out["side_force_N"] = _side_force(solved.plan, solved.findings.patch)
     contact = solved.plan.contact
     if solved.result is not None and isinstance(contact, HeadContact):
         out |= _heads(contact, solved.result, solved.friction)
@@ -253,11 +255,11 @@ def _fatigue(
     "friction" of the result. accuracy: as of `_more`; errors are those of the stresses and of the
     paths.
     """
-    plan, found, result = solved.plan, solved.findings, solved.result
+    plan, found = solved.plan, solved.findings
     line = plan.contact.line and not getattr(plan.hertz, "across", False)
     shifts = solved.friction is not None and not plan.scene.rolling.prescribed
     asked = plan.scene.asks("fatigue") and not shifts and solved.residual_state is None
-    if not (asked and found and result and found.largest and (line or found.patch.each)):
+    if not (asked and found and found.largest and (line or found.patch.each)):
         return {}
     body = found.axis.body
     passes = solved.passes if solved.passes and solved.passes.rows and body == "rail" else None
@@ -287,7 +289,7 @@ def _fatigue(
         for name, limit in given.items()
         if limit
     }
-    pressure, shear = result["pressure"]["max_MPa"], material.shear_yield(plan.context)
+    pressure, shear = found.patch.max_pressure, material.shear_yield(plan.context)
     used = friction.get("traction_coefficient", 0.0)
     index = None if line else damage.subsurface_fatigue_index(pressure, used)
     traction = friction.get("traction_max_MPa", 0.0)
@@ -310,26 +312,27 @@ def _yield(solved: Solved, friction: Mapping[str, Any]) -> dict[str, Any]:
     stresses left are as large as yield). First yield is that of this shape of patch, and its load
     that of these bodies. Empty without a yield stress or stresses, and where nothing touches.
     """
-    context = solved.plan.context
-    elastic, shear = (solved.elastic_reference or solved).result, material.shear_yield(context)
-    if shear is None or not elastic or "stress" not in elastic:
+    context, reference = solved.plan.context, solved.elastic_reference or solved
+    found, shear = reference.findings, material.shear_yield(context)
+    if shear is None or found is None or not found.largest:
         return {}
     keys = "traction_coefficient", "p0_over_k", "first_yield_p0_over_k", "shakedown_limit_p0_over_k"
-    power, ratio = context.contact.load_power, elastic["pressure"]["max_MPa"] / shear
-    each = elastic.get("patches") or [elastic["patch"]]
-    patch = max(each, key=lambda one: one.get("max_MPa", 0.0))
+    power, ratio = context.contact.load_power, found.patch.max_pressure / shear
+    patches: Sequence[OnePatch | Patch] = found.patch.each or [found.patch]
+    patch = max(patches, key=lambda one: one.max_pressure)
     first = ratio / context.over_yield
-    limit = min(damage.ellipse_limit(patch["a_mm"] / patch["b_mm"]), 2 * first)
+    limit = min(damage.ellipse_limit(patch.a / patch.b), 2 * first)
     limit = damage.LINE if context.contact.line else limit
     state = "elastic" if ratio <= first else "shakes down" if ratio <= limit else "ratchets"
-    found = dict(zip(keys, (0.0, ratio, first, limit), strict=True)) | {"shakedown": state}
+    out: dict[str, Any] = dict(zip(keys, (0.0, ratio, first, limit), strict=True))
+    out["shakedown"] = state
     if "p0_over_k" in friction:
-        found |= {key: friction[key] for key in found}
-        found["load_over_first_yield"] = (found[keys[1]] / found[keys[2]]) ** power
+        out |= {key: friction[key] for key in out}
+        out["load_over_first_yield"] = (out[keys[1]] / out[keys[2]]) ** power
     else:
-        found["load_over_first_yield"] = context.overload
-    found["load_over_shakedown"] = (found[keys[1]] / found[keys[3]]) ** power
-    return {**found, "load_N": elastic["load_N"]}
+        out["load_over_first_yield"] = context.overload
+    out["load_over_shakedown"] = (out[keys[1]] / out[keys[3]]) ** power
+    return {**out, "load_N": reference.load}
 
 
 def _leaning(angle: float, lean: float) -> float:
@@ -428,23 +431,22 @@ def _first_yield_error(solved: MeshSolution) -> dict[str, float]:
     return {"load_over_first_yield": change + power * found.misfit}
 
 
-def _side_force(solved: Solved, result: Mapping[str, Any]) -> float:
+def _side_force(plan: Plan, patch: Patch) -> float:
     """Force of the contact pressure on the rail across the track, N, positive to the field side,
     from the angles of the patches; 0 where y = 0 is a plane of symmetry.
     """
-    first = {"contact_angle_rad": solved.plan.contact.touch.angle, "load_share": 1.0}
-    patches = [] if solved.plan.half_y else result["patches"] or [first]
-    sines = sum(each["load_share"] * math.sin(each["contact_angle_rad"]) for each in patches)
-    return float(sines * result["pressure"]["mean_MPa"] * result["patch"]["area_mm2"])
+    angles = [(each.share, each.angle) for each in patch.each] or [(1.0, plan.contact.touch.angle)]
+    sines = 0.0 if plan.half_y else sum(share * math.sin(angle) for share, angle in angles)
+    return sines * patch.mean_pressure * patch.area
 
 
 def _plastic(solved: Solved) -> dict[str, Any]:
     """Entry "plastic" of "result" in summary.json: yield and the state after unloading."""
     scene, residual, elastic = solved.plan.scene, solved.residual_state, solved.elastic_reference
-    assert residual is not None and elastic is not None and elastic.result is not None
+    assert residual is not None and elastic is not None and elastic.findings is not None
     part = scene.rail if residual.body == "rail" else scene.wheel
     shear = part.first_yield / math.sqrt(3)
-    return residual.summary(elastic.result["pressure"]["max_MPa"], shear)
+    return residual.summary(elastic.findings.patch.max_pressure, shear)
 
 
 def exact_quantities(solved: Solved) -> dict[str, Any]:

@@ -185,14 +185,14 @@ def _error_parts(solved: HalfSpaceSolution) -> Parts:
     if not (ends and "stress" in result):
         return parts
     more = added_stress(plan.context.half_spaces, plan.deformable, pressed)
-    top = max(result["patches"], key=lambda each: each["max_MPa"])
-    half = top["b_mm"] * math.cos(top["contact_angle_rad"]) / 2
-    y = top["centre_mm"][1] + half * np.array([-1.0, 0.0, 1.0])
+    top = max(found.patch.each, key=lambda each: each.max_pressure)
+    half = top.b * math.cos(top.angle) / 2
+    y = top.centre[1] + half * np.array([-1.0, 0.0, 1.0])
     profiles = plan.contact.cross_profiles
     curvatures = [np.abs(each.curvature(y - shift)) for _, each, shift in profiles]
     for key in STRESSES:
         parts[key]["faces"] = more / result["stress"][key]
-        parts[key]["curvature"] = CURVED * float(np.nanmax(curvatures)) * top["b_mm"]
+        parts[key]["curvature"] = CURVED * float(np.nanmax(curvatures)) * top.b
     return parts
 
 
