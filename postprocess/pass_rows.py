@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -53,6 +53,7 @@ UNSURE = 5.0  # changes from pass to pass that may be noise, over the noise of a
 
 ELASTIC, SHAKES_DOWN, CYCLES = "elastic", "shakes down", "closed cycles"
 RATCHETS, LIMIT, UNDECIDED = "ratchets", "at the limit", "undecided"
+STILL = ELASTIC, SHAKES_DOWN, CYCLES  # verdicts on a surface that stays where it is
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -118,6 +119,7 @@ class Passes:
     name: of the body and the patch, as "wheel" or "rail, patch 2", if there are several.
     beside: the same passes of further bodies and patches; `converged` and `energy_error` are of all
         together.
+    extrapolated: to many wheels, see `extrapolated`; None: not asked for.
     """
 
     rows: list[dict[str, Any]]
@@ -136,6 +138,7 @@ class Passes:
     reason: str = ""
     name: str = ""
     beside: tuple[Passes, ...] = ()
+    extrapolated: dict[str, Any] | None = None
 
     @property
     def residual_error(self) -> float | None:
@@ -168,10 +171,10 @@ class Passes:
 
     def summary(self) -> dict[str, Any]:
         """Entries of "result" in summary.json: "passes", "passes_verdict", "passes_words",
-        "rate" of passes that ratchet, and "passes_after". The last holds depth, residual stresses
-        and strain below the middle, the surface after the last pass, estimated errors, unknowns
-        and seconds. With other bodies or patches "passes_name" names this one, and "passes_beside"
-        has the same of each other. There must be a pass.
+        "rate" of passes that ratchet, "passes_extrapolated" if asked for, and "passes_after". The
+        last holds depth, residual stresses and strain below the middle, the surface after the last
+        pass, estimated errors, unknowns and seconds. With other bodies or patches "passes_name"
+        names this one, and "passes_beside" has the same of each other. There must be a pass.
         """
         last = self.sections[-1]
         stress, strain = last.below()
@@ -181,6 +184,7 @@ class Passes:
             "passes_verdict": self.verdict,
             "passes_words": self.words,
             **({} if self.rate is None else {"rate": self.rate}),
+            **({"passes_extrapolated": self.extrapolated} if self.extrapolated else {}),
             "passes_after": {
                 "depth_mm": last.depth.tolist(),
                 **{
@@ -330,6 +334,29 @@ def rate(
     found = {name: rows[-1][key] for key, name in RATES.items()}
     most = max(rest)
     return found | {"rule": rule(curve), "estimate": most if math.isfinite(most) else None}
+
+
+def extrapolated(found: Passes, wheels: int) -> Passes:
+    """Passes that are continued to a number of wheels: if they ratchet, each further pass adds what
+    the last one did, at every point. "passes_extrapolated" has "wheels", and either "strain_max",
+    "forward_mm" and their relative "estimate", that of the rate, or the "reason" why there are no
+    such numbers.
+    """
+    estimate, more = (found.rate or {}).get("estimate"), wheels - len(found.rows)
+    out: dict[str, Any] = {"wheels": wheels}
+    if estimate is not None:
+        before, last = (each.strain for each in found.sections[-2:])
+        forward = [row["forward_mm"] for row in found.rows]
+        out["strain_max"] = float((last + more * (last - before)).max())
+        out["forward_mm"] = sum(forward) + more * forward[-1]
+        said = f"strain {out['strain_max']:.2g}, {out['forward_mm']:.2g} mm forward"
+        out["estimate"] = estimate
+        said += f", within {estimate:.1%}, if each adds what the last pass did"
+    elif found.verdict in STILL:
+        out["reason"] = said = f"the surface stays ({found.verdict})"
+    else:
+        out["reason"] = said = f"not extrapolated ({found.verdict}); give more passes"
+    return replace(found, extrapolated=out, words=f"{found.words}; after {wheels} wheels: {said}")
 
 
 def _ratios(values: Sequence[float]) -> list[float]:

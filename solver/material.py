@@ -30,6 +30,7 @@ from railhead.theory.array_types import Array, Index
 ROOT = np.sqrt(2.0 / 3.0)
 NEWTON_STEPS = 100  # most of the return to the yield surface
 RETURN_TOLERANCE = 1e-11  # of its equations, over the trial stress
+ROUGH_TOLERANCE = 1e-7  # the same where no tangent is wanted
 LARGEST_EXPONENT = 30  # of the recall
 SKEW = 1e-9  # of the largest entry of tangents that count as symmetric
 LEAST_SIZE = 1e-14  # of a back stress over its limit, in Newton's method
@@ -126,6 +127,17 @@ class Hardening:
         return self.stress[0]
 
     @cached_property
+    def constants(self) -> tuple[Array, Array, Array]:
+        """Modulus, MPa, and recall of the back stresses (b,), and what takes the norm of each to
+        its von Mises size over its limit C/g. Prager's part is one where it has one modulus.
+        """
+        moves = self.kinematic and len(self.strain) == 1
+        prager = self.kinematic * self.final_hardening_modulus if moves else 0.0
+        modulus = np.array([each.modulus for each in self.backstresses] or [prager])
+        recall = np.array([each.recall for each in self.backstresses] or [0.0])
+        return modulus, recall, np.sqrt(1.5) * recall / np.maximum(modulus, 1e-300)
+
+    @cached_property
     def segments(self) -> tuple[Array, Array, Array]:
         """Plastic strain and stress (MPa) of the points (k,), and the slope after each, MPa."""
         strain, stress = np.array(self.strain), np.array(self.stress)
@@ -133,17 +145,19 @@ class Hardening:
         return strain, stress, slopes
 
     def stress_and_slope(self, plastic: Array) -> tuple[Array, Array]:
-        """Stress of the curve and its slope (n,), MPa, at equivalent plastic strains (n,)."""
+        """Stress of the curve (n,) and its slope (n,), or (,) where it is one, MPa, at equivalent
+        plastic strains (n,).
+        """
         if len(self.strain) == 1:
-            slope = self.final_hardening_modulus
-            return self.stress[0] + slope * plastic, np.full_like(plastic, slope)
+            slope = np.asarray(self.final_hardening_modulus)
+            return self.stress[0] + slope * plastic, slope
         strain, stress, slopes = self.segments
         segment = np.searchsorted(strain, plastic, side="right") - 1
         return stress[segment] + slopes[segment] * (plastic - strain[segment]), slopes[segment]
 
     def radius(self, plastic: Array) -> tuple[Array, Array]:
-        """Stress kappa, sqrt(3/2) times the radius of the yield surface, and its slope (n,), MPa,
-        at equivalent plastic strains (n,).
+        """Stress kappa (n,), sqrt(3/2) times the radius of the yield surface, and its slope (n,),
+        or (,) where it is one, MPa, at equivalent plastic strains (n,).
         """
         curve, slope = self.stress_and_slope(plastic)
         share, (most, rate) = 1 - self.kinematic, self.isotropic
@@ -181,7 +195,8 @@ class History:
 
     def at(self, points: Index) -> History:
         """State of the points with the given numbers (k,), a copy."""
-        return History(*(getattr(self, each.name)[points] for each in fields(self)))
+        parts = self.plastic, self.back, self.equivalent, self.ahead, self.equivalent_ahead
+        return History(*(each[points] for each in parts))
 
     def put(self, points: Index, state: History) -> None:
         """Replace the state of the points with the given numbers (k,); further back stresses of
@@ -195,20 +210,24 @@ class History:
     def excess(self, elastic: Array, hardening: Hardening) -> Array:
         """Yield function (n,), MPa, of deviatoric stresses (n, m): positive where they yield."""
         radius = ROOT * hardening.radius(self.equivalent)[0]
-        return np.asarray(np.linalg.norm(elastic - self.back.sum(axis=1), axis=1) - radius)
+        return np.asarray(_norm(elastic - self.back.sum(axis=1)) - radius)
 
-    def extrapolated(self, earlier: History, factor: float | Array, points: Index) -> History:
-        """This state, whose plastic strains move on by `factor`, one or (k,), times their change
-        since an earlier one at the points with the given numbers (k,). Back stresses follow in
-        `radial_return`.
+    def run_ahead(self, factor: Array, plastic: Array, equivalent: Array) -> None:
+        """Move plastic strains on by factors (n,) of their last changes (n, m) and (n,). Back
+        stresses follow in `radial_return`.
         """
-        out = self.at(np.arange(len(self.plastic)))
-        factor = np.asarray(factor)
-        out.ahead[points] = factor[..., None] * (self.plastic[points] - earlier.plastic[points])
-        more = self.equivalent[points] - earlier.equivalent[points]
-        out.equivalent_ahead[points] = factor * more
-        out.plastic[points] += out.ahead[points]
-        out.equivalent[points] += out.equivalent_ahead[points]
+        self.ahead[:], self.equivalent_ahead[:] = factor[:, None] * plastic, factor * equivalent
+        self.plastic[:] += self.ahead
+        self.equivalent[:] += self.equivalent_ahead
+
+    def extrapolated(self, earlier: History, factor: float, points: Index) -> History:
+        """This state, run ahead by `factor` times its change since an earlier one at the points
+        with the given numbers (k,).
+        """
+        out, factors = self.at(np.arange(len(self.plastic))), np.zeros(len(self.plastic))
+        factors[points] = factor
+        changes = self.plastic - earlier.plastic, self.equivalent - earlier.equivalent
+        out.run_ahead(factors, *changes)
         return out
 
 
@@ -250,6 +269,11 @@ class TangentReduction:
         return np.asarray((self.matrix @ strain[..., None])[..., 0])
 
 
+def _norm(tensors: Array) -> Array:
+    """Norm (...,) of tensors (..., m)."""
+    return np.asarray(np.sqrt(np.einsum("...m,...m->...", tensors, tensors)))
+
+
 def deviator(tensors: Array) -> Array:
     """Deviatoric part (..., m) of tensors (..., m) in Mandel's notation, whose first three
     components are the normal ones.
@@ -280,13 +304,9 @@ class _Return:
 
     def __post_init__(self) -> None:
         """Constants of the back stresses (b,), and the state without growth."""
-        law, parts = self.hardening, self.hardening.backstresses
+        law = self.hardening
         self.bent = law.kinematic > 0 and len(law.strain) > 1  # else Prager's part has one modulus
-        moves = law.kinematic and not self.bent
-        prager = law.kinematic * law.final_hardening_modulus if moves else 0.0
-        self.modulus = np.array([each.modulus for each in parts] or [prager])
-        self.recall = np.array([each.recall for each in parts] or [0.0])
-        self.scale = np.sqrt(1.5) * self.recall / np.maximum(self.modulus, 1e-300)
+        self.modulus, self.recall, self.scale = law.constants
         self.growth = np.zeros(len(self.mu))
         self.size = np.full(self.before.back.shape[:2], LEAST_SIZE)
         if law.recall_exponent:
@@ -294,7 +314,7 @@ class _Return:
 
     def sizes(self, back: Array) -> Array:
         """von Mises sizes (k, b) of back stresses (k, b, m) over their limits C/g."""
-        return np.asarray(self.scale * np.linalg.norm(back, axis=2))
+        return np.asarray(self.scale * _norm(back))
 
     def evaluate(self) -> None:
         """Back stresses, direction, residuals (k, u) of the u unknowns, and what `derivatives`
@@ -321,7 +341,7 @@ class _Return:
             self.gain = self.gain + 2 / 3 * self.moved[:, None] / self.step
         fixed = self.kept[..., None] * before.back + self.gain[..., None] * before.ahead[:, None]
         across = self.elastic - fixed.sum(axis=1)
-        self.norm = np.maximum(np.linalg.norm(across, axis=1), 1e-300)
+        self.norm = np.maximum(_norm(across), 1e-300)
         self.normal = across / self.norm[:, None]
         self.strain = before.ahead + self.growth[:, None] * self.normal / ROOT
         self.back = self.kept[..., None] * before.back + self.gain[..., None] * self.strain[:, None]
@@ -357,7 +377,7 @@ class _Return:
         jacobian[:, 0, 0] -= 2 * self.mu / ROOT + ROOT * self.radius_slope
         if chi:
             unit = self.scale[:, None] * self.back
-            unit = unit / np.maximum(np.linalg.norm(self.back, axis=2), 1e-300)[..., None]
+            unit = unit / np.maximum(_norm(self.back), 1e-300)[..., None]
             turned = (self.gain * self.growth[:, None] / ROOT / self.norm[:, None])[..., None]
             turned = turned * self.across(unit)
             rows = np.einsum("kbm,kum->kbu", turned, total)
@@ -373,17 +393,21 @@ class _Return:
         along = np.einsum("kum,km->ku", tensors, self.normal)
         return np.asarray(tensors - along[..., None] * self.normal[:, None])
 
-    def solve(self, excess: Array) -> None:
-        """Newton's method from no growth, where the first equation has the value `excess` (k,); at
-        points where a step would enlarge the residual it is shortened. Raises ValueError where it
-        does not converge.
+    def solve(self, excess: Array, tolerance: float) -> None:
+        """Newton's method from no growth, where the first equation has the value `excess` (k,), to
+        a tolerance over the trial stress; at points where a step would enlarge the residual it is
+        shortened. Raises ValueError where it does not converge.
         """
         chi, before = self.hardening.recall_exponent, self.before
         units = np.ones((len(excess), 1 + (len(self.recall) if chi else 0)))
         units[:, 0] = excess + self.hardening.initial_yield_stress
         limit = np.maximum(2 ** (1 / (1 + chi)), self.size)  # as the end weighs a half
         slope = self.hardening.radius(before.equivalent)[1]
+        back = before.back.sum(axis=1)
+        way = self.elastic - back
+        recalled = np.einsum("km,kbm,b->k", way, before.back, self.recall) / _norm(way)
         stiff = 2 * self.mu / ROOT + ROOT * (slope + self.modulus.sum())
+        stiff = np.maximum(stiff - recalled, self.mu)
         now = np.column_stack([excess / stiff, self.size])[:, : units.shape[1]]
         least, most = np.full_like(now, LEAST_SIZE), np.full_like(now, np.inf)
         least[:, 0], most[:, 1:] = -before.equivalent_ahead, limit[:, : now.shape[1] - 1]
@@ -395,10 +419,10 @@ class _Return:
                 self.size = now[:, 1:]
             self.evaluate()
             wrong = np.abs(self.residual / units)
-            done = (wrong < RETURN_TOLERANCE).all(axis=1, keepdims=True)
+            done = (wrong < tolerance).all(axis=1, keepdims=True)
             if done.all():
                 return
-            left = np.linalg.norm(wrong, axis=1)[:, None]
+            left = _norm(wrong)[:, None]
             better = (left < smallest) | done
             share = np.where(better, 1.0, share / 4)
             start, smallest = np.where(better, now, start), np.minimum(left, smallest)
@@ -409,7 +433,7 @@ class _Return:
                 else self.residual / jacobian[:, 0]
             )
             change = np.where(done, 0.0, np.where(better, step, change))
-            now = np.clip(start - share * change, least, most)
+            now = np.minimum(np.maximum(start - share * change, least), most)
         raise ValueError("the return to the yield surface does not converge")
 
     def reduction(self) -> Array:
@@ -453,7 +477,7 @@ def radial_return(
         return after, TangentReduction.none(strain.shape[1])
     at = before.at(yielding)
     found = _Return(hardening.at(yielding), mu[yielding], elastic[yielding], at)
-    found.solve(excess[yielding])
+    found.solve(excess[yielding], RETURN_TOLERANCE if tangent else ROUGH_TOLERANCE)
     after.plastic[yielding] += found.strain - at.ahead
     after.back[yielding], after.equivalent[yielding] = found.back, found.plastic
     if not tangent:

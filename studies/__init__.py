@@ -46,6 +46,10 @@ STUDIES = {
         "studies.mechanics.load_sweep",
         "loads from 1 to 150 kN on one mesh against Hertz's power laws (thesis, figures 6.8-6.10)",
     ),
+    "pass_bounds": (
+        "studies.accuracy.pass_bounds",
+        "estimates of passes against twice the elements, 16 random lines",
+    ),
     "passes": (
         "studies.mechanics.passes",
         "the thesis's rail run in over 20 passes under 22.5 t, and the map of shakedown verdicts",

@@ -23,6 +23,7 @@ from railhead.planning.error_envelopes import RANGE
 from railhead.planning.forecast import LINEAR_REFINEMENT
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.findings import Frame
+from railhead.postprocess.pass_rows import STILL
 from railhead.run.estimates import largest_bound, largest_error, resolved_values
 from railhead.run.half_space_answer import HalfSpaceSolution, Solved
 from railhead.run.mesh_solution import MeshSolution
@@ -146,7 +147,8 @@ def passes(solved: Solved) -> Iterator[Check]:
     """Checks of the passes of a wheel over a rail that yields: each met the tolerance of its fixed
     point, and nothing yields at the rim of the region where yield is followed. Where the pressure
     follows from the rail, the resistance to rolling is what yield takes: plastic work, and the
-    elastic energy that residual stresses keep. None without passes.
+    elastic energy that residual stresses keep. Where many wheels are asked for, the passes are
+    steady. None without passes.
     """
     found = solved.passes
     if found is None:
@@ -174,6 +176,18 @@ def passes(solved: Solved) -> Iterator[Check]:
             limit=ENERGY_LIMIT,
             source="resistance of the leaning pressure, over plastic work and elastic energy kept",
             advice="give a smaller mesh.patch_size",
+        )
+    if found.extrapolated:
+        unsteady = [
+            each.verdict not in STILL and "reason" in (each.extrapolated or ())
+            for each in (found, *found.beside)
+        ]
+        yield Check(
+            name="passes_steady",
+            value=float(sum(unsteady)),
+            limit=0.0,
+            source="bodies whose passes are not steady enough for rolling.wheels",
+            advice="give more rolling.passes, or leave rolling.wheels out",
         )
 
 

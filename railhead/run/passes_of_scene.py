@@ -31,6 +31,7 @@ from railhead.postprocess.pass_rows import (
     UNDECIDED,
     Passes,
     RailState,
+    extrapolated,
     rail_state,
     rate,
     row,
@@ -112,12 +113,14 @@ def solve_passes(solved: Solved, progress: Progress) -> Passes:
         if scene.accuracy is not None or any(each.rate is not None for each in found):
             progress.stage("passes on a coarser block")
             pairs = zip(found, rolled(COARSER, lambda name: None), strict=True)
-            found = [_estimated(*pair, asked=scene.accuracy is not None) for pair in pairs]
+            found = [estimated(*pair, asked=scene.accuracy is not None) for pair in pairs]
     except ValueError as error:
         return Passes(rows=[], verdict="", reason=" ".join(str(error).split()))
     grooves = {}
     for k, (number, body) in enumerate(places):
         found[k] = within_melan_s_limit(found[k], context, body)
+        if scene.rolling.wheels:
+            found[k] = extrapolated(found[k], scene.rolling.wheels)
         if body is scene.rail:
             grooves[number] = found[k].sections[-1]
         if len(places) > 1:
@@ -128,7 +131,7 @@ def solve_passes(solved: Solved, progress: Progress) -> Passes:
     return replace(found[0], profile=profile, seconds=seconds, beside=tuple(found[1:]))
 
 
-def _estimated(found: Passes, coarse: Passes, *, asked: bool) -> Passes:
+def estimated(found: Passes, coarse: Passes, *, asked: bool) -> Passes:
     """Passes with estimates from the same on a coarser block; asked: also of values other than the
     rate. Richardson: errors fall with the size at least.
     """

@@ -344,6 +344,7 @@ class Rolling(Section):
     passes: how often the wheel rolls over a rail that yields, 1 to 1000; None: not simulated.
     pressure: beside passes, "contact": the pressure follows from the rail as the passes leave it;
         "hertz": the elastic pressure is kept.
+    wheels: number of wheels to which passes that ratchet steadily are extrapolated; None: not.
     """
 
     from_wheelset: bool = False
@@ -356,12 +357,14 @@ class Rolling(Section):
     speed: units.Speed | None = None
     passes: Annotated[int, Range(units.NUMBER, 1, 1000, whole=True)] | None = None
     pressure: Literal["contact", "hertz"] = "contact"
+    wheels: Annotated[int, Range(units.NUMBER, 2, 10_000_000, whole=True)] | None = None
 
     @model_validator(mode="after")
     def _one_of_each(self) -> Self:
         """Raise SceneError for a creepage and a force in one direction, for a key that
         from_wheelset gives, for an axle without from_wheelset, for a force along on an axle without
-        torque, for a speed without rolling, and for a pressure without passes.
+        torque, for a speed without rolling, for a pressure without passes, and for wheels that are
+        not more than the passes.
         """
         along = None not in (self.creepage_along, self.force_along)
         across = None not in (self.creepage_across, self.force_across)
@@ -392,6 +395,11 @@ class Rolling(Section):
                 self.pressure != "contact" and self.passes is None,
                 "pressure",
                 f"{self.pressure} is not allowed without passes",
+            ),
+            (
+                self.wheels is not None and self.wheels <= (self.passes or self.wheels),
+                "wheels",
+                f"{self.wheels} is not allowed; give passes, and more wheels than passes",
             ),
         )
         return self

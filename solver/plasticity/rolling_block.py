@@ -376,24 +376,20 @@ def follow(
     of a step is taken from the last one, so that nothing jumps where yield ends. Without back
     stresses it follows by backward Euler.
     """
-    plastic, state, earlier = np.empty_like(strain), incoming, incoming
-    steps = -np.diff(x)
+    plastic, state = np.empty_like(strain), incoming.at(np.arange(len(mu)))
+    equivalent, steps, second = np.empty(strain.shape[:2]), -np.diff(x), hardening.backstresses
     for column, each in enumerate(strain):
-        now, elastic = state, 2 * mu[:, None] * (each - state.plastic)
-        excess = state.excess(elastic, hardening)
+        excess = state.excess(2 * mu[:, None] * (each - state.plastic), hardening)
         yields = np.flatnonzero(excess > 0)
         if len(yields):
-            start, then = now.at(yields), earlier.at(yields)
-            last = start.equivalent - then.equivalent
-            on = np.flatnonzero(last > 0)
-            if hardening.backstresses and column > 1 and len(on):
+            start = state.at(yields)
+            if second and column > 1:
                 ratio = steps[column - 1] / steps[column - 2]
-                likely = excess[yields][on] / (np.sqrt(6) * mu[yields][on])
-                factor = np.minimum(ratio**2 / (1 + 2 * ratio), MOST_AHEAD * likely / last[on])
-                start = start.extrapolated(then, factor, on)
+                last = start.equivalent - equivalent[column - 2, yields]
+                likely = MOST_AHEAD * excess[yields] / (np.sqrt(6) * mu[yields])
+                factor = np.minimum(ratio**2 / (1 + 2 * ratio), likely / np.maximum(last, 1e-300))
+                start.run_ahead(factor, start.plastic - plastic[column - 2, yields], last)
             after, _ = radial_return(each[yields], mu[yields], start, hardening, tangent=False)
-            state = now.at(np.arange(len(mu)))
             state.put(yields, after)
-        earlier = now
-        plastic[column] = state.plastic
+        plastic[column], equivalent[column] = state.plastic, state.equivalent
     return plastic, state

@@ -29,6 +29,7 @@ QUICK = {
         {"passes_axle.csv", "passes_map.csv", "passes_study.png"},
         "on the right side of the limit at all 2 places",
     ),
+    "pass-bounds": ({"pass_bounds.csv"}, "1 random lines that roll 5 times"),
     "profiles": ({"profiles.csv"}, "54E1 crown 1 mm"),
     "speed": ({"speed.csv", "speed_commands.csv"}, "a creep force on 24 x 24 cells"),
     "thesis": (

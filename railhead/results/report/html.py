@@ -66,6 +66,7 @@ CHECKS = {
     "passes_converged": "every pass converged",
     "passes_rim": "no yield at the rim of the region where it is followed",
     "passes_energy": "resistance to rolling against plastic work",
+    "passes_steady": "passes steady enough for many wheels",
 }
 PACKAGES = (
     "fenics-dolfinx",

@@ -7,7 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from railhead.postprocess.pass_rows import Passes, RailState, rail_state, rate, verdict, words
+from railhead.postprocess.pass_rows import (
+    Passes,
+    RailState,
+    extrapolated,
+    rail_state,
+    rate,
+    verdict,
+    words,
+)
 from railhead.solver.material import Hardening, Material
 from railhead.solver.plasticity.block import Block
 from railhead.solver.plasticity.rolling_block import RollingBlock
@@ -179,3 +187,26 @@ def test_a_rate_has_the_name_of_its_rule_and_what_later_passes_may_add():
     assert found["estimate"] == pytest.approx(1.0)  # 0.05 + 0.025 + ... of 0.1
     grows = [row | {"forward_mm": each} for row, each in zip(rows, (0.1, 0.2, 0.4), strict=True)]
     assert rate(grows, 1e-7, 1.0, law)["estimate"] is None
+
+
+def test_passes_that_ratchet_go_on_to_many_wheels_and_others_say_why_not():
+    """Strain at each point, forward displacement, and the error of the rate."""
+    strain = [np.array([[0.03, 0.02]]), np.array([[0.031, 0.022]])]
+    empty = dict.fromkeys(("y", "depth", "stress", "across", "up"), np.zeros(1))
+    sections = [RailState(strain=each, **empty) for each in strain]
+    rows = [{"forward_mm": each} for each in (0.5, 0.2, 0.1)]
+    found = Passes(
+        rows=rows, verdict="ratchets", rate={"estimate": 0.04}, sections=sections, words="ratchets"
+    )
+    many = extrapolated(found, 103)
+    assert many.extrapolated == {
+        "wheels": 103,
+        "strain_max": pytest.approx(0.222),
+        "forward_mm": pytest.approx(0.8 + 10),
+        "estimate": 0.04,
+    }
+    assert many.words.endswith("within 4.0%, if each adds what the last pass did")
+    for verdict_, said in (("undecided", "not extrapolated"), ("shakes down", "the surface stays")):
+        other = extrapolated(replace(found, verdict=verdict_, rate=None), 103)
+        assert other.extrapolated.keys() == {"wheels", "reason"}
+        assert said in other.words
