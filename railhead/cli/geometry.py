@@ -31,7 +31,8 @@ from railhead.geometry.wheelset import (
 from railhead.postprocess.findings import BASE_UNITS, Drawing, Subject, Units
 from railhead.results.report import terminal
 from railhead.scene.catalogue import as_path, portable
-from railhead.scene.scene import Scene, SceneError, assigned, checked
+from railhead.scene.keys import assigned
+from railhead.scene.scene import Scene, SceneError, checked
 from railhead.sweeps.grid import ParameterGrid
 from railhead.theory.array_types import Array
 

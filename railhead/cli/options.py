@@ -10,15 +10,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from railhead.scene import catalogue
+from railhead.scene.keys import OTHER_NAMES, assignment, dotted
 from railhead.scene.quantities import GROUPS
-from railhead.scene.scene import (
-    OTHER_NAMES,
-    Effects,
-    Scene,
-    SceneError,
-    assignment,
-    dotted,
-)
+from railhead.scene.scene import Effects, Scene, SceneError
 from railhead.scene.sections import refuse_first
 
 if TYPE_CHECKING:

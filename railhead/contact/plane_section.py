@@ -22,13 +22,8 @@ from railhead.geometry import outlines, profiles
 from railhead.geometry.placement import ProfilePair, parabolic_contact, upright
 from railhead.geometry.profiles import Profile
 from railhead.meshing.bodies import RAIL, WHEEL, Body
-from railhead.scene.scene import (
-    NOMINAL_RADIUS,
-    Scene,
-    SceneError,
-    refuse_unused,
-    set_but_unused,
-)
+from railhead.scene.keys import refuse_unused, set_but_unused
+from railhead.scene.scene import NOMINAL_RADIUS, Scene, SceneError
 from railhead.theory.elastic import line
 from railhead.theory.elastic.line import Hertz, LineContact
 

@@ -8,7 +8,7 @@ from typing import Any
 from railhead.postprocess.findings import NO_DEPTH, Units, brief
 from railhead.postprocess.pass_rows import PASS_COLUMNS, PASS_ERRORS
 from railhead.scene import quantities
-from railhead.scene.scene import dotted
+from railhead.scene.keys import dotted
 
 Cell = float | str | None
 Row = dict[str, Cell]

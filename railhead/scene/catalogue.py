@@ -14,7 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from railhead.geometry.measured import EXTENSIONS
-from railhead.scene.scene import MAX_NAME_BYTES, Scene, SceneError, file_entries
+from railhead.scene.keys import file_entries
+from railhead.scene.scene import MAX_NAME_BYTES, Scene, SceneError
 from railhead.scene.units import show
 
 

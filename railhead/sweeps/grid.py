@@ -15,7 +15,8 @@ from math import prod
 from pathlib import Path
 
 from railhead.geometry.tables import lines_of
-from railhead.scene.scene import Scene, SceneError, assignment, checked, unit
+from railhead.scene.keys import assignment
+from railhead.scene.scene import Scene, SceneError, checked, unit
 from railhead.scene.sections import refuse_first
 from railhead.sweeps.sampling import NUMBER, Law, check_units, draw, law
 

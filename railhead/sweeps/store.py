@@ -13,7 +13,8 @@ from typing import Any, Literal
 
 from railhead.results import result_folder
 from railhead.scene.catalogue import INPUT
-from railhead.scene.scene import SceneError, dotted
+from railhead.scene.keys import dotted
+from railhead.scene.scene import SceneError
 from railhead.theory import array_types
 from railhead.theory.array_types import Array, packed
 

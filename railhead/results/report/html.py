@@ -17,7 +17,8 @@ from railhead.results.checks import SECOND
 from railhead.results.report import terminal
 from railhead.run.half_space_answer import Solved
 from railhead.scene.catalogue import portable
-from railhead.scene.scene import Scene, dotted
+from railhead.scene.keys import dotted
+from railhead.scene.scene import Scene
 
 NAME = "report.html"
 CAPTIONS = {

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from one_line import refusal
 
 from railhead.scene.catalogue import portable, read_scene
-from railhead.scene.scene import HALF_SPACE, Effects, Scene, SceneError, without_keys
+from railhead.scene.keys import HALF_SPACE, without_keys
+from railhead.scene.scene import Effects, Scene, SceneError
 
 reusing_the_folder = settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 

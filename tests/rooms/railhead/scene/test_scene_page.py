@@ -6,7 +6,8 @@ from pathlib import Path
 from pydantic_core import PydanticUndefined
 
 from railhead.scene.bodies import Surface
-from railhead.scene.scene import Scene, dotted
+from railhead.scene.keys import dotted
+from railhead.scene.scene import Scene
 
 PAGE = Path(__file__).parents[4] / "docs" / "scene.md"
 

@@ -13,8 +13,7 @@ from railhead.contact.plane_section import SectionContact
 from railhead.meshing.bodies import RAIL
 from railhead.planning import simulation_plan
 from railhead.run import model_setup
-from railhead.scene import catalogue
-from railhead.scene import scene as scenes
+from railhead.scene import catalogue, keys
 from railhead.scene.scene import Scene, SceneError
 
 BALL = {"rail": {"profile": "arc", "crown_radius": math.inf},
@@ -115,7 +114,7 @@ def test_a_key_is_used_or_refused(name: str, key: str) -> None:
         found = solved(simulation_plan.make(scene(name, **{key: KEYS[key]})))
     except SceneError as error:
         (line,) = str(error).splitlines()
-        if name != "axisymmetric" and key in scenes.UNUSED_KEYS.get(name, ("", ()))[1]:
+        if name != "axisymmetric" and key in keys.UNUSED_KEYS.get(name, ("", ()))[1]:
             value = KEYS[key]["kind"] if key.endswith("surface") else KEYS[key]
             assert line.startswith(f"{key}: {value!r} is not allowed")
         assert key.split(".")[1].split("_")[0] in line  # by this rule or by another one
@@ -136,7 +135,7 @@ def test_shipped_cases_stay_valid_between_half_spaces_too(name: str) -> None:
     if name == "s1002_60e1":
         return
     half = case.replace(["rail.extent=half-space"])
-    assert scenes.set_but_unused(half, half._half_space) == []
+    assert keys.set_but_unused(half, half._half_space) == []
     assert half.replace(["rail.extent=half-space"]) == half
 
 
