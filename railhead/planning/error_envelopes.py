@@ -66,6 +66,19 @@ class ErrorEnvelope:
 
 NONE = ErrorEnvelope(0.0, 1.0)
 """Of what has no error."""
+
+
+def widest(one: ErrorEnvelope, other: ErrorEnvelope, ends: Sequence[float]) -> ErrorEnvelope:
+    """Law without a floor above both between the ends of a range of n: the larger one, or where
+    they cross the power of n through the larger values at both ends (in logarithms all are lines).
+    """
+    first, last = (max(one, other, key=lambda law: law(n)) for n in ends)
+    if first is last:
+        return first
+    order = math.log(first(ends[0]) / last(ends[1])) / math.log(ends[1] / ends[0])
+    return ErrorEnvelope(first(ends[0]) * (ends[0] / 6.0) ** order, order)
+
+
 NEARLY_ELLIPTIC = {
     "a_mm": ErrorEnvelope(2.3e-3, 2.0),
     "b_mm": ErrorEnvelope(2.3e-3, 2.0),
@@ -73,6 +86,17 @@ NEARLY_ELLIPTIC = {
     "max_MPa": ErrorEnvelope(2.4e-3, 2.0),
 }
 """Reading errors of half lengths that fourth moments correct (`postprocess.patch`), by key."""
+
+
+def holds(where: Mapping[str, Sequence[Any]], setting: Mapping[str, Any]) -> bool:
+    """Whether every value of a setting (`Plan.setting`) lies within what was calibrated
+    (`Family.where`)."""
+    return all(
+        where[name][0] <= value <= where[name][1]
+        if isinstance(value, float)
+        else value in where[name]
+        for name, value in setting.items()
+    )
 
 
 @dataclass(frozen=True)
@@ -101,15 +125,6 @@ class Family:
     overlap: Mapping[str, float]
     beyond: Mapping[str, float] = field(default_factory=dict)
     coarser: Mapping[str, float] = field(default_factory=dict)
-
-    def holds(self, setting: Mapping[str, Any]) -> bool:
-        """Whether every value of the setting lies within what was calibrated."""
-        return all(
-            self.where[name][0] <= value <= self.where[name][1]
-            if isinstance(value, float)
-            else value in self.where[name]
-            for name, value in setting.items()
-        )
 
     def mesh(self, name: str, n: float) -> float:
         """Envelope of the relative mesh error of a quantity, at n elements per smaller semi-
@@ -202,30 +217,33 @@ def families() -> tuple[Family, ...]:
 def family(setting: Mapping[str, Any], *, parabolic: bool, friction: bool = False) -> Family | None:
     """The family that the setting (`Plan.setting`) lies in, turned for a width across the rail;
     None where no family was calibrated for the setting. friction: whether lines of like bodies rub,
-    which adds laws of their forces over mu N and motions, and widens those of stresses.
+    which adds laws of their forces over mu N and motions, and widens those of stresses; measured up
+    to a Poisson's ratio of 0.4.
 
     The approach depends on distant elements, whatever the contact law: the envelope of a family of
     both shapes is not below that of the same shape with the default law (USUAL). Reading errors of
     nearly elliptic patches of bodies are not below NEARLY_ELLIPTIC where the gap is no parabola
     (`Plan.parabolic`).
     """
-    found = next((each for each in families() if each.holds(setting)), None)
+    found = next((each for each in families() if holds(each.where, setting)), None)
     usual = next((each for each in families() if each.name == USUAL.get(setting["shape"])), None)
     if found and usual and len(found.where["shape"]) > 1:
         laws = (each.laws["approach_mm"] for each in (found, usual))
-        widest = max(laws, key=lambda law: law.value)
-        found = replace(found, laws={**found.laws, "approach_mm": widest})
+        approach = widest(*laws, found.resolution)
+        found = replace(found, laws={**found.laws, "approach_mm": approach})
     fourth = setting["shape"] == "bodies" and setting["ellipse"] and not setting["overload"]
     if found and fourth and not parabolic:
         reading = {
-            name: max(law, NEARLY_ELLIPTIC.get(name, law), key=lambda each: each.value)
+            name: widest(law, NEARLY_ELLIPTIC.get(name, law), found.resolution)
             for name, law in found.reading.items()
         }
         found = replace(found, reading=reading)
     if found and friction:
         known, wider = _laws()["friction"], dict(found.laws)
+        if not holds(known["where"], setting):
+            return None
         for key, law in known["laws"].items():
-            wider[key] = max(ErrorEnvelope(*law), wider.get(key, NONE), key=lambda each: each(6.0))
+            wider[key] = widest(ErrorEnvelope(*law), wider.get(key, NONE), known["resolution"])
         read = ErrorEnvelope(*known["reading"])  # of the largest stresses, which do not converge
         reading = dict.fromkeys(wider, NONE) | {**found.reading}
         reading |= {key: read for key in known["laws"] if key in found.reading}

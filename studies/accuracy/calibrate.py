@@ -27,7 +27,7 @@ from mpi4py import MPI
 from railhead.half_spaces.allowance import lever
 from railhead.planning import cost, decisions
 from railhead.planning import simulation_plan as planning
-from railhead.planning.error_envelopes import TURNED, ErrorEnvelope
+from railhead.planning.error_envelopes import TURNED, ErrorEnvelope, holds
 from railhead.run import estimates, mesh_solution
 from railhead.scene import catalogue
 from railhead.scene.quantities import ESTIMATED, QUANTITIES, numeric_values
@@ -97,7 +97,7 @@ def measure(name: str, scene: Scene, resolutions: Sequence[float]) -> list[Row]:
     """
     records: list[Row] = []
     setting = planning.make(scene).setting
-    own = [k for k, where in families.parts(name).items() if families.bounds(where).holds(setting)]
+    own = [k for k, where in families.parts(name).items() if holds(where, setting)]
     exact: dict[str, float] = {}
     turn = TURNED if setting["turned"] else {}
     for n in resolutions:
@@ -239,10 +239,10 @@ def measure_load_steps() -> list[dict[str, Any]]:
 
 
 def measure_friction() -> dict[str, Any]:
-    """Entry "friction" of laws.json: range of n and laws of lines of like bodies that roll or are
-    shifted; those of forces are over mu N. Truth is Carter's strip for motion and force of rolling,
-    else the finest mesh. On meshes below n = 10 many stresses are read worse than within 5 %.
-    Laws are of first order: slopes of so few scenes scatter."""
+    """Entry "friction" of laws.json: settings, range of n and laws of lines of like bodies that
+    roll or are shifted; those of forces are over mu N. Truth is Carter's strip for motion and force
+    of rolling, else the finest mesh. On meshes below n = 10 many stresses are read worse than
+    within 5 %. Laws are of first order: slopes of so few scenes scatter."""
     errors: dict[str, list[float]] = {}
     readings = []
     recipe = families.BESIDE["rubbing lines"]
@@ -261,14 +261,15 @@ def measure_friction() -> dict[str, Any]:
     ends = [recipe.resolutions[0], recipe.resolutions[-2]]
     laws = {key: [HEADROOM * max(own), 1.0] for key, own in sorted(errors.items())}
     reading = [MOST * float(np.median(readings)), 0.0]
-    return {"resolution": ends, "laws": laws, "reading": reading}
+    where = families.DEFAULT | recipe.where
+    return {"where": where, "resolution": ends, "laws": laws, "reading": reading}
 
 
 def main(out: Path, *, quick: bool) -> None:
     """Write cells.json and twist.json, then calibrate.csv, laws.json and page.md, anew after each
     family; quick: the last three alone, from three scenes of each of the cheap families."""
     names = CHEAP if quick else [n for n, each in families.RECIPES.items() if each.resolutions]
-    laws: dict[str, Any] = {"seed": SEED, "families": {}}
+    laws: dict[str, Any] = {"command": "railhead study calibrate", "seed": SEED, "families": {}}
     if not quick:
         laws |= {"load_steps": measure_load_steps(), "friction": measure_friction()}
     records: list[Row] = []

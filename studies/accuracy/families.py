@@ -414,11 +414,6 @@ BESIDE = {
 """Recipes without error laws of their own: load steps are counted, friction adds to others."""
 
 
-def bounds(where: Mapping[str, Sequence[Any]]) -> error_envelopes.Family:
-    """A family of scenes that fulfil the conditions `where`, without error laws."""
-    return error_envelopes.Family("", where, (0, 0), {}, {}, {})
-
-
 def parts(name: str) -> dict[str, dict[str, Sequence[Any]]]:
     """What a recipe has laws for: by family, its `where`."""
     recipe = RECIPES[name]
@@ -431,7 +426,6 @@ def scenes(name: str, seed: int) -> Iterator[Scene]:
     lie outside of the family are left out."""
     recipe = (RECIPES | BESIDE)[name]
     rng = np.random.default_rng([seed, *name.encode()])
-    where = bounds({**DEFAULT, **recipe.where})
     index = 0
     while True:
         keys = recipe.make(rng)
@@ -440,7 +434,7 @@ def scenes(name: str, seed: int) -> Iterator[Scene]:
             plan = planning.make(scene)
         except SceneError:
             continue
-        if where.holds(plan.setting):
+        if error_envelopes.holds(DEFAULT | recipe.where, plan.setting):
             index += 1
             yield scene
 
