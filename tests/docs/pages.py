@@ -74,8 +74,7 @@ def _shell(commands: str) -> str:
 
 def pictures(page: Path) -> list[str]:
     """The files of its own that the page shows, as it writes them."""
-    text = page.read_text(encoding="utf-8")
-    return re.findall(rf"!\[[^]]*\]\({page.stem}/([^)]+)\)", text)
+    return re.findall(rf"!\[[^]]*\]\({page.stem}/([^)]+)\)", page.read_text(encoding="utf-8"))
 
 
 def unequal(said: str, printed: str) -> list[str]:
@@ -125,8 +124,7 @@ def renew(page: Path) -> None:
         text = next(printed)
         return found[1] + (f"\n```text\n{text}```\n" if text else "")
 
-    old = page.read_text(encoding="utf-8")
-    page.write_text(BLOCK.sub(filled, old), encoding="utf-8")
+    page.write_text(BLOCK.sub(filled, page.read_text(encoding="utf-8")), encoding="utf-8")
 
 
 if __name__ == "__main__":

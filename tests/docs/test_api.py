@@ -69,8 +69,7 @@ def test_every_public_name_has_an_example() -> None:
     page = PAGE.read_text(encoding="utf-8")
     assert dir(railhead) == sorted([*railhead.__all__, "__version__"])
     for name in railhead.__all__:
-        assert f"rh.{name}" in page or name in ("Result", "Sweep")
-        assert getattr(railhead, name)
+        assert (f"rh.{name}" in page or name in ("Result", "Sweep")) and getattr(railhead, name)
 
 
 def test_importing_and_planning_change_nothing() -> None:
@@ -141,8 +140,7 @@ def test_a_result_can_be_pickled_and_loaded(tmp_path) -> None:
     broken["result"]["patch"]["a_mm"] = {"a": 1}
     for text in ('{"checks": {}, "result": null, "hertz": {}}', 5000 * "[", json.dumps(broken)):
         (tmp_path / "out" / "summary.json").write_text(text)
-        with pytest.raises(rh.SceneError, match="holds no result of a run or a sweep"):
-            rh.load(tmp_path / "out")
+        assert "holds no result of a run or a sweep" in refusal(lambda: rh.load(tmp_path / "out"))
 
 
 def test_what_holds_no_result_and_what_is_no_path_is_one_line(tmp_path) -> None:
@@ -187,16 +185,7 @@ def test_progress_is_told_to_a_function(capfd, in_this_process) -> None:
             call(case, progress=5)
     fast = case.replace(effects={"finite_bodies": "off"})
     rh.sweep(fast, load=[100, 200], progress=lambda *each: told.append(each))
-    assert told[-1][1] == "2 of 2 done"
-    assert capfd.readouterr().err == ""
-
-
-def test_arrays_are_public() -> None:
-    result = solved("sphere_on_plane")
-    surface = result.surface
-    assert surface.pressure.max() == pytest.approx(result.pressure.max, rel=1e-3)
-    assert surface.points[:, 0].min() == -surface.points[:, 0].max()  # half of it was meshed
-    assert result.tractions is None
+    assert told[-1][1] == "2 of 2 done" and capfd.readouterr().err == ""
 
 
 def test_pictures_are_drawn_by_their_name() -> None:
