@@ -48,8 +48,7 @@ def test_factor_ten_rival_and_orders_are_read_from_the_runs() -> None:
         run("penalty", "hexahedron 1", 8, 20.0, 2e-2),
     ]
     text = accuracy_cost.page(rows, 1000)
-    assert "takes 3.0 times as long" in text
-    assert "none as quick" in text and "| 50.0 " in text
+    assert "takes 3.0 times as long" in text and "none as quick" in text and "| 50.0 " in text
     assert accuracy_cost.orders(rows)["made_up", "nitsche", "tetrahedron 2"] == pytest.approx(
         3.32, abs=0.01
     )
@@ -74,8 +73,7 @@ def test_a_law_leaves_out_what_the_overlap_and_the_reading_explain() -> None:
     overs = {"a": 0.0, "b": 0.3}
     records = [record(n, k, v) for n in (3, 6) for k, v in overs.items()]
     entry = calibrate.fit("bodies", records, {}, (3.0, 6.0))
-    assert entry["scenes"] == 2
-    assert entry["overlap"]["max_MPa"] == pytest.approx(5, rel=0.05)
+    assert entry["scenes"] == 2 and entry["overlap"]["max_MPa"] == pytest.approx(5, rel=0.05)
     value, order = entry["laws"]["max_MPa"]
     least, whole = calibrate.HEADROOM * 2e-3, calibrate.HEADROOM * calibrate.CHANCE * 3e-3
     assert least <= value <= whole and order > 1
@@ -148,6 +146,5 @@ def test_prose_is_broken_and_stays_what_it_was() -> None:
     broken = wrapped(page)
     assert broken.split() == page.split() and broken.endswith(kept)
     prose = broken.removesuffix(kept).splitlines()
-    assert max(map(len, prose)) <= 120
-    assert sum(line.startswith(("- ", "1.")) for line in prose) == 2
+    assert max(map(len, prose)) <= 120 and sum(line.startswith(("- ", "1.")) for line in prose) == 2
     assert "short\nlines\n" in broken and wrapped(broken) == broken
