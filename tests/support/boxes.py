@@ -31,8 +31,7 @@ def two_boxes(
         make = dmesh.create_box if dim == 3 else dmesh.create_rectangle
         box = make(MPI.COMM_SELF, [np.array(c, float) for c in corners], list(count), kind)
         x, (low, high) = box.geometry.x[:, :dim].copy(), np.array(corners, float)
-        share = (x - low) / (high - low)
-        wave = np.sin(np.pi * share[:, : dim - 1]).prod(axis=1)
+        wave = np.sin(np.pi * ((x - low) / (high - low))[:, : dim - 1]).prod(axis=1)
         x[:, 0] += bend * (high - low)[0] * wave
         nodes.append(compat.cell_nodes(box) + sum(map(len, points)))
         points.append(x)

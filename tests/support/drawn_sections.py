@@ -104,8 +104,7 @@ def root_wheel(path: Path) -> str:
     angles = np.linspace(begin, end, 400)
     middle = np.array([-18 + 25 * np.sin(begin), 18 / 40 + 25 * np.cos(begin)])
     root = middle - 25 * np.column_stack([np.sin(angles), np.cos(angles)])
-    along = np.linspace(0, 10, 60)[1:]
-    flange = root[-1] + np.outer(along, [-np.cos(end), np.sin(end)])
+    flange = root[-1] + np.outer(np.linspace(0, 10, 60)[1:], [-np.cos(end), np.sin(end)])
     tread = np.linspace(-18, 60, 313)[1:]
     points = np.vstack([flange[::-1], root[::-1], np.column_stack([tread, -tread / 40])])
     np.savetxt(path, points, "%.9f", ",", header="y_mm,z_mm", comments="")

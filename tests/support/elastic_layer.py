@@ -113,7 +113,6 @@ def patch(
     angles, turns = (np.arange(60) + 0.5) * np.pi / 120, 2 * np.arange(4)
     squares = np.array([end(angle) for angle in angles]) ** -2.0  # smooth all the way round
     series = np.linalg.lstsq(np.cos(np.multiply.outer(angles, turns)), squares, rcond=None)[0]
-    smooth = 1 / (np.cos(np.multiply.outer(angles, turns)) @ series)
-    area = float(smooth.sum() * np.pi / 60)
+    area = float((1 / (np.cos(np.multiply.outer(angles, turns)) @ series)).sum() * np.pi / 60)
     a, b = (float((np.cos(turns * angle) @ series) ** -0.5) for angle in (0.0, np.pi / 2))
     return {"a_mm": a, "b_mm": b, "area_mm2": area, "max_MPa": float(p.max())}

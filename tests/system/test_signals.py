@@ -65,8 +65,7 @@ def test_a_signal_ends_meshing_at_once(tmp_path, number: signal.Signals) -> None
         time.sleep(0.01)
     seconds, errors = ended(running, number)
     assert seconds < 2 and errors == ""
-    assert psutil.wait_procs(children, timeout=5)[1] == []
-    assert os.listdir(tmp_path) == []
+    assert psutil.wait_procs(children, timeout=5)[1] == [] and os.listdir(tmp_path) == []
 
 
 def test_sigint_ends_a_library_at_once_and_the_next_command_tidies_up(tmp_path) -> None:
