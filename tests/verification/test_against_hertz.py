@@ -27,8 +27,7 @@ def test_hertz_ellipse_at_default_settings(default) -> None:
     assert worst(summary, "tau_max_MPa", "von_mises_max_MPa") < 0.01
     stress, exact = summary["result"]["stress"], summary["hertz"]["stress"]
     assert stress["tau_max_depth_mm"] == pytest.approx(exact["tau_max_depth_mm"], abs=0.05)
-    assert summary["checks"]["force_balance"] < 1e-8
-    assert summary["cost"]["newton_iterations"] <= 4
+    assert summary["checks"]["force_balance"] < 1e-8 and summary["cost"]["newton_iterations"] <= 4
     assert summary["checks"]["hertzian"]
 
 
@@ -72,8 +71,10 @@ def test_a_body_that_is_too_stiff_to_be_meshed_has_the_largest_stress(
     for values in (summary["result"], summary["hertz"], fast["result"]):
         near = 1e-4 if values is not summary["result"] else 0.006 if accuracy else 0.003
         assert values["stress"]["tau_max_body"] == values["stress"]["von_mises_max_body"] == other
-        assert values["stress"]["tau_max_MPa"] == pytest.approx(tau, rel=near)
-        assert values["stress"]["von_mises_max_MPa"] == pytest.approx(von_mises, rel=near)
+        assert (
+            values["stress"]["tau_max_MPa"],
+            values["stress"]["von_mises_max_MPa"],
+        ) == pytest.approx((tau, von_mises), rel=near)
     bound = summary["accuracy"]["bound"]
     assert bound["tau_max_MPa"] > abs(summary["difference"]["stress"]["tau_max_MPa"])
     parts = summary["accuracy"]["parts"]
@@ -174,8 +175,9 @@ def test_both_bodies_of_half_spaces_meet_exact_hertz(
     result = passed(case, "rail.extent=half-space", *keys, *more)
     for body, found in result.findings.largest.items():
         exact = result.ellipse.axis_extrema(ratios[body])
-        assert found.tau.value == pytest.approx(exact.tau_max, rel=0.01)
-        assert found.von_mises.value == pytest.approx(exact.von_mises_max, rel=0.01)
+        assert (found.tau.value, found.von_mises.value) == pytest.approx(
+            (exact.tau_max, exact.von_mises_max), rel=0.01
+        )
     found, exact = (result.summary[key]["stress"] for key in ("result", "hertz"))
     for name in ("tau_max", "von_mises_max"):
         assert found[f"{name}_MPa"] == pytest.approx(exact[f"{name}_MPa"], rel=0.01)
@@ -194,8 +196,9 @@ def test_no_stress_is_read_below_the_foot_of_a_thin_rail() -> None:
     assert np.abs(axis.stress).max() < 1.5 * result.summary["result"]["pressure"]["max_MPa"]
     reference = passed("uic54_thesis", *THIN, "mesh.patch_size=0.4").summary["result"]["stress"]
     for name in ("tau_max_MPa", "von_mises_max_MPa"):
-        assert found[name] == pytest.approx(reference[name], rel=0.03)
-        assert found["axis"][name] == pytest.approx(reference["axis"][name], rel=0.03)
+        assert (found[name], found["axis"][name]) == pytest.approx(
+            (reference[name], reference["axis"][name]), rel=0.03
+        )
 
 
 def test_patch_that_is_no_ellipse_has_its_largest_stress_beside_the_axis() -> None:
@@ -209,8 +212,7 @@ def test_patch_that_is_no_ellipse_has_its_largest_stress_beside_the_axis() -> No
         ("von_mises_max_MPa", subsurface.von_mises),
     ):
         assert found[name] > 1.05 * found["axis"][name]
-        overshoot = invariant(nodal).max() / found[name] - 1
-        assert -0.03 < overshoot < 0.08
+        assert -0.03 < invariant(nodal).max() / found[name] - 1 < 0.08
     context = result.mesh_solution.plan.context
     foreseen = context.half_spaces.von_mises(
         context.scene.rail.poisson_ratio

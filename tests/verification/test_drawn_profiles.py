@@ -57,5 +57,4 @@ def test_points_of_a_drawing_give_the_answer_of_the_drawing(
         true, found = pressed(scene), pressed(drawn)
         estimate = error_envelopes.around(drawn, found)
         changes = found.max_pressure / true.max_pressure - 1, found.area / true.area - 1
-        assert max(map(abs, changes)) < min(within, estimate + 0.001)
-        assert estimate < open_to
+        assert max(map(abs, changes)) < min(within, estimate + 0.001) and estimate < open_to

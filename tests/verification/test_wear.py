@@ -49,14 +49,12 @@ class Crown:
         passes = share * PASSES
         patch = self.press(depth, passes)
         force = (patch.x[1] - patch.x[0]) * patch.pressure.sum(axis=0)
-        worn = RATE * SLIP * passes * SPLINES.projected(hats(patch.s) @ force)
-        return depth + worn, share
+        return depth + (RATE * SLIP * passes * SPLINES.projected(hats(patch.s) @ force)), share
 
     def worn(self, count: int) -> tuple[np.ndarray, float]:
         """Depth at PLACES and largest pressure after the whole wear in equal steps."""
         start = wear.Stage(0.0, np.zeros_like(PLACES), 0.0, 1.0)
-        ends = [(n + 1) / count for n in range(count)]
-        *_, last = wear.march(self.advance, start, ends)
+        *_, last = wear.march(self.advance, start, [(n + 1) / count for n in range(count)])
         patch = self.press(last.depth)
         return last.depth, wear.peak(patch.pressure.T, patch.s[1] - patch.s[0], 1.0)
 
@@ -71,8 +69,7 @@ def test_one_passage_in_full_slip_takes_the_chords_of_hertz():
     inside = np.abs(PLACES) < ellipse.b - 1.0  # splines round the kink at its end
     assert np.abs(depth - known)[inside].max() < 3e-3 * peak
     assert np.abs(depth - known).max() < 0.02 * peak
-    area = STEP * depth.sum()
-    assert area == pytest.approx(RATE * passes * SLIP * LOAD, rel=1e-3)
+    assert STEP * depth.sum() == pytest.approx(RATE * passes * SLIP * LOAD, rel=1e-3)
 
 
 def test_worn_crown_has_the_pressure_and_depth_of_the_prototype_at_first_order():
@@ -85,8 +82,7 @@ def test_worn_crown_has_the_pressure_and_depth_of_the_prototype_at_first_order()
     assert 0 < few[1] - more[1] < 0.015 * 840 and 0 < more[0].max() - few[0].max() < 6e-4
     half = np.flatnonzero(more[0] > 5e-4)[[0, -1]]
     assert np.ptp(PLACES[half]) == pytest.approx(13.5, abs=0.3)
-    area = STEP * more[0].sum()
-    assert area == pytest.approx(RATE * SLIP * LOAD * PASSES, rel=5e-4)
+    assert STEP * more[0].sum() == pytest.approx(RATE * SLIP * LOAD * PASSES, rel=5e-4)
 
 
 @pytest.mark.parametrize("cells", [48, 96])
@@ -113,8 +109,7 @@ def test_chosen_steps_reach_the_change_that_is_asked_and_go_on_from_any_of_them(
     assert whole[-1].done == 1.0 and len(again) == len(whole) - 2
     assert np.array_equal(again[-1].depth, whole[-1].depth)
     assert max(stage.change for stage in whole) <= 0.6 and 8 < len(whole) < 30
-    ends = [stage.done for stage in whole]
-    *_, same = wear.march(advance, start, ends)
+    *_, same = wear.march(advance, start, [stage.done for stage in whole])
     assert same.depth == pytest.approx(whole[-1].depth)
 
 
@@ -132,8 +127,7 @@ def test_splines_keep_area_and_parabolas_and_their_matrix_is_symmetric():
 
 def test_peak_is_that_of_a_parabola_and_leaves_out_what_is_narrow():
     s = np.arange(-10, 10, 0.1)
-    smooth = np.maximum(100 - s**2, 0.0)
-    assert wear.peak(smooth, 0.1, 2.0) == pytest.approx(100.0, abs=0.02)
+    assert wear.peak(np.maximum(100 - s**2, 0.0), 0.1, 2.0) == pytest.approx(100.0, abs=0.02)
     flat = np.where(np.abs(s) < 5, 80.0, 0.0)
     flat[np.argmin(np.abs(s - 4.9))] = 160.0
     assert wear.peak(flat, 0.1, 2.0) == pytest.approx(80.0, rel=0.05)

@@ -63,11 +63,9 @@ def test_a_coefficient_of_the_temperature_where_all_slips_alike(hot, kelvin, for
     bodies. Steel's own slip is larger behind the middle, and its surface 1.5 % hotter."""
     law = ByTemperature(((0.0, 0.3), (400.0, hot)))
     rigid, carried = slips(law, young=1e4 * STEEL)
-    assert rigid == pytest.approx(kelvin, rel=0.004)
-    assert carried == pytest.approx(force, rel=0.001)
+    assert rigid == pytest.approx(kelvin, rel=0.004) and carried == pytest.approx(force, rel=0.001)
     steel, carried = slips(law, young=STEEL)
-    assert steel == pytest.approx(1.015 * kelvin, rel=0.005)
-    assert carried == pytest.approx(force, rel=0.005)
+    assert (steel, carried) == pytest.approx((1.015 * kelvin, force), rel=0.005)
 
 
 def test_contact_counts_the_heat_of_each_element_on_itself_twice() -> None:
@@ -193,8 +191,7 @@ def test_a_soft_layer_is_kalkers_simplified_theory() -> None:
         ellipse(0.3, Interface(layer=layer), cells=n).solve(Creepage(creepage)) for n in (32, 64)
     )
     exact = creepage * 8 * A**2 * B / (3 * layer)
-    force = 2 * fine.forces[0] - coarse.forces[0]
-    assert force == pytest.approx(exact, rel=0.01)
+    assert 2 * fine.forces[0] - coarse.forces[0] == pytest.approx(exact, rel=0.01)
     across = ellipse(0.3, Interface(layer=layer), cells=64).solve(Creepage(0, creepage))
     assert across.forces[1] == pytest.approx(fine.forces[0], rel=0.003)
 
@@ -227,8 +224,7 @@ def test_a_scene_has_the_temperatures_of_its_surfaces(young: float, kelvin: floa
     found = friction(passed(ertz("friction.coefficient=0.3", *ROLLS, *keys, young=young)))
     rises = found["temperature_rise_max_K"]
     assert rises["rail"] == rises["wheel"] == pytest.approx(kelvin, rel=0.003)
-    assert found["power_W"] == pytest.approx(30e3, rel=1e-3)
-    assert "coefficient_least" not in found
+    assert found["power_W"] == pytest.approx(30e3, rel=1e-3) and "coefficient_least" not in found
 
 
 def test_a_scene_of_unlike_warmth_that_does_not_slip() -> None:
@@ -278,8 +274,7 @@ def test_wear_has_the_coefficient_of_its_slip(tmp_path, monkeypatch) -> None:
     worn = []
     for effect in ("auto", "off"):
         scene = rh.Scene(load=80e3).replace([*given, f"effects.falling_friction={effect}"])
-        found = wear.wear(scene, tmp_path / effect)
-        worn.append(found.summary["worn_mm2"]["rail"])
+        worn.append(wear.wear(scene, tmp_path / effect).summary["worn_mm2"]["rail"])
     assert worn[0] / worn[1] == pytest.approx(0.75, rel=0.01)
 
 
@@ -391,6 +386,5 @@ def test_a_law_that_does_not_settle_is_no_answer() -> None:
     steep = "friction.coefficient=0.6", "friction.kinetic=0.1", "friction.slip_half=20"
     keys = (SLIP_LAW[1], *steep, "rolling.creepage_along=0.3%", "rolling.speed=80", FAST)
     result = solved("hertz_ellipse", *keys)
-    assert not result.passed
-    assert "longer memory" in str(result.summary)
+    assert not result.passed and "longer memory" in str(result.summary)
     assert "--fast" not in result.summary["checks"]["advice"]["converged"]

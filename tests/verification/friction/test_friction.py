@@ -41,8 +41,9 @@ def test_a_strip_that_rolls_is_carter_s(entry) -> None:
     answer = friction(passed(roller(rolling={"creepage_along": creepage, "speed": "72 km/h"})))
     assert answer["force_along_N"] / answer["limit_N"] == pytest.approx(share, abs=0.012)
     assert answer["stick_share"] == pytest.approx(entry["stick_half_width_over_a"], abs=0.03)
-    assert answer["t_gamma_N"] == pytest.approx(creepage * answer["force_along_N"])
-    assert answer["power_W"] == pytest.approx(20 * answer["t_gamma_N"])
+    assert (answer["t_gamma_N"], answer["power_W"]) == pytest.approx(
+        (creepage * answer["force_along_N"], 20 * answer["t_gamma_N"])
+    )
 
 
 def test_blocks_are_half_planes_also_for_friction() -> None:
@@ -162,8 +163,7 @@ def test_nothing_pushes_a_sphere_aside_that_is_pressed() -> None:
     assert friction(found)["shift_along_mm"] == 0 and 0.65 < friction(found)["stick_share"] < 0.85
     radius, along = rubbing.points[:, 0], rubbing.traction[:, 0]
     size = np.abs(along).max()
-    outwards = rubbing.weights @ np.maximum(along, 0.0)
-    assert outwards < 0.05 * rubbing.weights @ np.abs(along)
+    assert rubbing.weights @ np.maximum(along, 0.0) < 0.05 * rubbing.weights @ np.abs(along)
     assert np.abs(along[radius < 0.03 * radius.max()]).max() < 0.3 * size
     whole = found.tractions
     assert whole.weights.sum() == pytest.approx(rubbing.weights.sum())
@@ -177,8 +177,7 @@ def test_tractions_on_a_curved_surface_carry_their_part_of_the_load() -> None:
     scene = rh.Scene(load=1e4, rail=plane, wheel=ball, mesh={"patch_size": 0.5})
     solution = passed(scene.replace(friction={"coefficient": MU})).mesh_solution.solution
     push = -solution.friction.weights @ solution.friction.traction[:, 2]
-    assert 200 < push < 300
-    assert solution.load == pytest.approx(solution.reaction, rel=1e-9)
+    assert 200 < push < 300 and solution.load == pytest.approx(solution.reaction, rel=1e-9)
 
 
 @pytest.mark.parametrize("method", ["nitsche", pytest.param("penalty", marks=SLOW)])
@@ -291,6 +290,7 @@ def test_what_slips_everywhere_carries_the_integral_over_hertz_s_pressure(kind: 
         return float(quad(share, -1, 1)[0])
 
     answer, within = friction(found), 2e-3 if kind == "half-spaces" else 0.01
-    assert answer["force_along_N"] / 60e3 == pytest.approx(integral(0), rel=within)
-    assert answer["coefficient"] == pytest.approx(integral(0), rel=within)
+    assert (answer["force_along_N"] / 60000.0, answer["coefficient"]) == pytest.approx(
+        (integral(0), integral(0)), rel=within
+    )
     assert answer["moment_Nmm"] / 60e3 == pytest.approx(-integral(1), rel=10 * within)
