@@ -151,8 +151,7 @@ def test_reversed_loading_yields_earlier_with_kinematic_hardening() -> None:
         loaded.back[:] = kinematic * 50 / 1.5 * direction
         top = 530.0 / 1.5  # first component of the deviator at yield
         for share, yields in ((0.999, 0), (1.001, 1)):
-            low = top - share * width / 1.5
-            strain = loaded.plastic + low / (2 * MU) * direction
+            strain = loaded.plastic + (top - share * width / 1.5) / (2 * MU) * direction
             assert len(radial_return(strain, np.full(1, MU), loaded, curve)[1].points) == yields
 
 

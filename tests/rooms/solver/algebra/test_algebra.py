@@ -56,8 +56,7 @@ def test_planes_in_general_position_leave_the_right_freedom() -> None:
         planes=list(zip(masks, normals, strict=True)),
     )
     reduction = space_supports.reduce(supports, MPI.COMM_SELF)
-    assert reduction.matrix.getSize() == (12, 12)
-    assert reduction.unknowns == 1 + 2 + 2
+    assert reduction.matrix.getSize() == (12, 12) and reduction.unknowns == 1 + 2 + 2
     assert not reduction.aligned
     y = reduction.matrix.createVecRight()
     y.setRandom()
@@ -128,8 +127,7 @@ def test_what_other_points_leave_is_the_error_of_the_linear_problem(law) -> None
     linearised = problem.residual(y, problem.pressure(y)) + problem.tangent(active) * x
     error = problem.residual(moved, problem.pressure(moved)) - linearised
     left = problem.active_set_residual(active, indicator)(x)
-    assert left > 0
-    assert abs(left - error.norm()) < 1e-8 * error.norm()
+    assert left > 0 and abs(left - error.norm()) < 1e-8 * error.norm()
 
 
 def test_a_linear_solve_ends_where_it_is_enough() -> None:

@@ -96,8 +96,7 @@ def test_a_stalled_linear_solve_is_taken_over_by_a_factorisation(monkeypatch) ->
     stalled = contact_model(linear="multigrid")
     solution = press(stalled, load=2000.0)
     assert any(step.residual is None for step in solution.newton.history)
-    assert isinstance(stalled.preconditioner, linear.Direct)
-    assert solution.newton.converged
+    assert isinstance(stalled.preconditioner, linear.Direct) and solution.newton.converged
     assert solution.approach == pytest.approx(reference, rel=1e-7)
 
 
@@ -126,8 +125,7 @@ def test_a_step_that_fails_is_halved_until_the_rest_succeeds() -> None:
         reached.append(share)
         return True
 
-    assert newton.in_steps([0.25, 1.0], 0.0, step)
-    assert reached == [0.0, 0.25, 0.4375, 0.71875, 1.0]
+    assert newton.in_steps([0.25, 1.0], 0.0, step) and reached == [0.0, 0.25, 0.4375, 0.71875, 1.0]
     assert tried == [0.25, 1.0, 0.625, 0.4375, 1.0, 0.71875, 1.0]
 
 

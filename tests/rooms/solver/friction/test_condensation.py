@@ -36,8 +36,7 @@ def test_a_penalty_s_trial_tractions_are_those_of_the_movement() -> None:
     """Of half-spaces around the bodies too; a penalty knows no other stress."""
     keys = "wheel.young_modulus=70000", "solver.method=penalty", "mesh.patch_size=3"
     contact = condensed("hertz_ellipse", *keys)
-    stiffness = np.repeat(contact.tau, 2)[:, None]
-    expected = stiffness * contact.displacement_compliance
+    expected = np.repeat(contact.tau, 2)[:, None] * contact.displacement_compliance
     np.testing.assert_allclose(
         contact.trial_compliance, expected, atol=1e-9 * np.abs(expected).max()
     )

@@ -32,8 +32,7 @@ def test_layers_of_a_column_add_their_compliances(section: str) -> None:
     young = field(lambda z: np.where(np.floor(4 * z) % 2 == 0, 1000.0, 250.0))
     made.add(*(rs.Body(tag, rs.Elastic(young, field(lambda z: 0 * z))) for tag in BODIES))
     made.add(rs.Slide(21, normal=(0, 1)), rs.Slide(30, normal=(1, 0)), rs.Contact(12, 11))
-    load = rs.Pressure(22, 1.0)
-    made.add(load)
+    made.add(rs.Pressure(22, 1.0))
     found = made.solve()
     np.testing.assert_allclose(found.pressure, 1.0, rtol=1e-8)
     top = found.u.x.array.reshape(-1, 2)[:, 1].min()
@@ -50,12 +49,10 @@ def test_yield_stress_and_hardening_of_cells() -> None:
     hub, _ = made.add(rs.Hub(22, free=(0, -1), slides=True), rs.Contact(12, 11))
     found = made.solve({hub: rs.Force(7.0 * np.pi)}, steps=4)
     assert found.converged
-    space = found.plastic_strain.function_space
-    dofs = compat.cell_dofs(space)
+    dofs = compat.cell_dofs(found.plastic_strain.function_space)
     strain = found.plastic_strain.x.array.reshape(-1, 3, 3)[:, 1, 1]
     for tag, exact in ((LOWER, 2 / 50), (UPPER, 1 / 25)):
-        own = dofs[made._mesh[1].find(tag)]
-        np.testing.assert_allclose(strain[own], -exact, rtol=1e-5)
+        np.testing.assert_allclose(strain[dofs[made._mesh[1].find(tag)]], -exact, rtol=1e-5)
     assert found.pressure.min() == pytest.approx(7.0, rel=1e-6)
 
 
@@ -101,27 +98,33 @@ def test_tractions_forces_and_a_spring_are_in_balance() -> None:
     assert u[np.isclose(at[:, 1], -1), 1].mean() == pytest.approx(-5.0 / 50, rel=0.01)
 
 
-def test_fields_that_do_not_fit_are_refused() -> None:
+STEEL = rs.Elastic(1.0, 0.3)
+
+
+def linear(mesh: dolfinx.mesh.Mesh) -> dolfinx.fem.Function:
+    """A field that is not one number in each cell."""
+    return dolfinx.fem.Function(compat._space(mesh, ("Lagrange", 1)))
+
+
+@pytest.mark.parametrize(
+    "wrong, told",
+    [
+        (lambda bad, _: rs.Body(LOWER, rs.Elastic(bad, 0.3)), "one number in each cell"),
+        (lambda _, field: rs.Body(LOWER, rs.Elastic(field, 0.3)), "young_modulus must be positive"),
+        (lambda bad, _: rs.Body(LOWER, STEEL, thermal_strain=bad), "one number in each cell"),
+        (lambda bad, _: rs.Body(LOWER, STEEL, force=bad), "force must be a vector of 2 components"),
+        (lambda *_: rs.Pressure(22, np.nan), "value must be finite"),
+        (lambda *_: rs.Traction(22, (1, 2, 3)), "vector must be finite"),
+        (lambda *_: rs.Spring(22, "stiff"), "stiffness must be finite"),
+    ],
+)
+def test_fields_and_loads_that_do_not_fit_are_refused(wrong, told: str) -> None:
     made, field = columns()
-    linear = dolfinx.fem.Function(compat._space(made._mesh[0], ("Lagrange", 1)))
-    for bad, told in (
-        (rs.Body(LOWER, rs.Elastic(linear, 0.3)), "one number in each cell"),
-        (rs.Body(LOWER, rs.Elastic(field(lambda z: z), 0.3)), "young_modulus must be positive"),
-        (rs.Body(LOWER, rs.Elastic(1.0, 0.3), thermal_strain=linear), "one number in each cell"),
-    ):
-        model, _ = columns()
-        model.add(bad, rs.Body(UPPER, rs.Elastic(1.0, 0.3)), rs.Clamp(21), rs.Contact(12, 11))
-        with pytest.raises(ValueError, match=told):
-            model.solve()
-    with pytest.raises(ValueError, match="force must be a vector of 2 components"):
-        made.add(rs.Body(LOWER, rs.Elastic(1.0, 0.3), force=linear))
-    loads = rs.Pressure(22, np.nan), rs.Traction(22, (1, 2, 3)), rs.Spring(22, "stiff")
-    for load, name in zip(loads, ("value", "vector", "stiffness"), strict=True):
-        model, _ = columns()
-        model.add(*(rs.Body(tag, rs.Elastic(1.0, 0.3)) for tag in BODIES), rs.Clamp(21), load)
-        model.add(rs.Contact(12, 11))
-        with pytest.raises(ValueError, match=f"{name} must be finite"):
-            model.solve()
+    part = wrong(linear(made._mesh[0]), field(lambda z: z))
+    below = () if isinstance(part, rs.Body) else (rs.Body(LOWER, STEEL),)
+    with pytest.raises(ValueError, match=told):
+        made.add(part, *below, rs.Body(UPPER, STEEL), rs.Clamp(21), rs.Contact(12, 11))
+        made.solve()
 
 
 @pytest.mark.parametrize("secondary", [11, 12])

@@ -42,8 +42,7 @@ def block(*moves: float) -> list[rs.Solution]:
     )
     soft = rs.Elastic(YOUNG, 0.3)
     made.add(rs.Body(LOWER, soft), rs.Body(UPPER, soft), rs.Clamp(21), rs.Clamp(11))
-    plane = rs.Plane((0, 0), (0, 1))
-    made.add(rs.Contact(12, plane, friction=0.3))
+    made.add(rs.Contact(12, rs.Plane((0, 0), (0, 1)), friction=0.3))
     hub = made.add(rs.Hub(22, free=(0, -1)))
     found = [made.solve({hub: rs.Force(10.0)})]
     for move in moves:
@@ -105,8 +104,7 @@ def test_files_of_hexahedra_and_facets(tmp_path: Path) -> None:
     grid = meshio.read(tmp_path / "contact_0001.vtu")
     assert found.plastic_strain is None
     assert [(block.type, len(block.data)) for block in grid.cells][1] == ("quad", 9)
-    corners = grid.points[grid.cells[1].data]
-    sides = np.diff(corners, axis=1)
+    sides = np.diff(grid.points[grid.cells[1].data], axis=1)
     assert np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum() == pytest.approx(1.0)
     np.testing.assert_allclose(grid.point_data["pressure"], 5.0, rtol=1e-6)
     volume = meshio.read(tmp_path / "bodies_0001.vtu")
