@@ -75,8 +75,7 @@ def test_faces_are_tagged_and_fine_only_in_the_patch(cell: str) -> None:
         found = _points(made, tag)
         assert len(found) and np.abs(found[:, axis]).max() < 1e-9
     top = _points(made, CONTACT + RAIL)
-    near = top[np.hypot(top[:, 0], top[:, 1]) < 3.0]
-    area_per_node = np.pi * 3.0**2 / 4 / len(near)
+    area_per_node = np.pi * 3.0**2 / 4 / len(top[np.hypot(top[:, 0], top[:, 1]) < 3.0])
     assert 0.3 * 1.2**2 < area_per_node < 1.5 * 1.2**2
 
 
@@ -121,8 +120,7 @@ def test_sizes_grow_with_the_distance_from_the_patch() -> None:
 def test_layers_grow_away_from_the_patch() -> None:
     ends = np.array([0.0, *GRADING.layers(80.0)]) * 80.0
     steps = np.diff(ends)
-    assert ends[-1] == pytest.approx(80.0)
-    assert steps[0] == pytest.approx(1.2, rel=0.1)
+    assert ends[-1] == pytest.approx(80.0) and steps[0] == pytest.approx(1.2, rel=0.1)
     assert np.all(np.diff(steps) > -1e-6)
 
 

@@ -61,8 +61,7 @@ def test_partial_slip_lowers_the_limit_of_the_surface(share: float) -> None:
     squares = [((d + one) ** 2 - (d + one) * (e + s) + (e + s) ** 2) / 3 + q**2 for one in r]
     least = math.sqrt(min(float(each.max(axis=1).min()) for each in squares))
     found = damage.surface_limit(mu, nu, c)
-    assert found == pytest.approx(1 / least, rel=0.005)
-    assert found < 0.95 / q.max()
+    assert found == pytest.approx(1 / least, rel=0.005) and found < 0.95 / q.max()
     assert damage.shakedown_limit(mu, nu, share * mu) == pytest.approx(found, rel=1e-9)
 
 
@@ -77,8 +76,7 @@ def test_the_surface_fatigue_index_is_how_far_the_friction_is_beyond_the_limit()
     a, b, load, k = 7.1, 5.7, 110e3, 300.0
     pressure = 3 * load / (2 * math.pi * a * b)
     index = damage.surface_fatigue_index(0.3 * pressure, pressure, k)
-    assert index == pytest.approx(0.3 - 2 * math.pi * a * b * k / (3 * load))
-    assert index > 0
+    assert index == pytest.approx(0.3 - 2 * math.pi * a * b * k / (3 * load)) and index > 0
     assert damage.surface_fatigue_index(k, pressure, k) == 0
 
 

@@ -64,8 +64,7 @@ def test_stress_is_hookes_law_of_the_displacement(contact, t: float, depth: floa
     trace = strain[0] + strain[1]
     expected = [lam * trace + 2 * mu * strain[0], lam * trace + 2 * mu * strain[1]]
     expected += [-2 * mu * strain[2], lam * trace]  # the normal points up, the depth down
-    found = stress(contact, t, depth)[0]
-    np.testing.assert_allclose(found, expected, atol=1e-7 * contact.p0)
+    np.testing.assert_allclose(stress(contact, t, depth)[0], expected, atol=1e-7 * contact.p0)
 
 
 def test_surfaces_meet_inside_and_part_outside(contact) -> None:

@@ -63,8 +63,7 @@ def test_extrema_are_not_exceeded_on_a_fine_sample(curvature_ratio: float, poiss
     sample = stress(contact, poisson, np.outer(depth, (0, 0, -1)))
     found = contact.axis_extrema(poisson)
     assert found.tau_max >= max_shear(sample).max() * (1 - 2e-6)
-    assert found.von_mises_max >= von_mises(sample).max() * (1 - 2e-6)
-    assert found.tau_max_depth > 0
+    assert found.von_mises_max >= von_mises(sample).max() * (1 - 2e-6) and found.tau_max_depth > 0
     assert found.von_mises_max_depth > 0
 
 

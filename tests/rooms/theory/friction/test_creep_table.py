@@ -102,8 +102,7 @@ def test_small_creepages_give_kalkers_linear_theory(table) -> None:
     ellipse = creep_table.Ellipse(1.0, NU, 48)
     linear = coefficients(1.0, NU)
     (along, across, moment), _ = ellipse(0.01, 0.0, 0.01)
-    assert along == pytest.approx(0.01, rel=0.02)
-    assert across == pytest.approx(0.01, rel=0.03)
+    assert along == pytest.approx(0.01, rel=0.02) and across == pytest.approx(0.01, rel=0.03)
     assert moment == pytest.approx(0.01 * linear.c33 / linear.c23, rel=0.05)
 
 
@@ -154,8 +153,7 @@ def test_errors_at_a_place_hold_and_are_not_far_wider(table) -> None:
         for each in random.uniform((0, 0, -most), most, (20, 3)):
             forces, errors = table.scaled(1.0, each)
             over.append(errors / np.abs(circle(*each)[0] - forces))
-    assert np.mean(np.array(over) > 1) >= 0.95
-    assert np.median(over) < 8
+    assert np.mean(np.array(over) > 1) >= 0.95 and np.median(over) < 8
 
 
 def test_between_axis_ratios_are_the_forces_of_that_ratio() -> None:
@@ -256,8 +254,7 @@ def test_a_law_in_scaled_numbers_is_that_of_the_contact() -> None:
 def test_a_table_with_a_law_is_kept_and_ends_at_its_border(table, tmp_path) -> None:
     replace(table, law=LAW).save(tmp_path / "t.npz")
     read = creep_table.CreepTable.load(tmp_path / "t.npz")
-    assert read.law == LAW
-    assert read.scaled(1.0, np.array([10.0, 0, 0]))[0][0] > 0.9
+    assert read.law == LAW and read.scaled(1.0, np.array([10.0, 0, 0]))[0][0] > 0.9
     with pytest.raises(ValueError, match="2 times the largest of a table with a law"):
         read.scaled(1.0, np.array([20.0, 0, 0]))
     table.save(tmp_path / "u.npz")

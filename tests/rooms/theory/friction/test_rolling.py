@@ -186,8 +186,7 @@ def test_a_mirrored_or_turned_creepage_mirrors_or_turns_the_forces(
     np.testing.assert_allclose(mirrored.forces, (Fx, -Fy, -Mz), rtol=1e-6)
     np.testing.assert_allclose(turned.forces, (-Fx, -Fy, -Mz), rtol=1e-6)
     np.testing.assert_allclose(mirrored.traction[0, :, ::-1], one.traction[0], atol=1e-4)
-    assert Fx > 0
-    assert small.solve(Creepage(across=3e-4)).forces[1] > 0
+    assert Fx > 0 and small.solve(Creepage(across=3e-4)).forces[1] > 0
     assert small.solve(Creepage(spin=2e-4)).forces[1] > 0  # Kalker's C23 with the creepage's sign
 
 
@@ -263,13 +262,11 @@ def test_unlike_bodies_creep_without_creepage() -> None:
     """Exchanged bodies turn the force round; alike or incompressible ones have none."""
     forces = []
     for wheel, rail in ((3000.0, 207000.0), (207000.0, 3000.0)):
-        materials = pair(wheel, 0.3, rail, 0.3)
-        body = patch(4.0, 4.0, 50.0, 0.3, cells=24, materials=materials)
+        body = patch(4.0, 4.0, 50.0, 0.3, cells=24, materials=pair(wheel, 0.3, rail, 0.3))
         rolled = body.solve(Creepage())
         holds_the_law(rolled)
         forces.append(rolled.forces[0] / rolled.limit)
-    assert forces[0] == pytest.approx(-forces[1], rel=1e-6)
-    assert abs(forces[0]) > 0.1
+    assert forces[0] == pytest.approx(-forces[1], rel=1e-6) and abs(forces[0]) > 0.1
     still = patch(4.0, 4.0, 50.0, 0.3, cells=24, materials=pair(3000, 0.5, 207000, 0.5))
     assert still.solve(Creepage()).forces == (0.0, 0.0, 0.0)
 
@@ -319,8 +316,7 @@ def test_the_gap_closes_under_pressure_and_tractions_together() -> None:
     touching = found.bound > 0
     rigid = (ball(x, y) + pressed)[touching]
     assert np.ptp(rigid + opened[touching]) < 5e-3 * rigid.mean()
-    assert np.ptp(rigid) > 1e-2 * rigid.mean()
-    assert patch.force == pytest.approx(500.0, rel=1e-6)
+    assert np.ptp(rigid) > 1e-2 * rigid.mean() and patch.force == pytest.approx(500.0, rel=1e-6)
 
 
 def test_patches_meet_forces_together() -> None:

@@ -93,8 +93,7 @@ def test_a_strip_that_slides_has_johnson_s_stresses(across: bool) -> None:
     points = np.zeros((10, 3))
     points[:, side], points[5:, 2] = np.tile(t * w, 2), -0.4 * w
     s = sliding.stress(found, 0.0, 0.3, points)
-    other = replace(found, across=not across)
-    turned = sliding.stress(other, 0.0, 0.3, points[:, [1, 0, 2]])
+    turned = sliding.stress(replace(found, across=not across), 0.0, 0.3, points[:, [1, 0, 2]])
     np.testing.assert_allclose(turned[:, [1, 0, 2, 3, 5, 4]], s, atol=1e-12 * found.p0)
     dragged = sliding.stress(found, 0.4, 0.3, points) - s
     outside = np.sign(t) * np.sqrt(np.maximum(t**2 - 1, 0))

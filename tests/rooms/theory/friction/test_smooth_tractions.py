@@ -17,8 +17,7 @@ def smooth() -> SmoothTractions:
 def test_the_smooth_traction_has_the_moments_of_the_one_it_stands_for(smooth) -> None:
     """Three fields with known factors, and their moments on another grid."""
     own = np.einsum("ik,iab->kab", COEFFICIENTS, smooth.fields)
-    found = smooth.coefficients(smooth.x, smooth.y, own)
-    assert found == pytest.approx(COEFFICIENTS)
+    assert smooth.coefficients(smooth.x, smooth.y, own) == pytest.approx(COEFFICIENTS)
     other = SmoothTractions(smooth.centre, smooth.half, 0.2)
     coarse = np.einsum("ik,iab->kab", COEFFICIENTS, other.fields)
     assert smooth.coefficients(other.x, other.y, coarse) == pytest.approx(COEFFICIENTS, rel=1e-3)
@@ -33,8 +32,7 @@ def test_a_cubic_field_is_read_as_it_is(smooth) -> None:
 def test_the_derivative_of_a_quadratic_field_is_read(smooth) -> None:
     """d/dx of 7 + 5 X + X Y/2 + X^2 is 5 + Y/2 + 2 X, with X = x - 1 = 3 u and Y = y + 2 = 2 v."""
     X, Y = np.meshgrid(smooth.x - 1, smooth.y + 2, indexing="ij")
-    field = np.array([7 + 5 * X + X * Y / 2 + X**2, 0 * X])
-    found = smooth.read(field, derivative=True)
+    found = smooth.read(np.array([7 + 5 * X + X * Y / 2 + X**2, 0 * X]), derivative=True)
     assert found[:, 0] == pytest.approx([5.0, 6.0, 1.0, *[0.0] * 7], abs=0.01)
     assert found[:, 1] == pytest.approx(0.0)
 

@@ -46,10 +46,16 @@ def test_like_and_incompressible_bodies_are_not_drawn_apart() -> None:
 def test_dundurs_beta_of_a_body_on_a_rigid_one() -> None:
     """beta = (1 - 2 nu) / (2 (1 - nu)) (Johnson, Contact Mechanics, 5.3)."""
     rigid = math.inf
-    assert pair(rigid, 0.2, 1000, 0.3).dundurs_beta == pytest.approx(0.4 / 1.4)
-    assert pair(1000, 0.3, rigid, 0.2).dundurs_beta == pytest.approx(-0.4 / 1.4)
-    assert pair(3000, 0.3, 207000, 0.25).dundurs_beta == pytest.approx(
-        ((1.25 * 0.5 / 207000) - (1.3 * 0.4 / 3000)) / (2 * (0.91 / 3000 + 0.9375 / 207000))
+    assert (
+        pair(rigid, 0.2, 1000, 0.3).dundurs_beta,
+        pair(1000, 0.3, rigid, 0.2).dundurs_beta,
+        pair(3000, 0.3, 207000, 0.25).dundurs_beta,
+    ) == pytest.approx(
+        (
+            0.4 / 1.4,
+            -0.4 / 1.4,
+            (1.25 * 0.5 / 207000 - 1.3 * 0.4 / 3000) / (2 * (0.91 / 3000 + 0.9375 / 207000)),
+        )
     )
 
 
