@@ -32,8 +32,7 @@ class Case:
     @property
     def volume(self):
         """Cells of the whole blocks."""
-        part = vtu.volume_grid(self.fields, self.stress)
-        return symmetry.grid(part, self.fields.mirrors)
+        return symmetry.grid(vtu.volume_grid(self.fields, self.stress), self.fields.mirrors)
 
 
 @pytest.fixture(scope="session")

@@ -14,8 +14,7 @@ def test_parabola_finds_the_maximum_between_samples() -> None:
     depth = np.array([0.0, 1.0, 1.5, 2.5, 3.0])
     axis = DepthAxis("rail", depth, np.zeros((5, 6)), DOWN)
     assert axis.peak(7 - 2 * (depth - 1.7) ** 2) == pytest.approx((1.7, 7.0), abs=1e-12)
-    assert axis.peak(-depth) == (0.0, 0.0)
-    assert axis.peak(depth) == (3.0, 3.0)
+    assert axis.peak(-depth) == (0.0, 0.0) and axis.peak(depth) == (3.0, 3.0)
     for end, near in ((0.0, 0.2), (3.0, 2.8)):  # the largest sample is at an end: none is beyond it
         assert axis.peak(-((depth - near) ** 2)) == pytest.approx((end, -0.04))
 

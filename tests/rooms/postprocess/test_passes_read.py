@@ -32,8 +32,7 @@ def test_below_the_middle_are_means_of_the_nearest_points():
         up=np.zeros(1),
     )
     found, mean = state.below()
-    assert found.tolist() == stress[:2].mean(axis=0).tolist()
-    assert mean.tolist() == [1.0, 2.0]
+    assert found.tolist() == stress[:2].mean(axis=0).tolist() and mean.tolist() == [1.0, 2.0]
 
 
 @pytest.mark.parametrize("half", [True, False])
@@ -57,8 +56,7 @@ def test_the_section_is_read_at_its_points(half):
     assert left.stress[:, 0, 1] == pytest.approx(expected)
     assert left.stress[:, 0, 3] == pytest.approx(left.y)  # xy and yz are odd
     assert left.stress[:, 0, 5] == pytest.approx(left.y)
-    assert left.stress[0, :, 4] == pytest.approx(-left.depth)
-    assert len(left.y) == (12 if half else 6)
+    assert left.stress[0, :, 4] == pytest.approx(-left.depth) and len(left.y) == (12 if half else 6)
 
 
 def test_the_table_has_the_place_in_two_columns():

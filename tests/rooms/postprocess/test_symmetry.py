@@ -59,8 +59,7 @@ def test_images_hold_the_exact_fields(blocks, degree: int) -> None:
     )
     assert len(found.points) == len(exact.points)
     off, partner = cKDTree(exact.points).query(found.points)
-    assert off.max() < 1e-9
-    assert {-1.0, 1.0} <= set(np.sign(found.points[:, 0] * found.points[:, 1]))
+    assert off.max() < 1e-9 and {-1.0, 1.0} <= set(np.sign(found.points[:, 0] * found.points[:, 1]))
     x, y, z = found.points.T
     p0, edge = case.ellipse.p0, (x / case.ellipse.a) ** 2 + (y / case.ellipse.b) ** 2
     smooth = (z < 0) | (np.abs(edge - 1) > 1e-6)  # at the edge they rise like a square root

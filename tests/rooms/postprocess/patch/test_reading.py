@@ -83,8 +83,7 @@ def test_finer_meshes_agree_on_the_area_of_a_patch_with_a_waist() -> None:
     area = measured(square, surface)[2]
     for n, limit in ((6, 0.002), (12, 0.0005)):
         found = _read(painted(square, surface, 0.5 / n, 0.02, even=True))
-        assert found.area == pytest.approx(area, rel=limit)
-        assert found.scatter["area"] < limit
+        assert found.area == pytest.approx(area, rel=limit) and found.scatter["area"] < limit
 
 
 def test_a_reading_that_comes_to_no_minimum_has_no_bound(monkeypatch) -> None:
@@ -109,8 +108,7 @@ def test_a_pressure_that_ends_less_steeply_than_a_square_root_is_read(end, limit
         found = _read(painted(square, (2.6, 2.2), 0.29, 0.02, seed, even=True))
         error = np.abs(_numbers(found) / exact - 1)
         assert (error < [limit, limit, limit, 0.006]).all()
-        assert error[2] < found.scatter["area"] < 0.08
-        assert found.unbalance < 1e-3
+        assert error[2] < found.scatter["area"] < 0.08 and found.unbalance < 1e-3
 
 
 def test_a_peak_where_unlike_materials_rub_is_read() -> None:
@@ -140,9 +138,7 @@ def test_numbers_do_not_jump_where_an_ellipse_becomes_another_shape() -> None:
         fields = painted(square, (2.6, 2.2), 0.3, 0.02, even=True)
         shares.append(patch.general_shape_weight(pressure.moments(fields, FRAME).shape_error))
         read.append(_numbers(_read(fields)) / measured(square, (2.6, 2.2)))
-    assert shares[0] == 0.0
-    assert shares[-1] == 1.0
-    assert np.abs(np.diff(read, axis=0)).max() < 0.003
+    assert shares[0] == 0.0 and shares[-1] == 1.0 and np.abs(np.diff(read, axis=0)).max() < 0.003
 
 
 def test_an_ellipse_by_construction_is_read_by_its_moments() -> None:
@@ -207,10 +203,8 @@ def test_distance_to_the_edge_and_elements_across() -> None:
 
 
 def test_a_patch_smaller_than_its_elements_is_read() -> None:
-    fields = painted(lambda x, s: 1 - x**2 - s**2, (3.0, 3.0), 1.5, 0.0)
-    found = _read(fields)
-    assert np.isfinite(_numbers(found)).all()
-    assert found.area == pytest.approx(np.pi, rel=0.5)
+    found = _read(painted(lambda x, s: 1 - x**2 - s**2, (3.0, 3.0), 1.5, 0.0))
+    assert np.isfinite(_numbers(found)).all() and found.area == pytest.approx(np.pi, rel=0.5)
 
 
 @pytest.mark.parametrize(

@@ -101,8 +101,7 @@ def test_a_cut_along_the_rail_says_where_it_is(blocks, sheets: list[Figure], tmp
     edges = [line for line in figure.axes[0].lines if line.get_gid() == "contact patch"]
     assert len(edges) == 1  # of the patch that is cut
     legend = figure.subfigs[1].legends[0] if figure.subfigs else figure.legends[0]
-    assert legend.get_texts()[-1].get_text().endswith("cut at s = 0.5 mm")
-    assert not cut_off(figure)
+    assert legend.get_texts()[-1].get_text().endswith("cut at s = 0.5 mm") and not cut_off(figure)
 
 
 @pytest.mark.parametrize(
@@ -121,8 +120,7 @@ def test_bands_hold_zero_and_all_values_and_little_more(values, ends) -> None:
 def test_the_cross_of_the_largest_shear_is_whole_and_explained(blocks) -> None:
     case = blocks()
     axes = diagrams.depth(case.findings, case.ellipse, 0.3).axes[1]
-    assert axes.get_xlim()[1] > 1.05 * 0.3 * case.ellipse.p0
-    assert "+ its peak" in axes.get_xlabel()
+    assert axes.get_xlim()[1] > 1.05 * 0.3 * case.ellipse.p0 and "+ its peak" in axes.get_xlabel()
 
 
 def rubbed(case: Any, centre: float) -> tuple[Any, Any]:
@@ -166,8 +164,7 @@ def test_tractions_are_where_they_act_and_have_a_scale(
     assert len(lines) == 4 and {line.get_marker() for line in lines} == {"None"}
     for largest in (np.nanmax(np.abs(lines[2].get_ydata())), 0.1 * found.patch.max_pressure):
         assert largest == pytest.approx(key.U, rel=0.5)
-    assert "MPa" in key.label
-    assert not cut_off(sheets[0])
+    assert "MPa" in key.label and not cut_off(sheets[0])
 
 
 def test_what_yields_is_drawn_in_percent_and_nothing_as_none(blocks) -> None:

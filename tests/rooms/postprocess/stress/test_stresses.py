@@ -79,8 +79,7 @@ def test_a_round_body_has_no_sharp_edge_on_its_tread(blocks) -> None:
     angle = np.degrees(np.arctan2(found[:, 2], found[:, 0]))
     at_ends = (np.abs(angle) < 1e-6) | (np.abs(angle + 6) < 1e-6)
     at_sides = np.abs(found[:, 1]) > 0.999 * np.abs(y).max()
-    assert np.all(at_ends | at_sides)
-    assert at_ends.any() and at_sides.any()
+    assert np.all(at_ends | at_sides) and at_ends.any() and at_sides.any()
 
 
 @pytest.mark.parametrize("cut", [True, False])
@@ -94,8 +93,7 @@ def test_linear_stress_is_recovered_exactly(blocks, cell: str, cut: bool) -> Non
     points = np.array([[1.0, 2.0, -3.0], [2.0, 1.0, 0.0], [0.0, 0.0, -1.0]])
     x, y, z = points.T
     lam, mu = LAME
-    zero = np.zeros(3)
-    strain = np.column_stack([z, z, 2 * z, zero, x / 2, y / 2])
+    strain = np.column_stack([z, z, 2 * z, np.zeros(3), x / 2, y / 2])
     exact = 1e-4 * (lam * 4 * z[:, None] * [1, 1, 1, 0, 0, 0] + 2 * mu * strain)
     assert found.at(points) == pytest.approx(exact, abs=1e-9 * np.abs(exact).max())
     for point, expected in zip(points, exact, strict=True):
@@ -134,8 +132,7 @@ def test_the_half_that_was_left_out_mirrors_the_other() -> None:
         np.array([[1.0, 1.0, -1.0], [-1.0, 1.0, -1.0], [1.0, -1.0, -1.0]])
     )
     assert ahead == pytest.approx(here * [1, 1, 1, -1, -1, 1], rel=1e-9)
-    assert aside == pytest.approx(here * [1, 1, 1, -1, 1, -1], rel=1e-9)
-    assert here[2] < -300
+    assert aside == pytest.approx(here * [1, 1, 1, -1, 1, -1], rel=1e-9) and here[2] < -300
 
 
 def test_what_is_outside_or_no_point_is_said() -> None:
@@ -157,8 +154,7 @@ def test_no_search_starts_outside_the_body() -> None:
     search = Search(fields, Solid(fields, cells), recovery, np.zeros((0, 3)), 1.0)
     usual = search.highest(von_mises, np.zeros((0, 3)))
     above = np.array([[0.0, 0.0, 6.0]])
-    assert usual is not None
-    assert von_mises(recovery.at(above))[0] > 2 * usual.value
+    assert usual is not None and von_mises(recovery.at(above))[0] > 2 * usual.value
     assert search.highest(von_mises, above) == usual
 
 
@@ -195,8 +191,7 @@ def test_uniform_stress_times_the_area_of_the_weight(blocks, cell, degree) -> No
     disc = lambda x, y: np.where(np.hypot(x, y) < TOUCHED, 1.0, 0.0)  # noqa: E731
     fields = touching(case, case.fields.points @ strain.T, disc)
     stress = LAME[0] * np.trace(strain) * np.eye(3) + 2 * LAME[1] * strain
-    touched = fields.contact.points[fields.contact.pressure > 0]
-    radius = 1.1 * np.hypot(*touched[:, :2].T).max()
+    radius = 1.1 * np.hypot(*fields.contact.points[fields.contact.pressure > 0][:, :2].T).max()
     t = (np.arange(1000) + 0.5) / 1000
     area = np.pi * radius**2 * (1 + 2 * np.mean((1 + t) * (1 - 3 * t**2 + 2 * t**3)))
     for body in (1, 2):
@@ -210,8 +205,7 @@ def test_hertz_load_around_the_patch(blocks, cut) -> None:
     fields = touching(case, case.fields.displacement, case.ellipse.pressure)
     for body in (1, 2):
         along, across, force = contact_force(fields, body) / case.ellipse.load
-        assert force == pytest.approx(-1.0, rel=0.01)
-        assert abs(along) < 0.01 and abs(across) < 0.01
+        assert force == pytest.approx(-1.0, rel=0.01) and abs(along) < 0.01 and abs(across) < 0.01
 
 
 @pytest.mark.parametrize("slave", [1, 2])
