@@ -228,9 +228,10 @@ def family(setting: Mapping[str, Any], *, parabolic: bool, friction: bool = Fals
     found = next((each for each in families() if holds(each.where, setting)), None)
     usual = next((each for each in families() if each.name == USUAL.get(setting["shape"])), None)
     if found and usual and len(found.where["shape"]) > 1:
-        laws = (each.laws["approach_mm"] for each in (found, usual))
-        approach = widest(*laws, found.resolution)
-        found = replace(found, laws={**found.laws, "approach_mm": approach})
+        own, other = found.laws["approach_mm"], usual.laws["approach_mm"]
+        found = replace(
+            found, laws={**found.laws, "approach_mm": widest(own, other, found.resolution)}
+        )
     fourth = setting["shape"] == "bodies" and setting["ellipse"] and not setting["overload"]
     if found and fourth and not parabolic:
         reading = {

@@ -261,7 +261,7 @@ def measure_friction() -> dict[str, Any]:
     ends = [recipe.resolutions[0], recipe.resolutions[-2]]
     laws = {key: [HEADROOM * max(own), 1.0] for key, own in sorted(errors.items())}
     reading = [MOST * float(np.median(readings)), 0.0]
-    where = families.DEFAULT | recipe.where
+    where = {**families.DEFAULT, **recipe.where}
     return {"where": where, "resolution": ends, "laws": laws, "reading": reading}
 
 

@@ -434,7 +434,7 @@ def scenes(name: str, seed: int) -> Iterator[Scene]:
             plan = planning.make(scene)
         except SceneError:
             continue
-        if error_envelopes.holds(DEFAULT | recipe.where, plan.setting):
+        if error_envelopes.holds({**DEFAULT, **recipe.where}, plan.setting):
             index += 1
             yield scene
 

@@ -31,8 +31,7 @@ def files(folder: Path) -> list[str]:
 def test_plan_solves_and_writes_nothing(here, capsys) -> None:
     assert command.status("plan", "uic54_22t5_axle") == 0
     printed = capsys.readouterr().out
-    assert "symmetry_x" in printed and "wheel cone20 on rail" in printed
-    assert "unknowns" in printed
+    assert "symmetry_x" in printed and "wheel cone20 on rail" in printed and "unknowns" in printed
     assert files(here) == []
 
 
@@ -98,14 +97,6 @@ def summary(result) -> dict:
 def test_summary_keeps_the_contract(summary, place: str) -> None:
     found = set(functools.reduce(operator.getitem, place.split("."), summary))
     assert ALL_KEYS.get(place, found) == found and SOME_KEYS.get(place, found) <= found
-
-
-def test_summary_differs_from_hertz_by_shares(summary) -> None:
-    assert summary["case"] == "uic54_thesis" and summary["plan"]["effects"].keys() == EFFECTS.keys()
-    a, exact = summary["result"]["patch"]["a_mm"], summary["hertz"]["patch"]["a_mm"]
-    assert summary["difference"]["patch"]["a_mm"] == pytest.approx((a - exact) / exact)
-    assert exact == pytest.approx(4.33609754384)
-    assert summary["difference"]["contact_point_mm"] is None  # coordinates have none
 
 
 NO_HALF_SPACE = {"two_cylinders": 0.01}  # patch over radius 0.12
@@ -214,8 +205,7 @@ WRONG = [
 def test_wrong_input_is_one_line_status_2_and_nothing_written(
     arguments, words, here, capsys
 ) -> None:
-    assert words in command.refused(capsys, *arguments)
-    assert files(here) == []
+    assert words in command.refused(capsys, *arguments) and files(here) == []
 
 
 def test_a_process_that_is_refused_says_so_alone(tmp_path) -> None:
@@ -230,8 +220,7 @@ def test_quiet_prints_nothing_and_an_earlier_result_is_replaced(here, capfd) -> 
     solved("long_roller").save(folder, pictures=False)
     before = (folder / "summary.json").stat().st_ino
     assert command.status("run", "long_roller", "--quiet", "--no-pictures") == 0
-    assert capfd.readouterr() == ("", "")
-    assert (folder / "summary.json").stat().st_ino != before
+    assert capfd.readouterr() == ("", "") and (folder / "summary.json").stat().st_ino != before
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["railhead"] == rh.__version__ and summary["units"] == "N, mm, MPa, rad, s"
     assert os.listdir(here / "results") == ["long_roller"]
@@ -243,8 +232,7 @@ def test_non_convergence_is_status_1_with_its_history(here, capsys) -> None:
     told = capsys.readouterr().err
     assert "NOT CONVERGED" in told and "residual" in told and "try solver" in told
     summary = json.loads((here / "results/two_cylinders/summary.json").read_text())
-    assert summary["checks"]["converged"] is False
-    assert len(summary["newton"]["history"]) == 1
+    assert summary["checks"]["converged"] is False and len(summary["newton"]["history"]) == 1
 
 
 @pytest.mark.parametrize(
@@ -295,8 +283,7 @@ def test_what_a_command_printed_is_printed_again_and_compared(kind, tmp_path, ca
     out = str(tmp_path / "out")
     assert command.status(*KEPT[kind], "--out", out) == 0
     printed, _, _ = capsys.readouterr().out.partition("written to")
-    assert command.status("show", out) == 0
-    assert capsys.readouterr().out == printed
+    assert command.status("show", out) == 0 and capsys.readouterr().out == printed
     assert command.status("diff", out, out, "--json") == 0
     numbers = json.loads(capsys.readouterr().out)["quantities"]
     assert numbers and all(row["A"] == row["B"] for row in numbers)

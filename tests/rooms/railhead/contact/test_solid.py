@@ -43,8 +43,7 @@ def test_the_mirror_of_a_scene_has_the_same_contact_and_creepage(keys: dict) -> 
     one, two = scene(**keys), mirrored(scene(**keys))
     assert two.wheelset.side == "left"
     here, there = solid.locate(one), solid.locate(two)
-    assert here.touch == there.touch
-    assert np.array_equal(here.pose.rotation, there.pose.rotation)
+    assert here.touch == there.touch and np.array_equal(here.pose.rotation, there.pose.rotation)
     creepages = [wheelset_kinematics.wheelset_creepage(each).creepage for each in (here, there)]
     assert creepages[0] == creepages[1]
 
@@ -65,8 +64,7 @@ def test_the_opposite_scene_solves_the_other_wheel_of_the_same_wheelset() -> Non
 def test_unlike_sides_break_the_symmetry_across() -> None:
     """The axle rolls; nothing else in the scene is asymmetric."""
     given = Scene.from_mapping({"load": 1e5, "wheelset": {"other_radius": 415}})
-    contact = solid.locate(given)
-    assert "axle rolled by" in contact.why_asymmetric_in_y()
+    assert "axle rolled by" in solid.locate(given).why_asymmetric_in_y()
     assert planning.make(given).effects["symmetry_y"].on is False
 
 

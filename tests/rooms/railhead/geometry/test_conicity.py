@@ -33,11 +33,9 @@ def test_the_equivalent_conicity_is_that_of_the_motion() -> None:
     half = math.gamma(0.25) * math.gamma(0.5) / math.gamma(0.75) / 4  # of du/sqrt(1 - u^4), 0 to 1
     exact = math.pi**2 / 8 * 0.001 * 6.0**2 / half**2
     assert swing(6.0, y, 2e-3 * y**3) == pytest.approx(exact, rel=1e-4)
-    assert math.isnan(swing(6.0, y, -0.1 * y))
-    assert math.isnan(swing(0.0, y, 0.1 * y))
+    assert math.isnan(swing(6.0, y, -0.1 * y)) and math.isnan(swing(0.0, y, 0.1 * y))
     short = y[y <= 5.0]
-    assert math.isnan(swing(8.0, short, 0.1 * short))
-    assert swing(6.0, y, 0 * y) == 0.0
+    assert math.isnan(swing(8.0, short, 0.1 * short)) and swing(6.0, y, 0 * y) == 0.0
 
 
 def test_unlike_sides_swing_about_the_place_where_their_radii_are_equal() -> None:
@@ -54,8 +52,7 @@ def test_a_jump_turns_the_wheelset_back_at_once() -> None:
     for amplitude in (0.5, 3.0):
         exact = math.pi**2 * 0.8 / (16 * amplitude)
         assert swing(amplitude, y, jump) == pytest.approx(exact, rel=1e-4)
-    apart = np.array([-5.0, -0.25, 0.25, 5.0])
-    assert swing(0.5, apart, jump) < 0.98 * math.pi**2 * 0.8 / 8
+    assert swing(0.5, np.array([-5.0, -0.25, 0.25, 5.0]), jump) < 0.98 * math.pi**2 * 0.8 / 8
 
 
 @pytest.mark.parametrize(

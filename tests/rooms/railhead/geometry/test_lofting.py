@@ -36,8 +36,7 @@ def test_a_head_that_goes_aside_keeps_its_shape_between_sections(tmp_path: Path)
     z, along, across = surface(table, 188.7, split=False)(x, y)
     assert np.abs(z - height(None, x, y)).max() < 2e-7
     slope = -(y - 25 - x / 10) / np.sqrt(300**2 - (y - 25 - x / 10) ** 2)
-    assert np.abs(across - slope).max() < 2e-6
-    assert np.abs(along - (-0.01 - slope / 10)).max() < 2e-6
+    assert np.abs(across - slope).max() < 2e-6 and np.abs(along - (-0.01 - slope / 10)).max() < 2e-6
 
 
 def test_a_hump_is_round_between_sections_and_no_polygon(tmp_path: Path) -> None:
@@ -45,8 +44,7 @@ def test_a_hump_is_round_between_sections_and_no_polygon(tmp_path: Path) -> None
     table = drawn.write(tmp_path, np.arange(-60, 61, 10), drawn.arcs)
     x, y = grid(3.0, 1.0)
     z, along, _ = surface(table, 3.0)(x, y)
-    truth = -drawn.top(y, 300.0) - drawn.top(x, 5000.0)
-    assert np.abs(z - truth).max() < 1e-7
+    assert np.abs(z - (-drawn.top(y, 300.0) - drawn.top(x, 5000.0))).max() < 1e-7
     assert np.abs(along + x / np.sqrt(5000**2 - x**2)).max() < 1e-7
 
 
@@ -84,8 +82,7 @@ def test_two_heads_in_one_line_are_parted_at_their_valley(tmp_path: Path) -> Non
     assert (rail.x[0], wing.x[0]) == (0.0, -20.0)
     at = np.array([-5.0, 5.0])
     z = loft(rail, -15, 20)(at, np.full(2, -20.0))[0]
-    assert np.isnan(z[0])
-    assert z[1] == pytest.approx(drawn.ramp(5.0, 250, 350, 0.04, -2), abs=1e-6)
+    assert np.isnan(z[0]) and z[1] == pytest.approx(drawn.ramp(5.0, 250, 350, 0.04, -2), abs=1e-6)
     z = loft(wing, -15, 20)(at, 25 + at / 10)[0]
     assert z == pytest.approx(-0.4 - 0.01 * at, abs=1e-6)
 
@@ -102,8 +99,7 @@ def test_a_file_of_contact_is_the_same_rail_upside_down(tmp_path: Path) -> None:
     assert np.abs(z - height(None, x, y)).max() < 2e-7
     table = table.with_name("turned.slcs")
     table.write_text(text.replace("1000.0", "-1000.0"))
-    turned = surface(str(table), -30.0, split=False)(-x, y)[0]
-    assert np.abs(turned - z).max() < 1e-9
+    assert np.abs(surface(str(table), -30.0, split=False)(-x, y)[0] - z).max() < 1e-9
 
 
 def test_a_nose_below_its_wing_is_the_right_way_up_and_heads_are_followed(tmp_path: Path) -> None:

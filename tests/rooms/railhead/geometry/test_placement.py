@@ -63,8 +63,9 @@ def test_contact_positions_known_from_geometry() -> None:
     cone = profiles.cone(1 / 20, 67, "cone20")
     inclined, _ = lowered(ProfilePair(profiles.rail_head("54E1", 1 / 20), cone, 420.0), 0, 0, 0)
     assert inclined.y == pytest.approx(0.0, abs=1e-9)
-    assert 1 / inclined.curvature_y == pytest.approx(300, rel=1e-9)
-    assert 1 / inclined.curvature_x == pytest.approx(420 * np.sqrt(1 + 1 / 400), rel=1e-9)
+    assert (1 / inclined.curvature_y, 1 / inclined.curvature_x) == pytest.approx(
+        (300, 420 * np.sqrt(1 + 1 / 400)), rel=1e-09
+    )
     straight, _ = lowered(ProfilePair(profiles.rail_head("54E1"), cone, 420.0), 0, 0, 0)
     assert straight.y == pytest.approx(-11.34, abs=0.005)
     assert 1 / straight.curvature_y == pytest.approx(80, rel=1e-9)

@@ -27,8 +27,7 @@ def test_manchester_geometry_puts_the_rail_at_760_53_mm() -> None:
     placed = alike(PAIR, TRACK).place()
     assert placed.right.touches[0].y - crest == pytest.approx(-7.28, abs=0.05)
     assert placed.right.touches[0].angle == pytest.approx(0.0244, abs=1e-3)
-    assert placed.right.touches == placed.left.touches
-    assert placed.roll == 0.0
+    assert placed.right.touches == placed.left.touches and placed.roll == 0.0
     assert placed.rolling_radius_difference == 0.0
 
 
@@ -100,16 +99,14 @@ def test_contacts_are_those_of_a_search_in_three_dimensions(
 ) -> None:
     """The search knows heights and roll alone."""
     off, gap = deviation(wheelset, shift)
-    assert off < 0.05
-    assert gap < 1e-6
+    assert off < 0.05 and gap < 1e-6
 
 
 def test_a_curve_of_150_m_moves_contacts_by_less_than_0_06_mm() -> None:
     """Why rails are straight here: 20 mm beside the axle such a curve is 1.3 um off its tangent.
     Of 50 random positions this one is off most."""
     off, gap = deviation(*at_random(41), curve=1 / 150e3)
-    assert 0.05 < off < 0.06
-    assert 4e-4 < gap < 5e-4
+    assert 0.05 < off < 0.06 and 4e-4 < gap < 5e-4
 
 
 def test_a_larger_wheel_rolls_the_axle_by_what_it_is_larger() -> None:
@@ -127,8 +124,9 @@ def test_a_given_roll_lets_each_wheel_touch_at_a_height_of_its_own() -> None:
     pair = ProfilePair(profiles.single_radius(300.0, 35.0), profiles.cone(0.0, 60.0, "c"), 450.0)
     placed = WheelsetOnTrack(right=pair, left=pair, track=Track(), roll=0.01).place(1.0)
     assert placed.roll == 0.01
-    assert placed.right.touches[0].angle == pytest.approx(0.01, rel=1e-9)
-    assert placed.left.touches[0].angle == pytest.approx(-0.01, rel=1e-9)
+    assert (placed.right.touches[0].angle, placed.left.touches[0].angle) == pytest.approx(
+        (0.01, -0.01), rel=1e-09
+    )
     assert abs(placed.right.touches[0].gap) + abs(placed.left.touches[0].gap) < 1e-12
     # On each side the axle leaves the height of its middle by 750 mm times its slope.
     rise = placed.left.height - placed.right.height

@@ -97,8 +97,7 @@ def test_after_ten_moves_the_number_is_that_of_the_command_for_the_last_one(
         assert words[:2] == ["railhead", "run"] and "wheelset.shift=2.9 mm" in words
         assert command.status(*words[1:], "--json", "--no-pictures") == 0
         found = json.loads(capsys.readouterr().out)["result"]["pressure"]["max_MPa"]
-        assert shown.text("max-pressure") == str(found)
-        assert shown.text("error") == ""
+        assert shown.text("max-pressure") == str(found) and shown.text("error") == ""
 
 
 @pytest.mark.slow

@@ -118,8 +118,7 @@ def test_numbers_are_those_of_the_command_that_is_shown(tmp_path, capsys) -> Non
     shown = asked(tmp_path, "described", **values)["data"]["command"]
     found = asked(tmp_path, "half_spaces", **values)["data"]
     words = [*shlex.split(shown)[1:], "--json", "--out", str(tmp_path / "out")]
-    assert command.status(*words) == 1
-    assert "the steel would yield" in found["failed"]
+    assert command.status(*words) == 1 and "the steel would yield" in found["failed"]
     summary = json.loads(capsys.readouterr().out)
     assert found["result"] == summary["result"]
     assert found["estimates"] == summary["accuracy"]["bound"]
@@ -189,8 +188,7 @@ def test_an_uploaded_profile_is_kept_under_a_safe_name_and_read_as_by_the_comman
     found = asked(tmp_path / "pages", "upload", more=sent)["data"]
     kept = Path(found["path"])
     assert kept.resolve().is_relative_to(tmp_path / "pages")
-    assert kept.name == "worn_60e1.csv_ü_x.csv"
-    assert found["key"] == "rail.profile"
+    assert kept.name == "worn_60e1.csv_ü_x.csv" and found["key"] == "rail.profile"
     copy = tmp_path / kept.name
     copy.write_bytes(file.read_bytes())
     command.status("profile", str(copy), "--body", "rail", "--out", str(tmp_path / "out"))

@@ -17,8 +17,7 @@ def test_hertz_is_the_forecast_where_the_gap_is_his_parabola(name: str) -> None:
     plan = planned(name)
     assert plan.forecast.hertzian
     (zone,) = plan.forecast.zones
-    assert (zone.a, zone.b) == (plan.hertz.a, plan.hertz.b)
-    assert plan.grading.also == ()
+    assert (zone.a, zone.b) == (plan.hertz.a, plan.hertz.b) and plan.grading.also == ()
 
 
 @pytest.mark.parametrize(
@@ -52,8 +51,7 @@ def test_manchester_patch_has_two_lobes_and_the_published_pressure_and_area() ->
 def test_tread_and_gauge_corner_share_the_load() -> None:
     plan = planned(MANCHESTER, "wheelset.shift=5")
     tread, corner = plan.forecast.zones
-    assert tread.angle == pytest.approx(0.127, abs=0.002)
-    assert corner.angle == pytest.approx(0.300, abs=0.002)
+    assert (tread.angle, corner.angle) == pytest.approx((0.127, 0.3), abs=0.002)
     (other,) = plan.grading.also
     assert 0.5 * plan.patch_size <= other.size < plan.patch_size
     centres = np.array([tread.centre, corner.centre])
@@ -94,8 +92,7 @@ def test_the_width_of_the_profiles_bounds_the_elements_of_long_bodies() -> None:
     """A soft wheel's patch is 90 mm long and its bodies a metre: elements as large as a quarter of
     that cut through the fillets of the head, and meshing did not end."""
     plan = planned("uic54_22t5_axle", "wheel.young_modulus=300", "load=75e3")
-    assert plan.reach > 500
-    assert plan.coarsest < 25
+    assert plan.reach > 500 and plan.coarsest < 25
     assert (
         planned("uic54_22t5_axle").coarsest == forecast.COARSEST * planned("uic54_22t5_axle").reach
     )

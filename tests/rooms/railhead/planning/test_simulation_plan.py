@@ -63,8 +63,7 @@ def test_a_stiff_body_whose_stresses_are_not_hertz_s_deforms(case: str, keys) ->
     plan = planned(case, "wheel.young_modulus=1e12", *keys)
     found = plan.effects["deformable_wheel"]
     assert found.on and "not Hertz's" in found.why and found.error == plan.omission_error == 1e-5
-    assert plan.context.young_moduli == {"rail": 207000, "wheel": 207000e5}
-    assert not plan.rigid
+    assert plan.context.young_moduli == {"rail": 207000, "wheel": 207000e5} and not plan.rigid
 
 
 def test_a_body_that_is_rigid_by_choice_alone_has_no_stresses() -> None:
@@ -121,8 +120,7 @@ CALLED = [
 )
 def test_an_effect_is_called_for_where_it_counts(name, case, keys, called, words) -> None:
     found = effect(name, case, *keys)
-    assert (found.called_for, found.on) == (called, called)
-    assert words in found.why
+    assert (found.called_for, found.on) == (called, called) and words in found.why
 
 
 def test_what_is_left_out_is_part_of_the_bound() -> None:
@@ -135,8 +133,7 @@ def test_what_is_left_out_is_part_of_the_bound() -> None:
     summary = pipeline.run(scene).summary
     left_out = summary["accuracy"]["parts"]["max_MPa"]["left_out"]
     assert left_out == pytest.approx(207 / 200_207)
-    assert min(summary["accuracy"]["bound"].values()) > left_out
-    assert summary["accuracy"]["reached"]
+    assert min(summary["accuracy"]["bound"].values()) > left_out and summary["accuracy"]["reached"]
 
 
 def test_a_twist_of_the_rail_that_is_left_out_is_part_of_the_bound() -> None:
@@ -264,8 +261,9 @@ def test_what_is_off_is_not_meshed_and_holds_no_unknowns() -> None:
         present = {tag for tag in (RAIL, WHEEL) if len(made.cell_tags.find(tag))}
         assert present == set(plan.deformable)
         unknowns[off] = model.unknowns
-    assert unknowns["deformable_wheel"] == pytest.approx(unknowns["nothing"] / 2, rel=0.02)
-    assert unknowns["deformable_rail"] == pytest.approx(unknowns["nothing"] / 2, rel=0.02)
+    assert (unknowns["deformable_wheel"], unknowns["deformable_rail"]) == pytest.approx(
+        (unknowns["nothing"] / 2, unknowns["nothing"] / 2), rel=0.02
+    )
 
 
 @pytest.mark.slow
@@ -276,8 +274,7 @@ def test_a_metre_of_rail_costs_little_more_than_its_head_as_predicted() -> None:
         plan = planned("uic54_22t5_axle", *choice)
         made = mesh_solution.generate(plan, plan.grading, MPI.COMM_WORLD)
         unknowns[on] = mesh_solution.assemble(plan, made).unknowns
-        assert plan.unknowns == pytest.approx(unknowns[on], rel=0.1)
-        assert made.quality > 0.15
+        assert plan.unknowns == pytest.approx(unknowns[on], rel=0.1) and made.quality > 0.15
     assert unknowns["on"] < 1.45 * unknowns["off"]
 
 
@@ -288,7 +285,6 @@ def test_a_stiff_body_left_out_changes_the_answer_by_its_share() -> None:
         pipeline.run(scene.replace(["mesh.patch_size=0.8", *choice])).summary["result"]
         for choice in ([], ["effects.deformable_wheel=on"])
     ]
-    assert results[0]["pressure"]["max_MPa"] == pytest.approx(
-        results[1]["pressure"]["max_MPa"], rel=2e-3
+    assert (results[0]["pressure"]["max_MPa"], results[0]["approach_mm"]) == pytest.approx(
+        (results[1]["pressure"]["max_MPa"], results[1]["approach_mm"]), rel=0.002
     )
-    assert results[0]["approach_mm"] == pytest.approx(results[1]["approach_mm"], rel=2e-3)

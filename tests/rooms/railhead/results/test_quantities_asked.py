@@ -92,14 +92,12 @@ def test_stresses_under_tractions_need_the_forces() -> None:
 def test_without_stresses_those_of_the_plan_tell_of_yield(
     case, keys, quantities, needed, said
 ) -> None:
-    scene = rh.find(case).replace(keys, quantities=quantities)
-    summary = rh.solve(scene, quiet=True).summary
+    summary = rh.solve(rh.find(case).replace(keys, quantities=quantities), quiet=True).summary
     found = summary["effects_after"]["plasticity"]
     assert found["needed"] == needed and said in found["why"]
     assert "those of the plan" in summary["checks"]["not_made"]["plasticity"]
     accepted = "plasticity" in summary["plan"]["chosen"]
-    left_out = ["effects_left_out"] * (needed and not accepted)
-    assert summary["checks"]["failed"] == left_out
+    assert summary["checks"]["failed"] == ["effects_left_out"] * (needed and not accepted)
 
 
 def test_the_patch_of_bodies_alone_has_no_stresses_and_no_second_method(
@@ -107,8 +105,7 @@ def test_the_patch_of_bodies_alone_has_no_stresses_and_no_second_method(
 ) -> None:
     searches = (read, "Search"), (read, "_below"), (half_space_answer, "beside")
     forbid(monkeypatch, *searches)
-    scene = rh.find("uic54_thesis").replace(SOLID, quantities="patch")
-    result = rh.solve(scene, quiet=True)
+    result = rh.solve(rh.find("uic54_thesis").replace(SOLID, quantities="patch"), quiet=True)
     assert result.passed and result.stress is None and result.estimate.tau_max is None
     assert result.summary["half_space"] is None
     made = result.summary["checks"]

@@ -52,8 +52,7 @@ def test_what_comes_while_it_computes_is_kept(tmp_path: Path) -> None:
         (work / "summary.json").write_text("new")
         (folder / "mine.txt").write_text("mine")
     assert (folder / "mine.txt").read_text() == "mine"
-    assert (folder / "summary.json").read_text() == "new"
-    assert os.listdir(tmp_path) == ["out"]
+    assert (folder / "summary.json").read_text() == "new" and os.listdir(tmp_path) == ["out"]
 
 
 @pytest.mark.parametrize(
@@ -65,8 +64,7 @@ def test_known_names_alone_are_no_result(names: tuple[str, ...], tmp_path: Path)
     folder = tmp_path / "out"
     write(folder, "mine", *names)
     (folder / result_folder.MANIFEST).unlink()
-    assert repr(sorted(names)[0]) in refused(folder)
-    assert sorted(os.listdir(folder)) == sorted(names)
+    assert repr(sorted(names)[0]) in refused(folder) and sorted(os.listdir(folder)) == sorted(names)
 
 
 def test_the_working_directory_stays(here: Path, capsys) -> None:
@@ -86,8 +84,7 @@ def test_a_link_is_followed(tmp_path: Path) -> None:
     for _ in range(2):
         result_folder.check_folder(link)
         write(link, "new")
-        assert os.readlink(link) == "disk/target"
-        assert (target / "summary.json").read_text() == "new"
+        assert os.readlink(link) == "disk/target" and (target / "summary.json").read_text() == "new"
     assert os.listdir(tmp_path / "disk") == ["target"]
 
 
@@ -96,10 +93,8 @@ def test_links_to_nothing_and_folders_in_files_are_refused(tmp_path: Path) -> No
     link.symlink_to("gone")
     loop.symlink_to("loop")
     file.write_text("")
-    assert "is a link to nothing" in refused(link)
-    assert "is a link to nothing" in refused(loop)
-    assert "is a file" in refused(file)
-    assert "cannot be written to" in refused(file / "out")
+    assert "is a link to nothing" in refused(link) and "is a link to nothing" in refused(loop)
+    assert "is a file" in refused(file) and "cannot be written to" in refused(file / "out")
     assert "File name too long" in refused(tmp_path / ("x" * 300))
 
 

@@ -44,8 +44,7 @@ def test_arguments_are_not_left_to_libraries(monkeypatch, capsys) -> None:
     monkeypatch.setattr(sys, "argv", ["railhead", "plan", "c\udcff.toml"])
     with pytest.raises(SystemExit) as ended:
         commands.main()
-    assert ended.value.code == 2
-    assert sys.argv == ["railhead"]
+    assert ended.value.code == 2 and sys.argv == ["railhead"]
     assert "is no file" in capsys.readouterr().err
 
 

@@ -95,8 +95,7 @@ def test_scene_is_frozen_hashable_and_picklable() -> None:
     whole, key = scene(), "load"
     with pytest.raises(ValidationError):
         setattr(whole, key, 3.0)
-    assert len({whole, scene()}) == 1
-    assert pickle.loads(pickle.dumps(whole)) == whole
+    assert len({whole, scene()}) == 1 and pickle.loads(pickle.dumps(whole)) == whole
     error = pickle.loads(pickle.dumps(SceneError("load", "is wrong")))
     assert (str(error), error.key) == ("load: is wrong", "load")
 
@@ -434,8 +433,7 @@ def test_none_gives_any_key_its_default() -> None:
     given = scene(**{"rail.gauge": 1435, "rail.steel": "R260", "accuracy": 0.01})
     assert given.replace(["rail.gauge=none", "rail.steel=none", "accuracy=none"]) == scene()
     assert scene(**{"rail.profile": "none", "wheel.rolling_radius": "none"}) == scene()
-    with pytest.raises(SceneError, match="unknown key"):
-        scene(**{"rail.gouge": "none"})
+    assert "unknown key" in refusal(lambda: scene(**{"rail.gouge": "none"}))
 
 
 @pytest.mark.parametrize("texts", [3, "load=1", None])

@@ -39,8 +39,7 @@ def test_a_record_that_goes_while_a_sweep_runs_is_said(
     task = loads("long_roller", [50e3, 80e3], tmp_path / "sweep")
     monkeypatch.setattr(parallel, "_solve", _nothing)
     found = parallel.run(task, pictures=False, quiet=True)
-    assert found is not None
-    assert checks(found) == [f"NOT SOLVED: {parallel.LOST_RECORD}"] * 2
+    assert found is not None and checks(found) == [f"NOT SOLVED: {parallel.LOST_RECORD}"] * 2
 
 
 def checks(found: rh.Sweep) -> list[str]:

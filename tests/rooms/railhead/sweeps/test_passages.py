@@ -53,8 +53,7 @@ def test_springs_of_hertz_share_the_load_as_boundary_elements_do(
 def test_positions_are_close_where_the_load_goes_over(scene: Scene) -> None:
     """From one to the next no share changes by more than 0.1; far away none is added."""
     found = passages.refined(scene, {"rail.position": [180.0, "200 mm", 220.0]})["rail.position"]
-    shares = [passages.share(scene, at) for at in found]
-    assert np.abs(np.diff(shares)).max() <= 0.1
+    assert np.abs(np.diff([passages.share(scene, at) for at in found])).max() <= 0.1
     assert {180.0, 200.0, 220.0} <= {*found} and 13 <= len(found) <= 25
     assert not [at for at in found if 200 < at < 220]
     plain = {"load": [1e4, 2e4]}
@@ -79,10 +78,8 @@ def test_half_of_the_load_has_gone_over_within_a_short_travel(upward: bool) -> N
     """Half from 194.720 mm; both heads carry more than 1 % from 192.57 mm on, linear to 300 mm."""
     found = sweep_table.transfer(rows(upward))
     assert found["half_mm"] == pytest.approx(194.720, abs=0.02)
-    assert found["from_mm"] == pytest.approx(192.574, abs=1e-3)
-    assert 196.0 < found["to_mm"] < 300.0
-    assert found["largest_MPa"] == 1985.5
-    assert sweep_table.transfer(rows(upward)[:3]) == {}
+    assert found["from_mm"] == pytest.approx(192.574, abs=1e-3) and 196.0 < found["to_mm"] < 300.0
+    assert found["largest_MPa"] == 1985.5 and sweep_table.transfer(rows(upward)[:3]) == {}
     assert sweep_table.transfer([{"rail.position [mm]": 1.0, "share rail": 1.0}]) == {}
 
 
@@ -96,7 +93,5 @@ def test_a_passage_tells_where_the_load_goes_over(scene: Scene, tmp_path: Path) 
     table = {row["rail.position [mm]"]: row for row in found.rows()}
     assert table[194.5]["share rail"] == pytest.approx(0.42838, abs=3e-4)
     assert table[194.5]["p_max wing [MPa]"] == pytest.approx(946.2, rel=1e-3)
-    shares = [row["share rail"] for row in found.rows()]
-    assert np.abs(np.diff(shares)).max() <= 0.11
-    again = rh.sweep(scene, over, out=tmp_path / "out", quiet=True)
-    assert again.rows() == found.rows()
+    assert np.abs(np.diff([row["share rail"] for row in found.rows()])).max() <= 0.11
+    assert rh.sweep(scene, over, out=tmp_path / "out", quiet=True).rows() == found.rows()

@@ -131,8 +131,7 @@ def test_more_rows_keep_the_first_ones_and_other_rows_are_refused(tmp_path, caps
     assert command.status(*asked) == 0 and len(rh.load(out).rows()) == 2
     assert (out / "records" / "00000.json").read_text() == first
     file.write_text("load [kN]\n20\n35\n")
-    assert command.status(*asked) == 2
-    assert "has another sample 1" in capsys.readouterr().err
+    assert command.status(*asked) == 2 and "has another sample 1" in capsys.readouterr().err
     file.write_text("load [kN],load [N]\n25\n")
     assert command.status(*asked) == 2
     assert capsys.readouterr().err.startswith("railhead: --samples-file: ")

@@ -18,27 +18,18 @@ import command
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
+from one_line import refusal
 from sweep_command import ROLLER, SIX, rows
 
 import railhead as rh
 from railhead.meshing.mesh import MeshError
 from railhead.postprocess.findings import Subject, Units
 from railhead.postprocess.pictures import sweep_plots as plots
-from railhead.results import pipeline, result_folder
+from railhead.results import result_folder
 from railhead.scene.scene import SceneError
 from railhead.sweeps import store, sweep_table
 
 FAST = rh.find("hertz_ellipse").replace(["effects.finite_bodies=off"])
-
-
-def test_what_cannot_be_solved_is_a_row(monkeypatch, in_this_process) -> None:
-    def failing(plan, *_):
-        raise MeshError("gmsh: no")
-
-    monkeypatch.setattr(pipeline, "solve", failing)
-    table = rh.sweep(rh.find("sphere_on_plane"), {"wheelset.yaw": [0]}, quiet=True)
-    assert list(table) == []
-    assert table.rows() == [{"wheelset.yaw [mrad]": 0.0, "checks": "NOT SOLVED: gmsh: no"}]
 
 
 def test_a_folder_keeps_the_sweep(tmp_path, in_this_process, capsys) -> None:
@@ -50,8 +41,7 @@ def test_a_folder_keeps_the_sweep(tmp_path, in_this_process, capsys) -> None:
     (out / "records" / "00001.json").unlink()
     again = rh.sweep(FAST, given, out=out, quiet=True)
     assert again[1].pressure == table[1].pressure
-    with pytest.raises(ValueError, match="numbers only"):
-        print(again[0].findings)
+    assert "numbers only" in refusal(lambda: print(again[0].findings), ValueError)
     read = rh.load(out)
     assert isinstance(read, rh.Sweep) and read.keys == list(given)
     assert read.rows() == again.rows() and read[3].pressure == table[3].pressure
@@ -79,12 +69,6 @@ def test_a_script_needs_no_guard(tmp_path) -> None:
     )
     done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=True)
     assert done.stdout == "begins\n[10000.0, 20000.0]\n", done.stderr
-
-
-def test_a_loaded_sweep_is_drawn(swept) -> None:
-    table = rh.load(swept)
-    curve = table.plot("sweep").axes[0].lines[0]
-    assert max(curve.get_ydata()) in [row["p_max [MPa]"] for row in table.rows()]
 
 
 def test_the_angle_of_a_row_is_that_of_its_patch(swept) -> None:
@@ -288,8 +272,7 @@ def test_a_broken_file_is_said(copied: Path, name: str, content: str | None, cap
     err = command.refused(capsys, "sweep", *ROLLER, *SIX, "--out", str(copied))
     if name.startswith("records") or content in (None, "[]"):
         assert f"{name}' is broken; delete it and start again" in err
-        with pytest.raises(SceneError, match="is broken"):
-            rh.load(copied)
+        assert "is broken" in refusal(lambda: rh.load(copied))
     else:
         assert "holds another sweep" in err
 
@@ -340,8 +323,7 @@ def test_broken_arrays_of_a_record_are_said(tmp_path: Path) -> None:
     store.write(tmp_path, 0, {}, {"pressure": np.ones(100)})
     path = store.record_path(tmp_path, 0).with_suffix(".npz")
     path.write_bytes(path.read_bytes()[:-30])
-    with pytest.raises(SceneError, match="is broken"):
-        store.read_arrays(tmp_path, 0)
+    assert "is broken" in refusal(lambda: store.read_arrays(tmp_path, 0))
 
 
 def test_records_beyond_five_digits_count(tmp_path: Path) -> None:
@@ -354,8 +336,7 @@ def test_wear_and_creep_tables_are_no_broken_sweeps(tmp_path: Path) -> None:
     """Their records, which are whole, were said to be broken, and to be deleted."""
     store.begin(tmp_path / "table", {"table": {"cells": 12}})
     store.write(tmp_path / "table", 0, {"forces": []})
-    with pytest.raises(SceneError, match="holds no run and no sweep"):
-        rh.load(tmp_path / "table")
+    assert "holds no run and no sweep" in refusal(lambda: rh.load(tmp_path / "table"))
 
 
 def test_a_folder_in_use_is_left_alone(copied: Path, capsys) -> None:
@@ -382,8 +363,7 @@ def test_a_sweep_goes_on_with_its_own_folder_and_leaves_others(tmp_path: Path, c
     store.begin(folder, other, "replace")
     assert store.done(folder) == set() and not result_folder.foreign(folder)
     (folder / "sweep.json").unlink()
-    with pytest.raises(SceneError, match="holds another kind of result"):
-        store.begin(folder, mine)
+    assert "holds another kind of result" in refusal(lambda: store.begin(folder, mine))
 
 
 def test_elastic_answers_of_steel_that_would_yield_are_marked_in_all_that_a_sweep_shows(

@@ -26,11 +26,9 @@ def job(what: str) -> str:
 
 def test_lost_jobs_have_a_reason_and_the_others_their_result() -> None:
     jobs = [(what,) for what in ("a", "raise", "crash", "b", "hang", "c")]
-    limits = [30.0, 30.0, 30.0, 30.0, 2.0, 30.0]
-    found = list(attempts(job, jobs, limits))
+    found = list(attempts(job, jobs, [30.0, 30.0, 30.0, 30.0, 2.0, 30.0]))
     assert [each.value for each in found] == ["a1", None, None, "b1", None, "c1"]
-    assert found[1].fault == "ValueError: two lines"
-    assert found[2].fault == "the process crashed"
+    assert found[1].fault == "ValueError: two lines" and found[2].fault == "the process crashed"
     assert found[4].fault == "not back after 2 s" and found[4].seconds < 10
 
 

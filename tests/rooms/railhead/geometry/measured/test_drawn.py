@@ -51,8 +51,7 @@ def test_the_curve_passes_through_the_points_and_arcs_meet_at_once(
 def test_three_decimals_leave_the_crown_round(spacing: float) -> None:
     """Three neighbouring points make a curvature that is off by more than the crown's own."""
     smoothed, profile = drawn(rail(spacing), 3)
-    assert smoothed.rounding == pytest.approx(0.001)
-    assert np.abs(smoothed.residual).max() < 0.001
+    assert smoothed.rounding == pytest.approx(0.001) and np.abs(smoothed.residual).max() < 0.001
     crown = profile.curvature(np.linspace(-8, 8, 161))
     np.testing.assert_allclose(crown, 1 / 300, atol=0.1 / 300)
 
@@ -124,8 +123,7 @@ def by_chords(tolerance: float) -> np.ndarray:
         y = np.linspace(start, end, count + 1)[:-1]
         points.append(np.column_stack([y, RAIL.height(y)]))
     way = np.concatenate(points)
-    side = np.outer([12.0, 8.0, 4.0], [-1 / 20, -1.0])
-    return np.concatenate([way[0] + side, way])
+    return np.concatenate([way[0] + np.outer([12.0, 8.0, 4.0], [-1 / 20, -1.0]), way])
 
 
 SPARSE = by_chords(0.002)

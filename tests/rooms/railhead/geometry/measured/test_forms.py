@@ -54,8 +54,7 @@ def wheel() -> np.ndarray:
         (11.0, -np.pi / 2), (np.inf, 12.0),
     ])[::-1] * [-1, 1]  # fmt: skip
     points = points - [points[:, 0].min(), 0.0]
-    tread = points[points[:, 0] > 70.0]
-    return points - [0.0, np.interp(TAPE, *tread.T)]
+    return points - [0.0, np.interp(TAPE, *points[points[:, 0] > 70.0].T)]
 
 
 def text(points: np.ndarray, separator: str = " ") -> str:
@@ -106,8 +105,9 @@ def test_a_wheel_stands_on_the_tape_circle_of_its_file(name: str, tmp_path) -> N
     )
     shift = 300.0 if name == "upright.csv" else 0.0
     sign = -1.0 if shift else 1.0
-    assert found.origin["flange_back_mm"] == pytest.approx(shift, abs=0.02)
-    assert found.origin["tape_circle_mm"] == pytest.approx(shift + sign * TAPE, abs=0.02)
+    assert (found.origin["flange_back_mm"], found.origin["tape_circle_mm"]) == pytest.approx(
+        (shift, shift + sign * TAPE), abs=0.02
+    )
 
 
 def test_wear_moves_no_tape_circle_and_a_wheel_is_no_rail(tmp_path) -> None:
@@ -134,8 +134,9 @@ def test_a_rail_of_no_standard_is_read_in_its_axes(name: str, tmp_path) -> None:
     y = np.array([-30.0, -21.0, -5.0, 0.0, 5.0, 20.0])
     true = rail()[np.abs(rail()[:, 0]) < 36]
     np.testing.assert_allclose(found.profile.height(y), np.interp(y, *true.T), atol=0.01)
-    assert 1 / found.profile.curvature(5.0) == pytest.approx(254.0, rel=0.03)
-    assert 1 / found.profile.curvature(17.0) == pytest.approx(31.75, rel=0.03)
+    assert (1 / found.profile.curvature(5.0), 1 / found.profile.curvature(17.0)) == pytest.approx(
+        (254.0, 31.75), rel=0.03
+    )
 
 
 def test_an_origin_beside_the_crown_is_asked_about_where_no_gauge_places_the_wheel(
@@ -194,8 +195,9 @@ def test_a_tape_circle_that_is_given_is_measured_from_the_flange_back(
     """By a key, or by the header."""
     (tmp_path / "w.whl").write_text(CAD + header + text(wheel()))
     found = rh.profile(tmp_path / "w.whl", "wheel", keys).measured
-    assert found.origin["tape_circle_mm"] == pytest.approx(tape)
-    assert found.origin["flange_back_mm"] == pytest.approx(0.0)
+    assert (found.origin["tape_circle_mm"], found.origin["flange_back_mm"]) == pytest.approx(
+        (tape, 0.0)
+    )
 
 
 def test_heavy_haul_files_run_and_say_where_they_were_placed(tmp_path, monkeypatch, capsys) -> None:
@@ -208,11 +210,9 @@ def test_heavy_haul_files_run_and_say_where_they_were_placed(tmp_path, monkeypat
         '[wheel]\nprofile = "wheel.whl"\nrolling_radius = 457\n[wheelset]\nback_to_back = 1347.4\n'
     )
     assert command.status("locate", "haul.toml", "--json", "--no-pictures") == 0
-    summary = json.loads(capsys.readouterr().out)
-    right = summary["right"][0]
+    right = json.loads(capsys.readouterr().out)["right"][0]
     face = rail()[(rail()[:, 0] < -30) & (rail()[:, 1] < -5)]
-    gauge_point = np.interp(-14.0, face[::-1, 1][::-1], face[:, 0])
-    crown = 1435.1 / 2 - gauge_point
+    crown = 1435.1 / 2 - np.interp(-14.0, face[::-1, 1][::-1], face[:, 0])
     assert right["rail_y_mm"] + crown == pytest.approx(
         1347.4 / 2 + TAPE + right["wheel_y_mm"], abs=0.05
     )

@@ -101,8 +101,7 @@ def test_curvature_does_not_spike(sigma: float, spacing: float) -> None:
     for seed in range(2):
         _, profile = measured.from_points("rail", noisy(rail("54E1", spacing), sigma, seed))
         curvature = profile.curvature(np.linspace(*measured.inner(profile), 4001))
-        assert curvature.max() < 1.5 / 13
-        assert curvature.min() > -0.01
+        assert curvature.max() < 1.5 / 13 and curvature.min() > -0.01
         crown = profile.curvature(np.linspace(-8, 8, 401))
         assert crown.min() > 0 and crown.max() < 1 / 150
 
@@ -176,8 +175,7 @@ def test_wear_is_what_the_nearest_standard_has_more(tmp_path) -> None:
     found = standards.nearest(read(tmp_path, worn, "rail").resampled(standards.STEP), "rail")
     chord = points[depth > cut]
     along = chord @ np.array([1.0, 1.0]) / np.sqrt(2)
-    assert found.name == "60E1"
-    assert found.largest_loss == pytest.approx(1.5, abs=0.05)
+    assert found.name == "60E1" and found.largest_loss == pytest.approx(1.5, abs=0.05)
     assert found.lost_area == pytest.approx(
         float(trapezoid(chord @ towards - cut, along)), rel=0.05
     )
@@ -187,16 +185,14 @@ def test_wear_is_what_the_nearest_standard_has_more(tmp_path) -> None:
 def test_an_unworn_canted_head_has_no_wear(name: str, tmp_path) -> None:
     points = noisy(rail(name), 0.005, 7) @ np.array([[0.9997, 0.025], [-0.025, 0.9997]])
     found = standards.nearest(read(tmp_path, points, "rail").resampled(standards.STEP), "rail")
-    assert found.name == name
-    assert found.largest_loss < 0.02
+    assert found.name == name and found.largest_loss < 0.02
 
 
 def test_the_wear_of_a_wheel_is_against_s1002(tmp_path) -> None:
     worn = wheel(np.linspace(-68, 59, 600))
     worn[:, 1] -= 2.0 * np.exp(-((worn[:, 0] / 15) ** 2) / 2)
     found = standards.nearest(read(tmp_path, worn, "wheel").resampled(standards.STEP), "wheel")
-    assert found.name == "S1002"
-    assert found.largest_loss == pytest.approx(2.0, abs=0.05)
+    assert found.name == "S1002" and found.largest_loss == pytest.approx(2.0, abs=0.05)
     assert found.y[found.worst] == pytest.approx(0.0, abs=1.0)
     assert found.lost_area == pytest.approx(2.0 * 15 * np.sqrt(2 * np.pi), rel=0.05)
 
@@ -262,16 +258,14 @@ def test_a_unit_that_is_given_overrules_the_file(header: str, tmp_path) -> None:
 def test_wild_points_side_by_side_are_kept(count: int, off: float, tmp_path) -> None:
     """They hide each other: the curve turned back at them and half the head was lost."""
     points = noisy(wild(count, off), 0.002, 9)
-    found = read(tmp_path, points, "rail")
-    assert np.ptp(found.profile.domain) > 0.98 * np.ptp(points[:, 0])
+    assert np.ptp(read(tmp_path, points, "rail").profile.domain) > 0.98 * np.ptp(points[:, 0])
 
 
 def test_half_a_smoothing_length_may_leave_a_corner_unread() -> None:
     """What noise leaves open on the crown is known where a flake on the corner, which bends the
     curve back under half the length, ends the profile."""
     points = rail(spacing=0.1)
-    corner = points[int(np.argmin(np.abs(points[:, 0] - 32.5)))]
-    off = np.linalg.norm(points - corner, axis=1)
+    off = np.linalg.norm(points - points[int(np.argmin(np.abs(points[:, 0] - 32.5)))], axis=1)
     points = points + 0.6 * np.exp(-((off / 0.3) ** 2) / 2)[:, None] * np.array([0.8, 0.6])
     whole, left = (measured.from_points("rail", points, 2.0, each)[1] for each in (1.0, 0.5))
     assert whole.domain[1] > 35 and left.domain[0] < -35

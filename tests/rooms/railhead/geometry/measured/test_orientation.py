@@ -50,8 +50,7 @@ def test_unit_sides_and_up_are_read_from_the_shape(unit: str, mirror: int, flip:
     true = head()
     found, done = turned(true * [mirror, flip] / orientation.MM_OF_UNIT[unit])
     np.testing.assert_allclose(found, true, atol=1e-9)
-    assert ("mirrored" in done) == (mirror < 0)
-    assert ("upside down" in done) == (flip < 0)
+    assert ("mirrored" in done) == (mirror < 0) and ("upside down" in done) == (flip < 0)
     assert f"in {unit} (by its width)" in done
 
 
@@ -149,8 +148,7 @@ WHEELS = {
 @pytest.mark.parametrize(("points", "turns", "moved", "atol"), WHEELS.values(), ids=WHEELS)
 def test_a_wheel_stands_by_its_flange_and_its_back(points, turns, moved, atol) -> None:
     found, done = turned((points + moved) * turns, "wheel")
-    assert (np.abs(found - points) <= atol).all()
-    assert ("mirrored" in done) == (turns[0] < 0)
+    assert (np.abs(found - points) <= atol).all() and ("mirrored" in done) == (turns[0] < 0)
     assert ("turned upside down" in done) == (turns[1] < 0)
     assert ("tape circle" in done) == any(moved)
 
@@ -509,5 +507,4 @@ BAD = {
 @pytest.mark.parametrize(("text", "line", "words"), BAD.values(), ids=BAD)
 def test_wrong_files_name_file_line_and_what_is_allowed(text, line, words, tmp_path) -> None:
     message = refusal(lambda: read(tmp_path, text), formats.FormatError)
-    assert message.startswith(f"rail.csv, line {line}: ") and "give" in message
-    assert words in message
+    assert message.startswith(f"rail.csv, line {line}: ") and "give" in message and words in message

@@ -53,8 +53,7 @@ def thesis():
 def again(result, *assignments: str) -> dict:
     """The indicators of another scene on the same solution."""
     plan, found = result.plan, result.findings
-    scene = plan.scene.replace(assignments)
-    return effects.check(replace(plan.context, scene=scene), found)
+    return effects.check(replace(plan.context, scene=plan.scene.replace(assignments)), found)
 
 
 def test_yield_is_judged_by_the_stress_that_was_found(thesis) -> None:
@@ -79,8 +78,7 @@ def test_a_patch_at_the_edge_of_the_tread_is_named(thesis) -> None:
     b = thesis.findings.patch.b
     for width, near in ((2.1 * b, True), (2.3 * b, False)):
         found = again(thesis, f"wheel.width={width!r}")["inside_the_bodies"]
-        assert found.needed is near
-        assert ("the edge carries load" in found.why) is near
+        assert found.needed is near and ("the edge carries load" in found.why) is near
 
 
 HOT = [
@@ -119,8 +117,7 @@ def test_heat_is_called_for_where_steel_rolls_at_a_speed() -> None:
     gentle = [each for each in HOT if "yield" not in each]
     plan = planned(*gentle, "rail.yield_stress=560")
     heat = plan.effects["heat"]
-    assert heat.called_for and heat.on
-    assert "roughness" in plan.effects["friction"].why
+    assert heat.called_for and heat.on and "roughness" in plan.effects["friction"].why
     slow = planned(*(each for each in gentle if "speed" not in each), "rolling.speed=none")
     assert not slow.effects["heat"].called_for
     other = planned(*gentle, "wheel.young_modulus=70000").effects["heat"]
@@ -142,8 +139,7 @@ def test_heat_of_meshed_unlike_solids_is_told_by_a_formula() -> None:
 
 def test_no_temperature_is_signed_of_a_body_that_is_no_steel() -> None:
     keys = "wheel.young_modulus=3000", "rail.extent=half-space", "effects.finite_bodies=off"
-    found = after("long_roller", *HOT[:3], *keys)
-    assert found["heat"]["why"] == interface.UNKNOWN
+    assert after("long_roller", *HOT[:3], *keys)["heat"]["why"] == interface.UNKNOWN
 
 
 def test_half_spaces_check_the_elastic_answer_of_bodies_that_would_yield() -> None:

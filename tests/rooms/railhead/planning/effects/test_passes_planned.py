@@ -25,8 +25,7 @@ def left_out(scene: rh.Scene) -> set[str]:
 def test_what_rolls_and_yields_names_the_key_until_it_is_given():
     rolls = LINE.replace(**ROLLS)
     plan = planning.make(rolls)
-    assert "passes" in left_out(rolls)
-    assert "give rolling.passes" in plan.effects["passes"].why
+    assert "passes" in left_out(rolls) and "give rolling.passes" in plan.effects["passes"].why
     assert left_out(rolls.replace(["rolling.passes=3"])) == set()
     assert left_out(LINE) == set()  # nothing rolls
     assert left_out(rolls.replace(["effects.plasticity=off"])) == set()
@@ -69,8 +68,7 @@ def test_the_indicator_is_held_against_yield_and_shakedown():
 )
 def test_a_wheel_yields_where_its_stress_passes_its_yield_stress_or_where_it_is_asked(keys, on):
     both = LINE.replace(["rolling.passes=3", "wheel.yield_stress=480", *keys.split()])
-    assert planning.make(both).effects["plasticity_wheel"].on == on
-    assert left_out(both) == set()
+    assert planning.make(both).effects["plasticity_wheel"].on == on and left_out(both) == set()
 
 
 @pytest.mark.parametrize(

@@ -117,11 +117,9 @@ def test_result_csv_is_the_printed_table(tmp_path) -> None:
 
 def test_friction_is_in_the_table_too() -> None:
     keys = ("friction.coefficient=0.3", "rolling.force_along=10kN", "mesh.patch_size=0.6")
-    summary = solved("long_roller", *keys).summary
-    table = list(quantity_rows.everything(summary))
+    table = list(quantity_rows.everything(solved("long_roller", *keys).summary))
     rows = {row["quantity"]: row for row in table}
-    assert len(rows) == len(table)
-    assert rows["where von Mises stress is largest"]["value"] == "below"
+    assert len(rows) == len(table) and rows["where von Mises stress is largest"]["value"] == "below"
     assert rows["force along the rail"]["value"] == pytest.approx(1e4)
     assert rows["force along the rail"]["Carter"] == pytest.approx(1e4, rel=0.1)
     assert "frictionless FE" in rows["largest pressure"]
@@ -269,8 +267,7 @@ def brief_of(result, folder: Path) -> str:
 def test_a_brief_report_is_the_answer_and_what_was_asked(result, folder: Path) -> None:
     text = brief_of(result, folder)
     assert tables_of(text) == ["answer", "friction"]
-    assert len(addresses_of(text)) == 2 and "checks hold" in text
-    assert result.summary["date"] in text
+    assert len(addresses_of(text)) == 2 and "checks hold" in text and result.summary["date"] in text
     failed = {
         "failed": ["force_balance"],
         "passed": False,
@@ -320,13 +317,11 @@ def test_the_verdict_is_of_what_holds(result, folder: Path) -> None:
     two = {**summary["result"], "patches": [one, one]}
 
     def said(**changed) -> str:
-        shown = {**summary, **changed}
-        return html.render(result.solved, shown, Units(), folder, "a title")
+        return html.render(result.solved, {**summary, **changed}, Units(), folder, "a title")
 
     after = {"plasticity": {"needed": True, "notable": False, "why": "it yields <b>here</b>"}}
     told = f'warn">\n<b>It yields &lt;b&gt;here&lt;/b&gt; ({in_words("plasticity")}: left out).</b>'
-    assert told in said(effects_after=after)
-    assert "left out)" not in said()
+    assert told in said(effects_after=after) and "left out)" not in said()
 
     assert "The patch is no ellipse" in said(checks=no_ellipse)
     assert "The patch is no ellipse" not in said(checks={**no_ellipse, "passed": False})

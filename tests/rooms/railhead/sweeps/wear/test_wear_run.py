@@ -10,6 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from csv_rows import rows
+from one_line import refusal
 
 from railhead.cli.commands import main
 from railhead.contact import solid
@@ -75,8 +76,7 @@ def test_fewer_steps_are_the_same_within_their_errors(worn, tmp_path):
         each["pressure_max_MPa"]["last"]
         for each in (found.summary["accuracy"]["bound"], found.summary)
     )
-    fine = worn[0].summary["pressure_max_MPa"]["last"]
-    assert 0 < abs(value - fine) < bound * value
+    assert 0 < abs(value - worn[0].summary["pressure_max_MPa"]["last"]) < bound * value
 
 
 def test_tables_hold_the_worn_depth_over_y_with_its_error(worn):
@@ -88,8 +88,7 @@ def test_tables_hold_the_worn_depth_over_y_with_its_error(worn):
     )
     assert abs(y[np.argmax(depth)]) < 1 and depth.max() == pytest.approx(0.0416, abs=3e-4)
     half = np.ptp(y[depth > 5e-4]) / 2
-    assert half == pytest.approx(6.75, abs=0.2)
-    assert 0 < off.max() < 0.1 * depth.max()
+    assert half == pytest.approx(6.75, abs=0.2) and 0 < off.max() < 0.1 * depth.max()
     damage = [row for row in rows(folder / "damage.csv") if row["body"] == "rail"]
     assert len(damage) == len(rail) and max(float(row["p_max [MPa]"]) for row in damage) > 830
     history = rows(folder / "history.csv")
@@ -100,8 +99,7 @@ def test_tables_hold_the_worn_depth_over_y_with_its_error(worn):
     # 240 N over 10 to 13.5 mm of width, 2200 times
     assert float(middle["sum of T-gamma [N/mm]"]) == pytest.approx(AXLES * 240 / 8.6, rel=0.1)
     assert float(middle["damage"]) == 0.0  # wear takes the cracks off at 240 N
-    assert float(middle["p_max [MPa]"]) == pytest.approx(1138, rel=0.01)
-    assert middle["p0/k"] == ""
+    assert float(middle["p_max [MPa]"]) == pytest.approx(1138, rel=0.01) and middle["p0/k"] == ""
 
 
 def test_another_limit_goes_on_from_the_records(worn, tmp_path):
@@ -151,16 +149,14 @@ def test_worn_profiles_are_read_back_to_a_micrometre(worn):
         table = {"profile": str(folder / f"{body}_profile.csv"), "profile_mirror": "off"}
         again = Scene(load=1e4, **{body: table})
         profile = solid.rail_profile(again) if body == "rail" else solid.wheel_profile(again)
-        off = profile.height(points[1:-1, 0]) - points[1:-1, 1]
-        assert np.abs(off).max() < 1e-3
+        assert np.abs(profile.height(points[1:-1, 0]) - points[1:-1, 1]).max() < 1e-3
 
 
 def test_the_last_pressure_is_that_of_the_profile_that_is_written(tmp_path):
     """On a profile that another position wore, which lines of a grid do not see as it is."""
     table = tmp_path / "positions.csv"
     table.write_text("share,load [kN],rolling.creepage_along\n1,40,0.01\n0.02,120,0.001\n")
-    scene = crown(step=2, positions=str(table), accuracy=0.2)
-    found = sweep.wear(scene, tmp_path / "out")
+    found = sweep.wear(crown(step=2, positions=str(table), accuracy=0.2), tmp_path / "out")
     run, last = found.runs["main"], found.summary["positions"][1]["last"]
     worn = {"rail.profile": str(tmp_path / "out" / "rail_profile.csv"), "rail.crown_radius": "none"}
     again = found.route.positions[1].scene.replace(**worn, **{"rail.profile_mirror": "off"})
@@ -198,8 +194,7 @@ def test_the_largest_of_pressures_is_as_uncertain_as_those_that_may_be_the_large
 
 def test_under_mpirun_it_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(sweep, "MPI", SimpleNamespace(COMM_WORLD=SimpleNamespace(size=2)))
-    with pytest.raises(SceneError, match="without mpirun"):
-        sweep.wear(crown(), tmp_path / "out")
+    assert "without mpirun" in refusal(lambda: sweep.wear(crown(), tmp_path / "out"))
 
 
 def test_a_rail_that_leans_is_written_as_it_stood_before(tmp_path):
@@ -226,18 +221,15 @@ def test_a_run_goes_on_after_its_last_record(worn, tmp_path, monkeypatch):
     monkeypatch.setattr(worn_contact, "solve", some)
     with pytest.raises(KeyboardInterrupt):
         sweep.wear(crown(depth_limit=0.02), folder)
-    done = len(list((folder / "records").glob("*.json")))
-    assert done >= 2
+    assert len(list((folder / "records").glob("*.json"))) >= 2
     again = sweep.wear(crown(depth_limit=0.02), folder)
     for one, other in zip(again.runs["main"].stages, found.runs["main"].stages, strict=True):
         assert one.done == other.done and np.array_equal(one.depth, other.depth)
     assert again.summary["pressure_max_MPa"] == found.summary["pressure_max_MPa"]
-    with pytest.raises(SceneError, match="another"):
-        sweep.wear(crown(axles=AXLES + 1), folder)
+    assert "another" in refusal(lambda: sweep.wear(crown(axles=AXLES + 1), folder))
     record = folder / "records" / "00001.json"
     record.write_text(record.read_text().replace('"deepest": ', '"deepest": {}, "was": '))
-    with pytest.raises(SceneError, match="broken"):
-        sweep.wear(crown(depth_limit=0.02), folder)
+    assert "broken" in refusal(lambda: sweep.wear(crown(depth_limit=0.02), folder))
 
 
 def test_two_runs_are_one(worn, tmp_path):
@@ -303,8 +295,7 @@ def test_what_fails_beside_an_answer_is_said_in_words(monkeypatch, tmp_path) -> 
     ):
         solved = SimpleNamespace(summary={"result": result, "half_space": other, "accuracy": {}})
         monkeypatch.setattr(sweep.pipeline, "run", lambda *_, solved=solved: solved)
-        found = sweep._beside(route, tmp_path, None)
-        assert found["reason"].startswith(said)
+        assert sweep._beside(route, tmp_path, None)["reason"].startswith(said)
 
 
 def test_yield_and_fatigue_of_positions_stand_beside_the_wear(worn, monkeypatch, tmp_path) -> None:
@@ -423,8 +414,7 @@ def test_pairs_are_a_law(tmp_path):
     (position,) = wear_run.read(crown(law=str(file))).positions
     assert position.law.rate(3.0) == pytest.approx(6.75e-7, rel=1e-3)
     file.write_text("10,53\n5,60\n")
-    with pytest.raises(SceneError, match="line 2"):
-        crown(law=str(file))
+    assert "line 2" in refusal(lambda: crown(law=str(file)))
 
 
 def test_the_command_prints_what_was_worn(tmp_path, capsys):
