@@ -53,8 +53,7 @@ def _meshed_once(tmp_path_factory: pytest.TempPathFactory) -> None:
     folder.mkdir(exist_ok=True)
 
     def meshed(bodies, grading, options):
-        given = pickle.dumps((bodies, grading, options))
-        kept = folder / hashlib.sha256(given).hexdigest()
+        kept = folder / hashlib.sha256(pickle.dumps((bodies, grading, options))).hexdigest()
         if not kept.exists():
             part = kept.with_suffix(f".{os.getpid()}")
             part.write_bytes(pickle.dumps(MESHED(bodies, grading, options)))
