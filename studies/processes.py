@@ -92,7 +92,8 @@ def attempts(
     limits: Sequence[float | None] | None = None,
 ) -> Iterator[Timed[T]]:
     """Call work(*job) for each job in other processes, side by side; yields the outcomes in the
-    order of jobs. limits: longest duration of each job in s; None for no limit."""
+    order of jobs, and says each on standard error. limits: longest duration of each job in s; None
+    for no limit."""
     from railhead.sweeps import worker_pool
 
     limits = limits or [None] * len(jobs)
@@ -101,13 +102,15 @@ def attempts(
             pool.schedule(worker_pool.attempt, args=(_timed, work, *job), timeout=limit)
             for job, limit in zip(jobs, limits, strict=True)
         ]
-        for future, limit in zip(futures, limits, strict=True):
+        for number, (future, limit) in enumerate(zip(futures, limits, strict=True), 1):
             try:
                 done = worker_pool.outcome(future)
                 value, seconds = done.value or (None, 0.0)
-                yield Timed(value, seconds, done.fault)
+                ended = Timed(value, seconds, done.fault)
             except LimitExceededError:
-                yield Timed(None, limit or 0.0, f"not back after {limit:g} s")
+                ended = Timed(None, limit or 0.0, f"not back after {limit:g} s")
+            print(f"{number} of {len(jobs)}: {ended.fault or 'done'}", file=sys.stderr)
+            yield ended
 
 
 def _timed(work: Callable[..., T], *job: Any) -> tuple[T, float]:

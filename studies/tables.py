@@ -5,13 +5,15 @@ import csv
 import os
 import re
 import statistics
+import sys
 import textwrap
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
+from matplotlib.axes import Axes
 from mpi4py import MPI
 from tabulate import tabulate
 
@@ -21,6 +23,7 @@ from railhead.run.mesh_solution import MeshSolution, mesh_and_solve
 from railhead.run.progress import Progress
 from railhead.scene.quantities import QUANTITIES
 
+T = TypeVar("T")
 Row = dict[str, Any]
 """One run, scene or mesh of a study, by the columns of its CSV (without units)."""
 COLUMNS = {
@@ -86,15 +89,11 @@ def wrapped(page: str) -> str:
     """The page with its prose broken at `WIDTH` characters, the lines of an item of a list indented
     below its first one; code, tables, headings and paragraphs without a longer line stay as is.
     """
-    lines: list[str] = []
     parts = re.split(r"(^```.*?^```$)", page, flags=re.DOTALL | re.MULTILINE)
-    for number, part in enumerate(parts):
-        if number % 2:
-            lines.append(part)
-            continue
-        blocks = re.split(r"(\n\s*\n|\n(?=\s*(?:[-*]|\d+\.) ))", part)
-        lines.append("".join(_broken(block) for block in blocks))
-    return "".join(lines)
+    for number, prose in [*enumerate(parts)][::2]:
+        blocks = re.split(r"(\n\s*\n|\n(?=\s*(?:[-*]|\d+\.) ))", prose)
+        parts[number] = "".join(map(_broken, blocks))
+    return "".join(parts)
 
 
 def _broken(block: str) -> str:
@@ -183,9 +182,17 @@ def factor_ten(rows: Sequence[Row]) -> float:
     return float(10 ** -power_law([r["error"] for r in rows], [r["seconds"] for r in rows])[1])
 
 
-def processor_seconds() -> float:
-    """Processor seconds of this process and of its children that have ended."""
-    return sum(os.times()[:4])
+def timed(work: Callable[..., T], *arguments: Any) -> tuple[T, float]:
+    """Value of a function, and its processor seconds in this process and its children that end."""
+    start = sum(os.times()[:4])
+    return work(*arguments), sum(os.times()[:4]) - start
+
+
+def told(items: Iterable[T], text: Callable[[T], str]) -> Iterator[T]:
+    """The items, each with its text on standard error before its turn."""
+    for item in items:
+        print(text(item), file=sys.stderr)
+        yield item
 
 
 def solved(plan: Plan) -> MeshSolution:
@@ -202,3 +209,12 @@ def plain_ticks(axis: Any, multiples: Sequence[float]) -> None:
     axis.set_major_locator(LogLocator(subs=multiples))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())
+
+
+def log_axes(axes: Axes, *multiples: Sequence[float], **labels: str) -> None:
+    """Make both axes logarithmic, with labels and plain ticks. multiples: of powers of ten, along x
+    and along y; as many as fit where none are given."""
+    axes.set(xscale="log", yscale="log", **labels)
+    for axis, given in zip((axes.xaxis, axes.yaxis), multiples or ((), ()), strict=True):
+        low, high = axis.get_view_interval()
+        plain_ticks(axis, given or ((1, 2, 5) if high > 10 * low else (1, 1.5, 2, 3, 4, 6, 8)))

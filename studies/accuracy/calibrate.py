@@ -204,11 +204,8 @@ def measured(name: str, count: int) -> list[Row]:
     reason on standard error."""
     resolutions = families.RECIPES[name].resolutions
     jobs = [(name, scene, resolutions) for scene in islice(families.scenes(name, SEED), count)]
-    records: list[Row] = []
-    for job, attempt in zip(jobs, attempts(measure, jobs, [LIMIT] * count), strict=True):
-        records += attempt.value or []
-        print(f"{job[1].name}: {attempt.fault or 'done'}", file=sys.stderr)
-    return records
+    done = attempts(measure, jobs, [LIMIT] * count)
+    return [record for each in done for record in each.value or []]
 
 
 def measure_load_steps() -> list[dict[str, Any]]:
@@ -223,8 +220,7 @@ def measure_load_steps() -> list[dict[str, Any]]:
             if plan.context.overload > most:
                 continue
             usual = tables.solved(plan)  # on a mesh around the patch that it finds
-            many = replace(usual.plan, load_steps=MANY * plan.load_steps)
-            fine = tables.solved(many)
+            fine = tables.solved(replace(usual.plan, load_steps=MANY * plan.load_steps))
             if not (usual.solution.newton.converged and fine.solution.newton.converged):
                 continue
             truth = numeric_values(fine.result)

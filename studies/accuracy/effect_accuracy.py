@@ -105,11 +105,10 @@ def series(name: str, progress: Progress, meshes: int | None) -> Iterator[tables
 def solve(scene: Scene, steps: int = 1) -> tuple[float, int, dict[str, float]]:
     """Processor seconds and unknowns of a scene, and its largest pressure, area and force over mu
     N; steps: factor on the number of load steps."""
-    start = tables.processor_seconds()
     plan = planning.make(scene)
     plan = replace(plan, load_steps=steps * plan.load_steps)
-    summary = pipeline.solve(plan, Progress(quiet=True)).summary
-    seconds = tables.processor_seconds() - start
+    found, seconds = tables.timed(pipeline.solve, plan, Progress(quiet=True))
+    summary = found.summary
     values = numeric_values(summary["result"])
     kept = {key: values[key] for key in ("max_MPa", "area_mm2")}
     if friction := summary["result"].get("friction"):
@@ -190,8 +189,6 @@ def draw(rows: Sequence[tables.Row], path: Path) -> None:
                 ms=14,
                 mec="black",
             )
-        axes.set(xscale="log", yscale="log", xlabel="processor seconds")
-        axes.set_ylabel("worst error of largest pressure, area and force, %")
-        tables.plain_ticks(axes.xaxis, (1, 2, 5))
-        tables.plain_ticks(axes.yaxis, (1,))
+        label = "worst error of largest pressure, area and force, %"
+        tables.log_axes(axes, (1, 2, 5), (1,), xlabel="processor seconds", ylabel=label)
         axes.legend(fontsize="small")

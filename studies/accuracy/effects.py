@@ -6,7 +6,6 @@ off, and without any plan.
 
 import math
 import statistics
-import time
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -32,7 +31,7 @@ from railhead.solver.contact import ContactModel
 from railhead.solver.material import Material
 from railhead.solver.system.setup import ContactBody, Setup
 from railhead.theory.elastic import hertz
-from studies.tables import Row, cells, columns, groups, publish, render
+from studies.tables import Row, cells, columns, groups, publish, render, timed
 
 SCENES = {
     "uic54_thesis": ("uic54_thesis", []),
@@ -91,11 +90,8 @@ def switch(name: str, progress: Progress, repeats: int) -> Iterator[Row]:
         except SceneError:
             continue
         progress.stage(f"{name}: {effect or 'as planned'} {'on' if on else 'off'}")
-        times = []
-        for _ in range(repeats):
-            start = time.process_time()
-            result = pipeline.run(chosen).summary
-            times.append(time.process_time() - start)
+        runs = [timed(pipeline.run, chosen) for _ in range(repeats)]
+        result = runs[0][0].summary
         values = columns(result["result"], QUANTITIES)
         planned = planned or values
         yield {
@@ -105,7 +101,7 @@ def switch(name: str, progress: Progress, repeats: int) -> Iterator[Row]:
             "called_for": state.called_for,
             "accuracy": plan.context.accuracy,
             "unknowns": result["cost"]["dofs"],
-            "seconds": min(times),
+            "seconds": min(seconds for _, seconds in runs),
             **values,
             **{f"change_{key}": values[key] / planned[key] - 1 for key in values},
         }
@@ -198,9 +194,7 @@ def compare(repeats: int) -> list[dict[str, Any]]:
     for _ in range(1 + repeats):  # the first compiles
         for name, route in routes.items():
             with mock.patch.object(compat, "form", wraps=compat.form) as form:
-                start = time.process_time()
-                unknowns, p_max = route(scene)
-                seconds = time.process_time() - start
+                (unknowns, p_max), seconds = timed(route, scene)
             row = {"route": name, "unknowns": unknowns, "forms": form.call_count}
             found[name].append({**row, "seconds": seconds, "p_max": p_max})
     return [
@@ -213,8 +207,7 @@ def _planned(scene: Scene) -> tuple[int, float]:
     """Unknowns and largest pressure, MPa, by way of a plan."""
     plan = planning.make(scene)
     model = mesh_solution.assemble(plan, mesh_solution.generate(plan, plan.grading, MPI.COMM_WORLD))
-    solution = mesh_solution.solve(plan, model)
-    return model.unknowns, float(solution.pressure.max())
+    return model.unknowns, float(mesh_solution.solve(plan, model).pressure.max())
 
 
 def _unplanned(scene: Scene) -> tuple[int, float]:
@@ -250,5 +243,4 @@ def _unplanned(scene: Scene) -> tuple[int, float]:
     model = ContactModel(made.mesh, made.cell_tags, made.facet_tags, setup)
     points = model.interface.points
     inside = (np.hypot(points[:, 0], points[:, 1]) < ellipse.a) & (np.abs(points[:, 2]) < ellipse.a)
-    solution = model.solve(load=load, active=inside)
-    return model.unknowns, float(solution.pressure.max())
+    return model.unknowns, float(model.solve(load=load, active=inside).pressure.max())

@@ -1,7 +1,6 @@
 """Do the estimates hold? Random scenes of every family whose answer is known, other seeds."""
 
 import math
-import sys
 from collections.abc import Sequence
 from itertools import islice
 from pathlib import Path
@@ -16,7 +15,7 @@ from railhead.scene.quantities import ESTIMATED
 from railhead.scene.scene import Scene
 from studies.accuracy import families
 from studies.processes import attempts
-from studies.tables import Row, cells, groups, processor_seconds, publish, render
+from studies.tables import Row, cells, groups, publish, render, timed
 
 SEEDS = (20261201, 20261202)
 SCENES = 8  # of a family and a seed, but those in OTHERS
@@ -67,11 +66,8 @@ def measure(name: str, scene: Scene, accuracy: float | None) -> list[Row]:
     """
     if accuracy is not None:
         scene = scene.replace([f"accuracy={accuracy!r}"])
-    plan = planning.make(scene)
-    predicted = plan.price.solving_seconds
-    start = processor_seconds()
-    result = pipeline.run(scene)
-    seconds = processor_seconds() - start
+    predicted = planning.make(scene).price.solving_seconds
+    result, seconds = timed(pipeline.run, scene)
     checks, cost, reached = (result.summary[key] for key in ("checks", "cost", "accuracy"))
     if not checks["converged"]:
         return []
@@ -110,11 +106,9 @@ def main(out: Path, *, quick: bool) -> None:
             for seed in SEEDS
             for index, scene in enumerate(islice(families.scenes(name, seed), count))
         ]
-        done = attempts(measure, jobs, [LIMIT] * len(jobs))
-        for number, (job, attempt) in enumerate(zip(jobs, done, strict=True), 1):
+        for job, attempt in zip(jobs, attempts(measure, jobs, [LIMIT] * len(jobs)), strict=True):
             records += attempt.value or []
             lost += [f"{job[1].name}: {attempt.fault}"] if attempt.fault else []
-            print(f"{name}: {number} of {len(jobs)}", file=sys.stderr)
         publish(out, page(records, lost), error_bounds=records)
 
 

@@ -18,7 +18,7 @@ from railhead.theory.array_types import Array
 from railhead.theory.friction.coulomb_solver import CoulombSolver
 from railhead.theory.friction.rolling import TOLERANCE, plane_modes
 from railhead.theory.friction.tangential import MaterialPair, TractionInfluence
-from studies.tables import Row, beside_errors, groups, publish, render
+from studies.tables import Row, beside_errors, groups, publish, render, told
 
 SEED, SCENES = 20261206, 100
 GRIDS = (48, 96, 192)  # cells each way of the other scheme
@@ -46,11 +46,9 @@ class Upstream(TractionInfluence):
 
 def main(out: Path, *, quick: bool) -> None:
     """Write friction_bounds.csv and page.md; quick: three scenes on coarser grids."""
-    records: list[Row] = []
     count, grids = (3, (16, 32, 64)) if quick else (SCENES, GRIDS)
-    for index in range(count):
-        print(f"scene {index + 1} of {count}", file=sys.stderr)
-        records += measure(index, grids)
+    indices = told(range(count), lambda index: f"scene {index + 1} of {count}")
+    records = [row for index in indices for row in measure(index, grids)]
     publish(out, page(records, grids), friction_bounds=records)
 
 

@@ -2,7 +2,6 @@
 
 import csv
 import math
-import sys
 import tempfile
 from pathlib import Path
 
@@ -41,7 +40,6 @@ def main(out: Path, *, quick: bool) -> None:
     for index, done in enumerate(attempts(measure, [(n,) for n in range(count)])):
         if done.value is None:
             raise RuntimeError(f"route {index + 1}: {done.fault}")
-        print(f"route {index + 1} of {count}: {done.seconds:.0f} s", file=sys.stderr)
         records += done.value
     publish(out, page(records), wear_bounds=records)
 
@@ -57,13 +55,11 @@ def scene(index: int, folder: Path) -> rh.Scene:
     law = str(rng.choice(["energy", "usfd"]))
     radius, mu = float(rng.uniform(300, 500)), float(rng.uniform(0.2, 0.5))
     if track:
-        name = str(rng.choice(["54E1", "60E1"]))
-        rail = rh.Rail(profile=name, inclination=1 / 40, gauge=1435)
+        rail = rh.Rail(profile=str(rng.choice(["54E1", "60E1"])), inclination=1 / 40, gauge=1435)
         wheel = rh.Wheel(profile="S1002", rolling_radius=radius)
         shifts, yaws = rng.uniform(-4, 4, count), rng.uniform(-3e-3, 3e-3, count)
     else:
-        crown = float(rng.uniform(150, 350))
-        rail = rh.Rail(profile="arc", crown_radius=crown)
+        rail = rh.Rail(profile="arc", crown_radius=float(rng.uniform(150, 350)))
         across = float(rng.choice([-1, 1]) * rng.uniform(600, 2000))
         wheel = rh.Wheel(profile="arc", transverse_radius=across, rolling_radius=radius)
         shifts, yaws = rng.uniform(-2, 2, count), np.zeros(count)
@@ -115,23 +111,21 @@ def measure(index: int) -> list[Row]:
         own = _solved(given, folder / "own", RUNS)
         truth = _solved(given.replace(**{"wear.step": FINER * STEPS}), folder / "truth", TRUTH)
     exact = truth.rows[::FINER]
-    rows = []
-    for stage, (known, other) in enumerate(zip(own.rows, exact, strict=True)):
-        for number in NUMBERS:
-            if known[number]:
-                rows.append(
-                    {
-                        "route": index,
-                        "law": given.wear.law,
-                        "on": given.wear.on,
-                        "stage": stage,
-                        "number": number,
-                        "value": known[number],
-                        "estimate": known[f"{number} estimate"] / known[number],
-                        "error": abs(other[number] / known[number] - 1),
-                    }
-                )
-    return rows
+    return [
+        {
+            "route": index,
+            "law": given.wear.law,
+            "on": given.wear.on,
+            "stage": stage,
+            "number": number,
+            "value": known[number],
+            "estimate": known[f"{number} estimate"] / known[number],
+            "error": abs(other[number] / known[number] - 1),
+        }
+        for stage, (known, other) in enumerate(zip(own.rows, exact, strict=True))
+        for number in NUMBERS
+        if known[number]
+    ]
 
 
 def _solved(given: rh.Scene, folder: Path, runs: dict[str, wear_run.Grid]) -> WearResult:

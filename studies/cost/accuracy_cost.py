@@ -15,7 +15,7 @@ from railhead.run.progress import Progress
 from railhead.scene import catalogue
 from railhead.scene.scene import Scene
 from studies import tables
-from studies.tables import COLUMNS, Row, columns, groups, percent, plain_ticks, power_law
+from studies.tables import COLUMNS, Row, columns, groups, log_axes, percent, power_law
 
 CASES = ("hertz_ellipse", "sphere_on_plane", "uic54_thesis")
 NO_FORMULA = ("uic54_thesis",)  # no half-space: held against its own converged run
@@ -153,15 +153,14 @@ def _timed(run: dict[str, Any], scene: Scene, exact: Exact, repeats: int) -> Row
 
 def _recorded(run: dict[str, Any], scene: Scene, exact: Exact) -> Row:
     """The run of a scene with its price and its errors, or with the reason of its failure."""
-    start = tables.processor_seconds()
-    done = _solve(scene)
+    done, seconds = tables.timed(_solve, scene)
     if isinstance(done, str):
         return run | {"failure": done}
     cost, converged = done["cost"], done["checks"]["converged"]
     return run | {
         "patch_size_mm": done["plan"]["patch_size_mm"],
         "unknowns": cost["dofs"],
-        "seconds": tables.processor_seconds() - start,
+        "seconds": seconds,
         "newton_iterations": cost["newton_iterations"],
         "linear_iterations": cost["linear_iterations"],
         "converged": converged,
@@ -277,9 +276,7 @@ def draw(rows: Sequence[Row], path: Path) -> None:
         named: dict[str, Any] = {}
         for axes, (case, own) in zip(panels, cases.items(), strict=True):
             _panel(axes, [row for row in own if row["error"] is not None])
-            axes.set(title=case, xscale="log", yscale="log", xlabel="processor seconds")
-            plain_ticks(axes.xaxis, (1, 2, 5))
-            plain_ticks(axes.yaxis, (1,))
+            log_axes(axes, (1, 2, 5), (1,), title=case, xlabel="processor seconds")
             handles, labels = axes.get_legend_handles_labels()
             named |= dict(zip(labels, handles, strict=True))
         panels[0].set_ylabel("worst error of a, b and the largest pressure, %")
@@ -357,11 +354,9 @@ def draw_prices(rows: Sequence[Row], path: Path) -> None:
                     axes.plot(100 * row["estimate"], row["seconds"], ms=11, mfc="none", **look)
                 elif not row["reached"] and row["seconds"]:
                     axes.plot(100 * row["asked"], row["seconds"], "x", color="black", ms=12)
-        axes.set(xscale="log", yscale="log", xlabel="asked accuracy; of open marks the estimate, %")
-        axes.set_ylabel("processor seconds")
+        label = "asked accuracy; of open marks the estimate, %"
+        log_axes(axes, (1, 2, 5), (1, 2, 5), xlabel=label, ylabel="processor seconds")
         axes.invert_xaxis()
-        plain_ticks(axes.xaxis, (1, 2, 5))
-        plain_ticks(axes.yaxis, (1, 2, 5))
         figure.legend(loc="outside upper center", ncols=3)
 
 

@@ -1,7 +1,7 @@
 """What processes of MPI bring: the same meshes with one and with two, and what that lets expect of
 more."""
 
-import sys
+import itertools
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -60,11 +60,10 @@ def forecast(one: tables.Row, two: tables.Row, ranks: int) -> dict[str, float]:
 
 def main(out: Path, *, quick: bool) -> None:
     """Write ranks.csv and page.md; quick: the smallest mesh."""
-    records = []
-    for size in SIZES[: 1 if quick else None]:
-        for ranks in (1, 2):
-            print(f"patch size {size:g} mm, {ranks} processes", file=sys.stderr)
-            records.append(recorded(size, ranks))
+    runs = itertools.product(SIZES[: 1 if quick else None], (1, 2))
+    records = [
+        recorded(*each) for each in tables.told(runs, "{0[0]:g} mm, {0[1]} processes".format)
+    ]
     tables.publish(out, page(records), ranks=records)
 
 

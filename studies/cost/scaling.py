@@ -1,7 +1,6 @@
 """How time and memory grow with the unknowns, and what contact costs over linear elasticity."""
 
 import resource
-import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -73,10 +72,8 @@ def measure(patch_size: float) -> dict[str, Any]:
 
 def main(out: Path, *, quick: bool) -> None:
     """Write scaling.csv and page.md; quick: the two smallest."""
-    records = []
-    for size in SIZES[: 2 if quick else None]:
-        print(f"patch size {size:g} mm", file=sys.stderr)
-        records.append(processes.measured("studies.cost.scaling", size))
+    sizes = tables.told(SIZES[: 2 if quick else None], "patch size {:g} mm".format)
+    records = [processes.measured("studies.cost.scaling", size) for size in sizes]
     tables.publish(out, page(records), scaling=records)
 
 

@@ -63,62 +63,48 @@ COMMANDS = (
 def main(out: Path, *, quick: bool) -> None:
     """Measure each row (quick: the ellipses alone, once); write both CSV files and the page."""
     repeats = 1 if quick else REPEATS
-    rows: list[tables.Row] = []
+    spent: dict[tuple[str, str], float] = {}
     commands: list[tables.Row] = []
     with Progress(quiet=False) as progress:
         for task, line in COMMANDS[: 2 if quick else None]:
             progress.stage(line)
             more = ["--no-pictures"] if line.startswith("run") else []
-            each = command(*line.split(), *more)
+            _, each = tables.timed(command, *line.split(), *more)
             commands.append({"task": task, "command": line, "seconds": each})
         progress.stage(UNIT)
         unit = catalogue.find("hertz_ellipse").replace(["mesh.patch_size=0.3"])
-        whole = seconds(partial(railhead.solve, unit, quiet=True), repeats)
-        rows.append({"what": UNIT, "asked": "all", "seconds": whole, "units": 1.0})
+        spent[UNIT, "all"] = seconds(partial(railhead.solve, unit, quiet=True), repeats)
         for name, (case, keys) in list(SCENES.items())[1 if quick else 0 :]:
             for asked, only in ASKED.items():
                 progress.stage(f"{name}: {asked}")
                 scene = catalogue.find(case).replace([*keys, *only])
-                each = seconds(partial(railhead.solve, scene, quiet=True), repeats)
-                rows.append({"what": name, "asked": asked, "seconds": each, "units": each / whole})
+                spent[name, asked] = seconds(partial(railhead.solve, scene, quiet=True), repeats)
         progress.stage("creep forces")
-        each = seconds(creep_forces, repeats) / CREEPAGES
-        rows.append(
-            {
-                "what": "a creep force on 24 x 24 cells",
-                "asked": "forces",
-                "seconds": each,
-                "units": each / whole,
-            }
-        )
+        one = "a creep force on 24 x 24 cells", "forces"
+        spent[one] = seconds(creep_forces, repeats) / CREEPAGES
         if not quick:
             progress.stage("sweep")
             sets = [f"--set={key}" for key in (*ROLLS, *WHEELSET)]
             over = f"--over={SHIFTS}", "--only=patch,forces"
-            each = command("sweep", "s1002_60e1", *sets, *over)
             text = "21 shifts of S1002 on 60E1, a sweep from its start to its table"
-            rows.append(
-                {"what": text, "asked": "patch, forces", "seconds": each, "units": each / whole}
-            )
+            spent[text, "patch, forces"] = tables.timed(
+                command, "sweep", "s1002_60e1", *sets, *over
+            )[1]
+    rows = [
+        {"what": what, "asked": asked, "seconds": each, "units": each / spent[UNIT, "all"]}
+        for (what, asked), each in spent.items()
+    ]
     tables.publish(out, page(rows, commands), {"seconds": "s"}, speed=rows, speed_commands=commands)
 
 
 def seconds(work: Callable[[], object], repeats: int) -> float:
     """Median processor seconds of a function, after one call that is not counted."""
-    found = []
-    for _ in range(repeats + 1):
-        start = tables.processor_seconds()
-        work()
-        found.append(tables.processor_seconds() - start)
-    return median(found[1:])
+    return median([tables.timed(work)[1] for _ in range(repeats + 1)][1:])
 
 
-def command(*arguments: str) -> float:
-    """Processor seconds of a command of `railhead` with all of its processes. RuntimeError: it
-    writes nothing; a check may fail.
-    """
+def command(*arguments: str) -> None:
+    """Run a command of `railhead`. RuntimeError: it writes nothing; a check may fail."""
     line = [str(Path(sys.executable).with_name("railhead")), *arguments, "--quiet"]
-    start = tables.processor_seconds()
     alone = {
         key: value for key, value in os.environ.items() if not key.startswith(("OMPI", "PMIX"))
     }
@@ -127,7 +113,6 @@ def command(*arguments: str) -> float:
         subprocess.run(line, check=False, cwd=ROOT, env=alone, stdout=subprocess.DEVNULL)
         if not Path(folder, "out").is_dir():
             raise RuntimeError(f"{line} wrote nothing")
-    return tables.processor_seconds() - start
 
 
 def creep_forces() -> None:

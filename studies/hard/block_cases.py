@@ -107,11 +107,10 @@ def solve(made: ContactMesh, setup: Setup, start: Start, load: float = LOAD) -> 
     return Solved(model, model.solve(load=load, active=start(model)), load)
 
 
-def differ(one: Solution, other: Solution, approach: float) -> float:
-    """Largest difference of the pressures over the largest, or of the approaches (mm) over
-    `approach`."""
+def differ(one: Solution, other: Solution) -> float:
+    """Largest difference of the pressures over the largest, or relative one of the approaches."""
     pressure = np.abs(one.pressure - other.pressure).max() / other.pressure.max()
-    return float(max(pressure, abs(one.approach - other.approach) / abs(approach)))
+    return float(max(pressure, abs(one.approach / other.approach - 1)))
 
 
 def offset(distance: float, gap: Gap = block_pairs.GAP) -> Gap:
@@ -132,8 +131,7 @@ def start_from(share: float | None = None, distance: float = 0.0, law: str = "")
     good = solve(made, setup, near())
     bad = solve(made, replace(setup, gap=offset(distance, setup.gap)), start)
     shifted = replace(bad.solution, approach=bad.solution.approach - distance)
-    deviation = differ(shifted, good.solution, good.solution.approach)
-    return bad.measured(deviation, EXACTLY, SOLUTION)
+    return bad.measured(differ(shifted, good.solution), EXACTLY, SOLUTION)
 
 
 def transformed(how: str) -> CaseErrors:
@@ -175,8 +173,7 @@ def transformed(how: str) -> CaseErrors:
         pressure=np.asarray(found.solution.pressure[same] / stress),
         approach=found.solution.approach / length,
     )
-    deviation = differ(solution, good.solution, good.solution.approach)
-    return found.measured(deviation, EXACTLY, SOLUTION)
+    return found.measured(differ(solution, good.solution), EXACTLY, SOLUTION)
 
 
 def path(loads: list[float]) -> CaseErrors:
@@ -190,9 +187,8 @@ def path(loads: list[float]) -> CaseErrors:
         steps.append(Solved(stepping.model, stepping.model.solve(load=load, active=active), load))
     fresh = solve(made, setup, near(), loads[-1]).solution
     worst = max(steps, key=lambda step: len(step.solution.newton.history))
-    deviation = differ(steps[-1].solution, fresh, fresh.approach)
     return replace(
-        steps[-1].measured(deviation, EXACTLY, SOLUTION),
+        steps[-1].measured(differ(steps[-1].solution, fresh), EXACTLY, SOLUTION),
         newton=len(worst.solution.newton.history),
         failed=tuple(dict.fromkeys(name for step in steps for name in step.failed)),
     )

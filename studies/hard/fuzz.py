@@ -37,11 +37,13 @@ those that have a reference; fault: what must not happen, else empty.
 """
 
 
+NO_NUMBERS: Fuzzed = {"deviation": None, "allowed": None, "fault": ""}
+
+
 def ended(seed: int, kind: str, **changes: Any) -> Fuzzed:
     """A row of the table: seed, kind and `changes`, that is further columns; the rest is empty."""
-    empty = {"command": "run", "status": None, "said": "", "reference": "", "quantity": ""}
-    numbers = {"deviation": None, "allowed": None, "fault": ""}
-    return {"seed": seed, "kind": kind, **empty, **numbers, **changes}
+    empty: Fuzzed = {"command": "run", "status": None, "said": "", "reference": "", "quantity": ""}
+    return {"seed": seed, "kind": kind} | empty | NO_NUMBERS | changes
 
 
 def valid(seed: int) -> str:
@@ -67,8 +69,7 @@ def fuzz(seed: int, broken: bool) -> Fuzzed:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "scene.toml"
         if broken:
-            kind = write(Source(seed), file)
-            return _judged(seed, kind, file, _affordable(file))
+            return _judged(seed, write(Source(seed), file), file, _affordable(file))
         file.write_text(valid(seed), encoding="utf-8")
         return _judged(seed, "valid", file, [])
 
@@ -164,15 +165,12 @@ OUTCOMES = (0, 1, 2, None)  # status
 def main(out: Path, *, quick: bool) -> None:
     """Write fuzz.csv and page.md; quick: 40 scenes."""
     jobs = [(SEED + index, index % 2 == 1) for index in range(40 if quick else SCENES)]
-    found, seconds = [], []
-    for (seed, broken), attempt in zip(jobs, attempts(fuzz, jobs), strict=True):
-        kind, fault = "broken" if broken else "valid", attempt.fault
-        row = attempt.value or ended(seed, kind, said=fault, fault=fault)
-        end = row["fault"] or f"status {row['status']}"
-        found.append(row)
-        seconds.append(attempt.seconds)
-        print(f"{len(found)} of {len(jobs)}: {row['kind']}, seed {seed}: {end}", file=sys.stderr)
-    tables.publish(out, page(found, seconds), fuzz=found)
+    ends = list(attempts(fuzz, jobs))
+    found = [
+        end.value or ended(seed, "broken" if broken else "valid", said=end.fault, fault=end.fault)
+        for (seed, broken), end in zip(jobs, ends, strict=True)
+    ]
+    tables.publish(out, page(found, [end.seconds for end in ends]), fuzz=found)
 
 
 def page(found: Sequence[Fuzzed], seconds: Sequence[float]) -> str:

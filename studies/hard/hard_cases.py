@@ -5,7 +5,6 @@ The study runs all cases, the tests those marked quick.
 
 import itertools
 import math
-import sys
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
@@ -22,7 +21,7 @@ from railhead.scene import catalogue
 from railhead.scene.scene import Scene
 from studies.hard import block_cases, references
 from studies.hard.case import CaseErrors, Deviation, HardCase
-from studies.processes import attempts
+from studies.processes import Timed, attempts
 from studies.tables import Row, groups, publish, render
 
 STEEL = 207e3  # MPa, what a stiffness ratio refers to
@@ -100,10 +99,12 @@ def solve(key: str) -> CaseErrors:
     return CASES[key].solve()
 
 
-def row(case: HardCase, found: CaseErrors | None, fault: str, seconds: float) -> Row:
-    """The columns of a case. found: None where it ended without a result, as its numbers then are.
-    fault: part of the rule that is broken, in words; holds: it is empty. quantity: the one with the
-    largest share of what is allowed. seconds: by the clock."""
+def row(case: HardCase, end: Timed[CaseErrors]) -> Row:
+    """The columns of a case; its numbers are None where it ended without a result. fault: part of
+    the rule that is broken, in words; holds: it is empty. quantity: the one with the largest share
+    of what is allowed. seconds: by the clock."""
+    found = end.value
+    fault = case.fault(found) if found else end.fault
     name, worst = found.worst or ("", None) if found else ("", None)
     return {
         "group": case.group,
@@ -121,20 +122,15 @@ def row(case: HardCase, found: CaseErrors | None, fault: str, seconds: float) ->
         "newton_iterations": found.newton if found else None,
         "linear_iterations": found.krylov if found else None,
         "noise": found.noise if found else None,
-        "seconds": seconds,
+        "seconds": end.seconds,
     }
 
 
 def main(out: Path, *, quick: bool) -> None:
     """Write hard_cases.csv, hard_cases.png and page.md; quick: the cases of the tests."""
     cases = QUICK if quick else list(CASES.values())
-    rows: list[Row] = []
-    jobs, limits = [(case.key,) for case in cases], [case.seconds for case in cases]
-    for case, attempt in zip(cases, attempts(solve, jobs, limits), strict=True):
-        found = attempt.value
-        fault = attempt.fault if found is None else case.fault(found)
-        rows.append(row(case, found, fault, attempt.seconds))
-        print(f"{case.key}: {fault or rows[-1]['failed'] or 'right'}", file=sys.stderr)
+    ends = attempts(solve, [(case.key,) for case in cases], [case.seconds for case in cases])
+    rows = [row(case, end) for case, end in zip(cases, ends, strict=True)]
     draw(rows, out / "hard_cases.png")
     publish(out, page(rows), hard_cases=rows)
 
@@ -233,11 +229,17 @@ def draw(runs: Sequence[Row], path: Path) -> None:
             for y, x in np.ndindex(len(rows), len(columns)):
                 _, right, note = cells[y][x]
                 if not right:
-                    box = Rectangle((x - 0.5, y - 0.5), 1, 1, fc="#c9c9c9", ec="white")
-                    axes.add_patch(box)
+                    axes.add_patch(Rectangle((x - 0.5, y - 0.5), 1, 1, fc="#c9c9c9", ec="white"))
                 dark = right and image.to_rgba(values[y][x])[1] < DARK
-                colour = "white" if dark else "black"
-                axes.text(x, y, note, ha="center", va="center", fontsize=8, color=colour)
+                axes.text(
+                    x,
+                    y,
+                    note,
+                    ha="center",
+                    va="center",
+                    fontsize=8,
+                    color="white" if dark else "black",
+                )
             axes.set_xticks(range(len(columns)), [f"{each:g}" for each in columns])
             axes.set_yticks(range(len(rows)), rows)
             axes.set(xlabel=labels[0], ylabel=labels[1], title=title)

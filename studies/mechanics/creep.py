@@ -47,15 +47,11 @@ def main(out: Path, *, quick: bool) -> None:
     """Write creep.csv, creep_costs.csv, creep_left_out.csv, creep_sliding.csv, creep_speed.csv,
     creep.png, friction_axes.png and page.md; quick: two motions on a coarse mesh, one scene, one
     coefficient of a section and one speed."""
-    points, costs, left = [], [], []
-    for curve in runs.QUICK if quick else runs.CURVES:
-        print(f"{curve.case}: {len(curve.motions)} motions", file=sys.stderr)
-        found, cost = runs.rolled(curve)
-        points += found
-        costs.append(cost)
-    for name, given, creepage in runs.SCENES[: 1 if quick else None]:
-        print(f"{name} at a creepage of {creepage:g}, with and without friction", file=sys.stderr)
-        left.append(runs.left_out(name, given, creepage))
+    curves = tables.told(runs.QUICK if quick else runs.CURVES, lambda curve: curve.case)
+    found, costs = zip(*map(runs.rolled, curves), strict=True)
+    points = [point for each in found for point in each]
+    scenes = tables.told(runs.SCENES[: 1 if quick else None], "{0[0]} without friction".format)
+    left = [runs.left_out(*each) for each in scenes]
     print("full sliding", file=sys.stderr)
     strip = runs.STRIP[2:3] if quick else runs.STRIP
     slid = list(runs.slid("long_roller", strip, runs.HALF_SPACE))
@@ -206,8 +202,7 @@ def draw_axes(path: Path) -> None:
 def _front(axes: Axes) -> None:
     """Draw wheel and rail from the front, with y, normal and shift."""
     pair = ProfilePair(profiles.rail_head("60E1", 1 / 40), profiles.s1002(), 460.0)
-    track = Track(gauge=1435.0)
-    side = WheelsetOnTrack(right=pair, left=pair, track=track).place(SHIFT).right
+    side = WheelsetOnTrack(right=pair, left=pair, track=Track(gauge=1435.0)).place(SHIFT).right
     touch, y = side.touches[0], np.linspace(*pair.rail.domain, 801)
     outline = pair.outline(side.pose, np.linspace(*pair.wheel.domain, 801)).points[:, 1:].T
     for steel, end, colour in (((y, pair.rail.height(y)), -30, STEEL), (outline, 40, "#eceff2")):

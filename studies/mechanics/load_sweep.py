@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.axis import Axis
 from mpi4py import MPI
 
 from railhead.contact import closed_forms
@@ -27,7 +26,7 @@ from railhead.solver.contact import ContactModel
 from railhead.solver.system.fields import gather
 from railhead.solver.system.solution import Solution
 from railhead.theory.elastic.hertz import Ellipse
-from studies.tables import Row, columns, groups, plain_ticks, power_law, publish, render
+from studies.tables import Row, columns, groups, log_axes, plain_ticks, power_law, publish, render
 
 CASES = {"hertz_ellipse": "half-spaces", "uic54_thesis": "wheel on UIC54"}
 LOWEST, HIGHEST, COUNT = 1e3, 150e3, 10
@@ -86,15 +85,14 @@ def around_smallest(plan: planning.Plan, lowest: float) -> Grading:
     larger patches."""
     small = closed_forms.hertz_contact(plan.scene, plan.contact, lowest)
     size = min(small.a, small.b) / ELEMENTS_PER_SEMI_AXIS
-    angle, coarsest = plan.contact.touch.angle, plan.coarsest
     return Grading(
         centre=plan.contact.origin,
         a=small.a,
         b=small.b,
-        angle=angle,
+        angle=plan.contact.touch.angle,
         size=size,
         growth=GROWTH,
-        coarsest=coarsest,
+        coarsest=plan.coarsest,
     )
 
 
@@ -116,8 +114,7 @@ def sweep(name: str, loads: Sequence[float], progress: Progress) -> list[Row]:
         progress.stage(f"{name}: {load:.0f} N, {model.unknowns} unknowns")
         ellipse = closed_forms.ellipse(plan.scene, plan.contact, load)
         inside = (x / ellipse.a) ** 2 + (y / ellipse.b) ** 2 < 1
-        solution = model.solve(load=load, active=inside)
-        row = _row(plan, ellipse, model, frame, solution)
+        row = _row(plan, ellipse, model, frame, model.solve(load=load, active=inside))
         rows.append(row | {"seconds": time.perf_counter() - start})
         start = time.perf_counter()
     return rows
@@ -217,19 +214,12 @@ def _panel(axes: Axes, series: Mapping[str, Sequence[Row]], x: str, y: str) -> N
     handles, labels = axes.get_legend_handles_labels()
     short = [label.removeprefix("finite elements, ") for label in labels]
     axes.legend(handles, short, title="exponent", loc="upper left", fontsize=9, title_fontsize=9)
-    axes.set(xscale="log", yscale="log", xlabel=LABELS[x][0], ylabel=LABELS[y][0])
-    _plain_ticks(axes.xaxis, *axes.get_xlim())
-    _plain_ticks(axes.yaxis, *axes.get_ylim())
+    log_axes(axes, xlabel=LABELS[x][0], ylabel=LABELS[y][0])
 
 
 def _exact(rows: Sequence[Row], key: str) -> Array:
     """Hertz's value from the finite elements' and the difference; the load itself is given."""
     return np.array([row[key] / (1 + row.get(f"difference_{key}", 0.0)) for row in rows])
-
-
-def _plain_ticks(axis: Axis, low: float, high: float) -> None:
-    """Set the ticks to 1, 2, 5 and their decades; closer where the range is below a decade."""
-    plain_ticks(axis, (1, 2, 5) if high > 10 * low else (1, 1.5, 2, 3, 4, 6, 8))
 
 
 def _differences(axes: Axes, series: Mapping[str, Sequence[Row]]) -> None:
@@ -243,4 +233,4 @@ def _differences(axes: Axes, series: Mapping[str, Sequence[Row]]) -> None:
     axes.axhline(0, color=HERTZ, lw=1, zorder=1)
     axes.set(xscale="log", xlabel="load, kN", ylabel="difference from Hertz, %")
     axes.legend(loc="upper left", fontsize=9, ncols=2)
-    _plain_ticks(axes.xaxis, *axes.get_xlim())
+    plain_ticks(axes.xaxis, (1, 2, 5))

@@ -1,9 +1,10 @@
 """A rail that is run in: passes of the thesis's wheel, the map of shakedown, and what both cost."""
 
+import itertools
 import math
 import sys
-import time
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -61,9 +62,8 @@ def run_in(*keys: str, traction: str) -> tuple[list[Row], Row]:
 
     keys: assignments to keys of the scene. traction: its name in tables.
     """
-    start = time.process_time()
-    found = rh.solve(AXLE.replace([*FAST, *keys]), quiet=True)
-    result, spent = found.summary["result"], time.process_time() - start
+    found, spent = tables.timed(partial(rh.solve, AXLE.replace([*FAST, *keys]), quiet=True))
+    result = found.summary["result"]
     rows = [
         {
             "traction": traction,
@@ -98,8 +98,8 @@ def run_in(*keys: str, traction: str) -> tuple[list[Row], Row]:
 def left_out(*keys: str, what: str) -> Row:
     """Row of the axle without passes, elastic or pressed once with yield, as `keys` say; what: its
     name in the table."""
-    start = time.process_time()
-    found = rh.solve(AXLE.replace(keys), quiet=True).summary
+    solved, spent = tables.timed(partial(rh.solve, AXLE.replace(keys), quiet=True))
+    found = solved.summary
     plastic = found["result"].get("plastic") or {}
     return {
         "what": what,
@@ -107,7 +107,7 @@ def left_out(*keys: str, what: str) -> Row:
         "strain": plastic.get("strain_max", 0.0),
         "groove": 1e3 * plastic.get("residual_depth_rail_mm", 0.0),
         "von_mises": plastic.get("residual_von_mises_max_MPa", 0.0),
-        "seconds": time.process_time() - start,
+        "seconds": spent,
     }
 
 
@@ -147,21 +147,15 @@ def main(out: Path, *, quick: bool) -> None:
     coarse block, and two places of the map."""
     count = f"rolling.passes={QUICK if quick else COUNT}"
     size = ("mesh.patch_size=4",) if quick else ()
-    axle, after = [], []
-    for traction, keys in {"no traction": (), "Q/N 0.15": DRIVES}.items():
-        print(f"axle, {traction}", file=sys.stderr)
-        rows, told = run_in(count, *size, *keys, traction=traction)
-        axle += rows
-        after.append(told)
+    ways = tables.told({"no traction": (), "Q/N 0.15": DRIVES}.items(), "axle, {0[0]}".format)
+    found, after = zip(*(run_in(count, *size, *k, traction=name) for name, k in ways), strict=True)
+    axle = [row for rows in found for row in rows]
     print("axle without passes", file=sys.stderr)
     others = [left_out(*FAST, "effects.plasticity=off", what="elastic")]
-    if not quick:
-        others.append(left_out(what="pressed once"))
-    points = []
-    for slips in TRACTIONS[:1] if quick else TRACTIONS:
-        print(f"map, Q/P {slips:g}", file=sys.stderr)
-        for share in SHARES[1:5:3] if quick else SHARES:
-            points += [mapped(slips, share, law) for law in list(LAWS)[: 1 if quick else 2]]
+    others += [] if quick else [left_out(what="pressed once")]
+    places = TRACTIONS[:1] if quick else TRACTIONS, SHARES[1:5:3] if quick else SHARES
+    every = itertools.product(*places, list(LAWS)[: 1 if quick else 2])
+    points = [mapped(*each) for each in tables.told(every, "map, {}".format)]
     draw(axle, points, out / "passes_study.png")
     tables.publish(
         out, page(axle, after, others, points), UNITS, passes_axle=axle, passes_map=points

@@ -1,7 +1,6 @@
 """What yield changes, what it costs, and how far formulas of spheres can be trusted."""
 
 import math
-import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -162,9 +161,7 @@ def kogut_etsion(load: float, nu: float) -> tuple[float, float, float]:
 
     def force(w: float) -> float:
         """Load."""
-        if w <= 1:
-            return w**1.5
-        return 1.03 * w**1.425 if w <= 6 else 1.40 * w**1.263
+        return w**1.5 if w <= 1 else 1.03 * w**1.425 if w <= 6 else 1.40 * w**1.263
 
     def area(w: float) -> float:
         """Area of the patch."""
@@ -177,18 +174,16 @@ def residual_depth(approach: float) -> float:
     """Depth of the imprint after unloading from an approach; both over the approach of first yield.
     Zero up to first yield (Etsion, Kligerman and Kadin, Int. J. Solids Struct. 42 (2005) 3716).
     """
-    if approach <= 1:
-        return 0.0
-    return approach * (1 - approach**-0.28) * (1 - approach**-0.69)
+    beyond = max(approach, 1.0)
+    return beyond * (1 - beyond**-0.28) * (1 - beyond**-0.69)
 
 
 def indented(multiple: float) -> list[Sphere]:
     """Rows of finite elements and, above first yield, of formulas at a multiple of the load of
     first yield."""
-    modulus, radius = YOUNG / (1 - POISSON**2), first_yield()[1]
-    scene = sphere(multiple)
-    found = rh.solve(scene, quiet=True).as_dict()
-    result, load, closer = found["result"], scene.load, radius**2 / RADIUS
+    modulus, (first, radius) = YOUNG / (1 - POISSON**2), first_yield()
+    found = rh.solve(sphere(multiple), quiet=True).as_dict()
+    result, load, closer = found["result"], multiple * first, radius**2 / RADIUS
     area = result["patch"]["area_mm2"]
     left = (result.get("plastic") or {}).get("residual_depth_rail_mm")
     said = {
@@ -217,13 +212,9 @@ def indented(multiple: float) -> list[Sphere]:
 def main(out: Path, *, quick: bool) -> None:
     """Write plasticity_loads.csv, plasticity_spheres.csv, plasticity.png and page.md; quick: two
     loads and one sphere."""
-    loads, spheres = [], []
-    for load in LOADS[1:3] if quick else LOADS:
-        print(f"{load:g} kN", file=sys.stderr)
-        loads.append(pressed(load))
-    for multiple in MULTIPLES[1:2] if quick else MULTIPLES:
-        print(f"sphere at {multiple:g} times first yield", file=sys.stderr)
-        spheres += indented(multiple)
+    loads = [*map(pressed, tables.told(LOADS[1:3] if quick else LOADS, "{:g} kN".format))]
+    multiples = tables.told(MULTIPLES[1:2] if quick else MULTIPLES, "sphere, {:g} times".format)
+    spheres = [row for multiple in multiples for row in indented(multiple)]
     draw(loads, spheres, out / "plasticity.png")
     text = page(loads, spheres)
     tables.publish(out, text, UNITS, plasticity_loads=loads, plasticity_spheres=spheres)

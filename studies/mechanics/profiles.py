@@ -6,7 +6,6 @@ any file is, and solved as half-spaces; the truth is the worn profile itself.
 
 import hashlib
 import itertools
-import sys
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -224,10 +223,7 @@ def main(out: Path, *, quick: bool) -> None:
     if quick:
         cases, spacings, noises, seeds = CASES[:1], SPACINGS[1:2], NOISES[1:3], 2
     jobs = list(itertools.product(cases, spacings, noises, [seeds]))
-    rows: list[Row] = []
-    for job, attempt in zip(jobs, attempts(compared, jobs), strict=True):
-        print(job[0].name, *job[1:], attempt.fault or "", file=sys.stderr)
-        rows += [attempt.value] if attempt.value else []
+    rows = [each.value for each in attempts(compared, jobs) if each.value]
     tables.publish(out, page(rows), UNITS, profiles=rows)
 
 

@@ -45,8 +45,8 @@ def write(path: Path, case: Mapping[str, float], cell: str, size: float) -> None
             f"{body}_corners": corners,
         }
         for name, axis, place in (("x0", 0, 0), ("y0", 1, 0), ("far", 2, DEPTH), ("contact", 2, 0)):
-            on = np.abs(np.abs(flat[:, axis]) - place) < 1e-7
-            arrays[f"{body}_{name}"] = np.flatnonzero(on)
+            off = np.abs(np.abs(flat[:, axis]) - place)
+            arrays[f"{body}_{name}"] = np.flatnonzero(off < 1e-7)
     np.savez(path, **arrays)
 
 

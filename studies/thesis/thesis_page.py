@@ -243,8 +243,7 @@ def lines(facts: Facts, fe: Sampled | None, path: Path) -> None:
     None without finite elements."""
     c = facts.ellipse
     t = 1.5 * c.a * np.sin(np.linspace(-1, 1, 241) * np.pi / 2)
-    zero = np.zeros_like(t)
-    surface = stress(c, facts.poisson, np.column_stack((t, zero, zero)))
+    surface = stress(c, facts.poisson, np.outer(t, (1.0, 0.0, 0.0)))
     mistaken = _diagonal(thesis_axis_stress(P0, A, facts.poisson, t))
     depth = np.linspace(0, 3 * c.b, 241, dtype=np.float64)
     with new_figure(path, 13.5, 5.6) as figure:
@@ -253,7 +252,6 @@ def lines(facts: Facts, fe: Sampled | None, path: Path) -> None:
             left.plot(t, values, **ROUTES[look][1])
         if fe is not None:
             left.plot(fe.pressure.coordinate, -fe.pressure.pressure, **MARKS)
-        left.set(title=r"6.4: $\sigma_3$ along the major radius", xlabel="x, mm")
         half = t >= 0
         _four(middle, t[half], surface[half], 1)
         _four(middle, t[half], mistaken[half], 2)
@@ -262,13 +260,17 @@ def lines(facts: Facts, fe: Sampled | None, path: Path) -> None:
         if fe is not None:
             _four(middle, fe.radius, fe.along, 0)
             _four(right, fe.axis.depth[::5], fe.axis.stress[::5], 0)
-        middle.set(title="6.5, 6.6: on the surface along the major radius", xlabel="x, mm")
-        right.set(title="6.7: below the centre", xlabel="depth, mm")
-        for axes in (left, middle, right):
-            axes.set_ylabel("stress, MPa")
+        for axes, title, label in (
+            (left, r"6.4: $\sigma_3$ along the major radius", "x, mm"),
+            (middle, "6.5, 6.6: on the surface along the major radius", "x, mm"),
+            (right, "6.7: below the centre", "depth, mm"),
+        ):
+            axes.set(title=title, xlabel=label, ylabel="stress, MPa")
         for axes in (left, middle):
             axes.axvline(c.a, color="black", lw=0.8, ls=":")
-        _legend(figure, fe is not None)
+        shown = ROUTES if fe else ROUTES[1:]
+        handles = [Line2D([], [], **look) for _, look in shown]
+        figure.legend(handles, [name for name, _ in shown], loc="outside upper center", ncols=3)
 
 
 def _four(axes: Axes, at: Array, stresses: Array, route: int, named: bool = False) -> None:
@@ -292,13 +294,3 @@ def _four(axes: Axes, at: Array, stresses: Array, route: int, named: bool = Fals
 def _diagonal(normal: Array) -> Array:
     """(n, 3) normal stresses -> (n, 6) without shear."""
     return np.hstack((normal, np.zeros_like(normal)))
-
-
-def _legend(figure: Any, fe: bool) -> None:
-    shown = ROUTES if fe else ROUTES[1:]
-    figure.legend(
-        [Line2D([], [], **look) for _, look in shown],
-        [name for name, _ in shown],
-        loc="outside upper center",
-        ncols=3,
-    )

@@ -36,20 +36,22 @@ def deck(case, mesh) -> str:
     first_cell = {"rail": 1, "wheel": 1 + len(mesh["rail_cells"])}
     lines = ["*NODE"]
     for body, first in first_node.items():
-        for number, point in enumerate(mesh[f"{body}_points"], first):
-            lines.append(", ".join([str(number), *(f"{x:.10g}" for x in point)]))
+        points = enumerate(mesh[f"{body}_points"], first)
+        lines += [
+            ", ".join([str(number), *(f"{x:.10g}" for x in point)]) for number, point in points
+        ]
     for body, first in first_cell.items():
         lines.append(f"*ELEMENT, TYPE=C3D8, ELSET={body}")
-        for number, cell in enumerate(mesh[f"{body}_cells"] + first_node[body], first):
-            lines.append(", ".join(map(str, [number, *cell])))
+        cells = enumerate(mesh[f"{body}_cells"] + first_node[body], first)
+        lines += [", ".join(map(str, [number, *cell])) for number, cell in cells]
     for body, first in first_cell.items():
         corners = mesh[f"{body}_points"][mesh[f"{body}_corners"]]
         near = np.hypot(*corners.mean(axis=1)[:, :2].T) < NEAR[body]
         lines.append(f"*SURFACE, NAME=S{body}, TYPE=ELEMENT")
         lines += [f"{first + cell}, S{side + 1}" for cell, side in mesh[f"{body}_sides"][near]]
-    lines += ["*MATERIAL, NAME=STEEL", "*ELASTIC", f"{case['young']}, {case['poisson']}"]
-    lines += [f"*SOLID SECTION, ELSET={body}, MATERIAL=STEEL" for body in first_cell]
     lines += [
+        *("*MATERIAL, NAME=STEEL", "*ELASTIC", f"{case['young']}, {case['poisson']}"),
+        *(f"*SOLID SECTION, ELSET={body}, MATERIAL=STEEL" for body in first_cell),
         "*SURFACE INTERACTION, NAME=TOUCH",
         "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR",
         f"{PENALTY * case['young']:g}",
@@ -69,11 +71,13 @@ def deck(case, mesh) -> str:
                 held = np.setdiff1d(held, dependent)
             lines += ["*BOUNDARY", *(f"{n + first}, {direction}" for n in held)]
         lines += [f"*NSET, NSET=FAR{body}", *(f"{n + first}," for n in mesh[f"{body}_far"])]
-    lines += ["*BOUNDARY", "FARrail, 1, 3", "FARwheel, 1, 2"]
-    lines += ["*STEP, INC=200", "*STATIC, SOLVER=SPOOLES", "1., 1."]
-    lines += ["*BOUNDARY", f"FARwheel, 3, 3, {-case['travel']}"]
-    lines += ["*NODE PRINT, NSET=FARrail, TOTALS=ONLY", "RF"]
-    lines += ["*EL FILE", "S", "*CONTACT FILE", "CSTR", "*END STEP", ""]
+    lines += [
+        *("*BOUNDARY", "FARrail, 1, 3", "FARwheel, 1, 2"),
+        *("*STEP, INC=200", "*STATIC, SOLVER=SPOOLES", "1., 1."),
+        *("*BOUNDARY", f"FARwheel, 3, 3, {-case['travel']}"),
+        *("*NODE PRINT, NSET=FARrail, TOTALS=ONLY", "RF"),
+        *("*EL FILE", "S", "*CONTACT FILE", "CSTR", "*END STEP", ""),
+    ]
     return "\n".join(lines)
 
 
