@@ -10,26 +10,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from railhead.scene import catalogue
-from railhead.scene.keys import OTHER_NAMES, assignment, dotted
+from railhead.scene.keys import OTHER_NAMES, assignment
 from railhead.scene.quantities import GROUPS
-from railhead.scene.scene import Effects, Scene, SceneError
+from railhead.scene.scene import Scene, SceneError
 from railhead.scene.sections import refuse_first
 
 if TYPE_CHECKING:
     from railhead.postprocess.findings import Units
     from railhead.sweeps.sampling import Law
-
-
-def _completing(words: Callable[[], Iterable[str]]) -> Callable[..., list[str]]:
-    """The function for click's shell completion that offers those words that begin as typed.
-    words: returns all of them.
-    """
-    return lambda context, parameter, begun: [each for each in words() if each.startswith(begun)]
-
-
-def _keys() -> list[str]:
-    """Beginnings of assignments, "load=", "rail.profile=", of all keys of a scene."""
-    return [f"{key}=" for key, _ in dotted(Scene(load=1.0).model_dump())]
 
 
 def _lists(
@@ -62,7 +50,6 @@ over = click.option(
     "lists",
     multiple=True,
     callback=_lists,
-    shell_complete=_completing(_keys),
     metavar="KEY=VALUES",
     help="Values of a key: 25kN,50kN or first:last:step, 0:10:0.5mm.",
 )
@@ -126,14 +113,12 @@ assign = click.option(
     metavar="KEY=VALUE",
     callback=_once,
     help="Change a key of the scene.",
-    shell_complete=_completing(_keys),
 )
-case = click.argument("case", shell_complete=_completing(catalogue.shipped))
+case = click.argument("case")
 _effect = functools.partial(
     click.option,
     multiple=True,
     metavar="NAME",
-    shell_complete=_completing(lambda: Effects.model_fields),
 )
 _scene_options = (
     case,

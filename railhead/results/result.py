@@ -280,22 +280,6 @@ class Result(terminal.Drawn):
             raise ValueError("no fields: half-spaces answered, or this is not rank 0")
         return recovery.stress_at(self.fields, points, body)
 
-    def to_pyvista(self) -> Any:
-        """The grids of the .vtu files (docs/files.md) as a pyvista.MultiBlock, in mm and MPa: the
-        blocks "solution" (cells), "contact" (contact surface), with friction "traction" (contact
-        points), where steel yields "residual" (cells after the load), with passes "passes_section".
-
-        Cells are those that were meshed; the others have the mirror images of what symmetry left
-        out. ValueError: nothing touches, off rank 0, half-spaces, or a loaded result.
-        """
-        from railhead.postprocess.pictures.render import load_pyvista
-        from railhead.results import files
-
-        pv, grids = load_pyvista(), files.grids(self.solved)
-        if not grids:
-            raise ValueError("no grids: half-spaces answered, nothing touches, or not rank 0")
-        return pv.MultiBlock({name: pv.from_meshio(grid) for name, grid in grids.items()})
-
     def save(
         self,
         folder: str | Path,
