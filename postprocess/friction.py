@@ -212,7 +212,7 @@ def _errors(
         last, earlier = (abs(fine[key] - coarse[key]) for fine, coarse in pairwise(grids[:3]))
         share = min(last / earlier, SLOWEST) if earlier else 0.0
         errors[key] = max(errors[key], last * share / (1 - share))
-    least, arm = RAGGED[found.rigid_motion[2] != 0] * out["limit_N"], _arm(found)
+    least, arm = RAGGED[found.rigid_motion[2] != 0] * out["limit_N"], found.arm
     for key, floor in zip(LOADS, (least, least, arm * least), strict=True):
         if errors[key] > GIVEN * out["limit_N"]:
             errors[key] = max(errors[key], floor)
@@ -288,7 +288,7 @@ def _resolution(out: Mapping[str, Any], found: FrictionSolution) -> dict[str, An
         limits = {name: abs(other[name] - out[name]) for name in still}
         # A mesh errs in no direction of its own: each has the size of both, about half an arm.
         size = math.hypot(limits[LOADS[0]], limits[LOADS[1]])
-        arms = zip(LOADS, (1.0, 1.0, _arm(found) / 2), strict=True)
+        arms = zip(LOADS, (1.0, 1.0, found.arm / 2), strict=True)
         limits |= {name: max(limits[name], size * arm) for name, arm in arms if limits[name]}
     else:
         motion = zip(LOADS, found.rigid_motion, strict=True)
@@ -304,11 +304,6 @@ def _resolution(out: Mapping[str, Any], found: FrictionSolution) -> dict[str, An
         below.add("traction_coefficient")
     below |= _hidden_by_border(out["stick_share"], limits["stick_share"])
     return {"without_creepage": still, "resolution": limits, "below_resolution": sorted(below)}
-
-
-def _arm(found: FrictionSolution) -> float:
-    """Radius of a circle with the area that touches, mm."""
-    return math.sqrt(float(found.weights[found.pressure > 0].sum()) / math.pi)
 
 
 def _border_error(found: FrictionSolution) -> float:

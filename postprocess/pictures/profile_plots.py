@@ -1,5 +1,5 @@
 """Pictures of profiles without a solution: a wheelset on its track (profiles in contact, places of
-the contacts, rolling radii), and a measured profile over the nearest standard one.
+the contacts, rolling radii), a measured profile over the nearest standard one, and worn profiles.
 """
 
 from collections.abc import Mapping, Sequence
@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from railhead.geometry.measured.measured_profile import Measured, inner
 from railhead.geometry.measured.standards import LaidStandard
+from railhead.geometry.profiles import FLANGE_HEIGHT, Places
 from railhead.geometry.wheelset import Placed
 from railhead.postprocess.findings import Array, Subject
 from railhead.postprocess.pictures.diagrams import Target, minus, new_figure
@@ -208,4 +209,55 @@ def passage(
         lower.set_ylabel("lowest place over the head, y, mm")
         lower.set_xlabel("position of the axle along the sections, mm")
         lower.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
+    return figure
+
+
+def worn(
+    bodies: Mapping[str, tuple[Places, Array, Array]],
+    subject: Subject,
+    target: Target = None,
+    *,
+    depth_limit: float | None,
+    flange: tuple[float | None, float | None],
+) -> Figure:
+    """Of each body the profile, new and worn, with the border of its flange or gauge corner, and
+    below it the worn depth along the normal over y, with its error as a band and its limit. Of a
+    wheel also where the thickness of its flange is measured, and that limit.
+
+    bodies: by name the places along the new profile, the worn depth (n,) there, and y, depth and
+        its error (3, m), mm.
+    subject: title.
+    target: PNG file or None (`new_figure`).
+    depth_limit: mm; None: there is none. flange: its thickness and the limit, mm; None as there.
+    """
+    with new_figure(target, 5.5 * len(bodies), 6.4, subject) as figure:
+        panels = figure.subplots(2, len(bodies), squeeze=False, sharex="col")
+        for (above, ax), (body, (places, depth, lines)) in zip(
+            panels.T, bodies.items(), strict=True
+        ):
+            colour = WHEEL_COLOUR if body == "wheel" else RAIL_COLOUR
+            above.plot(*places.points.T, color=RAW, lw=1, label="new")
+            above.plot(*places.worn(depth).T, color=colour, label="worn")
+            border = places.points[places.steep, 0].max(initial=-np.inf)
+            for each in (above, ax) if np.isfinite(border) else ():
+                name = "gauge corner" if body == "rail" else "flange"
+                each.axvline(border, color=LOST, ls=":", label=f"left: {name} (over 15 deg)")
+            above.set(title=body, ylabel="z, mm", aspect="equal", adjustable="datalim")
+            if body == "wheel":
+                above.invert_yaxis()
+                thickness, least = flange
+                if thickness is not None:
+                    text = f"flange {thickness:.2f} mm thick here"
+                    text += "" if least is None else f", limit {least:g}"
+                    level = np.interp(0.0, *places.points.T) + FLANGE_HEIGHT
+                    above.axhline(level, color=MARK, ls="--", lw=1, label=text)
+            y, off, error = lines
+            ax.plot(y, off, color=colour)
+            ax.fill_between(y, off - error, off + error, color=colour, alpha=0.3, lw=0)
+            if depth_limit is not None:
+                ax.axhline(depth_limit, color=MARK, ls="--", label=f"limit {depth_limit:g} mm")
+                ax.legend(loc="best")
+            ax.set(xlabel="y to the field side, mm", ylabel="worn along the normal, mm")
+            ax.invert_yaxis()
+            above.legend(loc="best")
     return figure

@@ -1,11 +1,11 @@
 """One position of a wheelset on worn profiles: pressure, tractions, and what they wear off.
 
 A position bears a share of all passages. It sees the depth that all positions wore before, and in a
-step its own wear by the pressure of the step's end (`theory.wear`). What the others wear in the
-step is taken to grow with the position's own pressure on each line: alike positions then wear as
-one, and any step is stable. Pressures are averaged across over three spacings of the knots of the
-worn depth, or of lines where these are wider: what is narrower, as at the edge of a groove, is not
-known.
+step its own wear by the pressure of the step's end (`theory.wear`), of all lines together as much
+as T-gamma wears. What the others wear in the step is taken to grow with the position's own pressure
+on each line: alike positions then wear as one, and any step is stable. The largest pressure is an
+average across over 0.4 (MEAN) of the half width of its patch: what is narrower, as at the edge of a
+groove, is not known.
 """
 
 from __future__ import annotations
@@ -35,6 +35,8 @@ from railhead.theory.wear import Splines, WearLaw
 
 BODIES = ("rail", "wheel")
 BROAD, FAINT = 3.0, 0.05
+MEAN = 0.4  # of the half width of a patch: over it its largest pressure is averaged
+MOST = 0.5  # of what a step wears, from the step before
 PLACES = 4001  # along each profile
 LEAST = 4  # places from knot to knot
 FIELDS = ("pressure", "index", "energy", "damage", "rate", "force")
@@ -166,10 +168,15 @@ class WornContact:
                 total += self._splines[body].between(seen) * self._steps[body] / (s[1] - s[0])
             return total
 
-        after = self._press(opening).windows
-        worn = [[self._line(body, each.s) * _force(each) for each in after] for body in BODIES]
-        pairs = zip(BODIES, worn, strict=True)
-        return share * np.array([self._worn(body, after, lines) for body, lines in pairs])
+        after, worn = self._press(opening).windows, []
+        for body in BODIES:
+            lines = [self._line(body, each.s) * _force(each) for each in after]
+            steps = [float(each.s[1] - each.s[0]) for each in after]
+            area = math.fsum(step * line.sum() for step, line in zip(steps, lines, strict=True))
+            # Slip follows the pressure: all lines together lose what T-gamma wears.
+            part = share * self.seen.values[f"{body}_mm2"] / area if area else 0.0
+            worn.append(part * self._worn(body, after, lines))
+        return np.array(worn)
 
     def _press(self, lines: Lines | None) -> BoundaryElementSolution:
         """The pressure on the present profiles, with a compliance of the lines or without."""
@@ -271,9 +278,8 @@ class WornContact:
         energy = [(step, each["energy"]) for step, each in zip(steps, lines, strict=True)]
         return {
             "pressure_max_MPa": max(
-                wear.peak(window.pressure.T, step, max(self._width, BROAD * step))
-                for window in self._windows
-                for step in np.diff(window.s[:2]).tolist()
+                wear.peak(each.pressure.T, each.s[1] - each.s[0], MEAN * each.half_extents[1])
+                for each in self._windows
             ),
             "area_mm2": self._pressed.area,
             "t_gamma_N": sum(step * float(line.sum()) for step, line in energy),
@@ -331,12 +337,20 @@ def solve(
     rises: float,
     share: float,
     others: Array,
+    before: tuple[float, float] = (0.0, 0.0),
 ) -> tuple[Seen, Array]:
     """A position on profiles that are worn by some depths, and the depth (2, n) that it wears in a
     share of its passages, from there. Arguments and errors as of `WornContact`.
+
+    before: T-gamma of the position at the start of the step before, N, and the share of that step,
+        in which half of the change of T-gamma was not worn: it is worn in this step.
     """
     contact = WornContact(position, fineness, depths, rises)
-    return contact.seen, contact.wear(share, others) if share else np.zeros_like(depths)
+    if not share:
+        return contact.seen, np.zeros_like(depths)
+    (last, step), now = before, contact.seen.values["t_gamma_N"] or math.inf
+    owed = (1 - last / now) * step / 2
+    return contact.seen, contact.wear(share + min(max(owed, -MOST * share), MOST * share), others)
 
 
 def _force(window: PatchSolution) -> Array:

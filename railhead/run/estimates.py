@@ -32,6 +32,7 @@ from railhead.postprocess.friction import MOTION, RISE
 from railhead.run.mesh_solution import MeshSolution
 from railhead.scene.quantities import ESTIMATED, QUANTITIES, SCATTER, numeric_values
 from railhead.theory.friction import kalker
+from railhead.theory.friction.solution import FrictionSolution
 
 # Error over the change between two meshes a step apart; first order leaves 1/(STEP - 1) = 1.67.
 SCATTER_FACTOR = 2.0
@@ -98,7 +99,7 @@ def of_grids(found: Findings | None, result: Mapping[str, Any] | None) -> float:
     """
     if found is None or result is None:
         return 0.0
-    errors = friction_errors(result.get("friction", {}), 1.0, 0.0, 0.0)
+    errors = friction_errors(result, None, 0.0, 0.0)
     return largest_bound({**found.surface_error, **{k: grid for k, (_, grid) in errors.items()}})
 
 
@@ -153,23 +154,25 @@ def reading_errors(found: Findings) -> dict[str, float]:
 
 
 def friction_errors(
-    friction: Mapping[str, Any], used: float, area: float, pressure: float
+    result: Mapping[str, Any], found: FrictionSolution | None, area: float, pressure: float
 ) -> dict[str, tuple[float, float]]:
     """Errors of the numbers of friction by key of summary.json, of forces over mu N, of the stick
     share in itself, others relative: what the error of the patch changes, and that of the grids of
     the tractions. Without numbers that are given or 0, and empty without grids.
 
-    friction: entry of "result". used: sum of the sizes of all tractions over mu N, 0 to 1. area,
-        pressure: relative errors of the area and of the largest pressure.
+    result: as of summary.json. found: tractions; None: of all mu N. area, pressure: relative errors
+        of the area and of the largest pressure. Between several patches forces may move.
     """
-    errors = {}
+    errors, friction, felt = dict[str, tuple[float, float]](), result.get("friction", {}), 1.0
+    if found is not None:
+        felt = found.used if len(result.get("patches", ())) > 1 else found.sensitivity
     values = _with_rises(friction)
     for key in friction.get("grid_error", {}).keys() - {"limit_N", "coefficient"}:
         value, change = abs(values[key]), friction["grid_error"][key]
         if key in friction["given"] or not value:
             continue
         if key in FRICTION_SHARES:
-            errors[key] = used * area, change / friction["limit_N"]
+            errors[key] = felt * area, change / friction["limit_N"]
         elif key == "stick_share":
             errors[key] = area * value, change
         else:
@@ -322,13 +325,13 @@ def estimate(meshes: Sequence[MeshSolution]) -> tuple[Parts, str]:
         }
         for name, mesh in parts.items()
     }
-    if solved.solution.friction is not None and "area_mm2" in errors:
-        used = solved.solution.friction.used
+    found = solved.solution.friction
+    if found is not None and "area_mm2" in errors:
         patch = [sum(errors[key].values()) for key in ("area_mm2", "max_MPa")]
         still, strain = solved.result["friction"].get("resolution", {}), _of_strain(solved)
-        for name, (mesh, grid) in friction_errors(solved.result["friction"], used, *patch).items():
+        for name, (mesh, grid) in friction_errors(solved.result, found, *patch).items():
             over = abs(_with_rises(solved.result["friction"])[name])
-            over = solved.solution.friction.friction_limit if name in FRICTION_SHARES else over
+            over = found.friction_limit if name in FRICTION_SHARES else over
             mesh += abs(still.get(name, 0.0)) / over if name != "stick_share" else 0.0
             before = errors.get(name, dict.fromkeys(ALWAYS, 0.0))
             errors[name] = {**before, "mesh": max(mesh, before["mesh"]), "grid": grid}

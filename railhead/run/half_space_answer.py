@@ -208,8 +208,8 @@ def _with_tractions(solved: HalfSpaceSolution, parts: Parts) -> Parts:
     # Tractions of several patches may cancel out, what bodies change of each does not.
     area, pressure = (sum(parts[key].values()) for key in ("area_mm2", "max_MPa"))
     area = max(area, pressure)  # a small patch may carry most of the load
-    tractions, used = solved.result["friction"], sheared.solution.used
-    for key, (bodies, grid) in friction_errors(tractions, used, area, pressure).items():
+    changes = friction_errors(solved.result, sheared.solution, area, pressure)
+    for key, (bodies, grid) in changes.items():
         parts[key] = {"bodies": bodies, "grid": grid}
     if not sheared.pair.materials.like:
         before = max(each.pressed.max_pressure for each in sheared.patches)

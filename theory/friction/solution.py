@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from railhead.theory.array_types import Array, Mask
+
+WHOLE = 0.1  # least change of a force, over what is used of friction; of 90 ellipses 0.05 suffices
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,6 +90,21 @@ class FrictionSolution:
         """Sum of the sizes of all tractions over the limit mu N, 0 to 1."""
         sizes = np.linalg.norm(self.traction, axis=1)
         return float(self.weights @ sizes) / self.friction_limit
+
+    @property
+    def arm(self) -> float:
+        """Radius of a circle with the area that touches, mm."""
+        return math.sqrt(float(self.weights[self.pressure > 0].sum()) / math.pi)
+
+    @property
+    def sensitivity(self) -> float:
+        """Change of a force over mu N by a relative change of the patch's area, at most, where the
+        wheel rolls at given creepages. That of Carter's line contact, 2 s (1 - s) with s^2 = 1 -
+        used, is above that of ellipses. Spin turns the slip with the size of the patch.
+        """
+        along, across, spin = np.abs(self.rigid_motion) * (1, 1, self.arm)
+        turn, s = spin / max(along + across + spin, 1e-300), math.sqrt(max(1 - self.used, 0.0))
+        return max(2 * s * (1 - s), self.used * max(turn, WHOLE)) * (1 + turn / 2)
 
     @property
     def friction_limit(self) -> float:

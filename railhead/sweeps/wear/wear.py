@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from railhead.geometry.profiles import FLANGE_HEIGHT, Places
+from railhead.geometry.profiles import Places
 from railhead.half_spaces.worn_contact import BODIES
 from railhead.meshing.mesh import MeshError
 from railhead.postprocess.findings import Subject
@@ -37,7 +37,6 @@ LATER = (
     *(INPUT, result_folder.SCENE, SUMMARY, LINES, DAMAGE, FATIGUE, HISTORY, REPORT),
     *(MAP, PICTURE, *PROFILES.values()),
 )
-COLOURS = {"rail": "#555555", "wheel": "#1f4e79"}
 DECIMALS = 7  # of profiles, mm
 AS_WRITTEN = {"profile_mirror": "off", "profile_flip": "off", "profile_origin": "file"}
 """Keys with which the files of worn profiles are read back."""
@@ -224,11 +223,18 @@ def _save(found: WearResult, folder: Path, *, pictures: bool) -> None:
         store.write_whole(folder, folder / name, content)
     if not pictures:
         return
-    from railhead.postprocess.pictures import sweep_plots
+    from railhead.postprocess.pictures import profile_plots, sweep_plots
     from railhead.results.report import html
 
     title, failures = f"wear of {scene.name}", list[str]()
-    drawn = {PICTURE: partial(_draw, found, Subject(f"{title}, after {_amount(found.rows[-1])}"))}
+    bodies = {body: _worn_body(found, body) for body in found.route.worn}
+    subject, limits = Subject(f"{title}, after {_amount(found.rows[-1])}"), scene.wear
+    flange = found.rows[-1]["flange_thickness_mm"], limits.flange_limit
+    drawn = {
+        PICTURE: partial(
+            profile_plots.worn, bodies, subject, depth_limit=limits.depth_limit, flange=flange
+        )
+    }
     if tired:
         places, profiles = zip(*((each["y_mm"], each["profile"]) for each in tired), strict=True)
         drawn[MAP] = partial(sweep_plots.fatigue_map, places, profiles, Subject(title))
@@ -247,6 +253,16 @@ def _save(found: WearResult, folder: Path, *, pictures: bool) -> None:
         versions=html.versions(),
     )
     store.write_whole(folder, folder / REPORT, text.encode())
+
+
+def _worn_body(found: WearResult, body: str) -> tuple[Places, Array, Array]:
+    """Places along the new profile of a body, the worn depth (n,) there, mm, and y, depth and its
+    error (3, m) of its lines, mm.
+    """
+    names = ("y [mm]", *DEPTH)
+    lines = [[row[name] for name in names] for row in found.lines() if row["body"] == body]
+    run = found.runs["main"]
+    return run.places[body], run.depths[body], np.array(lines, dtype=float).reshape(-1, 3).T
 
 
 def _below(tired: Mapping[str, Any]) -> list[Row]:
@@ -284,48 +300,3 @@ def _amount(row: Row) -> str:
     """Words for what a row of the history has passed: wheels over the rail, km of the wheel."""
     units = {"axles": "wheels", "distance_km": "km"}
     return " and ".join(f"{row[key]:g} {unit}" for key, unit in units.items() if row[key])
-
-
-def _draw(found: WearResult, subject: Subject, file: Path) -> None:
-    """Of each body that is worn the profile, new and worn, with the border of its flange or gauge
-    corner, and below it the worn depth along the normal over y, with its error as a band and its
-    limit. Of a wheel also where the thickness of its flange is measured, and that limit.
-
-    subject: title. file: that is written (PNG).
-    """
-    from railhead.postprocess.pictures.diagrams import new_figure
-
-    run, worn, limit = found.runs["main"], found.route.worn, found.route.scene.wear.depth_limit
-    with new_figure(file, 5.5 * len(worn), 6.4, subject) as figure:
-        panels = figure.subplots(2, len(worn), squeeze=False, sharex="col")
-        for (above, ax), body in zip(panels.T, worn, strict=True):
-            colour, places = COLOURS[body], run.places[body]
-            own = [row for row in found.lines() if row["body"] == body]
-            y, worn_off, error = (
-                np.array([row[name] for row in own], dtype=float)
-                for name in ("y [mm]", "depth [mm]", "depth [mm] estimate")
-            )
-            above.plot(*places.points.T, color="#9a9a9a", lw=1, label="new")
-            above.plot(*places.worn(run.depths[body]).T, color=colour, label="worn")
-            border = places.points[places.steep, 0].max(initial=-np.inf)
-            for each in (above, ax) if np.isfinite(border) else ():
-                name = "gauge corner" if body == "rail" else "flange"
-                each.axvline(border, color="#9a5f00", ls=":", label=f"left: {name} (over 15 deg)")
-            above.set(title=body, ylabel="z, mm", aspect="equal", adjustable="datalim")
-            if body == "wheel":
-                above.invert_yaxis()
-                if (thickness := found.rows[-1]["flange_thickness_mm"]) is not None:
-                    least = found.route.scene.wear.flange_limit
-                    text = f"flange {thickness:.2f} mm thick here"
-                    if least is not None:
-                        text += f", limit {least:g}"
-                    level = np.interp(0.0, *places.points.T) + FLANGE_HEIGHT
-                    above.axhline(level, color="#c8502d", ls="--", lw=1, label=text)
-            ax.plot(y, worn_off, color=colour)
-            ax.fill_between(y, worn_off - error, worn_off + error, color=colour, alpha=0.3, lw=0)
-            if limit is not None:
-                ax.axhline(limit, color="#c8502d", ls="--", label=f"limit {limit:g} mm")
-                ax.legend(loc="best")
-            ax.set(xlabel="y to the field side, mm", ylabel="worn along the normal, mm")
-            ax.invert_yaxis()
-            above.legend(loc="best")

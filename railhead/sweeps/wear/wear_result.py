@@ -31,7 +31,6 @@ AMPLITUDE, REACH = 3.0, 8.0  # mm: of the equivalent conicity, and of the shifts
 VOLUME = 0.02  # relative: of the worn area, by the passages between two steps
 LEAST = 0.003  # relative error that is always expected
 FACTOR = 2.0  # of the change from the coarse run to the main one, an error
-CORNER = 0.05  # relative error of a pressure that only the edge of a groove explains
 USEFUL = 0.25  # largest relative error of a pressure that says something
 ALONE, THIN = 0.8, 2.0  # part of the wear of a place; depth of a groove, over the approach
 EDGE = 2.0  # cells between a patch and the end of a profile, at least
@@ -87,7 +86,7 @@ class WearResult:
                 name: {key: self.rows[at][column] for key, (at, column) in group.items()}
                 for name, group in NUMBERS.items()
             },
-            "pressure_width_mm": run.fineness.width,
+            "pressure_mean": worn_contact.MEAN,
             "worn_mm2_by_part": {
                 body: places.parts(body, run.depths[body]) for body, places in run.places.items()
             },
@@ -309,9 +308,9 @@ class WearResult:
             done = [stage.done for stage in run.stages][: len(rates)]
             yield Check(
                 name=f"{body}_volume",
-                value=abs(float(np.diff(done) @ rates[1:]) / area - 1),
+                value=abs(float(trapezoid(rates, done)) / area - 1),
                 limit=max(VOLUME, given.accuracy),
-                source="worn area: rate times T-gamma and passages, at the ends of the steps",
+                source="worn area: rate times T-gamma and passages, over the steps",
                 advice="give more steps",
             )
         yield Check(
@@ -372,7 +371,7 @@ def words(summary: Mapping[str, Any]) -> list[str]:
         off = "its error is not known" if error is None else f"+- {error:.2g} of it"
         return "not known" if value is None else f"{value:.4g} {unit} {off}"
 
-    lines = [f"{summary['steps']} steps, {len(summary['positions'])} positions"]
+    lines = [f"steps: {summary['steps']}, positions: {len(summary['positions'])}"]
     if summary["reason"]:
         lines.append(f"stopped: {summary['reason']}")
     worn = summary["scene"]["wear"]["on"]
@@ -380,10 +379,8 @@ def words(summary: Mapping[str, Any]) -> list[str]:
         depth, area = within("depth_max_mm", body, "mm"), within("worn_mm2", body, "mm2")
         lines.append(f"{body}: at most {depth} deep along the normal, {area} of the section")
     first, last = (within("pressure_max_MPa", key, "MPa") for key in ("first", "last"))
-    width = f"averaged over {summary['pressure_width_mm']:.2g} mm across"
+    width = f"averaged over {summary['pressure_mean']:g} of a patch's half width"
     lines.append(f"largest pressure, {width}: {first}, then {last}")
-    if (bound["pressure_max_MPa"]["last"] or 0.0) > CORNER:
-        lines.append("its error is large: it lies at the edge of a groove, where no width is right")
     for name, limit in summary["limits_reached"].items():
         after = [
             f"{limit[key]:.4g} +- {limit[f'{key} estimate'] or math.nan:.2g} {key}"

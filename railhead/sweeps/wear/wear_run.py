@@ -290,9 +290,13 @@ class Run:
         count, known = len(positions), self.seen[-1] if self.seen else None
         others = np.zeros((count, *depth.shape)) if known is None else known.others
         rises = [0.0] * count if known is None else known.rises
+        before = [(0.0, 0.0)] * count
+        if len(self.stages) > 1:
+            (start, end), seen = self.stages[-2:], self.seen[len(self.stages) - 2]
+            before = [(each["t_gamma_N"], end.done - start.done) for each in seen.values]
         jobs = [
-            (position, self.fineness, depth, each, share, other)
-            for position, each, other in zip(positions, rises, others, strict=True)
+            (position, self.fineness, depth, each, share, *more)
+            for position, each, *more in zip(positions, rises, others, before, strict=True)
         ]
         answers = list(worker_pool.together(self.submit, worn_contact.solve, jobs))
         return _joined([each for each, _ in answers]), np.sum([w for _, w in answers], axis=0)
