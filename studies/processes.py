@@ -113,6 +113,14 @@ def attempts(
             yield ended
 
 
+def values(work: Callable[..., list[T]], jobs: Sequence[tuple[Any, ...]]) -> list[T]:
+    """What work(*job) lists for all jobs, see `attempts`. RuntimeError: one has no value."""
+    done = list(attempts(work, jobs))
+    if faults := [each.fault for each in done if each.value is None]:
+        raise RuntimeError(faults[0])
+    return [found for each in done for found in each.value or []]
+
+
 def _timed(work: Callable[..., T], *job: Any) -> tuple[T, float]:
     """Value of work(*job), and the seconds that it takes."""
     start = time.perf_counter()

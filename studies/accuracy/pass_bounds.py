@@ -1,7 +1,6 @@
 """Estimates of passes over random lines, beside passes on twice the elements."""
 
 import math
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,7 +10,7 @@ from railhead.half_spaces.pass_contact import Below, line_contact
 from railhead.postprocess.pass_rows import PASS_ERRORS, RATES, Passes
 from railhead.run.passes_of_scene import COARSER, estimated, roll, rolling_block
 from railhead.solver.material import Hardening, Material
-from studies.processes import attempts
+from studies.processes import values
 from studies.tables import Row, beside_errors, groups, publish, render
 
 SEED, LINES, PASSES, FINER = 20261129, 16, 5, 2.0
@@ -19,12 +18,8 @@ SEED, LINES, PASSES, FINER = 20261129, 16, 5, 2.0
 
 def main(out: Path, *, quick: bool) -> None:
     """Write pass_bounds.csv and page.md; quick: one line, on few elements."""
-    count, records = 1 if quick else LINES, []
-    for index, done in enumerate(attempts(measure, [(n, quick) for n in range(count)])):
-        if done.value is None:
-            raise RuntimeError(f"line {index + 1}: {done.fault}")
-        print(f"line {index + 1} of {count}: {done.seconds:.0f} s", file=sys.stderr)
-        records += done.value
+    count = 1 if quick else LINES
+    records = values(measure, [(index, quick) for index in range(count)])
     publish(out, page(records, count), pass_bounds=records)
 
 

@@ -12,7 +12,7 @@ from railhead.half_spaces.worn_contact import BODIES
 from railhead.run.progress import Progress
 from railhead.sweeps.wear import wear_run
 from railhead.sweeps.wear.wear_result import WearResult
-from studies.processes import attempts
+from studies.processes import values
 from studies.tables import Row, beside_errors, groups, publish, render
 
 SEED, ROUTES, STEPS, FINER = 20261127, 20, 2, 4
@@ -36,11 +36,7 @@ RATE = 6.75e-7  # mm3/(N mm)
 def main(out: Path, *, quick: bool) -> None:
     """Write wear_bounds.csv and page.md; quick: two routes."""
     count = 2 if quick else ROUTES
-    records: list[Row] = []
-    for index, done in enumerate(attempts(measure, [(n,) for n in range(count)])):
-        if done.value is None:
-            raise RuntimeError(f"route {index + 1}: {done.fault}")
-        records += done.value
+    records = values(measure, [(index,) for index in range(count)])
     publish(out, page(records), wear_bounds=records)
 
 
