@@ -37,7 +37,8 @@ _NAMES = {
     "model.model": "Model Solution",
     "model.parts": "Body Elastic Energy Force Move Plastic Pressure Spring Traction",
     "space.supports": "Clamp Hub Slide",
-    "system.surfaces": "Contact Plane Sphere Tie",
+    "space.rigid": "Cylinder Plane Sphere",
+    "system.surfaces": "Contact Tie",
 }
 __all__ = [name for names in _NAMES.values() for name in names.split()]  # noqa: PLE0604
 

@@ -159,7 +159,7 @@ def solve(
     rtol: float,
     max_steps: int = 30,
     progress: Callable[[int, float], None] = lambda step, residual: None,
-    anew: Callable[[PETSc.Vec], ContactProblem] | None = None,
+    anew: Callable[[PETSc.Vec, Mask], tuple[ContactProblem, Mask]] | None = None,
 ) -> NewtonResult:
     """Solve R(y) = 0 for the free unknowns y by semismooth Newton's method (collective).
 
@@ -167,13 +167,15 @@ def solve(
     preconditioner: preconditioner of the tangent.
     active: (n,) contact points of this rank; without a start, the first state is the solution of
         the linear problem in which exactly these touch.
-    start: free unknowns to start from; `active` then has no effect.
+    start: free unknowns to start from; `active` then has no effect without `anew`.
     rtol: tolerance of the norm of the residual over that of the nodal contact forces. A residual
         that is down to rounding counts as converged at any tolerance.
     max_steps: largest number of states.
     progress: called with the number and the relative residual of each state, infinite where
         nothing touches.
-    anew: equations that are exact at free unknowns, made linear there; None: they stay as they are.
+    anew: equations that are exact at free unknowns, made linear there, and active points of theirs,
+        from those of the last; None: they stay as they are. Exactly the active points touch in the
+        first state: linear bodies show better where that is than where they lie shows.
 
     A linear solve ends early where its solution changes the active set so much that this leaves
     more in R than the linear residual. Where the tangent changes within a set, see
@@ -199,11 +201,13 @@ def solve(
             iterations = linear.solve(problem, preconditioner, active, first, y, eta, ends)
         for step in range(1, max_steps + 1):
             if anew is not None:
-                problem = preconditioner.problem = anew(y)
-                preconditioner.state = None
+                problem, active = anew(y, active)
+                preconditioner.problem, preconditioner.state = problem, None
             indicator = problem.indicator(y)
-            result.pressure = pressure = np.maximum(indicator, problem.floor)
-            active, contact = pressure > problem.floor, problem.contact_force(pressure)
+            given = anew is not None and step == 1
+            reached = active if given else indicator > problem.floor
+            result.pressure = pressure = np.where(reached, indicator, problem.floor)
+            active, contact = reached, problem.contact_force(pressure)
             residual, apart = problem.residual(y, pressure), not contact
             largest = max(largest, contact)
             scale = max(contact, LEAST_FORCE * problem.reference_force)
@@ -242,7 +246,7 @@ def solve(
             progress(step, norm)
             if failure and not apart:
                 _clear(result)
-            if failure or norm <= goal:
+            if failure or (norm <= goal and not given):
                 result.reason = failure or CONVERGED
                 return result
             if step == max_steps:

@@ -99,18 +99,25 @@ class ContactProblem:
 
     @classmethod
     def reduced(
-        cls, law: ContactLaw, stiffness: Stiffness, face: Interface, p: PETSc.Mat, **more: Any
+        cls,
+        law: ContactLaw,
+        stiffness: Stiffness,
+        face: Interface,
+        p: PETSc.Mat,
+        gap: PETSc.Mat | None = None,
+        **more: Any,
     ) -> Self:
         """Contact problem in the free unknowns, from the matrices of an interface on all dofs
         (collective).
 
         stiffness: P^T K P of the free unknowns, N/mm, to which the part is added that all active
-            sets share. p: map P from free unknowns to dofs. more: the other fields.
+            sets share. p: map P from free unknowns to dofs. gap: N in the free unknowns, where
+            a rigid surface moves too; None: N P. more: the other fields.
         """
         made = cls(
             law=law,
             stiffness=stiffness,
-            gap=face.gap.matMult(p),
+            gap=face.gap.matMult(p) if gap is None else gap,
             stress=face.stress.matMult(p),
             area=face.weights,
             bound=face.stiffness_bound(law),

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
-import ufl
-from dolfinx.fem.petsc import assemble_vector
 from mpi4py import MPI
 from petsc4py import PETSc
 from ufl.algorithms import extract_coefficients
@@ -22,6 +20,7 @@ from railhead.solver.algebra.newton import CONVERGED, NewtonResult
 from railhead.solver.algebra.problem import ContactProblem
 from railhead.solver.algebra.reduced_stiffness import DIFFERENT, Stiffness
 from railhead.solver.material import Hardening, History, Material, assemble, backs
+from railhead.solver.model.applied import Applied
 from railhead.solver.model.energy import Energies
 from railhead.solver.model.parts import (
     Body,
@@ -33,37 +32,33 @@ from railhead.solver.model.parts import (
     Pressure,
     Spring,
     Traction,
-    cell_values,
+    compatible,
+    movers,
 )
-from railhead.solver.model.problem import HubLoads, State
+from railhead.solver.model.problem import HubLoads, State, prescribed_motions
 from railhead.solver.plasticity.plastic_problem import YieldPoints, bulk_points
 from railhead.solver.space.contact_interface import ContactLaw, Interface
-from railhead.solver.space.facets import FacetSet
-from railhead.solver.space.kinematics import SOLID, Kinematics
-from railhead.solver.space.operators import assemble_rows, transposed, vector, weighted_product
+from railhead.solver.space.kinematics import Kinematics
+from railhead.solver.space.operators import vector
+from railhead.solver.space.rigid import RigidSurface
 from railhead.solver.space.supports import (
     Clamp,
     Hub,
     Reduction,
     Slide,
-    finite,
     held,
     masks,
     must_exist,
     reduce,
     translation,
-    unit,
 )
+from railhead.solver.space.vectors import unit
 from railhead.solver.system.contact_system import DIRECT_BELOW
 from railhead.solver.system.surfaces import Surfaces, Tie
 from railhead.theory.array_types import Array, Mask
 
-SECTIONS = (None, "plane strain", "plane stress", "axisymmetric")
 STIFFER = 2.0  # than the primary body, from which on the roles are exchanged (degree 1: + 10 %)
 LOCKS = 0.49  # Poisson's ratio from which on cells without mean dilatation are warned of
-LEAST_FACETS = {1: 5.0, 2: 1.2}  # on the half width of discs, of a degree: below, pressures are off
-# by a tenth and more
-FLAT, ALL = 1e-6, 0.9  # range of the gap over a facet, and share of points, of contacts at once
 ON_AXIS = 1e-9  # radius of a node on the axis, over the largest
 
 
@@ -74,10 +69,9 @@ class Assembly:
     contacts: as they were given. surfaces: of all contacts, with the roles that are solved.
     secondary: material of the secondary body of each.
     law: contact law of all contacts: symmetric, or with theta = 0 where something has friction.
-    body_force: of bodies and loaded facets, on all dofs, with that of thermal strain.
-    thermal: stress (cells,) that thermal strain has where it is held, of all local cells.
-    springs: stiffness of each spring on all dofs.
+    applied: loads of bodies and facets, and springs.
     masks: of each clamp, slide and hub, the nodes of this rank on its facets.
+    movers: of each contact the hub that moves its rigid surface; None: it stays, or has facets.
     remembers: whether states have a history or surfaces have tangential tractions.
     stepped: whether the answer depends on the way of the loads: with yield or friction.
     """
@@ -101,14 +95,17 @@ class Assembly:
         supports = [each for each in parts if isinstance(each, Clamp | Slide | Hub)]
         if not contacts:
             raise ValueError("a model needs a Contact")
-        _compatible(contacts, supports, any(isinstance(each, Spring) for each in parts))
+        compatible(contacts, supports, any(isinstance(each, Spring) for each in parts))
         tags = [each.tag for each in self.bodies]
         if len(set(tags)) < len(tags):
             raise ValueError(f"a body is named twice: {tags}")
         for tag in tags:
             must_exist("cell", cell_tags, tag, self.comm)
         loads = [each for each in parts if isinstance(each, Pressure | Traction | Spring)]
-        for tag in [e.tag for e in supports + loads] + [tag for c in contacts for tag in c.tags]:
+        self.movers = movers(contacts, supports)
+        meshed = [each.tag for each in supports + loads]
+        facets: list[Any] = [tag for tag in meshed if not isinstance(tag, RigidSurface)]
+        for tag in facets + [tag for each in contacts for tag in each.tags]:
             must_exist("facet", facet_tags, tag, self.comm)
         self.energies = self._energies(u, degree, contacts)
         self.materials = self._materials()
@@ -117,12 +114,9 @@ class Assembly:
             space=None if u is None else u.function_space,
         )
         self.masks = masks(self.bulk.space, facet_tags, supports)
-        self.thermal = self._thermal()
-        self.body_force = self._body_force()
-        self.springs: dict[Spring, PETSc.Mat] = {}
-        for load in loads:
-            self._load(load)
-        self.stiffness = self._sprung(self.stiffness)
+        tagged = cell_tags, facet_tags
+        self.applied = Applied(self.bulk, self.stiffness, tagged, section, parts)
+        self.stiffness = self.applied.sprung(self.stiffness)
         for tag in tags:
             nu = self._typical(self.materials[tag]).poisson_ratio
             if nu > LOCKS and not kinematics.mean_dilatation:
@@ -174,28 +168,6 @@ class Assembly:
             f"{tags[1]}, as with secondary={tags[1]}"
         )
         return replace(contact, secondary=tags[1], primary=tags[0])
-
-    def coarse(self, pairing: Interface, pressure: Array) -> None:
-        """Warn of contacts that touch on a part of a curved surface with too few facets from the
-        largest pressure to the edge (collective); pressure: at the points (n,).
-        """
-        on = pressure > 0
-        size = np.bincount(pairing.facet, pairing.weights)[pairing.facet[on]]
-        size = size / self.kinematics.measure(pairing.points[on])
-        found = pairing.contact[on], pressure[on], size, pairing.initial_gap[on], pairing.points[on]
-        every = [np.concatenate(parts) for parts in zip(*self.comm.allgather(found), strict=True)]
-        least, dim = LEAST_FACETS[self.bulk.degree], self.kinematics.dim
-        for number in np.unique(every[0]):
-            p, sizes, gap, x = (each[every[0] == number] for each in every[1:])
-            length = float(np.mean(sizes)) ** (1 / (dim - 1))
-            facets = np.linalg.norm(x - x[p.argmax()], axis=1).max() / length
-            whole = self.comm.allreduce(int((pairing.contact == number).sum()))
-            tied = isinstance(self.contacts[number], Tie)
-            if not tied and facets < least and np.ptp(gap) > FLAT * length and len(p) < ALL * whole:
-                self.warn(
-                    f"contact {number} has {facets:.1f} facets from its largest pressure to its "
-                    f"edge: with less than {least} its pressure may be off by a tenth"
-                )
 
     def _materials(self) -> dict[int, Material]:
         """Material of each body by its tag (collective). Raises ValueError on all ranks for values
@@ -258,64 +230,6 @@ class Assembly:
         cells = pairing.slave.numbers[pairing.facet[own]]
         return law and law.at(np.searchsorted(self.cell_tags.find(self._tags[number]), cells))
 
-    def _thermal(self) -> Array:
-        """Stress (cells,) by which thermal strain e lowers the normal stresses of the elastic law:
-        (3 lambda + 2 mu) e or, in plane stress, (2 lambda + 2 mu) e of its constants.
-        """
-        lam, mu = self.bulk.lame.T
-        out = np.zeros(len(lam))
-        for body in self.bodies:
-            cells = self.cell_tags.find(body.tag)
-            given = cell_values("thermal_strain", body.thermal_strain, cells)
-            out[cells] = finite(f"Body {body.tag}", "thermal_strain", given, *np.shape(given))
-        return np.asarray(out * ((2 if self.section == "plane stress" else 3) * lam + 2 * mu))
-
-    def thermal_at(self, pairing: Interface) -> Array:
-        """The stress of `_thermal` at contact points of this rank (n,)."""
-        return self.thermal[pairing.slave.numbers[pairing.facet]]
-
-    def _load(self, load: Pressure | Traction | Spring) -> None:
-        """Add a load of facets to the forces, or a spring to the foundations (collective). Raises
-        ValueError for values that do not fit.
-        """
-        dim, space = self.kinematics.dim, self.bulk.space
-        facets = FacetSet.on(self.bulk, self.facet_tags.find(load.tag))
-        at, weights = facets.quadrature(2 * self.bulk.degree + 2)
-        x, tangents = facets.tangents(*at)
-        every = np.tile(np.eye(dim), (len(x), 1, 1))
-        total = self.comm.allreduce(self.stiffness.getLocalSize()[0])
-        local = dim * space.dofmap.index_map.size_local
-        rows = assemble_rows([facets.rows_at(*at, every)], dim * len(x), local, total, self.comm)
-        if isinstance(load, Spring):
-            each = weights[:, None] * _at_points(load, "stiffness", load.stiffness, x, dim)
-            if self.comm.allreduce(int((each < 0).sum())):
-                raise ValueError(f"{load}: stiffness must not be negative")
-            self.springs[load] = weighted_product(rows, each.ravel(), rows)
-            return
-        if isinstance(load, Pressure):
-            value = _at_points(load, "value", load.value, x, 1)
-            values = -value * facets.normals(at[0], tangents)
-        else:
-            values = _at_points(load, "vector", load.vector, x, dim)
-        self.body_force.axpy(1.0, transposed(rows, (weights[:, None] * values).ravel()))
-
-    def _sprung(self, stiffness: PETSc.Mat) -> PETSc.Mat:
-        """Stiffness on all dofs with that of the springs (collective)."""
-        if not self.springs:
-            return stiffness
-        matrix = stiffness.convert("aij")
-        for each in self.springs.values():
-            matrix.axpy(1.0, each, DIFFERENT)
-        matrix.setBlockSize(self.kinematics.dim)
-        matrix = matrix.convert("baij")
-        matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-        return matrix
-
-    def spring_force(self, spring: Spring, displacement: PETSc.Vec) -> Array:
-        """Force (c,) of a spring on the bodies (collective)."""
-        nodal = (self.springs[spring] * displacement).array.reshape(-1, self.kinematics.dim)
-        return np.asarray(self.comm.allreduce(-nodal.sum(axis=0)))
-
     def _bodies_at(self, tag: int) -> list[int]:
         """Tags of the bodies that the facets with a tag belong to, in order (collective)."""
         dim, topology = self.kinematics.dim, self.bulk.space.mesh.topology
@@ -325,43 +239,26 @@ class Assembly:
         own = {int(values[links(facet)[0]]) for facet in self.facet_tags.find(tag)}
         return sorted(set().union(*self.comm.allgather(own)))
 
-    def _translation(self, hub: Hub) -> PETSc.Vec:
-        """Unit translation of the bodies at a hub along its free direction (collective)."""
-        own = np.isin(self.cell_tags.values, self._bodies_at(hub.tag))
+    def _closing(self, pairing: Interface, hub: Hub) -> Array:
+        """Change of the gaps (n,) where a hub moves by 1 along its free direction, with the bodies
+        that it holds (collective).
+        """
         free = unit("free", hub.free)
-        return vector(
-            self.stiffness, translation(self.bulk.space, self.cell_tags.indices[own], free)
-        )
+        if isinstance(hub.tag, RigidSurface):
+            return np.where(self.moved_by(pairing, hub), pairing.normals @ free, 0.0)
+        own = np.isin(self.cell_tags.values, self._bodies_at(hub.tag))
+        motion = translation(self.bulk.space, self.cell_tags.indices[own], free)
+        return np.asarray((pairing.gap * vector(self.stiffness, motion)).array)
 
-    def _body_force(self) -> PETSc.Vec:
-        """Forces of the bodies' `force` on all dofs (collective)."""
-        mesh, dim = self.bulk.space.mesh, self.kinematics.dim
-        out = vector(self.stiffness, np.zeros(self.stiffness.getLocalSize()[0]))
-        given = [each for each in self.bodies if each.force is not None]
-        hot = self.comm.allreduce(bool(self.thermal.any()), op=MPI.LOR)
-        if not given and not hot:
-            return out
-        values = np.zeros((len(self.bulk.lame), dim))
-        v, more = ufl.TestFunction(self.bulk.space), 0
-        for body in given:
-            cells = self.cell_tags.find(body.tag)
-            if hasattr(body.force, "ufl_shape"):
-                inside = np.zeros(len(values))
-                inside[cells] = 1.0
-                more += compat.cellwise_constant(mesh, inside) * ufl.inner(body.force, v)
-            else:
-                values[cells] = np.asarray(body.force, float)
-        load = ufl.as_vector([compat.cellwise_constant(mesh, each.copy()) for each in values.T])
-        r = ufl.SpatialCoordinate(mesh)[0]
-        revolved = self.kinematics.revolved
-        if hot:
-            swells = self.kinematics.dilatation(v, r) if revolved else ufl.div(v)
-            more += compat.cellwise_constant(mesh, self.thermal) * swells
-        form = (2 * np.pi * r if revolved else 1.0) * (ufl.inner(load, v) + more) * ufl.dx
-        found = assemble_vector(compat.form(form, mesh))
-        found.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
-        out.array[:] = found.array[: len(out.array)]
-        return out
+    def moved_by(self, pairing: Interface, hub: Hub) -> Mask:
+        """Points (n,) opposite a rigid surface that a hub moves."""
+        return np.isin(pairing.contact, [k for k, each in enumerate(self.movers) if each is hub])
+
+    def rigid_motions(self, motions: Mapping[Hub, Array]) -> Array:
+        """Motion (contacts, c) of the rigid surface of each contact, zero where it has none."""
+        dim = self.kinematics.dim
+        zero = np.zeros(dim)
+        return np.array([zero if hub is None else motions[hub][:dim] for hub in self.movers])
 
     def _free(self, loads: HubLoads) -> tuple[Hub, ...]:
         """Hubs whose motion along their free direction is unknown."""
@@ -403,7 +300,7 @@ class Assembly:
         unknowns, last = self.unknowns(loads), self._factors
         large = unknowns.reduction.unknowns > DIRECT_BELOW[self.kinematics.dim, self.bulk.degree]
         rubs = any(each.friction for each in self.surfaces.contacts)
-        bonds = rubs or self.springs
+        bonds = rubs or self.applied.springs
         if large and self.bulk.degree == 2 and self.kinematics.dim == 3 and not bonds:
             return PMultigrid(problem, unknowns.hierarchy)
         if last is None or last[0] is not pairing or last[1] is not unknowns:
@@ -413,15 +310,18 @@ class Assembly:
 
     def prescribed(self, loads: HubLoads) -> PETSc.Vec:
         """Displacement on all dofs that hubs prescribe."""
-        values = np.zeros((len(self.bulk_points), self.kinematics.dim))
+        dim = self.kinematics.dim
+        values = np.zeros((len(self.bulk_points), dim))
         for hub, load in loads.items():
-            values[self.masks[hub]] += load[1:]
+            values[self.masks[hub]] += load[1 : 1 + dim] + load[1 + dim :].reshape(-1, dim)
         return vector(self.stiffness, values)
 
-    def gathered(self, displacement: PETSc.Vec) -> Array:
-        """Displacement (nodes, c) at all nodes of all ranks (collective)."""
-        every = self.comm.allgather(displacement.array)
-        return np.concatenate(every).reshape(-1, self.kinematics.dim)
+    def gathered(self, displacement: PETSc.Vec, motions: Mapping[Hub, Array]) -> Array:
+        """Displacement (nodes, c) at all nodes of all ranks, and after these of the rigid surface
+        of each contact, from the motions of hubs (collective).
+        """
+        every = np.concatenate(self.comm.allgather(displacement.array))
+        return np.concatenate([every.reshape(-1, self.kinematics.dim), self.rigid_motions(motions)])
 
     def tangent(self, displacement: PETSc.Vec) -> tuple[PETSc.Mat, PETSc.Vec]:
         """Stiffness of bodies and springs at a displacement, and the forces that this needs, on all
@@ -430,15 +330,25 @@ class Assembly:
         if self.energies is None:
             return self.stiffness, self.stiffness * displacement
         tangent, forces = self.energies.linear(displacement)
-        for each in self.springs.values():
+        for each in self.applied.springs.values():
             forces.axpy(1.0, each * displacement)
-        return self._sprung(tangent), forces
+        return self.applied.sprung(tangent), forces
 
-    def pair(self, displacement: PETSc.Vec) -> Interface:
-        """Contact points at a displacement, see `Surfaces.pair` (collective)."""
-        every = self.gathered(displacement)
+    def pair(self, displacement: PETSc.Vec, motions: Mapping[Hub, Array]) -> Interface:
+        """Contact points at a displacement and motions of hubs (collective)."""
+        every = self.gathered(displacement, motions)
         face = self.surfaces.pair(every)
-        return self.energies.deformed(face, displacement, every) if self.energies else face
+        if self.energies is None:
+            return face
+        return self.energies.deformed(face, displacement, every, self.surfaces.curvature(face))
+
+    def gap(
+        self, pairing: Interface, displacement: PETSc.Vec, motions: Mapping[Hub, Array]
+    ) -> Array:
+        """Gap (n,) at a displacement and motions of hubs."""
+        moved = self.rigid_motions(motions)[pairing.contact]
+        along = np.einsum("nc,nc->n", pairing.normals, moved)
+        return np.asarray(pairing.initial_gap + (pairing.gap * displacement).array + along)
 
     def first_touch(self, pairing: Interface, loads: HubLoads) -> Mask:
         """Points (n,) of this rank that touch first where hubs move along their forces; see
@@ -453,8 +363,7 @@ class Assembly:
         """
         closing = np.zeros(len(pairing.contact))
         for hub in self._free(loads):
-            motion = (pairing.gap * self._translation(hub)).array
-            closing -= motion * np.sign(loads[hub][0] or 1.0)
+            closing -= self._closing(pairing, hub) * np.sign(loads[hub][0] or 1.0)
         force = sum(abs(loads[hub][0]) for hub in self._free(loads))
 
         def touching(number: int, gaps: Array, area: Array) -> int:
@@ -470,18 +379,22 @@ class Assembly:
 
     def rest(self) -> State:
         """State without loads, before which there is no history (collective)."""
-        moved = np.append(np.nan, np.zeros(self.kinematics.dim))
-        zero = {hub: moved for hub in self.masks if isinstance(hub, Hub)}
+        zero = {
+            hub: np.append(np.nan, np.zeros(self.kinematics.dim * (1 + on.sum())))
+            for hub, on in self.masks.items()
+            if isinstance(hub, Hub)
+        }
+        motions = prescribed_motions(zero)
         u = self.stiffness.createVecLeft()
         u.set(0.0)
-        pairing = self.pair(u)
+        pairing = self.pair(u, motions)
         count, size = len(pairing.contact), 3 + len(self.kinematics.shears)
         count_backs = backs(self.materials.values())
         gauss = len(self.unknowns(zero).points.points) if self.remembers else 0
         return State(
             displacement=u,
             loads=zero,
-            motions={hub: load[1:] for hub, load in zero.items()},
+            motions=motions,
             share=0.0,
             nodal=np.zeros_like(self.bulk_points),
             bulk=History.virgin(gauss, size, count_backs),
@@ -508,6 +421,36 @@ class Unknowns:
         self._model, self.hubs = model, hubs
         self.reduction = model.reduce(model.bulk.space, hubs)
         self.stiffness = Stiffness.reduced(model.stiffness.copy(), self.reduction)
+
+    def motions(self, loads: HubLoads, y: PETSc.Vec) -> dict[Hub, Array]:
+        """Motions of hubs, as in their loads, at free unknowns y (collective)."""
+        out = prescribed_motions(loads)
+        for hub, place in zip(self.hubs, self.reduction.places, strict=True):
+            along = self._model.comm.allreduce(float(y.array[place]) if place >= 0 else 0.0)
+            out[hub][: self._model.kinematics.dim] += along * unit("free", hub.free)
+        return out
+
+    def started(self, loads: HubLoads, motions: Mapping[Hub, Array]) -> dict[Hub, Array]:
+        """Motions of hubs that start a step from other motions: as prescribed, and as they were
+        along free directions.
+        """
+        out = prescribed_motions(loads)
+        for hub in self.hubs:
+            free = unit("free", hub.free)
+            out[hub][: len(free)] += (motions[hub][: len(free)] @ free) * free
+        return out
+
+    def rows(self, pairing: Interface, matrix: PETSc.Mat, directions: Array) -> PETSc.Mat:
+        """Rows of the free unknowns from rows on all dofs of the motion along directions (n, k, c)
+        of the primary surfaces of a pairing, k a point, with those of rigid surfaces (collective).
+        """
+        out = matrix.matMult(self.reduction.matrix)
+        for number, hub in enumerate(self.hubs):
+            if hub.rigid:
+                own = self._model.moved_by(pairing, hub)[:, None]
+                values = own * (directions @ unit("free", hub.free))
+                out.axpy(1.0, self.reduction.column(number, values.ravel()), DIFFERENT)
+        return out
 
     @cached_property
     def hierarchy(self) -> Hierarchy:
@@ -538,66 +481,3 @@ class Unknowns:
 def plane_modulus(material: Material) -> float:
     """Modulus E/(1 - nu^2) of a material."""
     return float(material.young_modulus / (1 - material.poisson_ratio**2))
-
-
-def _compatible(
-    contacts: Sequence[Contact], supports: Sequence[Clamp | Slide | Hub], springs: bool
-) -> None:
-    """Raise ValueError for a pair of surfaces that is there twice, for facets that are held twice,
-    and where nothing holds the bodies; springs: whether there are some.
-    """
-    pairs = [
-        {str(each.secondary), str(each.gap if each.primary is None else each.primary)}
-        for each in contacts
-    ]
-    for contact, pair in zip(contacts, pairs, strict=True):
-        if pairs.count(pair) > 1:
-            raise ValueError(f"{contact}: these surfaces have a second Contact")
-    for part in supports:
-        for other in supports:
-            along = isinstance(other, Slide) and getattr(part, "slides", False)
-            fits = isinstance(part, Slide) or along or part is other
-            if part.tag == other.tag and not fits:
-                raise ValueError(f"{part}: {other} holds the same facets")
-    stays = [each for each in supports if getattr(each, "free", None) is None]
-    held = stays or len(supports) > 1 or springs
-    if not held and all(len(each.tags) == 2 for each in contacts):
-        raise ValueError("nothing holds the bodies: give a Clamp, a Slide or a second Hub")
-
-
-def _at_points(load: Any, name: str, given: Any, x: Array, size: int) -> Array:
-    """Values (n, size) of a load's attribute at points (n, c), from a number, a vector or a
-    function of points. Raises ValueError for others, and for what is not finite.
-    """
-    values = np.asarray(given(x) if callable(given) else given)
-    if size == 1:
-        values = values[..., None]
-    if values.shape == (size,) or (not values.shape and name == "stiffness"):
-        values = np.broadcast_to(values, (len(x), size))
-    right = values.shape == (len(x), size) and values.dtype.kind in "iuf"
-    if not right or not np.isfinite(values).all():
-        raise ValueError(f"{load}: {name} must be finite, {size} number(s) at each point")
-    return values
-
-
-def kinematics(mesh: Any, section: str | None, mean: bool) -> Kinematics:
-    """Meaning of the mesh's coordinates in a section (collective). Raises ValueError for a mesh
-    with another number of coordinates or negative radii, and for an unknown section.
-    """
-    if section not in SECTIONS:
-        raise ValueError(f"section {section!r} is unknown; give one of {SECTIONS}")
-    dim = mesh.geometry.dim
-    if dim != (3 if section is None else 2):
-        raise ValueError(f"section {section!r} does not fit a mesh with {dim} coordinates")
-    if dim != mesh.topology.dim:
-        cells = mesh.topology.dim
-        raise ValueError(f"cells of dimension {cells} need {cells} coordinates each, not {dim}")
-    if section is None:
-        return replace(SOLID, mean_dilatation=mean)
-    revolved = section == "axisymmetric"
-    r = mesh.geometry.x[:, 0]
-    ends = [float(np.max(each, initial=0.0)) for each in (r, -r)]
-    largest, beyond = np.max(mesh.comm.allgather(ends), axis=0)
-    if revolved and beyond > ON_AXIS * largest:
-        raise ValueError(f"an axisymmetric mesh has r from 0 on, not from {-beyond:.6g}")
-    return Kinematics(np.eye(3)[:2], revolved=revolved, mean_dilatation=mean)

@@ -30,6 +30,7 @@ from railhead.solver.model.problem import FrictionalProblem
 from railhead.solver.space.cells import tabulate
 from railhead.solver.space.contact_interface import Interface
 from railhead.solver.space.facets import FacetSet
+from railhead.solver.space.operators import blockwise
 from railhead.solver.system.surfaces import compliance
 from railhead.theory.array_types import Array, Index, Mask
 
@@ -43,6 +44,7 @@ class Deformed(Interface):
     cauchy: (n, c, c) where the bodies are. slope: its derivative (n, c, c, c, c + 1) by
         grad u and, last, by u or u/r.
     moved, opposite: secondary and primary facets where they are; None: all of these are rigid.
+    curvature: change of the normal over the way along a rigid primary surface (n, c, c), else zero.
     points: before deformation. All else is that of the deformed surfaces.
     """
 
@@ -50,6 +52,7 @@ class Deformed(Interface):
     slope: Array
     moved: FacetSet
     opposite: FacetSet | None
+    curvature: Array
 
     def pull(self, directions: Array) -> Array:
         """Stress e . sigma n (n, k) now along directions e (n, k, c)."""
@@ -106,6 +109,15 @@ class Deformed(Interface):
         force = self._force(pressure, traction) * (self.partner >= 0)[:, None]
         return self.matrix([self.opposite.rows(partner, np.einsum("ndi,nc->nidc", along, force))])
 
+    def rolling(self, pressure: Array, traction: Array) -> Array:
+        """Change (n, c, c) of the force at each point per jump there, as the normal n of a rigid
+        surface turns by its curvature H: W (p H + n t . H), with the tangential traction t.
+        Arguments as of `turning`.
+        """
+        rubs = np.einsum("nk,nkc,ncd->nd", traction, self.tangents, self.curvature)
+        turns = pressure[:, None, None] * self.curvature + self.normals[:, :, None] * rubs[:, None]
+        return np.asarray(turns * self.weights[:, None, None])
+
     def _force(self, pressure: Array, traction: Array) -> Array:
         """Force of each point on the secondary body (n, c)."""
         along = np.einsum("nk,nkc->nc", traction, self.tangents)
@@ -128,12 +140,14 @@ class DeformedProblem(FrictionalProblem):
     """Contact problem of deformed bodies, linear around one state. exact: whether it is solved at
     that state, with the change of areas and directions in its tangent.
 
-    points: contact points there. map: P from free unknowns to dofs. outer: norm of the applied
+    points: contact points there. map: P from free unknowns to dofs. jump: displacement of the
+        secondary surface less the other's, n c rows, per free unknown. outer: norm of the applied
         force; the field `force` is what the linear equations take.
     """
 
     points: Deformed
     map: PETSc.Mat
+    jump: PETSc.Mat
     outer: float
     exact: bool = False
     _turning: PETSc.Mat | None = None
@@ -148,11 +162,14 @@ class DeformedProblem(FrictionalProblem):
         r = super().residual(y, pressure)
         if not self.exact:
             return r
-        forces, jump = (pressure, self.traction), self.points.jump.matMult(self.map)
+        forces = pressure, self.traction
         turning = self.points.turning(*forces).matMult(self.map)
-        self._turning = jump.transposeMatMult(turning)
+        turns = blockwise(self.points.rolling(*forces), self.jump)
+        turning.axpy(1.0, turns, DIFFERENT)
+        self._turning = self.jump.transposeMatMult(turning)
         if sliding := self.points.sliding(*forces):
-            self._turning.axpy(-1.0, sliding.matMult(self.map).transposeMatMult(jump), DIFFERENT)
+            back = sliding.matMult(self.map).transposeMatMult(self.jump)
+            self._turning.axpy(-1.0, back, DIFFERENT)
         return r
 
     def apply_tangent(
@@ -272,10 +289,12 @@ class Energies:
             raise ValueError("psi has no stiffness at rest against some strain")
         return mu * (3 * lam + 2 * mu) / (lam + mu), lam / (2 * (lam + mu))
 
-    def deformed(self, face: Interface, displacement: PETSc.Vec, every: Array) -> Deformed:
+    def deformed(
+        self, face: Interface, displacement: PETSc.Vec, every: Array, curvature: Array
+    ) -> Deformed:
         """Contact points with the stress at a displacement of all dofs, by the polynomial in each
         cell that is nearest to the stress at `reference` (collective). every: the displacement
-        (dofs, c) of all ranks.
+        (dofs, c) of all ranks. curvature: see `Deformed`.
         """
         self.put(displacement)
         used, of = np.unique(face.facet, return_inverse=True)
@@ -286,6 +305,7 @@ class Energies:
             np.einsum("ng,ng...->n...", basis, values[of])
             for values in self.stress(face.slave.numbers[used])
         )
-        own = {each.name: getattr(face, each.name) for each in fields(Interface)}
+        own: dict[str, Any] = {each.name: getattr(face, each.name) for each in fields(Interface)}
         moved, opposite = face.slave.moved(every), face.master and face.master.moved(every)
-        return Deformed(**own, cauchy=cauchy, slope=slope, moved=moved, opposite=opposite)
+        own |= {"cauchy": cauchy, "slope": slope, "curvature": curvature}
+        return Deformed(**own, moved=moved, opposite=opposite)

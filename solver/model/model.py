@@ -9,10 +9,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from mpi4py import MPI
 
 from railhead.solver import compat
 from railhead.solver.algebra.newton import NewtonStep
-from railhead.solver.model.assembly import Assembly, kinematics
+from railhead.solver.model.assembly import ON_AXIS, Assembly
+from railhead.solver.model.coarse import warn_where_coarse
 from railhead.solver.model.output import cell_fields, write
 from railhead.solver.model.parts import (
     Body,
@@ -30,13 +32,15 @@ from railhead.solver.model.parts import (
 )
 from railhead.solver.model.problem import State
 from railhead.solver.model.stepping import advance
-from railhead.solver.space.supports import finite, unit
+from railhead.solver.space.kinematics import SOLID, Kinematics
+from railhead.solver.space.vectors import finite, unit
 from railhead.theory.array_types import Array
 
-VECTORS = ("free", "normal", "force", "point", "centre")  # of parts and of rigid surfaces
+VECTORS = ("free", "normal", "force", "point", "centre", "axis")  # of parts and rigid surfaces
 OPEN = ("free", "force")  # those that may be None
 ALONG = 1e-9  # of a motion, that may lie across a direction by rounding
 Progress = Callable[[str], Any]
+SECTIONS = (None, "plane strain", "plane stress", "axisymmetric")
 STEPS = {False: 1, True: 10}  # of loads, without and with yield or friction
 
 
@@ -78,7 +82,7 @@ class Model:
             raise ValueError(f"degree {degree!r} is not there: give 1 or 2")
         if not isinstance(mean_dilatation, bool):
             raise ValueError(f"mean_dilatation must be True or False, not {mean_dilatation!r}")
-        self.kinematics = kinematics(mesh, section, mean_dilatation)
+        self.kinematics = _kinematics(mesh, section, mean_dilatation)
         self._mesh = mesh, cell_tags, facet_tags, section, degree, self.kinematics
         self.parts: list[Part] = []
         self._assembly: Assembly | None = None
@@ -105,7 +109,7 @@ class Model:
                 raise TypeError(f"{each!r} needs a material: Elastic, Plastic or Energy")
         dim = self._mesh[0].geometry.dim
         for each in parts:
-            for owner in (each, getattr(each, "primary", None)):
+            for owner in (each, getattr(each, "primary", getattr(each, "tag", None))):
                 for name in VECTORS:
                     given = getattr(owner, name, None)
                     shape = getattr(given, "ufl_shape", None)
@@ -114,9 +118,10 @@ class Model:
                     needed = name not in OPEN and hasattr(owner, name)
                     if (given is not None or needed) and shape is None:
                         finite(owner, name, given, dim)
-                    if given is not None and name in ("free", "normal"):
+                    if given is not None and name in ("free", "normal", "axis"):
                         unit(name, given)
             tags = each.tags if isinstance(each, Contact) else [each.tag]
+            tags = tags if not getattr(each, "rigid", False) else []
             if not all(isinstance(tag, int | np.integer) and abs(tag) < 2**31 for tag in tags):
                 raise ValueError(f"{each}: a tag must be a whole number of 32 bits")
         self.parts += parts
@@ -175,7 +180,7 @@ class Solution:
         self.traction = along - state.pressure[:, None] * face.normals
         self.converged, self.reason = state.result.converged, state.result.reason
         if self.converged:
-            model.coarse(state.pairing, state.pressure)
+            warn_where_coarse(model, state.pairing, state.pressure)
         self.history: tuple[NewtonStep, ...] = state.history
         self.touching = bool(model.comm.allreduce(int((state.pressure > 0).sum())))
         self.u = compat.function(model.bulk.space, state.displacement)
@@ -191,8 +196,8 @@ class Solution:
         contact that on its secondary body (collective). In plane sections per unit of depth, in
         axisymmetric ones of the whole turn.
         """
-        if isinstance(part, Spring) and part in self._model.springs:
-            return self._model.spring_force(part, self._state.displacement)
+        if isinstance(part, Spring) and part in self._model.applied.springs:
+            return self._model.applied.spring_force(part, self._state.displacement)
         if isinstance(part, Contact) and part in self._model.contacts:
             number = self._model.contacts.index(part)
             own = self.contact == number
@@ -202,16 +207,21 @@ class Solution:
         if not isinstance(part, Clamp | Slide | Hub) or part not in self._forces:
             raise ValueError(f"{part!r} is no support or contact of the model")
         total, free = np.asarray(self._forces[part]), getattr(part, "free", None)
+        if isinstance(part, Hub) and part.rigid:
+            own = self._model.moved_by(self._state.pairing, part)
+            total = self._model.comm.allreduce(self.weights[own] @ self.traction[own])
         if isinstance(part, Slide):
             normal = unit("normal", part.normal)
             return (total @ normal) * normal
         return total if free is None else float(total @ unit("free", free))
 
     def motion(self, hub: Hub) -> Any:
-        """Motion of a hub from rest: along its free direction, or a vector (c,) without one."""
+        """Motion of a hub from rest: along its free direction, or a vector (c,) without one; where
+        a Function moves it, the mean of its nodes.
+        """
         if not isinstance(hub, Hub) or hub not in self._state.motions:
             raise ValueError(f"{hub!r} is no hub of the model")
-        moved = self._state.motions[hub]
+        moved = self._state.motions[hub][: self._model.kinematics.dim]
         return moved if hub.free is None else float(moved @ unit("free", hub.free))
 
     def write(self, path: str | Path) -> None:
@@ -246,6 +256,29 @@ class Solution:
         return Solution(model, advance(model, state, target, count, progress))
 
 
+def _kinematics(mesh: Any, section: str | None, mean: bool) -> Kinematics:
+    """Meaning of the mesh's coordinates in a section (collective). Raises ValueError for a mesh
+    with another number of coordinates or negative radii, and for an unknown section.
+    """
+    if section not in SECTIONS:
+        raise ValueError(f"section {section!r} is unknown; give one of {SECTIONS}")
+    dim = mesh.geometry.dim
+    if dim != (3 if section is None else 2):
+        raise ValueError(f"section {section!r} does not fit a mesh with {dim} coordinates")
+    if dim != mesh.topology.dim:
+        cells = mesh.topology.dim
+        raise ValueError(f"cells of dimension {cells} need {cells} coordinates each, not {dim}")
+    if section is None:
+        return replace(SOLID, mean_dilatation=mean)
+    revolved = section == "axisymmetric"
+    r = mesh.geometry.x[:, 0]
+    ends = [float(np.max(each, initial=0.0)) for each in (r, -r)]
+    largest, beyond = np.max(mesh.comm.allgather(ends), axis=0)
+    if revolved and beyond > ON_AXIS * largest:
+        raise ValueError(f"an axisymmetric mesh has r from 0 on, not from {-beyond:.6g}")
+    return Kinematics(np.eye(3)[:2], revolved=revolved, mean_dilatation=mean)
+
+
 def _checked(model: Assembly, hub: Hub, load: Load) -> Array:
     """A load as of `HubLoads`. Raises ValueError for a hub that is not of the model, a force on
     a hub without a free direction, and values that do not fit.
@@ -254,16 +287,41 @@ def _checked(model: Assembly, hub: Hub, load: Load) -> Array:
         raise ValueError(f"{hub!r} is no hub of the model")
     if not isinstance(load, Force | Move):
         raise TypeError(f"{load!r} is no load of a hub: give Force or Move")
-    dim = model.kinematics.dim
+    dim, on = model.kinematics.dim, model.masks[hub]
     given = load.move if isinstance(load, Force) else load.vector
-    still = isinstance(load, Force) and given is None
-    motion = finite(load, "motion", [0.0] * dim if still else given, dim)
+    if isinstance(load, Force) and given is None:
+        given = [0.0] * dim
+    if hasattr(given, "function_space"):
+        nodes = _nodal(model, hub, load, given)[on]
+        total, count = (model.comm.allreduce(each) for each in (nodes.sum(axis=0), len(nodes)))
+        motion = np.concatenate([total[None] / count, nodes - total / count])
+    else:
+        motion = np.zeros((1 + on.sum(), dim))
+        motion[0] = finite(load, "motion", given, dim)
     free = None if hub.free is None else unit("free", hub.free)
-    across = motion if free is None else motion - (motion @ free) * free
-    if hub.slides and np.linalg.norm(across) > ALONG * np.linalg.norm(motion):
+    across = motion if free is None else motion - np.outer(motion @ free, free)
+    off = np.linalg.norm(across) > ALONG * np.linalg.norm(motion)
+    if hub.slides and model.comm.allreduce(int(off)):
         raise ValueError(f"{load} moves across the free direction of {hub}, which slides")
     if not isinstance(load, Force):
         return np.append(np.nan, motion)
     if free is None:
         raise ValueError(f"{hub} has no free direction for a force")
     return np.append(finite(load, "value", load.value), across)
+
+
+def _nodal(model: Assembly, hub: Hub, load: Load, given: Any) -> Array:
+    """Values (nodes, c) of a dolfinx Function at the nodes of this rank (collective). Raises
+    ValueError for one on another mesh, of another size or not finite, and for a rigid surface.
+    """
+    space, dim = model.bulk.space, model.kinematics.dim
+    if hub.rigid:
+        raise ValueError(f"{load}: a Function moves facets, not the rigid surface of {hub}")
+    if given.function_space.mesh != space.mesh or given.ufl_shape != (dim,):
+        raise ValueError(f"{load}: a Function must have {dim} components, on the model's mesh")
+    made = compat.fem.Function(space)
+    made.interpolate(given)
+    values = made.x.array[: space.dofmap.index_map.size_local * dim].reshape(-1, dim)
+    if not model.comm.allreduce(int(np.isfinite(values).all()), op=MPI.MIN):
+        raise ValueError(f"{load}: the Function is not finite everywhere")
+    return np.asarray(values)

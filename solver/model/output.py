@@ -40,7 +40,7 @@ def cell_fields(model: Assembly, state: State) -> dict[str, Any]:
         return {"stress": found, "plastic_strain": None, "back_stress": None}
     rule = quadrature_degree(cells.cell, cells.degree, model.kinematics)
     at, _, _ = cells.quadrature_points(rule)
-    every = model.gathered(state.displacement)[cells.dofs[at[0]]]
+    every = model.gathered(state.displacement, state.motions)[cells.dofs[at[0]]]
     strain = np.einsum("nmdc,ndc->nm", cells.strains(*at), every)
     trace = np.einsum("ndc,ndc->n", cells.divergence(*at), every)
     lam, mu = cells.lame[at[0]].T
@@ -52,7 +52,7 @@ def cell_fields(model: Assembly, state: State) -> dict[str, Any]:
         where = (points.cells[:, None] * each + np.arange(each)).ravel()
         plastic[where], back[where] = state.bulk.plastic, state.bulk.back.sum(axis=1)
     stress = 2 * mu[:, None] * (strain - plastic)
-    thermal = state.share * model.thermal[cells.numbers[at[0]]]
+    thermal = state.share * model.applied.thermal[cells.numbers[at[0]]]
     stress[:, :3] += (lam * trace - thermal)[:, None]
     if model.section == "plane stress":
         stress[:, 2] = 0.0
@@ -115,7 +115,7 @@ def _bodies(model: Assembly, state: State, fields: dict[str, Any]) -> meshio.Mes
     )
     degree = cells.degree - 1
     basis = tabulate(cells.cell, degree, nodes)[0] if degree else np.ones((len(nodes), 1))
-    displacement = model.gathered(state.displacement)[cells.dofs]
+    displacement = model.gathered(state.displacement, state.motions)[cells.dofs]
     data = {"displacement": _spatial(displacement)}
     for key, field in fields.items():
         if field is not None:
@@ -137,7 +137,7 @@ def _bodies(model: Assembly, state: State, fields: dict[str, Any]) -> meshio.Mes
 
 def _contact(model: Assembly, state: State) -> meshio.Mesh:
     """Grid of the contact points of this rank and their facets (collective)."""
-    face, every = state.pairing, model.gathered(state.displacement)
+    face, every = state.pairing, model.gathered(state.displacement, state.motions)
     along = np.einsum("nk,nkc->nc", state.traction, face.tangents)
     data = {
         "displacement": face.slave.values(face.facet, face.xi, every),

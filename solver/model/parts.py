@@ -14,7 +14,8 @@ from ufl.algorithms import extract_arguments
 
 from railhead.solver import compat
 from railhead.solver.material import Hardening, Material
-from railhead.solver.space.supports import Clamp, Direction, Hub, Slide, finite
+from railhead.solver.space.supports import Clamp, Hub, Slide
+from railhead.solver.space.vectors import Direction, finite
 from railhead.solver.system.surfaces import Contact
 from railhead.theory.array_types import Array, Index
 
@@ -192,10 +193,50 @@ class Force:
 
 @dataclass(frozen=True)
 class Move:
-    """Motion (c,) of a hub from the start of all loads."""
+    """Motion (c,) of a hub from the start of all loads, or of each of its nodes: a dolfinx Function
+    of vectors, of which the facets of the hub take their values.
+    """
 
-    vector: Direction
+    vector: Any
 
 
 Part = Body | Contact | Clamp | Slide | Hub | Pressure | Traction | Spring
 Load = Force | Move
+
+
+def movers(
+    contacts: Sequence[Contact], supports: Sequence[Clamp | Slide | Hub]
+) -> list[Hub | None]:
+    """Of each contact the hub that moves its rigid primary surface. Raises ValueError for a hub of
+    a rigid surface that is in no contact.
+    """
+    hubs = [each for each in supports if isinstance(each, Hub) and each.rigid]
+    for hub in hubs:
+        if not any(hub.tag is each.primary for each in contacts):
+            raise ValueError(f"{hub} moves a rigid surface that is not the primary of a Contact")
+    return [next((hub for hub in hubs if hub.tag is each.primary), None) for each in contacts]
+
+
+def compatible(
+    contacts: Sequence[Contact], supports: Sequence[Clamp | Slide | Hub], springs: bool
+) -> None:
+    """Raise ValueError for a pair of surfaces that is there twice, for facets that are held twice,
+    and where nothing holds the bodies; springs: whether there are some.
+    """
+    pairs = [
+        {str(each.secondary), str(each.gap if each.primary is None else each.primary)}
+        for each in contacts
+    ]
+    for contact, pair in zip(contacts, pairs, strict=True):
+        if pairs.count(pair) > 1:
+            raise ValueError(f"{contact}: these surfaces have a second Contact")
+    for part in supports:
+        for other in supports:
+            along = isinstance(other, Slide) and getattr(part, "slides", False)
+            fits = isinstance(part, Slide) or along or part is other
+            if part.tag == other.tag and not fits:
+                raise ValueError(f"{part}: {other} holds the same facets")
+    stays = [each for each in supports if getattr(each, "free", None) is None]
+    held = stays or len(supports) > 1 or springs
+    if not held and all(len(each.tags) == 2 for each in contacts):
+        raise ValueError("nothing holds the bodies: give a Clamp, a Slide or a second Hub")

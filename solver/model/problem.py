@@ -14,7 +14,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
 from petsc4py import PETSc
 
 from railhead.solver.algebra.newton import NewtonResult, NewtonStep
@@ -23,13 +22,19 @@ from railhead.solver.friction.coulomb import projected
 from railhead.solver.material import History
 from railhead.solver.plasticity.plastic_problem import PlasticProblem
 from railhead.solver.space.contact_interface import Interface
-from railhead.solver.space.operators import add_transposed, local_rows, petsc_matrix
+from railhead.solver.space.operators import add_transposed, blockwise
 from railhead.solver.space.supports import Hub
 from railhead.theory.array_types import Array, Mask
 
 HubLoads = Mapping[Hub, Array]
-"""Of each hub an array (1 + c,): the force along its free direction, NaN where it is moved; and its
-motion, of a hub with a force across the free direction."""
+"""Of each hub an array (1 + c + k c,): the force along its free direction, NaN where it is moved;
+its motion (c,), of a hub with a force across the free direction; and by how much the motion of each
+of its k nodes on this rank is another."""
+
+
+def prescribed_motions(loads: HubLoads) -> dict[Hub, Array]:
+    """Motions (c + k c,) that loads prescribe to hubs."""
+    return {hub: load[1:].copy() for hub, load in loads.items()}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,7 +42,8 @@ class State:
     """State of a model with n contact points on this rank.
 
     displacement: on all dofs that this process owns.
-    loads: of all hubs; motions: of each hub (c,). share: of the bodies' forces that acts.
+    loads: of all hubs; motions: of each hub (c + k c,), as in its load.
+    share: of the bodies' forces that acts.
     nodal: force that each node of this rank needs from outside (nodes, c): of supports and hubs.
     bulk, surface: plastic histories at Gauss points and contact points.
     pairing: contact points; outdated: whether points have slid by too much since they were paired.
@@ -132,7 +138,7 @@ class FrictionalProblem(PlasticProblem):
         plastic = np.einsum("nkm,nm->nk", self.shear_dyads, self._surface[0].plastic)
         trial = trial - 2 * self.surface.mu[:, None] * plastic
         rubs = np.where(self.bonded, 0.0, self.coefficient)
-        bound = np.where(self.bonded, np.inf, rubs * pressure)
+        bound = np.where(self.bonded, np.inf, rubs * np.maximum(pressure, 0.0))
         self.traction, self.derivative, direction, self.slides = projected(trial, bound)
         turned = (trial.shape[1] > 1) & ((direction * self.direction).sum(axis=1) < 0)
         self.derivative[turned], direction[turned] = np.eye(trial.shape[1]), 0.0
@@ -169,18 +175,11 @@ class FrictionalProblem(PlasticProblem):
     def assembled_tangent(self, active: Mask) -> PETSc.Mat:
         """Tangent at an active set (n,) as an assembled matrix, without the part of yield."""
         out = super().assembled_tangent(active)
-        (count, size), every = self.start_slip.shape, np.arange(len(active) + 1)
-        shape = (count * size, count * size)
-        blocks = sp.bsr_matrix((self.projection(active), every[:-1], every), shape=shape)
+        rows = blockwise(self.projection(active), self.trial_operator)
         pull = (self.pull * active[:, None])[..., None]
-        pulls = sp.bsr_matrix((pull, every[:-1], every), shape=(count * size, count))
-        change = blocks.tocsr() @ local_rows(self.trial_operator)
-        change = change - pulls.tocsr() @ local_rows(self.normal_operator)
-        rows = petsc_matrix(
-            sp.csr_matrix(change), self.slip.getLocalSize()[1], self.slip.comm.tompi4py()
-        )
+        rows.axpy(-1.0, blockwise(pull, self.normal_operator), DIFFERENT)
         weights = rows.createVecLeft()
-        weights.array[:] = -np.repeat(self.area, size)
+        weights.array[:] = -np.repeat(self.area, self.start_slip.shape[1])
         rows.diagonalScale(L=weights)
         out.axpy(1.0, self.slip.transposeMatMult(rows), DIFFERENT)
         out.setOption(PETSc.Mat.Option.SYMMETRIC, False)

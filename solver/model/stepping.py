@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
 from typing import Any
 
@@ -19,12 +19,13 @@ from railhead.solver.material import History
 from railhead.solver.model.assembly import Assembly
 from railhead.solver.model.energy import Deformed, DeformedProblem
 from railhead.solver.model.loose import LOOSE, loose_motion
-from railhead.solver.model.problem import FrictionalProblem, HubLoads, State
+from railhead.solver.model.problem import FrictionalProblem, HubLoads, State, prescribed_motions
 from railhead.solver.plasticity.plastic_problem import surface_points
 from railhead.solver.space.contact_interface import Interface
 from railhead.solver.space.operators import add_transposed, transposed
-from railhead.solver.space.supports import Hub, unit
-from railhead.theory.array_types import Array
+from railhead.solver.space.supports import Hub
+from railhead.solver.space.vectors import unit
+from railhead.theory.array_types import Array, Mask
 
 TOLERANCE = 1e-8  # of Newton's method
 DRIFT = 0.1  # of a facet, by which a point may slide before pairs are made anew
@@ -32,8 +33,6 @@ MOST_PAIRINGS = 6  # in one step
 MISMATCH = 0.01  # of the largest pressure, that the gap of a pairing may be off by; and of the
 # force, that points may carry which have nothing opposite any more
 STEPS = 50  # Newton's, at most
-NEAR, MOST_NEAR = 1e-2, 8  # tolerance and largest number of those that bodies with an energy start
-# with
 
 
 def advance(
@@ -74,7 +73,8 @@ def _continued(state: State, target: HubLoads) -> HubLoads:
         motion = state.motions[hub]
         if not np.isnan(load[0]):
             free = unit("free", hub.free)
-            motion = motion - (motion @ free) * free
+            motion = motion.copy()
+            motion[: len(free)] -= (motion[: len(free)] @ free) * free
         out[hub] = np.append(np.nan_to_num(state.loads[hub][0]), motion)
     return out
 
@@ -83,9 +83,13 @@ def _step(model: Assembly, before: State, loads: HubLoads, share: float) -> Stat
     """State after one step, converged or not, under a share of the bodies' forces; its history is
     that of the step (collective).
     """
-    pairing, y = before.pairing, None
-    if before.outdated:
-        pairing = model.pair(before.displacement)
+    pairing, y, unknowns = before.pairing, None, model.unknowns(loads)
+    started = before.motions  # where points stick at first, the surface below moves with them
+    if not (model.energies and any(each.friction for each in model.contacts)):
+        started = unknowns.started(loads, before.motions)
+    moves = model.rigid_motions(started) != model.rigid_motions(before.motions)
+    if before.outdated or moves.any():
+        pairing = model.pair(before.displacement, started)
     done: list[newton.NewtonStep] = []
     outdated, prescribed = False, model.prescribed(loads)
     problem: ContactProblem
@@ -93,20 +97,20 @@ def _step(model: Assembly, before: State, loads: HubLoads, share: float) -> Stat
     def moved(y: PETSc.Vec) -> PETSc.Vec:
         """Displacement of free unknowns."""
         u = prescribed.copy()
-        model.unknowns(loads).reduction.matrix.multAdd(y, prescribed, u)
+        unknowns.reduction.matrix.multAdd(y, prescribed, u)
         return u
 
-    def anew(y: PETSc.Vec) -> ContactProblem:
-        """Equations of the deformed bodies."""
+    def anew(y: PETSc.Vec, active: Mask) -> tuple[ContactProblem, Mask]:
+        """Equations of the deformed bodies, and their active points."""
         nonlocal pairing, problem
-        u = moved(y)
+        u, last = moved(y), pairing
         try:
-            pairing = model.pair(u)
+            pairing = model.pair(u, unknowns.motions(loads, y))
         except ValueError as error:
             raise StalledError(0, str(error)) from error
         problem = _problem(model, before, pairing, loads, share, u)
         problem.reference_force = reference
-        return problem
+        return problem, _carried(active, last, pairing)
 
     for _ in range(MOST_PAIRINGS):
         problem = _problem(model, before, pairing, loads, share, before.displacement)
@@ -120,12 +124,14 @@ def _step(model: Assembly, before: State, loads: HubLoads, share: float) -> Stat
         preconditioner = model.preconditioner(problem, pairing, loads)
         how: dict[str, Any] = {"rtol": TOLERANCE, "max_steps": STEPS}
         if model.energies:  # the bodies of the last step, as linear ones, show where they touch
-            near = newton.solve(problem, preconditioner, active, rtol=NEAR, max_steps=MOST_NEAR)
+            near = newton.solve(problem, preconditioner, active, rtol=TOLERANCE, max_steps=1)
             done, y, how["anew"] = near.history, near.y if near.y.norm() else None, anew
+            active = near.pressure > 0
         result = newton.solve(problem, preconditioner, active, y, **how)
         done += result.history
         u = moved(result.y)
-        gap = pairing.initial_gap + (pairing.gap * u).array
+        motions = unknowns.motions(loads, result.y)
+        gap = model.gap(pairing, u, motions)
         if not result.converged:
             if isinstance(problem, FrictionalProblem) and problem.all_slides(result.pressure > 0):
                 result.reason = "everything slides: a force is above what friction carries"
@@ -136,7 +142,7 @@ def _step(model: Assembly, before: State, loads: HubLoads, share: float) -> Stat
             break
         if model.energies:
             break
-        every = model.gathered(u)
+        every = model.gathered(u, motions)
         drift, change, lost = model.surfaces.outdated(pairing, every, gap, result.pressure)
         outdated = drift > DRIFT
         stiff = problem.tau * (result.pressure > 0), result.pressure
@@ -151,17 +157,17 @@ def _step(model: Assembly, before: State, loads: HubLoads, share: float) -> Stat
         except ValueError as error:
             result.reason = str(error)
             break
-        overlaps = bool((pairing.initial_gap + (pairing.gap * u).array < 0).any())
+        overlaps = bool((model.gap(pairing, u, motions) < 0).any())
         if fits and not model.comm.allreduce(overlaps, op=MPI.LOR):  # open, and stays so
             pairing = paired
             break
     else:
         pairing, result.reason = paired, "the pairs of points do not settle"
     result = replace(result, history=done)
-    return _state(model, before, problem, pairing, loads, share, u, gap, result, outdated)
+    return _state(model, before, problem, pairing, loads, motions, share, u, gap, result, outdated)
 
 
-def _carried(values: Array, old: Interface, new: Interface) -> Array:
+def _carried(values: Any, old: Interface, new: Interface) -> Any:
     """Values (n, ...) at the points of a pairing, from those at the points of another: each takes
     the nearest one's.
     """
@@ -185,7 +191,7 @@ def _problem(
     """
     unknowns, law = model.unknowns(loads), model.law
     p, prescribed = unknowns.reduction.matrix, model.prescribed(loads)
-    change, stiffness, force = prescribed, unknowns.stiffness, model.body_force * float(share)
+    change, stiffness, force = prescribed, unknowns.stiffness, model.applied.force * float(share)
     outer = transposed(p, force.array)
     for hub, place in zip(unknowns.hubs, unknowns.reduction.places, strict=True):
         if place >= 0:
@@ -197,10 +203,12 @@ def _problem(
         stiffness = Stiffness.reduced(tangent, unknowns.reduction)
     else:
         inner, stiffness = model.stiffness * prescribed, stiffness.copy()
-    stress = pairing.pull(pairing.normals[:, None])[:, 0] - share * model.thermal_at(pairing)
+    stress = pairing.pull(pairing.normals[:, None])[:, 0]
+    stress -= share * model.applied.thermal_at(pairing)
     more: dict[str, Any] = {
         "force": outer - transposed(p, inner.array),
-        "start_gap": pairing.initial_gap + (pairing.gap * prescribed).array,
+        "gap": unknowns.rows(pairing, pairing.gap, pairing.normals[:, None]),
+        "start_gap": model.gap(pairing, prescribed, prescribed_motions(loads)),
         "start_stress": (pairing.stress * change).array + stress,
     }
     given = law, stiffness, pairing, p
@@ -210,7 +218,9 @@ def _problem(
     if isinstance(pairing, Deformed):
         more["least_force"] = newton.ROUNDING * stiffness.diagonal().norm() * model.size
         more |= {"exact": at is not before.displacement, "outer": outer.norm()}
-        return DeformedProblem.reduced(*given, **more, points=pairing, map=p)
+        every = np.tile(-np.eye(model.kinematics.dim), (len(pairing.contact), 1, 1))
+        more |= {"points": pairing, "map": p, "jump": unknowns.rows(pairing, pairing.jump, every)}
+        return DeformedProblem.reduced(*given, **more)
     problem = FrictionalProblem.reduced(*given, **more)
     problem.set_prescribed_strain(prescribed)
     return problem
@@ -250,6 +260,8 @@ def _with_history(
     friction = np.array([each.friction for each in model.surfaces.contacts])[pairing.contact]
     bonded = np.isinf(friction)
     start = (pairing.slip * slipped).array.reshape(shape).copy()
+    ends = (model.rigid_motions(each) for each in (prescribed_motions(loads), before.motions))
+    start -= np.einsum("nkc,nc->nk", pairing.tangents, np.subtract(*ends)[pairing.contact])
     start[bonded] = (pairing.slip * prescribed).array.reshape(shape)[bonded]
     return {
         "bulk": bulk,
@@ -257,7 +269,7 @@ def _with_history(
         "normal_dyads": dyads(pairing.normals, pairing.outward),
         "coefficient": friction,
         "floor": np.where(bonded, -np.inf, 0.0),
-        "slip": pairing.slip.matMult(p),
+        "slip": unknowns.rows(pairing, pairing.slip, -pairing.tangents),
         "shear": pairing.shear.matMult(p),
         "start_slip": start,
         "start_shear": (pairing.shear * change).array.reshape(shape) + pulled,
@@ -271,6 +283,7 @@ def _state(
     problem: ContactProblem,
     pairing: Interface,
     loads: HubLoads,
+    motions: Mapping[Hub, Array],
     share: float,
     u: PETSc.Vec,
     gap: Array,
@@ -280,10 +293,10 @@ def _state(
     """State that a result of Newton's method belongs to (collective)."""
     pressure = result.pressure
     bulk, surface = before.bulk, before.surface
-    traction, lost = np.zeros(pairing.tangents.shape[:2]), share * model.thermal_at(pairing)
+    traction, lost = np.zeros(pairing.tangents.shape[:2]), share * model.applied.thermal_at(pairing)
     slip, sticking = _carried(before.slip, before.pairing, pairing), np.zeros(len(pressure), bool)
     nodal = model.tangent(u)[1]
-    nodal.axpy(-share, model.body_force)
+    nodal.axpy(-share, model.applied.force)
     if isinstance(problem, FrictionalProblem):
         bulk, surface = problem.state
         traction = problem.traction
@@ -299,10 +312,6 @@ def _state(
         add_transposed(
             pairing.stress, -problem.consistency * problem.weight * (pressure + normal), nodal
         )
-    motions, unknowns = {hub: load[1:] for hub, load in loads.items()}, model.unknowns(loads)
-    for hub, place in zip(unknowns.hubs, unknowns.reduction.places, strict=True):
-        along = model.comm.allreduce(float(result.y.array[place]) if place >= 0 else 0.0)
-        motions[hub] = motions[hub] + along * unit("free", hub.free)
     return State(
         displacement=u,
         loads=loads,

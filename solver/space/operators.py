@@ -35,6 +35,17 @@ def local_rows(matrix: PETSc.Mat) -> sp.csr_matrix:
     return sp.csr_matrix((values, columns, starts), shape=(len(starts) - 1, matrix.getSize()[1]))
 
 
+def blockwise(blocks: Array, matrix: PETSc.Mat) -> PETSc.Mat:
+    """Distributed matrix whose rows of each of n points are a block (a, b) times the b rows of a
+    matrix there; blocks: (n, a, b) of this rank (collective).
+    """
+    count, *sizes = blocks.shape
+    every = np.arange(count + 1)
+    shape = count * sizes[0], count * sizes[1]
+    table = sp.bsr_matrix((blocks, every[:-1], every), shape=shape).tocsr() @ local_rows(matrix)
+    return petsc_matrix(table, matrix.getLocalSize()[1], matrix.comm.tompi4py())
+
+
 def assemble_rows(
     blocks: list[tuple[Index, Array]], count: int, local: int, total: int, comm: MPI.Intracomm
 ) -> PETSc.Mat:

@@ -9,7 +9,6 @@ rigid motions in the free unknowns, and their prolongation from a coarser space.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -24,9 +23,9 @@ from petsc4py import PETSc
 from railhead.solver import compat
 from railhead.solver.space.kinematics import SOLID, Kinematics
 from railhead.solver.space.operators import local_rows, petsc_matrix, transposed, vector
+from railhead.solver.space.rigid import RigidSurface
+from railhead.solver.space.vectors import Direction, unit
 from railhead.theory.array_types import Array, Index, Mask
-
-Direction = Sequence[float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,47 +45,35 @@ class Slide:
 
 @dataclass(frozen=True, eq=False)
 class Hub:
-    """Facets that move as a rigid face without turning. Along `free`, a direction, a force may be
-    given; without it, only a motion. A hub without a load stays.
+    """Facets that move as a rigid face without turning, or a rigid surface that does. Along `free`,
+    a direction, a force may be given; without it, only a motion. A hub without a load stays.
 
+    tag: of the facets, or the rigid surface itself, which is the primary one of a contact.
     slides: whether the facets slide on the rigid face, and only move along `free` together.
     """
 
-    tag: int
+    tag: int | RigidSurface
     free: Direction | None = None
     slides: bool = False
 
     def __post_init__(self) -> None:
-        """Raises ValueError for `slides` other than True and False, and for facets that slide on a
-        face without a free direction.
+        """Raises ValueError for `slides` other than True and False, for facets that slide on a face
+        without a free direction, and for `slides` with a rigid surface.
         """
         if not isinstance(self.slides, bool):
             raise ValueError(f"slides must be True or False, not {self.slides!r}")
         if self.slides and self.free is None:
             raise ValueError(f"Hub({self.tag}, slides=True) needs a free direction")
+        if self.slides and self.rigid:
+            raise ValueError(f"slides is for facets: {self.tag} has none")
+
+    @property
+    def rigid(self) -> bool:
+        """Whether it moves a rigid surface."""
+        return isinstance(self.tag, RigidSurface)
 
 
 Support = Clamp | Slide | Hub
-
-
-def unit(name: str, vector: Any) -> Array:
-    """Unit vector along a direction (c,); raises ValueError for one without a length."""
-    out = np.asarray(vector, float)
-    length = np.linalg.norm(out)
-    if not 0 < length < math.inf:
-        raise ValueError(f"{name} must have a direction, not {vector!r}")
-    return np.asarray(out / length)
-
-
-def finite(owner: Any, name: str, given: Any, *shape: int) -> Array:
-    """A number or, with a shape, an array that a part has. Raises ValueError for what is not finite
-    and for another shape; owner, name: of the part and of its attribute, for the message.
-    """
-    out = np.asarray(given)
-    if out.shape != shape or out.dtype.kind not in "iuf" or not np.isfinite(out).all():
-        text = f"{owner}: {name} must be {math.prod(shape)} finite number(s)"
-        raise ValueError(f"{text}, not {given!r:.60}")
-    return out.astype(float)
 
 
 def must_exist(what: str, tags: Any, tag: int, comm: MPI.Intracomm) -> None:
@@ -121,7 +108,11 @@ def translation(space: Any, cells: Index, direction: Array) -> Array:
 
 def masks(space: Any, facet_tags: Any, supports: Iterable[Support]) -> dict[Support, Mask]:
     """Of each support, the owned block dofs (n,) of a space on its facets (collective)."""
-    return {each: on_facets(space, facet_tags, each.tag) for each in supports}
+    none = np.zeros(space.dofmap.index_map.size_local, dtype=bool)
+    return {
+        each: none if isinstance(each.tag, RigidSurface) else on_facets(space, facet_tags, each.tag)
+        for each in supports
+    }
 
 
 def held(space: Any, facet_tags: Any, parts: Iterable[Support], free: Sequence[Hub]) -> Held:
@@ -188,6 +179,16 @@ class Reduction:
     def approach(self) -> int:
         """Local place of the approach of the first hub; -1: on another rank, or prescribed."""
         return self.places[0] if self.places else -1
+
+    def column(self, number: int, values: Array) -> PETSc.Mat:
+        """Matrix of the free unknowns with values (n,), one a row of this rank, in the column of
+        the approach of a hub, by its number.
+        """
+        size, places = len(values), np.full(len(values), self.columns[number])
+        shape = size, self.matrix.getSize()[1]
+        table = sp.csr_matrix((values, (np.arange(size), places)), shape=shape)
+        local = self.matrix.getLocalSize()[1]
+        return petsc_matrix(table, local, self.matrix.comm.tompi4py())
 
     def squared_norms(self) -> PETSc.Vec:
         """Squared norms of the columns of the map P from free unknowns to dofs, as a distributed

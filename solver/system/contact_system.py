@@ -8,7 +8,6 @@ from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 from mpi4py import MPI
 from petsc4py import PETSc
 
@@ -26,7 +25,7 @@ from railhead.solver.algebra.reduced_stiffness import (
 from railhead.solver.material import assemble
 from railhead.solver.space.cells import Bulk
 from railhead.solver.space.contact_interface import Interface
-from railhead.solver.space.operators import add_transposed, petsc_matrix, vector
+from railhead.solver.space.operators import add_transposed, vector
 from railhead.solver.space.supports import (
     Clamp,
     Held,
@@ -162,10 +161,7 @@ class ContactSystem:
             start_stress=np.zeros_like(self.gap_per_approach),
         )
         if self.reduction.rigid_approach:
-            count = len(self.gap_per_approach)
-            places = np.arange(count), np.full(count, self.reduction.columns[0])
-            table = sp.csr_matrix((self.gap_per_approach, places), shape=(count, p.getSize()[1]))
-            moved = petsc_matrix(table, p.getLocalSize()[1], self.comm)
+            moved = self.reduction.column(0, self.gap_per_approach)
             self.problem.gap.axpy(1.0, moved, DIFFERENT)
         compat.collect(self.comm)
 

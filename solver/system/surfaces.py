@@ -21,7 +21,8 @@ from railhead.solver.space import contact_interface, pieces
 from railhead.solver.space.cells import Bulk
 from railhead.solver.space.contact_interface import Interface, tangents_of
 from railhead.solver.space.facets import FacetSet, pair
-from railhead.solver.space.supports import Direction, finite, unit
+from railhead.solver.space.rigid import RigidSurface
+from railhead.solver.space.vectors import finite
 from railhead.theory.array_types import Array, Index
 
 SECTION_QUADRATURE = 15  # degree of the contact quadrature in a section, where points are cheap:
@@ -30,6 +31,7 @@ BENT = 1e-3  # 1 - cosine between facets of degree 1 that stand for a curved sur
 FACING = -0.1  # largest product of the normals of surfaces that face each other
 OUTWARD = 0.5  # product, at least in the mean, of normals given with a gap and those of facets
 ALMOST = 1e-9  # least product of the normals of a surface and a rigid one that it meets
+TURN = 2e-3  # of a unit normal of a rigid surface, from which on tangential forces would be off
 ROUNDING = 1e-13  # of the largest coordinate, by which no gap is known
 GapFunction = Callable[[Array], tuple[Array, Array]]
 """Points (n, c) of the secondary surface -> gap (n,) along its outward normals, infinite where
@@ -37,59 +39,18 @@ they miss the primary surface, and these unit normals (n, c or 3)."""
 
 
 @dataclass(frozen=True)
-class Plane:
-    """Rigid plane through a point; normal: towards the body that may touch it."""
-
-    point: Direction
-    normal: Direction
-
-    def distance(self, points: Array, normals: Array) -> tuple[Array, Array]:
-        """Distance (n,) from points (n, c) along unit normals (n, c), infinite where they miss, and
-        unit normals (n, c) of the plane.
-        """
-        up = unit("normal", self.normal)
-        down = -normals @ up
-        far = np.where(down > 0, (points - self.point) @ up / np.where(down > 0, down, 1), np.inf)
-        return far, np.tile(up, (len(points), 1))
-
-
-@dataclass(frozen=True)
-class Sphere:
-    """Rigid sphere, in a section a cylinder or, on the axis, a sphere."""
-
-    centre: Direction
-    radius: float
-
-    def __post_init__(self) -> None:
-        """Raises ValueError for a radius that is not positive and finite."""
-        if finite("Sphere", "radius", self.radius) <= 0:
-            raise ValueError(f"radius must be positive, not {self.radius!r}")
-
-    def distance(self, points: Array, normals: Array) -> tuple[Array, Array]:
-        """Distance (n,) from points (n, c) along unit normals (n, c), infinite where they miss, and
-        unit normals (n, c) of the sphere there.
-        """
-        apart = np.asarray(self.centre) - points
-        along = np.einsum("nc,nc->n", apart, normals)
-        square = self.radius**2 - np.einsum("nc,nc->n", apart, apart) + along**2
-        hit = (square >= 0) & (along > 0)
-        far = np.where(hit, along - np.sqrt(np.maximum(square, 0)), np.inf)
-        return far, (np.where(hit, far, along)[:, None] * normals - apart) / self.radius
-
-
-@dataclass(frozen=True)
 class Contact:
     """Two surfaces that may touch, by the tags of their facets. The secondary one carries the
     contact points; it is best the one of the softer body or, of like bodies, the finer one.
 
-    primary: tag, or a rigid `Plane` or `Sphere` that stays where it is.
+    primary: tag, or a rigid `Plane`, `Sphere` or `Cylinder`, which stays where no `Hub` moves it.
     friction: Coulomb's coefficient.
     gap: None: from the facets, curved as they are. A function (see `GapFunction`) holds for motions
         that are small beside the radii; with it, primary None is a rigid surface that stays.
     """
 
     secondary: int
-    primary: int | Plane | Sphere | None
+    primary: int | RigidSurface | None
     friction: float = 0.0
     gap: GapFunction | None = None
 
@@ -108,13 +69,13 @@ class Contact:
             raise ValueError(f"surface {self.secondary} on itself: self-contact is not there")
         if self.primary is None and self.gap is None:
             raise ValueError("Contact needs a primary surface, or a gap")
-        if isinstance(self.primary, Plane | Sphere) and self.gap is not None:
+        if isinstance(self.primary, RigidSurface) and self.gap is not None:
             raise ValueError(f"gap says where {self.primary} is: give one of them")
 
     @property
     def tags(self) -> list[int]:
         """Tags of the facets of its surfaces."""
-        if isinstance(self.primary, Plane | Sphere | None):
+        if isinstance(self.primary, RigidSurface | None):
             return [self.secondary]
         return [self.secondary, self.primary]
 
@@ -201,9 +162,10 @@ class Surfaces:
         return [each.moved(displacement) if self.deformed else each for each in both]
 
     def pair(self, displacement: Array) -> Interface:
-        """Contact points and the points opposite at a displacement (dofs, c) of all block dofs
-        (collective). A contact whose surfaces have left each other has no points. Raises ValueError
-        where a contact has nothing opposite at rest, or overlaps by more than a facet.
+        """Contact points and the points opposite at a displacement (dofs, c) of all block dofs and,
+        after these, of the rigid surface of each contact (collective). A contact whose surfaces
+        have left each other has no points. Raises ValueError where a contact has nothing opposite
+        at rest, or overlaps by more than a facet.
         """
         found, missed, slaves, others, now_at = [], [], 0, 0, displacement
         for number, contact in enumerate(self.contacts):
@@ -261,6 +223,16 @@ class Surfaces:
             comm=self.comm,
         )
 
+    def curvature(self, face: Interface) -> Array:
+        """Curvature (n, c, c) of rigid surfaces opposite contact points; zero on facets."""
+        dim = face.normals.shape[1]
+        out = np.zeros((len(face.contact), dim, dim))
+        for number, contact in enumerate(self.contacts):
+            if isinstance(contact.primary, RigidSurface):
+                own = face.contact == number
+                out[own] = contact.primary.curvature(face.normals[own])
+        return out
+
     def opposite(
         self, number: int, at: tuple[Index, Array], displacement: Array, known: Index | None
     ) -> tuple[Array, Array, Array, Array, tuple[Index, Array]]:
@@ -271,7 +243,7 @@ class Surfaces:
         their interface (Hertz), whichever surface is secondary. A gap of one's own has its own n.
 
         number: of the contact. at: facets (n,) and coordinates (n, c - 1) of the points.
-        displacement: (dofs, c) of all block dofs. known: see `pair`.
+        displacement: as of `pair`. known: see `facets.pair`.
         Returns n and n_s (n, c), the gap now along n (n,), infinite where nothing is opposite and
         -inf where surfaces overlap by more than a facet, the part of it that the displacement makes
         (n,), and facet (n,) and coordinates (n, c - 1) opposite.
@@ -281,12 +253,13 @@ class Surfaces:
         normals, own = slave.normals(here, tangent), slave.values(*at, displacement)
         place = x if self.deformed else x + own
         partner, eta = np.full(len(x), -1), np.zeros_like(at[1])
-        if isinstance(contact.primary, Plane | Sphere):
-            far, up = contact.primary.distance(place, normals)
+        if isinstance(contact.primary, RigidSurface):
+            motion = displacement[number - len(self.contacts)]
+            far, up = contact.primary.distance(place - motion, normals)
             if not displacement.any():
                 far = np.where(far > -slave.lengths[here], far, -np.inf)
             now = far * np.maximum(-np.einsum("nc,nc->n", normals, up), ALMOST)
-            return -up, normals, now, np.einsum("nc,nc->n", up, own), (partner, eta)
+            return -up, normals, now, np.einsum("nc,nc->n", up, own - motion), (partner, eta)
         if contact.gap is None:
             moved = self.primary[number].moved(displacement)
             partner, eta = pair(place, normals, moved, known)
@@ -315,10 +288,11 @@ class Surfaces:
         self, face: Interface, displacement: Array, gap: Array, pressure: Array
     ) -> tuple[float, float, float]:
         """By how much of a facet points that touch have slid since they were paired, infinite where
-        no point of a contact touches; the largest change of the gap that pairing anew makes there;
-        and the share of the force at points that have nothing opposite any more (collective).
+        no point of a contact touches or the normal of a rigid surface has turned; the largest
+        change of the gap that pairing anew makes there; and the share of the force at points that
+        have nothing opposite any more (collective).
 
-        displacement: (dofs, c) of all block dofs. gap, pressure: now, at the points of `face` (n,).
+        displacement: as of `pair`. gap, pressure: now, at the points of `face` (n,).
         """
         drift = change = lost = 0.0
         force = pressure * face.weights
@@ -334,12 +308,14 @@ class Surfaces:
                 continue
             at = face.facet[on] - starts[number], face.xi[on]
             old = face.partner[on] - begins[number], face.eta[on]
-            _, _, now, _, new = self.opposite(number, at, displacement, old[0])
+            normals, _, now, _, new = self.opposite(number, at, displacement, old[0])
             met = np.isfinite(now)
             moved = np.abs(now - gap[on]) - ROUNDING * np.abs(face.points[on]).max()
             change = max(change, float(np.max(moved[met], initial=0.0)))
             drift = max(drift, float(not met.all()))
             lost += float(force[on][~met].sum())
+            if not len(other) and np.abs(normals - face.normals[on])[met].max(initial=0.0) > TURN:
+                drift = np.inf
             if len(other):
                 there = other.moved(displacement)
                 ends = [there.tangents(np.maximum(f, 0), e)[0] for f, e in (new, old)]
