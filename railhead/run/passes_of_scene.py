@@ -65,8 +65,7 @@ DEEP = {True: 3.4, False: 2.6}  # plastic strain is followed down to there, over
 INNER, BELOW = 1.5, {True: 2.2, False: 1.4}  # where the elements are small
 TOLD = 5e-4  # strain of the first pass from which its energy is compared
 SETTLED = 2e-3  # of the first plastic work: less is no longer compared with the resistance
-LEAST_ERROR = 0.015  # of other values: two blocks may agree by chance, 1.2 % off
-RATE_ERROR = 0.03  # least of a rate: lines on 8 elements are up to 1.7 % off those on 14
+LEAST_ERROR = 0.03  # of all values: two blocks may agree by chance, some 2 % off
 COARSER = 0.75  # size of the block by which errors are estimated: elements and reach, relative
 
 
@@ -143,7 +142,7 @@ def estimated(found: Passes, coarse: Passes, *, asked: bool) -> Passes:
         found = replace(found, errors=errors)
     if found.rate is not None and found.rate["estimate"] is not None:
         change = max(abs(1 - other[key] / last[key]) for key in RATES)
-        estimate = found.rate["estimate"] + max(factor * change, RATE_ERROR)
+        estimate = found.rate["estimate"] + max(factor * change, LEAST_ERROR)
         found = replace(found, rate=found.rate | {"estimate": estimate})
     return found
 
