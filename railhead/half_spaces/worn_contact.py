@@ -37,6 +37,7 @@ BODIES = ("rail", "wheel")
 BROAD, FAINT = 3.0, 0.05
 MEAN = 0.4  # of the half width of a patch: over it its largest pressure is averaged
 MOST = 0.5  # of what a step wears, from the step before
+FOLLOWS = 2.0  # largest factor on the wear of all lines, by which slip follows the pressure
 PLACES = 4001  # along each profile
 LEAST = 4  # places from knot to knot
 FIELDS = ("pressure", "index", "energy", "damage", "rate", "force")
@@ -174,8 +175,8 @@ class WornContact:
             steps = [float(each.s[1] - each.s[0]) for each in after]
             area = math.fsum(step * line.sum() for step, line in zip(steps, lines, strict=True))
             # Slip follows the pressure: all lines together lose what T-gamma wears.
-            part = share * self.seen.values[f"{body}_mm2"] / area if area else 0.0
-            worn.append(part * self._worn(body, after, lines))
+            follows = self.seen.values[f"{body}_mm2"] / area if area else 0.0
+            worn.append(share * min(follows, FOLLOWS) * self._worn(body, after, lines))
         return np.array(worn)
 
     def _press(self, lines: Lines | None) -> BoundaryElementSolution:
