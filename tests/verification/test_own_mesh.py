@@ -426,3 +426,16 @@ def test_hexahedra_with_two_pairs_share_a_load() -> None:
     for number in (0, 1):
         own = found.contact == number
         assert found.weights[own] @ found.pressure[own] == pytest.approx(5.0, rel=1e-6)
+
+
+def test_weight_of_a_body_is_carried() -> None:
+    """A force per volume, without any hub: the box stands by contact alone."""
+    ends = (((0, -1), (1, 0)), ((0, 0), (1, 1)))
+    model = model_of(
+        two_boxes("triangle", ((3, 2), (4, 2)), ends), BOTH[0], rs.Body(2, SOFT, force=(0, -2.0)),
+        rs.Contact(secondary=12, primary=11), rs.Slide(30, normal=(1, 0)), section="plane strain",
+    )  # fmt: skip
+    floor = model.add(rs.Slide(21, normal=(0, 1)))
+    found = model.solve()
+    assert found.converged
+    np.testing.assert_allclose(found.force(floor), [0.0, 2.0], atol=1e-8)

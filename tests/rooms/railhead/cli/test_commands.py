@@ -309,3 +309,11 @@ def test_two_conicities_are_in_one_picture(tmp_path, capsys) -> None:
     for other, text in ((c, "a locate and a profile"), (a, "FILE.png")):
         asked = "diff", a, other, "--picture", str(tmp_path / "no.gif")
         assert text in command.refused(capsys, *asked)
+
+
+def test_summary_differs_from_hertz_by_shares(summary) -> None:
+    assert summary["case"] == "uic54_thesis" and summary["plan"]["effects"].keys() == EFFECTS.keys()
+    a, exact = summary["result"]["patch"]["a_mm"], summary["hertz"]["patch"]["a_mm"]
+    assert summary["difference"]["patch"]["a_mm"] == pytest.approx((a - exact) / exact)
+    assert exact == pytest.approx(4.33609754384)
+    assert summary["difference"]["contact_point_mm"] is None  # coordinates have none

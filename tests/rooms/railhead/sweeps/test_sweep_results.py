@@ -25,7 +25,7 @@ import railhead as rh
 from railhead.meshing.mesh import MeshError
 from railhead.postprocess.findings import Subject, Units
 from railhead.postprocess.pictures import sweep_plots as plots
-from railhead.results import result_folder
+from railhead.results import pipeline, result_folder
 from railhead.scene.scene import SceneError
 from railhead.sweeps import store, sweep_table
 
@@ -383,3 +383,13 @@ def test_elastic_answers_of_steel_that_would_yield_are_marked_in_all_that_a_swee
     assert any("hollow: elastic answer, the steel would yield" in note for note in notes)
     report = (tmp_path / "out" / "report.html").read_text()
     assert "whose answers are elastic" in report and "<th>steel</th>" in report
+
+
+def test_what_cannot_be_solved_is_a_row(monkeypatch, in_this_process) -> None:
+    def failing(plan, *_):
+        raise MeshError("gmsh: no")
+
+    monkeypatch.setattr(pipeline, "solve", failing)
+    table = rh.sweep(rh.find("sphere_on_plane"), {"wheelset.yaw": [0]}, quiet=True)
+    assert list(table) == []
+    assert table.rows() == [{"wheelset.yaw [mrad]": 0.0, "checks": "NOT SOLVED: gmsh: no"}]
