@@ -1,7 +1,7 @@
 """Tables of numbers in text files: their rows, and what a header says of columns and units.
 
 Separator and decimal mark are those with which the most lines are rows of numbers; of a long file
-only some 2000 lines are tried. A header line tells order and unit of the columns that a reader
+only some 50 lines are tried. A header line tells order and unit of the columns that a reader
 wants. Without one there are as many columns as it wants, in its order and its own units.
 """
 
@@ -18,7 +18,8 @@ LARGEST = 1e12  # of any unit: no table has such a number
 LONGEST = 10_000  # characters of a line, at most
 SHOWN = 40  # characters of a wrong line that a message repeats
 
-SOME = 2000  # lines that tell the layout of a table, at most about
+BLANKS = r"\s+"
+SOME = 50  # lines that tell the layout of a table, at most about
 #: Separator (regular expression), decimal mark and name, in the order in which they are tried.
 LAYOUTS = (
     (";", ".", "semicolons"),
@@ -27,8 +28,8 @@ LAYOUTS = (
     ("\t", ",", "tabs, decimal commas"),
     (r",\s+", ",", "commas and blanks, decimal commas"),
     (",", ".", "commas"),
-    (r"\s+", ".", "blanks"),
-    (r"\s+", ",", "blanks, decimal commas"),
+    (BLANKS, ".", "blanks"),
+    (BLANKS, ",", "blanks, decimal commas"),
 )
 MM_OF_UNIT = {"mm": 1.0, "m": 1000.0, "inch": 25.4, "cm": 10.0, "um": 1e-3, "ft": 304.8}
 UNIT_NAMES = {
@@ -121,7 +122,8 @@ def numbers(line: str, separator: str, decimal: str) -> list[float] | None:
     separator: regular expression between cells; decimal: '.' or ','.
     """
     found: list[float] = []
-    for cell in re.split(separator, line.strip()):
+    cells = line.split() if separator == BLANKS else re.split(separator, line.strip())
+    for cell in cells:
         text = cell.strip(" \"'")
         if decimal == ",":
             text = "?" if "." in text else text.replace(",", ".")
