@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cache, cached_property
 from itertools import permutations
 from pathlib import Path
@@ -23,10 +23,10 @@ from railhead.contact import solid
 from railhead.contact.solid import Contact
 from railhead.contact.surface_shape import SurfaceShape
 from railhead.geometry import sections
-from railhead.geometry.lofting import Lofted, loft
+from railhead.geometry.lofting import FACE, Lofted, loft
 from railhead.geometry.measured.orientation import Orientation
 from railhead.geometry.placement import ContactPoint, Pose, ProfilePair, principal, turned
-from railhead.geometry.profiles import Profile, Spline
+from railhead.geometry.profiles import Polynomial, Profile, Spline
 from railhead.geometry.sections import Head, Section
 from railhead.geometry.surfaces import Height, RailSurface, Values, WheelSurface, along
 from railhead.postprocess.findings import Frame
@@ -183,7 +183,9 @@ class HeadContact(Contact):
 @dataclass(frozen=True, kw_only=True)
 class CrossingContact(HeadContact):
     """First contact of a wheel on all heads of a rail of sections; x = 0 below its axle.
-    The profile of the rail in `pair` is its section at the first contact.
+    The profile of the rail in `pair` is its section at the first contact; where two heads are
+    meshed both sections at their contacts, on one foot. It is swept straight along, and the gap is
+    that of the true heads.
     """
 
     never_symmetric = SECTIONS, SECTIONS
@@ -192,6 +194,12 @@ class CrossingContact(HeadContact):
     def ahead(self) -> float:
         """Distance of x = 0 from the axle, mm."""
         return 0.0
+
+    @property
+    def smooth(self) -> HeadContact:
+        """The contact of the section that is swept straight along."""
+        given = {each.name: getattr(self, each.name) for each in fields(self)}
+        return HeadContact(**given)
 
     @property
     def origin(self) -> tuple[float, float, float]:
@@ -226,8 +234,8 @@ class CrossingContact(HeadContact):
 
 def contact(scene: Scene) -> HeadContact:
     """First contact of a scene with a rail of sections: with all heads where half-spaces answer,
-    else with the head that it touches first. Raises SceneError as `touch`, and for what is not
-    simulated on such a rail.
+    or two are near; else with the head that it touches first. Raises SceneError as `touch`, and for
+    what is not simulated on such a rail.
     """
     fast = scene.effects.finite_bodies == "off"
     text = "is not simulated yet on a rail of sections; "
@@ -246,9 +254,16 @@ def contact(scene: Scene) -> HeadContact:
         ),
     )
     found = touch(scene, NEAR)
-    surface, at = found.heads[found.lowest].surface, found.placed(found.lowest)[0]
-    pair = ProfilePair(_section(surface, at), found.wheel, scene.wheel.rolling_radius)
-    if fast:
+    near, at = found.touching(NEAR), found.placed(found.lowest)[0]
+    surface, several = found.heads[found.lowest].surface, not fast and len(near) > 1
+    rail = _one_foot(found) if several else _section(surface, at)
+    pair = ProfilePair(rail, found.wheel, scene.wheel.rolling_radius)
+    if "wing" in near and not fast:
+        text = "is not that of the rail, and finite elements know one; give that, or --fast"
+        refuse_first(_unlike(scene, {*type(scene.rail).model_fields} - PLACED, text))
+    text = "is not simulated on two heads by finite elements; leave it out, or --fast"
+    refuse_first((several and scene.rubs, "friction", text))
+    if fast or several:
         return CrossingContact(scene=scene, touch=at, pair=pair, pose=found.pose, crossing=found)
     pose = found.pose.moved(x=-at.x)
     over = OverSection(length=STRETCH, position=at.x, surface=surface, section=pair.rail)
@@ -258,9 +273,6 @@ def contact(scene: Scene) -> HeadContact:
         f"at the contact; finite elements need {STRETCH:g} mm: give another, or --fast"
     )
     refuse_first((room < STRETCH, "rail.position", text))
-    if found.lowest == "wing":
-        text = "is not that of the rail, and finite elements know one; give that, or --fast"
-        refuse_first(_unlike(scene, {*type(scene.rail).model_fields} - PLACED, text))
     shape = SurfaceShape(rail=over, wheel=None, pose=pose, first=(0.0, at.y), odd=(True, True))
     at = replace(at, x=0.0)
     return HeadContact(scene=scene, touch=at, pair=pair, pose=pose, crossing=found, shape=shape)
@@ -284,6 +296,29 @@ def _section(surface: Lofted, at: ContactPoint) -> Profile:
     y = np.linspace(min(faces)[0], max(each[1] for each in faces), SAMPLES)
     z = surface(np.full_like(y, at.x), y)[0]
     return Profile("sections", (Spline(float(y[0]), float(y[-1]), CubicSpline(y, z)),))
+
+
+def _one_foot(found: Crossing) -> Profile:
+    """Sections of two heads at their contacts as one profile. Between their faces the sides go down
+    straight to the ends of the sections, and the foot from one to the other; where sections meet
+    before, it is a line between the faces.
+    """
+    one, other = sorted(
+        ((_section(head.surface, head.touches[0]), head) for head in found.heads.values()),
+        key=lambda each: each[0].domain,
+    )
+    (first, left), (second, right) = one, other
+    inner = (first, left, 1), (second, right, 0)
+    faces = [(end := each.domain[side], float(each.height(end))) for each, _, side in inner]
+    feet = [head.surface.ends(head.touches[0].x)[side] for _, head, side in inner]
+    places = np.array([faces[0], *feet, faces[1]])
+    if not (np.diff(places[:, 0]) > FACE).all():
+        places = places[[0, -1]]
+    lines = [
+        Polynomial(y, end, (z - (slope := (low - z) / (end - y)) * y, slope))
+        for (y, z), (end, low) in zip(places, places[1:], strict=False)
+    ]
+    return Profile("sections", (*first.pieces, *lines, *second.pieces))
 
 
 def touch(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
@@ -229,8 +229,8 @@ class Contact:
     shape: SurfaceShape | None = None
 
     @property
-    def smooth(self) -> Self:
-        """The contact of the smooth bodies: nothing is added to their surfaces."""
+    def smooth(self) -> Contact:
+        """The contact of the bodies as they are meshed: nothing is added to their surfaces."""
         return replace(self, scene=self.scene.smooth, shape=None)
 
     @property

@@ -100,6 +100,14 @@ class Lofted:
             found[:, higher] = values[:, higher]
         return found[0], found[1], found[2]
 
+    def ends(self, x: float) -> list[tuple[float, float]]:
+        """First and last point (y, z) of the section at x, mm."""
+        at = np.array([x + self.origin])
+        here = [strip for strip in self.strips if strip.first <= at[0] <= strip.last]
+        low, high = ([float(strip.edges[side](at)[0]) for strip in here] for side in (0, 1))
+        found = np.array([min(low), max(high)])
+        return list(zip(found, self(np.full(2, x), found)[0], strict=True))
+
     def face(self, x: float, y: float, slope: float = 0.0) -> tuple[float, float]:
         """First and last y around a place (mm) up to which the section there is turned by less than
         60 deg (STEEP) against a slope, to 0.05 mm (FACE); twice y where the place itself is not.

@@ -207,14 +207,16 @@ def _jump(contact: Contact, y: float) -> float:
 def body_reach(contact: Contact, hertz: Hertz, forecast: Forecast, *, friction: bool) -> float:
     """Half length of the bodies along the rail, mm, whatever the scene says: a multiple of the
     largest half length of the forecast patches and Hertz's patch, and at least 80 mm
-    (MIN_BODY_REACH) for real bodies; beyond the farthest patch where the surfaces have a shape.
+    (MIN_BODY_REACH) for real bodies; beyond the farthest patch where the surfaces
+    have a shape, or the first contact is beside x = 0.
     friction: whether it is simulated.
     """
     sizes = [size for zone in forecast.zones for size in (zone.a, zone.b)]
     major = max(*sizes, *hertz.half_lengths)
     if contact.half_space:
         return (FRICTION_REACH if friction and contact.plane else HALF_SPACE_REACH) * major
-    ahead = max(abs(zone.centre[0]) for zone in forecast.zones) if contact.shape else 0.0
+    varies = contact.shape is not None or contact.origin[0] != 0
+    ahead = max(abs(zone.centre[0]) for zone in forecast.zones) if varies else 0.0
     return ahead + max(MIN_BODY_REACH, BODY_REACH * major)
 
 

@@ -11,7 +11,7 @@ from contextlib import suppress
 import numpy as np
 
 from railhead.contact import closed_forms, plane_section, solid
-from railhead.contact.crossing import HeadContact
+from railhead.contact.crossing import CrossingContact
 from railhead.geometry import wheelset
 from railhead.geometry.outlines import head_depth
 from railhead.geometry.profiles import STANDARD_RAILS
@@ -41,6 +41,7 @@ FRESH = (
     "its depth, surface.depth, for a rounded one"
 )
 HOLLOW = "the undeformed bodies do not touch in its middle"
+HEADS = "each head is its section at its contact, swept straight; the gap is that of the true heads"
 SMOOTH = "nothing that varies is added to the surfaces"
 
 
@@ -105,14 +106,6 @@ def decide_finite_bodies(context: Context) -> Effect:
     with a budget.
     """
     scene, contact = context.scene, context.contact
-    if isinstance(contact, HeadContact):
-        heads = contact.crossing.touching(context.hertz.approach / contact.touch.upright)
-        fast, several = scene.effects.finite_bodies == "off", len(heads) > 1
-        text = f"{scene.rail.position:g} lets the wheel press on the rail and the wing, and "
-        text += "{} know one head; give another place, or {}"
-        refuse_first(
-            (several and not fast, "rail.position", text.format("finite elements", "--fast")),
-        )
     refused = {} if scene.budget is None else {"off": BUDGET}
     if contact.half_space:
         return Effect(
@@ -197,6 +190,9 @@ def decide_surface_shape(context: Context) -> Effect:
     """
     contact, hertz = context.contact, context.hertz
     pair, shape = contact.pair, contact.shape
+    if isinstance(contact, CrossingContact) and context.scene.effects.finite_bodies != "off":
+        leans = [each.lean for each in contact.touches(math.inf)]
+        return Effect(True, True, HEADS, {"off": HEADS}, error=1 - math.cos(max(map(abs, leans))))
     if shape is None or pair is None:
         return Effect.absent(SMOOTH)
     rigid = hertz.approach / math.cos(contact.touch.angle)
