@@ -142,18 +142,12 @@ class OverSection(Height):
         """Height and slopes at places x from the contact and y (n,), mm; beyond what is lofted
         those at its end, and zero beside it.
         """
-        at = np.clip(x + self.position, *self.ends)
+        at = np.clip(x + self.position, *self.surface.stretch)
         z, ahead, aside = self.surface(at, y)
         inside = at == x + self.position
         found = z - self.section.height(y), inside * ahead, aside - self.section.slope(y)
         first, second, third = (np.nan_to_num(each) for each in found)
         return first, second, third
-
-    @property
-    def ends(self) -> tuple[float, float]:
-        """First and last x of what is lofted, from the axle, mm."""
-        x = [end for strip in self.surface.strips for end in (strip.first, strip.last)]
-        return min(x) - self.surface.origin, max(x) - self.surface.origin
 
     @property
     def range(self) -> float:
@@ -254,28 +248,36 @@ def contact(scene: Scene) -> HeadContact:
         ),
     )
     found = touch(scene, NEAR)
-    near, at = found.touching(NEAR), found.placed(found.lowest)[0]
-    surface, several = found.heads[found.lowest].surface, not fast and len(near) > 1
-    rail = _one_foot(found) if several else _section(surface, at)
-    pair = ProfilePair(rail, found.wheel, scene.wheel.rolling_radius)
-    if "wing" in near and not fast:
+    near, at = [] if fast else found.touching(NEAR), found.placed(found.lowest)[0]
+    surface, several = found.heads[found.lowest].surface, len(near) > 1
+    if "wing" in near:
         text = "is not that of the rail, and finite elements know one; give that, or --fast"
         refuse_first(_unlike(scene, {*type(scene.rail).model_fields} - PLACED, text))
     text = "is not simulated on two heads by finite elements; leave it out, or --fast"
     refuse_first((several and scene.rubs, "friction", text))
+    for name in near:
+        _refuse_end(scene, found.heads[name])
+    rail = _one_foot(found) if several else _section(surface, at)
+    pair = ProfilePair(rail, found.wheel, scene.wheel.rolling_radius)
     if fast or several:
         return CrossingContact(scene=scene, touch=at, pair=pair, pose=found.pose, crossing=found)
     pose = found.pose.moved(x=-at.x)
     over = OverSection(length=STRETCH, position=at.x, surface=surface, section=pair.rail)
-    room = float(np.abs(np.subtract(over.ends, at.x)).min())
-    text = (
-        f"{scene.rail.position:g} is {room:.3g} mm from the end of the head or of the sections "
-        f"at the contact; finite elements need {STRETCH:g} mm: give another, or --fast"
-    )
-    refuse_first((room < STRETCH, "rail.position", text))
     shape = SurfaceShape(rail=over, wheel=None, pose=pose, first=(0.0, at.y), odd=(True, True))
     at = replace(at, x=0.0)
     return HeadContact(scene=scene, touch=at, pair=pair, pose=pose, crossing=found, shape=shape)
+
+
+def _refuse_end(scene: Scene, head: TouchedHead) -> None:
+    """Raise SceneError where a head ends close to its contact, or has an edge there."""
+    at = head.touches[0]
+    room = 0.0 if at.at_edge else float(np.abs(np.subtract(head.surface.stretch, at.x)).min())
+    text = (
+        f"{scene.rail.position:g} is {room:.3g} mm from the end of the head or of the sections, or "
+        f"from an edge, at the contact on the {head.name}; finite elements need {STRETCH:g} mm: "
+        "give another, or --fast"
+    )
+    refuse_first((room < STRETCH, "rail.position", text))
 
 
 def _unlike(scene: Scene, keys: set[str], text: str) -> tuple[str, str, str]:

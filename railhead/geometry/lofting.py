@@ -100,6 +100,12 @@ class Lofted:
             found[:, higher] = values[:, higher]
         return found[0], found[1], found[2]
 
+    @property
+    def stretch(self) -> tuple[float, float]:
+        """First and last x, mm."""
+        x = [end for strip in self.strips for end in (strip.first, strip.last)]
+        return min(x) - self.origin, max(x) - self.origin
+
     def ends(self, x: float) -> list[tuple[float, float]]:
         """First and last point (y, z) of the section at x, mm."""
         at = np.array([x + self.origin])
