@@ -18,7 +18,7 @@ def subject(plan: Plan, load: float, units: Units = BASE_UNITS) -> Subject:
     title = f"{scene.name}: {f'{brief(load / 1e3)} kN' if kilo else units.text(load, 'N')}, "
     title += f"wheel R {units.text(wheel.rolling_radius, 'mm', 6)}, tread "
     title += f"{_profile(wheel.profile, wheel.transverse_radius, units)}, on rail "
-    title += _profile(rail.profile, rail.crown_radius, units)
+    title += _profile(rail.sections or rail.profile, rail.crown_radius, units)
     title += ", as half-spaces" if half_space else ""
     has_friction = plan.effects["friction"].on
     if has_friction:
