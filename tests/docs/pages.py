@@ -28,9 +28,10 @@ WIDEST = 800  # pixels of a picture in docs/: below 100 kB
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
-def blocks(page: Path) -> list[str]:
-    """Its examples."""
-    return [found[3] for found in BLOCK.finditer(page.read_text(encoding="utf-8"))]
+def blocks(page: Path, kinds: str = "python sh") -> list[str]:
+    """Its examples of some kinds."""
+    every = BLOCK.finditer(page.read_text(encoding="utf-8"))
+    return [found[3] for found in every if found[2] in kinds.split()]
 
 
 def stated(page: Path) -> list[str]:

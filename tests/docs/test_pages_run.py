@@ -33,7 +33,7 @@ def test_a_page_runs_and_prints_what_it_says(name: str, here) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_what_a_page_imports_exists(name: str) -> None:
-    nodes = ast.walk(ast.parse("".join(pages.blocks(DOCS / f"{name}.md"))))
+    nodes = ast.walk(ast.parse("".join(pages.blocks(DOCS / f"{name}.md", "python"))))
     lines = {ast.unparse(node) for node in nodes if isinstance(node, ast.Import | ast.ImportFrom)}
     assert len(lines) > 0
     for line in lines:
