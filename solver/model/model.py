@@ -33,6 +33,7 @@ from railhead.solver.model.parts import (
 from railhead.solver.model.problem import State
 from railhead.solver.model.stepping import advance
 from railhead.solver.space.kinematics import SOLID, Kinematics
+from railhead.solver.space.rigid import Cylinder
 from railhead.solver.space.vectors import finite, unit
 from railhead.theory.array_types import Array
 
@@ -110,6 +111,8 @@ class Model:
         dim = self._mesh[0].geometry.dim
         for each in parts:
             for owner in (each, getattr(each, "primary", getattr(each, "tag", None))):
+                if isinstance(owner, Cylinder) and dim != 3:
+                    raise ValueError(f"{owner} is for solids: in a section take a Sphere")
                 for name in VECTORS:
                     given = getattr(owner, name, None)
                     shape = getattr(given, "ufl_shape", None)

@@ -133,7 +133,10 @@ def _step(model: Assembly, before: State, loads: HubLoads, share: float) -> Stat
         motions = unknowns.motions(loads, result.y)
         gap = model.gap(pairing, u, motions)
         if not result.converged:
-            if isinstance(problem, FrictionalProblem) and problem.all_slides(result.pressure > 0):
+            touching = model.comm.allreduce(int((result.pressure > 0).sum()))
+            if not touching and any(hub.rigid for hub in unknowns.hubs):
+                result.reason = f"{LOOSE} a rigid surface: its force does not press it on a body"
+            elif isinstance(problem, FrictionalProblem) and problem.all_slides(result.pressure > 0):
                 result.reason = "everything slides: a force is above what friction carries"
             elif words := loose_motion(
                 model, problem, result.pressure > 0 if model.energies else active, loads

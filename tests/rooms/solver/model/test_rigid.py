@@ -111,3 +111,12 @@ def test_what_a_rigid_hub_cannot_have_is_refused() -> None:
         made, hub = block(ball, 0.0, moved)
         with pytest.raises(ValueError, match=text):
             made.solve({hub: rs.Move(fem.Function(elsewhere))})
+    made = block(ball, 0.0, True)[0]
+    with pytest.raises(ValueError, match="is for solids"):
+        made.add(rs.Contact(11, rs.Cylinder((0, 1), 1, (0, 1))))
+
+
+def test_a_force_that_lifts_a_rigid_surface_off_is_named() -> None:
+    made, hub = block(rs.Sphere((0, 1), 1), 0.0, True)
+    found = made.solve({hub: rs.Force(-1.0)}, steps=1)
+    assert not found.converged and found.reason.startswith("nothing holds a rigid surface")
