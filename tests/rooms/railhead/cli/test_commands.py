@@ -13,11 +13,9 @@ from pathlib import Path
 
 import command
 import pytest
-from click.shell_completion import BashComplete
 from solved import solved
 
 import railhead as rh
-from railhead.cli.commands import railhead
 from railhead.planning.effects import EFFECTS
 from railhead.scene import catalogue
 
@@ -233,18 +231,6 @@ def test_non_convergence_is_status_1_with_its_history(here, capsys) -> None:
     assert "NOT CONVERGED" in told and "residual" in told and "try solver" in told
     summary = json.loads((here / "results/two_cylinders/summary.json").read_text())
     assert summary["checks"]["converged"] is False and len(summary["newton"]["history"]) == 1
-
-
-@pytest.mark.parametrize(
-    ("words", "found"),
-    [("run her", ["hertz_ellipse"]),
-     ("locate x --set rail.st", ["rail.steel=", "rail.stress_strain="]),
-     ("sweep x --over loa", ["load="]), ("plan x --without plane", ["plane_strain"])],
-)  # fmt: skip
-def test_a_shell_completes_cases_keys_and_effects(words: str, found: list[str]) -> None:
-    *before, begun = words.split()
-    completion = BashComplete(railhead, {}, "railhead", "_RAILHEAD_COMPLETE")
-    assert [each.value for each in completion.get_completions(before, begun)] == found
 
 
 def test_two_results_are_compared(tmp_path, capsys) -> None:

@@ -20,10 +20,9 @@ def test_only_nitsches_parameter_is_doubled_where_cells_lie_in_layers(model) -> 
     """A penalty needs no coercivity; doubled it put p_max of `uic54_thesis` off by 2.7 %."""
     found = model.interface
     times = 2 if surface(model, RAIL).cell == "hexahedron" else 1
-    assert (
-        found.stiffness_bound(ContactLaw("nitsche")),
-        found.stiffness_bound(ContactLaw("penalty")),
-    ) == pytest.approx((times * found.trace_bound, found.trace_bound))
+    for method, factor in (("nitsche", times), ("penalty", 1)):
+        bound = found.stiffness_bound(ContactLaw(method))
+        np.testing.assert_allclose(bound, factor * found.trace_bound)
 
 
 def surface(model, tag: int) -> FacetSet:

@@ -432,4 +432,4 @@ def test_the_command_prints_what_was_worn(tmp_path, capsys):
     said = capsys.readouterr().out
     report = (tmp_path / "out" / "report.html").read_text()
     assert said.splitlines()[1] in report and report.count("data:image/png") == 1
-    assert "2 steps" in said and "rail: at most" in said and "all passed" in said
+    assert "steps: 2" in said and "rail: at most" in said and "all passed" in said
