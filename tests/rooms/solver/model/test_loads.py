@@ -150,6 +150,24 @@ def test_a_tie_is_pulled_and_sheared_like_one_piece(secondary: int) -> None:
         rs.Tie(11, rs.Plane((0, 0), (0, 1)))
 
 
+@pytest.mark.parametrize("secondary", [11, 12])
+def test_a_given_gap_between_two_bodies(secondary: int) -> None:
+    """A wedge in place of the flat meshes: the upper column turns until it is closed, and sinks."""
+    made, _ = columns("quadrilateral", "plane stress")
+    made.add(*(rs.Body(tag, rs.Elastic(1000.0, 0.0)) for tag in BODIES), rs.Clamp(21))
+    side = 1 if secondary == 11 else -1
+
+    def gap(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return 2e-3 + 1e-3 * x[:, 0], np.tile([0.0, side], (len(x), 1))
+
+    lid = made.add(rs.Contact(secondary, 23 - secondary, gap=gap), rs.Hub(22))[1]
+    field = made.u.copy()
+    field.interpolate(lambda x: [1e-3 * x[1], -2e-3 - 1e-3 * x[0] - 1e-3])
+    found = made.solve({lid: rs.Move(field)})
+    assert found.converged
+    np.testing.assert_allclose(found.pressure, 1000.0 * 1e-3 / 2, rtol=1e-3)
+
+
 def test_points_that_turn_round_do_not_hold_newton_up() -> None:
     """A ball's gap between blocks of quadratic hexahedra, pressed in one step with friction: two
     linearisations took turns for 50 steps, until the load was cut."""
