@@ -344,14 +344,16 @@ def solve(
     share of its passages, from there. Arguments and errors as of `WornContact`.
 
     before: T-gamma of the position at the start of the step before, N, and the share of that step,
-        in which half of the change of T-gamma was not worn: it is worn in this step.
+        in which half of the change of T-gamma was not worn: it is worn in this step. In a share of
+        0, after the last step, it is all that is worn, and negative where T-gamma fell.
     """
     contact = WornContact(position, fineness, depths, rises)
-    if not share:
-        return contact.seen, np.zeros_like(depths)
     (last, step), now = before, contact.seen.values["t_gamma_N"] or math.inf
-    owed = (1 - last / now) * step / 2
-    return contact.seen, contact.wear(share + min(max(owed, -MOST * share), MOST * share), others)
+    owed, most = (1 - last / now) * step / 2, MOST * (share or step)
+    total = share + min(max(owed, -most), most)
+    if not total:
+        return contact.seen, np.zeros_like(depths)
+    return contact.seen, math.copysign(1.0, total) * contact.wear(abs(total), others)
 
 
 def _force(window: PatchSolution) -> Array:

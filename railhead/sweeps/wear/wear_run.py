@@ -370,7 +370,10 @@ def solve(
                 run.write(folder, APART * number + len(run.stages) - 1)
                 of = "" if ends is None else f" of {len(ends)}"
                 progress.stage(f"{name} run: step {len(run.stages) - 1}{of}, {stage.done:.1%} worn")
-            run.seen.append(run.contacts(run.stages[-1].depth, 0.0)[0])
+            end = run.stages[-1]
+            seen, owed = run.contacts(end.depth, 0.0)
+            run.seen.append(seen)
+            run.stages[-1] = replace(end, depth=end.depth + owed)
         except ValueError as error:
             run.reason = " ".join(str(error).split())
         done = [stage.done for stage in run.stages]
