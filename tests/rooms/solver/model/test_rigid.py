@@ -79,6 +79,7 @@ def test_a_rigid_surface_without_a_free_direction_has_a_force_vector() -> None:
     assert abs(again.force(top)[1]) < 1e-3
 
 
+@pytest.mark.slow
 def test_work_of_a_force_that_irons_is_that_of_friction() -> None:
     """A layer of 0.4, pressed in by 0.04: where all slides, T times the way is mu p times the slip,
     which the stretch of the surface makes longer than the way. So T/N is not mu."""
