@@ -178,8 +178,11 @@ class RigidSlip:
         the rigid slip. Points (mm) and velocity are in the axes of space; that of unit spin (1/mm)
         is in mm, that of the other modes is dimensionless. NaN beyond the profile of the rail.
         """
-        arms = self.places(points) - np.array(self.frame.origin)
-        velocity = np.cross(self.angular[:, None], arms)
+        return self.velocity(self.places(points))
+
+    def velocity(self, places: Array) -> Array:
+        """The same of the particles of the wheel at places (n, 3), mm."""
+        velocity = np.cross(self.angular[:, None], places - np.array(self.frame.origin))
         velocity[:2] += self.frame.axes[:2, None]
         velocity[3] += self.sinks
         return velocity
@@ -195,12 +198,9 @@ class RigidSlip:
         return np.asarray(points + rise[:, None] * normals)
 
 
-def rigid_slip(contact: Contact, share: float = 0.0) -> RigidSlip:
+def rigid_slip(contact: Contact) -> RigidSlip:
     """Rigid slip of the wheel of a contact; its rail is a plane in half-spaces and sections.
     Without rolling the fourth mode is zero.
-
-    share: of the gap that the wheel's own displacement closes; 0 where the strain of the wheel is
-        added to the slip.
     """
     turns, normal = _angular_velocity(contact), contact.frame.axes[2]
     angular = np.zeros((4, 3))
@@ -212,5 +212,6 @@ def rigid_slip(contact: Contact, share: float = 0.0) -> RigidSlip:
     points = contact.pair.outline(contact.pose, contact.pair.samples[0]).points
     rise = points[:, 2] - contact.pair.rail.height(points[:, 1])
     over = np.isfinite(rise)
-    y, rise = points[over, 1], (1 - share) * rise[over]
-    return RigidSlip(contact.frame, angular, sinks, contact.surfaces()[0], y, rise)
+    return RigidSlip(
+        contact.frame, angular, sinks, contact.surfaces()[0], points[over, 1], rise[over]
+    )

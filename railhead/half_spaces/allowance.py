@@ -31,7 +31,7 @@ from railhead.contact import closed_forms, placed_bodies
 from railhead.contact.solid import Contact
 from railhead.geometry import profiles
 from railhead.half_spaces.pressing import HalfSpacePair
-from railhead.half_spaces.surface import Span
+from railhead.half_spaces.surface import Section
 from railhead.meshing.bodies import BODY_NAMES, RAIL, WHEEL
 from railhead.postprocess.patch.separate_patches import SMALLEST
 from railhead.theory.array_types import Array
@@ -147,17 +147,17 @@ def allowance(pair: HalfSpacePair, deformable: Sequence[int], twist: float) -> d
 
 def _patches(
     pair: HalfSpacePair, solved: BoundaryElementSolution
-) -> list[tuple[Span, list[PatchSolution]]]:
+) -> list[tuple[Section, list[PatchSolution]]]:
     """Each body on the rail's side and the patches of a half-space solution that are nearest to its
     contact, but those with at most 0.2 % (SMALLEST) of the force.
     """
-    spans = pair.facing.spans
+    spans = pair.developed.sections
     kept = [each for each in solved.patches if each.force > SMALLEST * solved.force]
     of = [min(spans, key=lambda span: abs(each.centroid[1] - span.middle)) for each in kept]
     return [(span, [k for k, near in zip(kept, of, strict=True) if near is span]) for span in spans]
 
 
-def _bodies(pair: HalfSpacePair, deformable: Sequence[int], span: Span) -> list[_Body]:
+def _bodies(pair: HalfSpacePair, deformable: Sequence[int], span: Section) -> list[_Body]:
     """The deformable bodies of a contact, by their tags, with the places of their free edges on the
     developed surface of the rail. The head of a standard rail ends on its straight sides (SIDE),
     below the profile.
@@ -212,7 +212,7 @@ def _force_changes(
     """
     patches = [each for patches, _ in spans for each in patches]
     force = np.array([each.force for each in patches])
-    places = pair.facing.points(*np.transpose([each.centroid for each in patches]))
+    places = pair.developed.points(*np.transpose([each.centroid for each in patches]))
     own = [
         sum(body.influence(np.array([each.centroid[1] for each in patches])) for body in around)
         for patches, around in spans

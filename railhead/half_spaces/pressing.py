@@ -11,9 +11,8 @@ import numpy as np
 from scipy.ndimage import find_objects, label
 
 from railhead.contact import closed_forms
-from railhead.contact.crossing import CrossingContact
 from railhead.contact.solid import Contact
-from railhead.half_spaces.surface import Developed, Heads, Plane, develop
+from railhead.half_spaces.surface import Developed, Plane, develop
 from railhead.theory.array_types import Array
 from railhead.theory.bem import grid_stress, pressure_solver
 from railhead.theory.bem.influence import Lines
@@ -59,16 +58,10 @@ class HalfSpacePair:
 
     @cached_property
     def developed(self) -> Developed:
-        """The rail's surface developed into a plane. Raises ValueError between half-spaces."""
-        return develop(self.contact)
-
-    @cached_property
-    def facing(self) -> Developed | Heads:
-        """Where the wheel faces the rail: its developed surface, or the planes of its heads. Raises
+        """The surface of the rail, or of the heads of a crossing, developed into a plane. Raises
         ValueError between half-spaces.
         """
-        crossing = isinstance(self.contact, CrossingContact)
-        return Heads(self.contact) if crossing else self.developed  # type: ignore[arg-type]
+        return develop(self.contact)
 
     @property
     def exact(self) -> bool:
@@ -76,9 +69,9 @@ class HalfSpacePair:
         return self.contact.half_space or self.contact.line
 
     @property
-    def surface(self) -> Developed | Heads | Plane:
+    def surface(self) -> Developed | Plane:
         """The surface on which the bodies meet; of half-spaces and of a line the plane z = 0."""
-        return Plane(self.contact) if self.exact else self.facing
+        return Plane(self.contact) if self.exact else self.developed
 
     @cached_property
     def materials(self) -> MaterialPair:
@@ -208,15 +201,14 @@ class HalfSpacePair:
         within the profiles, and where patches are still missed after five solutions
         (MAX_SOLUTIONS).
         """
-        contact, surface = self.contact, self.facing
+        contact, surface = self.contact, self.developed
         rigid = self.hertz.approach / contact.touch.upright
         if load is not None:
             rigid *= (load / self.hertz.load / contact.touch.upright) ** (2 / 3)
         x, s, height = surface.locus(2 * FIRST_REACH * rigid)
         if start is None:
-            windows = _boxes(contact, x, s, np.maximum(FIRST_REACH * rigid - height, 0))
-            if isinstance(surface, Developed):
-                windows = _around(contact, surface, FIRST_REACH * rigid) + windows
+            windows = _around(contact, surface, FIRST_REACH * rigid)
+            windows += _boxes(contact, x, s, np.maximum(FIRST_REACH * rigid - height, 0))
         else:
             windows = [_window(window.x, window.s) for window in start.windows]
         for _ in range(MAX_SOLUTIONS):
@@ -244,7 +236,7 @@ class HalfSpacePair:
 
 
 def _inside(
-    surface: Developed | Heads, found: BoundaryElementSolution, x: Array, s: Array, height: Array
+    surface: Developed, found: BoundaryElementSolution, x: Array, s: Array, height: Array
 ) -> Array:
     """Depth (n,) in mm of the wheel's contact locus in the rail outside of the windows of a
     solution; zero where this is at most 0.1 % (PENETRATION) of the approach.
@@ -306,6 +298,5 @@ def _around(contact: Contact, surface: Developed, rigid: float) -> list[Window]:
         depth = 2 * (rigid - touch.gap) * math.cos(touch.angle)
         least = 0.1 / contact.scene.wheel.rolling_radius
         halves = [math.sqrt(depth / max(c, least)) for c in (touch.curvature_x, touch.curvature_y)]
-        s = float(np.interp(touch.y, surface.y, surface.s))
-        found.append(((touch.x, s), (halves[0], halves[1])))
+        found.append((surface.place(touch), (halves[0], halves[1])))
     return found

@@ -184,9 +184,9 @@ def patches(pair: HalfSpacePair, pressed: Pressed, cells: int) -> list[PressedPa
         for each in pressed.windows:
             if each.force > SMALLEST * pressed.force:
                 grid = grid_over(*each.middle_and_half_extents, cells, wider)
-                angle = pair.facing.angle(grid.s)
+                angle = pair.developed.angle(grid.s)
                 known.append(each.sampled(replace(grid, angle=angle, lean=each.lean)))
-        gap: Gap = pair.facing.gap
+        gap: Gap = pair.developed.gap
     elif isinstance(pressed, LineContact):
         half = pressed.half_width
         grid, strip = strip_grid(half, pressed.curvature, cells, wider)

@@ -19,7 +19,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from railhead.contact.solid import Contact
-from railhead.half_spaces.surface import Developed, Heads
+from railhead.half_spaces.surface import Developed
 from railhead.meshing.grading import Grading, suited_stretch
 from railhead.planning.context import Context
 from railhead.postprocess.findings import Frame
@@ -119,7 +119,7 @@ def forecast(context: Context) -> Forecast:
     if isinstance(found, str):  # where nothing else is known the finite elements will tell
         reason = f"boundary elements: {found}" if found else ""
         return replace(_hertz(contact, context.hertz), reason=reason)
-    surface, points, forces = context.half_spaces.facing, [], []
+    surface, points, forces = context.half_spaces.developed, [], []
     for window in found.windows:
         points.append(surface.points(*window.places))
         forces.append(window.cell * window.pressure.ravel())
@@ -148,7 +148,7 @@ def _hertz(contact: Contact, ellipse: Hertz) -> Forecast:
     return Forecast((zone,), (0.0, 0.0, a, b), touching, True)
 
 
-def _zone(patch: PatchSolution, surface: Developed | Heads) -> Zone:
+def _zone(patch: PatchSolution, surface: Developed) -> Zone:
     """Zone of a boundary-element patch from the whole cells that carry pressure, with the centre of
     its box on the rail's surface and half lengths in mm.
     """

@@ -215,7 +215,7 @@ def test_a_head_ends_where_its_section_does(nose: str) -> None:
     F/(4 pi d^2), whatever the profile of a plain rail."""
     plan = rh.plan(scene(180.0, nose).replace(effects={"finite_bodies": "off"})).plan
     pair, pressed = plan.context.half_spaces, plan.context.half_spaces.boundary_elements
-    (span,) = pair.facing.spans
+    (span,) = pair.developed.sections
     apart = min(abs(end - pressed.patches[0].centroid[1]) for end in span.ends)
     own = pressed.patches[0].force / (4 * np.pi * apart**2)
     assert added_stress(pair, [RAIL], pressed) == pytest.approx(own, rel=1e-9)
