@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from railhead.api import find, load, plan, solve, steels
-    from railhead.cli.geometry import locate, profile
+    from railhead.cli.examined.geometry import locate, profile
     from railhead.meshing.mesh import MeshError
     from railhead.results.result import Result
     from railhead.scene.scene import (
@@ -58,7 +58,7 @@ __all__ = [
 _HOMES = dict.fromkeys(__all__, "railhead.scene.scene") | {
     "MeshError": "railhead.meshing.mesh",
     **dict.fromkeys(("find", "load", "plan", "solve", "steels"), "railhead.api"),
-    **dict.fromkeys(("locate", "profile"), "railhead.cli.geometry"),
+    **dict.fromkeys(("locate", "profile"), "railhead.cli.examined.geometry"),
     "Result": "railhead.results.result",
     "creep_table": "railhead.sweeps.creep_tables",
     **dict.fromkeys(("Sweep", "sweep"), "railhead.sweeps.parallel"),

@@ -32,7 +32,7 @@ from railhead.scene.scene import Scene, SceneError, unit_questions
 from railhead.scene.sections import refuse_first
 
 if TYPE_CHECKING:
-    from railhead.cli.examined import Examined
+    from railhead.cli.examined.examined import Examined
     from railhead.postprocess.findings import Units
     from railhead.sweeps.grid import ParameterGrid
     from railhead.sweeps.sampling import Law
@@ -250,7 +250,7 @@ def sweep(
     as_json: bool,
 ) -> int:
     """Solve a case for every combination of values, side by side."""
-    from railhead.sweeps import passages
+    from railhead.contact import head_loads
     from railhead.sweeps.grid import ParameterGrid
     from railhead.sweeps.sampling import Law
 
@@ -260,7 +260,7 @@ def sweep(
         grid = ParameterGrid.sampled(scene, lists, samples, count, sobol=sobol)
         _ask(*grid.scenes)
     else:
-        grid = _grid(scene, values if rows else passages.refined(scene, values), rows)
+        grid = _grid(scene, values if rows else head_loads.refined(scene, values), rows)
     folder = out if out is not None else Path("results") / f"{scene.name}_sweep"
     result_folder.check_folder(folder)
 
@@ -417,7 +417,7 @@ def locate(
     given = [f"{key}={value}" for key, value in positions.items() if value is not None]
     scene = catalogue.find(case).replace([*assignments, *given])
 
-    from railhead.cli.geometry import locate
+    from railhead.cli.examined.geometry import locate
 
     _report(locate(scene, lists or None), scene.name, "locate", **options)
 
@@ -433,7 +433,7 @@ def locate(
 @options.takes_report
 def profile(file: Path, body: str | None, assignments: Sequence[str], **options: Any) -> None:
     """Read and smooth a measured profile, and say what is worn off it; solve nothing."""
-    from railhead.cli import geometry
+    from railhead.cli.examined import geometry
 
     _report(geometry.profile(str(file), body, assignments), file.stem, "profile", **options)
 
@@ -458,7 +458,7 @@ def steel(
     **options: Any,
 ) -> int:
     """Show what a steel does, or fit it to a test (a FILE with columns strain, stress)."""
-    from railhead.cli.steels import steel_tests
+    from railhead.cli.examined.steels import steel_tests
     from railhead.scene.units import STRESS, to_base
 
     stress: dict[str, float] = {}

@@ -11,9 +11,9 @@ from typing import Any
 from rich.console import Console
 
 from railhead import api
-from railhead.cli.geometry import ExaminedProfile, Location
-from railhead.cli.passage import Passage
-from railhead.cli.steels import SteelTests
+from railhead.cli.examined.geometry import ExaminedProfile, Location
+from railhead.cli.examined.passage import Passage
+from railhead.cli.examined.steels import SteelTests
 from railhead.postprocess.findings import BASE_UNITS, Subject, Units
 from railhead.results import quantity_rows, result_folder
 from railhead.results.quantity_rows import Row

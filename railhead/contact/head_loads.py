@@ -1,5 +1,7 @@
 """How two heads share the load of a wheel, by exact Hertz, and where its axle goes between them.
 
+`refined` has positions that are close where the load goes over.
+
 Both heads have one sink. At the first contact of each its own approach counts, and the other load
 displaces it as on one half-space. With the rises t of both contacts and the compliances a = du/dF
 of both approaches, less c of the mutual displacement, the axle moves along
@@ -7,14 +9,22 @@ of both approaches, less c of the mutual displacement, the axle moves along
     dz/dx = (t_1 (a_2 - c) + t_2 (a_1 - c)) / (a_1 + a_2 - 2 c)
 """
 
+from __future__ import annotations
+
 import math
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
 
-from railhead.contact import closed_forms
+from railhead.contact import closed_forms, crossing
 from railhead.contact.crossing import Crossing
+from railhead.scene.scene import Scene, SceneError
 from railhead.theory.elastic import hertz
+
+KEY = "rail.position"
+MOST, DEEPEST = 0.1, 12  # of the share of the rail from a position to the next; times it is halved
 
 
 def divided(found: Crossing) -> tuple[float, float]:
@@ -51,3 +61,35 @@ def divided(found: Crossing) -> tuple[float, float]:
     share = float(brentq(deeper, 0.0, 1.0))
     softer = 2 / 3 * whole / np.cbrt([share, 1 - share]) - other
     return share, float(rises @ softer[::-1] / softer.sum())
+
+
+def refined(scene: Scene, lists: Mapping[str, Sequence[object]]) -> dict[str, Any]:
+    """Lists of values by key of a sweep, with positions between those of a rail of sections where
+    the share of the load on a head changes by more than 0.1 (MOST) from one to the next. Unchanged
+    where other keys are varied, too. Raises SceneError for a position that is none.
+    """
+    if not scene.rail.sections or scene.load is None or [*lists] != [KEY] or len(lists[KEY]) < 2:
+        return dict(lists)
+    given = sorted(scene.replace(**{KEY: each}).rail.position for each in lists[KEY])
+    shares = {at: share(scene, at) for at in given}
+    for _ in range(DEEPEST):
+        ordered = sorted(shares)
+        wide = [
+            (here + after) / 2
+            for here, after in zip(ordered, ordered[1:], strict=False)
+            if abs(shares[here] - shares[after]) > MOST
+        ]
+        if not wide:
+            break
+        shares |= {at: share(scene, at) for at in wide}
+    return {KEY: sorted(shares)}
+
+
+def share(scene: Scene, at: float) -> float:
+    """Share of the load that the rail carries at a position (mm) by `divided`; 0 where the wheel
+    cannot stand there.
+    """
+    try:
+        return divided(crossing.touch(scene.replace(**{KEY: at})))[0]
+    except SceneError:
+        return 0.0

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import tomli_w
 
-from railhead.cli import geometry
+from railhead.cli.examined import geometry
 from railhead.contact import crossing, solid
 from railhead.geometry import profiles, wheelset
 from railhead.geometry.placement import ContactPoint, Pose, ProfilePair

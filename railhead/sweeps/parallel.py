@@ -14,6 +14,7 @@ from typing import Any
 
 from mpi4py import MPI
 
+from railhead.contact import head_loads
 from railhead.meshing.mesh import MeshError
 from railhead.planning.simulation_plan import Plan
 from railhead.postprocess.findings import BASE_UNITS, Units
@@ -24,7 +25,7 @@ from railhead.run.progress import Progress, Tell, show_progress
 from railhead.scene.catalogue import as_path, copy_files, places, portable
 from railhead.scene.scene import Scene, SceneError, checked, warn_of_units
 from railhead.scene.sections import refuse_first
-from railhead.sweeps import passages, runner, store, sweep_table, worker_pool
+from railhead.sweeps import runner, store, sweep_table, worker_pool
 from railhead.sweeps.grid import ParameterGrid, parse_values
 from railhead.sweeps.sampling import SEED
 from railhead.sweeps.sweep_table import Sweep
@@ -250,7 +251,7 @@ def sweep(
     reason in its row.
     """
     if sample is None:
-        lists = passages.refined(checked(scene), _lists(over, values))
+        lists = head_loads.refined(checked(scene), _lists(over, values))
         grid = ParameterGrid.combine(scene, lists)
     else:
         laws = parse_values([f"{key}={text}" for key, text in {**(over or {}), **values}.items()])

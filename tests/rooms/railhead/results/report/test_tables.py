@@ -20,7 +20,7 @@ from solved import solved
 
 import railhead as rh
 from railhead import api
-from railhead.cli import geometry
+from railhead.cli.examined import geometry
 from railhead.planning.effects import in_words
 from railhead.postprocess.findings import Units, brief
 from railhead.postprocess.pictures import gallery

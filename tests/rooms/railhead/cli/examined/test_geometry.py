@@ -18,13 +18,13 @@ from one_line import refusal
 import railhead as rh
 from railhead import api
 from railhead.cases.s1002_60e1 import SCENE
-from railhead.cli import geometry
+from railhead.cli.examined import geometry
 from railhead.contact import solid
 from railhead.geometry import profiles
 from railhead.results.report import output_units, terminal
 from railhead.scene.scene import Scene, SceneError
 
-DATA = Path(__file__).parents[1] / "geometry" / "data"
+DATA = Path(__file__).parents[2] / "geometry" / "data"
 BAN, PRW = str(DATA / "MBench_UIC60_v3.ban"), str(DATA / "MBench_S1002_v3.prw")
 
 

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 import railhead as rh
+from railhead.contact import head_loads
 from railhead.scene.scene import Scene
-from railhead.sweeps import passages, sweep_table
+from railhead.sweeps import sweep_table
 
 # Position of the axle, share of the nose (c = 1), largest pressure, MPa.
 SHARES = {
@@ -47,17 +48,17 @@ def test_springs_of_hertz_share_the_load_as_boundary_elements_do(
     scene: Scene, position: float
 ) -> None:
     """The reference has them in planes, with each body one half-space."""
-    assert passages.share(scene, position) == pytest.approx(SHARES[position][0], abs=1e-3)
+    assert head_loads.share(scene, position) == pytest.approx(SHARES[position][0], abs=1e-3)
 
 
 def test_positions_are_close_where_the_load_goes_over(scene: Scene) -> None:
     """From one to the next no share changes by more than 0.1; far away none is added."""
-    found = passages.refined(scene, {"rail.position": [180.0, "200 mm", 220.0]})["rail.position"]
-    assert np.abs(np.diff([passages.share(scene, at) for at in found])).max() <= 0.1
+    found = head_loads.refined(scene, {"rail.position": [180.0, "200 mm", 220.0]})["rail.position"]
+    assert np.abs(np.diff([head_loads.share(scene, at) for at in found])).max() <= 0.1
     assert {180.0, 200.0, 220.0} <= {*found} and 13 <= len(found) <= 25
     assert not [at for at in found if 200 < at < 220]
     plain = {"load": [1e4, 2e4]}
-    assert passages.refined(scene, plain) == plain
+    assert head_loads.refined(scene, plain) == plain
 
 
 def rows(upward: bool) -> list[dict[str, Any]]:

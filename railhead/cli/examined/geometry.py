@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
-from railhead.cli.examined import Examined
-from railhead.cli.passage import Passage, passage
+from railhead.cli.examined.examined import Examined
+from railhead.cli.examined.passage import Passage, passage
 from railhead.contact import solid
 from railhead.geometry.measured import BODY_BY_EXTENSION, standards
 from railhead.geometry.measured.measured_profile import Measured

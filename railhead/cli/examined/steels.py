@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
-from railhead.cli.examined import Examined
+from railhead.cli.examined.examined import Examined
 from railhead.postprocess.findings import BASE_UNITS, Drawing, Subject, Units
 from railhead.postprocess.pass_rows import rule
 from railhead.results.report import terminal

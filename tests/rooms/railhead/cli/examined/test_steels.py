@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from one_line import refusal
 
-from railhead.cli.steels import steel_tests
+from railhead.cli.examined.steels import steel_tests
 from railhead.solver.material import Hardening, Material
 from railhead.solver.plasticity.specimen import Bar, fitted, stresses
 
 E, Y, C, G = 207e3, 400.0, 40e3, 100.0
 LAW = Hardening.linear(Y).cyclic([(C, G)])
-EXAMPLES = Path(__file__).parents[4] / "examples"
+EXAMPLES = Path(__file__).parents[5] / "examples"
 
 
 @pytest.mark.parametrize(("most", "exact"), [(600.0, 0.002231436), (700.0, 0.007621401)])

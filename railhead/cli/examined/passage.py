@@ -8,7 +8,7 @@ from typing import Any
 
 from rich.console import Console
 
-from railhead.cli.examined import Examined
+from railhead.cli.examined.examined import Examined
 from railhead.contact import crossing
 from railhead.postprocess.findings import BASE_UNITS, Drawing, Subject, Units
 from railhead.results.report import terminal

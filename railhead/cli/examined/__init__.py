@@ -1,0 +1,1 @@
+"""What is found without solving: places of contact, measured profiles, paths of a wheel, steels."""
