@@ -4,24 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from scipy.ndimage import find_objects, label
 
 from railhead.contact import closed_forms
 from railhead.contact.solid import Contact
-from railhead.half_spaces.surface import Developed, Plane, develop
-from railhead.theory.array_types import Array
+from railhead.half_spaces.surface import Developed, Plane, develop, window_of
 from railhead.theory.bem import grid_stress, pressure_solver
 from railhead.theory.bem.influence import Lines
-from railhead.theory.bem.pressure_solver import BoundaryElementSolution, Window
+from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.elastic.line import Hertz
 from railhead.theory.friction.tangential import MaterialPair
 
 FIRST_REACH = 1.2  # closure up to which patches are searched at first, over Hertz's approach
-PENETRATION = 1e-3  # least overlap, over the approach, that shows a missed patch
 MAX_SOLUTIONS = 5
 TOLERANCE = 1e-5
 # Of a load: half lengths change by 7 %, and grids leave 10 % beside the patch; no change at all.
@@ -201,16 +198,15 @@ class HalfSpacePair:
         within the profiles, and where patches are still missed after five solutions
         (MAX_SOLUTIONS).
         """
-        contact, surface = self.contact, self.developed
-        rigid = self.hertz.approach / contact.touch.upright
+        surface, upright = self.developed, self.contact.touch.upright
+        rigid = self.hertz.approach / upright
         if load is not None:
-            rigid *= (load / self.hertz.load / contact.touch.upright) ** (2 / 3)
-        x, s, height = surface.locus(2 * FIRST_REACH * rigid)
+            rigid *= (load / self.hertz.load / upright) ** (2 / 3)
+        locus = surface.locus(2 * FIRST_REACH * rigid)
         if start is None:
-            windows = _around(contact, surface, FIRST_REACH * rigid)
-            windows += _boxes(contact, x, s, np.maximum(FIRST_REACH * rigid - height, 0))
+            windows = surface.near(locus, FIRST_REACH * rigid)
         else:
-            windows = [_window(window.x, window.s) for window in start.windows]
+            windows = [window_of(window.x, window.s) for window in start.windows]
         for _ in range(MAX_SOLUTIONS):
             found = pressure_solver.solve_developed(
                 surface.gap,
@@ -226,77 +222,9 @@ class HalfSpacePair:
                 lean=surface.lean,
             )
             known = None
-            missed = _boxes(contact, x, s, _inside(surface, found, x, s, height))
-            if not missed:
+            if not (missed := surface.missed(locus, found)):
                 return found
-            windows = [_window(window.x, window.s) for window in found.windows] + missed
+            windows = [window_of(window.x, window.s) for window in found.windows] + missed
         raise ValueError(
             f"after {MAX_SOLUTIONS} solutions the wheel still lies in the rail beside the patches"
         )
-
-
-def _inside(
-    surface: Developed, found: BoundaryElementSolution, x: Array, s: Array, height: Array
-) -> Array:
-    """Depth (n,) in mm of the wheel's contact locus in the rail outside of the windows of a
-    solution; zero where this is at most 0.1 % (PENETRATION) of the approach.
-    x, s, height: of the locus in the developed plane, or on a grid, mm; the depth has their shape.
-    """
-    beside = height < found.approach
-    for window in found.windows:
-        reach = [
-            abs(axis - cells.mean()) > np.ptp(cells) / 2
-            for axis, cells in ((x, window.x), (s, window.s))
-        ]
-        beside &= reach[0] | reach[1]
-    depth = np.zeros_like(x)
-    x, s = x[beside], s[beside]
-    closed = found.approach * surface.upright(s) - surface.gap(x, s)
-    depth[beside] = closed - found.displacement(x, s, surface.angle(s))
-    return np.where(depth > PENETRATION * found.approach, depth, 0.0)
-
-
-def _window(x: Array, s: Array) -> Window:
-    """Smallest rectangle that holds places x (n,) and s (m,), in mm: centre (x, s) and half sizes
-    (x, s).
-    """
-    (x0, x1), (s0, s1) = ((float(each.min()), float(each.max())) for each in (x, s))
-    return ((x0 + x1) / 2, (s0 + s1) / 2), ((x1 - x0) / 2, (s1 - s0) / 2)
-
-
-def _boxes(contact: Contact, x: Array, s: Array, depth: Array) -> list[Window]:
-    """Rectangles around the runs of the contact locus x, s (n,) in mm that lie by depth (n,) mm in
-    the rail: centre (x, s) and half sizes (x, s). On a grid (n, m) they are its connected parts.
-    """
-    found: list[Window] = []
-    if depth.ndim == 2:
-        steps = [np.median(np.abs(np.diff(each, axis=k))) for k, each in enumerate((x, s))]
-        for part in find_objects(label(depth > 0, np.ones((3, 3)))[0]):
-            centre, (a, b) = _window(x[part], s[part])
-            found.append((centre, (a + float(steps[0]), b + float(steps[1]))))
-        return found
-    curvature = max(contact.touch.curvature_x, 0.1 / contact.scene.wheel.rolling_radius)
-    for (run,) in find_objects(label(depth > 0)[0]):
-        half = math.sqrt(2 * depth[run].max() / curvature)
-        step = float(np.max(np.abs(np.diff(s[max(run.start - 1, 0) : run.stop + 1]))))
-        low, high = s[run].min() - step, s[run].max() + step
-        middle, spread = (x[run].min() + x[run].max()) / 2, np.ptp(x[run]) / 2
-        found.append(((float(middle), (low + high) / 2), (half + float(spread), (high - low) / 2)))
-    return found
-
-
-def _around(contact: Contact, surface: Developed, rigid: float) -> list[Window]:
-    """Rectangles around the contact points at which paraboloids would lie in the rail after a
-    closure `rigid` (mm): centre (x, s) and half sizes (x, s), mm.
-    """
-    found: list[Window] = []
-    touches = contact.touches(rigid)
-    if contact.shape is not None:  # the smooth bodies touch elsewhere
-        x, y = contact.shape.first
-        touches = [replace(contact.touch, x=x, y=y)]
-    for touch in touches:
-        depth = 2 * (rigid - touch.gap) * math.cos(touch.angle)
-        least = 0.1 / contact.scene.wheel.rolling_radius
-        halves = [math.sqrt(depth / max(c, least)) for c in (touch.curvature_x, touch.curvature_y)]
-        found.append((surface.place(touch), (halves[0], halves[1])))
-    return found

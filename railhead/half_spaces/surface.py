@@ -14,12 +14,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 from scipy.interpolate import CubicSpline
+from scipy.ndimage import find_objects, label
 
 from railhead.contact import closed_forms, wheelset_kinematics
 from railhead.contact.crossing import CrossingContact
@@ -30,12 +31,17 @@ from railhead.geometry.profiles import Profile, Spline
 from railhead.geometry.surfaces import RailSurface, WheelSurface, along, between
 from railhead.meshing.bodies import WHEEL
 from railhead.theory.array_types import Array, Mask
+from railhead.theory.bem.pressure_solver import BoundaryElementSolution, Window
 from railhead.theory.friction.rolling import plane_modes
 
 SAMPLES = 4001  # points on each profile
 HEAD = 2001  # points on the section of a head
 BESIDE, LEAST = 1.6, 4.0  # half sizes of the search over those of paraboloids; mm, at least
 ALONG, ACROSS = 41, 61  # places of the search on each head
+PENETRATION = 1e-3  # least overlap, over the approach, that shows a missed patch
+Locus = tuple[Array, Array, Array]
+"""Places x, s on a developed surface, and the vertical height of the undeformed wheel over the rail
+there, (n,) or (n, m), mm."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -217,7 +223,7 @@ class Developed:
         velocity = velocity.reshape(4, x.size, s.size, 3)
         return np.nan_to_num(np.stack([velocity @ axes[0], (velocity * aside).sum(-1)], axis=1))
 
-    def locus(self, closure: float) -> tuple[Array, Array, Array]:
+    def locus(self, closure: float) -> Locus:
         """x, s and vertical height over the rail (n,), in mm, of the wheel's contact locus, where
         its points are over the rail. Of surfaces with a shape, and of heads, it is a grid (n, m)
         instead, which holds all places that can touch after a closure (mm).
@@ -235,7 +241,7 @@ class Developed:
         return x, s, height.reshape(x.shape)
 
     @cached_property
-    def _line(self) -> tuple[Array, Array, Array]:
+    def _line(self) -> Locus:
         """As of `locus`, for profiles without a shape."""
         pair, pose = self.contact.pair, self.contact.pose
         assert pair is not None and pose is not None
@@ -260,6 +266,65 @@ class Developed:
             indexing="ij",
         )
 
+    def near(self, locus: Locus, closure: float) -> list[Window]:
+        """Rectangles around the places of a locus at which the undeformed wheel lies in the rail
+        after a closure, mm, and around the contact points at which paraboloids would.
+        """
+        x, s, height = locus
+        found, shape = list[Window](), self.contact.shape
+        touches = self.contact.touches(closure)
+        if shape is not None:  # the smooth bodies touch elsewhere
+            touches = [replace(self.contact.touch, x=shape.first[0], y=shape.first[1])]
+        for touch in touches:
+            depth = 2 * (closure - touch.gap) * math.cos(touch.angle)
+            a, b = (
+                math.sqrt(depth / max(each, self._flattest))
+                for each in (touch.curvature_x, touch.curvature_y)
+            )
+            found.append((self.place(touch), (a, b)))
+        return found + self._boxes(x, s, np.maximum(closure - height, 0.0))
+
+    def missed(self, locus: Locus, found: BoundaryElementSolution) -> list[Window]:
+        """Rectangles around the places of a locus outside of the windows of a solution at which the
+        wheel lies in the rail by more than 0.1 % (PENETRATION) of the approach.
+        """
+        x, s, height = locus
+        beside = height < found.approach
+        for window in found.windows:
+            reach = [
+                abs(axis - cells.mean()) > np.ptp(cells) / 2
+                for axis, cells in ((x, window.x), (s, window.s))
+            ]
+            beside &= reach[0] | reach[1]
+        depth, at = np.zeros_like(x), (x[beside], s[beside])
+        closed = found.approach * self.upright(at[1]) - self.gap(*at)
+        depth[beside] = closed - found.displacement(*at, self.angle(at[1]))
+        return self._boxes(x, s, np.where(depth > PENETRATION * found.approach, depth, 0.0))
+
+    @property
+    def _flattest(self) -> float:
+        """Least relative curvature that is searched around, 1/mm."""
+        return 0.1 / self.contact.scene.wheel.rolling_radius
+
+    def _boxes(self, x: Array, s: Array, depth: Array) -> list[Window]:
+        """Rectangles around the runs of a locus x, s (n,) in mm that lies by depth (n,) mm in the
+        rail. On a grid (n, m) they are its connected parts.
+        """
+        found: list[Window] = []
+        if depth.ndim == 2:
+            steps = [np.median(np.abs(np.diff(each, axis=k))) for k, each in enumerate((x, s))]
+            for part in find_objects(label(depth > 0, np.ones((3, 3)))[0]):
+                centre, (a, b) = window_of(x[part], s[part])
+                found.append((centre, (a + float(steps[0]), b + float(steps[1]))))
+            return found
+        curvature = max(self.contact.touch.curvature_x, self._flattest)
+        for (run,) in find_objects(label(depth > 0)[0]):
+            step = float(np.max(np.abs(np.diff(s[max(run.start - 1, 0) : run.stop + 1]))))
+            centre, (a, b) = window_of(x[run], s[run])
+            half = math.sqrt(2 * depth[run].max() / curvature)
+            found.append((centre, (a + half, b + step)))
+        return found
+
 
 @dataclass(frozen=True)
 class Plane:
@@ -283,6 +348,12 @@ class Plane:
     def slip(self, x: Array, s: Array) -> Array:
         """Modes of rigid slip (4, 2, nx, ns) at x (nx,), s (ns,) in mm."""
         return plane_modes(x, s)
+
+
+def window_of(x: Array, s: Array) -> Window:
+    """Smallest rectangle that holds places x (n,) and s (m,), in mm."""
+    (x0, x1), (s0, s1) = ((float(each.min()), float(each.max())) for each in (x, s))
+    return ((x0 + x1) / 2, (s0 + s1) / 2), ((x1 - x0) / 2, (s1 - s0) / 2)
 
 
 def develop(contact: Contact) -> Developed:
