@@ -218,6 +218,7 @@ class CrossingContact(HeadContact):
         found = [each for name in heads for each in self.crossing.placed(name)]
         return sorted((each for each in found if each.gap <= clearance), key=lambda each: each.gap)
 
+    @cached_property
     def surfaces(self) -> tuple[RailSurface, WheelSurface]:
         """The exact surfaces of the heads and of the wheel in space."""
         crossing, radius = self.crossing, self.scene.wheel.rolling_radius

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
@@ -373,8 +374,9 @@ class Contact:
         """
         touch, axes = self.touch, self.touch.axes
         points = [touch.x, touch.y, touch.z] + np.column_stack([x, s]) @ axes[:2]
-        return between(*self.surfaces(), points, np.tile(axes[2], (len(x), 1)))
+        return between(*self.surfaces, points, np.tile(axes[2], (len(x), 1)))
 
+    @cached_property
     def surfaces(self) -> tuple[RailSurface, WheelSurface]:
         """The exact surfaces of rail and wheel in space. Raises ValueError for half-spaces."""
         if self.pair is None or self.pose is None:
@@ -391,7 +393,7 @@ class Contact:
         if self.half_space:
             outward = 1 if slave == RAIL else -1
             return ParabolicGap(self.touch.curvature_x, self.touch.curvature_y, outward)
-        rail, wheel = self.surfaces()
+        rail, wheel = self.surfaces
         return ExactGap(rail, wheel) if slave == RAIL else ExactGap(wheel, rail)
 
 

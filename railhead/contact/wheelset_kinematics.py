@@ -213,5 +213,5 @@ def rigid_slip(contact: Contact) -> RigidSlip:
     rise = points[:, 2] - contact.pair.rail.height(points[:, 1])
     over = np.isfinite(rise)
     return RigidSlip(
-        contact.frame, angular, sinks, contact.surfaces()[0], points[over, 1], rise[over]
+        contact.frame, angular, sinks, contact.surfaces[0], points[over, 1], rise[over]
     )

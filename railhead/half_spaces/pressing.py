@@ -17,6 +17,7 @@ from railhead.theory.bem.influence import Lines
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution
 from railhead.theory.elastic.line import Hertz
 from railhead.theory.friction.tangential import MaterialPair
+from railhead.theory.friction_laws import Interface
 
 FIRST_REACH = 1.2  # closure up to which patches are searched at first, over Hertz's approach
 MAX_SOLUTIONS = 5
@@ -74,6 +75,11 @@ class HalfSpacePair:
     def materials(self) -> MaterialPair:
         """Both materials of the scene combined for tangential contact."""
         return closed_forms.tangential_pair(self.contact.scene)
+
+    @cached_property
+    def interface(self) -> Interface:
+        """Heat, law of friction and layer between the surfaces."""
+        return closed_forms.interface(self.contact.scene)
 
     @cached_property
     def gap_deviation(self) -> float:

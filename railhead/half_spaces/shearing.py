@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from scipy.ndimage import zoom
 
-from railhead.contact import closed_forms, wheelset_kinematics
+from railhead.contact import wheelset_kinematics
 from railhead.contact.solid import Contact
 from railhead.half_spaces.pressing import FINE, HalfSpacePair, Pressed
 from railhead.postprocess.friction import at_cells
@@ -246,7 +246,7 @@ def shear(
         across=motion.across,
         rolling=motion.rolling,
         modes=[each.modes for each in patches],
-        interface=closed_forms.interface(pair.contact.scene),
+        interface=pair.interface,
         start=start,
     )
     return Sheared(pair=pair, rolling=motion.rolling, patches=patches, found=found)

@@ -28,7 +28,7 @@ from railhead.contact.solid import Contact
 from railhead.contact.wheelset_kinematics import RigidSlip
 from railhead.geometry.placement import ContactPoint
 from railhead.geometry.profiles import Profile, Spline
-from railhead.geometry.surfaces import RailSurface, WheelSurface, along, between
+from railhead.geometry.surfaces import RailSurface, along, between
 from railhead.meshing.bodies import WHEEL
 from railhead.theory.array_types import Array, Mask
 from railhead.theory.bem.pressure_solver import BoundaryElementSolution, Window
@@ -109,11 +109,6 @@ class Developed:
         return self.sections[0].s
 
     @cached_property
-    def _wheel(self) -> WheelSurface:
-        """Surface of the wheel."""
-        return self.contact.surfaces()[1]
-
-    @cached_property
     def _rigid(self) -> RigidSlip:
         """Rigid slip of the wheel."""
         return wheelset_kinematics.rigid_slip(self.contact)
@@ -191,15 +186,15 @@ class Developed:
         """Undeformed gap (n,) along the normals of the sections at x, s (n,), in mm; infinite where
         a normal misses the wheel or the rail and beyond a section.
         """
-        out, points = np.empty(len(s)), self.points(x, s)
+        out, points, wheel = np.empty(len(s)), self.points(x, s), self.contact.surfaces[1]
         for section, on in self._on(s):
             turn = section.turn(section.across(s[on]))
             normals = np.outer(np.cos(turn), section.axes[2])
             normals -= np.outer(np.sin(turn), section.axes[1])
             if section.rail is None:
-                out[on] = along(self._wheel, points[on], normals)
+                out[on] = along(wheel, points[on], normals)
             else:
-                out[on] = between(section.rail, self._wheel, points[on], normals)
+                out[on] = between(section.rail, wheel, points[on], normals)
         return out
 
     def slip(self, x: Array, s: Array) -> Array:
@@ -360,7 +355,7 @@ def develop(contact: Contact) -> Developed:
     """Developed surface of the rail of a contact. Raises ValueError for half-spaces, which have no
     profile.
     """
-    rail, _ = contact.surfaces()
+    rail, _ = contact.surfaces
     if isinstance(contact, CrossingContact):
         return Developed(contact, _heads(contact))
     profile, touch = contact.profiles["rail"][0], contact.touch

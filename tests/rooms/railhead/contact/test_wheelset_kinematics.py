@@ -11,10 +11,10 @@ from scipy.spatial.transform import Rotation
 import railhead as rh
 from railhead.contact import solid, wheelset_kinematics
 from railhead.half_spaces import shearing
-from railhead.half_spaces.second_opinion import boundary_elements
 from railhead.half_spaces.surface import develop
 from railhead.planning import simulation_plan as planning
 from railhead.run import model_setup
+from railhead.run.half_space_answer import boundary_elements
 from railhead.theory.friction import tangential
 from railhead.theory.friction.rolling import Creepage, HalfSpaceFriction
 

@@ -12,11 +12,11 @@ import railhead as rh
 from railhead.contact import closed_forms
 from railhead.half_spaces import shearing
 from railhead.half_spaces.pressing import HalfSpacePair
-from railhead.half_spaces.second_opinion import boundary_elements
 from railhead.half_spaces.shearing import Motion
 from railhead.planning import simulation_plan as planning
 from railhead.results import checks
 from railhead.results.report import terminal
+from railhead.run.half_space_answer import boundary_elements
 from studies.mechanics import fastsim
 
 
