@@ -21,7 +21,8 @@ from railhead.solver import compat
 from railhead.solver.algebra.linear import Preconditioner, factorise, near_nullspace
 from railhead.solver.algebra.problem import ContactProblem
 from railhead.solver.algebra.reduced_stiffness import DIFFERENT, Stiffness
-from railhead.solver.material import Material, assemble
+from railhead.solver.algebra.stiffness import assemble
+from railhead.solver.material import Material
 from railhead.solver.space.cells import Bulk, quadrature_degree
 from railhead.solver.space.operators import vector, weighted_product
 from railhead.solver.space.supports import Reduction, reduced_prolongation, rigid_modes

@@ -19,7 +19,8 @@ from railhead.solver.algebra.multigrid import Hierarchy, PMultigrid
 from railhead.solver.algebra.newton import CONVERGED, NewtonResult
 from railhead.solver.algebra.problem import ContactProblem
 from railhead.solver.algebra.reduced_stiffness import DIFFERENT, Stiffness
-from railhead.solver.material import Hardening, History, Material, assemble, backs
+from railhead.solver.algebra.stiffness import assemble
+from railhead.solver.material import Hardening, Material, backs
 from railhead.solver.model.applied import Applied
 from railhead.solver.model.energy import Energies
 from railhead.solver.model.parts import (
@@ -37,6 +38,7 @@ from railhead.solver.model.parts import (
 )
 from railhead.solver.model.problem import HubLoads, State, prescribed_motions
 from railhead.solver.plasticity.plastic_problem import YieldPoints, bulk_points
+from railhead.solver.plasticity.radial_return import History
 from railhead.solver.space.contact_interface import ContactLaw, Interface
 from railhead.solver.space.kinematics import Kinematics
 from railhead.solver.space.operators import vector

@@ -19,8 +19,8 @@ from petsc4py import PETSc
 from railhead.solver.algebra.newton import NewtonResult, NewtonStep
 from railhead.solver.algebra.reduced_stiffness import DIFFERENT
 from railhead.solver.friction.coulomb import projected
-from railhead.solver.material import History
 from railhead.solver.plasticity.plastic_problem import PlasticProblem
+from railhead.solver.plasticity.radial_return import History
 from railhead.solver.space.contact_interface import Interface
 from railhead.solver.space.operators import add_transposed, blockwise
 from railhead.solver.space.supports import Hub

@@ -15,12 +15,12 @@ from railhead.solver.algebra import newton
 from railhead.solver.algebra.linear import StalledError
 from railhead.solver.algebra.problem import ContactProblem
 from railhead.solver.algebra.reduced_stiffness import Stiffness
-from railhead.solver.material import History
 from railhead.solver.model.assembly import Assembly
 from railhead.solver.model.energy import Deformed, DeformedProblem
 from railhead.solver.model.loose import LOOSE, loose_motion
 from railhead.solver.model.problem import FrictionalProblem, HubLoads, State, prescribed_motions
 from railhead.solver.plasticity.plastic_problem import surface_points
+from railhead.solver.plasticity.radial_return import History
 from railhead.solver.space.contact_interface import Interface
 from railhead.solver.space.operators import add_transposed, transposed
 from railhead.solver.space.supports import Hub

@@ -22,7 +22,8 @@ from scipy.spatial import cKDTree
 from railhead.solver import compat
 from railhead.solver.algebra import linear
 from railhead.solver.algebra.reduced_stiffness import Stiffness
-from railhead.solver.material import Material, assemble
+from railhead.solver.algebra.stiffness import assemble
+from railhead.solver.material import Material
 from railhead.solver.plasticity.plastic_problem import YieldPoints, bulk_points
 from railhead.solver.space.kinematics import SOLID, Kinematics
 from railhead.solver.space.operators import petsc_matrix, transposed, vector

@@ -13,13 +13,13 @@ from petsc4py import PETSc
 
 from railhead.solver.algebra import linear, newton
 from railhead.solver.algebra.newton import NewtonResult
-from railhead.solver.material import ROOT, History, deviator
 from railhead.solver.plasticity.plastic_problem import (
     PlasticProblem,
     State,
     bulk_points,
     surface_points,
 )
+from railhead.solver.plasticity.radial_return import ROOT, History, deviator
 from railhead.solver.space.supports import on_facets
 from railhead.solver.system.contact_system import ContactSystem, LoadCase
 from railhead.solver.system.setup import LoadPath

@@ -20,14 +20,8 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from railhead.solver.algebra.problem import ContactProblem
-from railhead.solver.material import (
-    Hardening,
-    History,
-    Material,
-    TangentReduction,
-    backs,
-    radial_return,
-)
+from railhead.solver.material import Hardening, Material, backs
+from railhead.solver.plasticity.radial_return import History, TangentReduction, radial_return
 from railhead.solver.space.cells import Bulk, CellSet, quadrature_degree
 from railhead.solver.space.contact_interface import Interface
 from railhead.solver.space.operators import add_transposed, assemble_strains, select_rows

@@ -23,13 +23,9 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from railhead.solver.algebra.mixing import Anderson
-from railhead.solver.material import (
-    Hardening,
-    History,
-    deviator,
-    radial_return,
-)
+from railhead.solver.material import Hardening
 from railhead.solver.plasticity.block import Block
+from railhead.solver.plasticity.radial_return import History, deviator, radial_return
 from railhead.theory.array_types import Array, Index
 
 TOLERANCE = 1e-4  # change of the stress in an iteration over the yield stress in shear

@@ -11,7 +11,8 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.signal import find_peaks
 
-from railhead.solver.material import Hardening, History, Material, backs, radial_return
+from railhead.solver.material import Hardening, Material, backs
+from railhead.solver.plasticity.radial_return import History, radial_return
 from railhead.theory.array_types import Array
 
 ALONG = np.array([1.0, -0.5, -0.5])

@@ -22,7 +22,7 @@ from railhead.solver.algebra.reduced_stiffness import (
     SupportReactions,
     unit_vector,
 )
-from railhead.solver.material import assemble
+from railhead.solver.algebra.stiffness import assemble
 from railhead.solver.space.cells import Bulk
 from railhead.solver.space.contact_interface import Interface
 from railhead.solver.space.operators import add_transposed, vector

@@ -5,7 +5,8 @@ import pytest
 from boxes import LOWER, UPPER, two_boxes
 
 import railhead.solver as rs
-from railhead.solver.material import Hardening, History, radial_return
+from railhead.solver.material import Hardening
+from railhead.solver.plasticity.radial_return import History, radial_return
 
 ENDS = (((0, 0, -1), (1, 1, 0)), ((0, 0, 1), (1, 1, 2)))
 

@@ -15,7 +15,7 @@ from petsc4py import PETSc
 from railhead.solver import compat
 from railhead.solver.algebra import linear, multigrid, newton
 from railhead.solver.algebra.reduced_stiffness import Stiffness
-from railhead.solver.material import assemble
+from railhead.solver.algebra.stiffness import assemble
 from railhead.solver.space import supports as space_supports
 from railhead.solver.space.contact_interface import ContactLaw
 from railhead.solver.space.operators import petsc_matrix, vector

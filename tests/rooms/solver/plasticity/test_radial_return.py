@@ -3,15 +3,8 @@
 import numpy as np
 import pytest
 
-from railhead.solver.material import (
-    ROOT,
-    Hardening,
-    History,
-    Material,
-    backs,
-    deviator,
-    radial_return,
-)
+from railhead.solver.material import Hardening, Material, backs
+from railhead.solver.plasticity.radial_return import ROOT, History, deviator, radial_return
 
 MU, COUNT = 79615.0, 60
 CURVES = {
