@@ -150,6 +150,101 @@ class _Cycles:
         return 1.0 if self._stays >= SETTLED else 0.5**returns
 
 
+@dataclass(frozen=True, kw_only=True)
+class _State:
+    """Unknowns y in Newton's method: what touches there, and how far they are from a solution.
+
+    indicator: value (n,) at the contact points of this rank, MPa, positive where they touch.
+    active: which of them count as touching (n,).
+    pressure: pressure there (n,), MPa.
+    residual: R(y).
+    apart: whether nothing touches on any rank.
+    norm: norm of R over the nodal contact forces; where bodies are apart, over the applied forces
+        or, without any, over the largest contact force so far.
+    goal: norm at which y is a solution: the tolerance, or what is rounding.
+    """
+
+    indicator: Array
+    active: Mask
+    pressure: Array
+    residual: PETSc.Vec
+    apart: bool
+    norm: float
+    goal: float
+
+    @property
+    def solved(self) -> bool:
+        """Whether y is a solution."""
+        return self.norm <= self.goal
+
+
+class _Descent:
+    """Which states Newton's method may go on from, one after the other.
+
+    deformed: whether the equations are made linear anew in each state (`solve`, `anew`).
+    """
+
+    def __init__(self, problem: ContactProblem, rtol: float, *, deformed: bool) -> None:
+        """Before the first state; rtol: tolerance of the norm of the residual."""
+        self.rtol, self.deformed = rtol, deformed
+        self._diagonal, self._largest = problem.stiffness.diagonal(), problem.reference_force
+        self._touching, self._apart = np.inf, np.inf  # residuals in the last state of either kind
+
+    def state(self, problem: ContactProblem, y: PETSc.Vec, active: Mask | None) -> _State:
+        """State of unknowns y; active: points (n,) that count as touching; None: where the
+        indicator is above its floor.
+        """
+        indicator = problem.indicator(y)
+        active = indicator > problem.floor if active is None else active
+        pressure = np.where(active, indicator, problem.floor)
+        contact, residual = problem.contact_force(pressure), problem.residual(y, pressure)
+        self._largest = max(self._largest, contact)
+        scale = max(contact, LEAST_FORCE * problem.reference_force)
+        rounding = min(ROUNDING * (self._diagonal * y).norm(), MOST_ROUNDING * self._largest)
+        if not contact:  # bodies may rest apart, and y is large where nothing holds them
+            scale = problem.applied or self._largest or residual.norm() or 1.0
+            rounding = problem.least_force
+        return _State(
+            indicator=indicator,
+            active=active,
+            pressure=pressure,
+            residual=residual,
+            apart=not contact,
+            norm=residual.norm() / scale,
+            goal=max(self.rtol, rounding / scale),
+        )
+
+    def worse(self, state: _State, length: float) -> bool:
+        """Whether a part of the step of the given length would have been better: a value is no
+        number (cells turned inside out), the residual of deformed bodies does not fall, or contact
+        is lost where that is no solution.
+        """
+        if not np.isfinite(state.norm):
+            return True
+        if state.solved:
+            return False
+        if self.deformed:
+            falls = state.residual.norm() <= LEAST_FALL * self._touching
+            return not falls and (state.apart or length > LEAST_LENGTH)
+        return state.apart and not state.norm <= self._apart / 2 < np.inf
+
+    def failure(self, state: _State, length: float) -> str:
+        """Why there is no way on from a state, in words; empty where there is one. States apart
+        must come nearer to a solution by half each.
+        """
+        if not np.isfinite(state.norm):
+            return "the residual is not a number"
+        lost = self.worse(state, length) if self.deformed else state.norm > self._apart / 2
+        return "the bodies do not touch" if state.apart and lost and not state.solved else ""
+
+    def passed(self, state: _State) -> None:
+        """Go on from a state."""
+        if state.apart:
+            self._apart, self._touching = state.norm, np.inf
+        else:
+            self._touching = state.residual.norm()
+
+
 def solve(
     problem: ContactProblem,
     preconditioner: Preconditioner,
@@ -186,12 +281,11 @@ def solve(
     """
     comm = problem.stiffness.comm.tompi4py()
     result = NewtonResult(problem.force.duplicate(), np.zeros(len(active)), "too many Newton steps")
-    y, diagonal, increment = result.y, problem.stiffness.diagonal(), None
+    y, increment = result.y, None
     y.set(0.0)
     told, cycles = partial(NewtonStep, factor=problem.law.gamma_factor), _Cycles()
-    iterations, length, largest = 0, 1.0, problem.reference_force
-    last = np.inf  # residual of deformed bodies in the last state
-    returned, before = 0, np.inf  # steps taken back; residual in the last state without contact
+    descent = _Descent(problem, rtol, deformed=anew is not None)
+    iterations, length, returned = 0, 1.0, 0
     try:
         if start is not None:
             start.copy(y)
@@ -203,59 +297,38 @@ def solve(
             if anew is not None:
                 problem, active = anew(y, active)
                 preconditioner.problem, preconditioner.state = problem, None
-            indicator = problem.indicator(y)
             given = anew is not None and step == 1
-            reached = active if given else indicator > problem.floor
-            result.pressure = pressure = np.where(reached, indicator, problem.floor)
-            active, contact = reached, problem.contact_force(pressure)
-            residual, apart = problem.residual(y, pressure), not contact
-            largest = max(largest, contact)
-            scale = max(contact, LEAST_FORCE * problem.reference_force)
-            rounding = min(ROUNDING * (diagonal * y).norm(), MOST_ROUNDING * largest)
-            if apart:  # bodies may rest without contact, and y is large where nothing holds them
-                scale = problem.applied or largest or residual.norm() or 1.0
-                rounding = problem.least_force
-            norm, failure = residual.norm() / scale, ""
-            goal = max(rtol, rounding / scale)
-            worse = not np.isfinite(norm)  # of cells turned inside out
-            if anew is not None:
-                falls = norm <= goal or residual.norm() <= LEAST_FALL * last
-                worse |= not falls and (apart or length > LEAST_LENGTH)
-            elif apart:  # where something touched
-                worse = not norm <= max(goal, before / 2 if np.isfinite(before) else 0.0)
-            if worse and increment is not None and returned < MOST_RETURNED:
+            state = descent.state(problem, y, active if given else None)
+            result.pressure, active = state.pressure, state.active
+            if returned < MOST_RETURNED and increment is not None and descent.worse(state, length):
                 returned, length = returned + 1, length / 2
                 y.axpy(-length, increment)
                 continue
-            if not np.isfinite(norm):
-                failure = "the residual is not a number"
-            elif apart and (worse if anew is not None else norm > max(goal, before / 2)):
-                failure = "the bodies do not touch"
-            if apart:
-                before = norm
-            last, returned = (np.inf, returned) if apart else (residual.norm(), 0)
+            failure = descent.failure(state, length)
+            descent.passed(state)
+            returned = returned if state.apart else 0
             result.history.append(
                 told(
-                    residual=None if failure else norm,
+                    residual=None if failure else state.norm,
                     active=int(comm.allreduce(int(active.sum()))),
                     linear_iterations=iterations,
                     length=length,
                     problem=failure,
                 )
             )
-            progress(step, norm)
-            if failure and not apart:
+            progress(step, state.norm)
+            if failure and not state.apart:
                 _clear(result)
-            if failure or (norm <= goal and not given):
+            if failure or (state.solved and not given):
                 result.reason = failure or CONVERGED
                 return result
             if step == max_steps:
                 return result
             increment = problem.force.duplicate()
-            eta = forcing_term(problem, rtol, norm)
-            ends = problem.active_set_residual(active, indicator)
+            eta = forcing_term(problem, rtol, state.norm)
+            ends = problem.active_set_residual(active, state.indicator)
             iterations = linear.solve(
-                problem, preconditioner, active, -residual, increment, eta, ends
+                problem, preconditioner, active, -state.residual, increment, eta, ends
             )
             if problem.law.symmetric:
                 length = line_search(problem, y, increment)
