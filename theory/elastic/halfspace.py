@@ -112,10 +112,11 @@ def held_below(depth: float, poisson: float) -> float:
 
 def free_edge(distance: float, poisson: float) -> float:
     """Curvature (1/mm^3, over F (1 - nu^2)/(pi E)) of the surface that a free edge at right angles
-    adds, under a force F at a distance D (mm) from the edge: psi/(4 D^3).
+    adds, under a force F at a distance D (mm) from the edge: psi/(4 D^3) towards the edge, and
+    -psi/(8 D^3) along it.
 
-    The edge acts as a force psi F at the mirrored place; psi is that of `image_force` (R.
-    Guilbault, Journal of Tribology 133, 2011).
+    The edge acts as a force psi F at the mirrored place, whose displacement falls as 1/r; psi is
+    that of `image_force` (R. Guilbault, Journal of Tribology 133, 2011).
     """
     return image_force(poisson) / (4 * distance**3)
 
@@ -140,16 +141,3 @@ def own_approach(a: float, b: float) -> float:
     a^2, b^2), 1/mm; semi-axes a and b in mm.
     """
     return 1.5 * float(elliprf(0, a * a, b * b))
-
-
-def pressure_rise(curvature: float, a: float, b: float) -> float:
-    """Relative rise v of the largest pressure by an additional curvature; the area is divided by
-    1 + v.
-
-    curvature: over F/(pi E*), 1/mm^3, a mean of the bodies weighted by their compliance. a, b:
-        semi-axes of the patch, mm. Largest pressure and area change with the power 2/3 and -2/3 of
-        both curvatures together; the larger ratio of additional to own curvature is taken for both
-        directions.
-    """
-    ratio = curvature / min(own_curvatures(a, b))
-    return float(np.expm1(2 / 3 * np.log1p(ratio)))

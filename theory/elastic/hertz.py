@@ -184,6 +184,20 @@ def point_contact_from_approach(
     return point_contact(curvature_x, curvature_y, contact_modulus, load)
 
 
+def pressure_rise(along: float, across: float, a: float, b: float) -> float:
+    """Relative rise v of Hertz's largest pressure under the same force, where the surfaces get
+    additional curvatures along a and along b; the area is divided by 1 + v. At most half of a
+    curvature is taken away.
+
+    along, across: over F/(pi E*), 1/mm^3, means of the bodies weighted by their compliance. a, b:
+        semi-axes of the patch, mm.
+    """
+    own = np.array(halfspace.own_curvatures(a, b))
+    x, y = np.maximum(own + [along, across], own / 2)
+    more = point_contact(float(x), float(y), 1 / math.pi, 1.0)  # F/(pi E*) = 1
+    return more.p0 * 2 * math.pi * a * b / 3 - 1
+
+
 def line_contact(curvature: float, contact_modulus: float, load_per_length: float) -> Strip:
     """Hertz line contact: half width b = sqrt(4 F'/(pi E* curvature)), largest pressure p0 = 2
     F'/(pi b), with the load per length F' (N/mm), the contact modulus E* (MPa) and the relative

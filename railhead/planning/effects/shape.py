@@ -207,14 +207,14 @@ def decide_surface_shape(context: Context) -> Effect:
     x, s = np.concatenate([x[near], u, ahead + u]), np.concatenate([s[near], v, beside + v])
     points = surface.points(x, s)
     height, slopes = shape.at(pair, points[np.isfinite(points).all(axis=1)])
+    steep = f"where the bodies touch, beyond small sliding on a kept body; give {STEEPEST} at most"
+    key, text = "{}.surface", f"its slope is up to {{:.3g}} {steep}"
+    if context.scene.rail.varies:
+        key, text = "rail.position", f"the head leaves its section by a slope of {{:.3g}} {steep}"
+        text += ", by a place farther from the corner of the head, or --fast"
     refuse_first(
         *(
-            (
-                slope.max() > STEEPEST,
-                f"{body}.surface",
-                f"its slope is up to {slope.max():.3g} where the bodies touch, beyond small "
-                f"sliding on a kept body; give {STEEPEST} at most",
-            )
+            (slope.max() > STEEPEST, key.format(body), text.format(slope.max()))
             for body, slope in slopes.items()
         )
     )

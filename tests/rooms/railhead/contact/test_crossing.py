@@ -411,7 +411,8 @@ def test_the_estimate_knows_the_distance_of_the_sections(tmp_path: Path) -> None
 
 def test_a_blade_in_the_root_of_a_flange_takes_its_share(tmp_path: Path) -> None:
     """Case 7 at 209.25 mm: 43669 N and 2512.0 MPa on the blade, R 13 in R 25, 874.8 MPa on the
-    stock rail, in planes; developed along R 13 the force differs by 0.25 %.
+    stock rail, in planes; developed along R 13 the force differs by 0.25 %. The estimate holds
+    finite elements of 910 000 unknowns at 205.25 mm, whose rim gives way aside.
     """
     places = range(160, 261, 20)
     given = scene(
@@ -429,7 +430,10 @@ def test_a_blade_in_the_root_of_a_flange_takes_its_share(tmp_path: Path) -> None
         (43669, 2512.0), rel=0.004
     )
     assert heads["wing"]["max_MPa"] == pytest.approx(874.8, rel=2e-3)
-    assert 0.02 < summary["accuracy"]["bound"]["max_MPa"] < 0.2
+    summary = solved(given.replace(rail={"position": 205.25}))
+    pressure, by_elements = summary["result"]["pressure"]["max_MPa"], 2084.9
+    change = abs(by_elements / pressure - 1)
+    assert change < summary["accuracy"]["bound"]["max_MPa"] < 3 * change
 
 
 @pytest.mark.parametrize("case", ["hump", "nose"])
