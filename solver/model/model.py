@@ -14,7 +14,7 @@ from mpi4py import MPI
 from railhead.solver import compat
 from railhead.solver.algebra.newton import NewtonStep
 from railhead.solver.model.assembly import ON_AXIS, Assembly
-from railhead.solver.model.coarse import warn_where_coarse
+from railhead.solver.model.diagnosis import warn_where_coarse
 from railhead.solver.model.output import cell_fields, write
 from railhead.solver.model.parts import (
     Body,

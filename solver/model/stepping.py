@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import fields, replace
 from typing import Any
 
@@ -16,8 +16,8 @@ from railhead.solver.algebra.linear import StalledError
 from railhead.solver.algebra.problem import ContactProblem
 from railhead.solver.algebra.reduced_stiffness import Stiffness
 from railhead.solver.model.assembly import Assembly
+from railhead.solver.model.diagnosis import LOOSE, why_not
 from railhead.solver.model.energy import Deformed, DeformedProblem
-from railhead.solver.model.loose import LOOSE, loose_motion
 from railhead.solver.model.problem import FrictionalProblem, HubLoads, State, prescribed_motions
 from railhead.solver.plasticity.plastic_problem import surface_points
 from railhead.solver.plasticity.radial_return import History
@@ -133,15 +133,9 @@ def _step(model: Assembly, before: State, loads: HubLoads, share: float) -> Stat
         motions = unknowns.motions(loads, result.y)
         gap = model.gap(pairing, u, motions)
         if not result.converged:
-            touching = model.comm.allreduce(int((result.pressure > 0).sum()))
-            if not touching and any(hub.rigid for hub in unknowns.hubs):
-                result.reason = f"{LOOSE} a rigid surface: its force does not press it on a body"
-            elif isinstance(problem, FrictionalProblem) and problem.all_slides(result.pressure > 0):
-                result.reason = "everything slides: a force is above what friction carries"
-            elif words := loose_motion(
-                model, problem, result.pressure > 0 if model.energies else active, loads
-            ):
-                result.reason = words
+            touching = result.pressure > 0
+            held = touching if model.energies else active
+            result.reason = why_not(model, problem, loads, touching, held) or result.reason
             break
         if model.energies:
             break
@@ -166,8 +160,20 @@ def _step(model: Assembly, before: State, loads: HubLoads, share: float) -> Stat
             break
     else:
         pairing, result.reason = paired, "the pairs of points do not settle"
-    result = replace(result, history=done)
-    return _state(model, before, problem, pairing, loads, motions, share, u, gap, result, outdated)
+    after = replace(
+        before,
+        displacement=u,
+        loads=loads,
+        motions=motions,
+        share=share,
+        pairing=pairing,
+        outdated=outdated,
+        pressure=result.pressure,
+        gap=gap,
+        result=replace(result, history=done),
+        history=(),
+    )
+    return _with_tractions(model, before, after, problem)
 
 
 def _carried(values: Any, old: Interface, new: Interface) -> Any:
@@ -280,25 +286,15 @@ def _with_history(
     }
 
 
-def _state(
-    model: Assembly,
-    before: State,
-    problem: ContactProblem,
-    pairing: Interface,
-    loads: HubLoads,
-    motions: Mapping[Hub, Array],
-    share: float,
-    u: PETSc.Vec,
-    gap: Array,
-    result: newton.NewtonResult,
-    outdated: bool,
-) -> State:
-    """State that a result of Newton's method belongs to (collective)."""
-    pressure = result.pressure
+def _with_tractions(model: Assembly, before: State, after: State, problem: ContactProblem) -> State:
+    """State whose equations are solved, with tractions, slip, histories of yield and nodal forces
+    (collective). before: the state at the last step.
+    """
+    pressure, pairing, share = after.pressure, after.pairing, after.share
     bulk, surface = before.bulk, before.surface
     traction, lost = np.zeros(pairing.tangents.shape[:2]), share * model.applied.thermal_at(pairing)
     slip, sticking = _carried(before.slip, before.pairing, pairing), np.zeros(len(pressure), bool)
-    nodal = model.tangent(u)[1]
+    nodal = model.tangent(after.displacement)[1]
     nodal.axpy(-share, model.applied.force)
     if isinstance(problem, FrictionalProblem):
         bulk, surface = problem.state
@@ -311,25 +307,16 @@ def _state(
         add_transposed(pairing.slip, -pairing.weights[:, None] * traction, nodal)
     add_transposed(pairing.gap, -pairing.weights * pressure, nodal)
     if problem.consistency:
-        normal = (pairing.stress * u).array - lost
+        normal = (pairing.stress * after.displacement).array - lost
         add_transposed(
             pairing.stress, -problem.consistency * problem.weight * (pressure + normal), nodal
         )
-    return State(
-        displacement=u,
-        loads=loads,
-        motions=motions,
-        share=share,
+    return replace(
+        after,
         nodal=nodal.array.reshape(-1, model.kinematics.dim).copy(),
         bulk=bulk,
         surface=surface,
-        pairing=pairing,
-        outdated=outdated,
-        pressure=pressure,
-        gap=gap,
         traction=traction,
         slip=slip,
         sticking=sticking,
-        result=result,
-        number=before.number,
     )

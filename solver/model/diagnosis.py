@@ -1,4 +1,4 @@
-"""Rigid motions of bodies that neither supports nor contact hold."""
+"""What a model that does not answer, or answers badly, may lack: supports, and facets."""
 
 from __future__ import annotations
 
@@ -10,13 +10,55 @@ from scipy.sparse.csgraph import connected_components
 
 from railhead.solver.algebra.problem import ContactProblem
 from railhead.solver.model.assembly import Assembly
-from railhead.solver.model.problem import HubLoads
+from railhead.solver.model.problem import FrictionalProblem, HubLoads
 from railhead.solver.space.cells import CellSet
+from railhead.solver.space.contact_interface import Interface
 from railhead.solver.space.operators import vector
+from railhead.solver.system.surfaces import Tie
 from railhead.theory.array_types import Array, Index, Mask
 
 LOOSE = "nothing holds"
 HELD = 0.01  # least stiffness of a motion that is held, over that of the body's stiffest one
+LEAST_FACETS = {1: 5.0, 2: 1.2}  # on the half width of discs, of a degree: below, pressures are off
+# by a tenth and more
+FLAT, ALL = 1e-6, 0.9  # range of the gap over a facet, and share of points, of contacts at once
+
+
+def warn_where_coarse(model: Assembly, pairing: Interface, pressure: Array) -> None:
+    """Warn of contacts that touch on a part of a curved surface with too few facets from the
+    largest pressure to the edge (collective); pressure: at the points (n,).
+    """
+    on = pressure > 0
+    size = np.bincount(pairing.facet, pairing.weights)[pairing.facet[on]]
+    size = size / model.kinematics.measure(pairing.points[on])
+    found = pairing.contact[on], pressure[on], size, pairing.initial_gap[on], pairing.points[on]
+    every = [np.concatenate(parts) for parts in zip(*model.comm.allgather(found), strict=True)]
+    least, dim = LEAST_FACETS[model.bulk.degree], model.kinematics.dim
+    for number in np.unique(every[0]):
+        p, sizes, gap, x = (each[every[0] == number] for each in every[1:])
+        length = float(np.mean(sizes)) ** (1 / (dim - 1))
+        facets = np.linalg.norm(x - x[p.argmax()], axis=1).max() / length
+        whole = model.comm.allreduce(int((pairing.contact == number).sum()))
+        tied = isinstance(model.contacts[number], Tie)
+        if not tied and facets < least and np.ptp(gap) > FLAT * length and len(p) < ALL * whole:
+            model.warn(
+                f"contact {number} has {facets:.1f} facets from its largest pressure to its "
+                f"edge: with less than {least} its pressure may be off by a tenth"
+            )
+
+
+def why_not(
+    model: Assembly, problem: ContactProblem, loads: HubLoads, touching: Mask, held: Mask
+) -> str:
+    """Why Newton's method found no equilibrium, in words; empty where that is not known
+    (collective). touching: points (n,) that touch; held: those that may hold the bodies.
+    """
+    touched, hubs = model.comm.allreduce(int(touching.sum())), model.unknowns(loads).hubs
+    if not touched and any(hub.rigid for hub in hubs):
+        return f"{LOOSE} a rigid surface: its force does not press it on a body"
+    if isinstance(problem, FrictionalProblem) and problem.all_slides(touching):
+        return "everything slides: a force is above what friction carries"
+    return loose_motion(model, problem, held, loads)
 
 
 def loose_motion(model: Assembly, problem: ContactProblem, active: Mask, loads: HubLoads) -> str:
