@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from railhead.postprocess.findings import Array
+from railhead.postprocess.findings import Array, Findings
 from railhead.theory import damage
 from railhead.theory.friction.rolling import TangentialSolution
 from railhead.theory.friction.solution import FrictionSolution
@@ -327,8 +327,8 @@ def _hidden_by_border(stick_share: float, error: float, energy: Sequence[str] = 
 
 
 def wear_and_shakedown(
-    result: Mapping[str, Any],
-    coefficient: float,
+    found: Findings,
+    forces: Mapping[str, Any],
     shear_yield: float | None,
     *,
     poisson: float,
@@ -338,13 +338,13 @@ def wear_and_shakedown(
     """Wear regime and state in the shakedown map, as entries of "friction" in summary.json. Of
     several patches forces and area are added up, and each peak is the largest of any.
 
-    result: the summary's "result", with its "friction". coefficient: of friction. shear_yield:
-        yield stress in shear k, MPa, or None. poisson: Poisson's ratio. rolling: whether the wheel
-        rolls. line: whether the contact is a line.
+    found: patch, pressure and stresses. forces: as of `quantities`. shear_yield: yield stress in
+        shear k, MPa, or None. poisson: Poisson's ratio. rolling: whether the wheel rolls. line:
+        whether the contact is a line.
 
-    Without "stress" in the result none of what follows from it. Else always: the largest von Mises
-        stress, its depth, and whether its place is at the 'surface' or
-        'below', that is deeper than 0.1 (AT_SURFACE) of the smaller half length.
+    Without stresses none of what follows from them. Else always: the largest von Mises stress, its
+        depth, and whether its place is at the 'surface' or 'below', that is deeper than 0.1
+        (AT_SURFACE) of the smaller half length.
     Rolling: T-gamma, the energy dissipated per rolled length, over the area, with its wear regime
         at a coefficient of 0.2 (DRY) or more, that is of dry surfaces;
         traction_coefficient, tangential over normal force; first_yield_p0_over_k, the largest
@@ -353,35 +353,28 @@ def wear_and_shakedown(
         coefficient of friction where the patch slips, and that of
         a surface that slips everywhere at the largest traction over p0. For a line the second is
         the p0/k at which the largest traction is k.
-    With k: p0_over_k; surface_fatigue_index, (largest traction - k) / p0; and the state: 'elastic'
-        up to first yield, 'shakes down' up to the limit, else 'ratchets'. A patch that is no line
-        is 'open' instead where its index is not positive and p0/k at most `damage.CIRCLE`.
+    With k: p0_over_k; surface_fatigue_index, (largest traction - k) / p0; and the state of
+        `damage.state`. A patch that is no line is 'open' instead of 'ratchets' where its index is
+        not positive and p0/k at most `damage.CIRCLE`.
     """
-    forces, patch, stress = result["friction"], result["patch"], result.get("stress")
-    pressure, hardest, out = result["pressure"]["max_MPa"], math.nan, dict[str, Any]()
-    if stress:
-        hardest = stress["von_mises_max_MPa"]
-        depth = abs(stress["von_mises_max_depth_mm"])
-        near = depth < AT_SURFACE * min(patch["a_mm"], patch["b_mm"])
-        out = {
-            "von_mises_max_MPa": hardest,
-            "von_mises_max_depth_mm": depth,
-            "von_mises_max_at": "surface" if near else "below",
-        }
+    patch, out = found.patch, dict[str, Any]()
+    peaks = [each.von_mises for each in found.largest.values()]
+    hardest = max(peaks, key=lambda peak: peak.value, default=None)
+    if hardest is not None:
+        near = abs(hardest.depth) < AT_SURFACE * min(patch.a, patch.b)
+        out["von_mises_max_MPa"], out["von_mises_max_depth_mm"] = hardest.value, abs(hardest.depth)
+        out["von_mises_max_at"] = "surface" if near else "below"
     if not rolling:
         return out
-    normal = forces["limit_N"] / coefficient
+    coefficient, pressure = forces["coefficient"], patch.max_pressure
+    normal, density = forces["limit_N"] / coefficient, forces["t_gamma_N"] / patch.area
     used = math.hypot(forces["force_along_N"], forces["force_across_N"]) / normal
-    density = forces["t_gamma_N"] / patch["area_mm2"]
-    out |= {
-        "t_gamma_over_area_MPa": density,
-        "traction_coefficient": used,
-    }
+    out |= {"t_gamma_over_area_MPa": density, "traction_coefficient": used}
     if coefficient >= damage.DRY:
         out["wear_regime"] = damage.wear_regime(density, damage.TWIN_DISC)
-    if not stress:
+    if hardest is None:
         return out
-    first, local = math.sqrt(3) * pressure / hardest, forces["traction_max_MPa"] / pressure
+    first, local = math.sqrt(3) * pressure / hardest.value, forces["traction_max_MPa"] / pressure
     surface = 1 / local if line else damage.surface_limit(local, poisson)
     slipping = forces.get("coefficient_slipping", coefficient)
     limit = min(damage.shakedown_limit(slipping, poisson, used), surface)
@@ -390,15 +383,10 @@ def wear_and_shakedown(
         return out
     ratio = pressure / shear_yield
     index = damage.surface_fatigue_index(forces["traction_max_MPa"], pressure, shear_yield)
-    if ratio <= first:
-        state = "elastic"
-    elif ratio <= limit:
-        state = "shakes down"
-    else:
-        state = "ratchets" if line or index > 0 or ratio > damage.CIRCLE else "open"
+    known = line or index > 0 or ratio > damage.CIRCLE
     return out | {
         "shear_yield_MPa": shear_yield,
         "p0_over_k": ratio,
         "surface_fatigue_index": index,
-        "shakedown": state,
+        "shakedown": damage.state(ratio, first, limit, "ratchets" if known else "open"),
     }

@@ -174,3 +174,10 @@ def wear_regime(value: float, limits: tuple[float, float]) -> str:
     belongs to the regime above it.
     """
     return REGIMES[sum(value >= limit for limit in limits)]
+
+
+def state(ratio: float, first: float, limit: float, beyond: str = "ratchets") -> str:
+    """What repeated rolling does at a largest pressure over k: "elastic" up to that of first yield,
+    "shakes down" up to a limit, and a word for what is beyond.
+    """
+    return "elastic" if ratio <= first else "shakes down" if ratio <= limit else beyond

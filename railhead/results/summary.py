@@ -215,29 +215,30 @@ def _more(solved: Solved, accuracy: Mapping[str, Any]) -> dict[str, Any]:
     summary.json; those that do not apply are missing. accuracy: entry of this name, to whose bounds
     and parts those of "fatigue" are added.
     """
-    out: dict[str, Any] = {} if solved.residual_state is None else {"plastic": _plastic(solved)}
-    if solved.findings is not None and not solved.plan.contact.half_space:
-        out["side_force_N"] = _side_force(solved.plan, solved.findings.patch)
-    contact = solved.plan.contact
-    if solved.result is not None and isinstance(contact, HeadContact):
-        out |= _heads(contact, solved.result, solved.friction)
-    height = solved.findings and shape.height_in_patch(solved.plan.contact, solved.findings)
-    if solved.result is not None and height is not None:
-        ahead = solved.result["contact_point_mm"][0]
+    plan, found, result = solved.plan, solved.findings, solved.result
+    assert found is not None and result is not None
+    contact, rolling, out = plan.contact, plan.scene.rolling, dict[str, Any]()
+    if solved.residual_state is not None:
+        out["plastic"] = _plastic(solved)
+    if not contact.half_space:
+        out["side_force_N"] = _side_force(plan, found.patch)
+    if isinstance(contact, HeadContact):
+        out |= _heads(contact, found.patch, result, solved.friction)
+    height = shape.height_in_patch(contact, found)
+    if height is not None:
+        ahead = result["contact_point_mm"][0]
         out["surface_shape"] = {"position_mm": ahead, "height_in_patch_mm": height}
-    if solved.result is not None and (found := solved.result.get("friction")):
-        plan = solved.plan
-        rolling = plan.scene.rolling
+    if forces := result.get("friction"):
         axle = {"axle": rolling.axle} if rolling.from_wheelset else {}
         stresses = friction.wear_and_shakedown(
-            solved.result,
-            found["coefficient"],
+            found,
+            forces,
             material.shear_yield(plan.context),
             poisson=min(plan.poisson_ratios.values()),
             rolling=rolling.prescribed,
-            line=plan.contact.line,
+            line=contact.line,
         )
-        out["friction"] = found | axle | stresses
+        out["friction"] = forces | axle | stresses
     if solved.passes is not None and solved.passes.rows:
         out |= solved.passes.summary()
     return (
@@ -323,9 +324,8 @@ def _yield(solved: Solved, friction: Mapping[str, Any]) -> dict[str, Any]:
     first = ratio / context.over_yield
     limit = min(damage.ellipse_limit(patch.a / patch.b), 2 * first)
     limit = damage.LINE if context.contact.line else limit
-    state = "elastic" if ratio <= first else "shakes down" if ratio <= limit else "ratchets"
     out: dict[str, Any] = dict(zip(keys, (0.0, ratio, first, limit), strict=True))
-    out["shakedown"] = state
+    out["shakedown"] = damage.state(ratio, first, limit)
     if "p0_over_k" in friction:
         out |= {key: friction[key] for key in out}
         out["load_over_first_yield"] = (out[keys[1]] / out[keys[2]]) ** power
@@ -343,47 +343,50 @@ def _leaning(angle: float, lean: float) -> float:
 
 
 def _heads(
-    contact: HeadContact, result: Mapping[str, Any], rubbed: FrictionSolution | None
+    contact: HeadContact, patch: Patch, result: Mapping[str, Any], rubbed: FrictionSolution | None
 ) -> dict[str, Any]:
     """Entries of "result" for a rail of sections: its patches with their heads, vertical force,
     share, largest pressure and area of each head, and what it has of the tractions; height of the
-    wheel, and force of the pressure along the rail.
+    wheel, and force of the pressure along the rail. result: those that are known, of which load,
+    approach and places are used.
     """
-    crossing = contact.crossing
+    crossing, each = contact.crossing, patch.each
     tractions = {} if rubbed is None else _rubbed(crossing, rubbed)
-    lifts = {name: each.pop("upwards_N") for name, each in tractions.items()}
-    patches = [
-        {
-            **each,
-            "centre_mm": [x + contact.ahead, *rest],
-            "head": (name := crossing.nearest([x, *rest])),
-            "contact_angle_rad": _leaning(
-                each["contact_angle_rad"], crossing.heads[name].touches[0].lean
-            ),
-        }
-        for each in result["patches"]
-        for x, *rest in [each["centre_mm"]]
+    lifts = {name: of.pop("upwards_N") for name, of in tractions.items()}
+    names = [crossing.nearest(one.centre) for one in each]
+    angles = [
+        _leaning(one.angle, crossing.heads[name].touches[0].lean)
+        for one, name in zip(each, names, strict=True)
     ]
-    upwards = [each["load_share"] * math.cos(each["contact_angle_rad"]) for each in patches]
+    upwards = np.array([one.share for one in each]) * np.cos(angles)
     heads, force_along = {}, 0.0
-    for name in crossing.heads:
-        own = [k for k, each in enumerate(patches) if each["head"] == name]
-        share = sum(upwards[k] for k in own) / sum(upwards)
-        pressed = share * (result["load_N"] + sum(lifts.values()))
+    for name, head in crossing.heads.items():
+        own = [k for k, other in enumerate(names) if other == name]
+        pressed = float(upwards[own].sum() / upwards.sum()) * (
+            result["load_N"] + sum(lifts.values())
+        )
         force = pressed - lifts.get(name, 0.0)
         heads[name] = {
             "force_N": force,
             "share": force / result["load_N"],
-            "max_MPa": max((patches[k]["max_MPa"] for k in own), default=0.0),
-            "area_mm2": sum(patches[k]["area_mm2"] for k in own),
+            "max_MPa": max((each[k].max_pressure for k in own), default=0.0),
+            "area_mm2": sum(each[k].area for k in own),
             **({"friction": tractions[name]} if name in tractions else {}),
         }
-        force_along += pressed * crossing.heads[name].touches[0].rise
+        force_along += pressed * head.touches[0].rise
     rigid = crossing.height(crossing.lift)
-    x, *rest = result["contact_point_mm"]
+    more = zip(result["patches"], names, angles, strict=True)
+
+    def ahead(place: Sequence[float]) -> list[float]:
+        """A place (3,), mm, with x from the axle."""
+        return [place[0] + contact.ahead, *place[1:]]
+
     return {
-        "contact_point_mm": [x + contact.ahead, *rest],
-        "patches": patches,
+        "contact_point_mm": ahead(result["contact_point_mm"]),
+        "patches": [
+            {**of, "centre_mm": ahead(of["centre_mm"]), "head": name, "contact_angle_rad": angle}
+            for of, name, angle in more
+        ],
         "heads": heads,
         "wheel_height_mm": {"rigid": rigid, "loaded": rigid - result["approach_mm"]},
         "force_along_N": force_along,
